@@ -1,0 +1,119 @@
+//! An assembly: where every beam of a goal is to stand, and which joints are to be pinned by a peg.
+
+use nalgebra::{Point3, Unit, Vector3};
+use ramp_kit::{Beam, Pose};
+
+/// The three classes of goals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Class {
+    /// Square insertions and one cap.
+    Easy,
+    /// Beams that pass through, or stand at an angle.
+    Medium,
+    /// Several of both.
+    Hard,
+}
+
+impl Class {
+    /// The name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Class::Easy => "easy",
+            Class::Medium => "medium",
+            Class::Hard => "hard",
+        }
+    }
+}
+
+/// A goal, placed: what the planner, the skills, the twin and the referee work from.
+#[derive(Clone, Debug)]
+pub struct Assembly {
+    /// The goal's name, for example `easy-3`, or the stem of its file.
+    pub name: String,
+    /// Its class; `None` for a goal that belongs to none.
+    pub class: Option<Class>,
+    /// The beams, in the order of the file.
+    pub beams: Vec<PlacedBeam>,
+    /// Index into `beams` of the beam that is clamped to the table.
+    pub base: usize,
+    /// The connections, in the order of the file.
+    pub connections: Vec<Connection>,
+    /// An order of straight insertions, each free of collision, that builds it; the base is not in it.
+    pub insertions: Vec<Insertion>,
+}
+
+/// A beam at its place.
+#[derive(Clone, Debug)]
+pub struct PlacedBeam {
+    /// The beam, from the kit.
+    pub beam: Beam,
+    /// Turned by 180° about its own axis.
+    pub flipped: bool,
+    /// Its pose in the assembly frame, the flip included.
+    pub x_ab: Pose,
+}
+
+/// A joint of a beam of the assembly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct JointRef {
+    /// Index into [`Assembly::beams`].
+    pub beam: usize,
+    /// Index into that beam's joints.
+    pub joint: usize,
+}
+
+/// Two joints that one peg is to pin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Connection {
+    /// Its name in the file, for example `C1`.
+    pub name: String,
+    /// The joint around the other.
+    pub female: JointRef,
+    /// The joint inside the other.
+    pub male: JointRef,
+}
+
+/// One straight insertion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Insertion {
+    /// Index into [`Assembly::beams`].
+    pub beam: usize,
+    /// Direction of the motion in the assembly frame.
+    pub direction: Unit<Vector3<f64>>,
+    /// Length of the straight motion that ends at the beam's place, m: from here on nothing is in the way.
+    pub distance: f64,
+}
+
+impl Assembly {
+    /// The beam of that name.
+    pub fn beam_index(&self, name: &str) -> Option<usize> {
+        self.beams.iter().position(|placed| placed.beam.name == name)
+    }
+
+    /// The connection of that name.
+    pub fn connection_index(&self, name: &str) -> Option<usize> {
+        self.connections.iter().position(|connection| connection.name == name)
+    }
+
+    /// The name of a joint, for example `b4j1`.
+    pub fn joint_name(&self, joint: JointRef) -> &str {
+        &self.beams[joint.beam].beam.joints[joint.joint].name
+    }
+
+    /// The hole of a joint at its place, on the beam's axis, in the assembly frame, m.
+    pub fn p_a_hole(&self, joint: JointRef) -> Point3<f64> {
+        let placed = &self.beams[joint.beam];
+        placed.x_ab * placed.beam.p_b_hole(joint.joint)
+    }
+
+    /// The joints of `connection` on `beam` and on the other beam; `None` when the beam has no part in it.
+    pub fn sides(&self, connection: &Connection, beam: usize) -> Option<(JointRef, JointRef)> {
+        if connection.male.beam == beam {
+            Some((connection.male, connection.female))
+        } else if connection.female.beam == beam {
+            Some((connection.female, connection.male))
+        } else {
+            None
+        }
+    }
+}

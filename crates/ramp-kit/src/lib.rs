@@ -1,0 +1,21 @@
+//! The base parts (section III-A of the paper): what the nine beams, the pegs, their holders and the sheet are
+//! made of, read from one file that people may edit.
+//!
+//! Data passes one way: [`read`] turns `data/kit.xml` into a [`Kit`]; [`joint`] holds the dimensions that all
+//! seven joint types share; [`shape`] turns a [`Beam`] or a peg into boxes, plates and noses, from which the
+//! twin takes its collision geometry, `ramp check` its overlaps and the planner its clearances.
+//!
+//! Lengths are metres in the structs and millimetres in the file, as everywhere in the project.
+
+pub mod beam;
+pub mod joint;
+pub mod read;
+pub mod shape;
+pub mod source;
+
+pub use beam::{Beam, Holder, Joint, Kit, Link, Peg, Sheet, StartPose};
+pub use joint::{JointType, Side};
+pub use read::{KitError, KitProblem, read_kit, read_kit_str};
+
+/// A rigid pose: where a frame stands in another. The name of a variable says which: `x_wb` is B in W.
+pub type Pose = nalgebra::Isometry3<f64>;

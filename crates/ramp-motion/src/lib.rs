@@ -1,0 +1,1 @@
+//! Motion planning: arm model to kinematics, collision-free paths and timed trajectories.

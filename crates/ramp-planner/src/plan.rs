@@ -1,0 +1,201 @@
+//! What goes into the planner and what comes out: plain data, names as in the kit and the goal.
+
+use serde::Serialize;
+
+/// What is known when planning starts. The default: nothing is built, the hand is empty and over the sheet.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// Beams that are already at their place, the base not counted.
+    pub in_assembly: Vec<String>,
+    /// Connections (their names in the goal) that a peg already pins, with the peg.
+    pub fastened: Vec<(String, String)>,
+    /// Beams in the assembly that are known to stand off their place.
+    pub misaligned: Vec<String>,
+    /// Pegs that must not be used: lost, or out of reach.
+    pub lost_pegs: Vec<String>,
+}
+
+/// Coarse places: three areas in a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Area {
+    /// Over the sheet.
+    Input,
+    /// Between the sheet and the assembly.
+    Intermediate,
+    /// Over the assembly.
+    Assembly,
+}
+
+/// A thing the hand can hold.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Item {
+    /// A beam, by name.
+    Beam(String),
+    /// A peg, by name.
+    Peg(String),
+}
+
+impl Item {
+    /// Its name in the kit.
+    pub fn name(&self) -> &str {
+        match self {
+            Item::Beam(name) | Item::Peg(name) => name,
+        }
+    }
+}
+
+/// An action of the coarse resolution.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case", tag = "action")]
+pub enum CoarseAction {
+    /// Move the hand, and what it holds, to a neighbouring area.
+    Move {
+        /// Where to.
+        to: Area,
+    },
+    /// Pick up a beam or a peg.
+    PickUp {
+        /// What.
+        item: Item,
+    },
+    /// Let go of what the hand holds.
+    PutDown {
+        /// What.
+        item: Item,
+    },
+    /// Insert the held beam into the assembly.
+    Assemble {
+        /// Which beam.
+        beam: String,
+    },
+    /// Pin a connection with the held peg.
+    Fasten {
+        /// The connection's name in the goal.
+        connection: String,
+        /// Which peg.
+        peg: String,
+    },
+    /// Bring a beam that stands in the assembly to its nominal place, with the hand empty before and after.
+    Push {
+        /// Which beam.
+        beam: String,
+    },
+}
+
+/// How the hand holds a thing.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Grasp {
+    /// A beam, by one of its links.
+    Link(String),
+    /// A peg, by its head.
+    Head,
+}
+
+/// Fine places of the hand.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Place {
+    /// Over an area, clear of everything.
+    Above(Area),
+    /// Over the start place of an item.
+    Input(Item),
+    /// Where the insertion of a beam begins, or over the hole of a connection (`Beam` or the connection's name).
+    Approach(Target),
+    /// The place itself.
+    Target(Target),
+}
+
+/// What a fine place belongs to.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Target {
+    /// A beam's place in the assembly.
+    Beam(String),
+    /// A connection's hole.
+    Connection(String),
+}
+
+/// An action of the fine resolution: what a skill executes.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case", tag = "action")]
+pub enum FineAction {
+    /// Move the hand, and what it holds, along the graph of places.
+    Move {
+        /// Where to.
+        to: Place,
+    },
+    /// Grasp an item and lift it.
+    PickUp {
+        /// What.
+        item: Item,
+        /// Where.
+        grasp: Grasp,
+    },
+    /// Let go of what the hand holds and retreat.
+    PutDown {
+        /// What.
+        item: Item,
+    },
+    /// Insert a joint of the held beam into a joint of the assembly.
+    AssembleSquare {
+        /// The held beam.
+        beam: String,
+        /// Its joint that enters or receives, for example `b4j1`.
+        joint: String,
+    },
+    /// Cap: one or more joints of the assembly enter the held beam.
+    AssembleCap {
+        /// The held beam.
+        beam: String,
+        /// Its joints that receive.
+        joints: Vec<String>,
+    },
+    /// Pin two joints with the held peg, and let go of it.
+    Fasten {
+        /// The connection's name in the goal.
+        connection: String,
+        /// Its female joint.
+        female: String,
+        /// Its male joint.
+        male: String,
+        /// Which peg.
+        peg: String,
+    },
+    /// Grasp a beam in the assembly, bring it to its nominal place, let go.
+    Push {
+        /// Which beam.
+        beam: String,
+        /// The link to hold it by.
+        link: String,
+    },
+}
+
+/// A coarse action and the fine actions that carry it out.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct CoarseStep {
+    /// The coarse action.
+    pub coarse: CoarseAction,
+    /// What carries it out, in order.
+    pub fine: Vec<FineAction>,
+}
+
+/// A plan.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plan {
+    /// The steps, in order.
+    pub steps: Vec<CoarseStep>,
+    /// How hard it was to find.
+    pub statistics: Statistics,
+}
+
+/// The planner's own figures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Statistics {
+    /// Number of calls to the solver.
+    pub solves: usize,
+    /// Is the number of coarse actions proven to be the smallest?
+    pub optimal: bool,
+}

@@ -1,0 +1,175 @@
+//! The arm as data: frames, limits, masses and shapes, read from `data/arms/*.json`.
+//!
+//! Shared by motion planning (kinematics, collisions, limits) and the twin (dynamics), so that both have the same
+//! arm. All lengths m, angles rad, masses kg.
+
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+use crate::DOF;
+
+/// A serial arm of seven revolute joints with a hand and two parallel fingers.
+#[derive(Clone, Debug, Deserialize)]
+pub struct ArmModel {
+    /// For example `panda`.
+    pub name: String,
+    /// Where the numbers come from.
+    pub source: String,
+    /// The part that does not move.
+    pub base: BaseLink,
+    /// From the base outwards; each turns about its own z.
+    pub joints: [ArmJoint; DOF],
+    /// The hand, fixed to the last link.
+    pub hand: Hand,
+    /// A finger; the other is the same, turned by 180° about the hand's z.
+    pub finger: Finger,
+    /// Joint positions at the start of an episode, rad.
+    pub home: [f64; DOF],
+}
+
+/// The link that is bolted to the table.
+#[derive(Clone, Debug, Deserialize)]
+pub struct BaseLink {
+    /// Its shape in the world.
+    pub capsules: Vec<Capsule>,
+}
+
+/// A joint and the link it moves.
+#[derive(Clone, Debug, Deserialize)]
+pub struct ArmJoint {
+    /// Origin in the frame of the joint before, m.
+    pub position: [f64; 3],
+    /// Orientation in the frame of the joint before, at angle zero.
+    pub quat_wxyz: [f64; 4],
+    /// Smallest and largest angle, rad.
+    pub range: [f64; 2],
+    /// Largest speed, rad/s.
+    pub velocity: f64,
+    /// Largest acceleration, rad/s².
+    pub acceleration: f64,
+    /// Largest jerk, rad/s³.
+    pub jerk: f64,
+    /// Largest torque, N·m.
+    pub torque: f64,
+    /// The link.
+    pub link: ArmLink,
+}
+
+/// A moving link, in its joint's frame.
+#[derive(Clone, Debug, Deserialize)]
+pub struct ArmLink {
+    /// kg.
+    pub mass: f64,
+    /// Centre of mass, m.
+    pub centre: [f64; 3],
+    /// Inertia about the centre of mass, kg·m²: xx, yy, zz, xy, xz, yz.
+    pub inertia: [f64; 6],
+    /// Its shape.
+    pub capsules: Vec<Capsule>,
+}
+
+/// A segment with a radius.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Capsule {
+    /// One end of the segment, m.
+    pub from: [f64; 3],
+    /// The other end, m.
+    pub to: [f64; 3],
+    /// m.
+    pub radius: f64,
+}
+
+/// An axis-parallel box, m.
+#[derive(Clone, Debug, Deserialize)]
+pub struct ArmBox {
+    /// The corner with the smallest coordinates.
+    pub min: [f64; 3],
+    /// The corner with the largest coordinates.
+    pub max: [f64; 3],
+}
+
+/// The hand. Its frame H: z out of the hand, y along which the fingers move.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Hand {
+    /// Origin in the last joint's frame, m.
+    pub position: [f64; 3],
+    /// Orientation in the last joint's frame.
+    pub quat_wxyz: [f64; 4],
+    /// kg.
+    pub mass: f64,
+    /// Centre of mass, m.
+    pub centre: [f64; 3],
+    /// As [`ArmLink::inertia`].
+    pub inertia: [f64; 6],
+    /// Its shape: the body and the camera on it.
+    pub boxes: Vec<ArmBox>,
+    /// Distance along z from H to the tip frame T, between the fingertips, m.
+    pub tip: f64,
+}
+
+/// A finger that moves along +y of the hand, its joint position q ≥ 0 being its distance from closed. The boxes
+/// are given in the tip's height: x across, y from the finger's joint axis outwards, z from T towards the hand.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Finger {
+    /// Distance along z from H to the finger's frame, m.
+    pub origin: f64,
+    /// Largest q, m.
+    pub stroke: f64,
+    /// kg.
+    pub mass: f64,
+    /// Centre of mass in the finger's frame, m.
+    pub centre: [f64; 3],
+    /// As [`ArmLink::inertia`].
+    pub inertia: [f64; 6],
+    /// The surfaces that grip: plate, rib and block.
+    pub pads: Vec<ArmBox>,
+    /// The rest of the finger.
+    pub boxes: Vec<ArmBox>,
+}
+
+/// Why an arm file could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ArmError {
+    /// No such file, or not readable.
+    #[error("{path}: cannot be read: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Not an arm.
+    #[error("{path}:{line}:{column}: {message}")]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// From 1.
+        line: usize,
+        /// From 1.
+        column: usize,
+        /// What was found and what was expected.
+        message: String,
+    },
+}
+
+impl ArmModel {
+    /// Reads an arm file.
+    ///
+    /// # Errors
+    /// When the file is missing, is not JSON of this form, or holds limits that make no sense.
+    pub fn read(path: &Path) -> Result<ArmModel, ArmError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| ArmError::Io { path: path.to_path_buf(), source })?;
+        let at = |line, column, message| ArmError::Format { path: path.to_path_buf(), line, column, message };
+        let model: ArmModel = serde_json::from_str(&text)
+            .map_err(|error| at(error.line(), error.column(), error.to_string()))?;
+        for (index, joint) in model.joints.iter().enumerate() {
+            let limits = [joint.velocity, joint.acceleration, joint.jerk, joint.torque, joint.link.mass];
+            if !(joint.range[0] < joint.range[1] && limits.iter().all(|limit| *limit > 0.0)) {
+                let number = index + 1;
+                return Err(at(1, 1, format!("joint {number}: its range is empty or a limit is not positive")));
+            }
+        }
+        Ok(model)
+    }
+}

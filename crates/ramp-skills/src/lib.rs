@@ -1,0 +1,1 @@
+//! Action execution: the baseline agent (section IV-B).

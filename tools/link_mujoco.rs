@@ -1,0 +1,11 @@
+//! Build script of every crate whose programs or tests link libmujoco: writes the library's folder into their
+//! rpath, so that they start without any environment variable.
+
+fn main() {
+    println!("cargo::rerun-if-env-changed=MUJOCO_DYNAMIC_LINK_DIR");
+    let own = std::env::var("MUJOCO_DYNAMIC_LINK_DIR").ok();
+    let fetched = format!("{}/../../.deps/mujoco-3.17.0", env!("CARGO_MANIFEST_DIR"));
+    let folder = own.unwrap_or(fetched);
+    let folder = std::fs::canonicalize(&folder).unwrap_or_else(|_| folder.into());
+    println!("cargo::rustc-link-arg=-Wl,-rpath,{}", folder.display());
+}
