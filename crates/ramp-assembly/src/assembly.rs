@@ -15,6 +15,9 @@ pub enum Class {
 }
 
 impl Class {
+    /// All three, in order of difficulty.
+    pub const ALL: [Class; 3] = [Class::Easy, Class::Medium, Class::Hard];
+
     /// The name in files and on the command line.
     pub fn name(self) -> &'static str {
         match self {

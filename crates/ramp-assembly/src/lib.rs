@@ -1,13 +1,18 @@
 //! The tasks (section III-B of the paper): a goal file and the kit become an [`Assembly`].
 //!
 //! Data passes one way: [`read`] turns `goal.xml` into beams and connections, with positions so that every error
-//! can point at its place; [`pose`] places every beam, starting from the clamped one; [`check`] proves that holes
-//! meet, that nothing overlaps and that some order of straight insertions builds it; [`draw`] shows it from above.
+//! can point at its place; `pose` places every beam, starting from the clamped one; [`check`] proves that holes
+//! meet, that nothing overlaps and that some order of straight insertions builds it.
 //!
 //! Frames: A is the assembly frame (origin at table level under the clamped beam's j1 hole, X along that beam, Y
 //! away from the robot, Z up), B a beam's own frame (see [`ramp_kit::Beam`]).
 
 pub mod assembly;
+pub mod check;
+mod pose;
+pub mod read;
 
 pub use assembly::{Assembly, Class, Connection, Insertion, JointRef, PlacedBeam};
+pub use check::{Overlap, Report, report};
 pub use ramp_kit::Pose;
+pub use read::{GoalError, GoalProblem, read_goal, read_goal_str};

@@ -1,0 +1,435 @@
+//! What can be proved about an assembly: how well the holes meet, where the beams are closest or overlap, and an
+//! order of straight insertions that builds it.
+//!
+//! Every part is a few upright boxes ([`ramp_kit::shape`]), turned about Z only. For two of them that slide past
+//! each other on a straight line, the stretches of the way on which they overlap follow from the separating axis
+//! test without stepping, so nothing can slip through between two steps.
+
+use crate::assembly::{Assembly, Connection, Insertion, PlacedBeam};
+use nalgebra::{Unit, Vector2, Vector3};
+use ramp_kit::shape::{Cuboid, Shape, beam_shapes};
+
+/// Parts that reach less than this into each other touch, m.
+pub const TOUCH: f64 = 0.01e-3;
+/// The shortest straight motion of an insertion, m.
+pub const LEAST_DISTANCE: f64 = 60.0e-3;
+/// The longest straight motion that is looked at, m.
+const MOST_DISTANCE: f64 = 1.0;
+/// Room around a beam, seen from above, where its straight motion begins, m: there it can be lowered.
+const MARGIN: f64 = 5.0e-3;
+/// The most beams in one goal: the search for an order looks at every subset of them.
+pub const MAX_BEAMS: usize = 16;
+
+/// What the geometry of an assembly says.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Distance between the two holes of each connection, m.
+    pub residuals: Vec<f64>,
+    /// The two beams that come closest, by index, and the gap between them, m.
+    pub smallest_gap: Option<(usize, usize, f64)>,
+    /// Beams that reach into each other.
+    pub overlaps: Vec<Overlap>,
+    /// An order of straight insertions; empty when there is none.
+    pub insertions: Vec<Insertion>,
+}
+
+/// Two beams that reach into each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlap {
+    /// Index of the one.
+    pub first: usize,
+    /// Index of the other.
+    pub second: usize,
+    /// By how much, m.
+    pub depth: f64,
+}
+
+/// Looks at the geometry of an assembly once more.
+pub fn report(assembly: &Assembly) -> Report {
+    let residual =
+        |c: &Connection| nalgebra::distance(&assembly.p_a_hole(c.male), &assembly.p_a_hole(c.female));
+    let solids = Solids::new(&assembly.beams);
+    Report {
+        residuals: assembly.connections.iter().map(residual).collect(),
+        smallest_gap: solids.smallest_gap(),
+        overlaps: solids.overlaps(),
+        insertions: assembly.insertions.clone(),
+    }
+}
+
+/// An upright box: a rectangle of the plane, turned by some yaw, from one height to another.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    centre: Vector3<f64>,
+    /// The unit vectors along its edges in the plane.
+    axes: [Vector2<f64>; 2],
+    half: Vector3<f64>,
+}
+
+impl Block {
+    fn new(cuboid: &Cuboid, placed: &PlacedBeam) -> Block {
+        let centre = placed.x_ab * nalgebra::Point3::from(cuboid.centre());
+        let along = placed.x_ab.rotation * Vector3::x();
+        // Turning a beam about its own axis maps its boxes onto boxes of the same size.
+        let x = Vector2::new(along.x, along.y).normalize();
+        Block { centre: centre.coords, axes: [x, Vector2::new(-x.y, x.x)], half: cuboid.half().into() }
+    }
+
+    /// Half its extent along a unit vector of the plane.
+    fn reach(&self, axis: &Vector2<f64>) -> f64 {
+        self.half.x * self.axes[0].dot(axis).abs() + self.half.y * self.axes[1].dot(axis).abs()
+    }
+
+    /// Along each axis that could separate two blocks: the distance of the centres (signed), how it changes for
+    /// each metre that `self` is moved along `shift`, and at what distance they touch.
+    fn axes_to(&self, other: &Block, shift: &Vector3<f64>) -> [(f64, f64, f64); 5] {
+        let between = other.centre - self.centre;
+        let plane = |axis: &Vector2<f64>| {
+            (between.xy().dot(axis), -shift.xy().dot(axis), self.reach(axis) + other.reach(axis))
+        };
+        [
+            plane(&self.axes[0]),
+            plane(&self.axes[1]),
+            plane(&other.axes[0]),
+            plane(&other.axes[1]),
+            (between.z, -shift.z, self.half.z + other.half.z),
+        ]
+    }
+
+    /// How far they reach into each other, m; negative when they are apart (then not the distance, but no more).
+    fn depth(&self, other: &Block) -> f64 {
+        self.axes_to(other, &Vector3::zeros())
+            .iter()
+            .map(|(between, _, touch)| touch - between.abs())
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The range of t > 0 in which `self`, moved by t along `shift`, reaches deeper than `slack` into `other`; the
+    /// first `axes` of the separating axes count, so 4 means seen from above.
+    fn meets(&self, other: &Block, shift: &Vector3<f64>, slack: f64, axes: usize) -> Option<[f64; 2]> {
+        let mut range = [0.0f64, MOST_DISTANCE];
+        for (between, rate, touch) in self.axes_to(other, shift).into_iter().take(axes) {
+            let reach = touch - slack;
+            // |between + rate · t| < reach
+            if rate.abs() < 1e-12 {
+                if between.abs() >= reach {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((-reach - between) / rate, (reach - between) / rate);
+            range = [range[0].max(a.min(b)), range[1].min(a.max(b))];
+        }
+        (range[0] < range[1]).then_some(range)
+    }
+
+    /// The distance between two blocks, m; 0 when they overlap.
+    fn gap(&self, other: &Block) -> f64 {
+        let corner_to = |from: &Block, to: &Block| {
+            let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+            let distance = |(sx, sy): (f64, f64)| {
+                let corner =
+                    from.centre.xy() + from.axes[0] * (sx * from.half.x) + from.axes[1] * (sy * from.half.y)
+                        - to.centre.xy();
+                let outside = |axis: usize| (corner.dot(&to.axes[axis]).abs() - to.half[axis]).max(0.0);
+                outside(0).hypot(outside(1))
+            };
+            signs.into_iter().map(distance).fold(f64::INFINITY, f64::min)
+        };
+        let apart = self.axes_to(other, &Vector3::zeros());
+        let plane = if apart[..4].iter().any(|(between, _, touch)| between.abs() > *touch) {
+            corner_to(self, other).min(corner_to(other, self))
+        } else {
+            0.0
+        };
+        let (between, _, touch) = apart[4];
+        plane.hypot((between.abs() - touch).max(0.0))
+    }
+}
+
+/// The blocks of every beam of an assembly at its place.
+pub(crate) struct Solids {
+    beams: Vec<Vec<Block>>,
+}
+
+impl Solids {
+    pub fn new(beams: &[PlacedBeam]) -> Solids {
+        let blocks = |placed: &PlacedBeam| {
+            beam_shapes(&placed.beam).iter().map(|shape| Block::new(&bounds(shape), placed)).collect()
+        };
+        Solids { beams: beams.iter().map(blocks).collect() }
+    }
+
+    fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        (0..self.beams.len())
+            .flat_map(|first| (first + 1..self.beams.len()).map(move |second| (first, second)))
+    }
+
+    fn blocks_of(&self, first: usize, second: usize) -> impl Iterator<Item = (&Block, &Block)> {
+        self.beams[first].iter().flat_map(move |a| self.beams[second].iter().map(move |b| (a, b)))
+    }
+
+    pub fn overlaps(&self) -> Vec<Overlap> {
+        let overlap = |(first, second)| {
+            let depth =
+                self.blocks_of(first, second).map(|(a, b)| a.depth(b)).fold(f64::NEG_INFINITY, f64::max);
+            (depth > TOUCH).then_some(Overlap { first, second, depth })
+        };
+        self.pairs().filter_map(overlap).collect()
+    }
+
+    fn smallest_gap(&self) -> Option<(usize, usize, f64)> {
+        let gap = |(first, second)| {
+            let gap = self.blocks_of(first, second).map(|(a, b)| a.gap(b)).fold(f64::INFINITY, f64::min);
+            (first, second, gap)
+        };
+        self.pairs().map(gap).min_by(|a, b| a.2.total_cmp(&b.2))
+    }
+
+    /// Where on the way out, `back` being its direction, `moving` meets `standing`.
+    fn way_out(&self, moving: usize, standing: usize, back: &Vector3<f64>) -> WayOut {
+        let ranges = |slack: f64, axes: usize| {
+            merge(
+                self.blocks_of(moving, standing).filter_map(|(a, b)| a.meets(b, back, slack, axes)).collect(),
+            )
+        };
+        // From above a beam comes down onto its place, so it is clear as soon as it no longer touches.
+        let vertical = back.z != 0.0;
+        WayOut { hits: ranges(TOUCH, 5), covers: if vertical { Vec::new() } else { ranges(-MARGIN, 4) } }
+    }
+}
+
+/// The box around a shape. A nose counts with its chamfer filled: that only makes the test stricter.
+fn bounds(shape: &Shape) -> Cuboid {
+    match shape {
+        Shape::Solid(cuboid) | Shape::Foot(cuboid) | Shape::Plate { cuboid, .. } => *cuboid,
+        Shape::Nose { x0, x1 } => {
+            let half = ramp_kit::joint::BODY_WIDTH / 2.0;
+            Cuboid::new([*x0, *x1], [-half, half], [-half, half])
+        }
+    }
+}
+
+/// How a beam that is drawn out meets one that stands: ranges of the distance it has gone, m.
+#[derive(Clone, Debug, Default)]
+struct WayOut {
+    /// They collide.
+    hits: Vec<[f64; 2]>,
+    /// Seen from above, they cover each other.
+    covers: Vec<[f64; 2]>,
+}
+
+/// Ranges in order, those that touch made one.
+fn merge(mut ranges: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    ranges.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut merged: Vec<[f64; 2]> = Vec::new();
+    for range in ranges {
+        match merged.last_mut() {
+            Some(last) if range[0] <= last[1] => last[1] = last[1].max(range[1]),
+            _ => merged.push(range),
+        }
+    }
+    merged
+}
+
+/// A set of beams, one bit each.
+type Set = u32;
+
+/// Why there is no order.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Stuck {
+    /// The beams of which none can be taken out while the others stand; empty when only a connection is missing.
+    pub beams: Vec<usize>,
+}
+
+/// The directions of motion that are tried, the usual ones first: a beam at an angle along its own axis, any other
+/// towards the clamped beam, then along it.
+fn directions(placed: &PlacedBeam) -> Vec<Unit<Vector3<f64>>> {
+    let along = placed.x_ab.rotation * Vector3::x();
+    let square = [[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from);
+    let own = [-along, along];
+    let mut candidates = if is_square(placed) { [&square[..], &own] } else { [&own[..], &square] }.concat();
+    candidates.push(Vector3::new(0.0, 0.0, -1.0));
+    let candidates = candidates.into_iter().map(Unit::new_normalize);
+    let mut kept: Vec<Unit<Vector3<f64>>> = Vec::new();
+    for direction in candidates {
+        if kept.iter().all(|other| other.dot(&direction) < 1.0 - 1e-9) {
+            kept.push(direction);
+        }
+    }
+    kept
+}
+
+/// Does the beam lie along X or Y?
+fn is_square(placed: &PlacedBeam) -> bool {
+    let along = placed.x_ab.rotation * Vector3::x();
+    along.x.abs() < 1e-6 || along.y.abs() < 1e-6
+}
+
+/// What an insertion costs beyond the plain case; the order with the least total is taken.
+mod cost {
+    /// A beam that nothing holds yet, laid down at its place: the next one may push it away.
+    pub const LAID: u32 = 10;
+    /// A beam that comes down onto others from above.
+    pub const FROM_ABOVE: u32 = 5;
+    /// A female threaded over the long free end of a standing beam, which droops by up to 3 mm.
+    pub const THREADED: u32 = 20;
+}
+
+/// Finds an order of straight insertions, each of which meets nothing that stands already.
+pub(crate) fn find_order(
+    beams: &[PlacedBeam],
+    base: usize,
+    connections: &[Connection],
+) -> Result<Vec<Insertion>, Stuck> {
+    let solids = Solids::new(beams);
+    let directions: Vec<_> = beams.iter().map(directions).collect();
+    let ways = (0..beams.len())
+        .map(|moving| {
+            let to = |direction: &Unit<Vector3<f64>>| {
+                let back = -direction.into_inner();
+                let way = |standing| {
+                    if standing == moving {
+                        WayOut::default()
+                    } else {
+                        solids.way_out(moving, standing, &back)
+                    }
+                };
+                (0..beams.len()).map(way).collect()
+            };
+            directions[moving].iter().map(to).collect()
+        })
+        .collect();
+    let mut order = Order {
+        count: beams.len(),
+        square: beams.iter().map(is_square).collect(),
+        connections,
+        directions,
+        ways,
+        best: Default::default(),
+    };
+    let mut standing: Set = 1 << base;
+    let all: Set = (0..beams.len()).fold(0, |set, beam| set | 1 << beam);
+    let mut insertions = Vec::new();
+    while standing != all {
+        let Some((_, insertion)) = order.best_next(standing, all) else {
+            return Err(Stuck { beams: order.stuck(base, all) });
+        };
+        standing |= 1 << insertion.beam;
+        insertions.push(insertion);
+    }
+    Ok(insertions)
+}
+
+struct Order<'a> {
+    count: usize,
+    /// For each beam: does it lie along X or Y?
+    square: Vec<bool>,
+    connections: &'a [Connection],
+    /// For each beam.
+    directions: Vec<Vec<Unit<Vector3<f64>>>>,
+    /// For each beam, each of its directions, each other beam.
+    ways: Vec<Vec<Vec<WayOut>>>,
+    /// For each set of standing beams, the least cost to build the rest and the first step; `None` when it cannot
+    /// be built.
+    best: std::collections::HashMap<Set, Option<(u32, Insertion)>>,
+}
+
+impl Order<'_> {
+    /// As deep as there are beams at most; every set is looked at once.
+    fn best_next(&mut self, standing: Set, all: Set) -> Option<(u32, Insertion)> {
+        if let Some(known) = self.best.get(&standing) {
+            return known.clone();
+        }
+        let mut candidates: Vec<usize> = (0..self.count).filter(|beam| standing & (1 << beam) == 0).collect();
+        // Beams that go into others before those that close over others (caps), square ones before those at an
+        // angle, which rely on them; then as in the file.
+        candidates.sort_by_key(|&beam| {
+            (self.swallowed(beam, standing).count(), !self.square[beam], self.first_connection(beam))
+        });
+        let mut best: Option<(u32, Insertion)> = None;
+        for beam in candidates {
+            let Some((cost, insertion)) = self.insertion(beam, standing) else { continue };
+            let after = standing | 1 << beam;
+            let rest = if after == all { Some(0) } else { self.best_next(after, all).map(|(cost, _)| cost) };
+            let Some(total) = rest.map(|rest| rest + cost) else { continue };
+            if best.as_ref().is_none_or(|(least, _)| total < *least) {
+                best = Some((total, insertion));
+            }
+        }
+        self.best.insert(standing, best.clone());
+        best
+    }
+
+    /// The standing beams whose males the females of `beam` would close over.
+    fn swallowed(&self, beam: usize, standing: Set) -> impl Iterator<Item = usize> + '_ {
+        let ours = move |c: &&Connection| c.female.beam == beam && standing & (1 << c.male.beam) != 0;
+        self.connections.iter().filter(ours).map(|c| c.male.beam)
+    }
+
+    fn first_connection(&self, beam: usize) -> Option<usize> {
+        self.connections.iter().position(|c| c.female.beam == beam || c.male.beam == beam)
+    }
+
+    /// The cheapest straight way to put a beam to those that stand.
+    fn insertion(&self, beam: usize, standing: Set) -> Option<(u32, Insertion)> {
+        let connected = self.connections.iter().any(|c| {
+            (c.female.beam == beam && standing & (1 << c.male.beam) != 0)
+                || (c.male.beam == beam && standing & (1 << c.female.beam) != 0)
+        });
+        let mut best: Option<(u32, Insertion)> = None;
+        for (index, direction) in self.directions[beam].iter().enumerate() {
+            let vertical = direction.z != 0.0;
+            if !connected && !vertical {
+                continue;
+            }
+            let Some(distance) = self.clear_distance(beam, index, standing) else { continue };
+            let threaded = self.swallowed(beam, standing).any(|male| {
+                self.ways[beam][index][male].covers.first().is_some_and(|cover| cover[1] > LEAST_DISTANCE)
+            });
+            let cost = match (connected, vertical) {
+                (false, _) => cost::LAID,
+                (true, true) => cost::FROM_ABOVE,
+                (true, false) if threaded => cost::THREADED,
+                (true, false) => 0,
+            };
+            if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                best = Some((cost, Insertion { beam, direction: *direction, distance }));
+            }
+        }
+        best
+    }
+
+    /// The length of the straight way, m: at its start the beam covers none of the standing ones, and on it it
+    /// meets none. `None` when there is no such way.
+    fn clear_distance(&self, beam: usize, direction: usize, standing: Set) -> Option<f64> {
+        let ways = |beam: usize| {
+            let others = (0..self.count).filter(move |other| standing & (1 << other) != 0);
+            others.map(move |other| &self.ways[beam][direction][other])
+        };
+        let covers = merge(ways(beam).flat_map(|way| way.covers.iter().copied()).collect());
+        let mut distance = LEAST_DISTANCE;
+        for cover in covers {
+            if cover[0] <= distance && distance < cover[1] {
+                distance = cover[1];
+            }
+        }
+        let free = ways(beam).flat_map(|way| &way.hits).all(|hit| hit[0] >= distance);
+        (free && distance < MOST_DISTANCE).then_some(distance)
+    }
+
+    /// The beams that hold each other: take out of the whole whatever can be taken out, in any order, for taking
+    /// one out never holds another one back.
+    fn stuck(&self, base: usize, all: Set) -> Vec<usize> {
+        let mut standing = all;
+        let members = |set: Set| (0..self.count).filter(move |beam| set & (1 << beam) != 0 && *beam != base);
+        let free = |beam: usize, standing: Set| {
+            let without = standing & !(1 << beam);
+            (0..self.directions[beam].len()).any(|index| self.clear_distance(beam, index, without).is_some())
+        };
+        while let Some(beam) = members(standing).find(|&beam| free(beam, standing)) {
+            standing &= !(1 << beam);
+        }
+        members(standing).collect()
+    }
+}

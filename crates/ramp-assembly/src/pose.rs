@@ -1,0 +1,358 @@
+//! Where every beam of a goal stands: from the clamped beam outwards, connection by connection.
+//!
+//! A goal file says which holes share a peg, not where the beams are. What follows from that, in this order:
+//!
+//! 1. A beam with two of its holes on beams that stand already is fixed by them.
+//! 2. A beam with one hole in (or around) a square female stands at a right angle to its neighbour.
+//! 3. Two beams that are joined with each other, each with one more hole on a beam that stands, close a triangle.
+//! 4. A beam of which only a hole in a long female is known stands at a right angle too, for want of anything else.
+//!
+//! Where two answers are left (a beam that points the other way, the mirror image of a triangle), the usual one is
+//! tried first: beams point along +X and +Y, as in the published goals. The search goes back when holes do not
+//! meet, when a male would enter a female at an angle that does not fit, or when the beams overlap in the end.
+
+use nalgebra::{Point2, Rotation2, Vector2};
+use ramp_kit::{Beam, JointType};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// How far the holes of a connection may be apart, m: half of what a peg with 0.25 mm of play in each can bridge.
+pub const MAX_RESIDUAL: f64 = 0.25e-3;
+/// The largest angle between a male and the normal of an `angle-f` around it, rad.
+pub const MAX_ENTRY_ANGLE: f64 = 40.7 * PI / 180.0;
+/// The play of a male in any other female, rad.
+pub const MAX_SQUARE_ANGLE: f64 = 1.29 * PI / 180.0;
+/// Closer than this to a multiple of 90°, an angle computed from two holes is that multiple: the lengths are only
+/// good to 0.01 mm.
+const SNAP: f64 = 0.005 * PI / 180.0;
+/// How many partial placements the search may look at.
+const BUDGET: usize = 20_000;
+
+/// The pose of a beam in the plane of the table, in the assembly frame: its j1 hole (m) and yaw (rad).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Planar {
+    pub at: Point2<f64>,
+    pub yaw: f64,
+}
+
+impl Planar {
+    /// The hole at `offset` along the beam.
+    pub fn hole(&self, offset: f64) -> Point2<f64> {
+        self.at + Rotation2::new(self.yaw) * Vector2::new(offset, 0.0)
+    }
+
+    /// The pose at `yaw` that puts the hole at `offset` on `point`.
+    fn with_hole(point: Point2<f64>, offset: f64, yaw: f64) -> Planar {
+        let yaw = snap(yaw);
+        Planar { at: point - Rotation2::new(yaw) * Vector2::new(offset, 0.0), yaw }
+    }
+}
+
+/// A beam that is to be placed; `yaw` where the file states it.
+pub(crate) struct Piece<'a> {
+    pub beam: &'a Beam,
+    pub yaw: Option<f64>,
+}
+
+/// One side of a connection: a piece and a joint of it.
+pub(crate) type Side = (usize, usize);
+
+/// Why the beams cannot be placed.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Misfit {
+    /// The holes of a connection do not meet; how far they are apart, m.
+    Apart { connection: usize, distance: f64 },
+    /// A male enters at an angle that does not fit; both angles rad.
+    Angle { connection: usize, angle: f64, limit: f64 },
+    /// No chain of connections leads from the base to this beam.
+    Loose { beam: usize },
+    /// The search was given up.
+    TooHard,
+}
+
+/// Places every piece. `connections` are (female, male); `accept` has the last word on a complete placement, and
+/// the first one is returned when it accepts none.
+pub(crate) fn place(
+    pieces: &[Piece<'_>],
+    base: usize,
+    connections: &[(Side, Side)],
+    accept: impl FnMut(&[Planar]) -> bool,
+) -> Result<Vec<Planar>, Misfit> {
+    let mut search = Search {
+        pieces,
+        connections,
+        accept,
+        misfit: None,
+        refused: None,
+        budget: BUDGET,
+        placed: Vec::new(),
+    };
+    let mut poses = vec![None; pieces.len()];
+    poses[base] = Some(Planar { at: Point2::origin(), yaw: 0.0 });
+    search.placed.push(base);
+    match search.extend(&mut poses) {
+        Some(found) => Ok(found),
+        None => match (search.refused, search.misfit) {
+            (Some(first), _) => Ok(first),
+            (None, Some(misfit)) => Err(misfit),
+            (None, None) => Err(Misfit::TooHard),
+        },
+    }
+}
+
+struct Search<'a, F> {
+    pieces: &'a [Piece<'a>],
+    connections: &'a [(Side, Side)],
+    accept: F,
+    /// The first thing that did not fit, on the likeliest way.
+    misfit: Option<Misfit>,
+    /// The first complete placement that was not accepted.
+    refused: Option<Vec<Planar>>,
+    budget: usize,
+    /// The placed pieces in the order in which they were placed.
+    placed: Vec<usize>,
+}
+
+/// A connection of one piece with a placed one: the own joint's offset, and the point it must come to.
+#[derive(Clone, Copy)]
+struct Tie {
+    connection: usize,
+    offset: f64,
+    point: Point2<f64>,
+    /// Position of the placed neighbour in the order of placing.
+    rank: usize,
+    neighbour_yaw: f64,
+}
+
+impl<F: FnMut(&[Planar]) -> bool> Search<'_, F> {
+    /// Depth-first; as deep as there are pieces at most.
+    fn extend(&mut self, poses: &mut Vec<Option<Planar>>) -> Option<Vec<Planar>> {
+        if self.budget == 0 {
+            return None;
+        }
+        self.budget -= 1;
+        if self.placed.len() == self.pieces.len() {
+            let complete: Vec<Planar> = poses.iter().copied().flatten().collect();
+            if (self.accept)(&complete) {
+                return Some(complete);
+            }
+            self.refused.get_or_insert(complete);
+            return None;
+        }
+        for step in self.candidates(poses) {
+            let depth = self.placed.len();
+            let mut misfit = None;
+            for &(piece, pose) in &step {
+                poses[piece] = Some(pose);
+                self.placed.push(piece);
+                misfit = misfit.or_else(|| self.check(piece, poses));
+            }
+            let found = match misfit {
+                Some(misfit) => {
+                    self.misfit.get_or_insert(misfit);
+                    None
+                }
+                None => self.extend(poses),
+            };
+            if found.is_some() {
+                return found;
+            }
+            for &(piece, _) in &step {
+                poses[piece] = None;
+            }
+            self.placed.truncate(depth);
+        }
+        None
+    }
+
+    /// What may be placed next, the likeliest first; one rule decides for one step.
+    fn candidates(&mut self, poses: &[Option<Planar>]) -> Vec<Vec<(usize, Planar)>> {
+        let ties: Vec<Vec<Tie>> = (0..self.pieces.len())
+            .map(|piece| if poses[piece].is_some() { Vec::new() } else { self.ties(piece, poses) })
+            .collect();
+        // The unplaced pieces that are tied to placed ones, in the order of their connections in the file.
+        let mut next: Vec<usize> = (0..ties.len()).filter(|&piece| !ties[piece].is_empty()).collect();
+        next.sort_by_key(|&piece| ties[piece].iter().map(|tie| tie.connection).min());
+        if next.is_empty() {
+            let beam = poses.iter().position(Option::is_none).unwrap_or_default();
+            self.misfit.get_or_insert(Misfit::Loose { beam });
+            return Vec::new();
+        }
+        for &piece in &next {
+            if let Some(yaw) = self.pieces[piece].yaw {
+                let tie = ties[piece][0];
+                return vec![vec![(piece, Planar::with_hole(tie.point, tie.offset, yaw))]];
+            }
+            if let Some(pose) = from_two_holes(&ties[piece]) {
+                return vec![vec![(piece, pose)]];
+            }
+        }
+        let square = |piece: usize| {
+            let tie = ties[piece][0];
+            let usual = usual_direction(tie.neighbour_yaw + FRAC_PI_2);
+            let pose = |yaw| vec![(piece, Planar::with_hole(tie.point, tie.offset, yaw))];
+            vec![pose(usual), pose(usual + PI)]
+        };
+        let in_long_female = |piece: &usize| {
+            let (female, _) = self.connections[ties[*piece][0].connection];
+            self.kind(female) == JointType::AngleF
+        };
+        if let Some(&piece) = next.iter().find(|piece| !in_long_female(piece)) {
+            return square(piece);
+        }
+        for (index, &a) in next.iter().enumerate() {
+            for &b in &next[index + 1..] {
+                let triangles = self.triangles(a, ties[a][0], b, ties[b][0]);
+                if !triangles.is_empty() {
+                    return triangles;
+                }
+            }
+        }
+        square(next[0])
+    }
+
+    fn kind(&self, (piece, joint): Side) -> JointType {
+        self.pieces[piece].beam.joints[joint].kind
+    }
+
+    fn offset(&self, (piece, joint): Side) -> f64 {
+        self.pieces[piece].beam.joints[joint].offset
+    }
+
+    /// The connections of an unplaced piece with placed ones, those with the earliest placed first.
+    fn ties(&self, piece: usize, poses: &[Option<Planar>]) -> Vec<Tie> {
+        let mut ties: Vec<Tie> = Vec::new();
+        for (connection, &(female, male)) in self.connections.iter().enumerate() {
+            for (own, other) in [(female, male), (male, female)] {
+                let (true, Some(pose)) = (own.0 == piece, poses[other.0]) else { continue };
+                let rank = self.placed.iter().position(|&placed| placed == other.0).unwrap_or(usize::MAX);
+                ties.push(Tie {
+                    connection,
+                    offset: self.offset(own),
+                    point: pose.hole(self.offset(other)),
+                    rank,
+                    neighbour_yaw: pose.yaw,
+                });
+            }
+        }
+        ties.sort_by_key(|tie| (tie.rank, tie.connection));
+        ties
+    }
+
+    /// Two unplaced pieces, each tied to one point and joined with each other: their common hole is where two
+    /// circles meet.
+    fn triangles(&self, a: usize, tie_a: Tie, b: usize, tie_b: Tie) -> Vec<Vec<(usize, Planar)>> {
+        let mut found: Vec<(f64, Vec<(usize, Planar)>)> = Vec::new();
+        for &(female, male) in self.connections {
+            let (own_a, own_b) = match (female.0, male.0) {
+                (x, y) if (x, y) == (a, b) => (female, male),
+                (x, y) if (x, y) == (b, a) => (male, female),
+                _ => continue,
+            };
+            let (arm_a, arm_b) = (self.offset(own_a) - tie_a.offset, self.offset(own_b) - tie_b.offset);
+            if arm_a.abs() < MAX_RESIDUAL || arm_b.abs() < MAX_RESIDUAL {
+                continue;
+            }
+            for corner in circles(tie_a.point, arm_a.abs(), tie_b.point, arm_b.abs()) {
+                let aim = |tie: Tie, arm: f64| {
+                    let way = (corner - tie.point) * arm.signum();
+                    Planar::with_hole(tie.point, tie.offset, way.y.atan2(way.x))
+                };
+                // b first: it is the one that may come out square, and then a takes up the rounding.
+                let (mut pose_a, mut pose_b) = (aim(tie_a, arm_a), aim(tie_b, arm_b));
+                if is_square(pose_b.yaw) {
+                    pose_a = aim_at(tie_a, arm_a, pose_b.hole(self.offset(own_b)));
+                } else if is_square(pose_a.yaw) {
+                    pose_b = aim_at(tie_b, arm_b, pose_a.hole(self.offset(own_a)));
+                }
+                let steepness = [(pose_a, tie_a), (pose_b, tie_b)]
+                    .map(|(pose, tie)| off_square(pose.yaw - tie.neighbour_yaw))
+                    .into_iter()
+                    .fold(0.0, f64::max);
+                found.push((steepness, vec![(a, pose_a), (b, pose_b)]));
+            }
+        }
+        // The flatter a beam enters, the likelier it is meant.
+        found.sort_by(|x, y| x.0.total_cmp(&y.0));
+        found.into_iter().map(|(_, step)| step).collect()
+    }
+
+    /// Does the piece that was placed last fit those placed before?
+    fn check(&self, piece: usize, poses: &[Option<Planar>]) -> Option<Misfit> {
+        for (connection, &(female, male)) in self.connections.iter().enumerate() {
+            if female.0 != piece && male.0 != piece {
+                continue;
+            }
+            let (Some(around), Some(inside)) = (poses[female.0], poses[male.0]) else { continue };
+            let distance = (around.hole(self.offset(female)) - inside.hole(self.offset(male))).norm();
+            if distance > MAX_RESIDUAL {
+                return Some(Misfit::Apart { connection, distance });
+            }
+            let angle = off_square(inside.yaw - around.yaw);
+            let limit =
+                if self.kind(female) == JointType::AngleF { MAX_ENTRY_ANGLE } else { MAX_SQUARE_ANGLE };
+            if angle > limit {
+                return Some(Misfit::Angle { connection, angle, limit });
+            }
+        }
+        None
+    }
+}
+
+/// A piece turned about its tied hole so that it points at `corner`.
+fn aim_at(tie: Tie, arm: f64, corner: Point2<f64>) -> Planar {
+    let way = (corner - tie.point) * arm.signum();
+    Planar::with_hole(tie.point, tie.offset, way.y.atan2(way.x))
+}
+
+/// The pose that two holes fix: the first tie exactly, the direction from the hole furthest from it.
+fn from_two_holes(ties: &[Tie]) -> Option<Planar> {
+    let first = ties.first()?;
+    let far = |tie: &Tie| (tie.offset - first.offset).abs();
+    let second = ties.iter().max_by(|x, y| far(x).total_cmp(&far(y)))?;
+    if far(second) < MAX_RESIDUAL {
+        return None;
+    }
+    let way = (second.point - first.point) * (second.offset - first.offset).signum();
+    Some(Planar::with_hole(first.point, first.offset, way.y.atan2(way.x)))
+}
+
+/// The points at distance `r` from `p` and `s` from `q`: two, one or none.
+fn circles(p: Point2<f64>, r: f64, q: Point2<f64>, s: f64) -> Vec<Point2<f64>> {
+    let way = q - p;
+    let distance = way.norm();
+    if distance < MAX_RESIDUAL {
+        return Vec::new();
+    }
+    let along = (r * r - s * s + distance * distance) / (2.0 * distance);
+    let height = r * r - along * along;
+    // Circles that miss by a rounding error touch.
+    if height < -(MAX_RESIDUAL * r) {
+        return Vec::new();
+    }
+    let foot = p + way * (along / distance);
+    let side = Vector2::new(-way.y, way.x) * (height.max(0.0).sqrt() / distance);
+    vec![foot + side, foot - side]
+}
+
+/// The same angle in (−180°, 180°], exact where it is a right one.
+fn snap(yaw: f64) -> f64 {
+    let turned = yaw.rem_euclid(2.0 * PI);
+    let quarters = (turned / FRAC_PI_2).round();
+    let exact = if (turned - quarters * FRAC_PI_2).abs() < SNAP { quarters * FRAC_PI_2 } else { turned };
+    if exact > PI + SNAP { exact - 2.0 * PI } else { exact }
+}
+
+fn is_square(yaw: f64) -> bool {
+    (yaw / FRAC_PI_2).fract() == 0.0
+}
+
+/// Of the two ways to lie on a line, the usual one: towards +X, or straight towards +Y.
+fn usual_direction(yaw: f64) -> f64 {
+    let half_turn = yaw.rem_euclid(PI);
+    if half_turn > FRAC_PI_2 + SNAP { half_turn - PI } else { half_turn }
+}
+
+/// How far two beams are from a right angle, rad, from 0 to 90°.
+fn off_square(between: f64) -> f64 {
+    (between.rem_euclid(PI) - FRAC_PI_2).abs()
+}
