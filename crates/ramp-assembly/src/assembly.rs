@@ -119,4 +119,22 @@ impl Assembly {
             None
         }
     }
+
+    /// The connections, by index, in the order in which their pegs can go in: after each insertion those that it
+    /// closes, in the order of the file.
+    pub fn peg_order(&self) -> Vec<usize> {
+        let mut standing = vec![false; self.beams.len()];
+        standing[self.base] = true;
+        let mut order = Vec::new();
+        for insertion in &self.insertions {
+            standing[insertion.beam] = true;
+            let closed = |c: &Connection| {
+                (c.female.beam == insertion.beam || c.male.beam == insertion.beam)
+                    && standing[c.female.beam]
+                    && standing[c.male.beam]
+            };
+            order.extend((0..self.connections.len()).filter(|&index| closed(&self.connections[index])));
+        }
+        order
+    }
 }

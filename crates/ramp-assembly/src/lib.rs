@@ -8,11 +8,16 @@
 //! away from the robot, Z up), B a beam's own frame (see [`ramp_kit::Beam`]).
 
 pub mod assembly;
+pub mod catalogue;
 pub mod check;
+pub mod draw;
 mod pose;
 pub mod read;
+mod strokes;
 
 pub use assembly::{Assembly, Class, Connection, Insertion, JointRef, PlacedBeam};
+pub use catalogue::{goal_names, goal_path};
 pub use check::{Overlap, Report, report};
+pub use draw::draw_svg;
 pub use ramp_kit::Pose;
 pub use read::{GoalError, GoalProblem, read_goal, read_goal_str};

@@ -1,0 +1,63 @@
+//! The goals in a folder, by name.
+
+use ramp_kit::source::nearest;
+use std::path::{Path, PathBuf};
+
+/// The names of the goals in a folder: its `.xml` files without their ending, easy ones first, each class in order.
+///
+/// # Errors
+/// What the system says about the folder.
+pub fn goal_names(folder: &Path) -> std::io::Result<Vec<String>> {
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|ending| ending == "xml") && path.is_file() {
+            names.extend(path.file_stem().map(|stem| stem.to_string_lossy().into_owned()));
+        }
+    }
+    names.sort_by_cached_key(|name| sort_key(name));
+    Ok(names)
+}
+
+/// Class first, then the name with a number at its end counted as one: easy-2 comes before easy-10.
+fn sort_key(name: &str) -> (usize, String, u64, String) {
+    let class = crate::Class::ALL.iter().position(|class| name.starts_with(class.name()));
+    let digits = name.len() - name.bytes().rev().take_while(u8::is_ascii_digit).count();
+    let (word, number) = name.split_at(digits);
+    let number = number.parse().unwrap_or(0);
+    (class.unwrap_or(crate::Class::ALL.len()), word.to_string(), number, name.to_string())
+}
+
+/// There is no goal of that name.
+#[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
+#[error("there is no goal `{name}` in {folder}")]
+pub struct UnknownGoal {
+    /// The name that was asked for.
+    pub name: String,
+    /// The folder.
+    pub folder: String,
+    /// What to try instead.
+    #[help]
+    pub help: Option<String>,
+}
+
+/// The file of the goal `name` in a folder.
+///
+/// # Errors
+/// [`UnknownGoal`], with the most similar name or the list of names.
+pub fn goal_path(folder: &Path, name: &str) -> Result<PathBuf, UnknownGoal> {
+    let (names, why) = match goal_names(folder) {
+        Ok(names) => (names, None),
+        Err(error) => (Vec::new(), Some(format!("the folder cannot be read: {error}"))),
+    };
+    if names.iter().any(|known| known == name) {
+        return Ok(folder.join(format!("{name}.xml")));
+    }
+    let near = nearest(name, names.iter().map(String::as_str)).map(|near| format!("did you mean `{near}`?"));
+    let list = (!names.is_empty()).then(|| format!("the goals are {}", names.join(", ")));
+    Err(UnknownGoal {
+        name: ramp_kit::source::shorten(name),
+        folder: folder.display().to_string(),
+        help: why.or(near).or(list),
+    })
+}
