@@ -1,1 +1,20 @@
-//! Motion planning: arm model to kinematics, collision-free paths and timed trajectories.
+//! Motion planning: an arm model becomes kinematics, collision-free paths and timed trajectories.
+//!
+//! Data passes one way: [`kinematics`] turns joint positions into poses and back; [`collision`] holds what stands
+//! around the arm and what it carries; [`path`] finds a joint path between two poses that keeps clear of it;
+//! [`trajectory`] times the path within the arm's limits.
+
+pub mod collision;
+pub mod kinematics;
+pub mod path;
+pub mod trajectory;
+
+pub use collision::{Checker, Obstacle};
+pub use kinematics::Kinematics;
+pub use path::{MotionError, PathPlanner};
+pub use trajectory::Trajectory;
+
+/// A rigid pose.
+pub type Pose = nalgebra::Isometry3<f64>;
+/// Joint positions (rad), or one number for each joint.
+pub type Joints = nalgebra::SVector<f64, { ramp_robot::DOF }>;

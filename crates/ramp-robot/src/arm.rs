@@ -108,7 +108,7 @@ pub struct Hand {
 }
 
 /// A finger that moves along +y of the hand, its joint position q ≥ 0 being its distance from closed. The boxes
-/// are given in the tip's height: x across, y from the finger's joint axis outwards, z from T towards the hand.
+/// are given at the height of the tip: x across, y from the finger's joint axis outwards, z from T towards the hand.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Finger {
     /// Distance along z from H to the finger's frame, m.

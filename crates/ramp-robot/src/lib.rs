@@ -49,7 +49,8 @@ pub enum ArmCommand {
 /// A Cartesian impedance at the tip, axes of the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Impedance {
-    /// Where the spring pulls the tip: pose in the world.
+    /// Where the spring pulls the tip: pose in the world. The damper acts relative to this pose's own motion from
+    /// command to command.
     pub x_wt: Pose,
     /// Stiffness: three translational, N/m, then three rotational, N·m/rad.
     pub stiffness: Vector6<f64>,
@@ -175,10 +176,39 @@ pub trait Robot {
     fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError>;
 }
 
+/// What an agent tells about its own work.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Account {
+    /// Time spent on task planning, s of its own clock.
+    pub planning: f64,
+    /// Number of coarse actions in the first plan.
+    pub coarse: usize,
+    /// Number of fine actions in the first plan.
+    pub fine: usize,
+    /// How often it planned again.
+    pub replans: usize,
+    /// What happened, in order of time.
+    pub events: Vec<Event>,
+}
+
+/// One thing that happened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// Robot time, s.
+    pub time: f64,
+    /// In one word: `start`, `done`, `fault`, `retry`, `replan`.
+    pub kind: &'static str,
+    /// What it was about, for a person.
+    pub what: String,
+}
+
 /// An agent: gets a robot and works until it is done or the robot stops it.
 pub trait Agent {
     /// Its name and version in results.
     fn name(&self) -> (&str, &str);
+
+    /// What it did, for the result; read after [`Agent::run`].
+    fn account(&self) -> Account;
 
     /// Works on the goal it was made for. Returning ends the episode.
     ///

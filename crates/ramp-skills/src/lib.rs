@@ -1,1 +1,22 @@
-//! Action execution: the baseline agent (section IV-B).
+//! Action execution (section IV-B of the paper): the baseline agent.
+//!
+//! Data passes one way: [`agent`] asks the planner for a plan and runs it action by action; each action is a skill
+//! ([`transport`], [`insert`], [`fasten`], [`align`]); skills move the [`hand`], which is the only one to talk to
+//! the robot. What a skill knows of the parts is what the robot lets it read ([`belief`]); where a hand can grip is
+//! in [`grasp`].
+
+// pub mod agent;
+pub mod align;
+pub mod belief;
+pub mod fasten;
+pub mod fault;
+pub mod grasp;
+pub mod hand;
+pub mod insert;
+pub mod transport;
+
+// pub use agent::Baseline;
+pub use fault::{Fault, SkillError};
+
+/// A rigid pose.
+pub type Pose = nalgebra::Isometry3<f64>;

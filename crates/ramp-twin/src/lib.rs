@@ -1,1 +1,14 @@
-//! The digital twin: kit, layout, goal and seed to a robot to drive and the truth for the referee (section III-E).
+//! The digital twin (section III-E of the paper): kit, goal and seed become a [`Twin`], a robot to drive and the
+//! truth for the referee.
+//!
+//! Data passes one way: [`layout`] disturbs the start poses from the seed; [`scene`] writes the MJCF; MuJoCo
+//! compiles it; [`twin`] steps it, with the arm's inner loop from [`control`] once each millisecond. After the
+//! start nothing writes to a part: contact alone moves and holds it.
+
+pub mod control;
+pub mod layout;
+pub mod scene;
+pub mod twin;
+
+pub use layout::{Disturbance, Layout};
+pub use twin::{Setup, Truth, Twin, TwinError};

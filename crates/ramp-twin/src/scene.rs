@@ -175,12 +175,17 @@ fn box_geom(xml: &mut String, class: &str, cuboid: &Cuboid) {
     );
 }
 
-/// A box of the arm, lifted by `dz`.
-fn arm_box(piece: &ArmBox, dz: f64) -> Cuboid {
-    Cuboid {
-        min: [piece.min[0], piece.min[1], piece.min[2] + dz],
-        max: [piece.max[0], piece.max[1], piece.max[2] + dz],
-    }
+/// A box of the hand.
+fn hand_box(piece: &ArmBox) -> Cuboid {
+    Cuboid { min: piece.min, max: piece.max }
+}
+
+/// A box of a finger in the finger's frame; `tip` is how far the tip is out along that frame's z (m), and the arm
+/// file counts heights from the tip towards the hand.
+fn finger_box(piece: &ArmBox, tip: f64) -> Cuboid {
+    let [x0, y0, z0] = piece.min;
+    let [x1, y1, z1] = piece.max;
+    Cuboid { min: [x0, y0, tip - z1], max: [x1, y1, tip - z0] }
 }
 
 fn inertial(xml: &mut String, mass: f64, centre: &[f64; 3], inertia: &[f64; 6]) {
@@ -237,11 +242,10 @@ fn arm_bodies(xml: &mut String, arm: &ArmModel) {
         hand.tip
     );
     for piece in &hand.boxes {
-        box_geom(xml, "arm", &arm_box(piece, 0.0));
+        box_geom(xml, "arm", &hand_box(piece));
     }
     let finger = &arm.finger;
-    // A finger's boxes are given from the tip's height; its frame is higher up the hand.
-    let lift = hand.tip - finger.origin;
+    let tip = hand.tip - finger.origin;
     for (name, turn) in [("finger1", 0.0), ("finger2", PI)] {
         let half: f64 = turn / 2.0;
         let _ = write!(
@@ -258,10 +262,10 @@ fn arm_bodies(xml: &mut String, arm: &ArmModel) {
             finger.stroke
         );
         for pad in &finger.pads {
-            box_geom(xml, "pad", &arm_box(pad, lift));
+            box_geom(xml, "pad", &finger_box(pad, tip));
         }
         for piece in &finger.boxes {
-            box_geom(xml, "arm", &arm_box(piece, lift));
+            box_geom(xml, "arm", &finger_box(piece, tip));
         }
         xml.push_str("</body>");
     }

@@ -1,0 +1,167 @@
+//! Forward and inverse kinematics of a seven-joint arm.
+
+use nalgebra::{Matrix6, Quaternion, SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
+use ramp_robot::DOF;
+use ramp_robot::arm::ArmModel;
+
+use crate::{Joints, Pose};
+
+/// How near a solution comes to its target: m and rad.
+const TOLERANCE: f64 = 1e-6;
+/// Iterations of the inverse before it gives up.
+const ITERATIONS: usize = 200;
+/// Largest change of a joint in one iteration, rad.
+const STEP: f64 = 0.2;
+/// Damping of the least-squares step: small, since targets are checked to be reached.
+const DAMPING: f64 = 1e-4;
+/// Distance that solutions keep from the ends of the joints' ranges, rad.
+pub const RANGE_MARGIN: f64 = 0.05;
+
+/// The chain of an arm, ready to be evaluated.
+#[derive(Clone, Debug)]
+pub struct Kinematics {
+    /// Pose of each joint's frame at angle zero in the frame before.
+    fixed: [Pose; DOF],
+    x_7h: Pose,
+    x_ht: Pose,
+    low: Joints,
+    high: Joints,
+}
+
+/// Poses of the arm's frames in the world.
+#[derive(Clone, Debug)]
+pub struct Frames {
+    /// Of each joint's link.
+    pub links: [Pose; DOF],
+    /// Of the hand.
+    pub hand: Pose,
+    /// Of the tip.
+    pub tip: Pose,
+}
+
+fn pose(position: [f64; 3], q: [f64; 4]) -> Pose {
+    let rotation = UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]));
+    Pose::from_parts(Translation3::from(position), rotation)
+}
+
+impl Kinematics {
+    /// The kinematics of `arm`.
+    pub fn new(arm: &ArmModel) -> Kinematics {
+        Kinematics {
+            fixed: std::array::from_fn(|joint| pose(arm.joints[joint].position, arm.joints[joint].quat_wxyz)),
+            x_7h: pose(arm.hand.position, arm.hand.quat_wxyz),
+            x_ht: Pose::translation(0.0, 0.0, arm.hand.tip),
+            low: Joints::from_fn(|joint, _| arm.joints[joint].range[0]),
+            high: Joints::from_fn(|joint, _| arm.joints[joint].range[1]),
+        }
+    }
+
+    /// Where all frames are at joint positions `q` (rad).
+    pub fn frames(&self, q: &Joints) -> Frames {
+        let mut x = Pose::identity();
+        let links = std::array::from_fn(|joint| {
+            x = x * self.fixed[joint] * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), q[joint]);
+            x
+        });
+        let hand = x * self.x_7h;
+        Frames { links, hand, tip: hand * self.x_ht }
+    }
+
+    /// The pose of the tip in the world at `q`.
+    pub fn tip(&self, q: &Joints) -> Pose {
+        self.frames(q).tip
+    }
+
+    /// The Jacobian of the tip at these frames: linear above, angular below, axes of the world.
+    pub fn jacobian(&self, frames: &Frames) -> SMatrix<f64, 6, DOF> {
+        let mut jacobian = SMatrix::<f64, 6, DOF>::zeros();
+        let p_tip = frames.tip.translation.vector;
+        for joint in 0..DOF {
+            let axis = frames.links[joint].rotation * Vector3::z();
+            let arm = p_tip - frames.links[joint].translation.vector;
+            jacobian.fixed_view_mut::<3, 1>(0, joint).copy_from(&axis.cross(&arm));
+            jacobian.fixed_view_mut::<3, 1>(3, joint).copy_from(&axis);
+        }
+        jacobian
+    }
+
+    /// Distance of the joint nearest to an end of its range, rad; negative outside.
+    pub fn range_margin(&self, q: &Joints) -> f64 {
+        (0..DOF).map(|joint| (q[joint] - self.low[joint]).min(self.high[joint] - q[joint])).fold(f64::MAX, f64::min)
+    }
+
+    /// The middle of every joint's range, rad.
+    pub fn middle(&self) -> Joints {
+        (self.low + self.high) / 2.0
+    }
+
+    /// Joint positions within their ranges that bring the tip to `x_wt`, found from `seed` and leaning towards
+    /// `posture` in the null space; `None` when the iteration does not arrive.
+    ///
+    /// Damped least squares; small steps from a near seed stay on the seed's branch, so that a sequence of near
+    /// targets gives a continuous path.
+    pub fn inverse(&self, x_wt: &Pose, seed: &Joints, posture: &Joints, lean: f64) -> Option<Joints> {
+        let low = self.low.add_scalar(RANGE_MARGIN);
+        let high = self.high.add_scalar(-RANGE_MARGIN);
+        let mut q = seed.zip_zip_map(&low, &high, |value, low, high| value.clamp(low, high));
+        for iteration in 0..ITERATIONS {
+            let frames = self.frames(&q);
+            let shift = x_wt.translation.vector - frames.tip.translation.vector;
+            let turn = (x_wt.rotation * frames.tip.rotation.inverse()).scaled_axis();
+            let error = Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z);
+            if error.amax() < TOLERANCE {
+                return Some(q);
+            }
+            let jacobian = self.jacobian(&frames);
+            let jjt: Matrix6<f64> = jacobian * jacobian.transpose() + Matrix6::identity() * DAMPING * DAMPING;
+            let factor = jjt.cholesky()?;
+            // The lean fades out, so that the last iterations converge on the target alone.
+            let fade = lean * (1.0 - iteration as f64 / (ITERATIONS as f64 / 2.0)).max(0.0);
+            let pull = (posture - q) * fade;
+            let mut step = jacobian.transpose() * factor.solve(&(error - jacobian * pull)) + pull;
+            let largest = step.amax();
+            if largest > STEP {
+                step *= STEP / largest;
+            }
+            q = (q + step).zip_zip_map(&low, &high, |value, low, high| value.clamp(low, high));
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn panda() -> ArmModel {
+        ArmModel::read(Path::new("../../data/arms/panda.json")).unwrap()
+    }
+
+    /// The flange of the Panda in its ready pose stands at (0.3069, 0, 0.5903), as Franka's own tools say.
+    #[test]
+    fn ready_pose_matches_the_published_one() {
+        let kinematics = Kinematics::new(&panda());
+        let q = Joints::from([0.0, -0.785398163, 0.0, -2.35619449, 0.0, 1.57079632679, 0.785398163397]);
+        let frames = kinematics.frames(&q);
+        let flange = frames.hand.translation.vector;
+        assert!((flange - Vector3::new(0.30689, 0.0, 0.59027)).norm() < 1e-4, "{flange}");
+        let down = frames.tip.rotation * Vector3::z();
+        assert!((down + Vector3::z()).norm() < 1e-6);
+    }
+
+    #[test]
+    fn inverse_arrives_where_forward_went() {
+        let kinematics = Kinematics::new(&panda());
+        let home = Joints::from(panda().home);
+        for (x, y) in [(0.31, 0.03), (0.45, -0.3), (0.6, 0.2), (0.3, -0.45)] {
+            let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+            let target = Pose::from_parts(Translation3::new(x, y, 0.1), down);
+            let q = kinematics.inverse(&target, &home, &home, 0.1).unwrap();
+            let reached = kinematics.tip(&q);
+            assert!((reached.translation.vector - target.translation.vector).norm() < 2e-6);
+            assert!(reached.rotation.angle_to(&target.rotation) < 2e-6);
+            assert!(kinematics.range_margin(&q) > 0.0);
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Bringing a beam that already stands in the assembly to its nominal place.
+//!
+//! A beam that a single peg holds swings by 4° to 5°: its free end must be put where the next beam expects it,
+//! since a cap that meets a tip beside its opening jams whatever is done to it afterwards.
+
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use ramp_assembly::JointRef;
+
+use crate::Pose;
+use crate::fault::{Fault, SkillError};
+use crate::grasp::{self, BEAM_OPEN, BEAM_WIDTH, beam_grasp};
+use crate::transport::Workcell;
+
+/// A beam this near to its place is left alone, m.
+const GOOD: f64 = 0.3e-3;
+/// Speed, m/s.
+const SPEED: f64 = 0.03;
+/// Force at which a push stops, N.
+const LIMIT: f64 = 20.0;
+/// Tries.
+const TRIES: usize = 3;
+
+impl Workcell<'_, '_> {
+    /// Puts a standing beam right, holding it by `link`, and lets go.
+    ///
+    /// # Errors
+    /// [`Fault::Misaligned`] when it will not stay, or what stopped the motion.
+    pub fn push(&mut self, beam: usize, link: &str) -> Result<(), SkillError> {
+        let placed = &self.assembly.beams[beam];
+        let name = placed.beam.name.clone();
+        let Some(link) = placed.beam.links.iter().find(|candidate| candidate.name == link) else {
+            return Err(Fault::NoGrasp { part: name }.into());
+        };
+        let far = self.far_end(beam);
+        for attempt in 0..TRIES {
+            self.belief.update(&mut self.hand)?;
+            let (goal, off) = self.straightened(beam)?;
+            if off < GOOD {
+                return Ok(());
+            }
+            if attempt > 0 {
+                self.note("retry", format!("push {name}, {:.2} mm off", off * 1e3));
+            }
+            let s = grasp::point_on(link, far);
+            let x_wb = self.belief.pose(&name)?;
+            let q = self.hand.joints();
+            let senses = [false, true].map(|reverse| {
+                let x_wt = beam_grasp(&x_wb, s, reverse);
+                (x_wt, self.reach(&x_wt, &q))
+            });
+            let x_wt = self.choose(&senses).ok_or_else(|| Fault::NoGrasp { part: name.clone() })?;
+            self.seize(&name, &x_wt, BEAM_OPEN, BEAM_WIDTH)?;
+            // It stands on the table and in its joint: the hand does not carry it.
+            if let Some(held) = &mut self.hand.held {
+                held.mass = 0.0;
+            }
+            self.hand.zero()?;
+            for _ in 0..2 {
+                self.belief.update(&mut self.hand)?;
+                let x_wb = self.belief.pose(&name)?;
+                let target = self.hand.corrected(&x_wb, &goal);
+                self.hand.drive(&target, SPEED, |hand| hand.force().norm() > LIMIT)?;
+                self.hand.wait(0.1)?;
+            }
+            self.release()?;
+        }
+        self.belief.update(&mut self.hand)?;
+        let (_, off) = self.straightened(beam)?;
+        if off < 3.0 * GOOD {
+            return Ok(());
+        }
+        Err(Fault::Misaligned { connection: name, offset_mm: off * 1e3 }.into())
+    }
+
+    /// The joint of a beam that a peg already pins, if any.
+    fn anchor(&self, beam: usize) -> Option<JointRef> {
+        self.pinned.iter().find_map(|(index, _)| {
+            self.assembly.sides(&self.assembly.connections[*index], beam).map(|(mine, _)| mine)
+        })
+    }
+
+    /// Distance from j1, m, of the end of a beam that is further from its pinned joint.
+    fn far_end(&self, beam: usize) -> f64 {
+        let placed = &self.assembly.beams[beam].beam;
+        let pinned = self.anchor(beam).map_or(0.0, |joint| placed.joints[joint.joint].offset);
+        if pinned > placed.span() / 2.0 { 0.0 } else { placed.span() }
+    }
+
+    /// Where a standing beam should be, in the world, and how far its far end is from there now, m. A pinned beam
+    /// is turned about its peg so that the far end comes to its nominal place; any other goes to its target.
+    fn straightened(&self, beam: usize) -> Result<(Pose, f64), SkillError> {
+        let placed = &self.assembly.beams[beam];
+        let x_wb = self.belief.pose(&placed.beam.name)?;
+        let far = nalgebra::Point3::new(self.far_end(beam), 0.0, 0.0);
+        let Some(anchor) = self.anchor(beam) else {
+            let mut goal = self.target(beam)?;
+            goal.translation.z = x_wb.translation.z;
+            return Ok((goal, ((goal * far).xy() - (x_wb * far).xy()).norm()));
+        };
+        let pivot = x_wb * placed.beam.p_b_hole(anchor.joint);
+        let wanted = (self.kit.x_wa() * placed.x_ab * far).xy() - pivot.xy();
+        let now = (x_wb * far).xy() - pivot.xy();
+        let angle = now.perp(&wanted).atan2(now.dot(&wanted));
+        let about = Translation3::from(pivot.coords);
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+        let goal = about * turn * about.inverse() * x_wb;
+        Ok((goal, angle.abs() * now.norm()))
+    }
+}

@@ -1,0 +1,224 @@
+//! Pinning two joints with a peg: touch, search in a spiral, press with a small circle, check, try again.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Translation3, Vector3};
+use ramp_kit::joint::{FEMALE_HEIGHT, STEM_LENGTH};
+
+use crate::Pose;
+use crate::fault::{Fault, SkillError};
+use crate::grasp::{PEG_HEIGHT, hand_down};
+use crate::hand::PERIOD;
+use crate::transport::Workcell;
+
+/// Height of a peg's tip over the female's top plate when it is brought over the hole, m.
+const OVER: f64 = 6.0e-3;
+/// Depth of the tip below the top plate at which the hole counts as found, m.
+const FOUND: f64 = 2.2e-3;
+/// Force at which the peg has touched the plate, N.
+const TOUCH: f64 = 5.0;
+/// Force down during the search, N.
+const SEARCH_FORCE: f64 = 9.0;
+/// Distance between turns of the spiral, m.
+const PITCH: f64 = 0.7e-3;
+/// Speed along the spiral, m/s.
+const SEARCH_SPEED: f64 = 8.0e-3;
+/// Longest search, s.
+const SEARCH_TIME: f64 = 20.0;
+/// Largest force of pressing, N.
+const PRESS: f64 = 25.0;
+/// Growth of the pressing force, N/s.
+const PRESS_RATE: f64 = 40.0;
+/// Radius (m) and frequency (Hz) of the circle that keeps a peg from jamming.
+const WIGGLE: (f64, f64) = (0.5e-3, 2.0);
+/// Longest pressing, s.
+const PRESS_TIME: f64 = 6.0;
+/// A head this near to the plate is home, m. The referee asks for 0.5 mm.
+const SEATED: f64 = 0.25e-3;
+/// Tries.
+const TRIES: usize = 3;
+
+impl Workcell<'_, '_> {
+    /// The pose of the top of a connection's hole in the world: on the female's top plate, z up.
+    fn mouth(&self, connection: usize) -> Result<Vector3<f64>, SkillError> {
+        let hole = self.belief.hole(self.assembly, self.assembly.connections[connection].female)?;
+        Ok(Vector3::new(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0))
+    }
+
+    /// Carries the held peg over the hole of a connection.
+    ///
+    /// # Errors
+    /// When there is no way, or the robot stops.
+    pub fn approach_hole(&mut self, connection: usize) -> Result<(), SkillError> {
+        self.belief.update(&mut self.hand)?;
+        let mouth = self.mouth(connection)?;
+        let Some(part) = self.hand.held.as_ref().map(|held| held.part.clone()) else {
+            return Err(Fault::NotHeld { part: "the peg".into() }.into());
+        };
+        self.regrip(&part)?;
+        let height = mouth.z + OVER + 0.004 + STEM_LENGTH + PEG_HEIGHT;
+        let q = self.hand.joints();
+        let x = self.hand.seen.x_wt.rotation * Vector3::x();
+        let yaw = x.y.atan2(x.x);
+        // Any turn of the square head will do.
+        let candidates = [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0, 5.0, -5.0, 6.0].map(|step| {
+            let rotation = hand_down(yaw + step * TAU / 12.0);
+            let over = Pose::from_parts(Translation3::new(mouth.x, mouth.y, height), rotation);
+            let seated = Pose::from_parts(Translation3::new(mouth.x, mouth.y, mouth.z + PEG_HEIGHT), rotation);
+            (over, self.reach(&over, &q).min(self.reach(&seated, &q)))
+        });
+        let x_wt = self.choose(&candidates).ok_or(Fault::NoGrasp { part })?;
+        self.travel(&x_wt)
+    }
+
+    /// Pins a connection with the held peg, which is over its hole, and lets go of it.
+    ///
+    /// # Errors
+    /// [`Fault::HoleNotFound`] or [`Fault::NotSeated`] after the last try.
+    pub fn fasten(&mut self, connection: usize) -> Result<(), SkillError> {
+        let Some(peg) = self.hand.held.as_ref().map(|held| held.part.clone()) else {
+            return Err(Fault::NotHeld { part: "the peg".into() }.into());
+        };
+        self.hand.relax();
+        let mut last = None;
+        for attempt in 0..TRIES {
+            let result = self.fasten_once(connection, &peg);
+            match result {
+                Err(SkillError::Fault(fault)) => {
+                    self.note("fault", fault.to_string());
+                    last = Some(fault);
+                }
+                Err(error) => return Err(error),
+                Ok(()) => {
+                    last = None;
+                    break;
+                }
+            }
+            if attempt + 1 < TRIES {
+                // Up and out of the hole, look again, and once more.
+                let mut up = self.hand.setpoint;
+                up.translation.z = self.mouth(connection)?.z + OVER + STEM_LENGTH + PEG_HEIGHT;
+                self.hand.go(&up, 0.05)?;
+                self.note("retry", format!("fasten {} with {peg}", self.assembly.connections[connection].name));
+            }
+        }
+        if let Some(fault) = last {
+            return Err(fault.into());
+        }
+        self.release()?;
+        let gap = self.gap(connection, &peg)?;
+        if gap.abs() > 2.0 * SEATED {
+            let name = self.assembly.connections[connection].name.clone();
+            return Err(Fault::NotSeated { peg, connection: name, gap_mm: gap * 1e3 }.into());
+        }
+        self.pinned.push((connection, peg));
+        Ok(())
+    }
+
+    /// Height of the peg's head over the female's top plate, m.
+    fn gap(&self, connection: usize, peg: &str) -> Result<f64, SkillError> {
+        Ok(self.belief.pose(peg)?.translation.z - self.mouth(connection)?.z)
+    }
+
+    fn fasten_once(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
+        let name = self.assembly.connections[connection].name.clone();
+        // Upright over the hole, as exactly as the eyes allow.
+        for _ in 0..3 {
+            self.belief.update(&mut self.hand)?;
+            let x_wp = self.belief.pose(peg)?;
+            let mouth = self.mouth(connection)?;
+            let x = x_wp.rotation * Vector3::x();
+            let yaw = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::z_axis(), x.y.atan2(x.x));
+            let goal = Pose::from_parts(Translation3::new(mouth.x, mouth.y, mouth.z + OVER + STEM_LENGTH), yaw);
+            let off = (goal.translation.vector - x_wp.translation.vector).norm();
+            if off < 0.1e-3 && goal.rotation.angle_to(&x_wp.rotation) < 0.002 {
+                break;
+            }
+            self.hand.correct(&x_wp, &goal, 0.05)?;
+            self.hand.wait(0.1)?;
+        }
+        self.hand.zero()?;
+        let plate = self.mouth(connection)?.z;
+        self.regrip(peg)?;
+        // Touch.
+        let mut down = self.hand.setpoint;
+        down.translation.z -= OVER + 2.0 * FOUND;
+        let tip = |x_wp: &Pose| (x_wp * nalgebra::Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate;
+        self.hand.drive(&down, 0.02, |hand| {
+            -hand.force().z > TOUCH || hand.x_wp_held().is_some_and(|x| tip(&x) < -FOUND)
+        })?;
+        if !self.hand.x_wp_held().is_some_and(|x| tip(&x) < -FOUND) {
+            self.spiral(plate)?;
+        }
+        if !self.hand.x_wp_held().is_some_and(|x| tip(&x) < -0.5 * FOUND) {
+            return Err(Fault::HoleNotFound { peg: peg.to_string(), connection: name }.into());
+        }
+        self.press(connection, peg)?;
+        self.belief.update(&mut self.hand)?;
+        let gap = self.gap(connection, peg)?;
+        if gap > SEATED {
+            return Err(Fault::NotSeated { peg: peg.to_string(), connection: name, gap_mm: gap * 1e3 }.into());
+        }
+        Ok(())
+    }
+
+    /// Searches for the hole along an Archimedean spiral with constant force down, until the tip drops in.
+    fn spiral(&mut self, plate: f64) -> Result<(), SkillError> {
+        let centre = self.hand.seen.x_wt.translation.vector;
+        let begin = self.hand.time();
+        let mut angle: f64 = 0.0;
+        while self.hand.time() - begin < SEARCH_TIME {
+            let radius = PITCH * angle / TAU;
+            angle += SEARCH_SPEED * PERIOD / radius.max(0.5e-3);
+            let stiffness = self.hand.stiffness.z;
+            let z = self.hand.seen.x_wt.translation.z - SEARCH_FORCE / stiffness;
+            let setpoint = &mut self.hand.setpoint.translation;
+            setpoint.x = centre.x + radius * angle.cos();
+            setpoint.y = centre.y + radius * angle.sin();
+            setpoint.z = setpoint.z.min(z);
+            self.hand.tick()?;
+            let tip = self.hand.x_wp_held().map(|x| (x * nalgebra::Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate);
+            if tip.is_some_and(|tip| tip < -FOUND) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Presses the peg down with growing force and a small circle, until its head is home.
+    fn press(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
+        let begin = self.hand.time();
+        let plate = self.mouth(connection)?.z;
+        let mut centre = self.hand.seen.x_wt.translation.vector;
+        let mut force: f64 = 0.0;
+        let mut ticks = 0u32;
+        self.hand.setpoint.translation = self.hand.seen.x_wt.translation;
+        while self.hand.time() - begin < PRESS_TIME {
+            let elapsed = self.hand.time() - begin;
+            force = (force + PRESS_RATE * PERIOD).min(PRESS);
+            // Gently while it falls freely; the circle starts when it has not simply dropped home.
+            let radius = if elapsed < 1.0 { 0.0 } else { WIGGLE.0 };
+            let phase = TAU * WIGGLE.1 * elapsed;
+            let here = self.hand.seen.x_wt.translation.vector;
+            // The centre drifts to where the hole draws the peg.
+            centre.x += (here.x - centre.x) * 0.003;
+            centre.y += (here.y - centre.y) * 0.003;
+            let lead = force / self.hand.stiffness.z;
+            // Never faster than 40 mm/s.
+            let lowest = self.hand.setpoint.translation.z - 0.04 * PERIOD;
+            let setpoint = &mut self.hand.setpoint.translation;
+            setpoint.x = centre.x + radius * phase.cos();
+            setpoint.y = centre.y + radius * phase.sin();
+            setpoint.z = (here.z - lead).max(lowest);
+            self.hand.tick()?;
+            ticks += 1;
+            if ticks % 20 == 0 {
+                self.belief.update(&mut self.hand)?;
+                if self.belief.pose(peg)?.translation.z - plate < 0.3 * SEATED {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,77 @@
+//! What can go wrong while a skill runs.
+
+use ramp_motion::MotionError;
+use ramp_robot::RobotError;
+
+/// Something a skill noticed that is not as it should be; the agent tries again or plans again.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Fault {
+    /// The part is not between the fingers.
+    #[error("{part} is not in the hand")]
+    NotHeld {
+        /// Its name.
+        part: String,
+    },
+    /// An insertion met more force than it may before it was home.
+    #[error("{part} jams {remaining_mm:.1} mm before its place at {force:.1} N")]
+    Jammed {
+        /// Its name.
+        part: String,
+        /// mm.
+        remaining_mm: f64,
+        /// N.
+        force: f64,
+    },
+    /// Two holes that should coincide do not.
+    #[error("the holes of {connection} are {offset_mm:.2} mm apart")]
+    Misaligned {
+        /// The connection.
+        connection: String,
+        /// mm.
+        offset_mm: f64,
+    },
+    /// The search for a hole ended without finding it.
+    #[error("{peg} finds no hole at {connection}")]
+    HoleNotFound {
+        /// The peg.
+        peg: String,
+        /// The connection.
+        connection: String,
+    },
+    /// A peg does not go home.
+    #[error("{peg} stands {gap_mm:.2} mm proud at {connection}")]
+    NotSeated {
+        /// The peg.
+        peg: String,
+        /// The connection.
+        connection: String,
+        /// mm.
+        gap_mm: f64,
+    },
+    /// Nothing is known about where a part is.
+    #[error("{part} is not to be seen")]
+    Unseen {
+        /// Its name.
+        part: String,
+    },
+    /// No grasp of the part can be reached at both ends of its way.
+    #[error("no reachable grasp for {part}")]
+    NoGrasp {
+        /// Its name.
+        part: String,
+    },
+}
+
+/// Why a skill ended early.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SkillError {
+    /// The robot stopped; nothing more can be done.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+    /// No motion was found.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// Something went wrong that may be mended.
+    #[error(transparent)]
+    Fault(#[from] Fault),
+}

@@ -1,0 +1,252 @@
+//! The hand: the only place that talks to the robot. Follows trajectories, moves in straight lines under
+//! impedance, opens and closes, and feels.
+
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
+use ramp_motion::{Joints, Trajectory};
+use ramp_robot::{ArmCommand, Command, GripperCommand, Impedance, Observation, Robot, RobotError};
+
+use crate::Pose;
+
+/// Length of a control period, s.
+pub const PERIOD: f64 = 0.001;
+/// Standard gravity, m/s².
+const GRAVITY: f64 = 9.81;
+/// Stiffness of the hand in contact: N/m, N·m/rad.
+const STIFFNESS: [f64; 6] = [1500.0, 1500.0, 1500.0, 60.0, 60.0, 60.0];
+/// Fastest turn of a straight motion, rad/s.
+const TURN_SPEED: f64 = 0.5;
+
+/// A part between the fingers.
+#[derive(Clone, Debug)]
+pub struct Held {
+    /// Its name.
+    pub part: String,
+    /// Its frame in the tip's frame.
+    pub x_tp: Pose,
+    /// kg.
+    pub mass: f64,
+    /// Centre of mass in the part's frame, m.
+    pub p_centre: Point3<f64>,
+}
+
+/// The robot with what the skills keep in mind about its hand.
+pub struct Hand<'r> {
+    robot: &'r mut dyn Robot,
+    /// What was sensed last.
+    pub seen: Observation,
+    /// What the gripper is told.
+    pub gripper: GripperCommand,
+    /// Where the impedance pulls.
+    pub setpoint: Pose,
+    /// Stiffness of the impedance: N/m, N·m/rad, axes of the world.
+    pub stiffness: Vector6<f64>,
+    /// What is held.
+    pub held: Option<Held>,
+    posture: Joints,
+    tare: Vector6<f64>,
+}
+
+impl<'r> Hand<'r> {
+    /// Takes over a robot.
+    pub fn new(robot: &'r mut dyn Robot) -> Hand<'r> {
+        let seen = robot.observe();
+        Hand {
+            gripper: GripperCommand { width: seen.width, force: 20.0 },
+            setpoint: seen.x_wt,
+            stiffness: Vector6::from(STIFFNESS),
+            held: None,
+            posture: Joints::from(seen.positions),
+            tare: Vector6::zeros(),
+            robot,
+            seen,
+        }
+    }
+
+    /// Where the parts are, as far as the robot tells.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn look(&mut self) -> Result<Vec<ramp_robot::PartReading>, RobotError> {
+        self.robot.read_parts()
+    }
+
+    /// Joint positions, rad.
+    pub fn joints(&self) -> Joints {
+        Joints::from(self.seen.positions)
+    }
+
+    /// Robot time, s.
+    pub fn time(&self) -> f64 {
+        self.seen.time
+    }
+
+    /// Where the held part is now, if the grasp has not slipped; `None` with an empty hand.
+    pub fn x_wp_held(&self) -> Option<Pose> {
+        self.held.as_ref().map(|held| self.seen.x_wt * held.x_tp)
+    }
+
+    /// Runs a timed joint path and waits until the arm has come to rest at its end.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn follow(&mut self, trajectory: &Trajectory) -> Result<(), RobotError> {
+        let periods = (trajectory.duration() / PERIOD).ceil() as usize;
+        for period in 1..=periods {
+            self.joint_step(trajectory.at(period as f64 * PERIOD))?;
+        }
+        let end = trajectory.at(trajectory.duration());
+        for _ in 0..300 {
+            self.joint_step(end)?;
+            if Joints::from(self.seen.velocities).amax() < 0.002 && (self.joints() - end).amax() < 0.004 {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn joint_step(&mut self, q: Joints) -> Result<(), RobotError> {
+        let command = Command { arm: ArmCommand::JointPositions(q.into()), gripper: self.gripper };
+        self.seen = self.robot.step(&command)?;
+        Ok(())
+    }
+
+    /// Begins to move under impedance from where the tip is: setpoint and posture become the present ones.
+    pub fn relax(&mut self) {
+        self.setpoint = self.seen.x_wt;
+        self.posture = self.joints();
+        self.stiffness = Vector6::from(STIFFNESS);
+    }
+
+    /// One control period under impedance at the present setpoint.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn tick(&mut self) -> Result<(), RobotError> {
+        let impedance = Impedance {
+            x_wt: self.setpoint,
+            stiffness: self.stiffness,
+            damping_ratio: 1.0,
+            feed_forward: self.weight(),
+            posture: self.posture.into(),
+        };
+        let command = Command { arm: ArmCommand::CartesianImpedance(impedance), gripper: self.gripper };
+        self.seen = self.robot.step(&command)?;
+        Ok(())
+    }
+
+    /// The wrench at the tip that carries the held part.
+    fn weight(&self) -> Vector6<f64> {
+        let Some(held) = &self.held else { return Vector6::zeros() };
+        let lift = Vector3::new(0.0, 0.0, held.mass * GRAVITY);
+        let lever = self.seen.x_wt.rotation * (held.x_tp * held.p_centre).coords;
+        let moment = lever.cross(&lift);
+        Vector6::new(0.0, 0.0, lift.z, moment.x, moment.y, moment.z)
+    }
+
+    /// Waits under impedance, s.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn wait(&mut self, seconds: f64) -> Result<(), RobotError> {
+        for _ in 0..(seconds / PERIOD).round() as usize {
+            self.tick()?;
+        }
+        Ok(())
+    }
+
+    /// Moves the setpoint in a straight line to `x_wt` with `speed` (m/s) as its largest speed, until it is there
+    /// or `stop` says so. Returns whether it was stopped; the setpoint then stays where it was.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn drive(
+        &mut self,
+        x_wt: &Pose,
+        speed: f64,
+        mut stop: impl FnMut(&Hand) -> bool,
+    ) -> Result<bool, RobotError> {
+        let from = self.setpoint;
+        let distance = (x_wt.translation.vector - from.translation.vector).norm();
+        let angle = from.rotation.angle_to(&x_wt.rotation);
+        // 3τ² − 2τ³ is fastest in the middle, by half more than on average.
+        let duration = 1.5 * (distance / speed).max(angle / TURN_SPEED).max(0.03);
+        let periods = (duration / PERIOD).ceil() as usize;
+        for period in 1..=periods {
+            let tau = period as f64 / periods as f64;
+            let s = tau * tau * (3.0 - 2.0 * tau);
+            let p = from.translation.vector.lerp(&x_wt.translation.vector, s);
+            let rotation = from.rotation.try_slerp(&x_wt.rotation, s, 1e-9).unwrap_or(x_wt.rotation);
+            self.setpoint = Pose::from_parts(Translation3::from(p), rotation);
+            self.tick()?;
+            if stop(self) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Moves without a condition to stop.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn go(&mut self, x_wt: &Pose, speed: f64) -> Result<(), RobotError> {
+        self.drive(x_wt, speed, |_| false).map(|_| ())
+    }
+
+    /// Opens or closes to `width` (m) with at most `force` (N) and waits until the fingers are still.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn grip(&mut self, width: f64, force: f64) -> Result<(), RobotError> {
+        self.gripper = GripperCommand { width, force };
+        let mut still = 0;
+        let mut before = self.seen.width;
+        for _ in 0..3000 {
+            self.tick()?;
+            still = if (self.seen.width - before).abs() < 2e-6 { still + 1 } else { 0 };
+            before = self.seen.width;
+            if still > 100 {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the present reading of the wrist as zero.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn zero(&mut self) -> Result<(), RobotError> {
+        // The sensor's filter has a time constant of 20 ms: let the last motion fade out of it.
+        self.wait(0.1)?;
+        self.tare = self.seen.wrench;
+        Ok(())
+    }
+
+    /// Force of the hand on the world since [`Hand::zero`], axes of the world, N.
+    pub fn force(&self) -> Vector3<f64> {
+        (self.seen.wrench - self.tare).fixed_rows::<3>(0).into_owned()
+    }
+
+    /// Shifts the setpoint so that what the hand holds, now at `x_wp`, comes to `x_wp_goal`, and moves there at
+    /// `speed` (m/s). Keeps whatever lead the setpoint has over the tip.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn correct(&mut self, x_wp: &Pose, x_wp_goal: &Pose, speed: f64) -> Result<(), RobotError> {
+        let target = self.corrected(x_wp, x_wp_goal);
+        self.go(&target, speed)
+    }
+
+    /// The setpoint that brings a held part from `x_wp` to `x_wp_goal`.
+    pub fn corrected(&self, x_wp: &Pose, x_wp_goal: &Pose) -> Pose {
+        let x_wt = self.seen.x_wt;
+        let x_wt_goal = x_wp_goal * x_wp.inverse() * x_wt;
+        let shift = x_wt_goal.translation.vector - x_wt.translation.vector;
+        let turn: UnitQuaternion<f64> = x_wt_goal.rotation * x_wt.rotation.inverse();
+        Pose::from_parts(
+            Translation3::from(self.setpoint.translation.vector + shift),
+            turn * self.setpoint.rotation,
+        )
+    }
+}

@@ -1,0 +1,214 @@
+//! Inserting a beam: a male of it into the assembly (square), or males of the assembly into it (cap).
+
+use nalgebra::{Point2, Translation3, UnitQuaternion, Vector2, Vector3};
+use ramp_assembly::Insertion;
+
+use crate::Pose;
+use crate::fault::{Fault, SkillError};
+use crate::transport::Workcell;
+
+/// How high over its way a beam is brought to where its insertion begins, m.
+const CLEAR: f64 = 4.0e-3;
+/// Speed of an insertion, m/s.
+const SPEED: f64 = 0.03;
+/// Force against the motion at which a square insertion stops, N.
+const SQUARE_LIMIT: f64 = 12.0;
+/// Force against the motion at which a cap stops, N.
+const CAP_LIMIT: f64 = 25.0;
+/// How far the spring is pulled past the goal of a cap, m: it seats each end on its stop wall.
+const CAP_OVERDRIVE: f64 = 3.0e-3;
+/// Turn to and fro at the end of a cap, rad.
+const CAP_SWEEP: f64 = 2.0 / 180.0 * std::f64::consts::PI;
+/// Distance from its place at which an insertion counts as home, m.
+const HOME: f64 = 0.8e-3;
+/// Horizontal distance between two holes that a peg still pulls together, m.
+pub const PEGGABLE: f64 = 1.6e-3;
+/// How often an insertion that jams is tried again.
+const TRIES: usize = 4;
+
+impl Workcell<'_, '_> {
+    /// Where a beam of the assembly is to stand, in the world: its nominal place, moved to where the joints it
+    /// meets really are.
+    ///
+    /// # Errors
+    /// [`Fault::Unseen`].
+    pub fn target(&self, beam: usize) -> Result<Pose, SkillError> {
+        let placed = &self.assembly.beams[beam];
+        let nominal = self.kit.x_wa() * placed.x_ab;
+        // Pairs of horizontal hole positions: nominal on this beam, real on the standing one.
+        let mut pairs: Vec<(Point2<f64>, Point2<f64>)> = Vec::new();
+        for connection in &self.assembly.connections {
+            if let Some((mine, theirs)) = self.assembly.sides(connection, beam)
+                && self.standing.contains(&theirs.beam)
+                && theirs.beam != beam
+            {
+                let here = nominal * placed.beam.p_b_hole(mine.joint);
+                pairs.push((here.xy(), self.belief.hole(self.assembly, theirs)?.xy()));
+            }
+        }
+        Ok(moved_onto(&nominal, &pairs))
+    }
+
+    /// How this beam is put in.
+    fn insertion(&self, beam: usize) -> Result<&Insertion, SkillError> {
+        let name = &self.assembly.beams[beam].beam.name;
+        self.assembly
+            .insertions
+            .iter()
+            .find(|insertion| insertion.beam == beam)
+            .ok_or_else(|| Fault::NoGrasp { part: name.clone() }.into())
+    }
+
+    /// Carries the held beam to where its insertion begins, a little higher than its way.
+    ///
+    /// # Errors
+    /// When there is no way, or the robot stops.
+    pub fn approach_beam(&mut self, beam: usize) -> Result<(), SkillError> {
+        let name = self.assembly.beams[beam].beam.name.clone();
+        self.regrip(&name)?;
+        let start = self.beside(beam, 1.0, CLEAR)?;
+        let Some(held) = &self.hand.held else { return Err(Fault::NotHeld { part: name }.into()) };
+        let x_wt = start * held.x_tp.inverse();
+        self.travel(&x_wt)
+    }
+
+    /// The pose of a beam on its way in: `share` of the insertion still to go, `height` over its place (m).
+    fn beside(&self, beam: usize, share: f64, height: f64) -> Result<Pose, SkillError> {
+        let insertion = self.insertion(beam)?;
+        let back = self.kit.x_wa().rotation * insertion.direction.into_inner() * (-share * insertion.distance);
+        let goal = self.target(beam)?;
+        Ok(Translation3::new(back.x, back.y, back.z + height) * goal)
+    }
+
+    /// Inserts the held beam, which is where its insertion begins, and lets go of it.
+    ///
+    /// # Errors
+    /// [`Fault::Jammed`] or [`Fault::Misaligned`] after the last try.
+    pub fn assemble(&mut self, beam: usize, cap: bool) -> Result<(), SkillError> {
+        let name = self.assembly.beams[beam].beam.name.clone();
+        self.hand.relax();
+        let mut last = None;
+        for attempt in 0..TRIES {
+            if attempt > 0 {
+                self.note("retry", format!("insert {name}, try {}", attempt + 1));
+            }
+            match self.insert_once(beam, cap, attempt) {
+                Err(SkillError::Fault(fault)) => last = Some(fault),
+                Err(error) => return Err(error),
+                Ok(()) => {
+                    last = None;
+                    break;
+                }
+            }
+        }
+        if let Some(fault) = last {
+            return Err(fault.into());
+        }
+        self.standing.push(beam);
+        self.release()
+    }
+
+    fn insert_once(&mut self, beam: usize, cap: bool, attempt: usize) -> Result<(), SkillError> {
+        let name = self.assembly.beams[beam].beam.name.clone();
+        let goal = self.target(beam)?;
+        let direction = self.kit.x_wa().rotation * self.insertion(beam)?.direction.into_inner();
+        // A beam that stands on the table is pressed on it a little when it caps, and slides over it otherwise.
+        let stands = self.assembly.beams[beam].beam.stands_at_assembled_height();
+        let height: f64 = if cap { -2.0e-3 } else if stands { 0.1e-3 } else { 0.0 };
+        self.place(&name, &self.beside(beam, 1.0, if attempt == 0 { CLEAR } else { 0.0 })?)?;
+        self.place(&name, &self.beside(beam, 1.0, height.max(0.1e-3))?)?;
+        self.hand.zero()?;
+        let limit = if cap { CAP_LIMIT } else { SQUARE_LIMIT };
+        let overdrive = if cap { CAP_OVERDRIVE } else { 0.0 };
+        self.belief.update(&mut self.hand)?;
+        let mut target = self.hand.corrected(&self.belief.pose(&name)?, &goal);
+        target.translation.vector += direction * overdrive;
+        target.translation.z += height;
+        let stopped =
+            self.hand.drive(&target, SPEED, |hand| hand.force().dot(&direction) > limit)?;
+        let force = self.hand.force().dot(&direction);
+        self.hand.wait(0.15)?;
+        self.belief.update(&mut self.hand)?;
+        if stopped {
+            let remaining = self.remaining(&name, &goal, &direction)?;
+            if remaining > HOME {
+                let jam = Fault::Jammed { part: name.clone(), remaining_mm: remaining * 1e3, force };
+                self.note("fault", jam.to_string());
+                // Back out to where it began, free of the joint.
+                let mut back = self.hand.setpoint;
+                back.translation = self.hand.seen.x_wt.translation;
+                let insertion = self.insertion(beam)?;
+                back.translation.vector -= direction * (insertion.distance - remaining).max(0.0);
+                self.hand.go(&back, 0.05)?;
+                return Err(jam.into());
+            }
+        }
+        if cap {
+            self.sweep()?;
+        } else {
+            // What remains is a fraction of a millimetre: measured, and taken back.
+            let x_wp = self.belief.pose(&name)?;
+            let fine = self.hand.corrected(&x_wp, &(Translation3::new(0.0, 0.0, height) * goal));
+            self.hand.drive(&fine, 0.01, |hand| hand.force().norm() > limit)?;
+            self.hand.wait(0.15)?;
+        }
+        self.belief.update(&mut self.hand)?;
+        Ok(())
+    }
+
+    /// How far a part still is from its place along `direction`, m.
+    fn remaining(&self, part: &str, goal: &Pose, direction: &Vector3<f64>) -> Result<f64, SkillError> {
+        let x_wp = self.belief.pose(part)?;
+        Ok((goal.translation.vector - x_wp.translation.vector).dot(direction))
+    }
+
+    /// Brings the held part to a pose in free space, looking again on the way.
+    fn place(&mut self, part: &str, x_wp_goal: &Pose) -> Result<(), SkillError> {
+        for _ in 0..3 {
+            self.belief.update(&mut self.hand)?;
+            let x_wp = self.belief.pose(part)?;
+            let shift = (x_wp.translation.vector - x_wp_goal.translation.vector).norm();
+            if shift < 0.1e-3 && x_wp.rotation.angle_to(&x_wp_goal.rotation) < 0.001 {
+                break;
+            }
+            self.hand.correct(&x_wp, x_wp_goal, 0.05)?;
+            self.hand.wait(0.1)?;
+        }
+        Ok(())
+    }
+
+    /// Turns a capped beam to and fro about its grasp while it is pressed on, so that both ends find their walls.
+    fn sweep(&mut self) -> Result<(), SkillError> {
+        let centre = self.hand.setpoint;
+        for angle in [CAP_SWEEP, -CAP_SWEEP, 0.0] {
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+            let target = Pose::from_parts(centre.translation, turn * centre.rotation);
+            self.hand.drive(&target, 0.03, |hand| hand.force().norm() > 1.5 * CAP_LIMIT)?;
+            self.hand.wait(0.1)?;
+        }
+        Ok(())
+    }
+}
+
+/// The pose moved in the plane so that points of it fall on given points as well as they can: by their mean
+/// shift, and by the turn that fits best where they are far enough apart to tell.
+fn moved_onto(nominal: &Pose, pairs: &[(Point2<f64>, Point2<f64>)]) -> Pose {
+    if pairs.is_empty() {
+        return *nominal;
+    }
+    let n = pairs.len() as f64;
+    let from: Vector2<f64> = pairs.iter().map(|(a, _)| a.coords).sum::<Vector2<f64>>() / n;
+    let to: Vector2<f64> = pairs.iter().map(|(_, b)| b.coords).sum::<Vector2<f64>>() / n;
+    let (mut sine, mut cosine) = (0.0, 0.0);
+    for (a, b) in pairs {
+        let (a, b) = (a.coords - from, b.coords - to);
+        sine += a.perp(&b);
+        cosine += a.dot(&b);
+    }
+    // Nearer together than 50 mm the points say more about noise than about the turn.
+    let angle = if cosine > 0.05_f64.powi(2) { sine.atan2(cosine) } else { 0.0 };
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+    let pivot = Translation3::new(from.x, from.y, 0.0);
+    let moved = Translation3::new(to.x, to.y, 0.0);
+    moved * turn * pivot.inverse() * nominal
+}

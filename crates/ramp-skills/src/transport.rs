@@ -1,0 +1,257 @@
+//! Moving through free space, picking up and putting down.
+
+use ramp_assembly::Assembly;
+use ramp_kit::Kit;
+use ramp_motion::{Checker, MotionError, PathPlanner, Trajectory};
+use ramp_robot::Event;
+use ramp_robot::arm::ArmModel;
+use ramp_robot::random::Stream;
+
+use crate::Pose;
+use crate::belief::{Belief, held_boxes};
+use crate::fault::{Fault, SkillError};
+use crate::grasp::{
+    self, BEAM_OPEN, BEAM_WIDTH, GRIP_FORCE, PEG_OPEN, PEG_WIDTH, SQUEEZE, beam_grasp, peg_grasp,
+};
+use crate::hand::{Hand, Held};
+
+/// Height of the tip while it travels, m: a held beam clears the pegs that stand in the holders.
+pub const TRAVEL: f64 = 0.15;
+/// Distance that motions through free space keep from everything, m.
+const MARGIN: f64 = 0.5e-3;
+/// Share of the arm's limits of velocity, acceleration and jerk that motions use.
+const SHARE: f64 = 0.6;
+/// How far a fresh grasp is lifted before anything else, m.
+const LIFT: f64 = 0.02;
+/// Distance between what the fingers hold and what they should, m, beyond which the part is not held.
+const WIDTH_TOLERANCE: f64 = 2.0e-3;
+/// Distance from the ends of the joints' ranges beyond which more is no better, rad.
+const GOOD_MARGIN: f64 = 0.3;
+/// What a radian of turning the hand counts against a radian of that distance.
+const TURN_COST: f64 = 0.05;
+
+/// What every skill works with.
+pub struct Workcell<'a, 'r> {
+    /// The parts.
+    pub kit: &'a Kit,
+    /// The goal.
+    pub assembly: &'a Assembly,
+    /// The arm.
+    pub arm: &'a ArmModel,
+    /// The motion planner.
+    pub planner: &'a PathPlanner,
+    /// The hand.
+    pub hand: Hand<'r>,
+    /// Where the parts are.
+    pub belief: Belief,
+    /// Beams that stand in the assembly, by index, the base among them.
+    pub standing: Vec<usize>,
+    /// Connections that are pinned, by index, and by which peg.
+    pub pinned: Vec<(usize, String)>,
+    /// Random numbers for the motion planner.
+    pub stream: Stream,
+    /// What happened.
+    pub events: Vec<Event>,
+}
+
+impl Workcell<'_, '_> {
+    /// Notes what happened.
+    pub fn note(&mut self, kind: &'static str, what: String) {
+        self.events.push(Event { time: self.hand.time(), kind, what });
+    }
+
+    /// Moves the tip through free space to `x_wt`, keeping clear of everything but the held part.
+    ///
+    /// # Errors
+    /// When no motion is found or the robot stops.
+    pub fn travel(&mut self, x_wt: &Pose) -> Result<(), SkillError> {
+        self.belief.update(&mut self.hand)?;
+        let checker = self.checker(None);
+        let q = self.hand.joints();
+        let legs = self.planner.plan(&q, x_wt, TRAVEL, &checker, &mut self.stream)?;
+        for leg in legs {
+            let trajectory = Trajectory::new(self.arm, leg, SHARE);
+            self.hand.follow(&trajectory)?;
+        }
+        Ok(())
+    }
+
+    /// Moves the open hand from above down to `x_wt`, around `part`.
+    fn descend(&mut self, x_wt: &Pose, part: &str) -> Result<(), SkillError> {
+        let mut above = *x_wt;
+        above.translation.z = above.translation.z.max(TRAVEL);
+        self.travel(&above)?;
+        let checker = self.checker(Some(part));
+        let q = self.hand.joints();
+        let leg = self
+            .planner
+            .straight(&q, x_wt)
+            .ok_or(MotionError::Unreachable(x_wt.translation.vector.into()))?;
+        if !leg.iter().all(|q| checker.is_free(&self.planner.kinematics.frames(q))) {
+            return Err(MotionError::Blocked("end").into());
+        }
+        self.hand.follow(&Trajectory::new(self.arm, leg, SHARE))?;
+        Ok(())
+    }
+
+    /// What the arm must keep clear of now: everything but what it holds and `without`.
+    fn checker(&self, without: Option<&str>) -> Checker {
+        let mut left_out: Vec<&str> = without.into_iter().collect();
+        let mut boxes = Vec::new();
+        if let Some(held) = &self.hand.held {
+            left_out.push(&held.part);
+            boxes = held_boxes(self.kit, &held.part, &held.x_tp);
+        }
+        let around = self.belief.obstacles(self.kit, &left_out);
+        // The fingers may still be opening: check with the wider of what they are and what they will be.
+        let width = self.hand.gripper.width.max(self.hand.seen.width);
+        Checker::new(self.arm, width, boxes, &around, MARGIN)
+    }
+
+    /// Raises the hand straight up to travelling height.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn rise(&mut self) -> Result<(), SkillError> {
+        let mut up = self.hand.seen.x_wt;
+        if up.translation.z < TRAVEL - 0.001 {
+            self.hand.relax();
+            up.translation.z = TRAVEL;
+            self.hand.go(&up, 0.25)?;
+        }
+        Ok(())
+    }
+
+    /// The grasp of a part where it stands now: pose of the tip, gripper width before and after closing.
+    fn grasp_of(&mut self, part: &str, link: Option<&str>) -> Result<(Pose, f64, f64), SkillError> {
+        let x_wp = self.belief.pose(part)?;
+        let q = self.hand.joints();
+        let no_grasp = || Fault::NoGrasp { part: part.to_string() };
+        if let Some(beam) = self.kit.beam(part) {
+            let link = link.and_then(|name| beam.links.iter().find(|link| link.name == name)).ok_or_else(no_grasp)?;
+            let s = grasp::point_on(link, beam.span() / 2.0);
+            // The hand turns with the beam: what counts is the worse end of its way.
+            let goal = self.assembly.beam_index(part).map(|index| self.target(index)).transpose()?;
+            let senses = [false, true].map(|reverse| {
+                let x_wt = beam_grasp(&x_wp, s, reverse);
+                let margin = self.reach(&x_wt, &q);
+                let at_goal = goal.map_or(margin, |x_wb| self.reach(&beam_grasp(&x_wb, s, reverse), &q));
+                (x_wt, margin.min(at_goal))
+            });
+            let x_wt = self.choose(&senses).ok_or_else(no_grasp)?;
+            return Ok((x_wt, BEAM_OPEN, BEAM_WIDTH));
+        }
+        // Pegs stand close together along x of their holder: the hand closes across it.
+        let senses = [0, 2].map(|quarter| {
+            let x_wt = peg_grasp(&x_wp, quarter);
+            (x_wt, self.reach(&x_wt, &q))
+        });
+        let x_wt = self.choose(&senses).ok_or_else(no_grasp)?;
+        Ok((x_wt, PEG_OPEN, PEG_WIDTH))
+    }
+
+    /// Of several poses of the tip, each with its distance from the joints' ends (rad), the one to use: reachable
+    /// with room to spare if any is, and of those the least turn of the hand.
+    pub fn choose(&self, candidates: &[(Pose, f64)]) -> Option<Pose> {
+        let now = self.hand.seen.x_wt.rotation;
+        let score = |(x_wt, margin): &(Pose, f64)| {
+            margin.min(GOOD_MARGIN) - TURN_COST * now.angle_to(&x_wt.rotation)
+        };
+        candidates
+            .iter()
+            .filter(|(_, margin)| *margin > 0.0)
+            .max_by(|a, b| score(a).total_cmp(&score(b)))
+            .map(|(x_wt, _)| *x_wt)
+    }
+
+    /// How far the joints stay from their ends at a pose, rad; negative when it is out of reach.
+    pub fn reach(&self, x_wt: &Pose, q: &ramp_motion::Joints) -> f64 {
+        self.planner.solve(x_wt, q).map_or(-1.0, |q| self.planner.kinematics.range_margin(&q))
+    }
+
+    /// Moves the open hand over a part, at travelling height.
+    ///
+    /// # Errors
+    /// When the part is unseen or out of reach, or the robot stops.
+    pub fn hover(&mut self, part: &str, link: Option<&str>) -> Result<(), SkillError> {
+        self.belief.update(&mut self.hand)?;
+        let (mut x_wt, open, _) = self.grasp_of(part, link)?;
+        self.hand.gripper.width = open;
+        x_wt.translation.z = TRAVEL;
+        self.travel(&x_wt)
+    }
+
+    /// Grips a part where it stands: the hand comes from above, closes and checks that it holds something of the
+    /// right width.
+    ///
+    /// # Errors
+    /// [`Fault::NotHeld`], or what stopped the motion.
+    pub fn seize(&mut self, part: &str, x_wt: &Pose, open: f64, width: f64) -> Result<(), SkillError> {
+        self.hand.gripper.width = open;
+        self.descend(x_wt, part)?;
+        self.hand.relax();
+        self.hand.grip(width - SQUEEZE, GRIP_FORCE)?;
+        if (self.hand.seen.width - width).abs() > WIDTH_TOLERANCE {
+            return Err(Fault::NotHeld { part: part.to_string() }.into());
+        }
+        self.belief.update(&mut self.hand)?;
+        let x_wp = self.belief.pose(part)?;
+        let (mass, p_centre) = match self.kit.beam(part) {
+            Some(beam) => (beam.mass(), grasp::beam_centre(beam)),
+            None => (grasp::PEG_MASS, grasp::peg_centre()),
+        };
+        let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
+        self.hand.held = Some(Held { part: part.to_string(), x_tp, mass, p_centre });
+        Ok(())
+    }
+
+    /// Picks up a part and lifts it a little.
+    ///
+    /// # Errors
+    /// As [`Workcell::seize`].
+    pub fn pick_up(&mut self, part: &str, link: Option<&str>) -> Result<(), SkillError> {
+        self.belief.update(&mut self.hand)?;
+        let (x_wt, open, width) = self.grasp_of(part, link)?;
+        self.seize(part, &x_wt, open, width)?;
+        let mut up = self.hand.setpoint;
+        // A peg must leave its holder altogether, a beam only the table.
+        up.translation.z += if self.kit.beam(part).is_some() { LIFT } else { 0.045 };
+        self.hand.go(&up, 0.15)?;
+        self.regrip(part)
+    }
+
+    /// Looks where the held part is in the hand now.
+    ///
+    /// # Errors
+    /// [`Fault::NotHeld`] when it is not there.
+    pub fn regrip(&mut self, part: &str) -> Result<(), SkillError> {
+        self.belief.update(&mut self.hand)?;
+        let x_wp = self.belief.pose(part)?;
+        let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
+        if let Some(held) = &mut self.hand.held {
+            let moved = (x_tp.translation.vector - held.x_tp.translation.vector).norm();
+            held.x_tp = x_tp;
+            if moved > 0.01 {
+                self.hand.held = None;
+                return Err(Fault::NotHeld { part: part.to_string() }.into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets go of what is held and retreats straight up.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn release(&mut self) -> Result<(), SkillError> {
+        let beam = self.hand.held.as_ref().is_some_and(|held| self.kit.beam(&held.part).is_some());
+        self.hand.held = None;
+        self.hand.relax();
+        self.hand.grip(if beam { BEAM_OPEN } else { PEG_OPEN }, 20.0)?;
+        let mut up = self.hand.setpoint;
+        up.translation.z += 0.05;
+        self.hand.go(&up, 0.2)?;
+        self.belief.update(&mut self.hand)?;
+        Ok(())
+    }
+}

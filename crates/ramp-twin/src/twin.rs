@@ -1,0 +1,472 @@
+//! The twin itself: MuJoCo's model and state behind the `Robot` seam, and the truth beside it.
+
+use std::sync::Arc;
+
+use mujoco_rs::prelude::*;
+use mujoco_rs::wrappers::mj_model::MjtObjBase;
+use nalgebra::{SMatrix, Translation3, Vector3, Vector6};
+use ramp_assembly::Assembly;
+use ramp_kit::Kit;
+use ramp_robot::arm::ArmModel;
+use ramp_robot::random::Stream;
+use ramp_robot::{
+    ArmCommand, Command, DOF, Impedance, Observation, PartReading, Pose, Robot, RobotError, Track,
+};
+
+use crate::control::{
+    ArmState, GripperLoop, Jacobian, JointVector, impedance, limit_torques, pose_impedance,
+    rotation_from_rows, track_joints, track_velocities,
+};
+use crate::layout::{Disturbance, Layout};
+use crate::scene::scene_xml;
+
+/// Length of a control period and of a physics step, s.
+pub const PERIOD: f64 = 0.001;
+/// Longest episode, s of robot time.
+pub const TIME_LIMIT: f64 = 30.0 * 60.0;
+/// How far a joint may overshoot a soft stop before the robot reports it, rad.
+const POSITION_MARGIN: f64 = 0.005;
+/// Standard deviation of the wrist sensor's force, N, and torque, N·m, per reading before its low-pass filter.
+const FORCE_NOISE: f64 = 0.3;
+/// See [`FORCE_NOISE`].
+const TORQUE_NOISE: f64 = 0.01;
+/// Share of a new reading in the wrist sensor's low-pass filter: a time constant of 20 ms.
+const WRENCH_FILTER: f64 = 0.05;
+/// Standard gravity as MuJoCo's default has it, m/s².
+const GRAVITY: f64 = 9.81;
+/// Width the gripper starts with, m.
+const START_WIDTH: f64 = 0.04;
+
+/// What an episode in the twin is made from.
+#[derive(Clone, Debug)]
+pub struct Setup<'a> {
+    /// The parts.
+    pub kit: &'a Kit,
+    /// The goal.
+    pub assembly: &'a Assembly,
+    /// The arm.
+    pub arm: &'a ArmModel,
+    /// What the agent may see.
+    pub track: Track,
+    /// All randomness flows from here.
+    pub seed: u64,
+    /// How far the start differs from the sheet's outlines.
+    pub disturbance: Disturbance,
+}
+
+/// Why a twin could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum TwinError {
+    /// MuJoCo refused the scene.
+    #[error("MuJoCo cannot compile the scene: {0}")]
+    Scene(String),
+    /// The scene lacks something the twin needs: the kit or the arm file is not what it should be.
+    #[error("the scene has no {0}")]
+    Missing(String),
+}
+
+/// Where everything really is: for the referee alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Truth {
+    /// Robot time, s.
+    pub time: f64,
+    /// Pose of each part's frame in the world, in the order of [`Twin::part_names`].
+    pub x_wp: Vec<Pose>,
+}
+
+/// The simulated world with its robot.
+pub struct Twin {
+    data: MjData<Arc<MjModel>>,
+    xml: String,
+    arm: ArmModel,
+    track: Track,
+    /// Name and MuJoCo body of each beam and peg.
+    parts: Vec<(String, usize)>,
+    /// For each geom: does it belong to a beam, a peg or a holder?
+    is_part: Vec<bool>,
+    wrist_site: usize,
+    tip_site: usize,
+    /// Bodies that hang from the wrist, whose weight the sensor's reading is freed of.
+    hand_bodies: [usize; 3],
+    gripper: GripperLoop,
+    /// Joint targets of the last period, from which the velocities of a position command come.
+    last_target: Option<JointVector>,
+    /// Cartesian target of the last period, likewise.
+    last_pose: Option<Pose>,
+    /// Posture that a bare pose command keeps.
+    posture: [f64; DOF],
+    state: ArmState,
+    torques: JointVector,
+    wrench: Vector6<f64>,
+    noise: Stream,
+    failed: Option<RobotError>,
+    deepest: f64,
+    steps: u64,
+    observation: Observation,
+}
+
+impl Twin {
+    /// Builds the scene and puts every part at its start.
+    ///
+    /// # Errors
+    /// When MuJoCo refuses the scene.
+    pub fn new(setup: &Setup) -> Result<Twin, TwinError> {
+        let layout = Layout::new(setup.kit, setup.assembly, setup.disturbance, setup.seed);
+        let base = &setup.assembly.beams[setup.assembly.base].beam.name;
+        let xml = scene_xml(setup.kit, setup.arm, &layout, base);
+        let model = MjModel::from_xml_string(&xml).map_err(|error| TwinError::Scene(error.to_string()))?;
+        let find = |kind, name: &str| {
+            model.name_to_id(kind, name).ok_or_else(|| TwinError::Missing(name.to_string()))
+        };
+        let body = |name: &str| find(MjtObjBase::mjOBJ_BODY, name);
+        let mut parts = Vec::new();
+        for name in layout.beams.iter().chain(&layout.pegs).map(|(name, _)| name) {
+            parts.push((name.clone(), body(name)?));
+        }
+        let mut part_bodies: Vec<usize> = parts.iter().map(|(_, id)| *id).collect();
+        for (name, _) in &layout.holders {
+            part_bodies.push(body(name)?);
+        }
+        let is_part = model
+            .geom_bodyid()
+            .iter()
+            .map(|id| part_bodies.contains(&(*id as usize)))
+            .collect();
+        let wrist_site = find(MjtObjBase::mjOBJ_SITE, "wrist")?;
+        let tip_site = find(MjtObjBase::mjOBJ_SITE, "tip")?;
+        let hand_bodies = [body("hand")?, body("finger1")?, body("finger2")?];
+        let mut data = MjData::new(Arc::new(model));
+        data.qpos_mut()[..DOF].copy_from_slice(&setup.arm.home);
+        data.qpos_mut()[DOF..DOF + 2].copy_from_slice(&[START_WIDTH / 2.0; 2]);
+        data.forward();
+        let mut twin = Twin {
+            data,
+            xml,
+            arm: setup.arm.clone(),
+            track: setup.track,
+            parts,
+            is_part,
+            wrist_site,
+            tip_site,
+            hand_bodies,
+            gripper: GripperLoop::new(START_WIDTH / 2.0),
+            last_target: None,
+            last_pose: None,
+            posture: setup.arm.home,
+            state: ArmState {
+                positions: JointVector::from(setup.arm.home),
+                velocities: JointVector::zeros(),
+                x_wt: Pose::identity(),
+                jacobian: Jacobian::zeros(),
+                inertia: SMatrix::identity(),
+            },
+            torques: JointVector::zeros(),
+            wrench: Vector6::zeros(),
+            noise: Stream::new(setup.seed, "wrist"),
+            failed: None,
+            deepest: 0.0,
+            steps: 0,
+            observation: Observation {
+                time: 0.0,
+                positions: setup.arm.home,
+                velocities: [0.0; DOF],
+                torques: [0.0; DOF],
+                x_wt: Pose::identity(),
+                wrench: Vector6::zeros(),
+                width: START_WIDTH,
+            },
+        };
+        twin.state = twin.arm_state();
+        twin.wrench = twin.read_wrist();
+        twin.sense();
+        Ok(twin)
+    }
+
+    /// The scene as MJCF.
+    pub fn scene(&self) -> &str {
+        &self.xml
+    }
+
+    /// MuJoCo's model, to be looked at.
+    pub fn model(&self) -> &MjModel {
+        self.data.model()
+    }
+
+    /// The full physics state: joint positions of the arm, the fingers and all parts.
+    pub fn qpos(&self) -> &[f64] {
+        self.data.qpos()
+    }
+
+    /// Actuator commands of the last step.
+    pub fn ctrl(&self) -> &[f64] {
+        self.data.ctrl()
+    }
+
+    /// Names of all beams and pegs, in the order of [`Truth::x_wp`].
+    pub fn part_names(&self) -> impl Iterator<Item = &str> {
+        self.parts.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// Where everything really is.
+    pub fn truth(&self) -> Truth {
+        Truth { time: self.time(), x_wp: self.parts.iter().map(|(_, id)| self.body_pose(*id)).collect() }
+    }
+
+    /// Deepest penetration between two parts in any step so far, m.
+    pub fn deepest_penetration(&self) -> f64 {
+        self.deepest
+    }
+
+    /// Robot time, s: counted in steps, so that it carries no rounding.
+    pub fn time(&self) -> f64 {
+        self.steps as f64 * PERIOD
+    }
+
+    /// A number that two runs share only if they share every bit of their physics state.
+    pub fn state_hash(&self) -> u64 {
+        let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
+        for value in self.data.qpos().iter().chain(self.data.qvel()) {
+            for byte in value.to_bits().to_le_bytes() {
+                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+            }
+        }
+        hash
+    }
+
+    fn body_pose(&self, id: usize) -> Pose {
+        let p = self.data.xpos()[id];
+        let [w, x, y, z] = self.data.xquat()[id];
+        let rotation = nalgebra::UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
+        Pose::from_parts(Translation3::new(p[0], p[1], p[2]), rotation)
+    }
+
+    /// The arm's joint-space inertia: the first rows of MuJoCo's sparse lower triangle.
+    fn arm_inertia(&self) -> SMatrix<f64, DOF, DOF> {
+        let model = self.data.model();
+        let values = self.data.m();
+        let mut inertia = SMatrix::<f64, DOF, DOF>::zeros();
+        for row in 0..DOF {
+            let from = model.m_rowadr()[row] as usize;
+            for at in from..from + model.m_rownnz()[row] as usize {
+                let column = model.m_colind()[at] as usize;
+                inertia[(row, column)] = values[at];
+                inertia[(column, row)] = values[at];
+            }
+        }
+        inertia
+    }
+
+    fn arm_state(&self) -> ArmState {
+        let p_wt = Vector3::from(self.data.site_xpos()[self.tip_site]);
+        let rotation = rotation_from_rows(&self.data.site_xmat()[self.tip_site]);
+        let mut jacobian = Jacobian::zeros();
+        for joint in 0..DOF {
+            let axis = Vector3::from(self.data.xaxis()[joint]);
+            let anchor = Vector3::from(self.data.xanchor()[joint]);
+            let linear = axis.cross(&(p_wt - anchor));
+            jacobian.fixed_view_mut::<3, 1>(0, joint).copy_from(&linear);
+            jacobian.fixed_view_mut::<3, 1>(3, joint).copy_from(&axis);
+        }
+        ArmState {
+            positions: JointVector::from_column_slice(&self.data.qpos()[..DOF]),
+            velocities: JointVector::from_column_slice(&self.data.qvel()[..DOF]),
+            x_wt: Pose::from_parts(Translation3::from(p_wt), rotation),
+            jacobian,
+            inertia: self.arm_inertia(),
+        }
+    }
+
+    /// What the wrist sensor would read without noise: the hand's wrench on what it touches and holds, at the
+    /// wrist, axes of the world; the weight of the hand itself taken off.
+    fn read_wrist(&self) -> Vector6<f64> {
+        let sensor = self.data.sensordata();
+        let rotation = rotation_from_rows(&self.data.site_xmat()[self.wrist_site]);
+        let p_wrist = Vector3::from(self.data.site_xpos()[self.wrist_site]);
+        let mut force = rotation * Vector3::new(sensor[0], sensor[1], sensor[2]);
+        let mut moment = rotation * Vector3::new(sensor[3], sensor[4], sensor[5]);
+        // MuJoCo gives the wrench that carries the hand: up, at rest. The hand's own weight is known.
+        for body in self.hand_bodies {
+            let weight = Vector3::new(0.0, 0.0, self.data.model().body_mass()[body] * GRAVITY);
+            force -= weight;
+            moment -= (Vector3::from(self.data.xipos()[body]) - p_wrist).cross(&weight);
+        }
+        // Carried from outside with +f, the hand presses on the outside with −f.
+        Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
+    }
+
+    fn sense(&mut self) {
+        let state = &self.state;
+        self.observation = Observation {
+            time: self.time(),
+            positions: state.positions.into(),
+            velocities: state.velocities.into(),
+            torques: self.torques.into(),
+            x_wt: state.x_wt,
+            wrench: self.wrench,
+            width: self.data.qpos()[DOF] + self.data.qpos()[DOF + 1],
+        };
+    }
+
+    fn command_torques(&mut self, state: &ArmState, command: &ArmCommand) -> JointVector {
+        let before = self.last_target.take();
+        let pose_before = self.last_pose.take();
+        match command {
+            ArmCommand::JointPositions(positions) => {
+                let target = JointVector::from(*positions);
+                let velocities = before.map_or(JointVector::zeros(), |before| (target - before) / PERIOD);
+                self.last_target = Some(target);
+                self.posture = *positions;
+                track_joints(state, &target, &velocities)
+            }
+            ArmCommand::JointVelocities(velocities) => track_velocities(state, &JointVector::from(*velocities)),
+            ArmCommand::JointTorques(torques) => JointVector::from(*torques),
+            ArmCommand::CartesianPose(x_wt) => {
+                self.last_pose = Some(*x_wt);
+                let velocity = target_velocity(pose_before.as_ref(), x_wt);
+                impedance(state, &pose_impedance(x_wt, self.posture), &velocity)
+            }
+            ArmCommand::CartesianImpedance(command) => {
+                self.last_pose = Some(command.x_wt);
+                impedance(state, command, &target_velocity(pose_before.as_ref(), &command.x_wt))
+            }
+        }
+    }
+
+    fn check_arm(&self) -> Result<(), RobotError> {
+        let state = &self.state;
+        for (index, joint) in self.arm.joints.iter().enumerate() {
+            let (position, velocity) = (state.positions[index], state.velocities[index]);
+            let [low, high] = joint.range;
+            if !position.is_finite() || !velocity.is_finite() {
+                return Err(RobotError::Diverged { time: self.time() });
+            }
+            if position < low - POSITION_MARGIN || position > high + POSITION_MARGIN {
+                return Err(RobotError::JointPosition { joint: index + 1, position, low, high });
+            }
+            if velocity.abs() > joint.velocity {
+                return Err(RobotError::JointVelocity { joint: index + 1, velocity, limit: joint.velocity });
+            }
+        }
+        Ok(())
+    }
+
+    fn watch_penetration(&mut self) {
+        for contact in self.data.contact() {
+            if -contact.dist > self.deepest {
+                let both = contact.geom.iter().all(|geom| {
+                    usize::try_from(*geom).ok().and_then(|geom| self.is_part.get(geom)).copied() == Some(true)
+                });
+                if both {
+                    self.deepest = -contact.dist;
+                }
+            }
+        }
+    }
+
+    fn advance(&mut self, command: &Command) -> Result<(), RobotError> {
+        check_command(command)?;
+        if self.time() >= TIME_LIMIT {
+            return Err(RobotError::OutOfTime { limit: TIME_LIMIT });
+        }
+        let before = self.state.clone();
+        let wanted = self.command_torques(&before, &command.arm);
+        self.torques = limit_torques(&self.arm, wanted);
+        let q = [self.data.qpos()[DOF], self.data.qpos()[DOF + 1]];
+        let v = [self.data.qvel()[DOF], self.data.qvel()[DOF + 1]];
+        let fingers = self.gripper.forces(command.gripper.width, command.gripper.force, q, v, PERIOD);
+        let ctrl = self.data.ctrl_mut();
+        ctrl[..DOF].copy_from_slice(self.torques.as_slice());
+        ctrl[DOF..DOF + 2].copy_from_slice(&fingers);
+        self.data.step();
+        self.steps += 1;
+        self.watch_penetration();
+        let reading = self.read_wrist();
+        let noise = Vector6::from_fn(|axis, _| {
+            self.noise.normal(if axis < 3 { FORCE_NOISE } else { TORQUE_NOISE })
+        });
+        self.wrench += (reading + noise - self.wrench) * WRENCH_FILTER;
+        self.state = self.arm_state();
+        self.sense();
+        self.check_arm()
+    }
+}
+
+/// Velocity of a Cartesian target from one period to the next, limited to what can be a motion and not a jump:
+/// m/s and rad/s, axes of the world.
+fn target_velocity(before: Option<&Pose>, now: &Pose) -> Vector6<f64> {
+    const LIMIT: f64 = 0.5;
+    let Some(before) = before else { return Vector6::zeros() };
+    let shift = (now.translation.vector - before.translation.vector) / PERIOD;
+    let turn = (now.rotation * before.rotation.inverse()).scaled_axis() / PERIOD;
+    Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z).map(|value| value.clamp(-LIMIT, LIMIT))
+}
+
+/// Refuses what is not finite or not sensible, before anything moves.
+fn check_command(command: &Command) -> Result<(), RobotError> {
+    let finite = |values: &[f64], what| {
+        if values.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(RobotError::BadCommand { what }) }
+    };
+    let pose = |x: &Pose, what| {
+        finite(x.translation.vector.as_slice(), what)?;
+        finite(x.rotation.coords.as_slice(), what)
+    };
+    match &command.arm {
+        ArmCommand::JointPositions(values) => finite(values, "joint positions")?,
+        ArmCommand::JointVelocities(values) => finite(values, "joint velocities")?,
+        ArmCommand::JointTorques(values) => finite(values, "joint torques")?,
+        ArmCommand::CartesianPose(x) => pose(x, "pose")?,
+        ArmCommand::CartesianImpedance(Impedance {
+            x_wt,
+            stiffness,
+            damping_ratio,
+            feed_forward,
+            posture,
+        }) => {
+            pose(x_wt, "target pose")?;
+            finite(stiffness.as_slice(), "stiffness")?;
+            finite(&[*damping_ratio], "damping ratio")?;
+            finite(feed_forward.as_slice(), "feed-forward wrench")?;
+            finite(posture, "posture")?;
+            if stiffness.iter().any(|value| *value < 0.0) || *damping_ratio < 0.0 {
+                return Err(RobotError::BadCommand { what: "stiffness or damping ratio" });
+            }
+        }
+    }
+    finite(&[command.gripper.width, command.gripper.force], "gripper width or force")?;
+    if command.gripper.width < 0.0 || command.gripper.force < 0.0 {
+        return Err(RobotError::BadCommand { what: "gripper width or force" });
+    }
+    Ok(())
+}
+
+impl Robot for Twin {
+    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
+        if let Some(error) = &self.failed {
+            return Err(error.clone());
+        }
+        match self.advance(command) {
+            Ok(()) => Ok(self.observation.clone()),
+            Err(error) => {
+                self.failed = Some(error.clone());
+                Err(error)
+            }
+        }
+    }
+
+    fn observe(&self) -> Observation {
+        self.observation.clone()
+    }
+
+    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
+        if let Some(error) = &self.failed {
+            return Err(error.clone());
+        }
+        match self.track {
+            Track::State => Ok(self
+                .parts
+                .iter()
+                .map(|(name, id)| PartReading { part: name.clone(), x_wp: self.body_pose(*id) })
+                .collect()),
+        }
+    }
+}
