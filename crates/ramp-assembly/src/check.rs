@@ -8,6 +8,8 @@
 use crate::assembly::{Assembly, Connection, Insertion, PlacedBeam};
 use nalgebra::{Unit, Vector2, Vector3};
 use ramp_kit::shape::{Cuboid, Shape, beam_shapes};
+use ramp_kit::{Beam, Pose};
+use std::collections::HashMap;
 
 /// Parts that reach less than this into each other touch, m.
 pub const TOUCH: f64 = 0.01e-3;
@@ -21,16 +23,36 @@ const MARGIN: f64 = 5.0e-3;
 pub const MAX_BEAMS: usize = 16;
 
 /// What the geometry of an assembly says.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// Distance between the two holes of each connection, m.
-    pub residuals: Vec<f64>,
-    /// The two beams that come closest, by index, and the gap between them, m.
-    pub smallest_gap: Option<(usize, usize, f64)>,
+    /// How each connection fits, in the order of the file.
+    pub fits: Vec<Fit>,
+    /// The gap between the two beams that come closest, and their indices, the smaller one first.
+    pub smallest_gap: Option<Gap>,
     /// Beams that reach into each other.
     pub overlaps: Vec<Overlap>,
-    /// An order of straight insertions; empty when there is none.
-    pub insertions: Vec<Insertion>,
+    /// An order of straight insertions that builds it; `None` when there is none.
+    pub insertions: Option<Vec<Insertion>>,
+}
+
+/// How well a connection fits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// Distance between the two holes, m.
+    pub residual: f64,
+    /// The smallest gap between the two beams, m; 0 when they touch or overlap.
+    pub gap: f64,
+}
+
+/// The space between two beams.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap {
+    /// Index of the one.
+    pub first: usize,
+    /// Index of the other.
+    pub second: usize,
+    /// Its width, m.
+    pub width: f64,
 }
 
 /// Two beams that reach into each other.
@@ -44,16 +66,29 @@ pub struct Overlap {
     pub depth: f64,
 }
 
-/// Looks at the geometry of an assembly once more.
+/// Looks at the geometry of an assembly once more, from its poses and connections alone.
+///
+/// ```
+/// # use std::path::Path;
+/// # let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+/// let kit = ramp_kit::read_kit(&data.join("kit.xml"))?;
+/// let goal = ramp_assembly::read_goal(&data.join("goals/easy-3.xml"), &kit)?;
+/// let report = ramp_assembly::report(&goal);
+/// assert!(report.fits.iter().all(|fit| fit.residual < 1e-6 && (fit.gap - 0.3e-3).abs() < 1e-6));
+/// assert!(report.overlaps.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn report(assembly: &Assembly) -> Report {
-    let residual =
-        |c: &Connection| nalgebra::distance(&assembly.p_a_hole(c.male), &assembly.p_a_hole(c.female));
     let solids = Solids::new(&assembly.beams);
+    let fit = |c: &Connection| Fit {
+        residual: nalgebra::distance(&assembly.p_a_hole(c.male), &assembly.p_a_hole(c.female)),
+        gap: solids.gap(c.male.beam, c.female.beam),
+    };
     Report {
-        residuals: assembly.connections.iter().map(residual).collect(),
+        fits: assembly.connections.iter().map(fit).collect(),
         smallest_gap: solids.smallest_gap(),
         overlaps: solids.overlaps(),
-        insertions: assembly.insertions.clone(),
+        insertions: find_order(&assembly.beams, assembly.base, &assembly.connections).ok(),
     }
 }
 
@@ -67,9 +102,9 @@ struct Block {
 }
 
 impl Block {
-    fn new(cuboid: &Cuboid, placed: &PlacedBeam) -> Block {
-        let centre = placed.x_ab * nalgebra::Point3::from(cuboid.centre());
-        let along = placed.x_ab.rotation * Vector3::x();
+    fn new(cuboid: &Cuboid, x_ab: &Pose) -> Block {
+        let centre = x_ab * nalgebra::Point3::from(cuboid.centre());
+        let along = x_ab.rotation * Vector3::x();
         // Turning a beam about its own axis maps its boxes onto boxes of the same size.
         let x = Vector2::new(along.x, along.y).normalize();
         Block { centre: centre.coords, axes: [x, Vector2::new(-x.y, x.x)], half: cuboid.half().into() }
@@ -147,15 +182,35 @@ impl Block {
     }
 }
 
+/// The boxes of a beam in its own frame.
+pub(crate) fn boxes(beam: &Beam) -> Vec<Cuboid> {
+    beam_shapes(beam).iter().map(bounds).collect()
+}
+
+/// How far two beams, given by their boxes and poses, reach into each other, m; 0 or less when they do not.
+pub(crate) fn overlap_depth(first: (&[Cuboid], &Pose), second: (&[Cuboid], &Pose)) -> f64 {
+    let at = |(boxes, x_ab): (&[Cuboid], &Pose)| -> Vec<Block> {
+        boxes.iter().map(|cuboid| Block::new(cuboid, x_ab)).collect()
+    };
+    deepest(&at(first), &at(second))
+}
+
+/// As [`overlap_depth`]; parts that only touch do not overlap.
+fn deepest(first: &[Block], second: &[Block]) -> f64 {
+    let depth =
+        first.iter().flat_map(|a| second.iter().map(move |b| a.depth(b))).fold(f64::NEG_INFINITY, f64::max);
+    if depth > TOUCH { depth } else { depth.min(0.0) }
+}
+
 /// The blocks of every beam of an assembly at its place.
-pub(crate) struct Solids {
+struct Solids {
     beams: Vec<Vec<Block>>,
 }
 
 impl Solids {
-    pub fn new(beams: &[PlacedBeam]) -> Solids {
+    fn new(beams: &[PlacedBeam]) -> Solids {
         let blocks = |placed: &PlacedBeam| {
-            beam_shapes(&placed.beam).iter().map(|shape| Block::new(&bounds(shape), placed)).collect()
+            boxes(&placed.beam).iter().map(|cuboid| Block::new(cuboid, &placed.x_ab)).collect()
         };
         Solids { beams: beams.iter().map(blocks).collect() }
     }
@@ -169,21 +224,21 @@ impl Solids {
         self.beams[first].iter().flat_map(move |a| self.beams[second].iter().map(move |b| (a, b)))
     }
 
-    pub fn overlaps(&self) -> Vec<Overlap> {
-        let overlap = |(first, second)| {
-            let depth =
-                self.blocks_of(first, second).map(|(a, b)| a.depth(b)).fold(f64::NEG_INFINITY, f64::max);
-            (depth > TOUCH).then_some(Overlap { first, second, depth })
+    fn overlaps(&self) -> Vec<Overlap> {
+        let overlap = |(first, second): (usize, usize)| {
+            let depth = deepest(&self.beams[first], &self.beams[second]);
+            (depth > 0.0).then_some(Overlap { first, second, depth })
         };
         self.pairs().filter_map(overlap).collect()
     }
 
-    fn smallest_gap(&self) -> Option<(usize, usize, f64)> {
-        let gap = |(first, second)| {
-            let gap = self.blocks_of(first, second).map(|(a, b)| a.gap(b)).fold(f64::INFINITY, f64::min);
-            (first, second, gap)
-        };
-        self.pairs().map(gap).min_by(|a, b| a.2.total_cmp(&b.2))
+    fn gap(&self, first: usize, second: usize) -> f64 {
+        self.blocks_of(first, second).map(|(a, b)| a.gap(b)).fold(f64::INFINITY, f64::min)
+    }
+
+    fn smallest_gap(&self) -> Option<Gap> {
+        let gaps = self.pairs().map(|(first, second)| Gap { first, second, width: self.gap(first, second) });
+        gaps.min_by(|a, b| a.width.total_cmp(&b.width))
     }
 
     /// Where on the way out, `back` being its direction, `moving` meets `standing`.
@@ -235,21 +290,24 @@ fn merge(mut ranges: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 /// A set of beams, one bit each.
 type Set = u32;
 
-/// Why there is no order.
+/// There is no order: none of these beams can be taken out while the others stand.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Stuck {
-    /// The beams of which none can be taken out while the others stand; empty when only a connection is missing.
     pub beams: Vec<usize>,
 }
+
+/// From above.
+const DOWN: Vector3<f64> = Vector3::new(0.0, 0.0, -1.0);
 
 /// The directions of motion that are tried, the usual ones first: a beam at an angle along its own axis, any other
 /// towards the clamped beam, then along it.
 fn directions(placed: &PlacedBeam) -> Vec<Unit<Vector3<f64>>> {
-    let along = placed.x_ab.rotation * Vector3::x();
+    let axis = placed.x_ab.rotation * Vector3::x();
+    let along = Vector3::new(axis.x, axis.y, 0.0);
     let square = [[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from);
     let own = [-along, along];
     let mut candidates = if is_square(placed) { [&square[..], &own] } else { [&own[..], &square] }.concat();
-    candidates.push(Vector3::new(0.0, 0.0, -1.0));
+    candidates.push(DOWN);
     let candidates = candidates.into_iter().map(Unit::new_normalize);
     let mut kept: Vec<Unit<Vector3<f64>>> = Vec::new();
     for direction in candidates {
@@ -268,7 +326,8 @@ fn is_square(placed: &PlacedBeam) -> bool {
 
 /// What an insertion costs beyond the plain case; the order with the least total is taken.
 mod cost {
-    /// A beam that nothing holds yet, laid down at its place: the next one may push it away.
+    /// A beam that nothing holds yet, laid down at its place (or, failing that, pushed there): the next one may
+    /// push it away.
     pub const LAID: u32 = 10;
     /// A beam that comes down onto others from above.
     pub const FROM_ABOVE: u32 = 5;
@@ -300,21 +359,17 @@ pub(crate) fn find_order(
             directions[moving].iter().map(to).collect()
         })
         .collect();
-    let mut order = Order {
-        count: beams.len(),
-        square: beams.iter().map(is_square).collect(),
-        connections,
-        directions,
-        ways,
-        best: Default::default(),
-    };
-    let mut standing: Set = 1 << base;
+    let square = beams.iter().map(is_square).collect();
+    let mut order = Order { count: beams.len(), square, connections, directions, ways, best: HashMap::new() };
     let all: Set = (0..beams.len()).fold(0, |set, beam| set | 1 << beam);
+    let stuck = order.stuck(base, all);
+    if !stuck.is_empty() {
+        return Err(Stuck { beams: stuck });
+    }
+    let mut standing: Set = 1 << base;
     let mut insertions = Vec::new();
-    while standing != all {
-        let Some((_, insertion)) = order.best_next(standing, all) else {
-            return Err(Stuck { beams: order.stuck(base, all) });
-        };
+    // What can be taken apart one by one can be built one by one, so the search does not fail.
+    while let Some((_, insertion)) = order.best_next(standing, all) {
         standing |= 1 << insertion.beam;
         insertions.push(insertion);
     }
@@ -332,7 +387,7 @@ struct Order<'a> {
     ways: Vec<Vec<Vec<WayOut>>>,
     /// For each set of standing beams, the least cost to build the rest and the first step; `None` when it cannot
     /// be built.
-    best: std::collections::HashMap<Set, Option<(u32, Insertion)>>,
+    best: HashMap<Set, Option<(u32, Insertion)>>,
 }
 
 impl Order<'_> {
@@ -356,6 +411,9 @@ impl Order<'_> {
             if best.as_ref().is_none_or(|(least, _)| total < *least) {
                 best = Some((total, insertion));
             }
+            if total == 0 {
+                break;
+            }
         }
         self.best.insert(standing, best.clone());
         best
@@ -378,11 +436,12 @@ impl Order<'_> {
                 || (c.male.beam == beam && standing & (1 << c.female.beam) != 0)
         });
         let mut best: Option<(u32, Insertion)> = None;
-        for (index, direction) in self.directions[beam].iter().enumerate() {
+        // Down comes last in the list, and first for a beam that nothing guides.
+        let count = self.directions[beam].len();
+        let first = if connected { 0 } else { count - 1 };
+        for index in (0..count).map(|index| (index + first) % count) {
+            let direction = &self.directions[beam][index];
             let vertical = direction.z != 0.0;
-            if !connected && !vertical {
-                continue;
-            }
             let Some(distance) = self.clear_distance(beam, index, standing) else { continue };
             let threaded = self.swallowed(beam, standing).any(|male| {
                 self.ways[beam][index][male].covers.first().is_some_and(|cover| cover[1] > LEAST_DISTANCE)
@@ -395,6 +454,9 @@ impl Order<'_> {
             };
             if best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 best = Some((cost, Insertion { beam, direction: *direction, distance }));
+            }
+            if cost == 0 {
+                break;
             }
         }
         best

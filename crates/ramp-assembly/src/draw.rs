@@ -22,9 +22,11 @@ const TITLE: f64 = 40.0;
 /// Height of a row of the legend, mm.
 const ROW: f64 = 17.0;
 /// Height of a row in the list of pegs, mm.
-const PEG_ROW: f64 = 14.5;
-/// Radius of a peg's number, mm.
-const PEG: f64 = 8.4;
+const PEG_ROW: f64 = 15.5;
+/// Radius of a peg, mm.
+const PEG: f64 = 6.8;
+/// Radius of a peg in the legend, mm.
+const SMALL_PEG: f64 = 6.2;
 
 const PAPER: &str = "#ffffff";
 const INK: &str = "#2b3440";
@@ -213,6 +215,12 @@ impl<'a> Picture<'a> {
             if !males {
                 self.walls(svg, placed, joint, outward, colour[1]);
             }
+            let [x, y] = self.at(placed.x_ab * Point3::new(joint.offset, 0.0, 0.0));
+            let _ = writeln!(
+                svg,
+                r#"<circle cx="{x:.2}" cy="{y:.2}" r="4.2" fill="{PAPER}" fill-opacity="0.8" stroke="{}" stroke-width="0.8"/>"#,
+                colour[1],
+            );
         }
     }
 
@@ -286,7 +294,7 @@ impl<'a> Picture<'a> {
     fn pegs(&self, svg: &mut String) {
         for (number, &index) in self.pegs.iter().enumerate() {
             let at = self.at(self.assembly.p_a_hole(self.assembly.connections[index].female));
-            numbered(svg, at, number + 1);
+            numbered(svg, at, PEG, number + 1);
         }
     }
 
@@ -328,7 +336,7 @@ impl<'a> Picture<'a> {
         y += 18.0;
         for (number, &index) in self.pegs.iter().enumerate() {
             let connection = &assembly.connections[index];
-            numbered(svg, [x + 6.0, y], number + 1);
+            numbered(svg, [x + 6.0, y], SMALL_PEG, number + 1);
             let words = format!(
                 "{} in {}",
                 assembly.joint_name(connection.male),
@@ -352,13 +360,11 @@ fn extent(joint: &Joint, outward: f64) -> [f64; 2] {
 }
 
 /// A peg: a white disc with its number.
-fn numbered(svg: &mut String, at: [f64; 2], number: usize) {
+fn numbered(svg: &mut String, at: [f64; 2], radius: f64, number: usize) {
     let _ = writeln!(
         svg,
         r#"<circle cx="{:.2}" cy="{:.2}" r="{}" fill="{PAPER}" stroke="{INK}" stroke-width="1"/>"#,
-        at[0],
-        at[1],
-        if number < 100 { PEG - 1.6 } else { PEG },
+        at[0], at[1], radius,
     );
     text(svg, [at[0], at[1] + 2.9], Align::Middle, 5.8, INK, &number.to_string());
 }
@@ -368,11 +374,12 @@ fn way(direction: &Vector3<f64>) -> String {
     let near = |value: f64, target: f64| (value - target).abs() < 1e-3;
     for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {
         if near(direction[axis].abs(), 1.0) {
-            let sign = if direction[axis] < 0.0 { '-' } else { '+' };
+            let sign = if direction[axis] < 0.0 { '−' } else { '+' };
             return if name == "Z" { "laid from above".to_string() } else { format!("along {sign}{name}") };
         }
     }
-    format!("at {:.1}°", direction.y.atan2(direction.x).to_degrees())
+    let degrees = direction.y.atan2(direction.x).to_degrees();
+    format!("at {}{:.1}°", if degrees < 0.0 { "−" } else { "" }, degrees.abs())
 }
 
 /// An arrow in the direction of an insertion, or a cross in a ring (seen from behind) for one from above.

@@ -17,7 +17,7 @@ mod strokes;
 
 pub use assembly::{Assembly, Class, Connection, Insertion, JointRef, PlacedBeam};
 pub use catalogue::{goal_names, goal_path};
-pub use check::{Overlap, Report, report};
+pub use check::{Fit, Gap, Overlap, Report, report};
 pub use draw::draw_svg;
 pub use ramp_kit::Pose;
 pub use read::{GoalError, GoalProblem, read_goal, read_goal_str};

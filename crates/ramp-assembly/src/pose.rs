@@ -5,7 +5,7 @@
 //! 1. A beam with two of its holes on beams that stand already is fixed by them.
 //! 2. A beam with one hole in (or around) a square female stands at a right angle to its neighbour.
 //! 3. Two beams that are joined with each other, each with one more hole on a beam that stands, close a triangle.
-//! 4. A beam of which only a hole in a long female is known stands at a right angle too, for want of anything else.
+//! 4. A beam of which only a hole in a long female is known lies along X or Y, for want of anything else.
 //!
 //! Where two answers are left (a beam that points the other way, the mirror image of a triangle), the usual one is
 //! tried first: beams point along +X and +Y, as in the published goals. The search goes back when holes do not
@@ -65,48 +65,32 @@ pub(crate) enum Misfit {
     Angle { connection: usize, angle: f64, limit: f64 },
     /// No chain of connections leads from the base to this beam.
     Loose { beam: usize },
+    /// Two beams reach into each other, by this much, m.
+    Overlap { first: usize, second: usize, depth: f64 },
     /// The search was given up.
     TooHard,
 }
 
-/// Places every piece. `connections` are (female, male); `accept` has the last word on a complete placement, and
-/// the first one is returned when it accepts none.
+/// Places every piece. `connections` are (female, male); `depth` tells how far two pieces reach into each other,
+/// m, negative when they do not.
 pub(crate) fn place(
     pieces: &[Piece<'_>],
     base: usize,
     connections: &[(Side, Side)],
-    accept: impl FnMut(&[Planar]) -> bool,
+    depth: impl Fn((usize, &Planar), (usize, &Planar)) -> f64,
 ) -> Result<Vec<Planar>, Misfit> {
-    let mut search = Search {
-        pieces,
-        connections,
-        accept,
-        misfit: None,
-        refused: None,
-        budget: BUDGET,
-        placed: Vec::new(),
-    };
     let mut poses = vec![None; pieces.len()];
     poses[base] = Some(Planar { at: Point2::origin(), yaw: 0.0 });
-    search.placed.push(base);
-    match search.extend(&mut poses) {
-        Some(found) => Ok(found),
-        None => match (search.refused, search.misfit) {
-            (Some(first), _) => Ok(first),
-            (None, Some(misfit)) => Err(misfit),
-            (None, None) => Err(Misfit::TooHard),
-        },
-    }
+    let mut search = Search { pieces, connections, depth, misfit: None, budget: BUDGET, placed: vec![base] };
+    search.extend(&mut poses).ok_or(search.misfit.unwrap_or(Misfit::TooHard))
 }
 
-struct Search<'a, F> {
+struct Search<'a, D> {
     pieces: &'a [Piece<'a>],
     connections: &'a [(Side, Side)],
-    accept: F,
+    depth: D,
     /// The first thing that did not fit, on the likeliest way.
     misfit: Option<Misfit>,
-    /// The first complete placement that was not accepted.
-    refused: Option<Vec<Planar>>,
     budget: usize,
     /// The placed pieces in the order in which they were placed.
     placed: Vec<usize>,
@@ -123,7 +107,7 @@ struct Tie {
     neighbour_yaw: f64,
 }
 
-impl<F: FnMut(&[Planar]) -> bool> Search<'_, F> {
+impl<D: Fn((usize, &Planar), (usize, &Planar)) -> f64> Search<'_, D> {
     /// Depth-first; as deep as there are pieces at most.
     fn extend(&mut self, poses: &mut Vec<Option<Planar>>) -> Option<Vec<Planar>> {
         if self.budget == 0 {
@@ -131,12 +115,7 @@ impl<F: FnMut(&[Planar]) -> bool> Search<'_, F> {
         }
         self.budget -= 1;
         if self.placed.len() == self.pieces.len() {
-            let complete: Vec<Planar> = poses.iter().copied().flatten().collect();
-            if (self.accept)(&complete) {
-                return Some(complete);
-            }
-            self.refused.get_or_insert(complete);
-            return None;
+            return Some(poses.iter().copied().flatten().collect());
         }
         for step in self.candidates(poses) {
             let depth = self.placed.len();
@@ -186,18 +165,19 @@ impl<F: FnMut(&[Planar]) -> bool> Search<'_, F> {
                 return vec![vec![(piece, pose)]];
             }
         }
-        let square = |piece: usize| {
+        let square = |piece: usize, axes: &[f64]| -> Vec<Vec<(usize, Planar)>> {
             let tie = ties[piece][0];
-            let usual = usual_direction(tie.neighbour_yaw + FRAC_PI_2);
-            let pose = |yaw| vec![(piece, Planar::with_hole(tie.point, tie.offset, yaw))];
-            vec![pose(usual), pose(usual + PI)]
+            let mut yaws = axes.to_vec();
+            yaws.push(usual_direction(tie.neighbour_yaw + FRAC_PI_2));
+            let both = yaws.into_iter().flat_map(|yaw| [yaw, yaw + PI]);
+            both.map(|yaw| vec![(piece, Planar::with_hole(tie.point, tie.offset, yaw))]).collect()
         };
         let in_long_female = |piece: &usize| {
             let (female, _) = self.connections[ties[*piece][0].connection];
             self.kind(female) == JointType::AngleF
         };
         if let Some(&piece) = next.iter().find(|piece| !in_long_female(piece)) {
-            return square(piece);
+            return square(piece, &[]);
         }
         for (index, &a) in next.iter().enumerate() {
             for &b in &next[index + 1..] {
@@ -207,7 +187,13 @@ impl<F: FnMut(&[Planar]) -> bool> Search<'_, F> {
                 }
             }
         }
-        square(next[0])
+        // Next to a beam at an angle, one that lies along X or Y is likelier than one at a right angle to it.
+        let first = next[0];
+        if is_square(ties[first][0].neighbour_yaw) {
+            square(first, &[])
+        } else {
+            square(first, &[0.0, FRAC_PI_2])
+        }
     }
 
     fn kind(&self, (piece, joint): Side) -> JointType {
@@ -253,12 +239,8 @@ impl<F: FnMut(&[Planar]) -> bool> Search<'_, F> {
                 continue;
             }
             for corner in circles(tie_a.point, arm_a.abs(), tie_b.point, arm_b.abs()) {
-                let aim = |tie: Tie, arm: f64| {
-                    let way = (corner - tie.point) * arm.signum();
-                    Planar::with_hole(tie.point, tie.offset, way.y.atan2(way.x))
-                };
-                // b first: it is the one that may come out square, and then a takes up the rounding.
-                let (mut pose_a, mut pose_b) = (aim(tie_a, arm_a), aim(tie_b, arm_b));
+                let (mut pose_a, mut pose_b) = (aim_at(tie_a, arm_a, corner), aim_at(tie_b, arm_b, corner));
+                // One that comes out square stays so, and the other takes up the rounding.
                 if is_square(pose_b.yaw) {
                     pose_a = aim_at(tie_a, arm_a, pose_b.hole(self.offset(own_b)));
                 } else if is_square(pose_a.yaw) {
@@ -292,6 +274,14 @@ impl<F: FnMut(&[Planar]) -> bool> Search<'_, F> {
                 if self.kind(female) == JointType::AngleF { MAX_ENTRY_ANGLE } else { MAX_SQUARE_ANGLE };
             if angle > limit {
                 return Some(Misfit::Angle { connection, angle, limit });
+            }
+        }
+        let own = poses[piece].as_ref()?;
+        for &first in self.placed.iter().filter(|&&placed| placed != piece) {
+            let Some(other) = poses[first].as_ref() else { continue };
+            let depth = (self.depth)((first, other), (piece, own));
+            if depth > 0.0 {
+                return Some(Misfit::Overlap { first, second: piece, depth });
             }
         }
         None
@@ -337,9 +327,9 @@ fn circles(p: Point2<f64>, r: f64, q: Point2<f64>, s: f64) -> Vec<Point2<f64>> {
 /// The same angle in (−180°, 180°], exact where it is a right one.
 fn snap(yaw: f64) -> f64 {
     let turned = yaw.rem_euclid(2.0 * PI);
+    let turned = if turned > PI + SNAP { turned - 2.0 * PI } else { turned };
     let quarters = (turned / FRAC_PI_2).round();
-    let exact = if (turned - quarters * FRAC_PI_2).abs() < SNAP { quarters * FRAC_PI_2 } else { turned };
-    if exact > PI + SNAP { exact - 2.0 * PI } else { exact }
+    if (turned - quarters * FRAC_PI_2).abs() < SNAP { quarters * FRAC_PI_2 } else { turned }
 }
 
 fn is_square(yaw: f64) -> bool {

@@ -18,7 +18,7 @@
 //! open and the usual one is not meant.
 
 use crate::assembly::{Assembly, Class, Connection, JointRef, PlacedBeam};
-use crate::check::{self, MAX_BEAMS, Solids};
+use crate::check::{self, MAX_BEAMS};
 use crate::pose::{self, Misfit, Piece, Planar};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_kit::joint::AXIS_HEIGHT;
@@ -201,18 +201,20 @@ pub enum GoalProblem {
         second: String,
         /// In mm.
         depth: f64,
+        /// Where a joint that is open to one side only has its opening, when that may be the reason.
+        opening: Option<String>,
     },
     /// No order of insertions.
     #[error("no order of straight insertions builds this goal: {}", stuck_words(beams))]
     Stuck {
-        /// The beams that hold each other; with none, something stands on its own.
+        /// The beams that hold each other.
         beams: Vec<String>,
     },
 }
 
 fn stuck_words(beams: &[String]) -> String {
     match beams {
-        [] => "some beams have nothing to hold on to when it is their turn".to_string(),
+        [] => String::new(),
         [one] => format!("`{one}` cannot be moved to its place"),
         [most @ .., last] => {
             let most: Vec<String> = most.iter().map(|name| format!("`{name}`")).collect();
@@ -260,6 +262,7 @@ impl Problem for GoalProblem {
             }
             GoalProblem::UnknownJoint { nearest: Some(name), .. } => Some(format!("did you mean `{name}`?")),
             GoalProblem::NotDeclared { beam } => Some(format!("add <component beam=\"{beam}\"/>")),
+            GoalProblem::Overlap { opening, .. } => opening.clone(),
             GoalProblem::BaseNotClamped { clamped: Some(beam), .. } => {
                 Some(format!("the clamped beam is `{beam}`"))
             }
@@ -521,22 +524,15 @@ fn build(file: &SourceFile, root: Node<'_>, kit: &Kit, draft: Draft) -> Result<A
         };
         components.iter().zip(poses).map(beam).collect()
     };
-    let free_of_overlap = |poses: &[Planar]| Solids::new(&placed(poses)).overlaps().is_empty();
-    let poses = pose::place(&pieces, base, &ties, free_of_overlap)
+    let boxes: Vec<_> = pieces.iter().map(|piece| check::boxes(piece.beam)).collect();
+    let depth = |(i, a): (usize, &Planar), (j, b): (usize, &Planar)| {
+        let (x_ai, x_aj) = (x_ab(a, components[i].flipped), x_ab(b, components[j].flipped));
+        check::overlap_depth((&boxes[i], &x_ai), (&boxes[j], &x_aj))
+    };
+    let poses = pose::place(&pieces, base, &ties, depth)
         .map_err(|misfit| explain(misfit, file, root, kit, &components, base, &pairs))?;
     let beams = placed(&poses);
     let beam_name = |index: usize| beams[index].beam.name.clone();
-    if let Some(overlap) = Solids::new(&beams).overlaps().first() {
-        let problem = GoalProblem::Overlap {
-            first: beam_name(overlap.first),
-            second: beam_name(overlap.second),
-            depth: overlap.depth * 1e3,
-        };
-        let (first, second) = (&components[overlap.first], &components[overlap.second]);
-        return Err(
-            Fault::new(problem, file.place(second.span.clone())).also(first.span.clone(), "with this one")
-        );
-    }
     let insertions = check::find_order(&beams, base, &connections).map_err(|stuck| {
         let problem = GoalProblem::Stuck { beams: stuck.beams.iter().map(|&beam| beam_name(beam)).collect() };
         let mut spans = stuck.beams.iter().map(|&beam| components[beam].span.clone());
@@ -578,6 +574,28 @@ fn explain(
         Misfit::Loose { beam } => {
             let problem = GoalProblem::Loose { beam: beam_name(beam), base: beam_name(base) };
             Fault::new(problem, file.place(components[beam].span.clone()))
+        }
+        Misfit::Overlap { first, second, depth } => {
+            let problem = GoalProblem::Overlap {
+                first: beam_name(first),
+                second: beam_name(second),
+                depth: depth * 1e3,
+                opening: pairs.iter().find_map(|pair| {
+                    let Connection { female, male, .. } = &pair.connection;
+                    let both = [female.beam, male.beam];
+                    let joint = &kit.beams[components[female.beam].beam].joints[female.joint];
+                    let side = joint.opens.filter(|_| both.contains(&first) && both.contains(&second))?;
+                    let side = if side == ramp_kit::Side::Left { "left" } else { "right" };
+                    Some(format!(
+                        "`{}` is open to the {side} of `{}` only: does the beam point the right way, and is it \
+                         flipped if it has to be?",
+                        joint.name,
+                        beam_name(female.beam),
+                    ))
+                }),
+            };
+            let (one, other) = (&components[first], &components[second]);
+            Fault::new(problem, file.place(other.span.clone())).also(one.span.clone(), "with this one")
         }
         Misfit::TooHard => root.fault(GoalProblem::TooHard),
     }

@@ -22,7 +22,11 @@ fn print() {
                     );
                 }
                 let r = report(&a);
-                println!("  {:?} {:?}", r.residuals.iter().cloned().fold(0.0, f64::max), r.smallest_gap);
+                println!(
+                    "  {:?} {:?}",
+                    r.fits.iter().map(|f| f.residual).fold(0.0, f64::max),
+                    r.smallest_gap
+                );
                 for i in &a.insertions {
                     println!(
                         "  {} {:.3?} {:.4}",

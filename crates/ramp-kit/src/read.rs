@@ -249,7 +249,7 @@ pub fn read_kit(path: &Path) -> Result<Kit, KitError> {
 /// assert!((kit.beams[0].span() - 0.1318).abs() < 1e-9);
 ///
 /// let error = ramp_kit::read_kit_str("small.xml", &text.replace("in-m-end", "in-m-emd")).unwrap_err();
-/// assert_eq!(error.location(), "small.xml:3:30");
+/// assert_eq!(error.location(), "small.xml:3:28");
 /// assert_eq!(error.to_string(), "there is no joint type `in-m-emd`");
 /// ```
 ///

@@ -21,37 +21,38 @@ pub const MAX_NAME: usize = 64;
 #[derive(Clone)]
 pub struct SourceFile {
     name: Arc<str>,
-    text: Arc<str>,
+    /// `None` when it could not be read.
+    text: Option<Arc<str>>,
 }
 
 impl fmt::Debug for SourceFile {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "SourceFile({:?}, {} bytes)", self.name, self.text.len())
+        write!(f, "SourceFile({:?}, {} bytes)", self.name, self.text().len())
     }
 }
 
 impl SourceFile {
     /// A file that is already in memory; `name` is what messages call it.
     pub fn new(name: &str, text: &str) -> SourceFile {
-        SourceFile { name: name.into(), text: text.into() }
+        SourceFile { name: name.into(), text: Some(text.into()) }
     }
 
     /// Reads a file, which must be UTF-8 and no larger than [`MAX_FILE`].
     pub fn read<P: Problem + From<FormProblem>>(path: &Path) -> Result<SourceFile, Fault<P>> {
         use std::io::Read;
         let name = path.display().to_string();
-        let at_start =
-            |problem: FormProblem| Fault::new(problem.into(), SourceFile::new(&name, "").place(0..0));
-        let unreadable =
-            |error: std::io::Error| at_start(FormProblem::Unreadable { why: describe_io(&error) });
+        let unreadable = |why: String| {
+            let file = SourceFile { name: name.as_str().into(), text: None };
+            Fault::new(FormProblem::Unreadable { file: name.clone(), why }.into(), file.place(0..0))
+        };
         let mut bytes = Vec::new();
         // One byte more than allowed tells a file that is too large from one that just fits.
         let limit = MAX_FILE as u64 + 1;
         std::fs::File::open(path)
             .and_then(|file| file.take(limit).read_to_end(&mut bytes))
-            .map_err(unreadable)?;
+            .map_err(|error| unreadable(describe_io(&error)))?;
         if bytes.len() > MAX_FILE {
-            return Err(at_start(FormProblem::TooLarge));
+            return Err(unreadable(FormProblem::TooLarge.to_string()));
         }
         match String::from_utf8(bytes) {
             Ok(text) => Ok(SourceFile::new(&name, &text)),
@@ -72,14 +73,14 @@ impl SourceFile {
 
     /// Its text.
     pub fn text(&self) -> &str {
-        &self.text
+        self.text.as_deref().unwrap_or_default()
     }
 
     /// A place in it, by byte offsets; pulled into the text where they leave it.
     pub fn place(&self, span: Range<usize>) -> Place {
         let into_text = |offset: usize| {
-            let mut offset = offset.min(self.text.len());
-            while !self.text.is_char_boundary(offset) {
+            let mut offset = offset.min(self.text().len());
+            while !self.text().is_char_boundary(offset) {
                 offset -= 1;
             }
             offset
@@ -129,10 +130,9 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (line, column) = self.line_column();
         // A file that could not be read has no line to name.
-        if self.file.text.is_empty() {
-            write!(f, "{}", self.file.name)
-        } else {
-            write!(f, "{}:{line}:{column}", self.file.name)
+        match self.file.text {
+            Some(_) => write!(f, "{}:{line}:{column}", self.file.name),
+            None => write!(f, "{}", self.file.name),
         }
     }
 }
@@ -164,7 +164,8 @@ struct Inner<P> {
 impl<P: Problem> Fault<P> {
     /// A problem at a place.
     pub fn new(problem: P, place: Place) -> Fault<P> {
-        let named = miette::NamedSource::new(place.file.name(), place.file.text.clone());
+        let text = place.file.text.clone().unwrap_or_default();
+        let named = miette::NamedSource::new(place.file.name(), text);
         Fault { inner: Box::new(Inner { problem, place, also: Vec::new(), named }) }
     }
 
@@ -195,7 +196,11 @@ impl<P: Problem> fmt::Display for Fault<P> {
         if !f.alternate() {
             return write!(f, "{}", self.inner.problem);
         }
-        write!(f, "{}: {}", self.inner.place, self.inner.problem)?;
+        // A file that could not be read is named in the problem.
+        if self.inner.place.file.text.is_some() {
+            write!(f, "{}: ", self.inner.place)?;
+        }
+        write!(f, "{}", self.inner.problem)?;
         match self.inner.problem.help() {
             Some(help) => write!(f, " ({help})"),
             None => Ok(()),
@@ -217,13 +222,11 @@ impl<P: Problem> miette::Diagnostic for Fault<P> {
     }
 
     fn source_code(&self) -> Option<&dyn miette::SourceCode> {
-        (!self.inner.place.file.text.is_empty()).then_some(&self.inner.named as &dyn miette::SourceCode)
+        self.inner.place.file.text.as_ref().map(|_| &self.inner.named as &dyn miette::SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = miette::LabeledSpan> + '_>> {
-        if self.inner.place.file.text.is_empty() {
-            return None;
-        }
+        self.inner.place.file.text.as_ref()?;
         let main = miette::LabeledSpan::new_primary_with_span(
             Some(self.inner.problem.label()),
             self.inner.place.span.clone(),
@@ -242,8 +245,10 @@ impl<P: Problem> miette::Diagnostic for Fault<P> {
 #[non_exhaustive]
 pub enum FormProblem {
     /// The system cannot read the file.
-    #[error("this file cannot be read: {why}")]
+    #[error("cannot read {file}: {why}")]
     Unreadable {
+        /// The file.
+        file: String,
         /// The system's reason.
         why: String,
     },
