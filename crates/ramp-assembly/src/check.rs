@@ -7,8 +7,8 @@
 
 use crate::assembly::{Assembly, Connection, Insertion, PlacedBeam};
 use nalgebra::{Unit, Vector2, Vector3};
+use ramp_kit::Pose;
 use ramp_kit::shape::{Cuboid, Shape, beam_shapes};
-use ramp_kit::{Beam, Pose};
 use std::collections::HashMap;
 
 /// Parts that reach less than this into each other touch, m.
@@ -182,35 +182,16 @@ impl Block {
     }
 }
 
-/// The boxes of a beam in its own frame.
-pub(crate) fn boxes(beam: &Beam) -> Vec<Cuboid> {
-    beam_shapes(beam).iter().map(bounds).collect()
-}
-
-/// How far two beams, given by their boxes and poses, reach into each other, m; 0 or less when they do not.
-pub(crate) fn overlap_depth(first: (&[Cuboid], &Pose), second: (&[Cuboid], &Pose)) -> f64 {
-    let at = |(boxes, x_ab): (&[Cuboid], &Pose)| -> Vec<Block> {
-        boxes.iter().map(|cuboid| Block::new(cuboid, x_ab)).collect()
-    };
-    deepest(&at(first), &at(second))
-}
-
-/// As [`overlap_depth`]; parts that only touch do not overlap.
-fn deepest(first: &[Block], second: &[Block]) -> f64 {
-    let depth =
-        first.iter().flat_map(|a| second.iter().map(move |b| a.depth(b))).fold(f64::NEG_INFINITY, f64::max);
-    if depth > TOUCH { depth } else { depth.min(0.0) }
-}
-
 /// The blocks of every beam of an assembly at its place.
-struct Solids {
+pub(crate) struct Solids {
     beams: Vec<Vec<Block>>,
 }
 
 impl Solids {
-    fn new(beams: &[PlacedBeam]) -> Solids {
+    pub fn new(beams: &[PlacedBeam]) -> Solids {
         let blocks = |placed: &PlacedBeam| {
-            boxes(&placed.beam).iter().map(|cuboid| Block::new(cuboid, &placed.x_ab)).collect()
+            let boxes = beam_shapes(&placed.beam).into_iter().map(|shape| bounds(&shape));
+            boxes.map(|cuboid| Block::new(&cuboid, &placed.x_ab)).collect()
         };
         Solids { beams: beams.iter().map(blocks).collect() }
     }
@@ -224,10 +205,11 @@ impl Solids {
         self.beams[first].iter().flat_map(move |a| self.beams[second].iter().map(move |b| (a, b)))
     }
 
-    fn overlaps(&self) -> Vec<Overlap> {
+    pub fn overlaps(&self) -> Vec<Overlap> {
         let overlap = |(first, second): (usize, usize)| {
-            let depth = deepest(&self.beams[first], &self.beams[second]);
-            (depth > 0.0).then_some(Overlap { first, second, depth })
+            let depth =
+                self.blocks_of(first, second).map(|(a, b)| a.depth(b)).fold(f64::NEG_INFINITY, f64::max);
+            (depth > TOUCH).then_some(Overlap { first, second, depth })
         };
         self.pairs().filter_map(overlap).collect()
     }
@@ -290,7 +272,8 @@ fn merge(mut ranges: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 /// A set of beams, one bit each.
 type Set = u32;
 
-/// There is no order: none of these beams can be taken out while the others stand.
+/// There is no order: none of these beams can be taken out while the others stand. With no beams: there are more
+/// than [`MAX_BEAMS`].
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Stuck {
     pub beams: Vec<usize>,
@@ -341,6 +324,9 @@ pub(crate) fn find_order(
     base: usize,
     connections: &[Connection],
 ) -> Result<Vec<Insertion>, Stuck> {
+    if beams.len() > MAX_BEAMS {
+        return Err(Stuck { beams: Vec::new() });
+    }
     let solids = Solids::new(beams);
     let directions: Vec<_> = beams.iter().map(directions).collect();
     let ways = (0..beams.len())

@@ -9,7 +9,8 @@
 //!
 //! Where two answers are left (a beam that points the other way, the mirror image of a triangle), the usual one is
 //! tried first: beams point along +X and +Y, as in the published goals. The search goes back when holes do not
-//! meet, when a male would enter a female at an angle that does not fit, or when the beams overlap in the end.
+//! meet or when a male would enter a female at an angle that does not fit. It does not go back when beams overlap:
+//! a beam printed as the mirror image of the right one shall be an error, not another assembly.
 
 use nalgebra::{Point2, Rotation2, Vector2};
 use ramp_kit::{Beam, JointType};
@@ -65,30 +66,25 @@ pub(crate) enum Misfit {
     Angle { connection: usize, angle: f64, limit: f64 },
     /// No chain of connections leads from the base to this beam.
     Loose { beam: usize },
-    /// Two beams reach into each other, by this much, m.
-    Overlap { first: usize, second: usize, depth: f64 },
     /// The search was given up.
     TooHard,
 }
 
-/// Places every piece. `connections` are (female, male); `depth` tells how far two pieces reach into each other,
-/// m, negative when they do not.
+/// Places every piece. `connections` are (female, male).
 pub(crate) fn place(
     pieces: &[Piece<'_>],
     base: usize,
     connections: &[(Side, Side)],
-    depth: impl Fn((usize, &Planar), (usize, &Planar)) -> f64,
 ) -> Result<Vec<Planar>, Misfit> {
     let mut poses = vec![None; pieces.len()];
     poses[base] = Some(Planar { at: Point2::origin(), yaw: 0.0 });
-    let mut search = Search { pieces, connections, depth, misfit: None, budget: BUDGET, placed: vec![base] };
+    let mut search = Search { pieces, connections, misfit: None, budget: BUDGET, placed: vec![base] };
     search.extend(&mut poses).ok_or(search.misfit.unwrap_or(Misfit::TooHard))
 }
 
-struct Search<'a, D> {
+struct Search<'a> {
     pieces: &'a [Piece<'a>],
     connections: &'a [(Side, Side)],
-    depth: D,
     /// The first thing that did not fit, on the likeliest way.
     misfit: Option<Misfit>,
     budget: usize,
@@ -107,7 +103,7 @@ struct Tie {
     neighbour_yaw: f64,
 }
 
-impl<D: Fn((usize, &Planar), (usize, &Planar)) -> f64> Search<'_, D> {
+impl Search<'_> {
     /// Depth-first; as deep as there are pieces at most.
     fn extend(&mut self, poses: &mut Vec<Option<Planar>>) -> Option<Vec<Planar>> {
         if self.budget == 0 {
@@ -274,14 +270,6 @@ impl<D: Fn((usize, &Planar), (usize, &Planar)) -> f64> Search<'_, D> {
                 if self.kind(female) == JointType::AngleF { MAX_ENTRY_ANGLE } else { MAX_SQUARE_ANGLE };
             if angle > limit {
                 return Some(Misfit::Angle { connection, angle, limit });
-            }
-        }
-        let own = poses[piece].as_ref()?;
-        for &first in self.placed.iter().filter(|&&placed| placed != piece) {
-            let Some(other) = poses[first].as_ref() else { continue };
-            let depth = (self.depth)((first, other), (piece, own));
-            if depth > 0.0 {
-                return Some(Misfit::Overlap { first, second: piece, depth });
             }
         }
         None

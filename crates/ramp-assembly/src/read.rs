@@ -18,7 +18,7 @@
 //! open and the usual one is not meant.
 
 use crate::assembly::{Assembly, Class, Connection, JointRef, PlacedBeam};
-use crate::check::{self, MAX_BEAMS};
+use crate::check::{self, MAX_BEAMS, Overlap, Solids};
 use crate::pose::{self, Misfit, Piece, Planar};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_kit::joint::AXIS_HEIGHT;
@@ -286,6 +286,29 @@ pub fn read_goal(path: &Path, kit: &Kit) -> Result<Assembly> {
 
 /// Reads a goal from text; `name` is what messages call it.
 ///
+/// ```
+/// # let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+/// let kit = ramp_kit::read_kit(&data.join("kit.xml"))?;
+/// let text = r#"<assembly>
+///   <component beam="b7" base="True"/>
+///   <component beam="b4"/>
+///   <connection name="C1">
+///     <element component="b4" joint="b4j1"/>
+///     <element component="b7" joint="b7j1"/>
+///   </connection>
+/// </assembly>"#;
+/// let goal = ramp_assembly::read_goal_str("corner.xml", text, &kit)?;
+/// // b4 stands on the first hole of b7, at a right angle to it, and is pushed there towards the robot.
+/// assert_eq!(goal.beams[1].x_ab.translation.x, 0.0);
+/// assert_eq!(goal.insertions[0].direction.y, -1.0);
+///
+/// let error = ramp_assembly::read_goal_str("corner.xml", &text.replace("b7j1", "b7j3"), &kit);
+/// assert!(error.is_ok(), "there is room for b4 in the middle too");
+/// let error = ramp_assembly::read_goal_str("corner.xml", &text.replace("b7j1", "b7j9"), &kit).unwrap_err();
+/// assert_eq!(format!("{error:#}"), "corner.xml:6:36: `b7` has no joint `b7j9` (did you mean `b7j1`?)");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// As [`read_goal`].
 pub fn read_goal_str(name: &str, text: &str, kit: &Kit) -> Result<Assembly> {
@@ -516,23 +539,26 @@ fn build(file: &SourceFile, root: Node<'_>, kit: &Kit, draft: Draft) -> Result<A
     let connections: Vec<Connection> = pairs.iter().map(|pair| pair.connection.clone()).collect();
     let side = |joint: JointRef| (joint.beam, joint.joint);
     let ties: Vec<_> = connections.iter().map(|c| (side(c.female), side(c.male))).collect();
-    let placed = |poses: &[Planar]| -> Vec<PlacedBeam> {
-        let beam = |(component, pose): (&Component, &Planar)| PlacedBeam {
-            beam: kit.beams[component.beam].clone(),
-            flipped: component.flipped,
-            x_ab: x_ab(pose, component.flipped),
-        };
-        components.iter().zip(poses).map(beam).collect()
-    };
-    let boxes: Vec<_> = pieces.iter().map(|piece| check::boxes(piece.beam)).collect();
-    let depth = |(i, a): (usize, &Planar), (j, b): (usize, &Planar)| {
-        let (x_ai, x_aj) = (x_ab(a, components[i].flipped), x_ab(b, components[j].flipped));
-        check::overlap_depth((&boxes[i], &x_ai), (&boxes[j], &x_aj))
-    };
-    let poses = pose::place(&pieces, base, &ties, depth)
+    let poses = pose::place(&pieces, base, &ties)
         .map_err(|misfit| explain(misfit, file, root, kit, &components, base, &pairs))?;
-    let beams = placed(&poses);
+    let placed = |(component, pose): (&Component, &Planar)| PlacedBeam {
+        beam: kit.beams[component.beam].clone(),
+        flipped: component.flipped,
+        x_ab: x_ab(pose, component.flipped),
+    };
+    let beams: Vec<PlacedBeam> = components.iter().zip(&poses).map(placed).collect();
     let beam_name = |index: usize| beams[index].beam.name.clone();
+    if let Some(overlap) = Solids::new(&beams).overlaps().first() {
+        let (first, second) = (&components[overlap.first], &components[overlap.second]);
+        let problem = GoalProblem::Overlap {
+            first: beam_name(overlap.first),
+            second: beam_name(overlap.second),
+            depth: overlap.depth * 1e3,
+            opening: opening(overlap, &beams, &connections),
+        };
+        let fault = Fault::new(problem, file.place(second.span.clone()));
+        return Err(fault.also(first.span.clone(), "with this one"));
+    }
     let insertions = check::find_order(&beams, base, &connections).map_err(|stuck| {
         let problem = GoalProblem::Stuck { beams: stuck.beams.iter().map(|&beam| beam_name(beam)).collect() };
         let mut spans = stuck.beams.iter().map(|&beam| components[beam].span.clone());
@@ -540,6 +566,22 @@ fn build(file: &SourceFile, root: Node<'_>, kit: &Kit, draft: Draft) -> Result<A
         spans.fold(Fault::new(problem, file.place(place)), |fault, span| fault.also(span, "with this one"))
     })?;
     Ok(Assembly { name, class, beams, base, connections, insertions })
+}
+
+/// What to look at when two connected beams overlap and the female is open to one side only.
+fn opening(overlap: &Overlap, beams: &[PlacedBeam], connections: &[Connection]) -> Option<String> {
+    let both = [overlap.first, overlap.second];
+    let between = |c: &&Connection| both.contains(&c.female.beam) && both.contains(&c.male.beam);
+    connections.iter().filter(between).find_map(|c| {
+        let beam = &beams[c.female.beam].beam;
+        let joint = &beam.joints[c.female.joint];
+        let side = if joint.opens? == ramp_kit::Side::Left { "left" } else { "right" };
+        Some(format!(
+            "`{}` is open to the {side} of `{}` only: turn the beam with flipped=\"True\" or yaw=\"…\", or check \
+             `opens` in the kit",
+            joint.name, beam.name,
+        ))
+    })
 }
 
 /// A misfit in the words of the file.
@@ -574,28 +616,6 @@ fn explain(
         Misfit::Loose { beam } => {
             let problem = GoalProblem::Loose { beam: beam_name(beam), base: beam_name(base) };
             Fault::new(problem, file.place(components[beam].span.clone()))
-        }
-        Misfit::Overlap { first, second, depth } => {
-            let problem = GoalProblem::Overlap {
-                first: beam_name(first),
-                second: beam_name(second),
-                depth: depth * 1e3,
-                opening: pairs.iter().find_map(|pair| {
-                    let Connection { female, male, .. } = &pair.connection;
-                    let both = [female.beam, male.beam];
-                    let joint = &kit.beams[components[female.beam].beam].joints[female.joint];
-                    let side = joint.opens.filter(|_| both.contains(&first) && both.contains(&second))?;
-                    let side = if side == ramp_kit::Side::Left { "left" } else { "right" };
-                    Some(format!(
-                        "`{}` is open to the {side} of `{}` only: does the beam point the right way, and is it \
-                         flipped if it has to be?",
-                        joint.name,
-                        beam_name(female.beam),
-                    ))
-                }),
-            };
-            let (one, other) = (&components[first], &components[second]);
-            Fault::new(problem, file.place(other.span.clone())).also(one.span.clone(), "with this one")
         }
         Misfit::TooHard => root.fault(GoalProblem::TooHard),
     }

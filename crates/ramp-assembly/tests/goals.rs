@@ -1,5 +1,7 @@
 //! The nine goals of the benchmark: every pose, every gap, and the order in which each is built.
 
+#![allow(clippy::unwrap_used)]
+
 use ramp_assembly::{Assembly, Class, Insertion, read_goal, report};
 use ramp_kit::{Kit, read_kit};
 use std::path::PathBuf;
@@ -265,16 +267,6 @@ fn the_published_form_of_hard_2() {
     for (a, b) in seven.beams.iter().zip(&nine.beams) {
         assert!((a.x_ab.translation.vector - b.x_ab.translation.vector).norm() < 1e-5, "{}", a.beam.name);
     }
-}
-
-#[test]
-fn hard_3_needs_no_yaw() {
-    // With yaw 0 the closed side of b5's middle would lie on b1, so the search turns it by itself.
-    let text = std::fs::read_to_string(data().join("goals/hard-3.xml")).unwrap();
-    let turned =
-        ramp_assembly::read_goal_str("hard-3.xml", &text.replace(" yaw=\"180\"", ""), &kit()).unwrap();
-    let b5 = &turned.beams[turned.beam_index("b5").unwrap()];
-    assert!((b5.x_ab.translation.x - 0.393).abs() < 1e-5);
 }
 
 #[test]

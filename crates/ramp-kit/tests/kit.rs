@@ -1,5 +1,7 @@
 //! The kit of the benchmark, against the measured parts.
 
+#![allow(clippy::unwrap_used)]
+
 use ramp_kit::{Beam, JointType, Kit, Side, read_kit};
 use std::path::Path;
 

@@ -1,5 +1,7 @@
 //! Whatever somebody does to the kit's file, reading it ends, with a kit or with an error inside the file.
 
+#![allow(clippy::unwrap_used)]
+
 use proptest::prelude::*;
 use ramp_kit::read_kit_str;
 use std::sync::LazyLock;
