@@ -6,8 +6,8 @@ use parry3d_f64::query::intersection_test;
 use parry3d_f64::shape::{Capsule, Cuboid, Shape};
 use ramp_robot::arm::{ArmBox, ArmModel};
 
-use crate::kinematics::Frames;
 use crate::Pose;
+use crate::kinematics::Frames;
 
 /// A box somewhere in the world (or on the hand), named after the part it belongs to.
 #[derive(Clone, Debug)]
@@ -44,7 +44,9 @@ impl Solid {
     /// A radius around the attached frame's origin that encloses it, m.
     fn reach(&self) -> f64 {
         match self {
-            Solid::Capsule(capsule) => capsule.segment.a.length().max(capsule.segment.b.length()) + capsule.radius,
+            Solid::Capsule(capsule) => {
+                capsule.segment.a.length().max(capsule.segment.b.length()) + capsule.radius
+            }
             Solid::Box(offset, cuboid) => offset.translation.length() + cuboid.half_extents.length(),
         }
     }

@@ -87,7 +87,9 @@ impl Kinematics {
 
     /// Distance of the joint nearest to an end of its range, rad; negative outside.
     pub fn range_margin(&self, q: &Joints) -> f64 {
-        (0..DOF).map(|joint| (q[joint] - self.low[joint]).min(self.high[joint] - q[joint])).fold(f64::MAX, f64::min)
+        (0..DOF)
+            .map(|joint| (q[joint] - self.low[joint]).min(self.high[joint] - q[joint]))
+            .fold(f64::MAX, f64::min)
     }
 
     /// The middle of every joint's range, rad.

@@ -188,7 +188,13 @@ impl PathPlanner {
     }
 
     /// RRT-Connect between two configurations, shortened; corners of the way.
-    fn connect(&self, start: &Joints, goal: &Joints, checker: &Checker, stream: &mut Stream) -> Option<Vec<Joints>> {
+    fn connect(
+        &self,
+        start: &Joints,
+        goal: &Joints,
+        checker: &Checker,
+        stream: &mut Stream,
+    ) -> Option<Vec<Joints>> {
         let mut trees: [Vec<(Joints, usize)>; 2] = [vec![(*start, 0)], vec![(*goal, 0)]];
         let mut turn = 0;
         while trees[0].len() + trees[1].len() < TREE_NODES {

@@ -105,8 +105,9 @@ mod tests {
     #[test]
     fn a_trajectory_keeps_the_limits_and_reaches_its_ends() {
         let arm = ArmModel::read(Path::new("../../data/arms/panda.json")).unwrap();
-        let knots: Vec<Joints> =
-            (0..40).map(|i| Joints::from_fn(|j, _| (i as f64 * 0.03 * (1.0 + j as f64 * 0.2)).sin())).collect();
+        let knots: Vec<Joints> = (0..40)
+            .map(|i| Joints::from_fn(|j, _| (i as f64 * 0.03 * (1.0 + j as f64 * 0.2)).sin()))
+            .collect();
         let (first, last) = (knots[0], knots[39]);
         let trajectory = Trajectory::new(&arm, knots, 1.0);
         assert!((trajectory.at(0.0) - first).norm() < 1e-12);

@@ -167,7 +167,11 @@ impl ArmModel {
             let limits = [joint.velocity, joint.acceleration, joint.jerk, joint.torque, joint.link.mass];
             if !(joint.range[0] < joint.range[1] && limits.iter().all(|limit| *limit > 0.0)) {
                 let number = index + 1;
-                return Err(at(1, 1, format!("joint {number}: its range is empty or a limit is not positive")));
+                return Err(at(
+                    1,
+                    1,
+                    format!("joint {number}: its range is empty or a limit is not positive"),
+                ));
             }
         }
         Ok(model)

@@ -64,7 +64,8 @@ impl Workcell<'_, '_> {
         let candidates = [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0, 5.0, -5.0, 6.0].map(|step| {
             let rotation = hand_down(yaw + step * TAU / 12.0);
             let over = Pose::from_parts(Translation3::new(mouth.x, mouth.y, height), rotation);
-            let seated = Pose::from_parts(Translation3::new(mouth.x, mouth.y, mouth.z + PEG_HEIGHT), rotation);
+            let seated =
+                Pose::from_parts(Translation3::new(mouth.x, mouth.y, mouth.z + PEG_HEIGHT), rotation);
             (over, self.reach(&over, &q).min(self.reach(&seated, &q)))
         });
         let x_wt = self.choose(&candidates).ok_or(Fault::NoGrasp { part })?;
@@ -99,7 +100,10 @@ impl Workcell<'_, '_> {
                 let mut up = self.hand.setpoint;
                 up.translation.z = self.mouth(connection)?.z + OVER + STEM_LENGTH + PEG_HEIGHT;
                 self.hand.go(&up, 0.05)?;
-                self.note("retry", format!("fasten {} with {peg}", self.assembly.connections[connection].name));
+                self.note(
+                    "retry",
+                    format!("fasten {} with {peg}", self.assembly.connections[connection].name),
+                );
             }
         }
         if let Some(fault) = last {
@@ -129,7 +133,8 @@ impl Workcell<'_, '_> {
             let mouth = self.mouth(connection)?;
             let x = x_wp.rotation * Vector3::x();
             let yaw = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::z_axis(), x.y.atan2(x.x));
-            let goal = Pose::from_parts(Translation3::new(mouth.x, mouth.y, mouth.z + OVER + STEM_LENGTH), yaw);
+            let goal =
+                Pose::from_parts(Translation3::new(mouth.x, mouth.y, mouth.z + OVER + STEM_LENGTH), yaw);
             let off = (goal.translation.vector - x_wp.translation.vector).norm();
             if off < 0.1e-3 && goal.rotation.angle_to(&x_wp.rotation) < 0.002 {
                 break;
@@ -177,7 +182,8 @@ impl Workcell<'_, '_> {
             setpoint.y = centre.y + radius * angle.sin();
             setpoint.z = setpoint.z.min(z);
             self.hand.tick()?;
-            let tip = self.hand.x_wp_held().map(|x| (x * nalgebra::Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate);
+            let tip =
+                self.hand.x_wp_held().map(|x| (x * nalgebra::Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate);
             if tip.is_some_and(|tip| tip < -FOUND) {
                 break;
             }

@@ -9,8 +9,11 @@ use crate::Pose;
 pub const BEAM_HEIGHT: f64 = 17.0e-3;
 /// Height of the tip over the underside of a peg's head when the blocks hold the head, m.
 pub const PEG_HEIGHT: f64 = 20.0e-3;
-/// Distance between the fingers that lets the ribs pass beside an extrusion, m.
-pub const BEAM_OPEN: f64 = 34.0e-3;
+/// Distance between the fingers that lets the ribs pass beside an extrusion on the sheet, m.
+pub const BEAM_OPEN: f64 = 38.0e-3;
+/// Distance between the fingers when they let go of a beam in the assembly, where there is more room, m: a beam
+/// that droops as it is let go moves sideways by up to 2.5 mm, and must not hang on a rib.
+pub const BEAM_RELEASE: f64 = 46.0e-3;
 /// Distance between the fingers when they hold an extrusion, m.
 pub const BEAM_WIDTH: f64 = 22.0e-3;
 /// Distance between the fingers that lets the blocks pass beside a peg's head, m.

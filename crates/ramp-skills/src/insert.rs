@@ -75,7 +75,8 @@ impl Workcell<'_, '_> {
     /// The pose of a beam on its way in: `share` of the insertion still to go, `height` over its place (m).
     fn beside(&self, beam: usize, share: f64, height: f64) -> Result<Pose, SkillError> {
         let insertion = self.insertion(beam)?;
-        let back = self.kit.x_wa().rotation * insertion.direction.into_inner() * (-share * insertion.distance);
+        let back =
+            self.kit.x_wa().rotation * insertion.direction.into_inner() * (-share * insertion.distance);
         let goal = self.target(beam)?;
         Ok(Translation3::new(back.x, back.y, back.z + height) * goal)
     }
@@ -114,7 +115,13 @@ impl Workcell<'_, '_> {
         let direction = self.kit.x_wa().rotation * self.insertion(beam)?.direction.into_inner();
         // A beam that stands on the table is pressed on it a little when it caps, and slides over it otherwise.
         let stands = self.assembly.beams[beam].beam.stands_at_assembled_height();
-        let height: f64 = if cap { -2.0e-3 } else if stands { 0.1e-3 } else { 0.0 };
+        let height: f64 = if cap {
+            -2.0e-3
+        } else if stands {
+            0.1e-3
+        } else {
+            0.0
+        };
         self.place(&name, &self.beside(beam, 1.0, if attempt == 0 { CLEAR } else { 0.0 })?)?;
         self.place(&name, &self.beside(beam, 1.0, height.max(0.1e-3))?)?;
         self.hand.zero()?;
@@ -124,8 +131,7 @@ impl Workcell<'_, '_> {
         let mut target = self.hand.corrected(&self.belief.pose(&name)?, &goal);
         target.translation.vector += direction * overdrive;
         target.translation.z += height;
-        let stopped =
-            self.hand.drive(&target, SPEED, |hand| hand.force().dot(&direction) > limit)?;
+        let stopped = self.hand.drive(&target, SPEED, |hand| hand.force().dot(&direction) > limit)?;
         let force = self.hand.force().dot(&direction);
         self.hand.wait(0.15)?;
         self.belief.update(&mut self.hand)?;

@@ -11,7 +11,8 @@ use crate::Pose;
 use crate::belief::{Belief, held_boxes};
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{
-    self, BEAM_OPEN, BEAM_WIDTH, GRIP_FORCE, PEG_OPEN, PEG_WIDTH, SQUEEZE, beam_grasp, peg_grasp,
+    self, BEAM_OPEN, BEAM_RELEASE, BEAM_WIDTH, GRIP_FORCE, PEG_OPEN, PEG_WIDTH, SQUEEZE, beam_grasp,
+    peg_grasp,
 };
 use crate::hand::{Hand, Held};
 
@@ -128,7 +129,9 @@ impl Workcell<'_, '_> {
         let q = self.hand.joints();
         let no_grasp = || Fault::NoGrasp { part: part.to_string() };
         if let Some(beam) = self.kit.beam(part) {
-            let link = link.and_then(|name| beam.links.iter().find(|link| link.name == name)).ok_or_else(no_grasp)?;
+            let link = link
+                .and_then(|name| beam.links.iter().find(|link| link.name == name))
+                .ok_or_else(no_grasp)?;
             let s = grasp::point_on(link, beam.span() / 2.0);
             // The hand turns with the beam: what counts is the worse end of its way.
             let goal = self.assembly.beam_index(part).map(|index| self.target(index)).transpose()?;
@@ -154,9 +157,8 @@ impl Workcell<'_, '_> {
     /// with room to spare if any is, and of those the least turn of the hand.
     pub fn choose(&self, candidates: &[(Pose, f64)]) -> Option<Pose> {
         let now = self.hand.seen.x_wt.rotation;
-        let score = |(x_wt, margin): &(Pose, f64)| {
-            margin.min(GOOD_MARGIN) - TURN_COST * now.angle_to(&x_wt.rotation)
-        };
+        let score =
+            |(x_wt, margin): &(Pose, f64)| margin.min(GOOD_MARGIN) - TURN_COST * now.angle_to(&x_wt.rotation);
         candidates
             .iter()
             .filter(|(_, margin)| *margin > 0.0)
@@ -244,10 +246,19 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// The robot's.
     pub fn release(&mut self) -> Result<(), SkillError> {
-        let beam = self.hand.held.as_ref().is_some_and(|held| self.kit.beam(&held.part).is_some());
-        self.hand.held = None;
+        let held = self.hand.held.take();
         self.hand.relax();
-        self.hand.grip(if beam { BEAM_OPEN } else { PEG_OPEN }, 20.0)?;
+        let beam = held.as_ref().filter(|held| self.kit.beam(&held.part).is_some());
+        self.hand.grip(if beam.is_some() { BEAM_RELEASE } else { PEG_OPEN }, 20.0)?;
+        self.belief.update(&mut self.hand)?;
+        if let Some(held) = beam {
+            // The beam may have followed one finger: go back to its middle, so that neither rib hangs on it.
+            let middle = self.belief.pose(&held.part)? * held.x_tp.inverse();
+            let mut over = self.hand.setpoint;
+            over.translation.x = middle.translation.x;
+            over.translation.y = middle.translation.y;
+            self.hand.go(&over, 0.02)?;
+        }
         let mut up = self.hand.setpoint;
         up.translation.z += 0.05;
         self.hand.go(&up, 0.2)?;

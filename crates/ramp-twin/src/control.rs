@@ -80,8 +80,7 @@ pub fn impedance(state: &ArmState, command: &Impedance, target_velocity: &Vector
     let velocity = state.jacobian * state.velocities - target_velocity;
     let Some(inertia) = state.inertia.cholesky() else { return JointVector::zeros() };
     let jt = state.jacobian.transpose();
-    let mobility: Matrix6<f64> =
-        state.jacobian * inertia.solve(&jt) + Matrix6::identity() * LEAST_MOBILITY;
+    let mobility: Matrix6<f64> = state.jacobian * inertia.solve(&jt) + Matrix6::identity() * LEAST_MOBILITY;
     let mass = mobility.cholesky().map_or(Matrix6::identity(), |factor| factor.inverse());
     let wrench = command.stiffness.component_mul(&error)
         - damping(&mass, &command.stiffness, command.damping_ratio) * velocity

@@ -43,7 +43,8 @@ impl Layout {
                 stream.symmetric(disturbance.position),
                 0.0,
             );
-            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), stream.symmetric(disturbance.angle));
+            let turn =
+                UnitQuaternion::from_axis_angle(&Vector3::z_axis(), stream.symmetric(disturbance.angle));
             let there = Translation3::from(centre);
             shift * there * turn * there.inverse() * x
         };

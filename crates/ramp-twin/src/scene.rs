@@ -11,7 +11,7 @@ use std::fmt::Write;
 use nalgebra::Vector3;
 use ramp_kit::joint::{
     BODY_WIDTH, EXTRUSION, EXTRUSION_MASS, FEMALE_HEIGHT, HEAD_HEIGHT, HEAD_WIDTH, HOLE_RADIUS, MALE_CHAMFER,
-    MALE_TIP, PLA_DENSITY, STEM_CONE, STEM_LENGTH, STEM_RADIUS, STEM_TIP_RADIUS, SOCKET_DEPTH,
+    MALE_TIP, PLA_DENSITY, SOCKET_DEPTH, STEM_CONE, STEM_LENGTH, STEM_RADIUS, STEM_TIP_RADIUS,
 };
 use ramp_kit::shape::{Cuboid, Shape, beam_shapes, peg_head};
 use ramp_kit::{Beam, Holder, JointType, Kit, Pose};
@@ -73,14 +73,7 @@ fn numbers(values: &[f64]) -> String {
 /// `pos` and `quat` attributes of a pose.
 fn placed(x: &Pose) -> String {
     let q = x.rotation.quaternion();
-    format!(
-        r#"pos="{}" quat="{} {} {} {}""#,
-        numbers(x.translation.vector.as_slice()),
-        q.w,
-        q.i,
-        q.j,
-        q.k
-    )
+    format!(r#"pos="{}" quat="{} {} {} {}""#, numbers(x.translation.vector.as_slice()), q.w, q.i, q.j, q.k)
 }
 
 fn header(xml: &mut String, arm: &ArmModel) {
@@ -414,7 +407,9 @@ fn holder_body(xml: &mut String, name: &str, x_wh: &Pose) {
     }
     for [from, to] in [[-51.5e-3, -45.5e-3], [-20.0e-3, -14.0e-3], [14.0e-3, 20.0e-3], [45.5e-3, 51.5e-3]] {
         // The ribs taper; three steps follow them from inside.
-        for (half, z) in [(17.7e-3, [0.0, 9.9e-3]), (12.4e-3, [9.9e-3, 17.2e-3]), (10.0e-3, [17.2e-3, 33.2e-3])] {
+        for (half, z) in
+            [(17.7e-3, [0.0, 9.9e-3]), (12.4e-3, [9.9e-3, 17.2e-3]), (10.0e-3, [17.2e-3, 33.2e-3])]
+        {
             box_geom(xml, "part", &Cuboid::new([from, to], [-half, half], z));
         }
     }
@@ -463,6 +458,8 @@ fn actuators_and_sensors(xml: &mut String, arm: &ArmModel) {
             joint.torque
         );
     }
-    xml.push_str(r#"<motor name="finger1" joint="finger1"/><motor name="finger2" joint="finger2"/></actuator>"#);
+    xml.push_str(
+        r#"<motor name="finger1" joint="finger1"/><motor name="finger2" joint="finger2"/></actuator>"#,
+    );
     xml.push_str("\n<sensor><force name=\"wrist_force\" site=\"wrist\"/><torque name=\"wrist_torque\" site=\"wrist\"/></sensor>\n");
 }

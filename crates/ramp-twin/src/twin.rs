@@ -127,11 +127,7 @@ impl Twin {
         for (name, _) in &layout.holders {
             part_bodies.push(body(name)?);
         }
-        let is_part = model
-            .geom_bodyid()
-            .iter()
-            .map(|id| part_bodies.contains(&(*id as usize)))
-            .collect();
+        let is_part = model.geom_bodyid().iter().map(|id| part_bodies.contains(&(*id as usize))).collect();
         let wrist_site = find(MjtObjBase::mjOBJ_SITE, "wrist")?;
         let tip_site = find(MjtObjBase::mjOBJ_SITE, "tip")?;
         let hand_bodies = [body("hand")?, body("finger1")?, body("finger2")?];
@@ -318,7 +314,9 @@ impl Twin {
                 self.posture = *positions;
                 track_joints(state, &target, &velocities)
             }
-            ArmCommand::JointVelocities(velocities) => track_velocities(state, &JointVector::from(*velocities)),
+            ArmCommand::JointVelocities(velocities) => {
+                track_velocities(state, &JointVector::from(*velocities))
+            }
             ArmCommand::JointTorques(torques) => JointVector::from(*torques),
             ArmCommand::CartesianPose(x_wt) => {
                 self.last_pose = Some(*x_wt);
@@ -381,9 +379,8 @@ impl Twin {
         self.steps += 1;
         self.watch_penetration();
         let reading = self.read_wrist();
-        let noise = Vector6::from_fn(|axis, _| {
-            self.noise.normal(if axis < 3 { FORCE_NOISE } else { TORQUE_NOISE })
-        });
+        let noise =
+            Vector6::from_fn(|axis, _| self.noise.normal(if axis < 3 { FORCE_NOISE } else { TORQUE_NOISE }));
         self.wrench += (reading + noise - self.wrench) * WRENCH_FILTER;
         self.state = self.arm_state();
         self.sense();
@@ -404,7 +401,11 @@ fn target_velocity(before: Option<&Pose>, now: &Pose) -> Vector6<f64> {
 /// Refuses what is not finite or not sensible, before anything moves.
 fn check_command(command: &Command) -> Result<(), RobotError> {
     let finite = |values: &[f64], what| {
-        if values.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(RobotError::BadCommand { what }) }
+        if values.iter().all(|value| value.is_finite()) {
+            Ok(())
+        } else {
+            Err(RobotError::BadCommand { what })
+        }
     };
     let pose = |x: &Pose, what| {
         finite(x.translation.vector.as_slice(), what)?;
