@@ -3,7 +3,7 @@
 //! X points right and Y up, as the robot sees it, which stands below the picture. One unit of the drawing is 1 mm.
 
 use crate::assembly::{Assembly, PlacedBeam};
-use crate::strokes::{Align, escape, text};
+use crate::strokes::{Align, escape, fit, text};
 use nalgebra::{Point3, Vector3};
 use ramp_kit::joint::{BODY_WIDTH, EXTRUSION, MALE_TIP};
 use ramp_kit::{Joint, JointType};
@@ -162,7 +162,10 @@ impl<'a> Picture<'a> {
 
     fn title(&self, svg: &mut String) {
         let assembly = self.assembly;
-        text(svg, [MARGIN, MARGIN + 10.0], Align::Left, 13.0, INK, &assembly.name);
+        // Names from a file can be long.
+        let room = self.drawing()[0] - 2.0 * MARGIN;
+        let height = fit(&assembly.name, 13.0, room);
+        text(svg, [MARGIN, MARGIN + 10.0], Align::Left, height, INK, &assembly.name);
         let class = assembly.class.map_or(String::new(), |class| format!("{}, ", class.name()));
         let words = format!("{class}{} beams, {} pegs", assembly.beams.len(), self.pegs.len());
         text(svg, [MARGIN, MARGIN + 27.0], Align::Left, 6.6, FAINT, &words);
@@ -320,7 +323,8 @@ impl<'a> Picture<'a> {
                 x + 13.0,
                 y - 5.5,
             );
-            text(svg, [x + 32.0, y + 3.4], Align::Left, 6.8, INK, &assembly.beams[beam].beam.name);
+            let name = &assembly.beams[beam].beam.name;
+            text(svg, [x + 32.0, y + 3.4], Align::Left, fit(name, 6.8, 24.0), INK, name);
         };
         row(svg, "", assembly.base, y);
         text(svg, [x + 58.0, y + 3.2], Align::Left, 6.2, FAINT, "clamped to the table");
@@ -342,8 +346,9 @@ impl<'a> Picture<'a> {
                 assembly.joint_name(connection.male),
                 assembly.joint_name(connection.female)
             );
-            text(svg, [x + 22.0, y + 3.2], Align::Left, 6.2, INK, &words);
-            text(svg, [x + 104.0, y + 3.2], Align::Left, 6.2, FAINT, &connection.name);
+            text(svg, [x + 22.0, y + 3.2], Align::Left, fit(&words, 6.2, 78.0), INK, &words);
+            let name = &connection.name;
+            text(svg, [x + 104.0, y + 3.2], Align::Left, fit(name, 6.2, 50.0), FAINT, name);
             y += PEG_ROW;
         }
     }

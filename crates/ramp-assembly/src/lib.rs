@@ -2,7 +2,8 @@
 //!
 //! Data passes one way: [`read`] turns `goal.xml` into beams and connections, with positions so that every error
 //! can point at its place; `pose` places every beam, starting from the clamped one; [`check`] proves that holes
-//! meet, that nothing overlaps and that some order of straight insertions builds it.
+//! meet, that nothing overlaps and that some order of straight insertions builds it; [`draw`] shows it from
+//! above. [`catalogue`] finds goals by name.
 //!
 //! Frames: A is the assembly frame (origin at table level under the clamped beam's j1 hole, X along that beam, Y
 //! away from the robot, Z up), B a beam's own frame (see [`ramp_kit::Beam`]).

@@ -161,6 +161,11 @@ pub(crate) fn width(text: &str, height: f64) -> f64 {
     (glyphs - SPACING).max(0.0) * height / CAPITAL
 }
 
+/// The height of the capitals, at most `height`, at which a text is at most `room` wide.
+pub(crate) fn fit(text: &str, height: f64, room: f64) -> f64 {
+    height * (room / width(text, height).max(1e-9)).min(1.0)
+}
+
 /// Adds a text to an SVG: one path, with the text itself as its label. Its baseline is at `y`, its capitals are
 /// `height` high.
 pub(crate) fn text(svg: &mut String, at: [f64; 2], align: Align, height: f64, colour: &str, text: &str) {

@@ -5,6 +5,8 @@
 //! seven joint types share; [`shape`] turns a [`Beam`] or a peg into boxes, plates and noses, from which the
 //! twin takes its collision geometry, `ramp check` its overlaps and the planner its clearances.
 //!
+//! [`source`] is for every crate that reads a file somebody wrote: it points errors at their place.
+//!
 //! Lengths are metres in the structs and millimetres in the file, as everywhere in the project.
 
 pub mod beam;

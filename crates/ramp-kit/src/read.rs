@@ -122,9 +122,9 @@ pub enum KitProblem {
         /// A joint that is not reached.
         joint: String,
     },
-    /// Fewer than two joints.
-    #[error("{beam} has {joints} joints, expected at least 2")]
-    TooFewJoints {
+    /// Fewer than two joints, or more than [`MAX_JOINTS`].
+    #[error("{beam} has {joints} joint{}, expected 2 to {MAX_JOINTS}", if *joints == 1 { "" } else { "s" })]
+    JointCount {
         /// The beam.
         beam: String,
         /// How many it has.
@@ -192,7 +192,7 @@ impl Problem for KitProblem {
             KitProblem::OpenLink { role, .. } => format!("needs a <{role} joint=\"…\"/>"),
             KitProblem::Loop { .. } => "which joint comes first?".into(),
             KitProblem::Split { .. } => "not reached".into(),
-            KitProblem::TooFewJoints { .. } => "too few joints".into(),
+            KitProblem::JointCount { .. } => format!("expected 2 to {MAX_JOINTS} joints"),
             KitProblem::WrongPlace { place, .. } => format!("stands {place}"),
             KitProblem::ShortLink { .. } => "too short".into(),
             KitProblem::UnknownHolder { .. } => "unknown holder".into(),
@@ -218,6 +218,8 @@ impl Problem for KitProblem {
     }
 }
 
+/// The most joints of one beam; keeps the geometry of whatever is read small.
+pub const MAX_JOINTS: usize = 32;
 /// Any position on the table, mm.
 const POSITION: RangeInclusive<f64> = -5000.0..=5000.0;
 /// Any length of extrusion, mm.
@@ -432,8 +434,8 @@ fn read_beam(node: Node<'_>, names: &mut Names) -> Result<Beam> {
             }
         }
     }
-    if joints.len() < 2 {
-        return Err(node.fault(KitProblem::TooFewJoints { beam: name, joints: joints.len() }));
+    if !(2..=MAX_JOINTS).contains(&joints.len()) {
+        return Err(node.fault(KitProblem::JointCount { beam: name, joints: joints.len() }));
     }
     let chain = Chain { beam: &name, joints: &joints, links: &links };
     chain.check()?;

@@ -240,7 +240,7 @@ fn chains_that_loop_branch_or_break() {
     says(&error, "21:46: `x` names `b1j1` as its parent, but `b1j1` does not name `x` in return");
     let error =
         read_kit_str("kit.xml", "<data><beam name=\"b\"><joint name=\"j\" part=\"thru-m\"/></beam></data>");
-    says(&error.err().unwrap(), "1:7: b has 1 joints, expected at least 2");
+    says(&error.err().unwrap(), "1:7: b has 1 joint, expected 2 to 32");
 }
 
 #[test]
