@@ -1,6 +1,7 @@
 //! What goes into the planner and what comes out: plain data, names as in the kit and the goal.
 
 use serde::Serialize;
+use std::fmt::{self, Display};
 
 /// What is known when planning starts. The default: nothing is built, the hand is empty and over the sheet.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -196,6 +197,100 @@ pub struct Plan {
 pub struct Statistics {
     /// Number of calls to the solver.
     pub solves: usize,
-    /// Is the number of coarse actions proven to be the smallest?
+    /// Is the number of coarse actions proven to be the smallest, for this order of the beams?
     pub optimal: bool,
+}
+
+impl Plan {
+    /// All fine actions, in order.
+    pub fn fine(&self) -> impl Iterator<Item = &FineAction> {
+        self.steps.iter().flat_map(|step| &step.fine)
+    }
+}
+
+// In words, for people and for the golden files of the tests.
+
+impl Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, step) in self.steps.iter().enumerate() {
+            writeln!(f, "{:3} {}", index + 1, step.coarse)?;
+            for action in &step.fine {
+                writeln!(f, "      {action}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Display for Area {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Area::Input => "the sheet",
+            Area::Intermediate => "the intermediate area",
+            Area::Assembly => "the assembly",
+        })
+    }
+}
+
+impl Display for Item {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Display for CoarseAction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            CoarseAction::Move { to } => write!(f, "move to {to}"),
+            CoarseAction::PickUp { item } => write!(f, "pick up {item}"),
+            CoarseAction::PutDown { item } => write!(f, "put down {item}"),
+            CoarseAction::Assemble { beam } => write!(f, "assemble {beam}"),
+            CoarseAction::Fasten { connection, peg } => write!(f, "fasten {connection} with {peg}"),
+            CoarseAction::Push { beam } => write!(f, "push {beam}"),
+        }
+    }
+}
+
+impl Display for Grasp {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Grasp::Link(link) => f.write_str(link),
+            Grasp::Head => f.write_str("its head"),
+        }
+    }
+}
+
+impl Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Place::Above(area) => write!(f, "above {area}"),
+            Place::Input(item) => write!(f, "the start of {item}"),
+            Place::Approach(target) => write!(f, "the approach of {target}"),
+            Place::Target(target) => write!(f, "the place of {target}"),
+        }
+    }
+}
+
+impl Display for Target {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Target::Beam(name) | Target::Connection(name) => f.write_str(name),
+        }
+    }
+}
+
+impl Display for FineAction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FineAction::Move { to } => write!(f, "move to {to}"),
+            FineAction::PickUp { item, grasp } => write!(f, "pick up {item} by {grasp}"),
+            FineAction::PutDown { item } => write!(f, "put down {item}"),
+            FineAction::AssembleSquare { beam, joint } => write!(f, "insert {beam} by {joint}"),
+            FineAction::AssembleCap { beam, joints } => write!(f, "cap with {beam} at {}", joints.join(", ")),
+            FineAction::Fasten { connection, female, male, peg } => {
+                write!(f, "fasten {connection} ({male}-{female}) with {peg}")
+            }
+            FineAction::Push { beam, link } => write!(f, "push {beam} by {link}"),
+        }
+    }
 }

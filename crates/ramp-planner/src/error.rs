@@ -1,0 +1,93 @@
+//! Why there is no plan.
+
+use crate::solver::SolveError;
+use ramp_kit::source::SourceFile;
+
+/// Why there is no plan.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// The state names something that the goal or the kit does not have.
+    #[error("the state names the {kind} `{name}`, which {place} does not have{}", suggestion(.nearest))]
+    UnknownName {
+        /// `beam`, `connection` or `peg`.
+        kind: &'static str,
+        /// The name.
+        name: String,
+        /// The goal's name, or `the kit`.
+        place: String,
+        /// The name most like it.
+        nearest: Option<String>,
+    },
+    /// The state contradicts itself.
+    #[error("the state cannot be: {why}")]
+    ImpossibleState {
+        /// What is wrong with it.
+        why: String,
+    },
+    /// Fewer pegs are left than connections.
+    #[error("{goal} needs {needed} more pegs, but only {left} are left")]
+    Pegs {
+        /// The goal.
+        goal: String,
+        /// Connections without a peg.
+        needed: usize,
+        /// Pegs of the kit that are neither used nor lost.
+        left: usize,
+    },
+    /// It cannot be built in this order, or with this hand.
+    #[error("{goal} cannot be built: {why}")]
+    Illegal {
+        /// The goal.
+        goal: String,
+        /// Why, as the rules say it.
+        why: String,
+    },
+    /// It needs an action that the rules do not have yet.
+    #[error("{goal} has no plan yet: {why}")]
+    NotModelled {
+        /// The goal.
+        goal: String,
+        /// What is missing, as the rules say it.
+        why: String,
+    },
+    /// The rules allow no plan for a part of the goal.
+    #[error("{goal} has no plan: the rules of {file} do not allow `{task}` within {steps} steps")]
+    NoPlan {
+        /// The goal.
+        goal: String,
+        /// The rule file.
+        file: String,
+        /// What was to be reached, in the words of the rules.
+        task: String,
+        /// How many steps were tried.
+        steps: i32,
+    },
+    /// The rules gave an answer that does not fit their level.
+    #[error("{file} gave the answer `{answer}`, which has no meaning here")]
+    Answer {
+        /// The rule file.
+        file: String,
+        /// The answer.
+        answer: String,
+    },
+    /// The solver failed, or gave up.
+    #[error("{file}: {why}")]
+    Solver {
+        /// The rule file.
+        file: String,
+        /// The solver's reason.
+        why: String,
+    },
+}
+
+impl PlanError {
+    /// A failure of the solver on one rule file.
+    pub(crate) fn solver(rules: &SourceFile, error: &SolveError) -> PlanError {
+        PlanError::Solver { file: rules.name().to_string(), why: error.to_string() }
+    }
+}
+
+fn suggestion(nearest: &Option<String>) -> String {
+    nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}

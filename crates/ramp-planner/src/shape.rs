@@ -1,0 +1,55 @@
+//! Problems that differ in nothing but names have the same shape, and are solved once.
+
+use crate::term::Term;
+
+/// Facts in which every name is replaced by its number in the order of appearance.
+pub(crate) struct Shape {
+    /// The facts without names.
+    pub(crate) facts: Vec<Term>,
+    /// The names, by number.
+    names: Vec<String>,
+}
+
+impl Shape {
+    /// Takes the names out of some facts.
+    pub(crate) fn of(facts: &[Term]) -> Shape {
+        let mut names: Vec<String> = Vec::new();
+        let mut number = |text: &str| {
+            let known = names.iter().position(|name| name == text);
+            let number = known.unwrap_or_else(|| {
+                names.push(text.to_string());
+                names.len() - 1
+            });
+            // Of one width, so that the rules put them in the order of appearance.
+            format!("{number:06}")
+        };
+        let facts = facts.iter().map(|fact| fact.with_texts(&mut number)).collect();
+        Shape { facts, names }
+    }
+
+    /// Puts the names back into an answer; other texts stay.
+    pub(crate) fn name(&self, term: &Term) -> Term {
+        term.with_texts(&mut |text| {
+            let name = text.parse::<usize>().ok().and_then(|number| self.names.get(number));
+            name.cloned().unwrap_or_else(|| text.to_string())
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn problems_with_other_names_have_the_same_shape() {
+        let facts = |c: &str, b: &str| {
+            [Term::new("pinned", [c.into()]), Term::new("at", [Term::new("beam", [b.into()]), c.into()])]
+        };
+        let (first, second) = (Shape::of(&facts("C1", "b4")), Shape::of(&facts("b4", "\"")));
+        assert_eq!(first.facts, second.facts);
+        assert_ne!(first.facts, Shape::of(&facts("C1", "C1")).facts);
+        for (fact, shaped) in facts("b4", "\"").iter().zip(&second.facts) {
+            assert_eq!(*fact, second.name(shaped));
+        }
+    }
+}
