@@ -1,8 +1,10 @@
 //! Build script of every crate whose programs or tests link libmujoco: writes the library's folder into their
 //! rpath, so that they start without any environment variable.
 
-fn main() {
+/// The build script.
+pub fn main() {
     println!("cargo::rerun-if-env-changed=MUJOCO_DYNAMIC_LINK_DIR");
+    println!("cargo::rerun-if-changed=../../tools/link_mujoco.rs");
     let own = std::env::var("MUJOCO_DYNAMIC_LINK_DIR").ok();
     let fetched = format!("{}/../../.deps/mujoco-3.17.0", env!("CARGO_MANIFEST_DIR"));
     let folder = own.unwrap_or(fetched);

@@ -1,2 +1,67 @@
-//! The `ramp` command.
-fn main() {}
+//! The `ramp` command: goals, checks, pictures, plans and runs.
+//!
+//! Results go to standard output, everything else to standard error. Exit status: 0 done; 1 the run ended without
+//! completing the goal, or a check failed; 2 bad usage or bad input.
+
+mod command;
+mod data;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::data::Data;
+
+/// Done.
+const DONE: u8 = 0;
+/// The run ended without completing the goal, or a check failed.
+const INCOMPLETE: u8 = 1;
+/// Bad usage or bad input.
+const BAD_INPUT: u8 = 2;
+
+#[derive(Parser)]
+#[command(name = "ramp", version, about = "RAMP: a benchmark of robotic assembly, manipulation and planning.")]
+struct Arguments {
+    /// Folder with kit.xml, goals, domains and arms
+    #[arg(long, global = true, env = "RAMP_DATA", value_name = "DIR")]
+    data: Option<PathBuf>,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// List the goals it knows
+    Goals(command::goals::Arguments),
+    /// Check a goal: structure, geometry, buildability
+    Check(command::check::Arguments),
+    /// Draw a goal from above
+    Show(command::show::Arguments),
+    /// Plan a goal: coarse and fine actions
+    Plan(command::plan::Arguments),
+    /// Build a goal in the digital twin, and score it
+    Run(command::run::Arguments),
+    /// Look into the digital twin
+    Twin(command::twin::Arguments),
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    // A closed pipe (`ramp goals | head -1`) ends the program quietly, as it does any other.
+    let result = Data::find(arguments.data).and_then(|data| match arguments.command {
+        Command::Goals(arguments) => command::goals::run(&data, &arguments),
+        Command::Check(arguments) => command::check::run(&data, &arguments),
+        Command::Show(arguments) => command::show::run(&data, &arguments),
+        Command::Plan(arguments) => command::plan::run(&data, &arguments),
+        Command::Run(arguments) => command::run::run(&data, &arguments),
+        Command::Twin(arguments) => command::twin::run(&data, &arguments),
+    });
+    match result {
+        Ok(status) => ExitCode::from(status),
+        Err(report) => {
+            eprintln!("{report:?}");
+            ExitCode::from(BAD_INPUT)
+        }
+    }
+}

@@ -1,1 +1,13 @@
-//! Measures and protocol: referee, results and curves (sections III-C and III-D).
+//! Measures and protocol (sections III-C and III-D of the paper): who is right, how far, how fast.
+//!
+//! Data passes one way: [`episode`] lets an agent work in the twin while [`referee`] watches the truth; what comes
+//! out is a [`result::EpisodeResult`], one JSON file of a published schema; [`curve`] draws it.
+
+pub mod curve;
+pub mod episode;
+pub mod referee;
+pub mod result;
+
+pub use episode::{Progress, run_episode};
+pub use referee::Referee;
+pub use result::EpisodeResult;

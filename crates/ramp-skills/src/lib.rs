@@ -5,7 +5,7 @@
 //! the robot. What a skill knows of the parts is what the robot lets it read ([`belief`]); where a hand can grip is
 //! in [`grasp`].
 
-// pub mod agent;
+pub mod agent;
 pub mod align;
 pub mod belief;
 pub mod fasten;
@@ -15,7 +15,7 @@ pub mod hand;
 pub mod insert;
 pub mod transport;
 
-// pub use agent::Baseline;
+pub use agent::Baseline;
 pub use fault::{Fault, SkillError};
 
 /// A rigid pose.

@@ -1,0 +1,56 @@
+//! `ramp goals`: the goals it knows.
+
+use std::fmt::Write;
+
+use miette::{IntoDiagnostic, Report};
+use serde_json::json;
+
+use crate::DONE;
+use crate::data::{Data, print};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    let kit = data.kit()?;
+    let mut rows = Vec::new();
+    for name in ramp_assembly::goal_names(&data.goals()).into_diagnostic()? {
+        rows.push(data.goal(&name, &kit)?);
+    }
+    let mut text = String::new();
+    if arguments.json {
+        let list: Vec<_> = rows
+            .iter()
+            .map(|goal| {
+                json!({
+                    "name": goal.name,
+                    "class": goal.class.map(ramp_assembly::Class::name),
+                    "beams": goal.beams.iter().map(|placed| &placed.beam.name).collect::<Vec<_>>(),
+                    "pegs": goal.connections.len(),
+                })
+            })
+            .collect();
+        text = serde_json::to_string_pretty(&list).into_diagnostic()?;
+        text.push('\n');
+    } else {
+        let _ = writeln!(text, "{:<10} {:<7} {:>5} {:>5}  beams", "goal", "class", "beams", "pegs");
+        for goal in &rows {
+            let names: Vec<&str> = goal.beams.iter().map(|placed| placed.beam.name.as_str()).collect();
+            let class = goal.class.map_or("-", ramp_assembly::Class::name);
+            let _ = writeln!(
+                text,
+                "{:<10} {class:<7} {:>5} {:>5}  {}",
+                goal.name,
+                names.len(),
+                goal.connections.len(),
+                names.join(" ")
+            );
+        }
+    }
+    print(&text)?;
+    Ok(DONE)
+}

@@ -1,0 +1,206 @@
+//! `ramp run`: a goal is planned, assembled in the twin, and scored.
+
+use std::cell::RefCell;
+use std::fmt::Write;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use miette::{IntoDiagnostic, Report, miette};
+use ramp_eval::curve::completion_svg;
+use ramp_eval::result::{EpisodeResult, Software, write_whole};
+use ramp_eval::{Progress, run_episode};
+use ramp_robot::{Event, Track};
+use ramp_skills::Baseline;
+use ramp_twin::{Disturbance, Setup, Twin};
+
+use crate::data::{Data, check_writable, print};
+use crate::{DONE, INCOMPLETE};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Name of a goal, or a goal file
+    goal: String,
+    /// What the agent may see of the parts
+    #[arg(long, value_enum, default_value_t = TrackName::State)]
+    track: TrackName,
+    /// All randomness of the episode flows from this number
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Show the twin in a window while it works
+    #[arg(long)]
+    view: bool,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+    /// File for the result [default: GOAL-SEED.json]; the curve goes beside it as .svg
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum TrackName {
+    /// Exact poses from the simulator
+    State,
+}
+
+pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    let kit = data.kit()?;
+    let assembly = data.goal(&arguments.goal, &kit)?;
+    let arm = data.arm()?;
+    let domains = data.domains()?;
+    let output = arguments
+        .output
+        .clone()
+        .unwrap_or_else(|| PathBuf::from(format!("{}-{}.json", assembly.name, arguments.seed)));
+    let curve = output.with_extension("svg");
+    if curve == output {
+        return Err(miette!(
+            help = "end the file's name in .json",
+            "{} is where the curve goes",
+            output.display()
+        ));
+    }
+    check_writable(&output)?;
+    check_writable(&curve)?;
+    let track = match arguments.track {
+        TrackName::State => Track::State,
+    };
+    let setup = Setup {
+        kit: &kit,
+        assembly: &assembly,
+        arm: &arm,
+        track,
+        seed: arguments.seed,
+        disturbance: Disturbance::default(),
+    };
+    let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
+    let display = Display::new();
+    let mut agent = Baseline::new(&kit, &assembly, &arm, &domains, arguments.seed)
+        .with_listener(|event| display.event(event));
+    let software = Software {
+        version: env!("CARGO_PKG_VERSION").to_string(),
+        commit: env!("RAMP_COMMIT").to_string(),
+    };
+    let mut watcher = |progress: &Progress, twin: &Twin| {
+        display.progress(progress);
+        if let Some(window) = &mut window {
+            window.show(twin);
+        }
+    };
+    let result = run_episode(&setup, &mut agent, &software, 1, &mut watcher).into_diagnostic()?;
+    display.finish();
+    write_whole(&output, &result.to_json()).into_diagnostic()?;
+    write_whole(&curve, &completion_svg(&result)).into_diagnostic()?;
+    print(&if arguments.json { result.to_json() } else { summary(&result, &output, &curve) })?;
+    Ok(if result.counted() == result.pegs.len() { DONE } else { INCOMPLETE })
+}
+
+/// The result for a person.
+fn summary(result: &EpisodeResult, output: &Path, curve: &Path) -> String {
+    let mut text = format!(
+        "{}, track {}, seed {}: {} of {} pegs\n",
+        result.goal,
+        result.track,
+        result.seed,
+        result.counted(),
+        result.pegs.len()
+    );
+    for (index, peg) in result.pegs.iter().enumerate() {
+        let _ = match peg {
+            Some(peg) => writeln!(
+                text,
+                "  {:<4} {} in {}  {:<4} seated at {:6.1} s",
+                peg.connection, peg.joints[1], peg.joints[0], peg.peg, peg.t_total
+            ),
+            None => writeln!(text, "  connection {} has no peg that counts", index + 1),
+        };
+    }
+    let time = &result.time;
+    let _ = writeln!(
+        text,
+        "time {:.1} s = planning {:.2} + computing {:.2} + robot {:.1}",
+        time.total, time.planning, time.compute, time.robot
+    );
+    if result.ended.reason != "done" {
+        let _ = writeln!(text, "ended early: {}", result.ended.reason);
+    }
+    let _ = writeln!(text, "deepest penetration {:.2} mm", result.physics.deepest_penetration * 1e3);
+    let _ = writeln!(text, "result: {}\ncurve:  {}", output.display(), curve.display());
+    text
+}
+
+/// Progress on standard error: one moving line on a terminal, a line for each action elsewhere.
+struct Display {
+    bar: Option<ProgressBar>,
+    action: RefCell<String>,
+}
+
+impl Display {
+    fn new() -> Display {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::new(0);
+            if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} pegs  {msg}") {
+                bar.set_style(style);
+            }
+            bar.enable_steady_tick(Duration::from_millis(200));
+            bar
+        });
+        Display { bar, action: RefCell::new("planning".to_string()) }
+    }
+
+    fn event(&self, event: &Event) {
+        match (&self.bar, event.kind) {
+            (_, "start") => *self.action.borrow_mut() = event.what.clone(),
+            (None, "done") => eprintln!("{:7.1} s  {}", event.time, event.what),
+            (Some(_), "done") => {}
+            (Some(bar), kind) => bar.println(format!("{:7.1} s  {kind}: {}", event.time, event.what)),
+            (None, kind) => eprintln!("{:7.1} s  {kind}: {}", event.time, event.what),
+        }
+    }
+
+    fn progress(&self, progress: &Progress) {
+        if let Some(bar) = &self.bar {
+            bar.set_length(progress.pegs as u64);
+            bar.set_position(progress.seated as u64);
+            bar.set_message(format!("{:.1} s  {}", progress.time, self.action.borrow()));
+        }
+    }
+
+    fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+#[cfg(feature = "view")]
+use ramp_twin::view::Window as TwinWindow;
+
+/// The live window, where the program was built with one.
+struct Window {
+    #[cfg(feature = "view")]
+    inner: TwinWindow,
+}
+
+impl Window {
+    #[cfg(feature = "view")]
+    fn open(setup: &Setup) -> Result<Window, Report> {
+        Ok(Window { inner: TwinWindow::open(setup).into_diagnostic()? })
+    }
+
+    #[cfg(not(feature = "view"))]
+    fn open(_: &Setup) -> Result<Window, Report> {
+        Err(miette!(
+            help = "build it with `cargo build --release --features view` (needs OpenGL and a display), or leave --view out",
+            "this program was built without a window"
+        ))
+    }
+
+    #[cfg_attr(not(feature = "view"), allow(clippy::unused_self, unused_variables))]
+    fn show(&mut self, twin: &Twin) {
+        #[cfg(feature = "view")]
+        self.inner.show(twin);
+    }
+}

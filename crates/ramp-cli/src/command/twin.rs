@@ -1,0 +1,55 @@
+//! `ramp twin export`: the scene as MJCF that stock MuJoCo loads.
+
+use std::path::PathBuf;
+
+use miette::{IntoDiagnostic, Report};
+use ramp_robot::Track;
+use ramp_twin::{Disturbance, Setup, Twin};
+
+use crate::DONE;
+use crate::data::{Data, check_writable, print};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    /// Write the scene of a goal as MJCF
+    Export {
+        /// Name of a goal, or a goal file
+        goal: String,
+        /// Seed of the start poses
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// File to write; without it the scene goes to standard output
+        #[arg(short, long, value_name = "FILE")]
+        output: Option<PathBuf>,
+    },
+}
+
+pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    let Command::Export { goal, seed, output } = &arguments.command;
+    let kit = data.kit()?;
+    let assembly = data.goal(goal, &kit)?;
+    let arm = data.arm()?;
+    if let Some(path) = output {
+        check_writable(path)?;
+    }
+    let setup = Setup {
+        kit: &kit,
+        assembly: &assembly,
+        arm: &arm,
+        track: Track::State,
+        seed: *seed,
+        disturbance: Disturbance::default(),
+    };
+    let twin = Twin::new(&setup).into_diagnostic()?;
+    match output {
+        Some(path) => std::fs::write(path, twin.scene()).into_diagnostic()?,
+        None => print(twin.scene())?,
+    }
+    Ok(DONE)
+}
