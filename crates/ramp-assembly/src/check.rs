@@ -6,9 +6,9 @@
 //! test without stepping, so nothing can slip through between two steps.
 
 use crate::assembly::{Assembly, Connection, Insertion, PlacedBeam};
-use nalgebra::{Unit, Vector2, Vector3};
+use nalgebra::{Translation3, Unit, UnitQuaternion, Vector2, Vector3};
 use ramp_kit::Pose;
-use ramp_kit::shape::{Cuboid, Shape, beam_shapes};
+use ramp_kit::shape::{Shape, beam_shapes};
 use std::collections::HashMap;
 
 /// Parts that reach less than this into each other touch, m.
@@ -102,7 +102,18 @@ struct Block {
 }
 
 impl Block {
-    fn new(cuboid: &Cuboid, x_ab: &Pose) -> Block {
+    /// A shape of a beam at its place. A nose counts with its chamfer filled: that only makes the tests stricter.
+    fn new(shape: &Shape, x_ab: &Pose) -> Block {
+        let (cuboid, x_ab) = match shape {
+            Shape::Turned { about, angle, piece } => {
+                let turned = Pose::from_parts(
+                    Translation3::new(*about, 0.0, 0.0),
+                    UnitQuaternion::from_axis_angle(&Vector3::z_axis(), *angle),
+                );
+                (piece.bounds(), x_ab * turned)
+            }
+            plain => (plain.bounds(), *x_ab),
+        };
         let centre = x_ab * nalgebra::Point3::from(cuboid.centre());
         let along = x_ab.rotation * Vector3::x();
         // Turning a beam about its own axis maps its boxes onto boxes of the same size.
@@ -190,8 +201,7 @@ pub(crate) struct Solids {
 impl Solids {
     pub fn new(beams: &[PlacedBeam]) -> Solids {
         let blocks = |placed: &PlacedBeam| {
-            let boxes = beam_shapes(&placed.beam).into_iter().map(|shape| bounds(&shape));
-            boxes.map(|cuboid| Block::new(&cuboid, &placed.x_ab)).collect()
+            beam_shapes(&placed.beam).iter().map(|shape| Block::new(shape, &placed.x_ab)).collect()
         };
         Solids { beams: beams.iter().map(blocks).collect() }
     }
@@ -233,17 +243,6 @@ impl Solids {
         // From above a beam comes down onto its place, so it is clear as soon as it no longer touches.
         let vertical = back.z != 0.0;
         WayOut { hits: ranges(TOUCH, 5), covers: if vertical { Vec::new() } else { ranges(-MARGIN, 4) } }
-    }
-}
-
-/// The box around a shape. A nose counts with its chamfer filled: that only makes the test stricter.
-fn bounds(shape: &Shape) -> Cuboid {
-    match shape {
-        Shape::Solid(cuboid) | Shape::Foot(cuboid) | Shape::Plate { cuboid, .. } => *cuboid,
-        Shape::Nose { x0, x1 } => {
-            let half = ramp_kit::joint::BODY_WIDTH / 2.0;
-            Cuboid::new([*x0, *x1], [-half, half], [-half, half])
-        }
     }
 }
 

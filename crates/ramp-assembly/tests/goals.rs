@@ -194,10 +194,8 @@ fn no_insertion_meets_anything_on_its_way() {
     let slabs = |goal: &Assembly, beam: usize, shift: nalgebra::Vector3<f64>| -> Vec<(Corners, [f64; 2])> {
         let placed = &goal.beams[beam];
         let slab = |shape: &Shape| {
-            let (low, high) = match shape {
-                Shape::Solid(c) | Shape::Foot(c) | Shape::Plate { cuboid: c, .. } => (c.min, c.max),
-                Shape::Nose { x0, x1 } => ([x0.min(*x1), -0.0133, -0.0133], [x0.max(*x1), 0.0133, 0.0133]),
-            };
+            let bounds = Shape::bounds(shape);
+            let (low, high) = (bounds.min, bounds.max);
             // Less by the tolerance of the test.
             let s = 0.005e-3;
             let corner = |x: f64, y: f64, z: f64| placed.x_ab * nalgebra::Point3::new(x, y, z) + shift;

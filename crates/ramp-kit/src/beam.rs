@@ -1,7 +1,7 @@
 //! The kit as data: beams with their joints and links, pegs, holders, and where each lies on the sheet.
 
 use crate::Pose;
-use crate::joint::{AXIS_HEIGHT, AXIS_HEIGHT_LYING, JointType, Side};
+use crate::joint::{AXIS_HEIGHT, AXIS_HEIGHT_LYING, Dimensions, JointType, Side};
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 
 /// Everything on the table at the start of an episode.
@@ -17,6 +17,8 @@ pub struct Kit {
     pub sheet: Sheet,
     /// Position of the assembly frame A in the world, m: the j1 hole of the clamped beam, at table level.
     pub base_xy: [f64; 2],
+    /// The four numbers that the printed parts are made from.
+    pub dimensions: Dimensions,
 }
 
 /// One beam: joints j1..jn along its axis, with a length of extrusion (a link) between neighbours.
@@ -176,7 +178,7 @@ impl Beam {
 
     /// Does it stand on females or feet, and so at the height it has when assembled? An all-male beam lies lower.
     pub fn stands_at_assembled_height(&self) -> bool {
-        self.joints.iter().any(|joint| !matches!(joint.kind, JointType::InMEnd | JointType::ThruM))
+        self.joints.iter().any(|joint| !joint.kind.is_male() || joint.kind.form().feet)
     }
 
     /// Height of its axis over the table when nothing but the table carries it, m.

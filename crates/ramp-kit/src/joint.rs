@@ -1,6 +1,12 @@
-//! The seven printed joint types and the few numbers they are all made from.
+//! The printed joint types and the few numbers they are all made from.
 //!
-//! Measured on the published release of the benchmark; the table stands in the documentation of the parts.
+//! Four numbers fix every cross-section ([`Dimensions`]); a joint type is one row of a table ([`JointForm`]): what
+//! it does and how long it is. The seven types of the benchmark are [`FORMS`]; a kit file may add more. Measured on
+//! the published release; the table stands in the documentation of the parts.
+
+use std::collections::HashMap;
+use std::hash::{Hash, Hasher};
+use std::sync::{Mutex, PoisonError};
 
 /// Width of a joint across the beam, m: a male end and the necks of a female.
 pub const BODY_WIDTH: f64 = 26.6e-3;
@@ -41,6 +47,61 @@ pub const PLA_DENSITY: f64 = 1240.0;
 /// Mass of one metre of extrusion, kg/m: 184.1 mm² of aluminium.
 pub const EXTRUSION_MASS: f64 = 0.497;
 
+/// How far a male end's socket section is followed by its tag plate, m.
+pub const TAG_PLATE: f64 = 27.05e-3;
+/// Edge of the square recess for a tag's sticker, m.
+pub const TAG_RECESS: f64 = 25.5e-3;
+/// Depth of the countersink and of the whole screw hole in a socket's wall, and the radii at the outer face and
+/// behind the 90° cone, m.
+pub(crate) const SCREW: ScrewHole = ScrewHole { cone: 2.85e-3, outer: 5.6e-3, inner: 2.75e-3 };
+/// The two feet of a male end: how far from the axis, and how far back from the hole, m.
+pub(crate) const FEET: [[f64; 2]; 2] = [[6.3e-3, 9.8e-3], [-25.6e-3, -20.6e-3]];
+
+pub(crate) struct ScrewHole {
+    pub cone: f64,
+    pub outer: f64,
+    pub inner: f64,
+}
+
+/// The four numbers from which the cross-sections of all parts follow, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dimensions {
+    /// Thickness of every wall and plate.
+    pub wall: f64,
+    /// Gap on each side between two parts that go into each other.
+    pub clearance: f64,
+    /// Edge of the square extrusion.
+    pub extrusion: f64,
+    /// Diameter of every peg hole.
+    pub peg_hole: f64,
+}
+
+impl Dimensions {
+    /// Those of the benchmark. The twin and everything that moves is made for these.
+    pub const BENCHMARK: Dimensions =
+        Dimensions { wall: WALL, clearance: CLEARANCE, extrusion: EXTRUSION, peg_hole: 2.0 * HOLE_RADIUS };
+
+    /// Edge of the square socket around an extrusion, m.
+    pub fn socket(&self) -> f64 {
+        self.extrusion + 2.0 * self.clearance
+    }
+
+    /// Edge of the square section of a male, m.
+    pub fn body(&self) -> f64 {
+        self.socket() + 2.0 * self.wall
+    }
+
+    /// Height of the cavity of a female, m.
+    pub fn cavity(&self) -> f64 {
+        self.body() + 2.0 * self.clearance
+    }
+
+    /// Height of a female's head, which is the length of a peg's stem, m.
+    pub fn female_height(&self) -> f64 {
+        self.cavity() + 2.0 * self.wall
+    }
+}
+
 /// The side of a beam, seen from above with j1 behind you and the last joint ahead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
@@ -60,6 +121,192 @@ impl Side {
     }
 }
 
+/// A joint type as a row of a table: all that is special to it. Everything else follows from [`Dimensions`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointForm {
+    /// The name in kit files.
+    pub name: &'static str,
+    /// Does it enter another joint?
+    pub male: bool,
+    /// Does it stand at an end of its beam?
+    pub end: bool,
+    /// Is it a female that is open to one side only?
+    pub one_sided: bool,
+    /// Distance along the beam from the peg hole to the floor of the extrusion's socket, m.
+    pub socket_offset: f64,
+    /// Half the length of a female's cavity along the beam, m; 0 for a male.
+    pub cavity: f64,
+    /// Does a male end stand on two feet?
+    pub feet: bool,
+    /// The angle at which a male end's tip points away from its beam, about the hole, to the left of the way out
+    /// of the beam, rad.
+    pub turn: f64,
+}
+
+const fn row(name: &'static str, male: bool, end: bool, socket_offset: f64) -> JointForm {
+    JointForm { name, male, end, one_sided: false, socket_offset, cavity: 0.0, feet: false, turn: 0.0 }
+}
+
+const fn female(row: JointForm, cavity: f64, one_sided: bool) -> JointForm {
+    JointForm { cavity, one_sided, ..row }
+}
+
+/// The seven joint types of the benchmark, in the order of the bill of parts.
+pub const FORMS: [JointForm; 7] = [
+    row("in-m-end", true, true, 8.6e-3),
+    JointForm { feet: true, ..row("in-m-end-feet", true, true, 8.6e-3) },
+    row("thru-m", true, false, 17.6e-3),
+    female(row("in-f-end", false, true, 23.2e-3), 13.6e-3, true),
+    female(row("in-f", false, false, 17.6e-3), 13.6e-3, true),
+    female(row("thru-f", false, false, 17.6e-3), 13.6e-3, false),
+    female(row("angle-f", false, false, 33.0e-3), 29.0e-3, false),
+];
+
+impl JointForm {
+    /// The largest angle from straight at which a male of section `body` (m) passes this female, rad; 0 for a male.
+    pub fn entry_angle(&self, body: f64) -> f64 {
+        if self.male {
+            return 0.0;
+        }
+        // A strip as wide as the cavity is deep needs (1 + sin a) / cos a = tan(45° + a/2) of its half width.
+        2.0 * ((2.0 * self.cavity / body).atan() - std::f64::consts::FRAC_PI_4)
+    }
+
+    /// How far back from the hole a turned tip is a plain section, before it bends into the beam's, m: far enough
+    /// that nothing behind it meets the female around it. 0 for a tip that is not turned.
+    pub fn straight(&self) -> f64 {
+        if self.turn == 0.0 { 0.0 } else { JointForm::begin(0.0) + BODY_WIDTH / 2.0 }
+    }
+
+    /// The sections between a turned tip and the beam: the share of the turn that each has.
+    pub(crate) fn bends(&self) -> &'static [f64] {
+        if self.turn == 0.0 { &[] } else { &[2.0 / 3.0, 1.0 / 3.0] }
+    }
+
+    /// Where a section that is turned by `angle` against the tip may begin without reaching into the female around
+    /// the tip, measured back from the hole along that section, m.
+    pub(crate) fn begin(angle: f64) -> f64 {
+        let half = BODY_WIDTH / 2.0;
+        (half + CLEARANCE + half * angle.sin().abs()) / angle.cos()
+    }
+
+    /// The shortest socket offset that keeps the beam's own section out of the female around a turned tip, m.
+    pub fn least_socket_offset(&self) -> f64 {
+        if self.turn == 0.0 { MALE_TIP - 2.0 * MALE_CHAMFER } else { JointForm::begin(self.turn) + WALL }
+    }
+
+    /// Volume of the printed part, m³.
+    pub fn volume(&self) -> f64 {
+        let d = Dimensions::BENCHMARK;
+        let (body, socket, height) = (d.body(), d.socket(), d.female_height());
+        let hole = std::f64::consts::PI * (d.peg_hole / 2.0).powi(2);
+        let sockets = if self.end { 1.0 } else { 2.0 };
+        let r = &SCREW;
+        let cone = r.cone / 3.0 * (r.outer.powi(2) + r.outer * r.inner + r.inner.powi(2));
+        let screw = std::f64::consts::PI * (cone + r.inner.powi(2) * (d.wall - r.cone));
+        let cut = sockets * (socket * socket * SOCKET_DEPTH + screw);
+        let sleeve = self.socket_offset + SOCKET_DEPTH;
+        if self.male {
+            let section = body * body;
+            if !self.end {
+                return section * 2.0 * sleeve - body * hole - cut;
+            }
+            // The four chamfers of the tip, their corners counted once.
+            let c = MALE_CHAMFER;
+            let chamfer = section * c - (body.powi(3) - (body - 2.0 * c).powi(3)) / 6.0;
+            let plate = TAG_PLATE * body * d.wall - TAG_RECESS * TAG_RECESS * 0.5e-3;
+            let feet = if self.feet {
+                let [across, along] = FEET.map(|range| range[1] - range[0]);
+                2.0 * across * along * (height - body) / 2.0
+            } else {
+                0.0
+            };
+            return self.plan_area() * body - chamfer + plate + feet - body * hole - cut;
+        }
+        let head = self.cavity + d.wall;
+        let (head_length, neck) =
+            if self.end { (head + self.cavity, sleeve - head) } else { (2.0 * head, 2.0 * (sleeve - head)) };
+        let open = if self.one_sided { body - d.wall } else { body };
+        let recess = if self.end { 2.0 * TAG_RECESS * TAG_RECESS * d.clearance } else { 0.0 };
+        head_length * body * height - 2.0 * self.cavity * open * d.cavity() - 2.0 * d.wall * hole
+            + neck * body * body
+            - cut
+            - recess
+    }
+
+    /// Area of a male end seen from above without its tag plate, m².
+    fn plan_area(&self) -> f64 {
+        let sleeve = self.socket_offset + SOCKET_DEPTH;
+        if self.turn == 0.0 {
+            return BODY_WIDTH * (sleeve + MALE_TIP);
+        }
+        // Sections that overlap: counted on a grid, good to a part in a thousand.
+        let half = BODY_WIDTH / 2.0;
+        let sections = self.sections();
+        let step = 0.1e-3;
+        let cells = (2.0 * sleeve / step) as i32;
+        let mut count = 0u32;
+        for row in -cells..cells {
+            for column in -cells..cells {
+                let (x, y) = ((f64::from(column) + 0.5) * step, (f64::from(row) + 0.5) * step);
+                let inside = |section: &Section| {
+                    let (sin, cos) = section.turn.sin_cos();
+                    let (along, across) = (x * cos + y * sin, y * cos - x * sin);
+                    across.abs() < half && along > section.from && along < section.to
+                };
+                count += u32::from(sections.iter().any(inside));
+            }
+        }
+        f64::from(count) * step * step
+    }
+
+    /// The sections of a male end from its socket to its tip, seen from above: how each is turned about the hole
+    /// and from where to where it reaches along its own direction.
+    pub(crate) fn sections(&self) -> Vec<Section> {
+        let sleeve = self.socket_offset + SOCKET_DEPTH;
+        if self.turn == 0.0 {
+            return vec![Section { turn: 0.0, from: -sleeve, to: MALE_TIP }];
+        }
+        let mut sections = vec![Section { turn: 0.0, from: -sleeve, to: -JointForm::begin(self.turn) }];
+        for share in self.bends().iter().rev() {
+            let turn = share * self.turn;
+            let begin = JointForm::begin(self.turn - turn);
+            sections.push(Section { turn, from: -begin - BODY_WIDTH / 2.0, to: -begin });
+        }
+        sections.push(Section { turn: self.turn, from: -self.straight(), to: MALE_TIP });
+        sections
+    }
+}
+
+/// A straight piece of a male end, see [`JointForm::sections`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Section {
+    pub turn: f64,
+    pub from: f64,
+    pub to: f64,
+}
+
+/// A joint type that a kit file added; two are the same when all that is in their rows is.
+#[derive(Clone, Copy, Debug)]
+pub struct Added(&'static JointForm);
+
+impl PartialEq for Added {
+    fn eq(&self, other: &Added) -> bool {
+        std::ptr::eq(self.0, other.0)
+    }
+}
+
+impl Eq for Added {}
+
+impl Hash for Added {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.0.name.hash(state);
+    }
+}
+
+/// Every row that a kit file has added in this process, so that equal rows are one and are kept once.
+static ADDED: Mutex<Option<HashMap<String, Vec<&'static JointForm>>>> = Mutex::new(None);
+
 /// A type of joint, by the name the published files use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum JointType {
@@ -77,10 +324,12 @@ pub enum JointType {
     ThruF,
     /// `angle-f`: a long female in the middle of a beam, open to both sides, entered at up to 40.7°.
     AngleF,
+    /// A type that the kit file itself describes.
+    Added(Added),
 }
 
 impl JointType {
-    /// All seven, in the order of the bill of parts.
+    /// The seven of the benchmark, in the order of the bill of parts.
     pub const ALL: [JointType; 7] = [
         JointType::InMEnd,
         JointType::InMEndFeet,
@@ -91,79 +340,91 @@ impl JointType {
         JointType::AngleF,
     ];
 
-    /// The name in kit files.
-    pub fn name(self) -> &'static str {
+    /// A type of the kit file's own. Rows are kept for as long as the program runs: there is one for each
+    /// description, however often it is read.
+    pub fn added(name: &str, form: JointForm) -> JointType {
+        let mut added = ADDED.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = added.get_or_insert_default().entry(name.to_string()).or_default();
+        let same = known.iter().find(|row| JointForm { name: form.name, ..***row } == form);
+        JointType::Added(Added(same.copied().unwrap_or_else(|| {
+            let name: &'static str = known.first().map_or_else(|| &*name.to_string().leak(), |row| row.name);
+            let row: &'static JointForm = Box::leak(Box::new(JointForm { name, ..form }));
+            known.push(row);
+            row
+        })))
+    }
+
+    /// Its row of the table.
+    pub fn form(self) -> &'static JointForm {
         match self {
-            JointType::InMEnd => "in-m-end",
-            JointType::InMEndFeet => "in-m-end-feet",
-            JointType::ThruM => "thru-m",
-            JointType::InFEnd => "in-f-end",
-            JointType::InF => "in-f",
-            JointType::ThruF => "thru-f",
-            JointType::AngleF => "angle-f",
+            JointType::InMEnd => &FORMS[0],
+            JointType::InMEndFeet => &FORMS[1],
+            JointType::ThruM => &FORMS[2],
+            JointType::InFEnd => &FORMS[3],
+            JointType::InF => &FORMS[4],
+            JointType::ThruF => &FORMS[5],
+            JointType::AngleF => &FORMS[6],
+            JointType::Added(row) => row.0,
         }
     }
 
-    /// The type of that name.
+    /// The name in kit files.
+    pub fn name(self) -> &'static str {
+        self.form().name
+    }
+
+    /// The type of the benchmark that has this name.
     pub fn from_name(name: &str) -> Option<JointType> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
     /// Does it enter another joint?
     pub fn is_male(self) -> bool {
-        matches!(self, JointType::InMEnd | JointType::InMEndFeet | JointType::ThruM)
+        self.form().male
     }
 
     /// Does it stand at an end of its beam?
     pub fn is_end(self) -> bool {
-        matches!(self, JointType::InMEnd | JointType::InMEndFeet | JointType::InFEnd)
+        self.form().end
     }
 
     /// Has it an opening to one side only, so that the kit must say which?
     pub fn has_opening(self) -> bool {
-        matches!(self, JointType::InF | JointType::InFEnd)
+        self.form().one_sided
     }
 
     /// Distance along the beam from the peg hole to the floor of the extrusion's socket, m.
     pub fn socket_offset(self) -> f64 {
-        match self {
-            JointType::InMEnd | JointType::InMEndFeet => 8.6e-3,
-            JointType::ThruM | JointType::InF | JointType::ThruF => 17.6e-3,
-            JointType::InFEnd => 23.2e-3,
-            JointType::AngleF => 33.0e-3,
-        }
+        self.form().socket_offset
     }
 
     /// Distance along the beam from the peg hole to where the joint's outside ends and the extrusion is bare, m.
     pub fn sleeve(self) -> f64 {
-        match self {
-            JointType::InMEnd | JointType::InMEndFeet => 28.6e-3,
-            JointType::ThruM | JointType::InF | JointType::ThruF => 37.6e-3,
-            JointType::InFEnd => 43.2e-3,
-            JointType::AngleF => 53.0e-3,
-        }
+        self.socket_offset() + SOCKET_DEPTH
     }
 
     /// Distance along the beam from the peg hole to where the gripper has room from above, m: past the tag plate
     /// of a male end, otherwise the sleeve.
     pub fn top_cover(self) -> f64 {
-        match self {
-            JointType::InMEnd | JointType::InMEndFeet => 55.65e-3,
-            other => other.sleeve(),
-        }
+        if self.is_male() && self.is_end() { self.sleeve() + TAG_PLATE } else { self.sleeve() }
+    }
+
+    /// Distance along the beam from the peg hole inwards to the centre of the tag, m; `None` for a joint in the
+    /// middle of a beam, which has none.
+    pub fn tag_offset(self) -> Option<f64> {
+        let form = self.form();
+        let from = if form.male { self.sleeve() + 1.0e-3 } else { form.cavity + WALL + 0.55e-3 };
+        form.end.then_some(from + TAG_RECESS / 2.0)
+    }
+
+    /// Height of the tag's recess over the beam's axis, m; `None` for a joint without one.
+    pub fn tag_height(self) -> Option<f64> {
+        let form = self.form();
+        form.end.then_some(BODY_WIDTH / 2.0 - if form.male { 0.5e-3 } else { 0.3e-3 })
     }
 
     /// Mass of the printed part, kg: its volume in solid PLA.
     pub fn mass(self) -> f64 {
-        let volume_mm3 = match self {
-            JointType::InMEnd => 18906.3,
-            JointType::InMEndFeet => 19021.8,
-            JointType::ThruM => 34677.6,
-            JointType::InFEnd => 18656.5,
-            JointType::InF => 23939.9,
-            JointType::ThruF => 21720.4,
-            JointType::AngleF => 26636.1,
-        };
-        volume_mm3 * 1e-9 * PLA_DENSITY
+        self.form().volume() * PLA_DENSITY
     }
 }

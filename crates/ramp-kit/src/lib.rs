@@ -16,7 +16,7 @@ pub mod shape;
 pub mod source;
 
 pub use beam::{Beam, Holder, Joint, Kit, Link, Peg, Sheet, StartPose};
-pub use joint::{JointType, Side};
+pub use joint::{Dimensions, JointForm, JointType, Side};
 pub use read::{KitError, KitProblem, read_kit, read_kit_str};
 
 /// A rigid pose: where a frame stands in another. The name of a variable says which: `x_wb` is B in W.

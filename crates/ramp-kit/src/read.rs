@@ -16,13 +16,20 @@
 //! </data>
 //! ```
 //!
+//! A kit may also add joint types of its own and state the four numbers that the printed parts are made from:
+//!
+//! ```xml
+//!   <part name="in-m-end-45" mates="male" place="end" socket="36" turn="45"/>
+//!   <dimensions wall="3" clearance="0.3" extrusion="20" hole="8.4"/>
+//! ```
+//!
 //! Joints and links may stand in any order: parents and children say how they follow along the beam. Ours are
 //! `opens` (the side an `in-f` or `in-f-end` is open to, `left` unless said), `<start>` (where j1 lies on the
 //! sheet, and whether the beam lies flipped), `<peg>`, `<holder>`, `<sheet>` (its size, and its top left corner
 //! in the world) and `<base>` (the j1 hole of the clamped beam in the world). All lengths in the file are mm.
 
 use crate::beam::{Beam, Holder, Joint, Kit, Link, Peg, Sheet, StartPose};
-use crate::joint::{JointType, Side};
+use crate::joint::{Dimensions, JointForm, JointType, MALE_TIP, STEM_RADIUS, Side, WALL};
 use crate::source::{Element, Fault, FormProblem, Problem, SourceFile, Value, nearest, parse_xml, shorten};
 use std::collections::{HashMap, HashSet};
 use std::ops::{Range, RangeInclusive};
@@ -57,6 +64,26 @@ pub enum KitProblem {
         found: String,
         /// The most similar type.
         nearest: Option<String>,
+    },
+    /// A tag that the family does not have.
+    #[error("there is no tag {tag}: the family tag25h9 has the ids 0 to 34, and 0 is on the sheet")]
+    NoSuchTag {
+        /// Its id.
+        tag: i64,
+    },
+    /// A joint type of the kit's own that has the name of another.
+    #[error("there is a joint type `{name}` already")]
+    DuplicatePart {
+        /// The name.
+        name: String,
+    },
+    /// A joint type of the kit's own that cannot be made.
+    #[error("the joint type `{part}` cannot be made: {why}")]
+    BadPart {
+        /// The joint type.
+        part: String,
+        /// The reason.
+        why: String,
     },
     /// An opening on a joint type that has none.
     #[error("a `{part}` has no opening to one side")]
@@ -185,6 +212,9 @@ impl Problem for KitProblem {
             KitProblem::Form(form) => form.label(),
             KitProblem::DuplicateName { .. } | KitProblem::DuplicateTag { .. } => "used again here".into(),
             KitProblem::UnknownPart { .. } => "unknown joint type".into(),
+            KitProblem::NoSuchTag { .. } => "expected 1 to 34".into(),
+            KitProblem::DuplicatePart { .. } => "expected a name of its own".into(),
+            KitProblem::BadPart { .. } => "cannot be made".into(),
             KitProblem::NoOpening { .. } => "only in-f and in-f-end have one".into(),
             KitProblem::UnknownNeighbour { expected, .. } => format!("expected a {expected}"),
             KitProblem::OneSided { .. } => "one-sided".into(),
@@ -226,6 +256,20 @@ const POSITION: RangeInclusive<f64> = -5000.0..=5000.0;
 const LENGTH: RangeInclusive<f64> = 1.0..=2000.0;
 /// The ids of the tag family tag25h9; 0 is on the sheet.
 const TAGS: RangeInclusive<i64> = 1..=34;
+/// Walls that a printer can lay and that carry, mm.
+const WALLS: RangeInclusive<f64> = 1.0..=6.0;
+/// Gaps between parts, mm; without one nothing goes into anything.
+const CLEARANCES: RangeInclusive<f64> = 0.05..=1.0;
+/// Square extrusions, mm.
+const EXTRUSIONS: RangeInclusive<f64> = 15.0..=30.0;
+/// Peg holes, mm: around the stem, and within the head.
+const HOLES: RangeInclusive<f64> = 2e3 * STEM_RADIUS + 0.1..=12.0;
+/// From a hole to the floor of a socket, or to the end of a cavity, mm.
+const REACH: RangeInclusive<f64> = 1.0..=200.0;
+/// The angle of a turned male end, degrees.
+const TURNS: RangeInclusive<f64> = -60.0..=60.0;
+/// The smallest angle by which a male end is turned, degrees.
+const LEAST_TURN: f64 = 5.0;
 /// Metres in a millimetre.
 const MM: f64 = 1e-3;
 
@@ -275,26 +319,44 @@ fn read(file: &SourceFile) -> Result<Kit> {
         holders: Vec::new(),
         sheet: Sheet { size: [0.594, 0.420], corner: [0.053, 0.600] },
         base_xy: [0.310, 0.0268],
+        dimensions: Dimensions::BENCHMARK,
     };
     let mut pegs = Vec::new();
     let mut seen = HashMap::new();
-    for child in root.children(&["beam", "peg", "holder", "sheet", "base"])? {
+    let children = root.children(&["beam", "peg", "holder", "sheet", "base", "part", "dimensions"])?;
+    // Joint types come first: beams name them, and they may stand behind them in the file.
+    for part in children.iter().filter(|child| child.tag() == "part") {
+        let kind = read_part(*part)?;
+        if names.part(kind.name()).is_some() {
+            let problem = KitProblem::DuplicatePart { name: kind.name().to_string() };
+            return Err(part.required("name")?.fault(problem));
+        }
+        names.parts.push(kind);
+    }
+    for child in children {
         match child.tag() {
             "beam" => kit.beams.push(read_beam(child, &mut names)?),
             "peg" => pegs.push(child),
+            "part" => {}
             "holder" => {
                 child.check_attributes(&["name", "x", "y"])?;
                 let name = names.take(&child.required("name")?)?;
                 kit.holders.push(Holder { name, centre: point(child)? });
             }
             tag => {
-                let element = if tag == "sheet" { "sheet" } else { "base" };
+                let element = match tag {
+                    "sheet" => "sheet",
+                    "base" => "base",
+                    _ => "dimensions",
+                };
                 if let Some(first) = seen.insert(element, child.span()) {
                     return Err(child.fault(KitProblem::Twice { element }).also(first, "the first"));
                 }
                 if element == "base" {
                     child.check_attributes(&["x", "y"])?;
                     kit.base_xy = point(child)?;
+                } else if element == "dimensions" {
+                    kit.dimensions = read_dimensions(child)?;
                 } else {
                     child.check_attributes(&["width", "height", "x", "y"])?;
                     let size = |attribute| Ok(child.required(attribute)?.number(LENGTH, "mm")? * MM);
@@ -320,9 +382,81 @@ fn point(node: Node<'_>) -> Result<[f64; 2]> {
     Ok([number("x")?, number("y")?])
 }
 
-/// Names and tags, each of which may be given once in a kit.
+/// The four numbers; those that are not stated are the benchmark's.
+fn read_dimensions(node: Node<'_>) -> Result<Dimensions> {
+    node.check_attributes(&["wall", "clearance", "extrusion", "hole"])?;
+    let number = |attribute, range: RangeInclusive<f64>, nominal: f64| match node.optional(attribute) {
+        Some(value) => Ok(value.number(range, "mm")? * MM),
+        None => Ok::<f64, KitError>(nominal),
+    };
+    let nominal = Dimensions::BENCHMARK;
+    Ok(Dimensions {
+        wall: number("wall", WALLS, nominal.wall)?,
+        clearance: number("clearance", CLEARANCES, nominal.clearance)?,
+        extrusion: number("extrusion", EXTRUSIONS, nominal.extrusion)?,
+        peg_hole: number("hole", HOLES, nominal.peg_hole)?,
+    })
+}
+
+/// A joint type of the kit's own.
+fn read_part(node: Node<'_>) -> Result<JointType> {
+    node.check_attributes(&["name", "mates", "place", "socket", "cavity", "open", "feet", "turn"])?;
+    let value = node.required("name")?;
+    let name = value.name()?;
+    let choice = |attribute, yes: &str, no: &str, expected| {
+        let value = node.required(attribute)?;
+        if value.text() == yes || value.text() == no {
+            return Ok(value.text() == yes);
+        }
+        Err(value.bad_choice(expected))
+    };
+    let bad = |at: &Text<'_>, why: &str| {
+        Err(at.fault(KitProblem::BadPart { part: name.to_string(), why: why.to_string() }))
+    };
+    let male = choice("mates", "male", "female", "male or female")?;
+    let end = choice("place", "end", "middle", "end or middle")?;
+    for (attribute, allowed, why) in [
+        ("cavity", !male, "only a female has a cavity"),
+        ("open", !male, "only a female has an opening"),
+        ("feet", male && end, "only a male end has feet"),
+        ("turn", male && end, "only a male end can be turned"),
+    ] {
+        if let Some(value) = node.optional(attribute).filter(|_| !allowed) {
+            return bad(&value, why);
+        }
+    }
+    let one_sided = !male && choice("open", "one", "both", "one or both")?;
+    let cavity = if male { 0.0 } else { node.required("cavity")?.number(REACH, "mm")? * MM };
+    let feet = node.optional("feet").map_or(Ok(false), |value| value.flag())?;
+    let turn = match node.optional("turn") {
+        None => 0.0,
+        Some(value) => {
+            let degrees = value.number(TURNS, "degrees")?;
+            if degrees.abs() < LEAST_TURN {
+                return bad(&value, "a male end that is turned is turned by at least 5°");
+            }
+            degrees.to_radians()
+        }
+    };
+    let value = node.required("socket")?;
+    let socket_offset = value.number(REACH, "mm")? * MM;
+    let form = JointForm { name: "", male, end, one_sided, socket_offset, cavity, feet, turn };
+    let body = Dimensions::BENCHMARK.body();
+    if !male && form.entry_angle(body) <= 0.0 {
+        return bad(&node.required("cavity")?, "a male of 26.6 mm does not go into its cavity");
+    }
+    let least = if male { form.least_socket_offset().max(MALE_TIP - WALL) } else { cavity + WALL };
+    if socket_offset < least - 1e-9 {
+        let why = format!("its socket needs to be {:.2} mm or more from the hole", least / MM);
+        return bad(&value, &why);
+    }
+    Ok(JointType::added(name, form))
+}
+
+/// Names and tags, each of which may be given once in a kit, and the joint types of its own.
 #[derive(Default)]
 struct Names {
+    parts: Vec<JointType>,
     names: HashMap<String, Range<usize>>,
     tags: HashMap<u32, Range<usize>>,
 }
@@ -338,8 +472,19 @@ impl Names {
         }
     }
 
+    fn part(&self, name: &str) -> Option<JointType> {
+        JointType::from_name(name).or_else(|| self.parts.iter().copied().find(|kind| kind.name() == name))
+    }
+
+    fn part_names(&self) -> Vec<&'static str> {
+        JointType::ALL.iter().chain(&self.parts).map(|kind| kind.name()).collect()
+    }
+
     fn take_tag(&mut self, value: &Text<'_>) -> Result<u32> {
-        let id = value.integer(TAGS)?;
+        let id = value.integer(i64::MIN..=i64::MAX)?;
+        if !TAGS.contains(&id) {
+            return Err(value.fault(KitProblem::NoSuchTag { tag: id }));
+        }
         // TAGS is within u32.
         let tag = u32::try_from(id).unwrap_or_default();
         match self.tags.insert(tag, value.span()) {
@@ -544,8 +689,8 @@ fn build_beam(
     for (position, &index) in joint_order.iter().enumerate() {
         let raw = &chain.joints[index];
         let part = raw.node.required("part")?;
-        let kind = JointType::from_name(part.text()).ok_or_else(|| {
-            let near = nearest(part.text(), JointType::ALL.map(JointType::name)).map(str::to_string);
+        let kind = names.part(part.text()).ok_or_else(|| {
+            let near = nearest(part.text(), names.part_names()).map(str::to_string);
             part.fault(KitProblem::UnknownPart { found: shorten(part.text()), nearest: near })
         })?;
         let at_end = position == 0 || position + 1 == joint_order.len();

@@ -5,7 +5,8 @@
 
 use crate::beam::Beam;
 use crate::joint::{
-    BODY_WIDTH, EXTRUSION, FEMALE_HEIGHT, HEAD_HEIGHT, HEAD_WIDTH, JointType, MALE_CHAMFER, MALE_TIP, WALL,
+    BODY_WIDTH, EXTRUSION, FEET, FEMALE_HEIGHT, HEAD_HEIGHT, HEAD_WIDTH, JointType, MALE_CHAMFER, MALE_TIP,
+    TAG_PLATE, WALL,
 };
 
 /// An axis-parallel box, metres, in the frame of its part.
@@ -58,6 +59,64 @@ pub enum Shape {
     },
     /// The two small feet of a male end, each a box.
     Foot(Cuboid),
+    /// A piece of a male end that is turned against its beam.
+    Turned {
+        /// The place of the joint's hole along the beam, m: the piece is turned about its axis.
+        about: f64,
+        /// The angle, rad, counted from the beam's +x towards +y.
+        angle: f64,
+        /// The piece before it is turned and with its hole at the origin.
+        piece: Piece,
+    },
+}
+
+/// What can be turned, see [`Shape::Turned`]; the same as the shapes of these names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Piece {
+    /// A plain box.
+    Solid(Cuboid),
+    /// A box with a hole along z through the origin.
+    Plate(Cuboid),
+    /// The chamfered tip, towards +x or −x.
+    Nose {
+        /// Where the chamfer begins, m.
+        x0: f64,
+        /// The tip, m.
+        x1: f64,
+    },
+}
+
+impl Piece {
+    /// The box around it before it is turned. A tip counts with its chamfer filled.
+    pub fn bounds(&self) -> Cuboid {
+        match *self {
+            Piece::Solid(cuboid) | Piece::Plate(cuboid) => cuboid,
+            Piece::Nose { x0, x1 } => nose_bounds(x0, x1),
+        }
+    }
+}
+
+fn nose_bounds(x0: f64, x1: f64) -> Cuboid {
+    let half = BODY_WIDTH / 2.0;
+    Cuboid::new([x0, x1], [-half, half], [-half, half])
+}
+
+impl Shape {
+    /// The box along the beam's axes around it. A tip counts with its chamfer filled.
+    pub fn bounds(&self) -> Cuboid {
+        match *self {
+            Shape::Solid(cuboid) | Shape::Foot(cuboid) | Shape::Plate { cuboid, .. } => cuboid,
+            Shape::Nose { x0, x1 } => nose_bounds(x0, x1),
+            Shape::Turned { about, angle, piece } => {
+                let (cuboid, (sin, cos)) = (piece.bounds(), angle.sin_cos());
+                let ([x, y, _], [dx, dy, _]) = (cuboid.centre(), cuboid.half());
+                let (cx, cy) = (about + x * cos - y * sin, x * sin + y * cos);
+                let (rx, ry) = (dx * cos.abs() + dy * sin.abs(), dx * sin.abs() + dy * cos.abs());
+                let z = [cuboid.min[2], cuboid.max[2]];
+                Cuboid::new([cx - rx, cx + rx], [cy - ry, cy + ry], z)
+            }
+        }
+    }
 }
 
 /// All solids of a beam, in its frame.
@@ -93,7 +152,8 @@ fn extrusion_shapes(from: f64, to: f64) -> [Cuboid; 3] {
 
 /// The solids of one joint whose hole is at x = `at`; `outward` (±1) is the direction an end joint looks in and
 /// `opens` (±1) the sign of y to which a one-sided female opens.
-fn joint_shapes(kind: JointType, at: f64, outward: f64, opens: f64, shapes: &mut Vec<Shape>) {
+pub(crate) fn joint_shapes(kind: JointType, at: f64, outward: f64, opens: f64, shapes: &mut Vec<Shape>) {
+    let form = kind.form();
     let w = BODY_WIDTH / 2.0;
     let h = FEMALE_HEIGHT / 2.0;
     let cavity_h = h - WALL;
@@ -102,47 +162,98 @@ fn joint_shapes(kind: JointType, at: f64, outward: f64, opens: f64, shapes: &mut
     let plate =
         |xs: [f64; 2], zs: [f64; 2]| Shape::Plate { cuboid: Cuboid::new(xs, [-w, w], zs), hole: [at, 0.0] };
     let solid = |xs: [f64; 2], ys: [f64; 2], zs: [f64; 2]| Shape::Solid(Cuboid::new(xs, ys, zs));
-    match kind {
-        JointType::InMEnd | JointType::InMEndFeet => {
-            let begin = MALE_TIP - MALE_CHAMFER;
-            shapes.push(plate(x(-8.6e-3, begin), [-w, w]));
-            shapes.push(Shape::Nose { x0: at + outward * begin, x1: at + outward * MALE_TIP });
-            shapes.push(solid(x(-28.6e-3, -8.6e-3), [-w, w], [-w, w]));
-            // The plate that carries the tag.
-            shapes.push(solid(x(-55.65e-3, -28.6e-3), [-w, w], [w - WALL, w]));
-            if kind == JointType::InMEndFeet {
-                for side in [-1.0, 1.0] {
-                    let ys = [side * 6.3e-3, side * 9.8e-3];
-                    shapes.push(Shape::Foot(Cuboid::new(x(-25.6e-3, -20.6e-3), ys, [-h, -w])));
-                }
-            }
-        }
-        JointType::ThruM => shapes.push(plate(x(-37.6e-3, 37.6e-3), [-w, w])),
-        JointType::InFEnd => {
-            for side in [-1.0, 1.0] {
-                shapes.push(plate(x(-16.6e-3, 13.6e-3), [side * cavity_h, side * h]));
-            }
-            // The stop wall opposite the opening, the wall towards the beam, and the neck.
-            let wall = [-opens * (w - WALL), -opens * w];
-            shapes.push(solid(x(-16.6e-3, 13.6e-3), wall, [-cavity_h, cavity_h]));
-            shapes.push(solid(x(-16.6e-3, -13.6e-3), [-w, w], [-cavity_h, cavity_h]));
-            shapes.push(solid(x(-43.2e-3, -16.6e-3), [-w, w], [-w, w]));
-        }
-        JointType::InF | JointType::ThruF | JointType::AngleF => {
-            let cavity = if kind == JointType::AngleF { 29.0e-3 } else { 13.6e-3 };
-            let head = cavity + WALL;
-            for side in [-1.0, 1.0] {
-                shapes.push(plate([at - head, at + head], [side * cavity_h, side * h]));
-                let (inner, outer) = (at + side * cavity, at + side * head);
-                shapes.push(solid([inner, outer], [-w, w], [-cavity_h, cavity_h]));
-                shapes.push(solid([outer, at + side * kind.sleeve()], [-w, w], [-w, w]));
-            }
-            if kind == JointType::InF {
-                let wall = [-opens * (w - WALL), -opens * w];
-                shapes.push(solid([at - cavity, at + cavity], wall, [-cavity_h, cavity_h]));
-            }
-        }
+    let (socket, sleeve) = (form.socket_offset, kind.sleeve());
+    if form.male && !form.end {
+        return shapes.push(plate(x(-sleeve, sleeve), [-w, w]));
     }
+    if form.male {
+        let begin = MALE_TIP - MALE_CHAMFER;
+        if form.turn == 0.0 {
+            shapes.push(plate(x(-socket, begin), [-w, w]));
+            shapes.push(Shape::Nose { x0: at + outward * begin, x1: at + outward * MALE_TIP });
+            shapes.push(solid(x(-sleeve, -socket), [-w, w], [-w, w]));
+        } else {
+            turned_male(kind, at, outward, shapes);
+        }
+        // The plate that carries the tag.
+        shapes.push(solid(x(-sleeve - TAG_PLATE, -sleeve), [-w, w], [w - WALL, w]));
+        if form.feet {
+            let [across, along] = FEET;
+            for side in [-1.0, 1.0] {
+                let ys = across.map(|y| side * y);
+                shapes.push(Shape::Foot(Cuboid::new(x(along[0], along[1]), ys, [-h, -w])));
+            }
+        }
+        return;
+    }
+    let cavity = form.cavity;
+    let head = cavity + WALL;
+    // The stop wall opposite the opening.
+    let wall = [-opens * (w - WALL), -opens * w];
+    if form.end {
+        for side in [-1.0, 1.0] {
+            shapes.push(plate(x(-head, cavity), [side * cavity_h, side * h]));
+        }
+        // The stop wall, the wall towards the beam, and the neck.
+        if form.one_sided {
+            shapes.push(solid(x(-head, cavity), wall, [-cavity_h, cavity_h]));
+        }
+        shapes.push(solid(x(-head, -cavity), [-w, w], [-cavity_h, cavity_h]));
+        shapes.push(solid(x(-sleeve, -head), [-w, w], [-w, w]));
+        return;
+    }
+    for side in [-1.0, 1.0] {
+        shapes.push(plate([at - head, at + head], [side * cavity_h, side * h]));
+        let (inner, outer) = (at + side * cavity, at + side * head);
+        shapes.push(solid([inner, outer], [-w, w], [-cavity_h, cavity_h]));
+        shapes.push(solid([outer, at + side * sleeve], [-w, w], [-w, w]));
+    }
+    if form.one_sided {
+        shapes.push(solid([at - cavity, at + cavity], wall, [-cavity_h, cavity_h]));
+    }
+}
+
+/// A male end whose tip points away from its beam: sections that follow each other around the bend.
+fn turned_male(kind: JointType, at: f64, outward: f64, shapes: &mut Vec<Shape>) {
+    let w = BODY_WIDTH / 2.0;
+    let sections = kind.form().sections();
+    for section in &sections {
+        // Turning the joint round for the other end of the beam turns left into left.
+        let along = |a: f64, b: f64| [outward * a, outward * b];
+        let cuboid = |a: f64, b: f64| Cuboid::new(along(a, b), [-w, w], [-w, w]);
+        let mut push = |piece| shapes.push(Shape::Turned { about: at, angle: section.turn, piece });
+        if section.to < MALE_TIP {
+            push(Piece::Solid(cuboid(section.from, section.to)));
+            continue;
+        }
+        let begin = MALE_TIP - MALE_CHAMFER;
+        push(Piece::Plate(cuboid(section.from, begin)));
+        push(Piece::Nose { x0: outward * begin, x1: outward * MALE_TIP });
+    }
+}
+
+/// Boxes that together are the outside of a beam where it rests on the table, one for each joint that does; those
+/// with feet stand on them instead.
+pub fn beam_rests(beam: &Beam) -> Vec<Cuboid> {
+    let w = BODY_WIDTH / 2.0;
+    let h = FEMALE_HEIGHT / 2.0;
+    let rest = |(index, joint): (usize, &crate::Joint)| {
+        let form = joint.kind.form();
+        let outward = if index == 0 { -1.0 } else { 1.0 };
+        let x = |a: f64, b: f64| [joint.offset + outward * a, joint.offset + outward * b];
+        let (sleeve, head) = (joint.kind.sleeve(), form.cavity + WALL);
+        match (form.male, form.end) {
+            (true, _) if form.feet => None,
+            (true, true) if form.turn != 0.0 => {
+                Some(Cuboid::new(x(-sleeve, -form.socket_offset), [-w, w], [-w, w]))
+            }
+            (true, true) => Some(Cuboid::new(x(-sleeve, MALE_TIP), [-w, w], [-w, w])),
+            (true, false) => Some(Cuboid::new(x(-sleeve, sleeve), [-w, w], [-w, w])),
+            (false, true) => Some(Cuboid::new(x(-head, form.cavity), [-w, w], [-h, h])),
+            (false, false) => Some(Cuboid::new(x(-head, head), [-w, w], [-h, h])),
+        }
+    };
+    beam.joints.iter().enumerate().filter_map(rest).collect()
 }
 
 /// The head of a peg in the peg's frame (origin at the centre of the head's underside, +z up).

@@ -93,7 +93,7 @@ fn files_that_cannot_be_read() {
 fn unknown_elements_and_attributes() {
     says(
         &broken("<holder name", "<holdr name"),
-        "23:3: found <holdr> inside <data>, expected <beam>, <peg>, <holder>, <sheet>, <base> (did you mean <holder>?)",
+        "23:3: found <holdr> inside <data>, expected <beam>, <peg>, <holder>, <sheet>, <base>, <part>, <dimensions> (did you mean <holder>?)",
     );
     says(
         &broken("part=\"in-m-end\"", "prat=\"in-m-end\""),
@@ -139,8 +139,9 @@ fn bad_numbers() {
         &broken("x=\"100\"", "x=\"1e300\""),
         "23:24: found x=\"1e300\", expected a number from -5000 to 5000 mm",
     );
-    says(&broken("\"19\"", "\"35\""), "24:26: found marker=\"35\", expected a whole number from 1 to 34");
-    says(&broken("\"19\"", "\"0\""), "24:26: found marker=\"0\", expected a whole number from 1 to 34");
+    let family = "the family tag25h9 has the ids 0 to 34, and 0 is on the sheet";
+    says(&broken("\"19\"", "\"35\""), &format!("24:26: there is no tag 35: {family}"));
+    says(&broken("\"19\"", "\"0\""), &format!("24:26: there is no tag 0: {family}"));
     says(&broken("\"-1\"", "\"2\""), "24:48: found slot=\"2\", expected a whole number from -1 to 1");
     says(&broken("\"True\"", "\"true\""), "21:35: found flipped=\"true\", expected True or False");
     says(

@@ -101,6 +101,7 @@ fn cuboid_of(shape: Shape) -> Cuboid {
             let w = joint::BODY_WIDTH / 2.0;
             Cuboid::new([x0, x1], [-w, w], [-w, w])
         }
+        turned @ Shape::Turned { .. } => turned.bounds(),
     }
 }
 

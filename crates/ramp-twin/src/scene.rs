@@ -10,11 +10,11 @@ use std::fmt::Write;
 
 use nalgebra::Vector3;
 use ramp_kit::joint::{
-    BODY_WIDTH, EXTRUSION, EXTRUSION_MASS, FEMALE_HEIGHT, HEAD_HEIGHT, HEAD_WIDTH, HOLE_RADIUS, MALE_CHAMFER,
-    MALE_TIP, PLA_DENSITY, SOCKET_DEPTH, STEM_CONE, STEM_LENGTH, STEM_RADIUS, STEM_TIP_RADIUS,
+    BODY_WIDTH, EXTRUSION, EXTRUSION_MASS, HEAD_HEIGHT, HEAD_WIDTH, HOLE_RADIUS, MALE_CHAMFER, MALE_TIP,
+    PLA_DENSITY, SOCKET_DEPTH, STEM_CONE, STEM_LENGTH, STEM_RADIUS, STEM_TIP_RADIUS,
 };
-use ramp_kit::shape::{Cuboid, Shape, beam_shapes, peg_head};
-use ramp_kit::{Beam, Holder, JointType, Kit, Pose};
+use ramp_kit::shape::{Cuboid, Piece, Shape, beam_rests, beam_shapes, peg_head};
+use ramp_kit::{Beam, Holder, Kit, Pose};
 use ramp_robot::arm::{ArmBox, ArmModel, Capsule};
 
 use crate::layout::Layout;
@@ -313,24 +313,7 @@ fn beam_body(xml: &mut String, beam: &Beam, x_wb: &Pose, clamped: bool) {
         );
     }
     for shape in beam_shapes(beam) {
-        match shape {
-            Shape::Solid(cuboid) => {
-                let metal = cuboid.max[1] - cuboid.min[1] < BODY_WIDTH * 0.9
-                    && cuboid.max[1] <= EXTRUSION / 2.0 + 1e-6
-                    && cuboid.min[1] >= -EXTRUSION / 2.0 - 1e-6;
-                box_geom(xml, if metal { "metal" } else { "part" }, &cuboid);
-            }
-            Shape::Plate { cuboid, hole } => plate_geoms(xml, "part", &cuboid, hole, HOLE_RADIUS),
-            Shape::Nose { x0, x1 } => {
-                let turn = if x1 > x0 { "1 0 0 0" } else { "0 0 0 1" };
-                let _ = write!(
-                    xml,
-                    r#"<geom class="part" type="mesh" mesh="nose" pos="{}" quat="{turn}"/>"#,
-                    numbers(&[x0, 0.0, 0.0])
-                );
-            }
-            Shape::Foot(cuboid) => box_geom(xml, "feet", &cuboid),
-        }
+        shape_geoms(xml, shape);
     }
     for rest in beam_rests(beam) {
         box_geom(xml, "rest", &rest);
@@ -338,27 +321,37 @@ fn beam_body(xml: &mut String, beam: &Beam, x_wb: &Pose, clamped: bool) {
     xml.push_str("</body>\n");
 }
 
-/// The boxes through which a beam meets the table, one for each joint: its outside without the feet, which meet
-/// the table themselves.
-fn beam_rests(beam: &Beam) -> Vec<Cuboid> {
-    let w = BODY_WIDTH / 2.0;
-    let h = FEMALE_HEIGHT / 2.0;
-    let mut rests = Vec::new();
-    for (index, joint) in beam.joints.iter().enumerate() {
-        let outward = if index == 0 { -1.0 } else { 1.0 };
-        let x = |a: f64, b: f64| [joint.offset + outward * a, joint.offset + outward * b];
-        match joint.kind {
-            JointType::InMEnd => rests.push(Cuboid::new(x(-28.6e-3, MALE_TIP), [-w, w], [-w, w])),
-            JointType::InMEndFeet => {}
-            JointType::ThruM => rests.push(Cuboid::new(x(-37.6e-3, 37.6e-3), [-w, w], [-w, w])),
-            JointType::InFEnd => rests.push(Cuboid::new(x(-16.6e-3, 13.6e-3), [-w, w], [-h, h])),
-            JointType::InF | JointType::ThruF => {
-                rests.push(Cuboid::new(x(-16.6e-3, 16.6e-3), [-w, w], [-h, h]));
-            }
-            JointType::AngleF => rests.push(Cuboid::new(x(-32.0e-3, 32.0e-3), [-w, w], [-h, h])),
+fn shape_geoms(xml: &mut String, shape: Shape) {
+    match shape {
+        Shape::Solid(cuboid) => {
+            let metal = cuboid.max[1] - cuboid.min[1] < BODY_WIDTH * 0.9
+                && cuboid.max[1] <= EXTRUSION / 2.0 + 1e-6
+                && cuboid.min[1] >= -EXTRUSION / 2.0 - 1e-6;
+            box_geom(xml, if metal { "metal" } else { "part" }, &cuboid);
+        }
+        Shape::Plate { cuboid, hole } => plate_geoms(xml, "part", &cuboid, hole, HOLE_RADIUS),
+        Shape::Nose { x0, x1 } => {
+            let turn = if x1 > x0 { "1 0 0 0" } else { "0 0 0 1" };
+            let _ = write!(
+                xml,
+                r#"<geom class="part" type="mesh" mesh="nose" pos="{}" quat="{turn}"/>"#,
+                numbers(&[x0, 0.0, 0.0])
+            );
+        }
+        Shape::Foot(cuboid) => box_geom(xml, "feet", &cuboid),
+        Shape::Turned { about, angle, piece } => {
+            let _ = write!(xml, r#"<frame pos="{}" euler="0 0 {angle}">"#, numbers(&[about, 0.0, 0.0]));
+            shape_geoms(
+                xml,
+                match piece {
+                    Piece::Solid(cuboid) => Shape::Solid(cuboid),
+                    Piece::Plate(cuboid) => Shape::Plate { cuboid, hole: [0.0, 0.0] },
+                    Piece::Nose { x0, x1 } => Shape::Nose { x0, x1 },
+                },
+            );
+            xml.push_str("</frame>");
         }
     }
-    rests
 }
 
 /// Mass (kg), centre of mass (m, in B) and principal moments (kg·m²) of a beam: printed joints as boxes of their
