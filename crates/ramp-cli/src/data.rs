@@ -17,8 +17,7 @@ pub struct Data {
 impl Data {
     /// The folder that was named, else that of the checkout the program was built in.
     pub fn find(named: Option<PathBuf>) -> Result<Data, Report> {
-        let folder =
-            named.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data"));
+        let folder = named.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data"));
         let folder = folder.canonicalize().unwrap_or(folder);
         if !folder.join("kit.xml").is_file() {
             return Err(miette!(

@@ -21,7 +21,11 @@ const INCOMPLETE: u8 = 1;
 const BAD_INPUT: u8 = 2;
 
 #[derive(Parser)]
-#[command(name = "ramp", version, about = "RAMP: a benchmark of robotic assembly, manipulation and planning.")]
+#[command(
+    name = "ramp",
+    version,
+    about = "RAMP: a benchmark of robotic assembly, manipulation and planning."
+)]
 struct Arguments {
     /// Folder with kit.xml, goals, domains and arms
     #[arg(long, global = true, env = "RAMP_DATA", value_name = "DIR")]

@@ -112,7 +112,8 @@ pub fn run_episode(
         .map(|(connection, seated)| {
             seated.as_ref().map(|seated| PegResult {
                 connection: connection.name.clone(),
-                joints: [connection.female, connection.male].map(|joint| assembly.joint_name(joint).to_string()),
+                joints: [connection.female, connection.male]
+                    .map(|joint| assembly.joint_name(joint).to_string()),
                 peg: seated.peg.clone(),
                 t_robot: seated.since,
                 t_total: seated.since + seated.thought,

@@ -6,8 +6,8 @@
 use nalgebra::{Point3, Vector3};
 use ramp_assembly::{Assembly, JointRef};
 use ramp_kit::Kit;
-use ramp_kit::joint::{BODY_WIDTH, FEMALE_HEIGHT, HOLE_RADIUS, STEM_LENGTH, WALL};
 use ramp_kit::Pose;
+use ramp_kit::joint::{BODY_WIDTH, FEMALE_HEIGHT, HOLE_RADIUS, STEM_LENGTH, WALL};
 use ramp_twin::Truth;
 
 /// Largest distance of a counted peg's head from the female's top plate, m.
@@ -79,9 +79,7 @@ impl Referee {
             let before = self.seated[index].take();
             self.seated[index] = match (peg, before) {
                 (Some(peg), Some(before)) if before.peg == self.pegs[peg].0 => Some(before),
-                (Some(peg), _) => {
-                    Some(Seated { peg: self.pegs[peg].0.clone(), since: truth.time, thought })
-                }
+                (Some(peg), _) => Some(Seated { peg: self.pegs[peg].0.clone(), since: truth.time, thought }),
                 (None, _) => None,
             };
         }
@@ -98,9 +96,10 @@ impl Referee {
         let x_female = truth.x_wp.get(*self.beams.get(required.female.beam)?)?;
         let x_male = truth.x_wp.get(*self.beams.get(required.male.beam)?)?;
         self.pegs.iter().position(|(_, index)| {
-            truth.x_wp.get(*index).is_some_and(|x_peg| {
-                pins(x_peg, x_female, &required.p_b_female, x_male, &required.p_b_male)
-            })
+            truth
+                .x_wp
+                .get(*index)
+                .is_some_and(|x_peg| pins(x_peg, x_female, &required.p_b_female, x_male, &required.p_b_male))
         })
     }
 }

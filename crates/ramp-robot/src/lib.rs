@@ -196,7 +196,7 @@ pub struct Account {
 pub struct Event {
     /// Robot time, s.
     pub time: f64,
-    /// In one word: `start`, `done`, `fault`, `retry`, `replan`.
+    /// In one word: `start`, `done`, `fault`, `retry`, `search`, `replan`.
     pub kind: &'static str,
     /// What it was about, for a person.
     pub what: String,

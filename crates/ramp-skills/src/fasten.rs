@@ -153,7 +153,10 @@ impl Workcell<'_, '_> {
             -hand.force().z > TOUCH || hand.x_wp_held().is_some_and(|x| tip(&x) < -FOUND)
         })?;
         if !self.hand.x_wp_held().is_some_and(|x| tip(&x) < -FOUND) {
+            let begin = self.hand.time();
             self.spiral(plate)?;
+            let seconds = self.hand.time() - begin;
+            self.note("search", format!("spiral at {name}, {seconds:.1} s"));
         }
         if !self.hand.x_wp_held().is_some_and(|x| tip(&x) < -0.5 * FOUND) {
             return Err(Fault::HoleNotFound { peg: peg.to_string(), connection: name }.into());

@@ -9,6 +9,8 @@ pub mod control;
 pub mod layout;
 pub mod scene;
 pub mod twin;
+#[cfg(feature = "view")]
+pub mod view;
 
 pub use layout::{Disturbance, Layout};
 pub use twin::{Setup, Truth, Twin, TwinError};

@@ -60,6 +60,9 @@ pub enum TwinError {
     /// MuJoCo refused the scene.
     #[error("MuJoCo cannot compile the scene: {0}")]
     Scene(String),
+    /// There is no window to be had.
+    #[error("cannot open a window: {0}")]
+    Window(String),
     /// The scene lacks something the twin needs: the kit or the arm file is not what it should be.
     #[error("the scene has no {0}")]
     Missing(String),

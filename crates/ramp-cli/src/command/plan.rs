@@ -7,8 +7,8 @@ use miette::{IntoDiagnostic, Report};
 use ramp_planner::State;
 use serde_json::json;
 
-use crate::data::{Data, print};
 use crate::DONE;
+use crate::data::{Data, print};
 
 #[derive(clap::Args)]
 pub struct Arguments {

@@ -79,10 +79,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let display = Display::new();
     let mut agent = Baseline::new(&kit, &assembly, &arm, &domains, arguments.seed)
         .with_listener(|event| display.event(event));
-    let software = Software {
-        version: env!("CARGO_PKG_VERSION").to_string(),
-        commit: env!("RAMP_COMMIT").to_string(),
-    };
+    let software =
+        Software { version: env!("CARGO_PKG_VERSION").to_string(), commit: env!("RAMP_COMMIT").to_string() };
     let mut watcher = |progress: &Progress, twin: &Twin| {
         display.progress(progress);
         if let Some(window) = &mut window {

@@ -1,0 +1,136 @@
+//! Skills against the physics when what they believe is wrong: contact has to do the rest.
+
+mod common;
+
+use common::World;
+use nalgebra::Translation3;
+use ramp_motion::PathPlanner;
+use ramp_robot::random::Stream;
+use ramp_robot::{Command, Observation, PartReading, Robot, RobotError};
+use ramp_skills::belief::Belief;
+use ramp_skills::hand::Hand;
+use ramp_skills::transport::Workcell;
+use ramp_twin::Twin;
+
+/// The twin, but some beams are read as standing a little beside where they are (m, axes of the world).
+struct Biased<'t> {
+    twin: &'t mut Twin,
+    shift: [f64; 2],
+    beams: Vec<String>,
+}
+
+impl Robot for Biased<'_> {
+    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
+        self.twin.step(command)
+    }
+
+    fn observe(&self) -> Observation {
+        self.twin.observe()
+    }
+
+    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
+        let mut parts = self.twin.read_parts()?;
+        for part in &mut parts {
+            if self.beams.contains(&part.part) {
+                part.x_wp = Translation3::new(self.shift[0], self.shift[1], 0.0) * part.x_wp;
+            }
+        }
+        Ok(parts)
+    }
+}
+
+fn cell<'a, 'r>(world: &'a World, planner: &'a PathPlanner, robot: &'r mut dyn Robot) -> Workcell<'a, 'r> {
+    Workcell {
+        kit: &world.kit,
+        assembly: &world.assembly,
+        arm: &world.arm,
+        planner,
+        hand: Hand::new(robot),
+        belief: Belief::default(),
+        standing: vec![world.assembly.base],
+        pinned: Vec::new(),
+        stream: Stream::new(1, "motion"),
+        events: Vec::new(),
+    }
+}
+
+/// Where the holes are believed 2.5 mm beside where they are, the peg lands on the plate, the spiral finds the hole
+/// and the peg goes home.
+#[test]
+fn the_spiral_finds_a_hole_that_is_not_where_it_is_believed() {
+    let world = World::new("easy-3");
+    let planner = PathPlanner::new(&world.arm);
+    let b4 = world.assembly.beam_index("b4").unwrap();
+    let connection = world.assembly.connection_index("C1").unwrap();
+    for shift in [[2.5e-3, 0.0], [-1.5e-3, 2.0e-3]] {
+        let mut twin = Twin::new(&world.setup(5)).unwrap();
+        {
+            let mut straight = Biased { twin: &mut twin, shift, beams: vec![] };
+            let mut cell = cell(&world, &planner, &mut straight);
+            cell.pick_up("b4", Some("b4l2")).unwrap();
+            cell.approach_beam(b4).unwrap();
+            cell.assemble(b4, false).unwrap();
+            cell.rise().unwrap();
+        }
+        let beams = vec!["b4".to_string(), "b7".to_string()];
+        let mut biased = Biased { twin: &mut twin, shift, beams };
+        let mut cell = cell(&world, &planner, &mut biased);
+        cell.standing.push(b4);
+        cell.pick_up("p1", None).unwrap();
+        cell.rise().unwrap();
+        cell.approach_hole(connection).unwrap();
+        cell.fasten(connection).unwrap();
+        let events = std::mem::take(&mut cell.events);
+        drop(cell);
+        let truth = twin.truth();
+        let find = |name: &str| twin.part_names().position(|part| part == name).unwrap();
+        let referee_sees = {
+            let mut referee = ramp_eval::Referee::new(&world.kit, &world.assembly, twin.part_names());
+            referee.watch(&truth, 0.0);
+            referee.verdict()[connection].clone()
+        };
+        assert!(events.iter().any(|event| event.kind == "search"), "no search was needed: {events:?}");
+        assert!(referee_sees.is_some(), "{events:?} {:?}", truth.x_wp[find("p1")]);
+    }
+}
+
+/// A beam that swings on one peg is brought back by a push, from either side.
+#[test]
+fn a_push_brings_a_swinging_beam_back() {
+    let world = World::new("easy-3");
+    let planner = PathPlanner::new(&world.arm);
+    let b4 = world.assembly.beam_index("b4").unwrap();
+    let c1 = world.assembly.connection_index("C1").unwrap();
+    let mut twin = Twin::new(&world.setup(4)).unwrap();
+    let mut straight = Biased { twin: &mut twin, shift: [0.0; 2], beams: vec![] };
+    let mut cell = cell(&world, &planner, &mut straight);
+    cell.pick_up("b4", Some("b4l2")).unwrap();
+    cell.approach_beam(b4).unwrap();
+    cell.assemble(b4, false).unwrap();
+    cell.rise().unwrap();
+    cell.pick_up("p1", None).unwrap();
+    cell.rise().unwrap();
+    cell.approach_hole(c1).unwrap();
+    cell.fasten(c1).unwrap();
+    cell.rise().unwrap();
+    // Swing it by 8 mm at its free end: hold it and lead it aside.
+    for side in [-1.0, 1.0] {
+        cell.belief.update(&mut cell.hand).unwrap();
+        let x_wb = cell.belief.pose("b4").unwrap();
+        let x_wt = ramp_skills::grasp::beam_grasp(&x_wb, 226.0e-3, false);
+        cell.seize("b4", &x_wt, 0.038, 0.022).unwrap();
+        let pivot = x_wb.translation;
+        let turn = nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), side * 0.03);
+        let aside = pivot * turn * pivot.inverse() * x_wb;
+        cell.hand.correct(&x_wb, &aside, 0.03).unwrap();
+        cell.release().unwrap();
+        cell.rise().unwrap();
+        let free = world.kit.beam("b4").unwrap().p_b_hole(2);
+        let nominal = (world.kit.x_wa() * world.assembly.beams[b4].x_ab * free).xy();
+        let off = |cell: &Workcell| ((cell.belief.pose("b4").unwrap() * free).xy() - nominal).norm();
+        assert!(off(&cell) > 4e-3, "it did not swing: {:.2} mm", off(&cell) * 1e3);
+        cell.push(b4, "b4l2").unwrap();
+        cell.rise().unwrap();
+        assert!(off(&cell) < 1e-3, "{:.2} mm off after the push", off(&cell) * 1e3);
+    }
+}

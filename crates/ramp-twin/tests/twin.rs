@@ -1,0 +1,236 @@
+//! The twin as a robot: what it keeps, what it refuses, and that nothing but contact moves a part.
+
+use std::path::Path;
+
+use mujoco_rs::prelude::*;
+use ramp_assembly::Assembly;
+use ramp_kit::Kit;
+use ramp_robot::arm::ArmModel;
+use ramp_robot::{ArmCommand, Command, GripperCommand, Impedance, Robot, RobotError, Track};
+use ramp_twin::{Disturbance, Setup, Twin};
+
+struct World {
+    kit: Kit,
+    assembly: Assembly,
+    arm: ArmModel,
+}
+
+impl World {
+    fn new() -> World {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+        let kit = ramp_kit::read_kit(&data.join("kit.xml")).unwrap();
+        let assembly = ramp_assembly::read_goal(&data.join("goals/easy-3.xml"), &kit).unwrap();
+        let arm = ArmModel::read(&data.join("arms/panda.json")).unwrap();
+        World { kit, assembly, arm }
+    }
+
+    fn twin(&self, seed: u64) -> Twin {
+        Twin::new(&Setup {
+            kit: &self.kit,
+            assembly: &self.assembly,
+            arm: &self.arm,
+            track: Track::State,
+            seed,
+            disturbance: Disturbance::default(),
+        })
+        .unwrap()
+    }
+}
+
+fn stay(twin: &Twin) -> Command {
+    let seen = twin.observe();
+    Command {
+        arm: ArmCommand::JointPositions(seen.positions),
+        gripper: GripperCommand { width: seen.width, force: 20.0 },
+    }
+}
+
+/// No weld, no equality, no mocap, no tendon: nothing in the model could hold parts together but contact, and no
+/// actuator acts on a part.
+#[test]
+fn the_model_has_nothing_that_could_hold_parts_together() {
+    let world = World::new();
+    let twin = world.twin(1);
+    let model = twin.model().ffi();
+    assert_eq!(model.neq, 0, "equality constraints");
+    assert_eq!(model.nmocap, 0, "mocap bodies");
+    assert_eq!(model.ntendon, 0, "tendons");
+    assert_eq!(model.nflex, 0, "flexes");
+    // Seven joints and two fingers, and a free joint for each of eight beams and fifteen pegs.
+    assert_eq!(model.nu, 9);
+    assert_eq!(model.njnt, 9 + 8 + 15);
+    for actuator in 0..9 {
+        let joint = twin.model().actuator_trnid()[actuator][0];
+        assert!((0..9).contains(&joint), "actuator {actuator} acts on joint {joint}");
+    }
+}
+
+/// The only writes to MuJoCo's state outside the constructor are the actuators' commands.
+#[test]
+fn the_code_writes_only_commands_after_the_start() {
+    let source = include_str!("../src/twin.rs");
+    let constructor = source.find("pub fn new(").unwrap()..source.find("/// The scene as MJCF.").unwrap();
+    for (at, _) in source.match_indices("_mut()") {
+        if constructor.contains(&at) {
+            continue;
+        }
+        let call = source[..at].rsplit('.').next().unwrap();
+        assert_eq!(call, "ctrl", "writes to {call} after the start");
+    }
+    for word in ["xfrc_applied", "qfrc_applied", "mocap", "set_state", "reset", "ffi_mut", "unsafe"] {
+        assert!(!source.contains(word), "{word} in twin.rs");
+    }
+}
+
+/// Everything that happens follows from the start and the actuators' commands: MuJoCo alone, given the same
+/// commands, ends in the same state to the last bit.
+#[test]
+fn commands_alone_move_the_world() {
+    let world = World::new();
+    let mut twin = world.twin(3);
+    let model = MjModel::from_xml_string(twin.scene()).unwrap();
+    let mut data = MjData::new(&model);
+    data.qpos_mut().copy_from_slice(twin.qpos());
+    data.forward();
+    let start = twin.observe();
+    for tick in 0..1500 {
+        let mut positions = start.positions;
+        positions[1] += 0.2 * (f64::from(tick) * 0.002).sin();
+        let command = Command {
+            arm: ArmCommand::JointPositions(positions),
+            gripper: GripperCommand { width: 0.06, force: 20.0 },
+        };
+        twin.step(&command).unwrap();
+        data.ctrl_mut().copy_from_slice(twin.ctrl());
+        data.step();
+    }
+    let same = twin.qpos().iter().zip(data.qpos()).all(|(a, b)| a.to_bits() == b.to_bits());
+    assert!(same, "the twin did something that its commands do not explain");
+}
+
+#[test]
+fn parts_rest_where_they_start() {
+    let world = World::new();
+    let mut twin = world.twin(2);
+    let before = twin.truth();
+    let command = stay(&twin);
+    for _ in 0..1000 {
+        twin.step(&command).unwrap();
+    }
+    let after = twin.truth();
+    for (index, name) in twin.part_names().enumerate() {
+        let moved = (after.x_wp[index].translation.vector - before.x_wp[index].translation.vector).norm();
+        assert!(moved < 0.1e-3, "{name} moved by {:.3} mm", moved * 1e3);
+    }
+    assert!(twin.deepest_penetration() < 0.1e-3);
+}
+
+#[test]
+fn the_start_is_disturbed_by_the_seed_and_no_more_than_said() {
+    let world = World::new();
+    let (one, again, two) = (world.twin(1).truth(), world.twin(1).truth(), world.twin(2).truth());
+    assert_eq!(one, again);
+    assert_ne!(one, two);
+    let twin = world.twin(1);
+    for (index, name) in twin.part_names().enumerate() {
+        let (Some(beam), x_wb) = (world.kit.beam(name), one.x_wp[index]) else { continue };
+        let Some(nominal) = world.kit.x_wb_start(beam) else {
+            assert!((x_wb.translation.vector - nalgebra::Vector3::new(0.31, 0.0268, 0.0166)).norm() < 1e-9);
+            continue;
+        };
+        let middle = nalgebra::Point3::new(beam.span() / 2.0, 0.0, 0.0);
+        let shift = (x_wb * middle) - (nominal * middle);
+        assert!(shift.x.abs() <= 1e-3 && shift.y.abs() <= 1e-3 && shift.z.abs() < 1e-9, "{name}: {shift}");
+        assert!(x_wb.rotation.angle_to(&nominal.rotation) <= 1.0_f64.to_radians() + 1e-9);
+    }
+}
+
+/// Pressed on the table the wrench points down; in free air it is zero but for noise.
+#[test]
+fn the_wrist_feels_what_the_hand_does_to_the_world() {
+    let world = World::new();
+    let mut twin = world.twin(1);
+    let start = twin.observe();
+    let mut x_wt = start.x_wt;
+    let mut press = |twin: &mut Twin, z: f64, ticks: usize| {
+        for _ in 0..ticks {
+            let step = (z - x_wt.translation.z).clamp(-1e-4, 1e-4);
+            x_wt.translation.z += step;
+            let impedance = Impedance {
+                x_wt,
+                stiffness: nalgebra::Vector6::new(1500.0, 1500.0, 1500.0, 60.0, 60.0, 60.0),
+                damping_ratio: 1.0,
+                feed_forward: nalgebra::Vector6::zeros(),
+                posture: start.positions,
+            };
+            twin.step(&Command {
+                arm: ArmCommand::CartesianImpedance(impedance),
+                gripper: GripperCommand { width: 0.0, force: 20.0 },
+            })
+            .unwrap();
+        }
+        twin.observe()
+    };
+    let free = press(&mut twin, start.x_wt.translation.z, 800);
+    assert!(free.wrench.fixed_rows::<3>(0).norm() < 1.0, "{}", free.wrench);
+    // Straight down from where the arm starts there is only the table.
+    let down = press(&mut twin, -0.01, 8000);
+    assert!(down.wrench[2] < -5.0, "{}", down.wrench);
+    assert!(down.x_wt.translation.z > -0.001 - 0.001);
+}
+
+#[test]
+fn commands_that_are_not_numbers_are_refused_and_nothing_moves() {
+    let world = World::new();
+    let gripper = GripperCommand { width: 0.04, force: 20.0 };
+    let bad = [
+        Command { arm: ArmCommand::JointPositions([f64::NAN; 7]), gripper },
+        Command { arm: ArmCommand::JointTorques([f64::INFINITY; 7]), gripper },
+        Command {
+            arm: ArmCommand::JointVelocities([0.0; 7]),
+            gripper: GripperCommand { width: -1.0, force: 20.0 },
+        },
+        Command {
+            arm: ArmCommand::JointVelocities([0.0; 7]),
+            gripper: GripperCommand { width: 0.04, force: f64::NAN },
+        },
+    ];
+    for command in bad {
+        let mut twin = world.twin(1);
+        let before = twin.state_hash();
+        let error = twin.step(&command).unwrap_err();
+        assert!(matches!(error, RobotError::BadCommand { .. }), "{error}");
+        assert_eq!(before, twin.state_hash());
+        // The robot has stopped for good.
+        let good = stay(&twin);
+        assert_eq!(twin.step(&good).unwrap_err(), error);
+    }
+}
+
+#[test]
+fn torques_stay_within_the_arms_and_a_broken_limit_stops_it() {
+    let world = World::new();
+    let mut twin = world.twin(1);
+    let mut stopped = None;
+    for _ in 0..3000 {
+        let command = Command {
+            arm: ArmCommand::JointTorques([1e12; 7]),
+            gripper: GripperCommand { width: 0.04, force: 20.0 },
+        };
+        match twin.step(&command) {
+            Ok(seen) => {
+                for (torque, joint) in seen.torques.iter().zip(&world.arm.joints) {
+                    assert!(torque.abs() <= joint.torque);
+                }
+            }
+            Err(error) => {
+                stopped = Some(error);
+                break;
+            }
+        }
+    }
+    assert!(
+        matches!(stopped, Some(RobotError::JointVelocity { .. } | RobotError::JointPosition { .. })),
+        "{stopped:?}"
+    );
+}
