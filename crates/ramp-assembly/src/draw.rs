@@ -3,9 +3,9 @@
 //! X points right and Y up, as the robot sees it, which stands below the picture. One unit of the drawing is 1 mm.
 
 use crate::assembly::{Assembly, PlacedBeam};
-use crate::strokes::{Align, escape, fit, text};
 use nalgebra::{Point3, Vector3};
 use ramp_kit::joint::{BODY_WIDTH, EXTRUSION, MALE_TIP};
+use ramp_kit::strokes::{Align, escape, fit, text};
 use ramp_kit::{Joint, JointType};
 use std::fmt::Write;
 
@@ -283,7 +283,7 @@ impl<'a> Picture<'a> {
         let longest = placed.beam.joints.windows(2).map(bare).max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((_, middle)) = longest else { return };
         let [x, y] = self.at(placed.x_ab * Point3::new(middle, 0.0, 0.0));
-        let half = crate::strokes::width(&placed.beam.name, 7.4) / 2.0 + 4.0;
+        let half = ramp_kit::strokes::width(&placed.beam.name, 7.4) / 2.0 + 4.0;
         let _ = writeln!(
             svg,
             r#"<rect x="{:.2}" y="{:.2}" width="{:.2}" height="14" rx="7" fill="{PAPER}" stroke="{METAL_EDGE}" stroke-width="0.7"/>"#,

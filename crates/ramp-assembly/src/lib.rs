@@ -14,7 +14,6 @@ pub mod check;
 pub mod draw;
 mod pose;
 pub mod read;
-mod strokes;
 
 pub use assembly::{Assembly, Class, Connection, Insertion, JointRef, PlacedBeam};
 pub use catalogue::{goal_names, goal_path};

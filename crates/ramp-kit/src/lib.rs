@@ -13,7 +13,14 @@ pub mod beam;
 pub mod joint;
 pub mod read;
 pub mod shape;
+#[cfg(feature = "export")]
+pub mod solid;
 pub mod source;
+#[cfg(feature = "export")]
+pub mod stl;
+pub mod strokes;
+#[cfg(feature = "export")]
+pub mod threemf;
 
 pub use beam::{Beam, Holder, Joint, Kit, Link, Peg, Sheet, StartPose};
 pub use joint::{Dimensions, JointForm, JointType, Side};

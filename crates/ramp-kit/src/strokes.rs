@@ -144,10 +144,14 @@ const GLYPHS: &[(char, u8, f64, &str)] = &[
 const UNKNOWN: (u8, f64, &str) = (0, 3.4, "M0 0 L0 -7 L3.4 -7 L3.4 0 L0 0");
 
 /// Where the given x of a text is.
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Align {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Align {
+    /// At its left end.
     Left,
+    /// At its middle.
     Middle,
+    /// At its right end.
+    Right,
 }
 
 fn glyph(character: char) -> (u8, f64, &'static str) {
@@ -156,23 +160,24 @@ fn glyph(character: char) -> (u8, f64, &'static str) {
 }
 
 /// The width of a text whose capitals are `height` high.
-pub(crate) fn width(text: &str, height: f64) -> f64 {
+pub fn width(text: &str, height: f64) -> f64 {
     let glyphs: f64 = text.chars().map(|character| glyph(character).1 + SPACING).sum();
     (glyphs - SPACING).max(0.0) * height / CAPITAL
 }
 
 /// The height of the capitals, at most `height`, at which a text is at most `room` wide.
-pub(crate) fn fit(text: &str, height: f64, room: f64) -> f64 {
+pub fn fit(text: &str, height: f64, room: f64) -> f64 {
     height * (room / width(text, height).max(1e-9)).min(1.0)
 }
 
 /// Adds a text to an SVG: one path, with the text itself as its label. Its baseline is at `y`, its capitals are
 /// `height` high.
-pub(crate) fn text(svg: &mut String, at: [f64; 2], align: Align, height: f64, colour: &str, text: &str) {
+pub fn text(svg: &mut String, at: [f64; 2], align: Align, height: f64, colour: &str, text: &str) {
     let scale = height / CAPITAL;
     let mut left = match align {
         Align::Left => at[0],
         Align::Middle => at[0] - width(text, height) / 2.0,
+        Align::Right => at[0] - width(text, height),
     };
     let mut path = String::new();
     for character in text.chars() {
@@ -221,7 +226,7 @@ fn place(path: &mut String, strokes: &str, at: [f64; 2], scale: f64) {
 }
 
 /// Text as it may stand in an attribute.
-pub(crate) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
