@@ -7,6 +7,7 @@
 
 pub mod control;
 pub mod layout;
+mod looks;
 pub mod scene;
 pub mod twin;
 #[cfg(feature = "view")]

@@ -18,6 +18,7 @@ use ramp_kit::{Beam, Holder, Kit, Pose};
 use ramp_robot::arm::{ArmBox, ArmModel, Capsule};
 
 use crate::layout::Layout;
+use crate::looks;
 
 /// Edges of the polygon around a peg hole.
 const HOLE_EDGES: usize = 16;
@@ -90,21 +91,23 @@ fn header(xml: &mut String, arm: &ArmModel) {
 <default class="peg"><geom mass="0" friction="0.3 0.005 0.0001" condim="3" {CONTACT} contype="6" conaffinity="3" rgba="0.20 0.45 0.80 1"/></default>
 <default class="feet"><geom mass="0" friction="0.5 0.005 0.0001" condim="3" {CONTACT} contype="6" conaffinity="3" rgba="0.93 0.53 0.18 1"/></default>
 <default class="rest"><geom mass="0" friction="0.5 0.005 0.0001" condim="3" {CONTACT} contype="4" conaffinity="0" group="4" rgba="1 0 0 0.2"/></default>
-<default class="arm"><geom mass="0" {CONTACT} contype="1" conaffinity="0" rgba="0.92 0.93 0.95 1"/></default>
+<default class="arm"><geom mass="0" {CONTACT} contype="1" conaffinity="0" group="3" rgba="0.92 0.93 0.95 1"/></default>
+<default class="tool"><geom mass="0" {CONTACT} contype="1" conaffinity="0" rgba="0.30 0.31 0.34 1"/></default>
+<default class="look"><geom type="mesh" mass="0" contype="0" conaffinity="0"/></default>
 <default class="pad"><geom mass="0" friction="1.0 0.01 0.0005" condim="4" priority="1" {CONTACT} contype="1" conaffinity="0" rgba="0.18 0.19 0.21 1"/></default>
 </default>
 <asset>
 <texture name="sky" type="skybox" builtin="gradient" rgb1="0.85 0.90 0.95" rgb2="0.55 0.62 0.70" width="256" height="256"/>
-{}{}
+{}{}{}
 </asset>
 <worldbody>
 <light pos="0.2 -0.8 2.2" dir="0.1 0.4 -1" directional="true" diffuse="0.55 0.55 0.55" specular="0.1 0.1 0.1"/>
-<camera name="overview" pos="1.35 -1.05 0.95" xyaxes="0.63 0.77 0 -0.41 0.335 0.848"/>
+<camera name="overview" fovy="36" pos="1.45 -1.0 0.95" xyaxes="0.6686 0.7436 0 -0.349 0.314 0.882"/>
 "#,
         nose_mesh(),
         cone_mesh(),
+        looks::assets(&arm.name),
     );
-    debug_assert!(!arm.name.is_empty());
 }
 
 /// The chamfered end of a male: full section at x = 0, the tip at x = +length.
@@ -195,6 +198,7 @@ fn arm_bodies(xml: &mut String, arm: &ArmModel) {
     for capsule in &arm.base.capsules {
         capsule_geom(xml, "arm", capsule);
     }
+    xml.push_str(&looks::geoms(&arm.name, "link0"));
     for (index, joint) in arm.joints.iter().enumerate() {
         let number = index + 1;
         let q = joint.quat_wxyz;
@@ -216,6 +220,7 @@ fn arm_bodies(xml: &mut String, arm: &ArmModel) {
         for capsule in &joint.link.capsules {
             capsule_geom(xml, "arm", capsule);
         }
+        xml.push_str(&looks::geoms(&arm.name, &format!("link{number}")));
     }
     let hand = &arm.hand;
     let q = hand.quat_wxyz;
@@ -234,9 +239,11 @@ fn arm_bodies(xml: &mut String, arm: &ArmModel) {
         r#"<site name="wrist" pos="0 0 0" size="0.002"/><site name="tip" pos="0 0 {}" size="0.002"/>"#,
         hand.tip
     );
-    for piece in &hand.boxes {
-        box_geom(xml, "arm", &hand_box(piece));
+    for (index, piece) in hand.boxes.iter().enumerate() {
+        // The first box is the hand's body, which has a mesh; the others are what is mounted on it.
+        box_geom(xml, if index == 0 { "arm" } else { "tool" }, &hand_box(piece));
     }
+    xml.push_str(&looks::geoms(&arm.name, "hand"));
     let finger = &arm.finger;
     let tip = hand.tip - finger.origin;
     for (name, turn) in [("finger1", 0.0), ("finger2", PI)] {
@@ -258,7 +265,7 @@ fn arm_bodies(xml: &mut String, arm: &ArmModel) {
             box_geom(xml, "pad", &finger_box(pad, tip));
         }
         for piece in &finger.boxes {
-            box_geom(xml, "arm", &finger_box(piece, tip));
+            box_geom(xml, "tool", &finger_box(piece, tip));
         }
         xml.push_str("</body>");
     }

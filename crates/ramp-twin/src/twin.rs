@@ -186,6 +186,17 @@ impl Twin {
         &self.xml
     }
 
+    /// The scene as MJCF with named keyframes, each a full set of positions ([`Twin::qpos`]).
+    pub fn scene_with_keyframes(&self, keyframes: &[(&str, &[f64])]) -> String {
+        let mut block = String::from("<keyframe>\n");
+        for (name, qpos) in keyframes {
+            let numbers: Vec<String> = qpos.iter().map(f64::to_string).collect();
+            block.push_str(&format!("<key name=\"{name}\" qpos=\"{}\"/>\n", numbers.join(" ")));
+        }
+        block.push_str("</keyframe>\n</mujoco>\n");
+        self.xml.replace("</mujoco>\n", &block)
+    }
+
     /// MuJoCo's model, to be looked at.
     pub fn model(&self) -> &MjModel {
         self.data.model()

@@ -34,6 +34,9 @@ pub struct Arguments {
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
+    /// Also write the scene as MJCF, with keyframes `start` and `end`, for any MuJoCo viewer
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
     /// File for the result [default: GOAL-SEED.json]; the curve goes beside it as .svg
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -64,6 +67,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     }
     check_writable(&output)?;
     check_writable(&curve)?;
+    if let Some(path) = &arguments.scene {
+        check_writable(path)?;
+    }
     let track = match arguments.track {
         TrackName::State => Track::State,
     };
@@ -81,8 +87,13 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         .with_listener(|event| display.event(event));
     let software =
         Software { version: env!("CARGO_PKG_VERSION").to_string(), commit: env!("RAMP_COMMIT").to_string() };
+    let mut end = Vec::new();
     let mut watcher = |progress: &Progress, twin: &Twin| {
         display.progress(progress);
+        if arguments.scene.is_some() {
+            end.clear();
+            end.extend_from_slice(twin.qpos());
+        }
         if let Some(window) = &mut window {
             window.show(twin);
         }
@@ -91,6 +102,11 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     display.finish();
     write_whole(&output, &result.to_json()).into_diagnostic()?;
     write_whole(&curve, &completion_svg(&result)).into_diagnostic()?;
+    if let Some(path) = &arguments.scene {
+        let start = Twin::new(&setup).into_diagnostic()?;
+        let scene = start.scene_with_keyframes(&[("start", start.qpos()), ("end", &end)]);
+        write_whole(path, &scene).into_diagnostic()?;
+    }
     print(&if arguments.json { result.to_json() } else { summary(&result, &output, &curve) })?;
     Ok(if result.counted() == result.pegs.len() { DONE } else { INCOMPLETE })
 }
