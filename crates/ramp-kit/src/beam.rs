@@ -91,6 +91,18 @@ pub struct Sheet {
     pub size: [f64; 2],
     /// Position of the sheet's top left corner in the world, m.
     pub corner: [f64; 2],
+    /// Centre of the sheet's own tag (id 0, its top towards the sheet's top), m.
+    pub tag: [f64; 2],
+    /// Length of that tag's black edge, m.
+    pub tag_edge: f64,
+}
+
+impl Default for Sheet {
+    /// The benchmark's: A2, in front of the robot to its left.
+    fn default() -> Sheet {
+        let (size, corner) = ([0.594, 0.420], [0.053, 0.600]);
+        Sheet { size, corner, tag: [0.52458, 0.32045], tag_edge: 0.0755 }
+    }
 }
 
 /// Where the j1 hole of a beam lies on the sheet; all beams lie along +x of the sheet.

@@ -5,22 +5,39 @@
 //! seven joint types share; [`shape`] turns a [`Beam`] or a peg into boxes, plates and noses, from which the
 //! twin takes its collision geometry, `ramp check` its overlaps and the planner its clearances.
 //!
+//! With the feature `export`, [`export()`](export::export) writes all that a lab needs to make the parts: [`solid`]
+//! as STL ([`stl`]) and 3MF ([`threemf`]), [`sheet`], [`guide`] and tag sheets as drawings ([`mod@drawing`]) in SVG
+//! and PDF, and the [`bill`] of parts.
+//!
 //! [`source`] is for every crate that reads a file somebody wrote: it points errors at their place.
 //!
 //! Lengths are metres in the structs and millimetres in the file, as everywhere in the project.
 
 pub mod beam;
+#[cfg(feature = "export")]
+pub mod bill;
+#[cfg(feature = "export")]
+pub mod drawing;
+#[cfg(feature = "export")]
+pub mod export;
+#[cfg(feature = "export")]
+pub mod guide;
 pub mod joint;
 pub mod read;
 pub mod shape;
+#[cfg(feature = "export")]
+pub mod sheet;
 #[cfg(feature = "export")]
 pub mod solid;
 pub mod source;
 #[cfg(feature = "export")]
 pub mod stl;
 pub mod strokes;
+pub mod tags;
 #[cfg(feature = "export")]
 pub mod threemf;
+#[cfg(feature = "export")]
+mod view;
 
 pub use beam::{Beam, Holder, Joint, Kit, Link, Peg, Sheet, StartPose};
 pub use joint::{Dimensions, JointForm, JointType, Side};

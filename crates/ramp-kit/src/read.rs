@@ -11,7 +11,7 @@
 //!   </beam>
 //!   <holder name="h1" x="424.58" y="192.48"/>
 //!   <peg name="p1" marker="19" holder="h1" slot="-1"/>
-//!   <sheet width="594" height="420" x="53" y="600"/>
+//!   <sheet width="594" height="420" x="53" y="600"> <tag x="524.58" y="320.45" size="75.5"/> </sheet>
 //!   <base x="310" y="26.8"/>
 //! </data>
 //! ```
@@ -25,8 +25,8 @@
 //!
 //! Joints and links may stand in any order: parents and children say how they follow along the beam. Ours are
 //! `opens` (the side an `in-f` or `in-f-end` is open to, `left` unless said), `<start>` (where j1 lies on the
-//! sheet, and whether the beam lies flipped), `<peg>`, `<holder>`, `<sheet>` (its size, and its top left corner
-//! in the world) and `<base>` (the j1 hole of the clamped beam in the world). All lengths in the file are mm.
+//! sheet, and whether the beam lies flipped), `<peg>`, `<holder>`, `<sheet>` (its size, its top left corner
+//! in the world, and the centre and black edge of its own tag) and `<base>` (the j1 hole of the clamped beam in the world). All lengths in the file are mm.
 
 use crate::beam::{Beam, Holder, Joint, Kit, Link, Peg, Sheet, StartPose};
 use crate::joint::{Dimensions, JointForm, JointType, MALE_TIP, STEM_RADIUS, Side, WALL};
@@ -264,6 +264,8 @@ const CLEARANCES: RangeInclusive<f64> = 0.05..=1.0;
 const EXTRUSIONS: RangeInclusive<f64> = 15.0..=30.0;
 /// Peg holes, mm: around the stem, and within the head.
 const HOLES: RangeInclusive<f64> = 2e3 * STEM_RADIUS + 0.1..=12.0;
+/// The black edge of the sheet's own tag, mm.
+const TAG_EDGE: RangeInclusive<f64> = 10.0..=300.0;
 /// From a hole to the floor of a socket, or to the end of a cavity, mm.
 const REACH: RangeInclusive<f64> = 1.0..=200.0;
 /// The angle of a turned male end, degrees.
@@ -317,7 +319,7 @@ fn read(file: &SourceFile) -> Result<Kit> {
         beams: Vec::new(),
         pegs: Vec::new(),
         holders: Vec::new(),
-        sheet: Sheet { size: [0.594, 0.420], corner: [0.053, 0.600] },
+        sheet: Sheet::default(),
         base_xy: [0.310, 0.0268],
         dimensions: Dimensions::BENCHMARK,
     };
@@ -360,7 +362,18 @@ fn read(file: &SourceFile) -> Result<Kit> {
                 } else {
                     child.check_attributes(&["width", "height", "x", "y"])?;
                     let size = |attribute| Ok(child.required(attribute)?.number(LENGTH, "mm")? * MM);
-                    kit.sheet = Sheet { size: [size("width")?, size("height")?], corner: point(child)? };
+                    let (size, corner) = ([size("width")?, size("height")?], point(child)?);
+                    kit.sheet = Sheet { size, corner, ..Sheet::default() };
+                    let mut first = None;
+                    for tag in child.children(&["tag"])? {
+                        if let Some(first) = first.replace(tag.span()) {
+                            let problem = KitProblem::Twice { element: "tag" };
+                            return Err(tag.fault(problem).also(first, "the first"));
+                        }
+                        tag.check_attributes(&["x", "y", "size"])?;
+                        kit.sheet.tag = point(tag)?;
+                        kit.sheet.tag_edge = tag.required("size")?.number(TAG_EDGE, "mm")? * MM;
+                    }
                 }
             }
         }

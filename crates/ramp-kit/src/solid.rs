@@ -11,7 +11,7 @@ use manifold_rust::linalg::{Vec2, Vec3};
 use manifold_rust::manifold::Manifold;
 use manifold_rust::types::{Error, OpType};
 
-use crate::beam::Holder;
+use crate::beam::{Beam, Holder};
 use crate::joint::{
     Dimensions, FEET, HEAD_HEIGHT, HEAD_WIDTH, JointForm, JointType, MALE_CHAMFER, MALE_TIP, SCREW,
     STEM_CONE, STEM_RADIUS, STEM_TIP_RADIUS, TAG_PLATE, TAG_RECESS,
@@ -321,6 +321,49 @@ fn female(kind: JointType, form: &JointForm, s: &Sizes) -> Solid {
         }
     }
     Solid::union(&solids).minus(&cuts)
+}
+
+/// A part of a beam at its place.
+#[derive(Clone)]
+pub struct Piece {
+    /// The name of the joint or link.
+    pub name: String,
+    /// The part, mm, in the beam's frame: origin on the axis at the first hole, x along the beam, z up.
+    pub solid: Solid,
+    /// Is it a length of extrusion?
+    pub link: bool,
+}
+
+/// The parts of a beam in their order along it, each moved by `apart` (mm) from the one before.
+///
+/// # Errors
+/// As [`joint`].
+pub fn beam(beam: &Beam, dimensions: &Dimensions, apart: f64) -> Result<Vec<Piece>, SolidError> {
+    let mut pieces = Vec::new();
+    for (index, part) in beam.joints.iter().enumerate() {
+        let form = part.kind.form();
+        let sizes = Sizes::new(dimensions);
+        let axis = if form.male { sizes.body } else { sizes.height / 2.0 };
+        let solid = joint(part.kind, dimensions)?.translated([0.0, 0.0, -axis]);
+        // An end looks out of its beam; a middle is turned so that it opens to its side. A female end that opens
+        // to the other side is turned about the beam, which it does not show.
+        let open = part.opens.map_or(1.0, |side| -side.sign());
+        let (turn, over) = match (form.end, index == 0) {
+            (true, true) => (90.0, open < 0.0),
+            (true, false) => (-90.0, open > 0.0),
+            (false, _) => (-90.0 * open, false),
+        };
+        let solid = solid.rotated([0.0, 0.0, turn]);
+        let solid = if over && form.one_sided { solid.rotated([180.0, 0.0, 0.0]) } else { solid };
+        let shift = 2.0 * apart * index as f64;
+        let solid = solid.translated([part.offset * MM + shift, 0.0, 0.0]);
+        pieces.push(Piece { name: part.name.clone(), solid, link: false });
+        let Some(link) = beam.links.get(index) else { continue };
+        let from = (part.offset + form.socket_offset) * MM + shift + apart;
+        let solid = extrusion(link.length * MM)?.rotated([0.0, 90.0, 0.0]).translated([from, 0.0, 0.0]);
+        pieces.push(Piece { name: link.name.clone(), solid, link: true });
+    }
+    Ok(pieces)
 }
 
 /// A length of extrusion along z, mm: a 20 × 20 profile with four slots.

@@ -133,6 +133,15 @@ const GLYPHS: &[(char, u8, f64, &str)] = &[
     ('=', 0, 3.6, "M0 -3.8 L3.6 -3.8 M0 -2 L3.6 -2"),
     ('.', 0, 0.4, "M0.2 -0.1 L0.2 0"),
     (',', 0, 0.6, "M0.5 -0.2 L0.1 1.2"),
+    (';', 0, 0.6, "M0.5 -0.2 L0.1 1.2 M0.4 -4 L0.4 -3.9"),
+    ('\'', 0, 0.4, "M0.2 -7 L0.2 -5.4"),
+    (
+        '%',
+        0,
+        5.4,
+        "M4.6 -7 L0.8 0 M2.2 -5.6 A1.1 1.4 0 0 0 -5.6 A1.1 1.4 0 0 2.2 -5.6 M5.4 -1.4 A1.1 1.4 0 0 3.2 -1.4 \
+         A1.1 1.4 0 0 5.4 -1.4",
+    ),
     (':', 0, 0.4, "M0.2 -0.1 L0.2 0 M0.2 -4 L0.2 -3.9"),
     ('/', 0, 2.8, "M0 0.6 L2.8 -7.4"),
     ('(', 0, 1.5, "M1.5 -7.6 A6.5 6.5 0 0 1.5 1.4"),
@@ -173,55 +182,72 @@ pub fn fit(text: &str, height: f64, room: f64) -> f64 {
 /// Adds a text to an SVG: one path, with the text itself as its label. Its baseline is at `y`, its capitals are
 /// `height` high.
 pub fn text(svg: &mut String, at: [f64; 2], align: Align, height: f64, colour: &str, text: &str) {
+    let mut path = String::new();
+    let width = draw(at, align, height, text, &mut |command, numbers| {
+        path.push(command);
+        for (position, number) in numbers.iter().enumerate() {
+            // Writing to a string does not fail. An arc's angle, which ours do not have, comes before its flags.
+            let _ = match (command, position) {
+                ('A', 2) => write!(path, "0 {number} "),
+                ('A', 3) => write!(path, "{number} "),
+                _ => write!(path, "{number:.2} "),
+            };
+        }
+    });
+    let _ = writeln!(
+        svg,
+        r#"<path aria-label="{}" d="{}" fill="none" stroke="{colour}" stroke-width="{width:.2}" stroke-linecap="round" stroke-linejoin="round"/>"#,
+        escape(text),
+        path.trim_end(),
+    );
+}
+
+/// Hands on the strokes of a text, placed as in [`text`]: a command and its numbers, as the glyphs have them.
+/// Returns the width of the strokes.
+pub fn draw(at: [f64; 2], align: Align, height: f64, text: &str, to: &mut dyn FnMut(char, &[f64])) -> f64 {
     let scale = height / CAPITAL;
     let mut left = match align {
         Align::Left => at[0],
         Align::Middle => at[0] - width(text, height) / 2.0,
         Align::Right => at[0] - width(text, height),
     };
-    let mut path = String::new();
     for character in text.chars() {
         let (round, advance, strokes) = glyph(character);
         if round > 0 {
-            place(&mut path, ROUND, [left, at[1]], scale);
+            place(ROUND, [left, at[1]], scale, to);
         }
-        place(&mut path, strokes, [left, at[1]], scale);
+        place(strokes, [left, at[1]], scale, to);
         left += (advance + SPACING) * scale;
     }
-    // Writing to a string does not fail.
-    let _ = writeln!(
-        svg,
-        r#"<path aria-label="{}" d="{}" fill="none" stroke="{colour}" stroke-width="{:.2}" stroke-linecap="round" stroke-linejoin="round"/>"#,
-        escape(text),
-        path.trim_end(),
-        STROKE * scale,
-    );
+    STROKE * scale
 }
 
-/// Adds a glyph's path, scaled and moved.
-fn place(path: &mut String, strokes: &str, at: [f64; 2], scale: f64) {
+/// Hands on a glyph's path, scaled and moved.
+fn place(strokes: &str, at: [f64; 2], scale: f64, to: &mut dyn FnMut(char, &[f64])) {
     let mut command = ' ';
-    let mut position = 0;
+    let mut numbers: Vec<f64> = Vec::new();
     for word in strokes.split_whitespace() {
         let number = match word.strip_prefix(|c: char| c.is_ascii_uppercase()) {
             Some(rest) => {
+                if !numbers.is_empty() {
+                    to(command, &numbers);
+                }
+                numbers.clear();
                 command = word.chars().next().unwrap_or(' ');
-                position = 0;
-                path.push(command);
                 rest
             }
             None => word,
         };
         let value: f64 = number.parse().unwrap_or_default();
         // An arc has two radii and two flags before its end point; everything else is points.
-        let _ = match (command, position) {
-            ('A', 0 | 1) => write!(path, "{:.2} ", value * scale),
-            // The angle of the ellipse, which our arcs do not have, comes before the flags.
-            ('A', 2) => write!(path, "0 {number} "),
-            ('A', 3) => write!(path, "{number} "),
-            _ => write!(path, "{:.2} ", value * scale + at[position % 2]),
-        };
-        position += 1;
+        numbers.push(match (command, numbers.len()) {
+            ('A', 0 | 1) => value * scale,
+            ('A', 2 | 3) => value,
+            (_, position) => value * scale + at[position % 2],
+        });
+    }
+    if !numbers.is_empty() {
+        to(command, &numbers);
     }
 }
 

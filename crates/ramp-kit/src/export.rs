@@ -1,0 +1,230 @@
+//! Writes everything that a lab needs to make a kit into one folder.
+//!
+//! A second export replaces what the first one wrote, and nothing else: a list in the folder says which files are
+//! ours and what was in them. A file that somebody changed or put there is kept, and the export refused, unless it
+//! is forced.
+
+use crate::bill::{self, Printed};
+use crate::drawing::{self, Drawing};
+use crate::solid::{self, SolidError};
+use crate::threemf::Item;
+use crate::{Kit, guide, sheet, stl, threemf};
+use std::collections::HashMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// The list of what an export wrote, in its folder.
+pub const LIST: &str = "written-by-ramp.txt";
+/// Edge of the printer's plate that the set of plates is made for, mm.
+pub const PLATE: f64 = 256.0;
+/// Kept free along the plate's edges, and between two parts on it, mm.
+const MARGIN: f64 = 5.0;
+const BETWEEN: f64 = 4.0;
+
+/// Why a kit could not be exported; nothing has been written then, except where the system stopped half way.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// A part that cannot be made.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Solid(#[from] SolidError),
+    /// Files that were not written by an export, or were changed since.
+    #[error("would overwrite {}", .files.iter().map(|file| format!("`{}`", file.display())).collect::<Vec<_>>().join(", "))]
+    #[diagnostic(help(
+        "these were not written by an export, or were changed since; --force overwrites them"
+    ))]
+    Foreign {
+        /// The files.
+        files: Vec<PathBuf>,
+    },
+    /// A part that is larger than the plate.
+    #[error("`{part}` does not fit a plate of {PLATE} x {PLATE} mm")]
+    TooLarge {
+        /// The part.
+        part: String,
+    },
+    /// The packer of the 3MF files.
+    #[error("cannot pack `{part}`: {why}")]
+    Pack {
+        /// The file.
+        part: String,
+        /// Its reason.
+        why: String,
+    },
+    /// The system.
+    #[error("cannot write {}: {why}", .file.display())]
+    Write {
+        /// The file or folder.
+        file: PathBuf,
+        /// The system's reason.
+        why: std::io::Error,
+    },
+}
+
+/// A file of an export.
+#[derive(Clone, Debug, PartialEq)]
+pub struct File {
+    /// Its place in the folder, with `/` between folders.
+    pub path: String,
+    /// What is in it.
+    pub bytes: Vec<u8>,
+}
+
+/// Everything that is exported, in memory: the same kit gives the same bytes.
+///
+/// # Errors
+/// Parts that cannot be made, or are larger than the plate.
+pub fn files(kit: &Kit) -> Result<Vec<File>, ExportError> {
+    let mut files = Vec::new();
+    let mut add = |path: String, bytes: Vec<u8>| files.push(File { path, bytes });
+    let printed = bill::printed(kit)?;
+    for part in &printed {
+        let mesh = part.solid.mesh();
+        add(format!("stl/{}.stl", part.name), stl::write(&mesh, &part.name));
+        let item = Item { name: &part.name, mesh: &mesh, places: vec![[0.0; 3]] };
+        add(format!("3mf/{}.3mf", part.name), pack(&part.name, &[item])?);
+    }
+    for (length, _) in bill::lengths(kit) {
+        let name = format!("extrusion-{}", bill::length_words(length));
+        let solid = solid::extrusion(length * 1e3)?;
+        add(format!("bought/{name}.stl"), stl::write(&solid.mesh(), &name));
+    }
+    for (index, plate) in plates(&printed)?.iter().enumerate() {
+        let name = format!("plate-{:02}", index + 1);
+        let items: Vec<Item<'_>> = plate
+            .iter()
+            .map(|(part, mesh, places)| Item { name: part, mesh, places: places.clone() })
+            .collect();
+        add(format!("plates/{name}.3mf"), pack(&name, &items)?);
+    }
+    let rows = bill::bill(kit, &printed);
+    add("bill-of-parts.csv".into(), bill::csv(&rows).into_bytes());
+    add("bill-of-parts.md".into(), bill::table(kit, &rows).into_bytes());
+    add("cutting-list.csv".into(), bill::cutting_list(kit).into_bytes());
+    let mut draw = |name: &str, title: &str, pages: &[Drawing]| {
+        add(format!("{name}.pdf"), drawing::pdf(title, pages));
+        for (index, page) in pages.iter().enumerate() {
+            let number = if pages.len() > 1 { format!("-{}", index + 1) } else { String::new() };
+            add(format!("{name}{number}.svg"), page.svg().into_bytes());
+        }
+    };
+    draw("sheet", "RAMP start sheet", &[sheet::start_sheet(kit)?]);
+    draw("tags", "RAMP tags", &sheet::tag_sheets(kit));
+    draw("guide", "RAMP assembly guide", &guide::guide(kit)?);
+    Ok(files)
+}
+
+fn pack(name: &str, items: &[Item<'_>]) -> Result<Vec<u8>, ExportError> {
+    threemf::write(name, items)
+        .map_err(|error| ExportError::Pack { part: name.to_string(), why: error.to_string() })
+}
+
+/// A plate: for each part on it its name, its surface as it is laid, and the places of its copies.
+type Plate = Vec<(String, solid::Mesh, Vec<[f64; 3]>)>;
+
+/// Lays all parts on plates, in rows, deepest first.
+fn plates(printed: &[Printed]) -> Result<Vec<Plate>, ExportError> {
+    struct Part<'a> {
+        name: &'a str,
+        mesh: solid::Mesh,
+        low: [f64; 3],
+        size: [f64; 2],
+    }
+    let mut copies: Vec<usize> = Vec::new();
+    let mut parts: Vec<Part<'_>> = Vec::new();
+    for (index, part) in printed.iter().enumerate() {
+        let mesh = part.solid.rotated(part.lay).mesh();
+        let [low, high] = mesh.bounds();
+        let size = [high[0] - low[0], high[1] - low[1]];
+        if size.iter().any(|edge| *edge > PLATE - 2.0 * MARGIN) || high[2] - low[2] > PLATE {
+            return Err(ExportError::TooLarge { part: part.name.clone() });
+        }
+        parts.push(Part { name: &part.name, mesh, low, size });
+        copies.extend(std::iter::repeat_n(index, part.count));
+    }
+    copies.sort_by(|&a, &b| parts[b].size[1].total_cmp(&parts[a].size[1]).then(a.cmp(&b)));
+    let mut plates: Vec<Plate> = Vec::new();
+    // The next free place, and the depth of the row that it is in.
+    let (mut x, mut y, mut depth) = (f64::INFINITY, f64::INFINITY, 0.0);
+    for index in copies {
+        let Part { name, mesh, low, size } = &parts[index];
+        if x + size[0] > PLATE - MARGIN {
+            (x, y, depth) = (MARGIN, y + depth + BETWEEN, size[1]);
+        }
+        if y + size[1] > PLATE - MARGIN {
+            plates.push(Plate::new());
+            (x, y, depth) = (MARGIN, MARGIN, size[1]);
+        }
+        let place = [x - low[0], y - low[1], -low[2]];
+        x += size[0] + BETWEEN;
+        let Some(plate) = plates.last_mut() else { continue };
+        match plate.iter_mut().find(|(part, ..)| part == name) {
+            Some((_, _, places)) => places.push(place),
+            None => plate.push((name.to_string(), mesh.clone(), vec![place])),
+        }
+    }
+    Ok(plates)
+}
+
+/// Writes a kit into a folder, which is made if it is not there. Returns the files, in the order of their names in
+/// the folder.
+///
+/// # Errors
+/// [`ExportError::Foreign`] for files there that no export wrote, unless `force`; parts that cannot be made; the
+/// system.
+pub fn export(kit: &Kit, folder: &Path, force: bool) -> Result<Vec<PathBuf>, ExportError> {
+    let files = files(kit)?;
+    let list = folder.join(LIST);
+    let before: HashMap<String, u64> =
+        std::fs::read_to_string(&list).map(|text| parse_list(&text)).unwrap_or_default();
+    let mut foreign = Vec::new();
+    for file in &files {
+        let path = folder.join(&file.path);
+        let ours = match std::fs::read(&path) {
+            Ok(there) => there == file.bytes || before.get(&file.path) == Some(&checksum(&there)),
+            Err(error) => error.kind() == std::io::ErrorKind::NotFound,
+        };
+        if !ours {
+            foreign.push(path);
+        }
+    }
+    if !foreign.is_empty() && !force {
+        return Err(ExportError::Foreign { files: foreign });
+    }
+    let failed = |file: &Path| {
+        let file = file.to_path_buf();
+        move |why| ExportError::Write { file, why }
+    };
+    let mut written = Vec::new();
+    let mut text =
+        String::from("What `ramp kit export` wrote here, each with a checksum; it overwrites only these.\n");
+    for file in &files {
+        let path = folder.join(&file.path);
+        if let Some(parent) = path.parent() {
+            std::fs::create_dir_all(parent).map_err(failed(parent))?;
+        }
+        std::fs::write(&path, &file.bytes).map_err(failed(&path))?;
+        // Writing to a string does not fail.
+        let _ = writeln!(text, "{:016x} {}", checksum(&file.bytes), file.path);
+        written.push(path);
+    }
+    std::fs::write(&list, text).map_err(failed(&list))?;
+    written.sort();
+    Ok(written)
+}
+
+fn parse_list(text: &str) -> HashMap<String, u64> {
+    let line = |line: &str| {
+        let (sum, path) = line.split_once(' ')?;
+        Some((path.to_string(), u64::from_str_radix(sum, 16).ok()?))
+    };
+    text.lines().filter_map(line).collect()
+}
+
+/// FNV-1a: tells a file that was changed from one that was not.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
+}
