@@ -19,8 +19,11 @@ fn refused(folder: &TempDir, arguments: &[&str], words: &[&str]) {
     let before = std::fs::read_dir(folder).unwrap().count();
     let output = ramp(folder, arguments);
     // miette wraps long lines and draws a border: compare without either.
-    let message: String =
-        text(&output.stderr).replace(['│', '╭', '╰', '─', '·'], " ").split_whitespace().collect::<Vec<_>>().join(" ");
+    let message: String = text(&output.stderr)
+        .replace(['│', '╭', '╰', '─', '·'], " ")
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
     assert!(output.stdout.is_empty(), "{arguments:?}");
     for word in words {
@@ -40,7 +43,8 @@ fn goals_lists_the_nine() {
     let output = ramp(&folder, &["goals"]);
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(text(&output.stdout).lines().count(), 1 + 9);
-    let json: serde_json::Value = serde_json::from_slice(&ramp(&folder, &["goals", "--json"]).stdout).unwrap();
+    let json: serde_json::Value =
+        serde_json::from_slice(&ramp(&folder, &["goals", "--json"]).stdout).unwrap();
     assert_eq!(json.as_array().unwrap().len(), 9);
     assert_eq!(json[6]["name"], "hard-1");
     assert_eq!(json[6]["pegs"], 15);
@@ -49,7 +53,8 @@ fn goals_lists_the_nine() {
 #[test]
 fn check_says_that_each_goal_can_be_built() {
     let folder = TempDir::new().unwrap();
-    let goals: serde_json::Value = serde_json::from_slice(&ramp(&folder, &["goals", "--json"]).stdout).unwrap();
+    let goals: serde_json::Value =
+        serde_json::from_slice(&ramp(&folder, &["goals", "--json"]).stdout).unwrap();
     for goal in goals.as_array().unwrap() {
         let output = ramp(&folder, &["check", goal["name"].as_str().unwrap(), "--json"]);
         assert_eq!(output.status.code(), Some(0));
@@ -157,10 +162,16 @@ fn broken_goals_are_refused_at_their_line_and_column() {
     let c1 = connect("b4j1", "b7j1");
     let cases: Vec<(String, Vec<&str>)> = vec![
         ("<assembly><component".to_string(), vec!["bad.xml:1:"]),
-        (goal("<component beam=\"b7\" base=\"True\"/>\n<component beam=\"b44\"/>", &c1), vec!["bad.xml:3:", "b44", "b4"]),
+        (
+            goal("<component beam=\"b7\" base=\"True\"/>\n<component beam=\"b44\"/>", &c1),
+            vec!["bad.xml:3:", "b44", "b4"],
+        ),
         (goal(b7b4, &connect("b4j9", "b7j1")), vec!["bad.xml:4:", "b4j9"]),
         (
-            goal("<component beam=\"b7\" base=\"True\"/>\n<component beam=\"b8\" flipped=\"True\"/>", &connect("b8j1", "b7j1")),
+            goal(
+                "<component beam=\"b7\" base=\"True\"/>\n<component beam=\"b8\" flipped=\"True\"/>",
+                &connect("b8j1", "b7j1"),
+            ),
             vec!["bad.xml:4:", "female"],
         ),
         (
@@ -211,7 +222,8 @@ fn a_kit_whose_link_names_itself_is_refused() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
     let kit = std::fs::read_to_string(data.join("kit.xml")).unwrap();
     let at = kit.find("<joint name=\"b2j1\"").unwrap();
-    let broken = format!("{}{}", &kit[..at], kit[at..].replacen("<child link=\"b2l1\"", "<child link=\"b2j1\"", 1));
+    let broken =
+        format!("{}{}", &kit[..at], kit[at..].replacen("<child link=\"b2l1\"", "<child link=\"b2j1\"", 1));
     assert_ne!(kit, broken);
     let line = kit[..at].lines().count();
     write(&folder, "kit.xml", &broken);

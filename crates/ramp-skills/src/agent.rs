@@ -6,19 +6,23 @@ use std::time::Instant;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_motion::PathPlanner;
-use ramp_planner::{CoarseAction, Domains, FineAction, Item, Place, Plan, PlanError, State, Target};
+use ramp_planner::{
+    CoarseAction, CoarseStep, Domains, FineAction, Grasp, Item, Place, Plan, PlanError, State, Target,
+};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_robot::{Account, Agent, Event, Robot, RobotError};
 
 use crate::belief::Belief;
-use crate::fault::SkillError;
+use crate::fault::{Fault, SkillError};
 use crate::hand::Hand;
 use crate::insert::PEGGABLE;
 use crate::transport::Workcell;
 
 /// How often the agent plans again before it gives up.
 const REPLANS: usize = 6;
+/// A peg further than this from its place in the holder is not fetched any more, m: in its hole it can be 3 mm off.
+const STRAYED: f64 = 6.0e-3;
 
 /// The baseline.
 pub struct Baseline<'a> {
@@ -83,11 +87,15 @@ impl<'a> Baseline<'a> {
     fn work(&mut self, cell: &mut Workcell) -> Result<(), RobotError> {
         let mut lost: Vec<String> = Vec::new();
         for round in 0..=REPLANS {
-            let state = self.state(cell, &lost);
-            let plan = match self.make_plan(&state) {
+            cell.belief.update(&mut cell.hand)?;
+            let plan = self
+                .state(cell, &lost)
+                .map_err(|error| error.to_string())
+                .and_then(|state| self.make_plan(&state).map_err(|error| format!("no plan: {error}")));
+            let plan = match plan {
                 Ok(plan) => plan,
-                Err(error) => {
-                    cell.note("fault", format!("no plan: {error}"));
+                Err(why) => {
+                    cell.note("fault", why);
                     self.report(cell);
                     return Ok(());
                 }
@@ -116,30 +124,31 @@ impl<'a> Baseline<'a> {
     }
 
     /// What the planner is told about the world.
-    fn state(&self, cell: &Workcell, lost: &[String]) -> State {
+    fn state(&self, cell: &Workcell, lost: &[String]) -> Result<State, SkillError> {
+        let name = |beam: usize| self.assembly.beams[beam].beam.name.clone();
         let base = self.assembly.base;
-        let standing = cell.standing.iter().filter(|beam| **beam != base);
-        State {
-            in_assembly: standing.map(|beam| self.assembly.beams[*beam].beam.name.clone()).collect(),
+        Ok(State {
+            in_assembly: cell.standing.iter().filter(|beam| **beam != base).map(|beam| name(*beam)).collect(),
             fastened: cell
                 .pinned
                 .iter()
                 .map(|(index, peg)| (self.assembly.connections[*index].name.clone(), peg.clone()))
                 .collect(),
-            misaligned: Vec::new(),
+            misaligned: cell.swung()?.into_iter().map(name).collect(),
             lost_pegs: lost.to_vec(),
-        }
+        })
     }
 
     fn run_plan(&mut self, cell: &mut Workcell, plan: &Plan) -> Result<(), SkillError> {
         for (index, step) in plan.steps.iter().enumerate() {
+            let rest = &plan.steps[index..];
             if let CoarseAction::PickUp { item: Item::Peg(_) } = &step.coarse {
-                self.check_before_peg(cell, &plan.steps[index..])?;
+                self.check_before_peg(cell, rest)?;
             }
             for action in &step.fine {
                 cell.note("start", action.to_string());
                 self.report(cell);
-                self.act(cell, action)?;
+                self.act(cell, action, rest)?;
                 cell.note("done", action.to_string());
                 self.report(cell);
             }
@@ -149,11 +158,7 @@ impl<'a> Baseline<'a> {
 
     /// Before a peg is fetched: would it go in? A peg pulls two holes together that are up to 1.7 mm apart, and
     /// stands on the male when they are further.
-    fn check_before_peg(
-        &mut self,
-        cell: &mut Workcell,
-        rest: &[ramp_planner::CoarseStep],
-    ) -> Result<(), SkillError> {
+    fn check_before_peg(&mut self, cell: &mut Workcell, rest: &[CoarseStep]) -> Result<(), SkillError> {
         let next = rest.iter().find_map(|step| match &step.coarse {
             CoarseAction::Fasten { connection, .. } => self.assembly.connection_index(connection),
             _ => None,
@@ -165,102 +170,101 @@ impl<'a> Baseline<'a> {
         if offset <= PEGGABLE {
             return Ok(());
         }
-        cell.note("fault", format!("the holes of {} are {:.2} mm apart", connection.name, offset * 1e3));
-        let beam = connection.male.beam;
-        if beam == self.assembly.base {
-            return Ok(());
-        }
-        let placed = &self.assembly.beams[beam].beam;
-        let links = placed.links.iter().map(|link| link.name.clone()).collect::<Vec<_>>();
-        for link in links.iter().rev() {
-            cell.rise()?;
-            if cell.push(beam, link).is_ok() {
-                break;
-            }
-        }
+        let fault = Fault::Misaligned { connection: connection.name.clone(), offset_mm: offset * 1e3 };
+        cell.note("fault", fault.to_string());
         self.report(cell);
+        // The beam that came in is put right; it is the one with the male, except under a cap.
+        let beam = [connection.male.beam, connection.female.beam]
+            .into_iter()
+            .find(|beam| *beam != self.assembly.base && cell.standing.last() == Some(beam))
+            .unwrap_or(connection.male.beam);
+        let links = &self.assembly.beams[beam].beam.links;
+        let link = links.last().map(|link| link.name.clone()).unwrap_or_default();
+        cell.rise()?;
+        cell.push(beam, &link)?;
+        cell.rise()?;
+        let offset = cell.belief.offset(self.assembly, connection)?;
+        if offset > PEGGABLE {
+            return Err(
+                Fault::Misaligned { connection: connection.name.clone(), offset_mm: offset * 1e3 }.into()
+            );
+        }
         Ok(())
     }
 
-    fn act(&mut self, cell: &mut Workcell, action: &FineAction) -> Result<(), SkillError> {
-        let beam_index = |name: &str| self.assembly.beam_index(name);
+    /// Carries out one fine action; `rest` is the plan from its coarse action on.
+    fn act(
+        &mut self,
+        cell: &mut Workcell,
+        action: &FineAction,
+        rest: &[CoarseStep],
+    ) -> Result<(), SkillError> {
+        let no_skill = || Fault::NoSkill { action: action.to_string() };
+        let beam = |name: &str| self.assembly.beam_index(name).ok_or_else(no_skill);
+        let connection = |name: &str| self.assembly.connection_index(name).ok_or_else(no_skill);
         match action {
             FineAction::Move { to } => match to {
                 Place::Above(_) => cell.rise(),
-                Place::Input(item) => cell.hover(item.name(), self.link_for(item).as_deref()),
-                Place::Approach(Target::Connection(name)) => {
-                    match (self.assembly.connection_index(name), &cell.hand.held) {
-                        (Some(index), Some(_)) => cell.approach_hole(index),
-                        _ => Ok(()),
-                    }
-                }
-                Place::Approach(Target::Beam(name)) => match (beam_index(name), &cell.hand.held) {
-                    (Some(index), Some(_)) => cell.approach_beam(index),
-                    // With an empty hand the skill that follows finds its own way.
-                    _ => cell.rise(),
-                },
+                Place::Input(item) => cell.hover(item.name(), link_for(item, rest)),
+                // With an empty hand the skill that follows finds its own way.
+                Place::Approach(_) | Place::Target(_) if cell.hand.held.is_none() => cell.rise(),
+                Place::Approach(Target::Beam(name)) => cell.approach_beam(beam(name)?),
+                Place::Approach(Target::Connection(name)) => cell.approach_hole(connection(name)?),
                 Place::Target(_) => Ok(()),
             },
             FineAction::PickUp { item, grasp } => {
                 let link = match grasp {
-                    ramp_planner::Grasp::Link(link) => Some(link.as_str()),
-                    ramp_planner::Grasp::Head => None,
+                    Grasp::Link(link) => Some(link.as_str()),
+                    Grasp::Head => None,
                 };
                 cell.pick_up(item.name(), link)
             }
-            FineAction::PutDown { .. } => cell.release(),
-            FineAction::AssembleSquare { beam, .. } => match beam_index(beam) {
-                Some(index) => cell.assemble(index, false),
-                None => Ok(()),
-            },
-            FineAction::AssembleCap { beam, .. } => match beam_index(beam) {
-                Some(index) => cell.assemble(index, true),
-                None => Ok(()),
-            },
-            FineAction::Fasten { connection, .. } => match self.assembly.connection_index(connection) {
-                Some(index) => cell.fasten(index),
-                None => Ok(()),
-            },
-            FineAction::Push { beam, link } => match beam_index(beam) {
-                Some(index) => {
-                    cell.rise()?;
-                    cell.push(index, link)
-                }
-                None => Ok(()),
-            },
+            FineAction::PutDown { .. } => cell.put_back(),
+            FineAction::AssembleSquare { beam: name, .. } => cell.assemble(beam(name)?, false),
+            FineAction::AssembleCap { beam: name, .. } => cell.assemble(beam(name)?, true),
+            FineAction::Fasten { connection: name, .. } => cell.fasten(connection(name)?),
+            FineAction::Push { beam: name, link } => {
+                cell.rise()?;
+                cell.push(beam(name)?, link)
+            }
         }
     }
 
-    /// The link by which the plan picks an item up next.
-    fn link_for(&self, item: &Item) -> Option<String> {
-        let plan = self.plan.as_ref()?;
-        plan.steps.iter().flat_map(|step| &step.fine).find_map(|action| match action {
-            FineAction::PickUp { item: other, grasp: ramp_planner::Grasp::Link(link) } if other == item => {
-                Some(link.clone())
-            }
-            _ => None,
-        })
-    }
-
-    /// After a fault: let go of what is held, where it can do no harm, and look again.
+    /// After a fault: put back what is held, or let it go where it is, rise, and look which pegs are still where a
+    /// hand can fetch them.
     fn recover(&mut self, cell: &mut Workcell, lost: &mut Vec<String>) -> Result<(), RobotError> {
-        if let Some(held) = cell.hand.held.clone() {
-            if cell.kit.peg(&held.part).is_some() {
-                lost.push(held.part.clone());
-            }
-        }
-        let attempts: [&mut dyn FnMut(&mut Workcell) -> Result<(), SkillError>; 2] =
-            [&mut |cell| cell.release(), &mut |cell| cell.rise()];
-        for attempt in attempts {
-            match attempt(cell) {
+        for mend in [Workcell::put_back, Workcell::release, Workcell::rise] {
+            match mend(cell) {
                 Err(SkillError::Robot(error)) => return Err(error),
                 Err(error) => cell.note("fault", error.to_string()),
                 Ok(()) => {}
             }
         }
+        cell.belief.update(&mut cell.hand)?;
+        for peg in &self.kit.pegs {
+            let pinned = cell.pinned.iter().any(|(_, name)| *name == peg.name);
+            let upright = cell.belief.pose(&peg.name).is_ok_and(|x_wp| {
+                let in_holder = self.kit.x_wp_start(peg).is_some_and(|start| {
+                    (start.translation.vector - x_wp.translation.vector).norm() < STRAYED
+                });
+                in_holder && (x_wp.rotation * nalgebra::Vector3::z()).z > 0.99
+            });
+            if !pinned && !upright && !lost.contains(&peg.name) {
+                cell.note("fault", Fault::Lost { peg: peg.name.clone() }.to_string());
+                lost.push(peg.name.clone());
+            }
+        }
         self.report(cell);
         Ok(())
     }
+}
+
+/// The link by which the plan next picks up an item.
+fn link_for<'p>(item: &Item, rest: &'p [CoarseStep]) -> Option<&'p str> {
+    rest.iter().flat_map(|step| &step.fine).find_map(|action| match action {
+        FineAction::PickUp { item: other, grasp: Grasp::Link(link) } if other == item => Some(link.as_str()),
+        _ => None,
+    })
 }
 
 impl Agent for Baseline<'_> {

@@ -72,6 +72,20 @@ impl Workcell<'_, '_> {
         Err(Fault::Misaligned { connection: name, offset_mm: off * 1e3 }.into())
     }
 
+    /// The beams that one peg holds and that have swung from their place, by index.
+    ///
+    /// # Errors
+    /// [`Fault::Unseen`].
+    pub fn swung(&self) -> Result<Vec<usize>, SkillError> {
+        let mut swung = Vec::new();
+        for beam in self.standing.iter().copied().filter(|beam| *beam != self.assembly.base) {
+            if self.anchor(beam).is_some() && self.straightened(beam)?.1 > 3.0 * GOOD {
+                swung.push(beam);
+            }
+        }
+        Ok(swung)
+    }
+
     /// The joint of a beam that a peg already pins, if any.
     fn anchor(&self, beam: usize) -> Option<JointRef> {
         self.pinned.iter().find_map(|(index, _)| {

@@ -7,7 +7,7 @@ use ramp_kit::joint::{FEMALE_HEIGHT, STEM_LENGTH};
 
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
-use crate::grasp::{PEG_HEIGHT, hand_down};
+use crate::grasp::{PEG_HEIGHT, PEG_OPEN, PEG_WIDTH, hand_down, peg_grasp};
 use crate::hand::PERIOD;
 use crate::transport::Workcell;
 
@@ -83,8 +83,8 @@ impl Workcell<'_, '_> {
         self.hand.relax();
         let mut last = None;
         for attempt in 0..TRIES {
-            let result = self.fasten_once(connection, &peg);
-            match result {
+            match self.fasten_once(connection, &peg) {
+                Err(SkillError::Fault(fault @ Fault::NotHeld { .. })) => return Err(fault.into()),
                 Err(SkillError::Fault(fault)) => {
                     self.note("fault", fault.to_string());
                     last = Some(fault);
@@ -110,10 +110,23 @@ impl Workcell<'_, '_> {
             return Err(fault.into());
         }
         self.release()?;
-        let gap = self.gap(connection, &peg)?;
-        if gap.abs() > 2.0 * SEATED {
+        // Letting go may draw a peg up a little: press it home once more, by its head.
+        for attempt in 0.. {
+            let gap = self.gap(connection, &peg)?;
+            if gap <= 2.0 * SEATED {
+                break;
+            }
             let name = self.assembly.connections[connection].name.clone();
-            return Err(Fault::NotSeated { peg, connection: name, gap_mm: gap * 1e3 }.into());
+            let proud = Fault::NotSeated { peg: peg.clone(), connection: name, gap_mm: gap * 1e3 };
+            if attempt == TRIES {
+                return Err(proud.into());
+            }
+            self.note("retry", proud.to_string());
+            let x_wt = peg_grasp(&self.belief.pose(&peg)?, 0);
+            self.seize(&peg, &x_wt, PEG_OPEN, PEG_WIDTH)?;
+            self.hand.zero()?;
+            self.press(connection, &peg)?;
+            self.release()?;
         }
         self.pinned.push((connection, peg));
         Ok(())
@@ -126,6 +139,7 @@ impl Workcell<'_, '_> {
 
     fn fasten_once(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
         let name = self.assembly.connections[connection].name.clone();
+        self.regrip(peg)?;
         // Upright over the hole, as exactly as the eyes allow.
         for _ in 0..3 {
             self.belief.update(&mut self.hand)?;

@@ -54,6 +54,18 @@ pub enum Fault {
         /// Its name.
         part: String,
     },
+    /// A peg lies where it cannot be fetched.
+    #[error("{peg} is lost")]
+    Lost {
+        /// The peg.
+        peg: String,
+    },
+    /// The plan names something that the goal does not have, or an action that has no skill.
+    #[error("there is no skill for `{action}` here")]
+    NoSkill {
+        /// The action.
+        action: String,
+    },
     /// No grasp of the part can be reached at both ends of its way.
     #[error("no reachable grasp for {part}")]
     NoGrasp {

@@ -23,6 +23,8 @@ pub struct Held {
     pub part: String,
     /// Its frame in the tip's frame.
     pub x_tp: Pose,
+    /// Where it stood when it was gripped, in the world.
+    pub x_wp_origin: Pose,
     /// kg.
     pub mass: f64,
     /// Centre of mass in the part's frame, m.

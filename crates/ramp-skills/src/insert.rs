@@ -94,6 +94,7 @@ impl Workcell<'_, '_> {
                 self.note("retry", format!("insert {name}, try {}", attempt + 1));
             }
             match self.insert_once(beam, cap, attempt) {
+                Err(SkillError::Fault(fault @ Fault::NotHeld { .. })) => return Err(fault.into()),
                 Err(SkillError::Fault(fault)) => last = Some(fault),
                 Err(error) => return Err(error),
                 Ok(()) => {
@@ -111,6 +112,7 @@ impl Workcell<'_, '_> {
 
     fn insert_once(&mut self, beam: usize, cap: bool, attempt: usize) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
+        self.regrip(&name)?;
         let goal = self.target(beam)?;
         let direction = self.kit.x_wa().rotation * self.insertion(beam)?.direction.into_inner();
         // A beam that stands on the table is pressed on it a little when it caps, and slides over it otherwise.

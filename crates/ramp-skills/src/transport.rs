@@ -22,6 +22,10 @@ pub const TRAVEL: f64 = 0.15;
 const MARGIN: f64 = 0.5e-3;
 /// Share of the arm's limits of velocity, acceleration and jerk that motions use.
 const SHARE: f64 = 0.6;
+/// A part that has moved further than this in the hand has slipped out of it, m.
+const STRAYED: f64 = 10.0e-3;
+/// Force on the table or the holder at which a part counts as put down, N.
+const PUT_DOWN_LIMIT: f64 = 8.0;
 /// How far a fresh grasp is lifted before anything else, m.
 const LIFT: f64 = 0.02;
 /// Distance between what the fingers hold and what they should, m, beyond which the part is not held.
@@ -203,7 +207,7 @@ impl Workcell<'_, '_> {
             None => (grasp::PEG_MASS, grasp::peg_centre()),
         };
         let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
-        self.hand.held = Some(Held { part: part.to_string(), x_tp, mass, p_centre });
+        self.hand.held = Some(Held { part: part.to_string(), x_tp, x_wp_origin: x_wp, mass, p_centre });
         Ok(())
     }
 
@@ -222,23 +226,47 @@ impl Workcell<'_, '_> {
         self.regrip(part)
     }
 
-    /// Looks where the held part is in the hand now.
+    /// Looks whether the part is still in the hand, and where in it.
     ///
     /// # Errors
-    /// [`Fault::NotHeld`] when it is not there.
+    /// [`Fault::NotHeld`] when the fingers have closed on nothing, or the part is not where it was in the hand; the
+    /// hand then counts as empty.
     pub fn regrip(&mut self, part: &str) -> Result<(), SkillError> {
         self.belief.update(&mut self.hand)?;
         let x_wp = self.belief.pose(part)?;
         let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
-        if let Some(held) = &mut self.hand.held {
+        let width = if self.kit.beam(part).is_some() { BEAM_WIDTH } else { PEG_WIDTH };
+        let closed = (self.hand.seen.width - width).abs() > WIDTH_TOLERANCE;
+        let here = self.hand.held.as_mut().filter(|held| held.part == part).is_some_and(|held| {
             let moved = (x_tp.translation.vector - held.x_tp.translation.vector).norm();
             held.x_tp = x_tp;
-            if moved > 0.01 {
-                self.hand.held = None;
-                return Err(Fault::NotHeld { part: part.to_string() }.into());
-            }
+            moved < STRAYED
+        });
+        if closed || !here {
+            self.hand.held = None;
+            return Err(Fault::NotHeld { part: part.to_string() }.into());
         }
         Ok(())
+    }
+
+    /// Puts the held part back where it was picked up, and lets go of it.
+    ///
+    /// # Errors
+    /// [`Fault::NotHeld`] when there is nothing in the hand any more, or what stopped the motion.
+    pub fn put_back(&mut self) -> Result<(), SkillError> {
+        let Some(part) = self.hand.held.as_ref().map(|held| held.part.clone()) else { return Ok(()) };
+        self.rise()?;
+        self.regrip(&part)?;
+        let Some(held) = self.hand.held.clone() else { return Ok(()) };
+        let down = held.x_wp_origin * held.x_tp.inverse();
+        let mut above = down;
+        // A peg's stem is above its holder, a beam above the table.
+        above.translation.z += 0.045;
+        self.travel(&above)?;
+        self.hand.relax();
+        self.hand.zero()?;
+        self.hand.drive(&down, 0.05, |hand| -hand.force().z > PUT_DOWN_LIMIT)?;
+        self.release()
     }
 
     /// Lets go of what is held and retreats straight up.

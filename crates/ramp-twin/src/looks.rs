@@ -37,7 +37,9 @@ fn read(body: &str, bytes: &[u8], all: &mut Vec<Mesh>) {
     let Some(blob) = file.blob.as_deref() else { return };
     for primitive in file.meshes().flat_map(|mesh| mesh.primitives()) {
         let reader = primitive.reader(|_| Some(blob));
-        let (Some(positions), Some(indices)) = (reader.read_positions(), reader.read_indices()) else { continue };
+        let (Some(positions), Some(indices)) = (reader.read_positions(), reader.read_indices()) else {
+            continue;
+        };
         all.push(Mesh {
             body: body.to_string(),
             rgba: primitive.material().pbr_metallic_roughness().base_color_factor(),
@@ -69,7 +71,8 @@ pub fn geoms(arm: &str, body: &str) -> String {
     let mut xml = String::new();
     for (number, mesh) in meshes(arm).iter().enumerate().filter(|(_, mesh)| mesh.body == body) {
         let [r, g, b, a] = mesh.rgba;
-        let _ = write!(xml, "<geom class=\"look\" mesh=\"look{number}\" rgba=\"{r:.3} {g:.3} {b:.3} {a:.3}\"/>");
+        let _ =
+            write!(xml, "<geom class=\"look\" mesh=\"look{number}\" rgba=\"{r:.3} {g:.3} {b:.3} {a:.3}\"/>");
     }
     xml
 }

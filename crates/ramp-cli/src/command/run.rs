@@ -18,6 +18,9 @@ use ramp_twin::{Disturbance, Setup, Twin};
 use crate::data::{Data, check_writable, print};
 use crate::{DONE, INCOMPLETE};
 
+/// Folder for results that are given no name.
+const RESULTS: &str = "results";
+
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Name of a goal, or a goal file
@@ -37,7 +40,7 @@ pub struct Arguments {
     /// Also write the scene as MJCF, with keyframes `start` and `end`, for any MuJoCo viewer
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
-    /// File for the result [default: GOAL-SEED.json]; the curve goes beside it as .svg
+    /// File for the result [default: results/GOAL-SEED.json]; the curve goes beside it as .svg
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -53,10 +56,13 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let assembly = data.goal(&arguments.goal, &kit)?;
     let arm = data.arm()?;
     let domains = data.domains()?;
-    let output = arguments
-        .output
-        .clone()
-        .unwrap_or_else(|| PathBuf::from(format!("{}-{}.json", assembly.name, arguments.seed)));
+    let output = match &arguments.output {
+        Some(path) => path.clone(),
+        None => {
+            std::fs::create_dir_all(RESULTS).into_diagnostic()?;
+            Path::new(RESULTS).join(format!("{}-{}.json", assembly.name, arguments.seed))
+        }
+    };
     let curve = output.with_extension("svg");
     if curve == output {
         return Err(miette!(
