@@ -8,7 +8,7 @@
 use crate::assembly::{Assembly, Connection, Insertion, PlacedBeam};
 use nalgebra::{Translation3, Unit, UnitQuaternion, Vector2, Vector3};
 use ramp_kit::Pose;
-use ramp_kit::shape::{Shape, beam_shapes};
+use ramp_kit::shape::{Cuboid, Shape, beam_shapes};
 use std::collections::HashMap;
 
 /// Parts that reach less than this into each other touch, m.
@@ -19,8 +19,11 @@ pub const LEAST_DISTANCE: f64 = 60.0e-3;
 const MOST_DISTANCE: f64 = 1.0;
 /// Room around a beam, seen from above, where its straight motion begins, m: there it can be lowered.
 const MARGIN: f64 = 5.0e-3;
-/// The most beams in one goal: the search for an order looks at every subset of them.
-pub const MAX_BEAMS: usize = 16;
+/// The most beams in one goal.
+pub const MAX_BEAMS: usize = 128;
+/// Up to so many beams the best of all orders is found, for which every subset of them may have to be looked at;
+/// with more, one good order.
+const MAX_EXACT: usize = 16;
 
 /// What the geometry of an assembly says.
 #[derive(Clone, Debug, PartialEq)]
@@ -196,6 +199,8 @@ impl Block {
 /// The blocks of every beam of an assembly at its place.
 pub(crate) struct Solids {
     beams: Vec<Vec<Block>>,
+    /// For each beam one block around all of its own.
+    around: Vec<Block>,
 }
 
 impl Solids {
@@ -203,7 +208,16 @@ impl Solids {
         let blocks = |placed: &PlacedBeam| {
             beam_shapes(&placed.beam).iter().map(|shape| Block::new(shape, &placed.x_ab)).collect()
         };
-        Solids { beams: beams.iter().map(blocks).collect() }
+        let around = |placed: &PlacedBeam| {
+            let bounds = beam_shapes(&placed.beam).into_iter().map(|shape| shape.bounds());
+            let both = |a: Cuboid, b: Cuboid| Cuboid {
+                min: std::array::from_fn(|axis| a.min[axis].min(b.min[axis])),
+                max: std::array::from_fn(|axis| a.max[axis].max(b.max[axis])),
+            };
+            let nothing = Cuboid::new([0.0; 2], [0.0; 2], [0.0; 2]);
+            Block::new(&Shape::Solid(bounds.reduce(both).unwrap_or(nothing)), &placed.x_ab)
+        };
+        Solids { beams: beams.iter().map(blocks).collect(), around: beams.iter().map(around).collect() }
     }
 
     fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
@@ -221,7 +235,17 @@ impl Solids {
                 self.blocks_of(first, second).map(|(a, b)| a.depth(b)).fold(f64::NEG_INFINITY, f64::max);
             (depth > TOUCH).then_some(Overlap { first, second, depth })
         };
-        self.pairs().filter_map(overlap).collect()
+        let near = |&(first, second): &(usize, usize)| self.around[first].depth(&self.around[second]) > TOUCH;
+        self.pairs().filter(near).filter_map(overlap).collect()
+    }
+
+    /// Does one of the beams reach into another?
+    pub fn overlaps_any(&self, first: usize) -> bool {
+        let into = |second: usize| {
+            self.around[first].depth(&self.around[second]) > TOUCH
+                && self.blocks_of(first, second).any(|(a, b)| a.depth(b) > TOUCH)
+        };
+        (0..self.beams.len()).any(|second| second != first && into(second))
     }
 
     fn gap(&self, first: usize, second: usize) -> f64 {
@@ -229,12 +253,26 @@ impl Solids {
     }
 
     fn smallest_gap(&self) -> Option<Gap> {
-        let gaps = self.pairs().map(|(first, second)| Gap { first, second, width: self.gap(first, second) });
-        gaps.min_by(|a, b| a.width.total_cmp(&b.width))
+        let mut smallest: Option<Gap> = None;
+        for (first, second) in self.pairs() {
+            let least = self.around[first].gap(&self.around[second]);
+            if smallest.is_some_and(|gap| gap.width <= least) {
+                continue;
+            }
+            let width = self.gap(first, second);
+            if smallest.is_none_or(|gap| width < gap.width) {
+                smallest = Some(Gap { first, second, width });
+            }
+        }
+        smallest
     }
 
     /// Where on the way out, `back` being its direction, `moving` meets `standing`.
     fn way_out(&self, moving: usize, standing: usize, back: &Vector3<f64>) -> WayOut {
+        // Most beams are nowhere near the way.
+        if self.around[moving].meets(&self.around[standing], back, -MARGIN, 4).is_none() {
+            return WayOut::default();
+        }
         let ranges = |slack: f64, axes: usize| {
             merge(
                 self.blocks_of(moving, standing).filter_map(|(a, b)| a.meets(b, back, slack, axes)).collect(),
@@ -269,7 +307,12 @@ fn merge(mut ranges: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 }
 
 /// A set of beams, one bit each.
-type Set = u32;
+type Set = u128;
+
+/// The set of this beam alone.
+fn bit(beam: usize) -> Set {
+    1 << beam
+}
 
 /// There is no order: none of these beams can be taken out while the others stand. With no beams: there are more
 /// than [`MAX_BEAMS`].
@@ -346,16 +389,19 @@ pub(crate) fn find_order(
         .collect();
     let square = beams.iter().map(is_square).collect();
     let mut order = Order { count: beams.len(), square, connections, directions, ways, best: HashMap::new() };
-    let all: Set = (0..beams.len()).fold(0, |set, beam| set | 1 << beam);
+    let all: Set = (0..beams.len()).fold(0, |set, beam| set | bit(beam));
+    if beams.len() > MAX_EXACT {
+        return order.taken_apart(base, all);
+    }
     let stuck = order.stuck(base, all);
     if !stuck.is_empty() {
         return Err(Stuck { beams: stuck });
     }
-    let mut standing: Set = 1 << base;
+    let mut standing: Set = bit(base);
     let mut insertions = Vec::new();
     // What can be taken apart one by one can be built one by one, so the search does not fail.
     while let Some((_, insertion)) = order.best_next(standing, all) {
-        standing |= 1 << insertion.beam;
+        standing |= bit(insertion.beam);
         insertions.push(insertion);
     }
     Ok(insertions)
@@ -381,7 +427,7 @@ impl Order<'_> {
         if let Some(known) = self.best.get(&standing) {
             return known.clone();
         }
-        let mut candidates: Vec<usize> = (0..self.count).filter(|beam| standing & (1 << beam) == 0).collect();
+        let mut candidates: Vec<usize> = (0..self.count).filter(|&beam| standing & bit(beam) == 0).collect();
         // Beams that go into others before those that close over others (caps), square ones before those at an
         // angle, which rely on them; then as in the file.
         candidates.sort_by_key(|&beam| {
@@ -390,7 +436,7 @@ impl Order<'_> {
         let mut best: Option<(u32, Insertion)> = None;
         for beam in candidates {
             let Some((cost, insertion)) = self.insertion(beam, standing) else { continue };
-            let after = standing | 1 << beam;
+            let after = standing | bit(beam);
             let rest = if after == all { Some(0) } else { self.best_next(after, all).map(|(cost, _)| cost) };
             let Some(total) = rest.map(|rest| rest + cost) else { continue };
             if best.as_ref().is_none_or(|(least, _)| total < *least) {
@@ -406,7 +452,7 @@ impl Order<'_> {
 
     /// The standing beams whose males the females of `beam` would close over.
     fn swallowed(&self, beam: usize, standing: Set) -> impl Iterator<Item = usize> + '_ {
-        let ours = move |c: &&Connection| c.female.beam == beam && standing & (1 << c.male.beam) != 0;
+        let ours = move |c: &&Connection| c.female.beam == beam && standing & bit(c.male.beam) != 0;
         self.connections.iter().filter(ours).map(|c| c.male.beam)
     }
 
@@ -417,8 +463,8 @@ impl Order<'_> {
     /// The cheapest straight way to put a beam to those that stand.
     fn insertion(&self, beam: usize, standing: Set) -> Option<(u32, Insertion)> {
         let connected = self.connections.iter().any(|c| {
-            (c.female.beam == beam && standing & (1 << c.male.beam) != 0)
-                || (c.male.beam == beam && standing & (1 << c.female.beam) != 0)
+            (c.female.beam == beam && standing & bit(c.male.beam) != 0)
+                || (c.male.beam == beam && standing & bit(c.female.beam) != 0)
         });
         let mut best: Option<(u32, Insertion)> = None;
         // Down comes last in the list, and first for a beam that nothing guides.
@@ -451,7 +497,7 @@ impl Order<'_> {
     /// meets none. `None` when there is no such way.
     fn clear_distance(&self, beam: usize, direction: usize, standing: Set) -> Option<f64> {
         let ways = |beam: usize| {
-            let others = (0..self.count).filter(move |other| standing & (1 << other) != 0);
+            let others = (0..self.count).filter(move |&other| standing & bit(other) != 0);
             others.map(move |other| &self.ways[beam][direction][other])
         };
         let covers = merge(ways(beam).flat_map(|way| way.covers.iter().copied()).collect());
@@ -465,17 +511,65 @@ impl Order<'_> {
         (free && distance < MOST_DISTANCE).then_some(distance)
     }
 
+    /// The beams that are joined with the base through others of the set.
+    fn joined(&self, base: usize, set: Set) -> Set {
+        let mut joined = bit(base);
+        loop {
+            let before = joined;
+            for c in self.connections {
+                let both = bit(c.female.beam) | bit(c.male.beam);
+                if both & set == both && both & joined != 0 {
+                    joined |= both;
+                }
+            }
+            if joined == before {
+                return joined;
+            }
+        }
+    }
+
+    /// An order found backwards: the whole is taken apart, each time by the beam that would be put there last at
+    /// the least cost and leaves the others joined with the base. Taking one out never holds another one back, so
+    /// this finds an order whenever there is one.
+    fn taken_apart(&self, base: usize, all: Set) -> Result<Vec<Insertion>, Stuck> {
+        let mut standing = all;
+        let mut insertions = Vec::new();
+        while standing != bit(base) {
+            let mut best: Option<(u32, Insertion)> = None;
+            for beam in (0..self.count).rev().filter(|&beam| beam != base && standing & bit(beam) != 0) {
+                let without = standing & !bit(beam);
+                let Some((cost, insertion)) = self.insertion(beam, without) else { continue };
+                let lost = (without & !self.joined(base, without)).count_ones();
+                let cost = cost + lost * cost::LAID;
+                if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                    best = Some((cost, insertion));
+                }
+                if cost == 0 {
+                    break;
+                }
+            }
+            let Some((_, insertion)) = best else {
+                let beams = (0..self.count).filter(|&beam| beam != base && standing & bit(beam) != 0);
+                return Err(Stuck { beams: beams.collect() });
+            };
+            standing &= !bit(insertion.beam);
+            insertions.push(insertion);
+        }
+        insertions.reverse();
+        Ok(insertions)
+    }
+
     /// The beams that hold each other: take out of the whole whatever can be taken out, in any order, for taking
     /// one out never holds another one back.
     fn stuck(&self, base: usize, all: Set) -> Vec<usize> {
         let mut standing = all;
-        let members = |set: Set| (0..self.count).filter(move |beam| set & (1 << beam) != 0 && *beam != base);
+        let members = |set: Set| (0..self.count).filter(move |&beam| set & bit(beam) != 0 && beam != base);
         let free = |beam: usize, standing: Set| {
-            let without = standing & !(1 << beam);
+            let without = standing & !bit(beam);
             (0..self.directions[beam].len()).any(|index| self.clear_distance(beam, index, without).is_some())
         };
         while let Some(beam) = members(standing).find(|&beam| free(beam, standing)) {
-            standing &= !(1 << beam);
+            standing &= !bit(beam);
         }
         members(standing).collect()
     }

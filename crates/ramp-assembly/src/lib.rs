@@ -3,7 +3,7 @@
 //! Data passes one way: [`read`] turns `goal.xml` into beams and connections, with positions so that every error
 //! can point at its place; `pose` places every beam, starting from the clamped one; [`check`] proves that holes
 //! meet, that nothing overlaps and that some order of straight insertions builds it; [`draw`] shows it from
-//! above. [`catalogue`] finds goals by name.
+//! above. [`catalogue`] finds goals by name, and [`generate()`] makes new ones.
 //!
 //! Frames: A is the assembly frame (origin at table level under the clamped beam's j1 hole, X along that beam, Y
 //! away from the robot, Z up), B a beam's own frame (see [`ramp_kit::Beam`]).
@@ -12,6 +12,8 @@ pub mod assembly;
 pub mod catalogue;
 pub mod check;
 pub mod draw;
+mod frame;
+pub mod generate;
 mod pose;
 pub mod read;
 
@@ -19,5 +21,6 @@ pub use assembly::{Assembly, Class, Connection, Insertion, JointRef, PlacedBeam}
 pub use catalogue::{goal_names, goal_path};
 pub use check::{Fit, Gap, Overlap, Report, report};
 pub use draw::draw_svg;
+pub use generate::{Generated, Request, generate};
 pub use ramp_kit::Pose;
 pub use read::{GoalError, GoalProblem, read_goal, read_goal_str};

@@ -13,6 +13,7 @@
 //! a beam printed as the mirror image of the right one shall be an error, not another assembly.
 
 use nalgebra::{Point2, Rotation2, Vector2};
+use ramp_kit::joint::BODY_WIDTH;
 use ramp_kit::{Beam, JointType};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -42,7 +43,7 @@ impl Planar {
     }
 
     /// The pose at `yaw` that puts the hole at `offset` on `point`.
-    fn with_hole(point: Point2<f64>, offset: f64, yaw: f64) -> Planar {
+    pub fn with_hole(point: Point2<f64>, offset: f64, yaw: f64) -> Planar {
         let yaw = snap(yaw);
         Planar { at: point - Rotation2::new(yaw) * Vector2::new(offset, 0.0), yaw }
     }
@@ -51,6 +52,7 @@ impl Planar {
 /// A beam that is to be placed; `yaw` where the file states it.
 pub(crate) struct Piece<'a> {
     pub beam: &'a Beam,
+    pub flipped: bool,
     pub yaw: Option<f64>,
 }
 
@@ -100,6 +102,8 @@ struct Tie {
     point: Point2<f64>,
     /// Position of the placed neighbour in the order of placing.
     rank: usize,
+    /// The yaw of the neighbour, less what the joints of the two are turned against their beams: the yaw of a beam
+    /// that lies along it.
     neighbour_yaw: f64,
 }
 
@@ -196,6 +200,10 @@ impl Search<'_> {
         self.pieces[piece].beam.joints[joint].kind
     }
 
+    fn turn(&self, (piece, joint): Side) -> f64 {
+        turn(self.kind((piece, joint)), self.pieces[piece].flipped)
+    }
+
     fn offset(&self, (piece, joint): Side) -> f64 {
         self.pieces[piece].beam.joints[joint].offset
     }
@@ -212,7 +220,7 @@ impl Search<'_> {
                     offset: self.offset(own),
                     point: pose.hole(self.offset(other)),
                     rank,
-                    neighbour_yaw: pose.yaw,
+                    neighbour_yaw: pose.yaw + self.turn(other) - self.turn(own),
                 });
             }
         }
@@ -265,9 +273,8 @@ impl Search<'_> {
             if distance > MAX_RESIDUAL {
                 return Some(Misfit::Apart { connection, distance });
             }
-            let angle = off_square(inside.yaw - around.yaw);
-            let limit =
-                if self.kind(female) == JointType::AngleF { MAX_ENTRY_ANGLE } else { MAX_SQUARE_ANGLE };
+            let angle = off_square(inside.yaw + self.turn(male) - around.yaw);
+            let limit = entry_limit(self.kind(female));
             if angle > limit {
                 return Some(Misfit::Angle { connection, angle, limit });
             }
@@ -330,7 +337,22 @@ fn usual_direction(yaw: f64) -> f64 {
     if half_turn > FRAC_PI_2 + SNAP { half_turn - PI } else { half_turn }
 }
 
+/// The direction in which a joint mates, against its beam's +x, rad: not 0 only for a male end that is turned.
+pub(crate) fn turn(kind: JointType, flipped: bool) -> f64 {
+    // Turning a beam over turns left into right.
+    if flipped { -kind.form().turn } else { kind.form().turn }
+}
+
+/// The largest angle from straight at which a male may enter a female of this type, rad.
+pub(crate) fn entry_limit(kind: JointType) -> f64 {
+    match kind {
+        JointType::AngleF => MAX_ENTRY_ANGLE,
+        JointType::Added(_) => kind.form().entry_angle(BODY_WIDTH),
+        _ => MAX_SQUARE_ANGLE,
+    }
+}
+
 /// How far two beams are from a right angle, rad, from 0 to 90°.
-fn off_square(between: f64) -> f64 {
+pub(crate) fn off_square(between: f64) -> f64 {
     (between.rem_euclid(PI) - FRAC_PI_2).abs()
 }

@@ -523,7 +523,7 @@ struct Draft {
 }
 
 /// The pose of a beam in the assembly frame: flipped about its own axis first, then turned, at assembled height.
-fn x_ab(pose: &Planar, flipped: bool) -> Pose {
+pub(crate) fn x_ab(pose: &Planar, flipped: bool) -> Pose {
     let roll = if flipped { std::f64::consts::PI } else { 0.0 };
     Pose::from_parts(
         Translation3::new(pose.at.x, pose.at.y, AXIS_HEIGHT),
@@ -534,8 +534,10 @@ fn x_ab(pose: &Planar, flipped: bool) -> Pose {
 
 fn build(file: &SourceFile, root: Node<'_>, kit: &Kit, draft: Draft) -> Result<Assembly> {
     let Draft { name, class, components, base, pairs } = draft;
-    let pieces: Vec<Piece<'_>> =
-        components.iter().map(|c| Piece { beam: &kit.beams[c.beam], yaw: c.yaw }).collect();
+    let pieces: Vec<Piece<'_>> = components
+        .iter()
+        .map(|c| Piece { beam: &kit.beams[c.beam], flipped: c.flipped, yaw: c.yaw })
+        .collect();
     let connections: Vec<Connection> = pairs.iter().map(|pair| pair.connection.clone()).collect();
     let side = |joint: JointRef| (joint.beam, joint.joint);
     let ties: Vec<_> = connections.iter().map(|c| (side(c.female), side(c.male))).collect();

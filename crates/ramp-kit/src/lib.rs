@@ -38,10 +38,12 @@ pub mod tags;
 pub mod threemf;
 #[cfg(feature = "export")]
 mod view;
+pub mod write;
 
 pub use beam::{Beam, Holder, Joint, Kit, Link, Peg, Sheet, StartPose};
 pub use joint::{Dimensions, JointForm, JointType, Side};
 pub use read::{KitError, KitProblem, read_kit, read_kit_str};
+pub use write::kit_xml;
 
 /// A rigid pose: where a frame stands in another. The name of a variable says which: `x_wb` is B in W.
 pub type Pose = nalgebra::Isometry3<f64>;

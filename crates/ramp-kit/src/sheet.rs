@@ -168,11 +168,10 @@ pub(crate) fn draw_tag(drawing: &mut Drawing, id: u32, at: [f64; 2], edge: f64, 
     };
     // White cells on the black square: each a little larger towards white neighbours would cover black ones, so
     // they are exact.
-    for row in 1..=tags::BLACK_CELLS {
-        for column in 1..=tags::BLACK_CELLS {
-            if cells[row][column] {
-                continue;
-            }
+    let black = 1..=tags::BLACK_CELLS;
+    for (row, line) in cells.iter().enumerate().filter(|(row, _)| black.contains(row)) {
+        for (column, _) in line.iter().enumerate().filter(|(column, cell)| black.contains(column) && !**cell)
+        {
             let (r, c) = turned(row, column);
             let corner = |index: usize, at: f64| at - half + (index as f64 - 1.0) * cell;
             drawing.rectangle([corner(c, at[0]), corner(r, at[1])], [cell; 2], Some(WHITE), None);
