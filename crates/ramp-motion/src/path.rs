@@ -187,8 +187,9 @@ impl PathPlanner {
         interpolate(a, b).iter().all(|q| checker.is_free(&self.kinematics.frames(q)))
     }
 
-    /// RRT-Connect between two configurations, shortened; corners of the way.
-    fn connect(
+    /// RRT-Connect between two configurations: the corners of a shortened way, straight in joint space between them;
+    /// `None` when none was found.
+    pub fn connect(
         &self,
         start: &Joints,
         goal: &Joints,

@@ -207,7 +207,9 @@ struct Window {
 impl Window {
     #[cfg(feature = "view")]
     fn open(setup: &Setup) -> Result<Window, Report> {
-        Ok(Window { inner: TwinWindow::open(setup).into_diagnostic()? })
+        let inner = TwinWindow::open(setup)
+            .map_err(|error| miette!(help = "is there a display? without one, leave --view out", "{error}"))?;
+        Ok(Window { inner })
     }
 
     #[cfg(not(feature = "view"))]

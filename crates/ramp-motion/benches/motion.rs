@@ -1,0 +1,73 @@
+//! Speed of motion planning, and how far its motions are from the fastest possible.
+//!
+//! A hundred moves between random hovers over the table, among boxes of the size of joints. Printed beside: the
+//! obvious algorithm (RRT-Connect in joint space for every move) and a lower bound on the motion's time (each joint
+//! straight to its end at its largest speed).
+
+use std::path::Path;
+use std::time::Instant;
+
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use ramp_motion::{Checker, Joints, Obstacle, PathPlanner, Pose, Trajectory};
+use ramp_robot::DOF;
+use ramp_robot::arm::ArmModel;
+use ramp_robot::random::Stream;
+
+fn main() {
+    // `cargo test --benches` only asks whether it starts.
+    if std::env::args().any(|argument| argument == "--test") {
+        return;
+    }
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/arms/panda.json");
+    let arm = match ArmModel::read(&file) {
+        Ok(arm) => arm,
+        Err(error) => {
+            eprintln!("{error}");
+            return;
+        }
+    };
+    let planner = PathPlanner::new(&arm);
+    let mut stream = Stream::new(1, "bench");
+    let around: Vec<Obstacle> = (0..150)
+        .map(|number| Obstacle {
+            name: format!("box {number}"),
+            x: Pose::translation(0.45 + stream.symmetric(0.25), stream.symmetric(0.5), 0.0166),
+            half: [0.03, 0.0133, 0.0166],
+        })
+        .collect();
+    let checker = Checker::new(&arm, 0.04, Vec::new(), &around, 0.5e-3);
+    let hover = |stream: &mut Stream| {
+        let down = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), stream.symmetric(1.5))
+            * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+        let (x, y) = (0.48 + stream.symmetric(0.15), stream.symmetric(0.45));
+        Pose::from_parts(Translation3::new(x, y, 0.1), down)
+    };
+    let mut q = Joints::from(arm.home);
+    let (mut level, mut tree, mut moving, mut bound) = (0.0, 0.0, 0.0, 0.0);
+    let (mut planned, mut found) = (0, 0);
+    for _ in 0..100 {
+        let goal = hover(&mut stream);
+        let begin = Instant::now();
+        let legs = planner.plan(&q, &goal, 0.15, &checker, &mut stream);
+        level += begin.elapsed().as_secs_f64();
+        let Ok(legs) = legs else { continue };
+        planned += 1;
+        let Some(end) = legs.last().and_then(|leg| leg.last()).copied() else { continue };
+        let begin = Instant::now();
+        found += usize::from(planner.connect(&q, &end, &checker, &mut stream).is_some());
+        tree += begin.elapsed().as_secs_f64();
+        moving += legs.into_iter().map(|leg| Trajectory::new(&arm, leg, 1.0).duration()).sum::<f64>();
+        bound += (0..DOF).map(|j| (end[j] - q[j]).abs() / arm.joints[j].velocity).fold(0.0, f64::max);
+        q = end;
+    }
+    let each = 1e3 / f64::from(planned.max(1));
+    println!("{planned} of 100 moves planned, 150 boxes around");
+    println!("level path first  {:8.2} ms a move", level * each);
+    println!("RRT-Connect       {:8.2} ms a move ({found} found), ratio {:.1}", tree * each, tree / level);
+    println!(
+        "motion            {:8.2} s a move; lower bound {:.2} s, ratio {:.1}",
+        moving * each * 1e-3,
+        bound * each * 1e-3,
+        moving / bound
+    );
+}
