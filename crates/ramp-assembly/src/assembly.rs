@@ -120,23 +120,18 @@ impl Assembly {
         }
     }
 
-    /// How many of its beams pass through another one or lie at an angle to X and Y.
+    /// How often a beam passes through another one, and how many beams lie at an angle to X and Y.
     pub fn specials(&self) -> usize {
-        let passes = |index: usize| {
-            let through = |c: &Connection| {
-                c.male.beam == index && !self.beams[index].beam.joints[c.male.joint].kind.is_end()
-            };
-            self.connections.iter().any(through)
-        };
-        let angled = |placed: &PlacedBeam| {
+        let passes = |c: &&Connection| !self.beams[c.male.beam].beam.joints[c.male.joint].kind.is_end();
+        let angled = |placed: &&PlacedBeam| {
             let along = placed.x_ab.rotation * Vector3::x();
             along.x.abs() > 1e-3 && along.y.abs() > 1e-3
         };
-        self.beams.iter().enumerate().filter(|(index, placed)| passes(*index) || angled(placed)).count()
+        self.connections.iter().filter(passes).count() + self.beams.iter().filter(angled).count()
     }
 
     /// The class that a goal like this one belongs to: easy ones are square and small, with at most four pegs;
-    /// in a medium one at most one beam passes through another or lies at an angle.
+    /// in a medium one a beam passes through another or lies at an angle once at most.
     pub fn likely_class(&self) -> Class {
         match self.specials() {
             0 if self.connections.len() <= 4 => Class::Easy,

@@ -535,17 +535,16 @@ impl Order<'_> {
         let mut standing = all;
         let mut insertions = Vec::new();
         while standing != bit(base) {
-            let mut best: Option<(u32, Insertion)> = None;
+            let mut best: Option<((u32, usize, f64), Insertion)> = None;
             for beam in (0..self.count).rev().filter(|&beam| beam != base && standing & bit(beam) != 0) {
                 let without = standing & !bit(beam);
                 let Some((cost, insertion)) = self.insertion(beam, without) else { continue };
                 let lost = (without & !self.joined(base, without)).count_ones();
-                let cost = cost + lost * cost::LAID;
-                if best.as_ref().is_none_or(|(least, _)| cost < *least) {
-                    best = Some((cost, insertion));
-                }
-                if cost == 0 {
-                    break;
+                // A beam that closes over many others comes last, and one with a long way late.
+                let others = self.count - self.swallowed(beam, without).count();
+                let rank = (cost + lost * cost::LAID, others, -insertion.distance);
+                if best.as_ref().is_none_or(|(least, _)| rank < *least) {
+                    best = Some((rank, insertion));
                 }
             }
             let Some((_, insertion)) = best else {

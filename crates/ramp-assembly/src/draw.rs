@@ -4,9 +4,10 @@
 
 use crate::assembly::{Assembly, PlacedBeam};
 use nalgebra::{Point3, Vector3};
+use ramp_kit::Joint;
 use ramp_kit::joint::{BODY_WIDTH, EXTRUSION, MALE_TIP};
+use ramp_kit::shape::Shape;
 use ramp_kit::strokes::{Align, escape, fit, text};
-use ramp_kit::{Joint, JointType};
 use std::fmt::Write;
 
 /// Millimetres in a metre.
@@ -64,31 +65,65 @@ pub fn draw_svg(assembly: &Assembly) -> String {
     );
     let _ = writeln!(svg, "<title>{}</title>", escape(&assembly.name));
     let _ = writeln!(svg, r#"<rect width="100%" height="100%" fill="{PAPER}"/>"#);
-    picture.title(&mut svg);
-    picture.axes(&mut svg);
-    for (index, placed) in assembly.beams.iter().enumerate() {
-        picture.links(&mut svg, placed);
-        picture.joints(&mut svg, index, placed, true);
+    picture.draw(&mut svg);
+    svg.push_str("</svg>\n");
+    svg
+}
+
+/// Draws several goals as one SVG, in rows of three, all at the same scale.
+pub fn draw_all_svg(assemblies: &[Assembly]) -> String {
+    /// Goals in a row.
+    const ROW_LENGTH: usize = 3;
+    let pictures: Vec<Picture<'_>> = assemblies.iter().map(Picture::new).collect();
+    let sizes: Vec<[f64; 2]> = pictures.iter().map(Picture::size).collect();
+    let widths: Vec<f64> = (0..ROW_LENGTH)
+        .map(|column| sizes.iter().skip(column).step_by(ROW_LENGTH).map(|size| size[0]).fold(0.0, f64::max))
+        .collect();
+    let heights: Vec<f64> =
+        sizes.chunks(ROW_LENGTH).map(|row| row.iter().map(|size| size[1]).fold(0.0, f64::max)).collect();
+    let (width, height): (f64, f64) = (widths.iter().sum(), heights.iter().sum());
+    let mut svg = String::new();
+    // Writing to a string does not fail.
+    let _ = writeln!(
+        svg,
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0}" height="{height:.0}" viewBox="0 0 {width:.1} {height:.1}" role="img">"#
+    );
+    let _ = writeln!(svg, "<title>{} goals</title>", assemblies.len());
+    let _ = writeln!(svg, r#"<rect width="100%" height="100%" fill="{PAPER}"/>"#);
+    for (index, picture) in pictures.iter().enumerate() {
+        let (row, column) = (index / ROW_LENGTH, index % ROW_LENGTH);
+        let (x, y): (f64, f64) = (widths[..column].iter().sum(), heights[..row].iter().sum());
+        let _ = writeln!(svg, r#"<g transform="translate({x:.1} {y:.1})">"#);
+        picture.draw(&mut svg);
+        svg.push_str("</g>\n");
     }
-    // Females lie over the males in them and let them shine through.
-    for (index, placed) in assembly.beams.iter().enumerate() {
-        picture.joints(&mut svg, index, placed, false);
-    }
-    for placed in &assembly.beams {
-        picture.beam_name(&mut svg, placed);
-    }
-    picture.pegs(&mut svg);
-    picture.legend(&mut svg);
     svg.push_str("</svg>\n");
     svg
 }
 
 /// Draws the goal as PNG, `width` pixels wide (at least 64, at most 8192).
+///
+/// # Errors
+/// A picture that has too many pixels.
 #[cfg(feature = "png")]
 pub fn draw_png(assembly: &Assembly, width: u32) -> Result<Vec<u8>, DrawError> {
+    png(&draw_svg(assembly), width)
+}
+
+/// Draws several goals as one PNG, `width` pixels wide, see [`draw_all_svg`].
+///
+/// # Errors
+/// A picture that has too many pixels.
+#[cfg(feature = "png")]
+pub fn draw_all_png(assemblies: &[Assembly], width: u32) -> Result<Vec<u8>, DrawError> {
+    png(&draw_all_svg(assemblies), width)
+}
+
+#[cfg(feature = "png")]
+fn png(svg: &str, width: u32) -> Result<Vec<u8>, DrawError> {
     use resvg::{tiny_skia, usvg};
-    let tree = usvg::Tree::from_str(&draw_svg(assembly), &usvg::Options::default())
-        .map_err(|error| DrawError(error.to_string()))?;
+    let tree =
+        usvg::Tree::from_str(svg, &usvg::Options::default()).map_err(|error| DrawError(error.to_string()))?;
     let width = width.clamp(64, 8192);
     let scale = width as f32 / tree.size().width();
     let height = (tree.size().height() * scale).ceil() as u32;
@@ -132,6 +167,24 @@ impl<'a> Picture<'a> {
             }
         }
         Picture { assembly, step, pegs: assembly.peg_order(), low, high }
+    }
+
+    fn draw(&self, svg: &mut String) {
+        self.title(svg);
+        self.axes(svg);
+        for (index, placed) in self.assembly.beams.iter().enumerate() {
+            self.links(svg, placed);
+            self.joints(svg, index, placed, true);
+        }
+        // Females lie over the males in them and let them shine through.
+        for (index, placed) in self.assembly.beams.iter().enumerate() {
+            self.joints(svg, index, placed, false);
+        }
+        for placed in &self.assembly.beams {
+            self.beam_name(svg, placed);
+        }
+        self.pegs(svg);
+        self.legend(svg);
     }
 
     fn rows(&self) -> f64 {
@@ -214,7 +267,11 @@ impl<'a> Picture<'a> {
             let opacity = if males { 1.0 } else { 0.72 };
             let half = BODY_WIDTH / 2.0;
             let colour = self.colour(index);
-            self.rectangle(svg, placed, extent(joint, outward), half, colour, opacity);
+            if joint.kind.form().turn != 0.0 {
+                self.turned(svg, placed, joint, outward, colour);
+            } else {
+                self.rectangle(svg, placed, extent(joint, outward), half, colour, opacity);
+            }
             if !males {
                 self.walls(svg, placed, joint, outward, colour[1]);
             }
@@ -227,11 +284,39 @@ impl<'a> Picture<'a> {
         }
     }
 
+    /// A male end that is turned: its pieces seen from above, without the lines between them.
+    fn turned(&self, svg: &mut String, placed: &PlacedBeam, joint: &Joint, outward: f64, colour: [&str; 2]) {
+        let mut shapes = Vec::new();
+        ramp_kit::shape::joint_at(joint, outward, &mut shapes);
+        for stroke in [1.8, 0.0] {
+            for shape in &shapes {
+                let (bounds, turn) = match shape {
+                    Shape::Turned { angle, piece, .. } => (piece.bounds(), *angle),
+                    _ => continue,
+                };
+                let (sin, cos) = turn.sin_cos();
+                let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| {
+                    let (x, y) = ([bounds.min[0], bounds.max[0]][i], [bounds.min[1], bounds.max[1]][j]);
+                    let (x, y) = (joint.offset + x * cos - y * sin, x * sin + y * cos);
+                    let [x, y] = self.at(placed.x_ab * Point3::new(x, y, 0.0));
+                    format!("{x:.2},{y:.2}")
+                });
+                // First all edges, then the fills over those that are inside.
+                let _ = writeln!(
+                    svg,
+                    r#"<polygon points="{}" fill="{}" stroke="{}" stroke-width="{stroke}" stroke-linejoin="round"/>"#,
+                    corners.join(" "),
+                    colour[0],
+                    colour[1],
+                );
+            }
+        }
+    }
+
     /// The inner edge of each wall of a female, so that one sees where it is open.
     fn walls(&self, svg: &mut String, placed: &PlacedBeam, joint: &Joint, outward: f64, edge: &str) {
         let half = BODY_WIDTH / 2.0;
-        let (inside, across) =
-            if joint.kind == JointType::AngleF { (29.0e-3, half) } else { (13.6e-3, half) };
+        let (inside, across) = (joint.kind.form().cavity, half);
         let closed = joint.opens.map(|side| -side.sign() * (half - 3.0e-3));
         let mut line = |a: [f64; 2], b: [f64; 2]| {
             let [a, b] = [a, b].map(|[x, y]| self.at(placed.x_ab * Point3::new(joint.offset + x, y, 0.0)));
@@ -356,10 +441,12 @@ impl<'a> Picture<'a> {
 
 /// From where to where a joint's outside reaches along the beam, m; without the tag plate, which is thin.
 fn extent(joint: &Joint, outward: f64) -> [f64; 2] {
-    let (inward, past) = match joint.kind {
-        JointType::InMEnd | JointType::InMEndFeet => (joint.kind.sleeve(), MALE_TIP),
-        JointType::InFEnd => (joint.kind.sleeve(), 13.6e-3),
-        other => (other.sleeve(), other.sleeve()),
+    let form = joint.kind.form();
+    let inward = joint.kind.sleeve();
+    let past = match (form.male, form.end) {
+        (true, true) => MALE_TIP,
+        (false, true) => form.cavity,
+        (_, false) => inward,
     };
     [joint.offset - outward * inward, joint.offset + outward * past]
 }

@@ -11,8 +11,9 @@ use crate::read::read_goal_str;
 use ramp_kit::joint::SOCKET_DEPTH;
 use ramp_kit::{Beam, Joint, JointType, Kit, Link, Side};
 
-/// The heights of storeys to choose from, m: whole numbers of millimetres between the holes of a column.
-const STOREYS: [f64; 6] = [0.100, 0.110, 0.120, 0.130, 0.140, 0.150];
+/// The heights of storeys to choose from, m: between the holes of a column, of which the shortest just has room
+/// for its two ends.
+const STOREYS: [f64; 6] = [0.115, 0.120, 0.125, 0.130, 0.140, 0.150];
 /// Distance of the slots that a wide rail has beyond the clamped beam's, m.
 const BEYOND: f64 = 0.1262;
 
@@ -99,6 +100,7 @@ impl Builder<'_> {
         while self.count() < count {
             let rail = self.rails.len() - 1;
             self.storeys.push(*dice.choose(&STOREYS).unwrap_or(&STOREYS[0]));
+            let left = count - self.count();
             let mut above = vec![Slot::Free; self.slots.len()];
             for column in self.columns.iter().filter(|column| column.to == rail + 1) {
                 above[column.slot] = Slot::Taken;
@@ -111,8 +113,8 @@ impl Builder<'_> {
                 chosen = free;
             }
             for slot in chosen {
-                // Room for the rail that will lie on them.
-                if self.count() + 1 >= count {
+                // Room for the rail that will lie on them; one or two more beams are columns without one.
+                if self.count() + usize::from(left > 2) >= count {
                     break;
                 }
                 let middle = slot > 0 && slot + 1 < self.slots.len() && above[slot] == Slot::Free;
@@ -125,12 +127,13 @@ impl Builder<'_> {
                 let name = format!("c{}", self.columns.len() + 1);
                 self.columns.push(Column { name, slot, from: rail, to });
             }
-            self.rails.push(above);
+            if left > 2 {
+                self.rails.push(above);
+            }
         }
-        // Long columns whose upper rail was never laid end at the topmost one.
-        let top = self.rails.len() - 1;
-        for column in self.columns.iter_mut().filter(|column| column.to > top) {
-            column.to = top;
+        // Columns may stand out over the topmost rail.
+        while self.storeys.len() <= self.rails.len() {
+            self.storeys.push(STOREYS[0]);
         }
     }
 
@@ -190,11 +193,12 @@ impl Builder<'_> {
         };
         let mut pairs = Vec::new();
         for (column, beam) in self.columns.iter().zip(&columns) {
-            for (joint, rail) in beam.joints.iter().zip(column.from..=column.to) {
+            for (joint, rail) in beam.joints.iter().zip(column.from..self.rails.len()) {
                 pairs.push(((beam.name.as_str(), joint.name.as_str()), slot_joint(rail, column.slot)?));
             }
         }
-        let through = self.columns.iter().filter(|column| column.to - column.from > 1).count();
+        let passes = |column: &&Column| column.to - column.from > 1 && column.from + 1 < self.rails.len();
+        let through = self.columns.iter().filter(passes).count();
         let class = request.class.unwrap_or(match through {
             0 | 1 => Class::Medium,
             _ => Class::Hard,
@@ -202,10 +206,10 @@ impl Builder<'_> {
         let name = goal_name(class, request);
         // In the order in which they can be put there: a rail's columns, then the rail on them.
         let mut components = vec![(self.base.name.as_str(), false, None)];
-        for (rail, beam) in (1..).zip(&rails) {
+        for rail in 1..=self.rails.len() {
             let on = self.columns.iter().zip(&columns).filter(|(column, _)| column.from + 1 == rail);
             components.extend(on.map(|(_, beam)| (beam.name.as_str(), false, None)));
-            components.push((beam.name.as_str(), false, None));
+            components.extend(rails.get(rail - 1).map(|beam| (beam.name.as_str(), false, None)));
         }
         let goal = goal_xml(&name, class, &components, &pairs);
         self.kit.beams.extend(rails.iter().chain(&columns).cloned());

@@ -14,6 +14,7 @@ use ramp_kit::strokes::escape;
 use ramp_kit::{Beam, Kit};
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use std::collections::HashSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt::Write;
 
@@ -75,6 +76,8 @@ const TRIES: usize = 60;
 const AREA: [[f64; 2]; 2] = [[-0.150, 0.525], [-0.020, 0.335]];
 /// Holes that are nearer than this are one, m.
 const MEET: f64 = 0.05e-3;
+/// Millimetres in a metre.
+const MM: f64 = 1e3;
 /// Angles nearer than this are equal, rad.
 const SAME_ANGLE: f64 = 0.01 * PI / 180.0;
 
@@ -121,6 +124,49 @@ pub fn generate(kit: &Kit, request: Request) -> Result<Generated, GenerateError>
         }
     }
     Err(GenerateError::NotFound { beams, seed, class })
+}
+
+/// Many goals: those of the seeds from `first.seed` on, each different from all before it, until there are `count`.
+///
+/// # Errors
+/// As [`generate`]; and where the kit has no more goals than were found.
+pub fn generate_many(kit: &Kit, first: Request, count: usize) -> Result<Vec<Generated>, GenerateError> {
+    let mut seen = HashSet::new();
+    let mut goals = Vec::new();
+    let mut request = first;
+    let mut repeats = 0;
+    while goals.len() < count {
+        let made = generate(kit, request)?;
+        if seen.insert(essence(&made.assembly)) {
+            goals.push(made);
+            repeats = 0;
+        } else {
+            repeats += 1;
+        }
+        if repeats > 100 {
+            let Request { beams, seed, class } = request;
+            return Err(GenerateError::NotFound { beams, seed, class });
+        }
+        request.seed = request.seed.wrapping_add(1);
+    }
+    Ok(goals)
+}
+
+/// What makes a goal this one: what is joined with what, and how the beams lie; not names and orders in its file.
+fn essence(assembly: &Assembly) -> Vec<String> {
+    let joined = assembly
+        .connections
+        .iter()
+        .map(|c| format!("{} {}", assembly.joint_name(c.male), assembly.joint_name(c.female)));
+    let lie = assembly.beams.iter().map(|placed| {
+        let at = placed.x_ab.translation.vector.map(|v| (v * MM).round() as i64);
+        let along = placed.x_ab.rotation * nalgebra::Vector3::x();
+        let degrees = along.y.atan2(along.x).to_degrees().round() as i64;
+        format!("{} {} {} {degrees}", placed.beam.name, at.x, at.y)
+    });
+    let mut essence: Vec<String> = joined.chain(lie).collect();
+    essence.sort_unstable();
+    essence
 }
 
 /// Random choices, all from the seed.
@@ -176,6 +222,16 @@ impl<'a> Draft<'a> {
             tries += 1;
             if tries > TRIES {
                 return None;
+            }
+            if class != Some(Class::Easy) && count - draft.beams.len() >= 2 && dice.once_in(4) {
+                let first = dice.below(left.len());
+                let second = dice.below(left.len());
+                if first != second && draft.try_triangle(left[first], left[second], dice) {
+                    left.remove(first.max(second));
+                    left.remove(first.min(second));
+                    tries = 0;
+                }
+                continue;
             }
             let index = dice.below(left.len());
             let places = if class != Some(Class::Easy) && dice.once_in(3) {
@@ -313,17 +369,55 @@ impl<'a> Draft<'a> {
         places
     }
 
+    /// Two beams that are joined with each other, and each with one that stands: where they close a triangle.
+    fn try_triangle(&mut self, a: &'a Beam, b: &'a Beam, dice: &mut Dice) -> bool {
+        // Whether the corner of the triangle is one that both can have is a matter of luck.
+        for _ in 0..TRIES {
+            let joint = |beam: &Beam, dice: &mut Dice| {
+                let [first, second] = [dice.below(beam.joints.len()), dice.below(beam.joints.len())];
+                (beam.joints[first].clone(), beam.joints[second].clone())
+            };
+            let ((a_foot, a_top), (b_foot, b_top)) = (joint(a, dice), joint(b, dice));
+            let spots = |draft: &Self, male: bool| draft.free(male).collect::<Vec<Spot>>();
+            let feet = (spots(self, a_foot.kind.is_male()), spots(self, b_foot.kind.is_male()));
+            let (Some(&p), Some(&q)) = (dice.choose(&feet.0), dice.choose(&feet.1)) else { continue };
+            if p == q || a_top.kind.is_male() == b_top.kind.is_male() {
+                continue;
+            }
+            let (p, q) = (self.point(p), self.point(q));
+            let (a_arm, b_arm) = (a_top.offset - a_foot.offset, b_top.offset - b_foot.offset);
+            if a_arm.abs() < MEET || b_arm.abs() < MEET {
+                continue;
+            }
+            for corner in crate::pose::circles(p, a_arm.abs(), q, b_arm.abs()) {
+                let aim = |from: Point2<f64>, arm: f64, offset: f64| {
+                    let way: Vector2<f64> = (corner - from) * arm.signum();
+                    Planar::with_hole(from, offset, way.y.atan2(way.x))
+                };
+                let before = self.pairs.len();
+                if !self.try_push(a, aim(p, a_arm, a_foot.offset)) {
+                    continue;
+                }
+                if self.try_push(b, aim(q, b_arm, b_foot.offset)) {
+                    return true;
+                }
+                self.beams.pop();
+                self.poses.pop();
+                self.placed.pop();
+                self.pairs.truncate(before);
+            }
+        }
+        false
+    }
+
     /// As [`Assembly::specials`].
     fn specials(&self) -> usize {
-        let special = |index: &usize| {
-            let passes = |(_, male): &(Spot, Spot)| {
-                male.0 == *index && !self.beams[male.0].joints[male.1].kind.is_end()
-            };
-            let yaw = self.poses[*index].yaw;
-            let square = crate::pose::off_square(yaw).min(crate::pose::off_square(yaw + FRAC_PI_2));
-            self.pairs.iter().any(passes) || square > 1e-3
+        let passes = |(_, male): &&(Spot, Spot)| !self.beams[male.0].joints[male.1].kind.is_end();
+        let angled = |pose: &&Planar| {
+            let square = crate::pose::off_square(pose.yaw).min(crate::pose::off_square(pose.yaw + FRAC_PI_2));
+            square > 1e-3
         };
-        (0..self.beams.len()).filter(special).count()
+        self.pairs.iter().filter(passes).count() + self.poses.iter().filter(angled).count()
     }
 
     /// Writes the goal and reads it back; `None` when the whole check finds something.

@@ -302,7 +302,7 @@ fn from_two_holes(ties: &[Tie]) -> Option<Planar> {
 }
 
 /// The points at distance `r` from `p` and `s` from `q`: two, one or none.
-fn circles(p: Point2<f64>, r: f64, q: Point2<f64>, s: f64) -> Vec<Point2<f64>> {
+pub(crate) fn circles(p: Point2<f64>, r: f64, q: Point2<f64>, s: f64) -> Vec<Point2<f64>> {
     let way = q - p;
     let distance = way.norm();
     if distance < MAX_RESIDUAL {

@@ -126,8 +126,7 @@ pub fn beam_shapes(beam: &Beam) -> Vec<Shape> {
     for (index, joint) in beam.joints.iter().enumerate() {
         // Towards which end of the beam an end joint looks.
         let outward = if index == 0 && last > 0 { -1.0 } else { 1.0 };
-        let opens = joint.opens.map_or(0.0, |side| side.sign());
-        joint_shapes(joint.kind, joint.offset, outward, opens, &mut shapes);
+        joint_at(joint, outward, &mut shapes);
     }
     for pair in beam.joints.windows(2) {
         let from = pair[0].offset + pair[0].kind.sleeve();
@@ -150,9 +149,15 @@ fn extrusion_shapes(from: f64, to: f64) -> [Cuboid; 3] {
     ]
 }
 
+/// The solids of a joint at its place along its beam; `outward` (±1) is the direction along the beam that an end
+/// joint looks in.
+pub fn joint_at(joint: &crate::Joint, outward: f64, shapes: &mut Vec<Shape>) {
+    joint_shapes(joint.kind, joint.offset, outward, joint.opens.map_or(0.0, |side| side.sign()), shapes);
+}
+
 /// The solids of one joint whose hole is at x = `at`; `outward` (±1) is the direction an end joint looks in and
 /// `opens` (±1) the sign of y to which a one-sided female opens.
-pub(crate) fn joint_shapes(kind: JointType, at: f64, outward: f64, opens: f64, shapes: &mut Vec<Shape>) {
+fn joint_shapes(kind: JointType, at: f64, outward: f64, opens: f64, shapes: &mut Vec<Shape>) {
     let form = kind.form();
     let w = BODY_WIDTH / 2.0;
     let h = FEMALE_HEIGHT / 2.0;
