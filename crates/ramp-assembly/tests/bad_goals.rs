@@ -296,3 +296,52 @@ fn prints_the_line_with_a_caret() {
     assert!(out.contains("joint=\"b4j7\""), "{out}");
     assert!(out.contains("did you mean `b4j1`?"), "{out}");
 }
+
+/// b4 and b5 are a mirrored pair: whoever builds or lays them the wrong way round meets a wall.
+#[test]
+fn beams_swapped_left_for_right_overlap() {
+    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+    let text = std::fs::read_to_string(data.join("kit.xml")).unwrap();
+    let swapped = |from: &str, to: &str| {
+        let at = text.find(from).unwrap();
+        let rest = text[at..].replacen(from, to, 1);
+        ramp_kit::read_kit_str("kit.xml", &format!("{}{rest}", &text[..at])).unwrap()
+    };
+    let (b4, b5) =
+        ("<joint name=\"b4j2\" part=\"in-f\" opens=\"", "<joint name=\"b5j2\" part=\"in-f\" opens=\"");
+    let both_left = swapped(&format!("{b4}right"), &format!("{b4}left"));
+    let both_right = swapped(&format!("{b5}left"), &format!("{b5}right"));
+    let caught = |kit: &Kit, name: &str| {
+        let error = ramp_assembly::read_goal(&data.join(format!("goals/{name}.xml")), kit).err();
+        error.map(|error| (error.to_string(), format!("{error:#}")))
+    };
+    for (kit, goals, beam) in [
+        (&both_left, &["easy-2", "medium-1", "hard-1", "hard-2"][..], "b4"),
+        (&both_right, &["hard-1", "hard-2", "hard-3"][..], "b5"),
+    ] {
+        for name in
+            ["easy-1", "easy-2", "easy-3", "medium-1", "medium-2", "medium-3", "hard-1", "hard-2", "hard-3"]
+        {
+            match (caught(kit, name), goals.contains(&name)) {
+                (Some((words, with_help)), true) => {
+                    assert!(words.contains("overlap by") && words.contains(&format!("`{beam}`")), "{words}");
+                    assert!(with_help.contains(&format!("`{beam}j2` is open to the")), "{with_help}");
+                }
+                (None, false) => {}
+                (found, expected) => panic!("{name}: {found:?}, expected an overlap: {expected}"),
+            }
+        }
+    }
+}
+
+/// The same when a goal names the one where the other must be.
+#[test]
+fn a_goal_with_two_beams_swapped_overlaps() {
+    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+    for name in ["hard-1", "hard-2"] {
+        let text = std::fs::read_to_string(data.join(format!("goals/{name}.xml"))).unwrap();
+        let swapped = text.replace("b4", "bX").replace("b5", "b4").replace("bX", "b5");
+        let error = read_goal_str("swapped.xml", &swapped, &kit()).err().unwrap();
+        assert!(error.to_string().contains("overlap by"), "{name}: {error:#}");
+    }
+}

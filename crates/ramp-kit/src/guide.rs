@@ -30,9 +30,9 @@ fn page(kit: &Kit, beam: &Beam) -> Result<Drawing, SolidError> {
     let height = strokes::fit(&beam.name, 7.0, 60.0);
     drawing.text([LEFT, 22.0], Align::Left, height, BLACK, &beam.name);
     let words = format!(
-        "{} joints, {} lengths of extrusion, {} screws; {} mm from the first hole to the last, {:.0} g",
+        "{} joints, {} of extrusion, {} screws; {} mm from the first hole to the last, {:.0} g",
         beam.joints.len(),
-        beam.links.len(),
+        if beam.links.len() == 1 { "1 length".to_string() } else { format!("{} lengths", beam.links.len()) },
         2 * beam.links.len(),
         length_words(beam.span()),
         beam.mass() * MM,
@@ -118,7 +118,7 @@ fn from_above(drawing: &mut Drawing, kit: &Kit, beam: &Beam) -> Result<(), Solid
     }
     for (index, joint) in beam.joints.iter().enumerate() {
         let hole = at([joint.offset * MM, 0.0]);
-        numbered(drawing, [hole[0], middle - 13.5], index + 1);
+        numbered(drawing, [hole[0], middle - 15.5], index + 1);
         let words = length_words(joint.offset);
         drawing.text([hole[0], middle + 14.5], Align::Middle, 2.2, GREY, &words);
         if let Some(opens) = joint.opens {
@@ -139,7 +139,7 @@ fn from_above(drawing: &mut Drawing, kit: &Kit, beam: &Beam) -> Result<(), Solid
     }
     let lies = if flipped { ", as it lies on the sheet: flipped" } else { "" };
     let words = format!("from above{lies}; numbers below the holes: mm from the first hole");
-    drawing.text([LEFT, middle - 21.0], Align::Left, 2.2, GREY, &words);
+    drawing.text([LEFT, middle - 22.0], Align::Left, 2.2, GREY, &words);
     Ok(())
 }
 

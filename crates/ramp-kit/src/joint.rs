@@ -63,6 +63,9 @@ pub(crate) struct ScrewHole {
     pub inner: f64,
 }
 
+/// Thickness of the plate in the elbow of a turned male end, m.
+const ELBOW: f64 = 12.0e-3;
+
 /// The four numbers from which the cross-sections of all parts follow, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dimensions {
@@ -172,20 +175,9 @@ impl JointForm {
         2.0 * ((2.0 * self.cavity / body).atan() - std::f64::consts::FRAC_PI_4)
     }
 
-    /// How far back from the hole a turned tip is a plain section, before it bends into the beam's, m: far enough
-    /// that nothing behind it meets the female around it. 0 for a tip that is not turned.
-    pub fn straight(&self) -> f64 {
-        if self.turn == 0.0 { 0.0 } else { JointForm::begin(0.0) + BODY_WIDTH / 2.0 }
-    }
-
-    /// The sections between a turned tip and the beam: the share of the turn that each has.
-    pub(crate) fn bends(&self) -> &'static [f64] {
-        if self.turn == 0.0 { &[] } else { &[2.0 / 3.0, 1.0 / 3.0] }
-    }
-
     /// Where a section that is turned by `angle` against the tip may begin without reaching into the female around
     /// the tip, measured back from the hole along that section, m.
-    pub(crate) fn begin(angle: f64) -> f64 {
+    fn begin(angle: f64) -> f64 {
         let half = BODY_WIDTH / 2.0;
         (half + CLEARANCE + half * angle.sin().abs()) / angle.cos()
     }
@@ -241,7 +233,6 @@ impl JointForm {
             return BODY_WIDTH * (sleeve + MALE_TIP);
         }
         // Sections that overlap: counted on a grid, good to a part in a thousand.
-        let half = BODY_WIDTH / 2.0;
         let sections = self.sections();
         let step = 0.1e-3;
         let cells = (2.0 * sleeve / step) as i32;
@@ -252,7 +243,8 @@ impl JointForm {
                 let inside = |section: &Section| {
                     let (sin, cos) = section.turn.sin_cos();
                     let (along, across) = (x * cos + y * sin, y * cos - x * sin);
-                    across.abs() < half && along > section.from && along < section.to
+                    let within = |value: f64, range: [f64; 2]| value > range[0] && value < range[1];
+                    within(along, section.along) && within(across, section.across)
                 };
                 count += u32::from(sections.iter().any(inside));
             }
@@ -260,30 +252,35 @@ impl JointForm {
         f64::from(count) * step * step
     }
 
-    /// The sections of a male end from its socket to its tip, seen from above: how each is turned about the hole
-    /// and from where to where it reaches along its own direction.
+    /// The sections of a male end from its socket to its tip, seen from above.
     pub(crate) fn sections(&self) -> Vec<Section> {
         let sleeve = self.socket_offset + SOCKET_DEPTH;
+        let half = BODY_WIDTH / 2.0;
+        let whole = [-half, half];
         if self.turn == 0.0 {
-            return vec![Section { turn: 0.0, from: -sleeve, to: MALE_TIP }];
+            return vec![Section { turn: 0.0, along: [-sleeve, MALE_TIP], across: whole }];
         }
-        let mut sections = vec![Section { turn: 0.0, from: -sleeve, to: -JointForm::begin(self.turn) }];
-        for share in self.bends().iter().rev() {
-            let turn = share * self.turn;
-            let begin = JointForm::begin(self.turn - turn);
-            sections.push(Section { turn, from: -begin - BODY_WIDTH / 2.0, to: -begin });
-        }
-        sections.push(Section { turn: self.turn, from: -self.straight(), to: MALE_TIP });
-        sections
+        let begin = JointForm::begin(self.turn);
+        // The tip and the beam's own section are joined by a plate behind the female, as wide as both together.
+        let (back, front) = (JointForm::begin(0.0) + ELBOW, JointForm::begin(0.0));
+        let (sin, cos) = self.turn.sin_cos();
+        let far = half * cos + begin * sin.abs();
+        let across = if self.turn > 0.0 { [-half, far] } else { [-far, half] };
+        vec![
+            Section { turn: 0.0, along: [-sleeve, -begin], across: whole },
+            Section { turn: self.turn, along: [-back, -front], across },
+            Section { turn: self.turn, along: [-back, MALE_TIP], across: whole },
+        ]
     }
 }
 
-/// A straight piece of a male end, see [`JointForm::sections`].
+/// A straight piece of a male end, see [`JointForm::sections`]: how it is turned about the hole, and its ranges
+/// along its own direction and across it, to the left.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Section {
     pub turn: f64,
-    pub from: f64,
-    pub to: f64,
+    pub along: [f64; 2],
+    pub across: [f64; 2],
 }
 
 /// A joint type that a kit file added; two are the same when all that is in their rows is.

@@ -221,18 +221,18 @@ fn joint_shapes(kind: JointType, at: f64, outward: f64, opens: f64, shapes: &mut
 /// A male end whose tip points away from its beam: sections that follow each other around the bend.
 fn turned_male(kind: JointType, at: f64, outward: f64, shapes: &mut Vec<Shape>) {
     let w = BODY_WIDTH / 2.0;
-    let sections = kind.form().sections();
-    for section in &sections {
+    for section in kind.form().sections() {
         // Turning the joint round for the other end of the beam turns left into left.
-        let along = |a: f64, b: f64| [outward * a, outward * b];
-        let cuboid = |a: f64, b: f64| Cuboid::new(along(a, b), [-w, w], [-w, w]);
+        let round = |[a, b]: [f64; 2]| [outward * a, outward * b];
+        let [from, to] = section.along;
+        let cuboid = |to: f64| Cuboid::new(round([from, to]), round(section.across), [-w, w]);
         let mut push = |piece| shapes.push(Shape::Turned { about: at, angle: section.turn, piece });
-        if section.to < MALE_TIP {
-            push(Piece::Solid(cuboid(section.from, section.to)));
+        if to < MALE_TIP {
+            push(Piece::Solid(cuboid(to)));
             continue;
         }
         let begin = MALE_TIP - MALE_CHAMFER;
-        push(Piece::Plate(cuboid(section.from, begin)));
+        push(Piece::Plate(cuboid(begin)));
         push(Piece::Nose { x0: outward * begin, x1: outward * MALE_TIP });
     }
 }

@@ -257,9 +257,10 @@ fn male(kind: JointType, form: &JointForm, s: &Sizes) -> Solid {
     }
     let mut solids = Vec::new();
     for section in form.sections() {
-        let (from, to) = (section.from * MM, section.to * MM);
-        let solid = if section.to < MALE_TIP {
-            Solid::cuboid([-w, w], [from, to], z)
+        let [from, to] = section.along.map(|v| v * MM);
+        let solid = if section.along[1] < MALE_TIP {
+            let [right, left] = section.across.map(|v| v * MM);
+            Solid::cuboid([-left, -right], [from, to], z)
         } else {
             let c = MALE_CHAMFER * MM;
             let ring = |y: f64, inset: f64| {

@@ -5,12 +5,12 @@
 #![allow(clippy::unwrap_used)]
 
 use ramp_kit::joint::{
-    BODY_WIDTH, FEMALE_HEIGHT, HOLE_RADIUS, MALE_CHAMFER, STEM_CONE, STEM_LENGTH, STEM_RADIUS,
+    BODY_WIDTH, FEMALE_HEIGHT, FORMS, HOLE_RADIUS, MALE_CHAMFER, STEM_CONE, STEM_LENGTH, STEM_RADIUS,
     STEM_TIP_RADIUS,
 };
 use ramp_kit::shape::{Cuboid, Piece, Shape, beam_shapes};
 use ramp_kit::solid::{self, Solid};
-use ramp_kit::{Beam, Dimensions, Joint, JointType, Side, stl};
+use ramp_kit::{Beam, Dimensions, Joint, JointForm, JointType, Side, stl};
 
 const D: Dimensions = Dimensions::BENCHMARK;
 
@@ -217,6 +217,20 @@ fn the_twin_collides_what_is_printed() {
         // A polygon of 64 corners stands for the round hole; every flat is exact, so no clearance is touched.
         assert!(gap <= 0.01, "{}: {gap} mm", kind.name());
     }
+}
+
+#[test]
+fn the_twin_collides_a_type_of_the_kit_s_own() {
+    for degrees in [45.0, -30.0, 60.0] {
+        let form = JointForm { socket_offset: 60.0e-3, turn: f64::to_radians(degrees), ..FORMS[0] };
+        let kind = JointType::added(&format!("in-m-end-{degrees}"), form);
+        assert!(largest_gap(kind) <= 0.01, "{degrees}");
+        let solid = solid::joint(kind, &D).unwrap();
+        let off = kind.form().volume() * 1e9 / solid.volume() - 1.0;
+        assert!(off.abs() < 2e-3, "{degrees}: {:+.3} %", off * 100.0);
+    }
+    let long = JointForm { cavity: 40.0e-3, socket_offset: 44.0e-3, ..FORMS[6] };
+    assert!(largest_gap(JointType::added("long-f", long)) <= 0.01);
 }
 
 #[test]
