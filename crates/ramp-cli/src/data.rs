@@ -12,11 +12,13 @@ use ramp_robot::arm::ArmModel;
 /// The data folder.
 pub struct Data {
     folder: PathBuf,
+    /// A kit file in place of the folder's.
+    kit: Option<PathBuf>,
 }
 
 impl Data {
     /// The folder that was named, else that of the checkout the program was built in.
-    pub fn find(named: Option<PathBuf>) -> Result<Data, Report> {
+    pub fn find(named: Option<PathBuf>, kit: Option<PathBuf>) -> Result<Data, Report> {
         let folder = named.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data"));
         let folder = folder.canonicalize().unwrap_or(folder);
         if !folder.join("kit.xml").is_file() {
@@ -26,7 +28,7 @@ impl Data {
                 folder.display()
             ));
         }
-        Ok(Data { folder })
+        Ok(Data { folder, kit })
     }
 
     /// The folder of the goals.
@@ -36,7 +38,8 @@ impl Data {
 
     /// The kit.
     pub fn kit(&self) -> Result<Kit, Report> {
-        Ok(ramp_kit::read_kit(&self.folder.join("kit.xml"))?)
+        let own = self.folder.join("kit.xml");
+        Ok(ramp_kit::read_kit(self.kit.as_deref().unwrap_or(&own))?)
     }
 
     /// The goal of that name, or in that file.

@@ -30,13 +30,16 @@ struct Arguments {
     /// Folder with kit.xml, goals, domains and arms
     #[arg(long, global = true, env = "RAMP_DATA", value_name = "DIR")]
     data: Option<PathBuf>,
+    /// Another kit file than the data folder's
+    #[arg(long, global = true, value_name = "FILE")]
+    kit: Option<PathBuf>,
     #[command(subcommand)]
     command: Command,
 }
 
 #[derive(Subcommand)]
 enum Command {
-    /// List the goals it knows
+    /// List the goals it knows, or make new ones
     Goals(command::goals::Arguments),
     /// Check a goal: structure, geometry, buildability
     Check(command::check::Arguments),
@@ -46,6 +49,8 @@ enum Command {
     Plan(command::plan::Arguments),
     /// Build a goal in the digital twin, and score it
     Run(command::run::Arguments),
+    /// Make the parts: print, saw, lay out
+    Kit(command::kit::Arguments),
     /// Look into the digital twin
     Twin(command::twin::Arguments),
 }
@@ -53,12 +58,13 @@ enum Command {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     // A closed pipe (`ramp goals | head -1`) ends the program quietly, as it does any other.
-    let result = Data::find(arguments.data).and_then(|data| match arguments.command {
+    let result = Data::find(arguments.data, arguments.kit).and_then(|data| match arguments.command {
         Command::Goals(arguments) => command::goals::run(&data, &arguments),
         Command::Check(arguments) => command::check::run(&data, &arguments),
         Command::Show(arguments) => command::show::run(&data, &arguments),
         Command::Plan(arguments) => command::plan::run(&data, &arguments),
         Command::Run(arguments) => command::run::run(&data, &arguments),
+        Command::Kit(arguments) => command::kit::run(&data, &arguments),
         Command::Twin(arguments) => command::twin::run(&data, &arguments),
     });
     match result {

@@ -1,4 +1,4 @@
-//! `ramp goals`: the goals it knows.
+//! `ramp goals`: the goals it knows, and new ones.
 
 use std::fmt::Write;
 
@@ -9,13 +9,25 @@ use crate::DONE;
 use crate::data::{Data, print};
 
 #[derive(clap::Args)]
+#[command(args_conflicts_with_subcommands = true)]
 pub struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
+#[derive(clap::Subcommand)]
+enum Command {
+    /// Make new goals, each checked; the same seed gives the same file
+    Generate(super::generate::Arguments),
+}
+
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    if let Some(Command::Generate(arguments)) = &arguments.command {
+        return super::generate::run(data, arguments);
+    }
     let kit = data.kit()?;
     let mut rows = Vec::new();
     for name in ramp_assembly::goal_names(&data.goals()).into_diagnostic()? {

@@ -1,7 +1,9 @@
 //! The subcommands, one file each.
 
 pub mod check;
+pub mod generate;
 pub mod goals;
+pub mod kit;
 pub mod plan;
 pub mod run;
 pub mod show;

@@ -1,4 +1,4 @@
-//! `ramp show`: a goal as a picture.
+//! `ramp show`: a goal as a picture, or all of them.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,11 @@ const WIDTH: u32 = 1600;
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Name of a goal, or a goal file
-    goal: String,
+    #[arg(required_unless_present = "all")]
+    goal: Option<String>,
+    /// All goals of the data folder on one sheet
+    #[arg(long, conflicts_with = "goal")]
+    all: bool,
     /// File to write, .svg or .png; without it SVG goes to standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -21,15 +25,26 @@ pub struct Arguments {
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let kit = data.kit()?;
-    let goal = data.goal(&arguments.goal, &kit)?;
+    let names = match &arguments.goal {
+        Some(goal) => vec![goal.clone()],
+        None => ramp_assembly::goal_names(&data.goals()).into_diagnostic()?,
+    };
+    let goals = names.iter().map(|name| data.goal(name, &kit)).collect::<Result<Vec<_>, _>>()?;
+    let svg = match goals.as_slice() {
+        [goal] if !arguments.all => ramp_assembly::draw_svg(goal),
+        goals => ramp_assembly::draw_all_svg(goals),
+    };
     let Some(path) = &arguments.output else {
-        print(&ramp_assembly::draw_svg(&goal))?;
+        print(&svg)?;
         return Ok(DONE);
     };
     check_writable(path)?;
     let bytes = match path.extension().and_then(|ending| ending.to_str()) {
-        Some("svg") => ramp_assembly::draw_svg(&goal).into_bytes(),
-        Some("png") => ramp_assembly::draw::draw_png(&goal, WIDTH).into_diagnostic()?,
+        Some("svg") => svg.into_bytes(),
+        Some("png") => match goals.as_slice() {
+            [goal] if !arguments.all => ramp_assembly::draw::draw_png(goal, WIDTH).into_diagnostic()?,
+            goals => ramp_assembly::draw::draw_all_png(goals, 2 * WIDTH).into_diagnostic()?,
+        },
         _ => {
             return Err(miette!(
                 help = "end the file's name in .svg or .png",
@@ -39,6 +54,6 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         }
     };
     std::fs::write(path, bytes).into_diagnostic()?;
-    eprintln!("{}: {}", goal.name, path.display());
+    eprintln!("{}: {}", names.join(", "), path.display());
     Ok(DONE)
 }

@@ -1,0 +1,101 @@
+//! `ramp goals generate`: new goals, each checked.
+
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use miette::{IntoDiagnostic, Report, miette};
+use ramp_assembly::{Generated, Request, generate_many};
+
+use crate::DONE;
+use crate::data::{Data, print};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Beams in each goal, the clamped one included; more than the kit has make a frame and a kit for it
+    #[arg(long, default_value_t = 5, value_name = "N")]
+    beams: usize,
+    /// Seed of the first goal; the next goals have the next seeds
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Only goals of this class
+    #[arg(long)]
+    class: Option<Class>,
+    /// How many goals, all different
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    count: usize,
+    /// Folder to write the files to; without it a single goal goes to standard output
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Overwrite files that are there
+    #[arg(long)]
+    force: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Class {
+    Easy,
+    Medium,
+    Hard,
+}
+
+impl From<Class> for ramp_assembly::Class {
+    fn from(class: Class) -> Self {
+        match class {
+            Class::Easy => ramp_assembly::Class::Easy,
+            Class::Medium => ramp_assembly::Class::Medium,
+            Class::Hard => ramp_assembly::Class::Hard,
+        }
+    }
+}
+
+pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    let kit = data.kit()?;
+    let request = Request {
+        beams: arguments.beams,
+        seed: arguments.seed,
+        class: arguments.class.map(ramp_assembly::Class::from),
+    };
+    let made = generate_many(&kit, request, arguments.count)?;
+    let Some(folder) = &arguments.output else {
+        let [goal] = made.as_slice() else {
+            return Err(miette!(help = "name a folder with -o", "more than one goal needs a folder"));
+        };
+        if goal.kit.is_some() {
+            return Err(miette!(
+                help = "name a folder for both with -o",
+                "a goal of {} beams comes with a kit file of its own",
+                arguments.beams
+            ));
+        }
+        print(&goal.goal)?;
+        return Ok(DONE);
+    };
+    let files: Vec<(PathBuf, &str)> = made.iter().flat_map(|goal| files(folder, goal)).collect();
+    // All or nothing: first see whether anything is in the way.
+    if let Some((file, _)) = files.iter().find(|(file, text)| !arguments.force && differs(file, text)) {
+        return Err(miette!(
+            help = "--force overwrites it",
+            "{} is there already, and is another file",
+            file.display()
+        ));
+    }
+    std::fs::create_dir_all(folder).into_diagnostic()?;
+    let mut list = String::new();
+    for (file, text) in files {
+        std::fs::write(&file, text).into_diagnostic()?;
+        list.push_str(&format!("{}\n", file.display()));
+    }
+    print(&list)?;
+    Ok(DONE)
+}
+
+fn files<'a>(folder: &Path, made: &'a Generated) -> Vec<(PathBuf, &'a str)> {
+    let goal = (folder.join(format!("{}.xml", made.name)), made.goal.as_str());
+    let kit = made.kit.as_ref().map(|kit| (folder.join(format!("{}-kit.xml", made.name)), kit.as_str()));
+    std::iter::once(goal).chain(kit).collect()
+}
+
+/// Is there a file already with something else in it?
+fn differs(file: &Path, text: &str) -> bool {
+    file.exists() && std::fs::read_to_string(file).ok().as_deref() != Some(text)
+}

@@ -1,0 +1,34 @@
+//! `ramp kit export`: everything that a lab needs to make the parts.
+
+use std::path::PathBuf;
+
+use miette::Report;
+
+use crate::DONE;
+use crate::data::{Data, print};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    /// Write STL, 3MF, plates, bill of parts, start sheet, tags and assembly guide
+    Export {
+        /// Folder to write them to; made if it is not there
+        folder: PathBuf,
+        /// Overwrite files that an export did not write, or that were changed since
+        #[arg(long)]
+        force: bool,
+    },
+}
+
+pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    let Command::Export { folder, force } = &arguments.command;
+    let written = ramp_kit::export::export(&data.kit()?, folder, *force)?;
+    let list: String = written.iter().map(|file| format!("{}\n", file.display())).collect();
+    print(&list)?;
+    Ok(DONE)
+}
