@@ -194,7 +194,7 @@ impl Builder<'_> {
         let mut pairs = Vec::new();
         for (column, beam) in self.columns.iter().zip(&columns) {
             for (joint, rail) in beam.joints.iter().zip(column.from..self.rails.len()) {
-                pairs.push(((beam.name.as_str(), joint.name.as_str()), slot_joint(rail, column.slot)?));
+                pairs.push([(beam.name.as_str(), joint.name.as_str()), slot_joint(rail, column.slot)?]);
             }
         }
         let passes = |column: &&Column| column.to - column.from > 1 && column.from + 1 < self.rails.len();

@@ -459,7 +459,7 @@ impl<'a> Draft<'a> {
         let joint = |(beam, joint): Spot| {
             (self.beams[beam].name.as_str(), self.beams[beam].joints[joint].name.as_str())
         };
-        let pairs: Vec<_> = self.pairs.iter().map(|&(female, male)| (joint(male), joint(female))).collect();
+        let pairs: Vec<_> = self.pairs.iter().map(|&(female, male)| [joint(male), joint(female)]).collect();
         goal_xml(name, class, &components, &pairs)
     }
 }
@@ -475,7 +475,7 @@ pub(crate) fn goal_xml(
     name: &str,
     class: Class,
     components: &[(&str, bool, Option<f64>)],
-    pairs: &[((&str, &str), (&str, &str))],
+    pairs: &[[(&str, &str); 2]],
 ) -> String {
     let mut xml = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     // Writing to a string does not fail.
@@ -489,9 +489,9 @@ pub(crate) fn goal_xml(
         });
         let _ = writeln!(xml, "  <component beam=\"{}\"{base}{flipped}{yaw}/>", escape(beam));
     }
-    for (index, (male, female)) in pairs.iter().enumerate() {
+    for (index, pair) in pairs.iter().enumerate() {
         let _ = writeln!(xml, "  <connection name=\"C{}\">", index + 1);
-        for (beam, joint) in [male, female] {
+        for (beam, joint) in pair {
             let (beam, joint) = (escape(beam), escape(joint));
             let _ = writeln!(xml, "    <element component=\"{beam}\" joint=\"{joint}\"/>");
         }
