@@ -21,6 +21,8 @@ const TURN_WEIGHT: f64 = 0.15;
 const LEAN: f64 = 0.05;
 /// Largest joint step between samples that still counts as continuous, rad.
 const LARGEST_STEP: f64 = 0.35;
+/// Distance from the joints' ends at which a path's end is good enough, rad.
+const GOOD_MARGIN: f64 = 0.15;
 /// Growth of a tree in one step, rad.
 const TREE_STEP: f64 = 0.1;
 /// Nodes of both trees together before the search gives up.
@@ -157,16 +159,55 @@ impl PathPlanner {
         Ok(way.windows(2).map(|pair| interpolate(&pair[0], &pair[1])).collect())
     }
 
-    fn level(&self, q: &Joints, x_wt: &Pose, travel: f64, checker: &Checker) -> Option<Vec<Vec<Joints>>> {
+    /// The level path alone: up to `travel` (m, of the tip), across, down; `None` when it is blocked or the arm cannot
+    /// follow it. Across is straight where that ends well inside the joints' ranges, else by way of a point further
+    /// out from the base, which the arm must not fold up to pass.
+    pub fn level(&self, q: &Joints, x_wt: &Pose, travel: f64, checker: &Checker) -> Option<Vec<Vec<Joints>>> {
+        let mut best: Option<(f64, Vec<Vec<Joints>>)> = None;
+        for radius in [None, Some(0.45), Some(0.55)] {
+            let Some(legs) = self.level_by(q, x_wt, travel, radius, checker) else { continue };
+            let margin =
+                legs.last().and_then(|leg| leg.last()).map_or(0.0, |q| self.kinematics.range_margin(q));
+            if margin > GOOD_MARGIN {
+                return Some(legs);
+            }
+            if best.as_ref().is_none_or(|(other, _)| margin > *other) {
+                best = Some((margin, legs));
+            }
+        }
+        best.map(|(_, legs)| legs)
+    }
+
+    /// A level path by way of a point half way around the base, `radius` (m) from it.
+    fn level_by(
+        &self,
+        q: &Joints,
+        x_wt: &Pose,
+        travel: f64,
+        radius: Option<f64>,
+        checker: &Checker,
+    ) -> Option<Vec<Vec<Joints>>> {
         let from = self.kinematics.tip(q);
         let height = travel.max(x_wt.translation.z).max(from.translation.z);
         let raised = |x: &Pose| {
             let p = x.translation.vector;
             Pose::from_parts(Translation3::new(p.x, p.y, height), upright(&x.rotation))
         };
+        let (up, down) = (raised(&from), raised(x_wt));
+        let mut way = vec![up];
+        if let Some(radius) = radius {
+            let angle = |x: &Pose| x.translation.y.atan2(x.translation.x);
+            let middle = (angle(&up) + angle(&down)) / 2.0;
+            let rotation = up.rotation.try_slerp(&down.rotation, 0.5, 1e-6)?;
+            way.push(Pose::from_parts(
+                Translation3::new(radius * middle.cos(), radius * middle.sin(), height),
+                rotation,
+            ));
+        }
+        way.extend([down, *x_wt]);
         let mut legs = Vec::new();
         let mut at = *q;
-        for target in [raised(&from), raised(x_wt), *x_wt] {
+        for target in way {
             let here = self.kinematics.tip(&at);
             let near = (here.translation.vector - target.translation.vector).norm() < 1e-4
                 && here.rotation.angle_to(&target.rotation) < 1e-3;
@@ -181,6 +222,13 @@ impl PathPlanner {
             legs.push(leg);
         }
         Some(legs)
+    }
+
+    /// How far the joints stay from the ends of their ranges on a straight motion of the tip from `q` to `x_wt`, rad;
+    /// negative when the arm cannot follow it.
+    pub fn straight_margin(&self, q: &Joints, x_wt: &Pose) -> f64 {
+        self.straight(q, x_wt)
+            .map_or(-1.0, |leg| leg.iter().map(|q| self.kinematics.range_margin(q)).fold(f64::MAX, f64::min))
     }
 
     fn edge_is_free(&self, a: &Joints, b: &Joints, checker: &Checker) -> bool {

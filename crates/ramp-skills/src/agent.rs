@@ -170,26 +170,24 @@ impl<'a> Baseline<'a> {
         if offset <= PEGGABLE {
             return Ok(());
         }
-        let fault = Fault::Misaligned { connection: connection.name.clone(), offset_mm: offset * 1e3 };
-        cell.note("fault", fault.to_string());
+        let misaligned =
+            |offset: f64| Fault::Misaligned { connection: connection.name.clone(), offset_mm: offset * 1e3 };
+        cell.note("fault", misaligned(offset).to_string());
         self.report(cell);
-        // The beam that came in is put right; it is the one with the male, except under a cap.
-        let beam = [connection.male.beam, connection.female.beam]
-            .into_iter()
-            .find(|beam| *beam != self.assembly.base && cell.standing.last() == Some(beam))
-            .unwrap_or(connection.male.beam);
-        let links = &self.assembly.beams[beam].beam.links;
-        let link = links.last().map(|link| link.name.clone()).unwrap_or_default();
-        cell.rise()?;
-        cell.push(beam, &link)?;
-        cell.rise()?;
-        let offset = cell.belief.offset(self.assembly, connection)?;
-        if offset > PEGGABLE {
-            return Err(
-                Fault::Misaligned { connection: connection.name.clone(), offset_mm: offset * 1e3 }.into()
-            );
+        // Beams that have swung about their only peg drag along what is joined to them: they are put right first,
+        // then the two beams themselves.
+        let mut beams = cell.swung()?;
+        let sides = [connection.female.beam, connection.male.beam];
+        beams.extend(sides.into_iter().filter(|beam| *beam != self.assembly.base));
+        for beam in beams {
+            cell.rise()?;
+            cell.push_by_nearest_link(beam)?;
+            cell.rise()?;
+            if cell.belief.offset(self.assembly, connection)? <= PEGGABLE {
+                return Ok(());
+            }
         }
-        Ok(())
+        Err(misaligned(cell.belief.offset(self.assembly, connection)?).into())
     }
 
     /// Carries out one fine action; `rest` is the plan from its coarse action on.

@@ -72,6 +72,29 @@ impl Workcell<'_, '_> {
         Err(Fault::Misaligned { connection: name, offset_mm: off * 1e3 }.into())
     }
 
+    /// As [`Workcell::push`], by the reachable link that is nearest to the beam's free end.
+    ///
+    /// # Errors
+    /// As [`Workcell::push`].
+    pub fn push_by_nearest_link(&mut self, beam: usize) -> Result<(), SkillError> {
+        let placed = &self.assembly.beams[beam].beam;
+        let (far, name) = (self.far_end(beam), placed.name.clone());
+        let x_wb = self.belief.pose(&name)?;
+        let q = self.hand.joints();
+        let mut links: Vec<_> = placed.links.iter().collect();
+        let distance = |link: &ramp_kit::Link| (grasp::point_on(link, far) - far).abs();
+        links.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let link = links
+            .into_iter()
+            .find(|link| {
+                let s = grasp::point_on(link, far);
+                [false, true].into_iter().any(|reverse| self.reach(&beam_grasp(&x_wb, s, reverse), &q) > 0.0)
+            })
+            .map(|link| link.name.clone())
+            .ok_or(Fault::NoGrasp { part: name })?;
+        self.push(beam, &link)
+    }
+
     /// The beams that one peg holds and that have swung from their place, by index.
     ///
     /// # Errors

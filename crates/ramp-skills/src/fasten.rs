@@ -9,7 +9,7 @@ use crate::Pose;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{PEG_HEIGHT, PEG_OPEN, PEG_WIDTH, hand_down, peg_grasp};
 use crate::hand::PERIOD;
-use crate::transport::Workcell;
+use crate::transport::{TRAVEL, Workcell};
 
 /// Height of a peg's tip over the female's top plate when it is brought over the hole, m.
 const OVER: f64 = 6.0e-3;
@@ -60,13 +60,17 @@ impl Workcell<'_, '_> {
         let q = self.hand.joints();
         let x = self.hand.seen.x_wt.rotation * Vector3::x();
         let yaw = x.y.atan2(x.x);
-        // Any turn of the square head will do.
+        // Any turn of the square head will do. What counts is how far the joints stay from their ends while the peg
+        // goes in, in the posture in which the arm arrives there.
+        let checker = self.checker(None);
         let candidates = [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0, 5.0, -5.0, 6.0].map(|step| {
             let rotation = hand_down(yaw + step * TAU / 12.0);
             let over = Pose::from_parts(Translation3::new(mouth.x, mouth.y, height), rotation);
             let seated =
                 Pose::from_parts(Translation3::new(mouth.x, mouth.y, mouth.z + PEG_HEIGHT), rotation);
-            (over, self.reach(&over, &q).min(self.reach(&seated, &q)))
+            let arrival = self.planner.level(&q, &over, TRAVEL, &checker);
+            let arrival = arrival.as_ref().and_then(|legs| legs.last()?.last());
+            (over, arrival.map_or(-1.0, |arrival| self.planner.straight_margin(arrival, &seated)))
         });
         let x_wt = self.choose(&candidates).ok_or(Fault::NoGrasp { part })?;
         self.travel(&x_wt)

@@ -23,6 +23,16 @@ const CAP_SWEEP: f64 = 2.0 / 180.0 * std::f64::consts::PI;
 const HOME: f64 = 0.8e-3;
 /// Horizontal distance between two holes that a peg still pulls together, m.
 pub const PEGGABLE: f64 = 1.6e-3;
+/// Force along the way while a stalled beam is felt in, N: with more, friction holds the edge against the search.
+const FEEL_FORCE: f64 = 4.0;
+/// Smallest and largest swing across the way, m.
+const FEEL_SIZE: [f64; 2] = [0.8e-3, 2.0e-3];
+/// Swing about the vertical and about the horizontal across the way, rad.
+const FEEL_TURN: [f64; 2] = [0.014, 0.007];
+/// Progress that counts as having moved, m.
+const FEEL_PROGRESS: f64 = 0.3e-3;
+/// Longest search, s.
+const FEEL_TIME: f64 = 30.0;
 /// How often an insertion that jams is tried again.
 const TRIES: usize = 4;
 
@@ -57,6 +67,15 @@ impl Workcell<'_, '_> {
             .iter()
             .find(|insertion| insertion.beam == beam)
             .ok_or_else(|| Fault::NoGrasp { part: name.clone() }.into())
+    }
+
+    /// The direction in which a beam is put in so that it ends at `goal`: the nominal one, turned as the goal is
+    /// turned from the nominal place. Axes of the world.
+    fn way_in(&self, beam: usize, goal: &Pose) -> Result<Vector3<f64>, SkillError> {
+        let x_wa = self.kit.x_wa();
+        let nominal = x_wa * self.assembly.beams[beam].x_ab;
+        let turn = goal.rotation * nominal.rotation.inverse();
+        Ok(turn * x_wa.rotation * self.insertion(beam)?.direction.into_inner())
     }
 
     /// Carries the held beam to where its insertion begins, a little higher than its way.
@@ -114,7 +133,7 @@ impl Workcell<'_, '_> {
         let name = self.assembly.beams[beam].beam.name.clone();
         self.regrip(&name)?;
         let goal = self.target(beam)?;
-        let direction = self.kit.x_wa().rotation * self.insertion(beam)?.direction.into_inner();
+        let direction = self.way_in(beam, &goal)?;
         // A beam that stands on the table is pressed on it a little when it caps, and slides over it otherwise.
         let stands = self.assembly.beams[beam].beam.stands_at_assembled_height();
         let height: f64 = if cap {
@@ -138,7 +157,11 @@ impl Workcell<'_, '_> {
         self.hand.wait(0.15)?;
         self.belief.update(&mut self.hand)?;
         if stopped {
-            let remaining = self.remaining(&name, &goal, &direction)?;
+            let mut remaining = self.remaining(&name, &goal, &direction)?;
+            if remaining > HOME && !cap {
+                self.feel_in(&name, &goal, &direction)?;
+                remaining = self.remaining(&name, &goal, &direction)?;
+            }
             if remaining > HOME {
                 let jam = Fault::Jammed { part: name.clone(), remaining_mm: remaining * 1e3, force };
                 self.note("fault", jam.to_string());
@@ -161,6 +184,51 @@ impl Workcell<'_, '_> {
             self.hand.wait(0.15)?;
         }
         self.belief.update(&mut self.hand)?;
+        Ok(())
+    }
+
+    /// Feels a stalled beam in: a light push along its way, and a slow swing of growing size across it, up and down,
+    /// and about both, until the edge that it stands on gives way. An unchamfered edge (thru-m) stops dead unless it
+    /// meets its female within 0.3 mm.
+    fn feel_in(&mut self, part: &str, goal: &Pose, direction: &Vector3<f64>) -> Result<(), SkillError> {
+        let begin = self.hand.time();
+        let across = Vector3::z().cross(direction);
+        let mut stalled_since = begin;
+        let mut best = self.remaining(part, goal, direction)?;
+        // The line of the way in, as a correction of the setpoint taken anew at every look.
+        let mut line = self.hand.setpoint;
+        let mut ticks = 0u32;
+        while self.hand.time() - begin < FEEL_TIME {
+            if ticks.is_multiple_of(20) {
+                self.belief.update(&mut self.hand)?;
+                let x_wp = self.belief.pose(part)?;
+                let remaining = self.remaining(part, goal, direction)?;
+                if remaining < 0.5 * HOME {
+                    break;
+                }
+                if remaining < best - FEEL_PROGRESS {
+                    best = remaining;
+                    stalled_since = self.hand.time();
+                }
+                // Where the tip would be with the part on the line, as far along as it is now.
+                let on_line = Translation3::from(direction * -remaining) * goal;
+                line = on_line * x_wp.inverse() * self.hand.seen.x_wt;
+            }
+            ticks += 1;
+            let time = self.hand.time() - begin;
+            let stalled = self.hand.time() - stalled_since;
+            let size = FEEL_SIZE[0] + (FEEL_SIZE[1] - FEEL_SIZE[0]) * (stalled / 4.0).min(1.0);
+            let wave = |hertz: f64| (std::f64::consts::TAU * hertz * time).sin();
+            let lead = FEEL_FORCE / self.hand.stiffness.x;
+            let shift = direction * lead + across * (size * wave(1.3)) + Vector3::z() * (size * wave(2.1));
+            let swing = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), FEEL_TURN[0] * wave(0.9))
+                * UnitQuaternion::from_scaled_axis(across * (FEEL_TURN[1] * wave(0.6)));
+            self.hand.setpoint =
+                Pose::from_parts(Translation3::from(line.translation.vector + shift), swing * line.rotation);
+            self.hand.tick()?;
+        }
+        let seconds = self.hand.time() - begin;
+        self.note("search", format!("{part} felt its way in for {seconds:.1} s"));
         Ok(())
     }
 

@@ -100,7 +100,7 @@ impl Workcell<'_, '_> {
     }
 
     /// What the arm must keep clear of now: everything but what it holds and `without`.
-    fn checker(&self, without: Option<&str>) -> Checker {
+    pub fn checker(&self, without: Option<&str>) -> Checker {
         let mut left_out: Vec<&str> = without.into_iter().collect();
         let mut boxes = Vec::new();
         if let Some(held) = &self.hand.held {

@@ -58,10 +58,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let domains = data.domains()?;
     let output = match &arguments.output {
         Some(path) => path.clone(),
-        None => {
-            std::fs::create_dir_all(RESULTS).into_diagnostic()?;
-            Path::new(RESULTS).join(format!("{}-{}.json", assembly.name, arguments.seed))
-        }
+        None => Path::new(RESULTS).join(format!("{}-{}.json", assembly.name, arguments.seed)),
     };
     let curve = output.with_extension("svg");
     if curve == output {
@@ -71,8 +68,10 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             output.display()
         ));
     }
-    check_writable(&output)?;
-    check_writable(&curve)?;
+    if arguments.output.is_some() {
+        check_writable(&output)?;
+        check_writable(&curve)?;
+    }
     if let Some(path) = &arguments.scene {
         check_writable(path)?;
     }
@@ -88,6 +87,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         disturbance: Disturbance::default(),
     };
     let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
+    if arguments.output.is_none() {
+        std::fs::create_dir_all(RESULTS).into_diagnostic()?;
+    }
     let display = Display::new();
     let mut agent = Baseline::new(&kit, &assembly, &arm, &domains, arguments.seed)
         .with_listener(|event| display.event(event));
@@ -207,8 +209,9 @@ struct Window {
 impl Window {
     #[cfg(feature = "view")]
     fn open(setup: &Setup) -> Result<Window, Report> {
-        let inner = TwinWindow::open(setup)
-            .map_err(|error| miette!(help = "is there a display? without one, leave --view out", "{error}"))?;
+        let inner = TwinWindow::open(setup).map_err(|error| {
+            miette!(help = "is there a display? without one, leave --view out", "{error}")
+        })?;
         Ok(Window { inner })
     }
 
