@@ -535,14 +535,16 @@ impl Order<'_> {
         let mut standing = all;
         let mut insertions = Vec::new();
         while standing != bit(base) {
-            let mut best: Option<((u32, usize, f64), Insertion)> = None;
+            let mut best: Option<((u32, usize, usize, f64), Insertion)> = None;
             for beam in (0..self.count).rev().filter(|&beam| beam != base && standing & bit(beam) != 0) {
                 let without = standing & !bit(beam);
                 let Some((cost, insertion)) = self.insertion(beam, without) else { continue };
                 let lost = (without & !self.joined(base, without)).count_ones();
-                // A beam that closes over many others comes last, and one with a long way late.
+                // The usual directions; a beam that closes over many others last, and one with a long way late.
+                let same = |direction: &Unit<Vector3<f64>>| *direction == insertion.direction;
+                let way = self.directions[beam].iter().position(same).unwrap_or(usize::MAX);
                 let others = self.count - self.swallowed(beam, without).count();
-                let rank = (cost + lost * cost::LAID, others, -insertion.distance);
+                let rank = (cost + lost * cost::LAID, way, others, -insertion.distance);
                 if best.as_ref().is_none_or(|(least, _)| rank < *least) {
                     best = Some((rank, insertion));
                 }

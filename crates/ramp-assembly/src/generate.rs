@@ -78,6 +78,10 @@ const AREA: [[f64; 2]; 2] = [[-0.150, 0.525], [-0.020, 0.335]];
 const MEET: f64 = 0.05e-3;
 /// Millimetres in a metre.
 const MM: f64 = 1e3;
+/// A male whose hole is nearer than this to that of a female that it is not joined with is a near miss, m.
+const NEAR_MISS: f64 = 45.0e-3;
+/// A beam that is neither square nor at least this much out of it looks like a mistake, rad.
+const LEAST_ANGLE: f64 = 10.0 * PI / 180.0;
 /// Angles nearer than this are equal, rad.
 const SAME_ANGLE: f64 = 0.01 * PI / 180.0;
 
@@ -264,6 +268,11 @@ impl<'a> Draft<'a> {
                 return false;
             }
         }
+        let out = crate::pose::off_square(pose.yaw).min(crate::pose::off_square(pose.yaw + FRAC_PI_2));
+        let turned = beam.joints.iter().any(|joint| joint.kind.form().turn != 0.0);
+        if out > SAME_ANGLE && out < LEAST_ANGLE && !turned {
+            return false;
+        }
         let index = self.beams.len();
         self.push(beam, pose);
         let before = self.pairs.len();
@@ -283,14 +292,19 @@ impl<'a> Draft<'a> {
         self.pairs.iter().any(|(female, male)| *female == spot || *male == spot)
     }
 
-    /// The joints of the beam `index` that meet joints of others; `None` when two meet that cannot be joined.
+    /// The joints of the beam `index` that meet joints of others; `None` when two meet that cannot be joined, or
+    /// all but meet.
     fn meeting(&self, index: usize) -> Option<Vec<(Spot, Spot)>> {
         let mut found = Vec::new();
         for (own, joint) in self.beams[index].joints.iter().enumerate() {
             let hole = self.poses[index].hole(joint.offset);
             for other in 0..index {
                 for (theirs, around) in self.beams[other].joints.iter().enumerate() {
-                    if (self.poses[other].hole(around.offset) - hole).norm() > MEET {
+                    let apart = (self.poses[other].hole(around.offset) - hole).norm();
+                    if apart > MEET {
+                        if apart < NEAR_MISS {
+                            return None;
+                        }
                         continue;
                     }
                     let (mine, yours) = ((index, own), (other, theirs));
