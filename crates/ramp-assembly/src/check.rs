@@ -391,7 +391,7 @@ pub(crate) fn find_order(
     let mut order = Order { count: beams.len(), square, connections, directions, ways, best: HashMap::new() };
     let all: Set = (0..beams.len()).fold(0, |set, beam| set | bit(beam));
     if beams.len() > MAX_EXACT {
-        return order.taken_apart(base, all);
+        return order.taken_apart(beams, base, all);
     }
     let stuck = order.stuck(base, all);
     if !stuck.is_empty() {
@@ -531,20 +531,28 @@ impl Order<'_> {
     /// An order found backwards: the whole is taken apart, each time by the beam that would be put there last at
     /// the least cost and leaves the others joined with the base. Taking one out never holds another one back, so
     /// this finds an order whenever there is one.
-    fn taken_apart(&self, base: usize, all: Set) -> Result<Vec<Insertion>, Stuck> {
+    fn taken_apart(&self, beams: &[PlacedBeam], base: usize, all: Set) -> Result<Vec<Insertion>, Stuck> {
+        // How far out along its way a beam reaches, m.
+        let reach = |insertion: &Insertion| {
+            let placed = &beams[insertion.beam];
+            let out = |index| -(placed.x_ab * placed.beam.p_b_hole(index)).coords.dot(&insertion.direction);
+            (0..placed.beam.joints.len()).map(out).fold(f64::NEG_INFINITY, f64::max)
+        };
         let mut standing = all;
         let mut insertions = Vec::new();
         while standing != bit(base) {
-            let mut best: Option<((u32, usize, usize, f64), Insertion)> = None;
+            let mut best: Option<((u32, usize, i64, usize), Insertion)> = None;
             for beam in (0..self.count).rev().filter(|&beam| beam != base && standing & bit(beam) != 0) {
                 let without = standing & !bit(beam);
                 let Some((cost, insertion)) = self.insertion(beam, without) else { continue };
                 let lost = (without & !self.joined(base, without)).count_ones();
-                // The usual directions; a beam that closes over many others last, and one with a long way late.
+                // The usual directions; what lies furthest out last, and of that what closes over others.
                 let same = |direction: &Unit<Vector3<f64>>| *direction == insertion.direction;
                 let way = self.directions[beam].iter().position(same).unwrap_or(usize::MAX);
                 let others = self.count - self.swallowed(beam, without).count();
-                let rank = (cost + lost * cost::LAID, way, others, -insertion.distance);
+                // Whole millimetres, so that holes that meet are equally far out.
+                let nearness = (-reach(&insertion) * 1e3).round() as i64;
+                let rank = (cost + lost * cost::LAID, way, nearness, others);
                 if best.as_ref().is_none_or(|(least, _)| rank < *least) {
                     best = Some((rank, insertion));
                 }
