@@ -120,7 +120,7 @@ fn from_above(drawing: &mut Drawing, kit: &Kit, beam: &Beam) -> Result<(), Solid
         let hole = at([joint.offset * MM, 0.0]);
         numbered(drawing, [hole[0], middle - 15.5], index + 1);
         let words = length_words(joint.offset);
-        drawing.text([hole[0], middle + 14.5], Align::Middle, 2.2, GREY, &words);
+        drawing.text([hole[0], middle + 16.0], Align::Middle, 2.2, GREY, &words);
         if let Some(opens) = joint.opens {
             let y = |depth: f64| middle - up * opens.sign() * depth * scale;
             let pen = Pen::new(RED, 0.35);
@@ -135,7 +135,7 @@ fn from_above(drawing: &mut Drawing, kit: &Kit, beam: &Beam) -> Result<(), Solid
         let corner = [centre[0] - half, centre[1] - half];
         drawing.rectangle(corner, [2.0 * half; 2], Some(WHITE), Some(Pen::new(GREY, 0.15)));
         draw_tag(drawing, tag, centre, tags::BLACK_EDGE * MM * scale, turn);
-        drawing.text([centre[0], middle + 14.5], Align::Middle, 2.2, BLACK, &format!("tag {tag}"));
+        drawing.text([centre[0], middle + 16.0], Align::Middle, 2.2, BLACK, &format!("tag {tag}"));
     }
     let lies = if flipped { ", as it lies on the sheet: flipped" } else { "" };
     let words = format!("from above{lies}; numbers below the holes: mm from the first hole");
