@@ -32,6 +32,8 @@ pub const STEM_TIP_RADIUS: f64 = 2.45e-3;
 pub const HEAD_WIDTH: f64 = 29.0e-3;
 /// Height of the head of a peg, m.
 pub const HEAD_HEIGHT: f64 = 24.0e-3;
+/// Radius of the rounding of all edges of the head of a peg, m.
+pub const HEAD_ROUNDING: f64 = 1.0e-3;
 /// How far a male end reaches past its hole, m.
 pub const MALE_TIP: f64 = 10.0e-3;
 /// Chamfer on the four edges of a male's tip, m.

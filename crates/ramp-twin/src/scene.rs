@@ -10,8 +10,8 @@ use std::fmt::Write;
 
 use nalgebra::Vector3;
 use ramp_kit::joint::{
-    BODY_WIDTH, EXTRUSION, EXTRUSION_MASS, HEAD_HEIGHT, HEAD_WIDTH, HOLE_RADIUS, MALE_CHAMFER, MALE_TIP,
-    PLA_DENSITY, SOCKET_DEPTH, STEM_CONE, STEM_LENGTH, STEM_RADIUS, STEM_TIP_RADIUS,
+    BODY_WIDTH, EXTRUSION, EXTRUSION_MASS, HEAD_HEIGHT, HEAD_ROUNDING, HEAD_WIDTH, HOLE_RADIUS, MALE_CHAMFER,
+    MALE_TIP, PLA_DENSITY, SOCKET_DEPTH, STEM_CONE, STEM_LENGTH, STEM_RADIUS, STEM_TIP_RADIUS,
 };
 use ramp_kit::shape::{Cuboid, Piece, Shape, beam_rests, beam_shapes, peg_head};
 use ramp_kit::{Beam, Holder, Kit, Pose};
@@ -434,7 +434,7 @@ fn peg_body(xml: &mut String, name: &str, x_wp: &Pose) {
         numbers(&[centre]),
         numbers(&[across, across, along])
     );
-    box_geom(xml, "peg", &peg_head());
+    head_geoms(xml);
     // The capsule's round end stays inside the cone.
     let end = -(STEM_LENGTH - STEM_CONE) + STEM_RADIUS;
     let stem = Vector3::new(0.0, 0.0, end);
@@ -444,6 +444,39 @@ fn peg_body(xml: &mut String, name: &str, x_wp: &Pose) {
         numbers(stem.as_slice())
     );
     xml.push('\n');
+}
+
+/// The head of a peg with its rounded edges: three boxes, each short of the edges in one direction, which keep the flat
+/// sides flat, and a capsule along each edge.
+fn head_geoms(xml: &mut String) {
+    let Cuboid { min, max } = peg_head();
+    let r = HEAD_ROUNDING;
+    for long in 0..3 {
+        let mut piece = Cuboid { min, max };
+        for axis in (0..3).filter(|axis| *axis != long) {
+            piece.min[axis] += r;
+            piece.max[axis] -= r;
+        }
+        box_geom(xml, "peg", &piece);
+        // The four edges along this direction.
+        let (u, v) = ((long + 1) % 3, (long + 2) % 3);
+        for (u_end, v_end) in [
+            (min[u] + r, min[v] + r),
+            (max[u] - r, min[v] + r),
+            (min[u] + r, max[v] - r),
+            (max[u] - r, max[v] - r),
+        ] {
+            let end = |along: f64| {
+                let mut point = [0.0; 3];
+                point[long] = along;
+                point[u] = u_end;
+                point[v] = v_end;
+                point
+            };
+            let edge = Capsule { from: end(min[long] + r), to: end(max[long] - r), radius: r };
+            capsule_geom(xml, "peg", &edge);
+        }
+    }
 }
 
 fn actuators_and_sensors(xml: &mut String, arm: &ArmModel) {
