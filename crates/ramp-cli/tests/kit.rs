@@ -1,5 +1,8 @@
 //! `ramp kit export`, `ramp goals generate` and `ramp show --all` as a user meets them.
 
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
 use assert_cmd::Command;
 
 fn ramp() -> Command {

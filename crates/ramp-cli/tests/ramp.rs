@@ -1,5 +1,8 @@
 //! The real program in a temporary folder, as a user has it.
 
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
 use std::path::Path;
 use std::process::Output;
 

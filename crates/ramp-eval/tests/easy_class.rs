@@ -2,6 +2,9 @@
 //!
 //! `RAMP_SEEDS="1 2 3"` chooses other seeds than the two that every test run takes.
 
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::World;

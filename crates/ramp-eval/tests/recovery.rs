@@ -1,5 +1,8 @@
 //! What goes wrong is noticed and mended: the whole agent in the real physics, with a robot that misbehaves.
 
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::World;

@@ -1,5 +1,8 @@
 //! Results: the same seed gives the same bits, and every file follows the published schema.
 
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::{World, data};

@@ -1,5 +1,8 @@
 //! Skills against the physics when what they believe is wrong: contact has to do the rest.
 
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::World;

@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn ready_pose_matches_the_published_one() {
         let kinematics = Kinematics::new(&panda());
-        let q = Joints::from([0.0, -0.785398163, 0.0, -2.35619449, 0.0, 1.57079632679, 0.785398163397]);
+        let q = Joints::from([0.0, -1.0, 0.0, -3.0, 0.0, 2.0, 1.0]) * std::f64::consts::FRAC_PI_4;
         let frames = kinematics.frames(&q);
         let flange = frames.hand.translation.vector;
         assert!((flange - Vector3::new(0.30689, 0.0, 0.59027)).norm() < 1e-4, "{flange}");

@@ -239,7 +239,7 @@ impl Workcell<'_, '_> {
             setpoint.z = (here.z - lead).max(lowest);
             self.hand.tick()?;
             ticks += 1;
-            if ticks % 20 == 0 {
+            if ticks.is_multiple_of(20) {
                 self.belief.update(&mut self.hand)?;
                 if self.belief.pose(peg)?.translation.z - plate < 0.3 * SEATED {
                     break;

@@ -257,10 +257,10 @@ impl Twin {
         let mut inertia = SMatrix::<f64, DOF, DOF>::zeros();
         for row in 0..DOF {
             let from = model.m_rowadr()[row] as usize;
-            for at in from..from + model.m_rownnz()[row] as usize {
-                let column = model.m_colind()[at] as usize;
-                inertia[(row, column)] = values[at];
-                inertia[(column, row)] = values[at];
+            let to = from + model.m_rownnz()[row] as usize;
+            for (value, column) in values[from..to].iter().zip(&model.m_colind()[from..to]) {
+                inertia[(row, *column as usize)] = *value;
+                inertia[(*column as usize, row)] = *value;
             }
         }
         inertia

@@ -1,5 +1,8 @@
 //! A joint type and a beam that only a kit file knows, in the twin.
 
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
 use std::path::Path;
 
 use ramp_robot::arm::ArmModel;

@@ -2,6 +2,9 @@
 //! must agree on which are inside, up to 0.1 mm at their surfaces. Cavities, holes and rounded edges are among them, so
 //! no clearance is smaller or larger than it is in plastic.
 
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
 use std::path::Path;
 
 use mujoco_rs::prelude::*;

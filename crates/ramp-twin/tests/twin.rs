@@ -1,5 +1,8 @@
 //! The twin as a robot: what it keeps, what it refuses, and that nothing but contact moves a part.
 
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
 use std::path::Path;
 
 use mujoco_rs::prelude::*;

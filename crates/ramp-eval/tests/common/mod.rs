@@ -1,5 +1,8 @@
 //! What the tests of whole episodes share.
 
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
 use std::path::{Path, PathBuf};
 
 use ramp_assembly::Assembly;

@@ -1,5 +1,7 @@
 //! What the tests of plans share: the goals, and a replayer that knows nothing of the rule files.
 
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
 // Every test file uses a part of this.
 #![allow(dead_code)]
 
