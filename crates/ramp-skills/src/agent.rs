@@ -33,6 +33,8 @@ pub struct Baseline<'a> {
     seed: u64,
     account: Account,
     plan: Option<Plan>,
+    /// The peg that is being fetched: one that cannot be gripped is not tried again.
+    fetching: Option<String>,
     on_event: Box<dyn FnMut(&Event) + 'a>,
 }
 
@@ -53,6 +55,7 @@ impl<'a> Baseline<'a> {
             seed,
             account: Account::default(),
             plan: None,
+            fetching: None,
             on_event: Box::new(|_| {}),
         }
     }
@@ -148,6 +151,10 @@ impl<'a> Baseline<'a> {
             for action in &step.fine {
                 cell.note("start", action.to_string());
                 self.report(cell);
+                self.fetching = match action {
+                    FineAction::PickUp { item: Item::Peg(peg), .. } => Some(peg.clone()),
+                    _ => None,
+                };
                 self.act(cell, action, rest)?;
                 cell.note("done", action.to_string());
                 self.report(cell);
@@ -239,6 +246,7 @@ impl<'a> Baseline<'a> {
             }
         }
         cell.belief.update(&mut cell.hand)?;
+        let refused = self.fetching.take();
         for peg in &self.kit.pegs {
             let pinned = cell.pinned.iter().any(|(_, name)| *name == peg.name);
             let upright = cell.belief.pose(&peg.name).is_ok_and(|x_wp| {
@@ -247,7 +255,8 @@ impl<'a> Baseline<'a> {
                 });
                 in_holder && (x_wp.rotation * nalgebra::Vector3::z()).z > 0.99
             });
-            if !pinned && !upright && !lost.contains(&peg.name) {
+            let usable = upright && refused.as_ref() != Some(&peg.name);
+            if !pinned && !usable && !lost.contains(&peg.name) {
                 cell.note("fault", Fault::Lost { peg: peg.name.clone() }.to_string());
                 lost.push(peg.name.clone());
             }
