@@ -1,15 +1,12 @@
-//! CPU time of planning, and what the obvious way costs: `cargo bench -p ramp-planner`.
+//! CPU time, wall time and memory of planning: `cargo bench -p ramp-planner`.
 //!
-//! The obvious way hands the whole goal to the coarse rules at once, in one program for each number of steps from
-//! one up, until there is a plan. It has no fine actions, and the order of the beams is given to it. Its plan is
-//! proven to be the shortest, so it also says whether planning from task to task loses anything.
+//! Every goal is planned from nothing, five times; the fastest counts. Frames are generated. `--optimal` also proves
+//! the easy goals optimal, one horizon after another.
 
-use clingo::{Part, SolveMode, Symbol, TruthValue};
-use ramp_assembly::{Assembly, JointRef, read_goal};
-use ramp_kit::read_kit;
-use ramp_planner::{Domains, State, plan};
+use ramp_assembly::{Assembly, Request, generate, read_goal, read_goal_str};
+use ramp_kit::{Kit, read_kit, read_kit_str};
+use ramp_planner::{Domains, Options, State, plan, plan_with};
 use std::error::Error;
-use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -21,81 +18,61 @@ fn main() -> Result<(), Box<dyn Error>> {
     let kit = read_kit(&data.join("kit.xml"))?;
     let domains = Domains::read(&data.join("domains"))?;
     println!(
-        "{:10} {:>7} {:>7} {:>10} {:>13} {:>7}",
-        "goal", "coarse", "fine", "CPU, ms", "obvious, ms", "ratio"
+        "{:18} {:>7} {:>7} {:>7} {:>8} {:>9} {:>9} {:>11}",
+        "goal", "coarse", "bound", "fine", "solves", "CPU, ms", "wall, ms", "memory, MiB"
     );
-    for name in ["easy-1", "easy-2", "easy-3", "medium-1", "hard-2", "hard-1"] {
-        let assembly = read_goal(&data.join(format!("goals/{name}.xml")), &kit)?;
-        let state = State::default();
-        let found = plan(&assembly, &kit, &state, &domains)?;
-        let mut fastest = Duration::MAX;
-        for _ in 0..REPEATS {
-            let begin = cpu_time();
-            plan(&assembly, &kit, &state, &domains)?;
-            fastest = fastest.min(cpu_time() - begin);
+    for class in ["easy", "medium", "hard"] {
+        for number in 1..=3 {
+            let name = format!("{class}-{number}");
+            let assembly = read_goal(&data.join(format!("goals/{name}.xml")), &kit)?;
+            measure(&name, &assembly, &kit, &domains, REPEATS)?;
         }
-        let ms = |time: Duration| time.as_secs_f64() * 1e3;
-        print!("{name:10} {:7} {:7} {:10.0}", found.steps.len(), found.fine().count(), ms(fastest));
-        // With more items the obvious way takes minutes.
-        if name.starts_with("easy") {
+    }
+    for beams in [20, 50, 100] {
+        let made = generate(&kit, Request { beams, seed: 1, class: None })?;
+        let text = made.kit.as_deref().ok_or("a frame comes with a kit")?;
+        let larger = read_kit_str("kit.xml", text)?;
+        let assembly = read_goal_str("frame.xml", &made.goal, &larger)?;
+        measure(&format!("{beams} beams"), &assembly, &larger, &domains, 1)?;
+    }
+    if std::env::args().any(|argument| argument == "--optimal") {
+        for name in ["easy-1", "easy-2", "easy-3"] {
+            let assembly = read_goal(&data.join(format!("goals/{name}.xml")), &kit)?;
             let begin = cpu_time();
-            let steps = obvious(&assembly, &domains)?;
-            let time = cpu_time() - begin;
-            assert_eq!(steps, found.steps.len(), "{name}: the obvious way finds another length");
-            print!(" {:13.0} {:7.1}", ms(time), ms(time) / ms(fastest));
+            let options = Options { optimal: true, ..Options::default() };
+            let found = plan_with(&assembly, &kit, &State::default(), &domains, options)?;
+            let (steps, optimal) = (found.steps.len(), found.statistics.optimal);
+            println!("{name}: {steps} coarse actions, proven optimal: {optimal}, {:?}", cpu_time() - begin);
         }
-        println!();
     }
     Ok(())
 }
 
-/// The length of the shortest coarse plan, by one program after another.
-fn obvious(assembly: &Assembly, domains: &Domains) -> Result<usize, Box<dyn Error>> {
-    let facts = whole_goal(assembly)?;
-    for steps in 1..200 {
-        let mut control = clingo::control(vec!["--warn=none".to_string()])?;
-        control.add("base", &[], domains.coarse().text())?;
-        control.add("base", &[], &facts)?;
-        let at = |part: &str, time: i32| Part::new(part, vec![Symbol::create_number(time)]);
-        let mut parts = vec![Part::new("base", vec![])?, at("state", 0)?];
-        for time in 1..=steps {
-            parts.extend([at("step", time)?, at("state", time)?]);
-        }
-        control.ground(&parts)?;
-        let query = clingo::parse_term(&format!("query({steps})"))?;
-        let atom = control.symbolic_atoms()?.iter()?.find(|atom| atom.symbol().is_ok_and(|s| s == query));
-        let literal = atom.ok_or("the rules have no query")?.literal()?;
-        control.assign_external(literal, TruthValue::True)?;
-        let mut handle = control.solve(SolveMode::YIELD, &[])?;
-        if handle.model()?.is_some() {
-            return Ok(usize::try_from(steps)?);
-        }
+fn measure(
+    name: &str,
+    assembly: &Assembly,
+    kit: &Kit,
+    domains: &Domains,
+    repeats: usize,
+) -> Result<(), Box<dyn Error>> {
+    let mut fastest = [Duration::MAX; 2];
+    let mut found = None;
+    for _ in 0..repeats {
+        let (begin, wall) = (cpu_time(), Instant::now());
+        found = Some(plan(assembly, kit, &State::default(), domains)?);
+        fastest = [fastest[0].min(cpu_time() - begin), fastest[1].min(wall.elapsed())];
     }
-    Err("no plan".into())
-}
-
-/// The facts that `coarse.lp` reads, with all that is to be reached as one goal.
-fn whole_goal(assembly: &Assembly) -> Result<String, std::fmt::Error> {
-    let mut facts = "initially(at(input)). goal(at(intermediate)).\n".to_string();
-    for (index, placed) in assembly.beams.iter().enumerate() {
-        let name = &placed.beam.name;
-        writeln!(facts, "beam({name:?}).")?;
-        match assembly.insertions.iter().position(|insertion| insertion.beam == index) {
-            Some(position) => writeln!(
-                facts,
-                "position({name:?},{position}). initially(on_sheet(beam({name:?}))). goal(in_assembly({name:?}))."
-            )?,
-            None => writeln!(facts, "base({name:?}). initially(in_assembly({name:?})).")?,
-        }
-    }
-    for (rank, pair) in assembly.connections.iter().enumerate() {
-        let name = &pair.name;
-        let side = |joint: JointRef| (&assembly.beams[joint.beam].beam.name, assembly.joint_name(joint));
-        let ((f, j), (m, k)) = (side(pair.female), side(pair.male));
-        writeln!(facts, "connection({name:?},{f:?},{j:?},{m:?},{k:?}). rank({name:?},{rank}).")?;
-        writeln!(facts, "initially(on_sheet(peg({name:?}))). goal(pinned({name:?})).")?;
-    }
-    Ok(facts)
+    let found = found.ok_or("nothing was planned")?;
+    let [cpu, wall] = fastest.map(|time| time.as_secs_f64() * 1e3);
+    println!(
+        "{name:18} {:7} {:7} {:7} {:8} {cpu:9.0} {wall:9.0} {:11.0}",
+        found.steps.len(),
+        found.statistics.lower_bound,
+        found.fine().count(),
+        found.statistics.solves,
+        memory()
+    );
+    Ok(())
 }
 
 /// CPU time of this thread where the system tells it, otherwise the time that passes.
@@ -104,4 +81,12 @@ fn cpu_time() -> Duration {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let nanoseconds = told.as_deref().and_then(|text| text.split(' ').next()?.parse().ok());
     nanoseconds.map_or_else(|| BEGIN.elapsed(), Duration::from_nanos)
+}
+
+/// The most memory that the process has had so far, MiB; 0 where the system does not tell.
+fn memory() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let peak =
+        status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.split_whitespace().next()?.parse().ok());
+    peak.unwrap_or(0.0) / 1024.0
 }

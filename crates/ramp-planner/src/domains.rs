@@ -1,16 +1,29 @@
-//! The rules of the planner: one file of Answer Set Programming for each level, which people may edit.
+//! The rules of the planner: two domains in the action language and the rules for the order, which people may edit.
 
+use crate::language::{Domain, LanguageError, PLAN};
 use crate::solver;
 use ramp_kit::source::{Fault, FormProblem, Problem, SourceFile};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// What is wrong with a rule file, and where.
-pub type DomainError = Fault<DomainProblem>;
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[non_exhaustive]
+pub enum DomainError {
+    /// A domain of the action language.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Language(#[from] LanguageError),
+    /// The rules for the order.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Order(#[from] Fault<OrderProblem>),
+}
 
-/// What can be wrong with a rule file.
+/// What can be wrong with the rules for the order, which are a program for clingo.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum DomainProblem {
+pub enum OrderProblem {
     /// The file cannot be read.
     #[error(transparent)]
     Form(#[from] FormProblem),
@@ -22,50 +35,67 @@ pub enum DomainProblem {
     },
 }
 
-impl Problem for DomainProblem {
+impl Problem for OrderProblem {
     fn label(&self) -> String {
         match self {
-            DomainProblem::Form(problem) => problem.label(),
-            DomainProblem::Rule { .. } => "here".to_string(),
+            OrderProblem::Form(problem) => problem.label(),
+            OrderProblem::Rule { .. } => "here".to_string(),
         }
     }
 
     fn help(&self) -> Option<String> {
         match self {
-            DomainProblem::Form(problem) => problem.help(),
-            DomainProblem::Rule { .. } => None,
+            OrderProblem::Form(problem) => problem.help(),
+            OrderProblem::Rule { .. } => None,
         }
     }
 }
 
-/// The rule files of the three levels, read and checked once.
+/// The rules of the three levels, read and checked once.
 ///
 /// ```
 /// use ramp_planner::Domains;
 ///
 /// let domains = Domains::read("../../data/domains".as_ref())?;
-/// assert!(domains.fine().text().contains("assemble_square"));
+/// assert!(domains.fine().file().text().contains("assemble_square"));
 /// # Ok::<(), ramp_planner::DomainError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Domains {
     order: SourceFile,
-    coarse: SourceFile,
-    fine: SourceFile,
+    pub(crate) coarse: Program,
+    pub(crate) fine: Program,
+}
+
+/// A domain with what makes a planning problem of it.
+#[derive(Clone, Debug)]
+pub(crate) struct Program {
+    pub domain: Domain,
+    more: String,
+}
+
+impl Program {
+    /// The program for a problem whose facts have these names.
+    pub(crate) fn for_facts(&self, names: &BTreeSet<&str>) -> SourceFile {
+        let text = self.domain.to_asp_for(&|name| names.contains(name));
+        SourceFile::new(self.domain.file().name(), &format!("{text}{}", self.more))
+    }
 }
 
 impl Domains {
     /// The names of the three files in their folder: the order of the beams, coarse actions, fine actions.
-    pub const FILES: [&'static str; 3] = ["order.lp", "coarse.lp", "fine.lp"];
+    pub const FILES: [&'static str; 3] = ["order.lp", "coarse.al", "fine.al"];
 
     /// Reads and checks the three files of a folder.
     ///
     /// # Errors
-    /// When a file cannot be read, has a syntax error, or a rule with a variable that nothing binds.
+    /// When a file cannot be read, or says something that its language does not allow.
     pub fn read(folder: &Path) -> Result<Domains, DomainError> {
-        let [order, coarse, fine] =
-            Domains::FILES.map(|file| SourceFile::read::<DomainProblem>(&folder.join(file)));
-        Domains::new(order?, coarse?, fine?)
+        let [order, coarse, fine] = Domains::FILES.map(|file| folder.join(file));
+        let order = SourceFile::read(&order).map_err(DomainError::Order)?;
+        let coarse = SourceFile::read(&coarse).map_err(DomainError::Language)?;
+        let fine = SourceFile::read(&fine).map_err(DomainError::Language)?;
+        Domains::new(order, coarse, fine)
     }
 
     /// Checks rules that are already in memory.
@@ -73,10 +103,34 @@ impl Domains {
     /// # Errors
     /// As [`Domains::read`].
     pub fn new(order: SourceFile, coarse: SourceFile, fine: SourceFile) -> Result<Domains, DomainError> {
-        for file in [&order, &coarse, &fine] {
-            solver::check(file)?;
+        solver::check(&order)?;
+        let coarse = Domain::new(&coarse, None)?;
+        let fine = Domain::new(&fine, Some(&coarse))?;
+        // Where the hand ends up, the next action begins.
+        let more = fine.show_more_than(&coarse);
+        Ok(Domains {
+            order,
+            coarse: Program { domain: coarse, more: PLAN.to_string() },
+            fine: Program { domain: fine, more: format!("{PLAN}{more}") },
+        })
+    }
+
+    /// The same rules with another file in place of one of them: a file with `bridge` laws for the fine domain, one
+    /// that ends in `.lp` for the order, any other for the coarse domain.
+    ///
+    /// # Errors
+    /// As [`Domains::read`].
+    pub fn with(&self, path: &Path) -> Result<Domains, DomainError> {
+        let (mut order, mut coarse, mut fine) =
+            (self.order.clone(), self.coarse.domain.file().clone(), self.fine.domain.file().clone());
+        if path.extension().is_some_and(|extension| extension == "lp") {
+            order = SourceFile::read(path).map_err(DomainError::Order)?;
+        } else {
+            let file = SourceFile::read(path).map_err(DomainError::Language)?;
+            let bridges = file.text().lines().any(|line| line.trim_start().starts_with("bridge "));
+            *(if bridges { &mut fine } else { &mut coarse }) = file;
         }
-        Ok(Domains { order, coarse, fine })
+        Domains::new(order, coarse, fine)
     }
 
     /// The rules for the order of the beams.
@@ -84,13 +138,13 @@ impl Domains {
         &self.order
     }
 
-    /// The rules of the coarse actions.
-    pub fn coarse(&self) -> &SourceFile {
-        &self.coarse
+    /// The coarse domain.
+    pub fn coarse(&self) -> &Domain {
+        &self.coarse.domain
     }
 
-    /// The rules of the fine actions.
-    pub fn fine(&self) -> &SourceFile {
-        &self.fine
+    /// The fine domain.
+    pub fn fine(&self) -> &Domain {
+        &self.fine.domain
     }
 }

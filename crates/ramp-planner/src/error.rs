@@ -19,6 +19,14 @@ pub enum PlanError {
         /// The name most like it.
         nearest: Option<String>,
     },
+    /// An action that the plan does not have.
+    #[error("the plan has no action {name}{}", suggestion(.nearest))]
+    UnknownAction {
+        /// The action, in the words of the rules.
+        name: String,
+        /// The action of the plan most like it.
+        nearest: Option<String>,
+    },
     /// The state contradicts itself.
     #[error("the state cannot be: {why}")]
     ImpossibleState {
@@ -42,13 +50,21 @@ pub enum PlanError {
         goal: String,
         /// Why, as the rules say it.
         why: String,
+        /// The beams that this is about.
+        beams: Vec<String>,
     },
-    /// It needs an action that the rules do not have yet.
-    #[error("{goal} has no plan yet: {why}")]
-    NotModelled {
+    /// No order of the beams is left to try.
+    #[error("{goal} cannot be built: no order of its beams can be carried out")]
+    NoOrder {
         /// The goal.
         goal: String,
-        /// What is missing, as the rules say it.
+    },
+    /// An action or a state contradicts the coarse domain.
+    #[error("{file}: {why}")]
+    Refused {
+        /// The rule file.
+        file: String,
+        /// Which law it contradicts.
         why: String,
     },
     /// The rules allow no plan for a part of the goal.

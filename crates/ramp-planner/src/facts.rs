@@ -1,84 +1,142 @@
 //! What the rules are told of the goal, the kit and the state: ground facts.
 //!
-//! Every rule file begins with the list of the facts that it reads. Lengths in them are whole micrometres, because
-//! clingo knows whole numbers only.
+//! `docs/src/language.md` lists them. Lengths in them are whole millimetres, because the rules know whole numbers
+//! only.
 
-use crate::state::Known;
+use crate::geometry::{Geometry, is_square, middle};
 use crate::term::Term;
 use ramp_assembly::{Assembly, JointRef};
-use ramp_kit::{Beam, Kit, Pose};
+use ramp_kit::JointType;
 
-/// The beams and connections of a goal, for the order and for the coarse actions.
-pub(crate) fn goal(assembly: &Assembly) -> Vec<Term> {
+/// The beams and connections of a goal and the ways to their places: for the order and the coarse domain.
+pub(crate) fn coarse(assembly: &Assembly, geometry: &Geometry) -> Vec<Term> {
     let mut facts = Vec::new();
-    for placed in &assembly.beams {
-        facts.push(Term::new("beam", [placed.beam.name.as_str().into()]));
-        joints(&mut facts, &placed.beam);
+    let beam = |index: usize| beam_name(assembly, index);
+    let mut ways: Vec<&str> = Vec::new();
+    for (index, placed) in assembly.beams.iter().enumerate() {
+        facts.push(Term::new("beam", [beam(index)]));
+        if index == assembly.base {
+            facts.push(Term::new("base", [beam(index)]));
+            continue;
+        }
+        if !placed.beam.stands_at_assembled_height() {
+            facts.push(Term::new("low", [beam(index)]));
+        }
+        let links = &placed.beam.links;
+        let (stands, pinned) = (vec![false; assembly.beams.len()], vec![false; assembly.connections.len()]);
+        let start = |link| geometry.graspable_at_start(index, link);
+        let place = |link| geometry.graspable_at_place(index, link, &stands, &pinned);
+        if !links.iter().any(|link| start(link) && place(link))
+            && links.iter().any(start)
+            && links.iter().any(place)
+        {
+            facts.push(Term::new("awkward", [beam(index)]));
+        }
+        for (number, way) in geometry.ways[index].iter().enumerate() {
+            if !ways.contains(&way.name) {
+                ways.push(way.name);
+            }
+            facts.push(Term::new("entry", [beam(index), way.name.into()]));
+            for other in geometry.blocked(index, number) {
+                facts.push(Term::new("blocked", [beam(index), way.name.into(), beam(other)]));
+            }
+        }
     }
-    facts.push(Term::new("base", [beam_name(assembly, assembly.base)]));
-    for index in 0..assembly.connections.len() {
-        connection(&mut facts, assembly, index);
-        facts.push(Term::new("rank", [connection_name(assembly, index), index.into()]));
+    facts.extend(ways.into_iter().map(|way| Term::new("way", [way.into()])));
+    for (index, connection) in assembly.connections.iter().enumerate() {
+        let name = connection_name(assembly, index);
+        let (female, male) = (connection.female, connection.male);
+        facts.push(Term::new("connection", [name.clone()]));
+        facts.push(Term::new("joins", [name.clone(), beam(female.beam), beam(male.beam)]));
+        facts.push(Term::new("joins", [name.clone(), beam(male.beam), beam(female.beam)]));
+        facts.push(Term::new("enters", [beam(male.beam), beam(female.beam)]));
+        if !kind(assembly, male).is_end() {
+            facts.push(Term::new("passes", [beam(male.beam), beam(female.beam)]));
+        }
+        if is_tight(assembly, index) {
+            facts.push(Term::new("tight", [name]));
+        }
+    }
+    for shuttle in &geometry.shuttles {
+        facts.push(Term::new("shuttle", [beam(shuttle.beam), beam(shuttle.cap)]));
     }
     facts
 }
 
-/// The proven order, and what stands already.
-pub(crate) fn order(facts: &mut Vec<Term>, assembly: &Assembly, known: &Known) {
-    for (rank, insertion) in assembly.insertions.iter().enumerate() {
-        facts.push(Term::new("proven", [beam_name(assembly, insertion.beam), rank.into()]));
-    }
-    for beam in (0..assembly.beams.len()).filter(|&beam| known.stands[beam]) {
-        facts.push(Term::new("placed", [beam_name(assembly, beam)]));
-    }
+/// Does the female of a connection hold the male within a play of 1.3°? A long one and one at an end of its beam do
+/// not.
+pub(crate) fn is_tight(assembly: &Assembly, connection: usize) -> bool {
+    let form = kind(assembly, assembly.connections[connection].female).form();
+    !form.male && !form.end && form.cavity < 1.5 * JointType::ThruF.form().cavity
 }
 
-/// The coarse fluents of a state: the hand is empty and over the sheet, and so is all that is not built in.
-pub(crate) fn state(assembly: &Assembly, known: &Known) -> Vec<Term> {
-    let mut fluents = vec![Term::new("at", [Term::new("input", [])])];
-    for beam in 0..assembly.beams.len() {
-        let name = beam_name(assembly, beam);
-        if known.misaligned[beam] {
-            fluents.push(Term::new("misaligned", [name.clone()]));
+/// The parts of the beams and what a hand can do with them: for the fine domain, on top of the coarse facts. What
+/// stands and is pinned decides where a hand has room.
+pub(crate) fn fine(
+    assembly: &Assembly,
+    geometry: &Geometry,
+    beams: &[usize],
+    stands: &[bool],
+    pinned: &[bool],
+) -> Vec<Term> {
+    let mut facts = Vec::new();
+    for &index in beams {
+        let placed = &assembly.beams[index];
+        let beam = beam_name(assembly, index);
+        let last = placed.beam.joints.len().saturating_sub(1);
+        let mm = |length: f64| Term::Number((length * 1e3).round() as i64);
+        for (number, joint) in placed.beam.joints.iter().enumerate() {
+            let name = Term::from(joint.name.as_str());
+            facts.push(Term::new("joint", [name.clone()]));
+            facts.push(Term::new("component", [name.clone(), beam.clone()]));
+            if joint.kind.is_male() && !joint.kind.is_end() {
+                facts.push(Term::new("through_joint", [name.clone()]));
+            }
+            if number == 0 || number == last {
+                facts.push(Term::new("tip", [name.clone()]));
+            }
+            for (other_number, other) in placed.beam.joints.iter().enumerate() {
+                let other_name = Term::from(other.name.as_str());
+                let apart = mm((joint.offset - other.offset).abs());
+                facts.push(Term::new("apart", [name.clone(), other_name.clone(), apart]));
+                if number > other_number {
+                    facts.push(Term::new("later", [name.clone(), other_name]));
+                }
+            }
         }
-        fluents.push(match known.stands[beam] {
-            true => Term::new("in_assembly", [name]),
-            false => Term::new("on_sheet", [Term::new("beam", [name])]),
-        });
+        for link in &placed.beam.links {
+            let name = Term::from(link.name.as_str());
+            facts.push(Term::new("link", [name.clone()]));
+            facts.push(Term::new("component", [name.clone(), beam.clone()]));
+            for joint in &placed.beam.joints {
+                let distance = mm((middle(link) - joint.offset).abs());
+                facts.push(Term::new("distance", [name.clone(), joint.name.as_str().into(), distance]));
+            }
+            let leverage = mm((middle(link) - placed.beam.span() / 2.0).abs());
+            facts.push(Term::new("leverage", [name.clone(), leverage]));
+            if geometry.graspable_at_start(index, link) {
+                facts.push(Term::new("graspable", [name.clone(), Term::new("start", [])]));
+            }
+            if geometry.graspable_at_place(index, link, stands, pinned) {
+                facts.push(Term::new("graspable", [name.clone(), Term::new("place", [])]));
+            }
+        }
+        if !is_square(&placed.x_ab) {
+            facts.push(Term::new("slanted", [beam]));
+        }
     }
-    for connection in 0..assembly.connections.len() {
-        let name = connection_name(assembly, connection);
-        fluents.push(match known.pinned[connection] {
-            true => Term::new("pinned", [name]),
-            false => Term::new("on_sheet", [Term::new("peg", [name])]),
-        });
+    for (index, connection) in assembly.connections.iter().enumerate() {
+        let joint = |joint: JointRef| Term::from(assembly.joint_name(joint));
+        facts.push(Term::new(
+            "mates",
+            [connection_name(assembly, index), joint(connection.male), joint(connection.female)],
+        ));
     }
-    fluents
+    facts
 }
 
-/// One beam as the fine actions see it: its joints, its links and how far away they are, and what it meets.
-pub(crate) fn beam(facts: &mut Vec<Term>, assembly: &Assembly, kit: &Kit, index: usize) {
-    let placed = &assembly.beams[index];
-    joints(facts, &placed.beam);
-    let x_wb_goal = kit.x_wa() * placed.x_ab;
-    let x_wb_start = kit.x_wb_start(&placed.beam);
-    for link in &placed.beam.links {
-        let name = Term::from(link.name.as_str());
-        let [low, high] = link.grasp;
-        let span = [name.clone(), beam_name(assembly, index), micrometres(low), micrometres(high)];
-        facts.push(Term::new("link", span));
-        let x_bg = Pose::translation(0.5 * (low + high), 0.0, 0.0);
-        let reach = |when: &str, x_wb: &Pose| {
-            let p_wg = (x_wb * x_bg).translation;
-            let radius = micrometres(p_wg.x.hypot(p_wg.y));
-            Term::new("reach", [name.clone(), Term::new(when, []), radius])
-        };
-        facts.push(reach("goal", &x_wb_goal));
-        facts.extend(x_wb_start.iter().map(|x_wb| reach("start", x_wb)));
-    }
-    for (index, _) in partners(assembly, index) {
-        connection(facts, assembly, index);
-    }
+fn kind(assembly: &Assembly, joint: JointRef) -> JointType {
+    assembly.beams[joint.beam].beam.joints[joint.joint].kind
 }
 
 /// The connections of a beam, each with the beam at its other side, by index.
@@ -90,34 +148,20 @@ pub(crate) fn partners(assembly: &Assembly, beam: usize) -> impl Iterator<Item =
         .filter_map(move |(index, connection)| Some((index, assembly.sides(connection, beam)?.1.beam)))
 }
 
-fn joints(facts: &mut Vec<Term>, beam: &Beam) {
-    for joint in &beam.joints {
-        let (name, of) = (joint.name.as_str().into(), beam.name.as_str().into());
-        // The rules know the types; a name of theirs has no hyphens.
-        let kind = Term::new(&joint.kind.name().replace('-', "_"), []);
-        facts.push(Term::new("joint", [name, of, micrometres(joint.offset), kind]));
-    }
-}
-
-fn connection(facts: &mut Vec<Term>, assembly: &Assembly, index: usize) {
-    let connection = &assembly.connections[index];
-    let joint = |joint: JointRef| Term::from(assembly.joint_name(joint));
-    let (female, male) = (connection.female, connection.male);
-    let sides =
-        [beam_name(assembly, female.beam), joint(female), beam_name(assembly, male.beam), joint(male)];
-    let [f, j, m, k] = sides;
-    facts.push(Term::new("connection", [connection_name(assembly, index), f, j, m, k]));
-}
-
-fn beam_name(assembly: &Assembly, index: usize) -> Term {
+pub(crate) fn beam_name(assembly: &Assembly, index: usize) -> Term {
     assembly.beams[index].beam.name.as_str().into()
 }
 
-fn connection_name(assembly: &Assembly, index: usize) -> Term {
+pub(crate) fn connection_name(assembly: &Assembly, index: usize) -> Term {
     assembly.connections[index].name.as_str().into()
 }
 
-/// Metres as whole micrometres.
-fn micrometres(length: f64) -> Term {
-    Term::Number((length * 1e6).round() as i64)
+/// `beam("b4")`, an item.
+pub(crate) fn beam_item(assembly: &Assembly, index: usize) -> Term {
+    Term::new("beam", [beam_name(assembly, index)])
+}
+
+/// `peg("C1")`, the peg of a connection.
+pub(crate) fn peg_item(assembly: &Assembly, index: usize) -> Term {
+    Term::new("peg", [connection_name(assembly, index)])
 }

@@ -1,6 +1,6 @@
 //! What goes into the planner and what comes out: plain data, names as in the kit and the goal.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display};
 
 /// What is known when planning starts. The default: nothing is built, the hand is empty and over the sheet.
@@ -14,13 +14,22 @@ pub struct State {
     pub misaligned: Vec<String>,
     /// Pegs that must not be used: lost, or out of reach.
     pub lost_pegs: Vec<String>,
+    /// Beams in the assembly that are pushed back, to let another one on.
+    pub deep: Vec<String>,
+    /// What the hand holds.
+    pub in_hand: Option<Item>,
+    /// What the hand holds has slipped: it is not held as it should be.
+    pub slipped: bool,
+    /// Where the hand is.
+    pub hand_over: Area,
 }
 
 /// Coarse places: three areas in a line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Area {
     /// Over the sheet.
+    #[default]
     Input,
     /// Between the sheet and the assembly.
     Intermediate,
@@ -29,7 +38,7 @@ pub enum Area {
 }
 
 /// A thing the hand can hold.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Item {
     /// A beam, by name.
@@ -48,7 +57,7 @@ impl Item {
 }
 
 /// An action of the coarse resolution.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "action")]
 pub enum CoarseAction {
     /// Move the hand, and what it holds, to a neighbouring area.
@@ -71,6 +80,26 @@ pub enum CoarseAction {
         /// Which beam.
         beam: String,
     },
+    /// Lay the held beam down at its place, with nothing to hold it.
+    LayDown {
+        /// Which beam.
+        beam: String,
+    },
+    /// Insert the held beam deeper than its place, through a joint that is open behind.
+    AssembleDeep {
+        /// Which beam.
+        beam: String,
+    },
+    /// Slide a beam that stands too deep forward to its place, with the hand empty before and after.
+    Slide {
+        /// Which beam.
+        beam: String,
+    },
+    /// Hold the beam by another link.
+    Regrasp {
+        /// Which beam.
+        beam: String,
+    },
     /// Pin a connection with the held peg.
     Fasten {
         /// The connection's name in the goal.
@@ -86,7 +115,7 @@ pub enum CoarseAction {
 }
 
 /// How the hand holds a thing.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Grasp {
     /// A beam, by one of its links.
@@ -96,7 +125,7 @@ pub enum Grasp {
 }
 
 /// Fine places of the hand.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Place {
     /// Over an area, clear of everything.
@@ -110,7 +139,7 @@ pub enum Place {
 }
 
 /// What a fine place belongs to.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Target {
     /// A beam's place in the assembly.
@@ -120,7 +149,7 @@ pub enum Target {
 }
 
 /// An action of the fine resolution: what a skill executes.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "action")]
 pub enum FineAction {
     /// Move the hand, and what it holds, along the graph of places.
@@ -146,6 +175,48 @@ pub enum FineAction {
         beam: String,
         /// Its joint that enters or receives, for example `b4j1`.
         joint: String,
+    },
+    /// Insert a joint of the held beam at an angle, along the beam's own axis.
+    AssembleAngled {
+        /// The held beam.
+        beam: String,
+        /// Its joint that enters.
+        joint: String,
+    },
+    /// Slide the held beam through sleeves and insert its end.
+    AssembleThrough {
+        /// The held beam.
+        beam: String,
+        /// Its joint that enters in the end.
+        joint: String,
+        /// Its joints that come to lie in sleeves, from j1 on.
+        through: Vec<String>,
+    },
+    /// Lay the held beam down at its place.
+    LayDown {
+        /// The held beam.
+        beam: String,
+    },
+    /// Insert the held beam deeper than its place; [`Plan::entries`] says how deep.
+    AssembleDeep {
+        /// The held beam.
+        beam: String,
+        /// Its joint that enters.
+        joint: String,
+    },
+    /// Grasp a beam that stands too deep, lift it level, slide it forward to its place, let go.
+    Slide {
+        /// Which beam.
+        beam: String,
+        /// The link to hold it by.
+        link: String,
+    },
+    /// Set the held beam down on the way and hold it by another link.
+    Regrasp {
+        /// The held beam.
+        beam: String,
+        /// The link to hold it by from now on.
+        link: String,
     },
     /// Cap: one or more joints of the assembly enter the held beam.
     AssembleCap {
@@ -175,7 +246,7 @@ pub enum FineAction {
 }
 
 /// A coarse action and the fine actions that carry it out.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CoarseStep {
     /// The coarse action.
     pub coarse: CoarseAction,
@@ -188,8 +259,23 @@ pub struct CoarseStep {
 pub struct Plan {
     /// The steps, in order.
     pub steps: Vec<CoarseStep>,
+    /// How the beams get to their places, in the order of the steps.
+    pub entries: Vec<Entry>,
     /// How hard it was to find.
     pub statistics: Statistics,
+}
+
+/// The straight motion with which a beam gets to its place.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Entry {
+    /// Which beam.
+    pub beam: String,
+    /// Direction of the motion in the assembly frame.
+    pub direction: [f64; 3],
+    /// Its length, m: from here on nothing is in the way.
+    pub distance: f64,
+    /// How much further than its place the beam goes at first, to be slid forward later, m; 0 for most.
+    pub depth: f64,
 }
 
 /// The planner's own figures.
@@ -197,8 +283,10 @@ pub struct Plan {
 pub struct Statistics {
     /// Number of calls to the solver.
     pub solves: usize,
-    /// Is the number of coarse actions proven to be the smallest, for this order of the beams?
+    /// Is the number of coarse actions proven to be the smallest?
     pub optimal: bool,
+    /// No plan has fewer coarse actions than this.
+    pub lower_bound: usize,
 }
 
 impl Plan {
@@ -245,6 +333,10 @@ impl Display for CoarseAction {
             CoarseAction::PickUp { item } => write!(f, "pick up {item}"),
             CoarseAction::PutDown { item } => write!(f, "put down {item}"),
             CoarseAction::Assemble { beam } => write!(f, "assemble {beam}"),
+            CoarseAction::LayDown { beam } => write!(f, "lay down {beam} at its place"),
+            CoarseAction::AssembleDeep { beam } => write!(f, "assemble {beam} too deep"),
+            CoarseAction::Slide { beam } => write!(f, "slide {beam} forward"),
+            CoarseAction::Regrasp { beam } => write!(f, "regrasp {beam}"),
             CoarseAction::Fasten { connection, peg } => write!(f, "fasten {connection} with {peg}"),
             CoarseAction::Push { beam } => write!(f, "push {beam}"),
         }
@@ -286,6 +378,14 @@ impl Display for FineAction {
             FineAction::PickUp { item, grasp } => write!(f, "pick up {item} by {grasp}"),
             FineAction::PutDown { item } => write!(f, "put down {item}"),
             FineAction::AssembleSquare { beam, joint } => write!(f, "insert {beam} by {joint}"),
+            FineAction::AssembleAngled { beam, joint } => write!(f, "insert {beam} at an angle by {joint}"),
+            FineAction::AssembleThrough { beam, joint, through } => {
+                write!(f, "slide {beam} in by {joint} until {} is in its sleeve", through.join(", "))
+            }
+            FineAction::LayDown { beam } => write!(f, "lay down {beam} at its place"),
+            FineAction::AssembleDeep { beam, joint } => write!(f, "insert {beam} too deep by {joint}"),
+            FineAction::Slide { beam, link } => write!(f, "slide {beam} forward by {link}"),
+            FineAction::Regrasp { beam, link } => write!(f, "regrasp {beam} by {link}"),
             FineAction::AssembleCap { beam, joints } => write!(f, "cap with {beam} at {}", joints.join(", ")),
             FineAction::Fasten { connection, female, male, peg } => {
                 write!(f, "fasten {connection} ({male}-{female}) with {peg}")

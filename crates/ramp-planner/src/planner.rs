@@ -1,33 +1,55 @@
 //! From an assembly and a state to a plan: the order of the beams, then coarse actions, then fine ones.
 //!
-//! What may be done, and how, stands in the rule files; here their answers are carried from level to level.
+//! What may be done, and how, stands in the rule files; here their answers are carried from level to level. A level
+//! that finds no answer to what the one above decided hands that back, and gets another decision.
 
-use crate::domains::Domains;
+use crate::answer::{Answers, Timeline, meaningless};
+use crate::domains::{Domains, Program};
 use crate::error::PlanError;
-use crate::facts;
-use crate::plan::{
-    Area, CoarseAction, CoarseStep, FineAction, Grasp, Item, Place, Plan, State, Statistics, Target,
-};
+use crate::facts::{self, beam_name, connection_name, peg_item};
+use crate::geometry::Geometry;
+use crate::language::ground::{Model, Refusal, State as Fluents};
+use crate::language::{FluentKind, Kind};
+use crate::plan::{CoarseStep, Entry, Plan, State, Statistics};
 use crate::shape::Shape;
-use crate::solver::{Shortest, Solver};
+use crate::solver::{Shortest, SolveError, Solver};
 use crate::state::{self, Known};
 use crate::term::Term;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_kit::source::SourceFile;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// The most fine actions in one coarse action; the rules never need more than four.
 const MOST_FINE_STEPS: i32 = 8;
+/// How many steps are prepared at once: to the sheet and back takes six.
+const COARSE_CHUNK: i32 = 6;
+const FINE_CHUNK: i32 = 2;
+/// How many orders of the beams are tried before the planner gives up.
+const MOST_ORDERS: usize = 24;
+
+/// How a plan is searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Prove that no plan has fewer coarse actions; takes much longer.
+    pub optimal: bool,
+    /// Look at no more of the goal at a time than what matters there.
+    pub zoom: bool,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options { optimal: false, zoom: true }
+    }
+}
 
 /// Plans what is left to do to build an assembly.
 ///
-/// The same input always gives the same plan. The beams follow the assembly's proven order; from task to task (a
-/// beam placed, a peg in its hole) the coarse actions are the fewest that the rules allow.
+/// The same input always gives the same plan.
 ///
 /// # Errors
-/// When the state cannot be, when the rules say that the goal cannot be built or needs what they do not model yet,
-/// when the pegs do not suffice, or when a rule file gives an answer that means nothing here.
+/// When the state cannot be, when the rules say that the goal cannot be built, when the pegs do not suffice, or when
+/// a rule file gives an answer that means nothing here.
 ///
 /// ```
 /// use ramp_planner::{CoarseAction, Domains, State, plan};
@@ -40,393 +62,740 @@ const MOST_FINE_STEPS: i32 = 8;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn plan(assembly: &Assembly, kit: &Kit, state: &State, domains: &Domains) -> Result<Plan, PlanError> {
+    plan_with(assembly, kit, state, domains, Options::default())
+}
+
+/// The same, searched in another way.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_with(
+    assembly: &Assembly,
+    kit: &Kit,
+    state: &State,
+    domains: &Domains,
+    options: Options,
+) -> Result<Plan, PlanError> {
     let known = state::look_up(assembly, kit, state)?;
-    let needed = known.pinned.iter().filter(|pinned| !**pinned).count();
+    let needed = known.pinned.iter().filter(|pinned| pinned.is_none()).count();
     if needed > known.pegs.len() {
         return Err(PlanError::Pegs { goal: assembly.name.clone(), needed, left: known.pegs.len() });
     }
-    let mut planner = Planner { assembly, kit, domains, solver: Solver::default() };
-    let order = planner.order(&known)?;
-    let coarse = planner.coarse(&order, &known)?;
-    let steps = planner.fine(&coarse, &known)?;
-    let statistics = Statistics { solves: planner.solver.solves, optimal: is_shortest(&steps) };
-    Ok(Plan { steps, statistics })
-}
-
-/// Is no plan shorter, for this order of the beams?
-///
-/// The hand begins over the sheet and every item costs it six actions: pick up, two moves, one to build it in, two
-/// moves back. The last item does not need those two, but one move that leaves the hand free. A push is only ever
-/// made where the next insertion or peg is not allowed without it. More actions than these may have been necessary
-/// for a push before the first item; that is not proven.
-fn is_shortest(steps: &[CoarseStep]) -> bool {
-    let count = |wanted: fn(&CoarseAction) -> bool| steps.iter().filter(|step| wanted(&step.coarse)).count();
-    let items = count(|action| matches!(action, CoarseAction::PickUp { .. }));
-    let pushes = count(|action| matches!(action, CoarseAction::Push { .. }));
-    steps.is_empty() || steps.len() < 6 * items + pushes
+    Planner::new(assembly, kit, domains, options).plan(&known)
 }
 
 /// What every step of planning needs.
-struct Planner<'a> {
-    assembly: &'a Assembly,
-    kit: &'a Kit,
-    domains: &'a Domains,
+pub(crate) struct Planner<'a> {
+    pub assembly: &'a Assembly,
+    pub kit: &'a Kit,
+    pub domains: &'a Domains,
+    pub geometry: Geometry<'a>,
+    pub facts: Vec<Term>,
+    pub model: Model<'a>,
     solver: Solver,
+    options: Options,
+    /// Answers to problems of the same shape.
+    coarse_answers: KnownAnswers,
+    fine_answers: KnownAnswers,
 }
 
-/// A coarse action in the terms of the rules, with the fluents before it.
-struct CoarseTerm {
-    action: Term,
-    before: Vec<Term>,
+/// Answers to problems of one domain, by their shape, and programs by the names of their facts.
+#[derive(Default)]
+struct KnownAnswers {
+    answers: HashMap<String, Option<Shortest>>,
+    programs: HashMap<String, SourceFile>,
 }
 
-impl Planner<'_> {
-    /// The beams that are not in yet, by index, in the order in which they are to be placed.
-    fn order(&mut self, known: &Known) -> Result<Vec<usize>, PlanError> {
-        let rules = self.domains.order();
-        let mut facts = facts::goal(self.assembly);
-        facts::order(&mut facts, self.assembly, known);
-        let solved = self.solver.best(rules, &facts).map_err(|error| PlanError::solver(rules, &error))?;
-        let no_order = || self.no_plan(rules, "an order of the beams", 0);
-        let answer = solved.ok_or_else(no_order)?;
-        self.raise_problem(rules, &answer)?;
+impl KnownAnswers {
+    fn shortest(
+        &mut self,
+        solver: &mut Solver,
+        program: &Program,
+        shape: &Shape,
+        range: [i32; 2],
+        chunk: i32,
+    ) -> Result<Option<Shortest>, PlanError> {
+        let key = shape.key();
+        if let Some(found) = self.answers.get(&key) {
+            return Ok(found.clone());
+        }
+        let names: BTreeSet<&str> = shape.facts.iter().filter_map(|fact| Some(fact.parts()?.0)).collect();
+        let name = names.iter().copied().collect::<Vec<_>>().join(" ");
+        let rules = self.programs.entry(name).or_insert_with(|| program.for_facts(&names));
+        let found = solver
+            .shortest(rules, &shape.facts, range, chunk)
+            .map_err(|error| PlanError::solver(rules, &error))?;
+        Ok(self.answers.entry(key).or_insert(found).clone())
+    }
+}
 
-        let mut before = Vec::new();
-        for term in &answer {
-            if let Some(("before", arguments)) = term.parts() {
-                let [first, second] = arguments else { return Err(meaningless(rules, term)) };
-                before.push((self.beam(rules, first)?, self.beam(rules, second)?));
+/// An answer of the first level.
+#[derive(Clone, Debug, Default)]
+struct Order {
+    /// The beams that are not in yet, in the order in which they are to be placed.
+    sequence: Vec<usize>,
+    before: Vec<(usize, usize)>,
+    deep: Vec<usize>,
+}
+
+/// Something to be reached: fluents that are to be true or false.
+type Task = Vec<(Term, bool)>;
+
+/// A coarse action with the states around it.
+#[derive(Clone)]
+pub(crate) struct Transition {
+    pub action: Term,
+    pub before: Fluents,
+    pub after: Fluents,
+}
+
+impl<'a> Planner<'a> {
+    pub(crate) fn new(
+        assembly: &'a Assembly,
+        kit: &'a Kit,
+        domains: &'a Domains,
+        options: Options,
+    ) -> Planner<'a> {
+        let geometry = Geometry::new(assembly, kit);
+        let facts = facts::coarse(assembly, &geometry);
+        let model = Model::new(domains.coarse(), &facts);
+        Planner {
+            assembly,
+            kit,
+            domains,
+            geometry,
+            facts,
+            model,
+            solver: Solver::default(),
+            options,
+            coarse_answers: KnownAnswers::default(),
+            fine_answers: KnownAnswers::default(),
+        }
+    }
+
+    /// The coarse state that is known.
+    pub(crate) fn fluents(&self, known: &Known) -> Result<Fluents, PlanError> {
+        let mut told = known.told(self.assembly);
+        if known.held_peg.is_some() {
+            // Pegs are alike: it is the one of the connection that is pinned next.
+            let first = self.tasks(&Order::default(), known).into_iter().flatten().find_map(|(term, _)| {
+                let (name, arguments) = term.parts()?;
+                (name == "pinned").then(|| Term::new("in_hand", [Term::new("peg", [arguments[0].clone()])]))
+            });
+            let open = known.pinned.iter().position(Option::is_none);
+            let any = open.map(|index| Term::new("in_hand", [peg_item(self.assembly, index)]));
+            told.extend(first.or(any));
+        }
+        self.model.initial(&told, &[]).map_err(|refusal| self.refused(refusal, "the state"))
+    }
+
+    fn plan(&mut self, known: &Known) -> Result<Plan, PlanError> {
+        let (transitions, steps, lower_bound) = self.search(known)?;
+        let statistics =
+            Statistics { solves: self.solver.solves, optimal: lower_bound == transitions.len(), lower_bound };
+        Ok(Plan { entries: self.entries(&transitions), steps, statistics })
+    }
+
+    /// The coarse actions of the plan, with the states between them.
+    pub(crate) fn transitions(&mut self, known: &Known) -> Result<Vec<Transition>, PlanError> {
+        Ok(self.search(known)?.0)
+    }
+
+    /// Tries one order of the beams after another.
+    fn search(&mut self, known: &Known) -> Result<(Vec<Transition>, Vec<CoarseStep>, usize), PlanError> {
+        let start = self.fluents(known)?;
+        let mut refused: Vec<Order> = Vec::new();
+        let mut first_error: Option<PlanError> = None;
+        loop {
+            let order = match self.order(known, &refused) {
+                Ok(order) => order,
+                // What the levels below said of the first order says more.
+                Err(error) => return Err(first_error.unwrap_or(error)),
+            };
+            match self.build(&order, known, &start) {
+                Ok(found) => return Ok(found),
+                Err(error @ (PlanError::NoPlan { .. } | PlanError::Illegal { .. })) => {
+                    let first = first_error.get_or_insert(error);
+                    refused.push(order);
+                    if refused.len() >= MOST_ORDERS {
+                        return Err(std::mem::replace(
+                            first,
+                            PlanError::NoOrder { goal: self.assembly.name.clone() },
+                        ));
+                    }
+                }
+                Err(error) => return Err(error),
             }
+        }
+    }
+
+    /// Coarse and fine actions for an order, and a number of coarse actions that no plan goes below.
+    fn build(
+        &mut self,
+        order: &Order,
+        known: &Known,
+        start: &Fluents,
+    ) -> Result<(Vec<Transition>, Vec<CoarseStep>, usize), PlanError> {
+        let mut transitions = self.coarse(order, known, start)?;
+        let mut lower_bound = lower_bound(known).min(transitions.len());
+        if self.options.optimal && lower_bound < transitions.len() {
+            let (shorter, proven) = self.shorter(start, lower_bound, transitions.len() - 1)?;
+            if let Some(actions) = shorter {
+                transitions = self.walk(start, &actions)?;
+            }
+            lower_bound = proven.min(transitions.len());
+        }
+        let steps = self.fine(&transitions, known)?;
+        Ok((transitions, steps, lower_bound))
+    }
+
+    // ---- The order of the beams -------------------------------------------------------------------------------
+
+    fn order(&mut self, known: &Known, refused: &[Order]) -> Result<Order, PlanError> {
+        let rules = self.domains.order();
+        let name = |beam: usize| beam_name(self.assembly, beam);
+        let mut facts = self.facts.clone();
+        for (rank, insertion) in self.assembly.insertions.iter().enumerate() {
+            facts.push(Term::new("proven", [name(insertion.beam), rank.into()]));
+        }
+        for beam in (0..self.assembly.beams.len()).filter(|&beam| known.stands[beam]) {
+            facts.push(Term::new("placed", [name(beam)]));
+            if known.deep[beam] {
+                facts.push(Term::new("is_deep", [name(beam)]));
+            }
+        }
+        for (number, order) in refused.iter().enumerate() {
+            facts.push(Term::new("refused", [number.into()]));
+            let pairs = order.before.iter();
+            facts.extend(pairs.map(|&(a, b)| Term::new("refused", [number.into(), name(a), name(b)])));
+            let deep = order.deep.iter();
+            facts.extend(deep.map(|&beam| Term::new("refused_deep", [number.into(), name(beam)])));
+        }
+        let solved = self.solver.best(rules, &facts).map_err(|error| PlanError::solver(rules, &error))?;
+        let answer = solved.ok_or_else(|| PlanError::NoOrder { goal: self.assembly.name.clone() })?;
+        let answers = Answers { assembly: self.assembly, kit: self.kit, rules };
+
+        let mut order = Order::default();
+        let mut problems = Vec::new();
+        for term in &answer {
+            match term.parts() {
+                Some(("before", [first, second])) => {
+                    order.before.push((answers.beam(first)?, answers.beam(second)?));
+                }
+                Some(("deep", [beam])) => {
+                    let beam = answers.beam(beam)?;
+                    if !known.stands[beam] {
+                        order.deep.push(beam);
+                    }
+                }
+                Some(("laid", [_])) => {}
+                Some(("problem", [words])) => problems.push(words),
+                _ => return Err(meaningless(rules, term)),
+            }
+        }
+        problems.sort();
+        if let Some(words) = problems.first() {
+            return Err(self.illegal(words));
         }
         // Again and again, the first beam of the proven order that waits for no other.
-        let rank = |beam: usize| {
-            let proven = self.assembly.insertions.iter().position(|insertion| insertion.beam == beam);
-            (proven.unwrap_or(usize::MAX), beam)
-        };
-        let mut placed = known.stands.clone();
-        let mut order = Vec::new();
-        while let Some(next) = (0..placed.len())
-            .filter(|&beam| !placed[beam])
-            .filter(|&beam| before.iter().all(|&(first, second)| second != beam || placed[first]))
-            .min_by_key(|&beam| rank(beam))
-        {
-            placed[next] = true;
-            order.push(next);
-        }
-        if placed.contains(&false) { Err(no_order()) } else { Ok(order) }
-    }
-
-    /// The coarse actions, task by task.
-    fn coarse(&mut self, order: &[usize], known: &Known) -> Result<Vec<CoarseTerm>, PlanError> {
-        let rules = self.domains.coarse();
-        let failed = |error| PlanError::solver(rules, &error);
-        let mut facts = facts::goal(self.assembly);
-        for (position, &beam) in order.iter().enumerate() {
-            let name = self.assembly.beams[beam].beam.name.as_str();
-            facts.push(Term::new("position", [name.into(), position.into()]));
-        }
-        let problem = |state: &[Term]| [&facts[..], &initially(state)[..]].concat();
-        let mut state = facts::state(self.assembly, known);
-
-        let answer = self.solver.best(rules, &problem(&state)).map_err(failed)?.unwrap_or_default();
-        self.raise_problem(rules, &answer)?;
-        let mut tasks = Vec::new();
-        for term in &answer {
-            if let Some(("task", arguments)) = term.parts() {
-                let [key, task] = arguments else { return Err(meaningless(rules, term)) };
-                tasks.push((key, task));
+        let mut waits = vec![0usize; self.assembly.beams.len()];
+        let mut after: Vec<Vec<usize>> = vec![Vec::new(); self.assembly.beams.len()];
+        for &(first, second) in &order.before {
+            if !known.stands[first] {
+                waits[second] += 1;
+                after[first].push(second);
             }
         }
-        tasks.sort();
-
-        // To the assembly and back with a push for every beam, the way there and back again, and the task itself.
-        let most = i32::try_from(self.assembly.beams.len()).unwrap_or(i32::MAX).saturating_add(12);
-        let mut actions = Vec::new();
-        for (_, task) in tasks {
-            let mut problem = problem(&state);
-            problem.push(Term::new("goal", [task.clone()]));
-            let found = self.solver.shortest(rules, &problem, most).map_err(failed)?;
-            let found = found.ok_or_else(|| self.no_plan(rules, &task.to_string(), most))?;
-            let timeline = Timeline::of(rules, found)?;
-            let steps = timeline.actions.into_iter().zip(timeline.before);
-            actions.extend(steps.map(|(action, before)| CoarseTerm { action, before }));
-            // Where this task ends, the next begins.
-            state = timeline.end;
+        let mut rank = vec![usize::MAX; self.assembly.beams.len()];
+        for (position, insertion) in self.assembly.insertions.iter().enumerate() {
+            rank[insertion.beam] = position;
         }
-        Ok(actions)
+        let mut ready: BTreeSet<(usize, usize)> = (0..waits.len())
+            .filter(|&beam| !known.stands[beam] && waits[beam] == 0)
+            .map(|beam| (rank[beam], beam))
+            .collect();
+        while let Some((_, next)) = ready.pop_first() {
+            order.sequence.push(next);
+            for &beam in &after[next] {
+                waits[beam] -= 1;
+                if waits[beam] == 0 {
+                    ready.insert((rank[beam], beam));
+                }
+            }
+        }
+        if order.sequence.len() < known.stands.iter().filter(|stands| !**stands).count() {
+            return Err(PlanError::NoOrder { goal: self.assembly.name.clone() });
+        }
+        Ok(order)
     }
 
-    /// The fine actions under each coarse action.
-    fn fine(&mut self, coarse: &[CoarseTerm], known: &Known) -> Result<Vec<CoarseStep>, PlanError> {
-        let rules = self.domains.fine();
-        let failed = |error| PlanError::solver(rules, &error);
-        let mut pegs = Pegs { free: known.pegs.iter(), of: vec![None; self.assembly.connections.len()] };
-        let mut state = vec![Term::new("at", [Term::new("above", [Term::new("input", [])])])];
-        let mut solved: HashMap<String, Shortest> = HashMap::new();
-        let mut steps = Vec::new();
-        for CoarseTerm { action, before } in coarse {
-            let facts = [self.zoom(action, before), initially(&state)].concat();
-            let shape = Shape::of(&facts);
-            let key = shape.facts.iter().map(Term::to_string).collect();
-            let mut found = match solved.get(&key) {
-                Some(found) => found.clone(),
-                None => match self.solver.shortest(rules, &shape.facts, MOST_FINE_STEPS).map_err(failed)? {
-                    Some(found) => solved.entry(key).or_insert(found).clone(),
-                    None => {
-                        // Without a goal there is an answer, and in it the rules may say why.
-                        let answer = self.solver.best(rules, &facts).map_err(failed)?.unwrap_or_default();
-                        self.raise_problem(rules, &answer)?;
-                        return Err(self.no_plan(rules, &action.to_string(), MOST_FINE_STEPS));
-                    }
-                },
-            };
-            found.shown = found.shown.iter().map(|term| shape.name(term)).collect();
+    /// A problem in the words of the rules as an error.
+    fn illegal(&self, words: &Term) -> PlanError {
+        let texts = words.texts();
+        let is_beam = |text: &&&str| self.assembly.beam_index(text).is_some();
+        let mut beams: Vec<String> = texts.iter().filter(is_beam).map(|text| text.to_string()).collect();
+        beams.dedup();
+        PlanError::Illegal { goal: self.assembly.name.clone(), why: texts.join(" "), beams }
+    }
 
-            let receives = self.receives(&found);
-            let timeline = Timeline::of(rules, found)?;
-            state = timeline.end;
-            let coarse = self.coarse_action(action, &mut pegs)?;
-            let fine = timeline.actions.iter().map(|term| self.fine_action(term, &receives, &mut pegs));
+    // ---- Coarse actions ---------------------------------------------------------------------------------------
+
+    /// What is to be reached, one after the other: a beam placed, its connections pinned, beams slid forward.
+    fn tasks(&self, order: &Order, known: &Known) -> Vec<Task> {
+        let mut stands = known.stands.clone();
+        let mut deep = known.deep.clone();
+        let mut pinned: Vec<bool> = known.pinned.iter().map(Option::is_some).collect();
+        let mut tasks = Vec::new();
+        self.finish(&stands, &mut deep, &mut pinned, &mut tasks);
+        for &beam in &order.sequence {
+            stands[beam] = true;
+            deep[beam] = order.deep.contains(&beam);
+            let name = beam_name(self.assembly, beam);
+            let fluents = [("in_assembly", true), ("deep", deep[beam])];
+            tasks.push(fluents.map(|(fluent, truth)| (Term::new(fluent, [name.clone()]), truth)).to_vec());
+            self.finish(&stands, &mut deep, &mut pinned, &mut tasks);
+        }
+        tasks
+    }
+
+    /// Pegs for what is closed, then beams slid forward where all is there that they go into, and pegs again.
+    fn finish(&self, stands: &[bool], deep: &mut [bool], pinned: &mut [bool], tasks: &mut Vec<Task>) {
+        loop {
+            // First where a joint guides the male: around the first peg of any other, it turns.
+            let mut indices: Vec<usize> = (0..self.assembly.connections.len()).collect();
+            indices.sort_by_key(|&index| !facts::is_tight(self.assembly, index));
+            for index in indices {
+                let connection = &self.assembly.connections[index];
+                let sides = [connection.female.beam, connection.male.beam];
+                if !pinned[index] && sides.iter().all(|&beam| stands[beam] && !deep[beam]) {
+                    pinned[index] = true;
+                    tasks.push(vec![(Term::new("pinned", [connection_name(self.assembly, index)]), true)]);
+                }
+            }
+            let ready = |beam: &usize| {
+                deep[*beam] && facts::partners(self.assembly, *beam).all(|(_, other)| stands[other])
+            };
+            let Some(next) = (0..stands.len()).find(ready) else { return };
+            deep[next] = false;
+            tasks.push(vec![(Term::new("aligned", [beam_name(self.assembly, next)]), true)]);
+        }
+    }
+
+    fn coarse(
+        &mut self,
+        order: &Order,
+        known: &Known,
+        start: &Fluents,
+    ) -> Result<Vec<Transition>, PlanError> {
+        let mut facts = self.facts.clone();
+        let name = |beam: usize| beam_name(self.assembly, beam);
+        facts.extend(order.before.iter().map(|&(a, b)| Term::new("before", [name(a), name(b)])));
+        let mut transitions: Vec<Transition> = Vec::new();
+        let mut state = start.clone();
+        for task in self.tasks(order, known) {
+            self.reach(&task, &facts, &mut state, &mut transitions)?;
+        }
+        // What the domain asks of the end: a free hand that stands aside, and whatever else it says.
+        for _ in 0..2 {
+            let missing = self.model.missing(&state);
+            if missing.is_empty() {
+                return Ok(transitions);
+            }
+            self.reach(&missing, &facts, &mut state, &mut transitions)?;
+        }
+        match self.model.missing(&state).first() {
+            None => Ok(transitions),
+            Some((fluent, _)) => {
+                Err(self.no_plan(self.domains.coarse().file().name(), &fluent.to_string(), 0))
+            }
+        }
+    }
+
+    /// Adds the fewest actions that reach a task.
+    fn reach(
+        &mut self,
+        task: &Task,
+        facts: &[Term],
+        state: &mut Fluents,
+        transitions: &mut Vec<Transition>,
+    ) -> Result<(), PlanError> {
+        let held = |fluent: &(Term, bool)| self.model.holds(state, &fluent.0) == fluent.1;
+        if task.iter().all(held) {
+            return Ok(());
+        }
+        if self.options.zoom
+            && let Some(actions) = self.solve_task(task, facts, state, true)?
+            && let Ok(walked) = self.walk(state, &actions)
+        {
+            // Judged on the whole goal: what was left out made no difference.
+            if let Some(last) = walked.last()
+                && task.iter().all(|(fluent, truth)| self.model.holds(&last.after, fluent) == *truth)
+            {
+                *state = last.after.clone();
+                transitions.extend(walked);
+                return Ok(());
+            }
+        }
+        let name = self.domains.coarse().file().name().to_string();
+        let words = task.iter().map(|(fluent, truth)| format!("{}{fluent}", if *truth { "" } else { "-" }));
+        let words = words.collect::<Vec<_>>().join(", ");
+        let actions = self
+            .solve_task(task, facts, state, false)?
+            .ok_or_else(|| self.no_plan(&name, &words, most_steps(self.assembly)))?;
+        let walked = self.walk(state, &actions)?;
+        if let Some(last) = walked.last() {
+            *state = last.after.clone();
+        }
+        transitions.extend(walked);
+        Ok(())
+    }
+
+    fn solve_task(
+        &mut self,
+        task: &Task,
+        facts: &[Term],
+        state: &Fluents,
+        zoom: bool,
+    ) -> Result<Option<Vec<Term>>, PlanError> {
+        let told = self.model.inertial(state);
+        let mut problem: Vec<Term> = Vec::new();
+        let goal = |(fluent, truth): &(Term, bool)| {
+            Term::new(if *truth { "goal" } else { "avoid" }, [fluent.clone()])
+        };
+        let told = told.into_iter().map(|fluent| Term::new("told", [fluent]));
+        if zoom {
+            let keep = self.around(task, &self.model.inertial(state));
+            let matters = |term: &Term| term.texts().into_iter().all(|text| keep.contains(text));
+            problem.extend(facts.iter().filter(|term| matters(term)).cloned());
+            problem.extend(told.filter(matters));
+        } else {
+            problem.extend(facts.iter().cloned());
+            problem.extend(told);
+        }
+        problem.extend(task.iter().map(goal));
+        problem.push(Term::new("resumed", []));
+        let ways: Vec<&str> = self.geometry.ways.iter().flatten().map(|way| way.name).collect();
+        let shape = Shape::of(&problem, &ways);
+        let program = self.domains.coarse().file();
+        let most = most_steps(self.assembly);
+        let found = self.coarse_answers.shortest(
+            &mut self.solver,
+            &self.domains.coarse,
+            &shape,
+            [0, most],
+            COARSE_CHUNK,
+        )?;
+        let Some(mut found) = found else { return Ok(None) };
+        found.shown = found.shown.iter().map(|term| shape.name(term)).collect();
+        let mut actions = Timeline::of(program, found)?.actions;
+        // Pushes that follow each other may come in any order; it is the same one every time.
+        for run in actions.chunk_by_mut(|a, b| is_push(a) && is_push(b)) {
+            run.sort_by_key(|action| action.texts().first().and_then(|name| self.assembly.beam_index(name)));
+        }
+        Ok(Some(actions))
+    }
+
+    /// The names that a task can have to do with: its beams, those around them, and those around these.
+    fn around(&self, task: &Task, told: &[Term]) -> BTreeSet<String> {
+        let mut names: BTreeSet<String> =
+            self.geometry.ways.iter().flatten().map(|way| way.name.to_string()).collect();
+        let in_hand = told.iter().filter(|fluent| matches!(fluent.parts(), Some(("in_hand" | "stuck", _))));
+        let texts = task.iter().map(|(fluent, _)| fluent).chain(in_hand).flat_map(Term::texts);
+        let mut beams: BTreeSet<usize> = BTreeSet::new();
+        for text in texts {
+            beams.extend(self.assembly.beam_index(text));
+            if let Some(index) = self.assembly.connection_index(text) {
+                let connection = &self.assembly.connections[index];
+                beams.extend([connection.female.beam, connection.male.beam]);
+            }
+        }
+        let in_the_way: Vec<usize> = beams
+            .iter()
+            .flat_map(|&beam| (0..self.geometry.ways[beam].len()).map(move |way| (beam, way)))
+            .flat_map(|(beam, way)| self.geometry.blocked(beam, way))
+            .collect();
+        for _ in 0..2 {
+            let next: Vec<usize> = beams
+                .iter()
+                .flat_map(|&beam| facts::partners(self.assembly, beam))
+                .map(|(_, other)| other)
+                .collect();
+            beams.extend(next);
+        }
+        beams.extend(in_the_way);
+        names.extend(beams.iter().map(|&beam| self.assembly.beams[beam].beam.name.clone()));
+        for connection in &self.assembly.connections {
+            if beams.contains(&connection.female.beam) && beams.contains(&connection.male.beam) {
+                names.insert(connection.name.clone());
+            }
+        }
+        names
+    }
+
+    /// The states along some actions, by the definition of the language.
+    pub(crate) fn walk(&self, start: &Fluents, actions: &[Term]) -> Result<Vec<Transition>, PlanError> {
+        let mut before = start.clone();
+        let mut transitions = Vec::new();
+        for action in actions {
+            let after = self
+                .model
+                .after(&before, action)
+                .map_err(|refusal| self.refused(refusal, &action.to_string()))?;
+            transitions.push(Transition { action: action.clone(), before, after: after.clone() });
+            before = after;
+        }
+        Ok(transitions)
+    }
+
+    /// A plan of at most so many coarse actions for the whole goal, if there is one; and no plan is shorter than
+    /// the number that comes with it.
+    fn shorter(
+        &mut self,
+        start: &Fluents,
+        least: usize,
+        most: usize,
+    ) -> Result<(Option<Vec<Term>>, usize), PlanError> {
+        let mut problem = self.facts.clone();
+        let names: BTreeSet<&str> = self.facts.iter().filter_map(name_of).collect();
+        let program = self.domains.coarse.for_facts(&names);
+        let text =
+            format!("{}#program base.\ngoal(F) :- final(F).\navoid(F) :- final_not(F).\n", program.text());
+        let program = SourceFile::new(program.name(), &text);
+        let told = self.model.inertial(start);
+        problem.extend(told.into_iter().map(|fluent| Term::new("told", [fluent])));
+        problem.push(Term::new("resumed", []));
+        let count = |number: usize| i32::try_from(number).unwrap_or(i32::MAX);
+        for steps in least..=most {
+            match self.solver.shortest(&program, &problem, [count(steps); 2], 0) {
+                Ok(Some(found)) => return Ok((Some(Timeline::of(&program, found)?.actions), steps)),
+                Ok(None) => {}
+                Err(SolveError::Limit) => return Ok((None, steps)),
+                Err(error) => return Err(PlanError::solver(&program, &error)),
+            }
+        }
+        Ok((None, most + 1))
+    }
+
+    // ---- Fine actions -----------------------------------------------------------------------------------------
+
+    /// The fine actions under each coarse action.
+    pub(crate) fn fine(
+        &mut self,
+        transitions: &[Transition],
+        known: &Known,
+    ) -> Result<Vec<CoarseStep>, PlanError> {
+        let above = Term::new("above", [state::area_name(known.area)]);
+        let mut own = vec![Term::new("hand_at", [above])];
+        let mut pegs = Pegs::new(self.assembly, known);
+        let mut steps = Vec::new();
+        for transition in transitions {
+            let actions = self.refine(transition, &mut own)?;
+            let answers =
+                Answers { assembly: self.assembly, kit: self.kit, rules: self.domains.fine().file() };
+            let (stands, deep) = self.standing(&transition.before);
+            let coarse = answers.coarse_action(&transition.action, &mut pegs)?;
+            let fine = actions.iter().map(|term| answers.fine_action(term, &stands, &deep, &mut pegs));
             steps.push(CoarseStep { coarse, fine: fine.collect::<Result<_, _>>()? });
         }
         Ok(steps)
     }
 
-    /// What the fine rules see of a coarse action: only the beams that it names, and of the state before it only
-    /// what concerns the beams that those meet.
-    fn zoom(&self, action: &Term, before: &[Term]) -> Vec<Term> {
-        let mut facts = vec![Term::new("coarse", [action.clone()])];
-        for beam in action.texts().into_iter().filter_map(|name| self.assembly.beam_index(name)) {
-            facts::beam(&mut facts, self.assembly, self.kit, beam);
-            let partners: Vec<&str> = facts::partners(self.assembly, beam)
-                .map(|(_, other)| self.assembly.beams[other].beam.name.as_str())
-                .collect();
-            let concerns = |fluent: &&Term| fluent.texts().iter().any(|text| partners.contains(text));
-            facts.extend(before.iter().filter(concerns).map(|fluent| Term::new("before", [fluent.clone()])));
+    /// Which beams stand in a coarse state, and which of them are pushed back.
+    pub(crate) fn standing(&self, state: &Fluents) -> (Vec<bool>, Vec<bool>) {
+        let names = ["in_assembly", "deep"];
+        let [stands, deep] = names.map(|fluent| {
+            let holds = |beam| self.model.holds(state, &Term::new(fluent, [beam_name(self.assembly, beam)]));
+            (0..self.assembly.beams.len()).map(holds).collect()
+        });
+        (stands, deep)
+    }
+
+    /// The fine actions for one coarse action. `own`: the fine fluents that have no coarse ones of their name,
+    /// before and then after it.
+    fn refine(&mut self, transition: &Transition, own: &mut Vec<Term>) -> Result<Vec<Term>, PlanError> {
+        let fine = self.domains.fine();
+        let mut names = self.model.relevant(&transition.before, &transition.action, &transition.after);
+        for fluent in own.iter().filter(|fluent| matches!(fluent.parts(), Some(("hand_at", _)))) {
+            names.extend(fluent.texts().into_iter().map(str::to_string));
         }
-        facts
+        let (stands, _) = self.standing(&transition.before);
+        let pinned: Vec<bool> = (0..self.assembly.connections.len())
+            .map(|index| Term::new("pinned", [connection_name(self.assembly, index)]))
+            .map(|fluent| self.model.holds(&transition.before, &fluent))
+            .collect();
+        let all = 0..self.assembly.beams.len();
+        let zoom = self.options.zoom;
+        let beams: Vec<usize> =
+            all.filter(|&beam| !zoom || names.contains(&self.assembly.beams[beam].beam.name)).collect();
+        let facts = facts::fine(self.assembly, &self.geometry, &beams, &stands, &pinned);
+        // What belongs to a relevant thing is relevant.
+        for fact in &facts {
+            if let Some(("component", [part, whole])) = fact.parts()
+                && whole.texts().iter().all(|text| names.contains(*text))
+            {
+                names.extend(part.texts().into_iter().map(str::to_string));
+            }
+        }
+        let matters = |term: &Term| !zoom || term.texts().into_iter().all(|text| names.contains(text));
+        let mut problem: Vec<Term> =
+            self.facts.iter().chain(&facts).filter(|fact| matters(fact)).cloned().collect();
+        let before = self.model.inertial(&transition.before);
+        let shared =
+            before.iter().filter(|fluent| name_of(fluent).is_some_and(|name| fine.kind(name).is_some()));
+        let told = shared.chain(own.iter()).filter(|fluent| matters(fluent));
+        problem.extend(told.map(|fluent| Term::new("told", [fluent.clone()])));
+        problem.push(Term::new("resumed", []));
+        // The coarse fluents that become true, as far as the fine domain knows of them.
+        for fluent in self.model.inertial(&transition.after) {
+            if before.contains(&fluent) {
+                continue;
+            }
+            let Some(name) = name_of(&fluent) else { continue };
+            if fine.kind(name) == Some(Kind::Fluent(FluentKind::Inertial)) {
+                problem.push(Term::new("goal", [fluent]));
+            } else if fine.bridges(name) {
+                problem.push(Term::new("goal", [Term::new("coarse", [fluent])]));
+            }
+        }
+        let shape = Shape::of(&problem, &[]);
+        let program = self.domains.fine().file();
+        let found = self.fine_answers.shortest(
+            &mut self.solver,
+            &self.domains.fine,
+            &shape,
+            [0, MOST_FINE_STEPS],
+            FINE_CHUNK,
+        )?;
+        let Some(mut found) = found else { return Err(self.no_fine_plan(transition)) };
+        found.shown = found.shown.iter().map(|term| shape.name(term)).collect();
+        let timeline = Timeline::of(program, found)?;
+        // What was left out of sight stays, unless something else of the kind has come: one hand has one place.
+        let names: BTreeSet<&str> = timeline.end.iter().filter_map(name_of).collect();
+        own.retain(|fluent| !matters(fluent) && !name_of(fluent).is_some_and(|name| names.contains(name)));
+        drop(names);
+        own.extend(timeline.end);
+        Ok(timeline.actions)
     }
 
-    /// The joints that a cap puts over males, from j1 to jn.
-    fn receives(&self, found: &Shortest) -> Vec<String> {
-        let shown = found.shown.iter().filter(|term| matches!(term.parts(), Some(("receives", _))));
-        let received: Vec<&str> = shown.flat_map(Term::texts).collect();
-        let joints = self.assembly.beams.iter().flat_map(|placed| &placed.beam.joints);
-        joints.map(|joint| joint.name.clone()).filter(|name| received.contains(&name.as_str())).collect()
+    fn no_fine_plan(&self, transition: &Transition) -> PlanError {
+        let texts = transition.action.texts();
+        let beam = texts.iter().find(|text| self.assembly.beam_index(text).is_some());
+        match (transition.action.parts(), beam) {
+            (Some(("pick_up", _)), Some(beam)) => PlanError::Illegal {
+                goal: self.assembly.name.clone(),
+                why: format!(
+                    "{beam} has no link that the hand can hold both where it starts and at its place"
+                ),
+                beams: vec![beam.to_string()],
+            },
+            (Some(("push" | "slide", _)), Some(beam)) => PlanError::Illegal {
+                goal: self.assembly.name.clone(),
+                why: format!("{beam} has no link that the hand can push it by"),
+                beams: vec![beam.to_string()],
+            },
+            _ => self.no_plan(
+                self.domains.fine().file().name(),
+                &transition.action.to_string(),
+                MOST_FINE_STEPS,
+            ),
+        }
     }
 
-    fn no_plan(&self, rules: &SourceFile, task: &str, steps: i32) -> PlanError {
+    /// How the beams of some transitions get to their places.
+    fn entries(&self, transitions: &[Transition]) -> Vec<Entry> {
+        let mut entries = Vec::new();
+        for transition in transitions {
+            let Some((name @ ("assemble" | "assemble_deep" | "lay_down"), [beam])) =
+                transition.action.parts()
+            else {
+                continue;
+            };
+            let Some(beam) = beam.texts().first().and_then(|name| self.assembly.beam_index(name)) else {
+                continue;
+            };
+            let (stands, _) = self.standing(&transition.before);
+            if let Some((way, distance)) = self.geometry.way(beam, &stands, name == "lay_down") {
+                let shuttles = self.geometry.shuttles.iter().filter(|shuttle| shuttle.beam == beam);
+                let depth = shuttles.map(|shuttle| shuttle.depth).fold(0.0, f64::max);
+                entries.push(Entry {
+                    beam: self.assembly.beams[beam].beam.name.clone(),
+                    direction: way.direction.into(),
+                    distance,
+                    depth: if name == "assemble_deep" { depth } else { 0.0 },
+                });
+            }
+        }
+        entries
+    }
+
+    // ---- Errors -----------------------------------------------------------------------------------------------
+
+    fn no_plan(&self, file: &str, task: &str, steps: i32) -> PlanError {
         PlanError::NoPlan {
             goal: self.assembly.name.clone(),
-            file: rules.name().to_string(),
+            file: file.to_string(),
             task: task.to_string(),
             steps,
         }
     }
 
-    /// The first problem of an answer as an error; what cannot be comes before what is not modelled.
-    fn raise_problem(&self, rules: &SourceFile, answer: &[Term]) -> Result<(), PlanError> {
-        let mut problems = Vec::new();
-        for term in answer {
-            let Some(("problem", arguments)) = term.parts() else { continue };
-            match arguments {
-                [kind, words] => problems.push((kind, words.texts().join(" "))),
-                _ => return Err(meaningless(rules, term)),
+    /// The interpreter refuses what clingo found, or a state that was told.
+    pub(crate) fn refused(&self, refusal: Refusal, what: &str) -> PlanError {
+        let file = self.domains.coarse().file().name().to_string();
+        let why = match refusal {
+            Refusal::Unknown(name) => format!("there is no action {name}"),
+            Refusal::Impossible(reason) => {
+                format!("{what} is impossible by line {}: {}", reason.line, reason.law)
             }
-        }
-        problems.sort();
-        let goal = self.assembly.name.clone();
-        match problems.into_iter().next() {
-            None => Ok(()),
-            Some((kind, why)) => match kind.parts() {
-                Some(("illegal", [])) => Err(PlanError::Illegal { goal, why }),
-                Some(("unmodelled", [])) => Err(PlanError::NotModelled { goal, why }),
-                _ => Err(meaningless(rules, kind)),
-            },
-        }
-    }
-
-    fn coarse_action(&self, term: &Term, pegs: &mut Pegs) -> Result<CoarseAction, PlanError> {
-        let rules = self.domains.coarse();
-        Ok(match term.parts() {
-            Some(("move", [to])) => CoarseAction::Move { to: area(rules, to)? },
-            Some(("pick_up", [item])) => CoarseAction::PickUp { item: self.item(rules, item, pegs)? },
-            Some(("put_down", [item])) => CoarseAction::PutDown { item: self.item(rules, item, pegs)? },
-            Some(("assemble", [beam])) => CoarseAction::Assemble { beam: self.beam_name(rules, beam)? },
-            Some(("fasten", [connection])) => {
-                let index = self.connection(rules, connection)?;
-                let peg = self.peg(index, pegs);
-                CoarseAction::Fasten { connection: self.assembly.connections[index].name.clone(), peg }
-            }
-            Some(("push", [beam])) => CoarseAction::Push { beam: self.beam_name(rules, beam)? },
-            _ => return Err(meaningless(rules, term)),
-        })
-    }
-
-    fn fine_action(
-        &self,
-        term: &Term,
-        receives: &[String],
-        pegs: &mut Pegs,
-    ) -> Result<FineAction, PlanError> {
-        let rules = self.domains.fine();
-        Ok(match term.parts() {
-            Some(("move", [to])) => FineAction::Move { to: self.place(rules, to, pegs)? },
-            Some(("pick_up", [item, grasp])) => {
-                let grasp = match grasp.parts() {
-                    Some(("link", [link])) => Grasp::Link(text(rules, link)?),
-                    Some(("head", [])) => Grasp::Head,
-                    _ => return Err(meaningless(rules, term)),
-                };
-                FineAction::PickUp { item: self.item(rules, item, pegs)?, grasp }
-            }
-            Some(("put_down", [item])) => FineAction::PutDown { item: self.item(rules, item, pegs)? },
-            Some(("assemble_square", [beam, joint])) => {
-                FineAction::AssembleSquare { beam: self.beam_name(rules, beam)?, joint: text(rules, joint)? }
-            }
-            Some(("assemble_cap", [beam])) => {
-                FineAction::AssembleCap { beam: self.beam_name(rules, beam)?, joints: receives.to_vec() }
-            }
-            Some(("fasten", [connection])) => {
-                let index = self.connection(rules, connection)?;
-                let pair = &self.assembly.connections[index];
-                FineAction::Fasten {
-                    connection: pair.name.clone(),
-                    female: self.assembly.joint_name(pair.female).to_string(),
-                    male: self.assembly.joint_name(pair.male).to_string(),
-                    peg: self.peg(index, pegs),
-                }
-            }
-            Some(("push", [beam, link])) => {
-                FineAction::Push { beam: self.beam_name(rules, beam)?, link: text(rules, link)? }
-            }
-            _ => return Err(meaningless(rules, term)),
-        })
-    }
-
-    fn place(&self, rules: &SourceFile, term: &Term, pegs: &mut Pegs) -> Result<Place, PlanError> {
-        match term.parts() {
-            Some(("above", [of])) => Ok(Place::Above(area(rules, of)?)),
-            Some(("input", [item])) => Ok(Place::Input(self.item(rules, item, pegs)?)),
-            Some(("approach", [of])) => Ok(Place::Approach(self.target(rules, of)?)),
-            Some(("target", [of])) => Ok(Place::Target(self.target(rules, of)?)),
-            _ => Err(meaningless(rules, term)),
-        }
-    }
-
-    fn target(&self, rules: &SourceFile, term: &Term) -> Result<Target, PlanError> {
-        match term.parts() {
-            Some(("beam", [beam])) => Ok(Target::Beam(self.beam_name(rules, beam)?)),
-            Some(("hole", [connection])) => {
-                let index = self.connection(rules, connection)?;
-                Ok(Target::Connection(self.assembly.connections[index].name.clone()))
-            }
-            _ => Err(meaningless(rules, term)),
-        }
-    }
-
-    fn item(&self, rules: &SourceFile, term: &Term, pegs: &mut Pegs) -> Result<Item, PlanError> {
-        match term.parts() {
-            Some(("beam", [beam])) => Ok(Item::Beam(self.beam_name(rules, beam)?)),
-            Some(("peg", [connection])) => {
-                let index = self.connection(rules, connection)?;
-                Ok(Item::Peg(self.peg(index, pegs)))
-            }
-            _ => Err(meaningless(rules, term)),
-        }
-    }
-
-    /// The name of the peg for a connection: at the first mention, the next free one of the kit.
-    fn peg(&self, connection: usize, pegs: &mut Pegs) -> String {
-        let chosen = pegs.of[connection].or_else(|| pegs.free.next().copied());
-        pegs.of[connection] = chosen;
-        // There are enough: they were counted before.
-        chosen.map_or_else(String::new, |index| self.kit.pegs[index].name.clone())
-    }
-
-    fn beam(&self, rules: &SourceFile, term: &Term) -> Result<usize, PlanError> {
-        self.assembly.beam_index(&text(rules, term)?).ok_or_else(|| meaningless(rules, term))
-    }
-
-    fn beam_name(&self, rules: &SourceFile, term: &Term) -> Result<String, PlanError> {
-        Ok(self.assembly.beams[self.beam(rules, term)?].beam.name.clone())
-    }
-
-    fn connection(&self, rules: &SourceFile, term: &Term) -> Result<usize, PlanError> {
-        self.assembly.connection_index(&text(rules, term)?).ok_or_else(|| meaningless(rules, term))
+            Refusal::Contradiction(fluent) => format!("{what} makes {fluent} both true and false"),
+        };
+        PlanError::Refused { file, why }
     }
 }
 
+fn is_push(action: &Term) -> bool {
+    name_of(action) == Some("push")
+}
+
+fn name_of(fluent: &Term) -> Option<&str> {
+    fluent.parts().map(|(name, _)| name)
+}
+
+/// To the assembly and back with a push for every beam, the way there and back again, and the task itself.
+fn most_steps(assembly: &Assembly) -> i32 {
+    i32::try_from(assembly.beams.len()).unwrap_or(i32::MAX).min(24).saturating_add(14)
+}
+
+/// The hand begins over the sheet and every item costs it six actions: pick up, two moves, one to build it in, two
+/// moves back. The last item does not need those two, but one move that leaves the hand free.
+fn lower_bound(known: &Known) -> usize {
+    let beams = known.stands.iter().filter(|stands| !**stands).count();
+    let pegs = known.pinned.iter().filter(|pinned| pinned.is_none()).count();
+    let held = usize::from(known.held_beam.is_some() || known.held_peg.is_some());
+    // What is in the hand already needs to be built in, and the hand may be there.
+    (6 * (beams + pegs)).saturating_sub(1 + 3 * held)
+}
+
 /// Which peg belongs to which connection.
-struct Pegs<'a> {
-    /// What is left of the kit's pegs, by index.
-    free: std::slice::Iter<'a, usize>,
+pub(crate) struct Pegs {
+    /// What is left of the kit's pegs, by index, the next one last.
+    free: Vec<usize>,
     /// The peg of each connection.
     of: Vec<Option<usize>>,
 }
 
-/// The answer of a level, sorted by time.
-struct Timeline {
-    /// What is done at times 1, 2, …
-    actions: Vec<Term>,
-    /// What holds before each of them.
-    before: Vec<Vec<Term>>,
-    /// What holds in the end.
-    end: Vec<Term>,
-}
-
-impl Timeline {
-    /// Sorts the terms `do(action,t)` and `holds(fluent,t)` of a plan.
-    fn of(rules: &SourceFile, plan: Shortest) -> Result<Timeline, PlanError> {
-        let length = usize::try_from(plan.steps).unwrap_or(0);
-        let mut actions: Vec<Option<Term>> = vec![None; length];
-        let mut before = vec![Vec::new(); length];
-        let mut end = Vec::new();
-        for term in plan.shown {
-            let Some((name @ ("do" | "holds"), arguments)) = term.parts() else { continue };
-            let [what, Term::Number(time)] = arguments else { return Err(meaningless(rules, &term)) };
-            let time = usize::try_from(*time).unwrap_or(usize::MAX);
-            if name == "holds" {
-                let fluents = if time == length { Some(&mut end) } else { before.get_mut(time) };
-                fluents.ok_or_else(|| meaningless(rules, &term))?.push(what.clone());
-            } else {
-                // An action at time t leads from time t - 1 to time t.
-                let slot = actions.get_mut(time.wrapping_sub(1)).filter(|slot| slot.is_none());
-                *slot.ok_or_else(|| meaningless(rules, &term))? = Some(what.clone());
-            }
-        }
-        before.iter_mut().for_each(|fluents| fluents.sort());
-        end.sort();
-        let actions = actions.into_iter().collect::<Option<Vec<Term>>>();
-        let actions = actions.ok_or_else(|| PlanError::Answer {
-            file: rules.name().to_string(),
-            answer: "a time without an action".to_string(),
-        })?;
-        Ok(Timeline { actions, before, end })
+impl Pegs {
+    pub(crate) fn new(assembly: &Assembly, known: &Known) -> Pegs {
+        let of =
+            if known.pinned.len() == assembly.connections.len() { known.pinned.clone() } else { Vec::new() };
+        Pegs { free: known.pegs.iter().rev().copied().collect(), of }
     }
-}
 
-/// Fluents as the facts from which a problem begins.
-fn initially(fluents: &[Term]) -> Vec<Term> {
-    fluents.iter().map(|fluent| Term::new("initially", [fluent.clone()])).collect()
-}
-
-fn text(rules: &SourceFile, term: &Term) -> Result<String, PlanError> {
-    match term {
-        Term::Text(text) => Ok(text.clone()),
-        _ => Err(meaningless(rules, term)),
+    /// The name of the peg for a connection: at the first mention, the next free one of the kit.
+    pub(crate) fn name(&mut self, kit: &Kit, connection: usize) -> String {
+        let chosen = self.of[connection].or_else(|| self.free.pop());
+        self.of[connection] = chosen;
+        // There are enough: they were counted before.
+        chosen.map_or_else(String::new, |index| kit.pegs[index].name.clone())
     }
-}
-
-fn area(rules: &SourceFile, term: &Term) -> Result<Area, PlanError> {
-    match term.parts() {
-        Some(("input", [])) => Ok(Area::Input),
-        Some(("intermediate", [])) => Ok(Area::Intermediate),
-        Some(("assembly", [])) => Ok(Area::Assembly),
-        _ => Err(meaningless(rules, term)),
-    }
-}
-
-fn meaningless(rules: &SourceFile, term: &Term) -> PlanError {
-    PlanError::Answer { file: rules.name().to_string(), answer: term.to_string() }
 }

@@ -11,10 +11,13 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
-    /// Takes the names out of some facts.
-    pub(crate) fn of(facts: &[Term]) -> Shape {
+    /// Takes the names out of some facts, but for those that the rules know themselves.
+    pub(crate) fn of(facts: &[Term], fixed: &[&str]) -> Shape {
         let mut names: Vec<String> = Vec::new();
         let mut number = |text: &str| {
+            if fixed.contains(&text) {
+                return text.to_string();
+            }
             let known = names.iter().position(|name| name == text);
             let number = known.unwrap_or_else(|| {
                 names.push(text.to_string());
@@ -25,6 +28,11 @@ impl Shape {
         };
         let facts = facts.iter().map(|fact| fact.with_texts(&mut number)).collect();
         Shape { facts, names }
+    }
+
+    /// Equal for problems of the same shape.
+    pub(crate) fn key(&self) -> String {
+        self.facts.iter().map(Term::to_string).collect()
     }
 
     /// Puts the names back into an answer; other texts stay.
@@ -45,9 +53,9 @@ mod tests {
         let facts = |c: &str, b: &str| {
             [Term::new("pinned", [c.into()]), Term::new("at", [Term::new("beam", [b.into()]), c.into()])]
         };
-        let (first, second) = (Shape::of(&facts("C1", "b4")), Shape::of(&facts("b4", "\"")));
+        let (first, second) = (Shape::of(&facts("C1", "b4"), &[]), Shape::of(&facts("b4", "\""), &[]));
         assert_eq!(first.facts, second.facts);
-        assert_ne!(first.facts, Shape::of(&facts("C1", "C1")).facts);
+        assert_ne!(first.facts, Shape::of(&facts("C1", "C1"), &[]).facts);
         for (fact, shaped) in facts("b4", "\"").iter().zip(&second.facts) {
             assert_eq!(*fact, second.name(shaped));
         }

@@ -2,7 +2,7 @@
 //!
 //! Everything is deterministic: one thread, a fixed seed, and limits counted in conflicts instead of seconds.
 
-use crate::domains::{DomainError, DomainProblem};
+use crate::domains::OrderProblem;
 use crate::term::Term;
 use clingo::{
     ClingoError, Control, ControlCtx, ExternalError, FunctionHandler, GenericControl, GroundProgramObserver,
@@ -61,23 +61,41 @@ impl Solver {
         Ok(self.solve(control)?.1)
     }
 
-    /// The shortest plan: the parts `base` and `state(0)` first, then `step(t)` and `state(t)` for t = 1, 2, …
-    /// until there is an answer in which `query(t)` is true; `None` when that takes more than `most` steps.
+    /// The shortest plan: the parts `base`, `state(0)`, then `step(t)` and `state(t)` for t = 1, 2, … until there is
+    /// an answer in which `query(t)` is true; `None` when there is none from `least` to `most` steps. Steps up to t
+    /// are `active`. Grounding costs by the call more than by the step, so it is done `chunk` steps at a time.
     pub(crate) fn shortest(
         &mut self,
         rules: &SourceFile,
         facts: &[Term],
-        most: i32,
+        [least, most]: [i32; 2],
+        chunk: i32,
     ) -> Result<Option<Shortest>, SolveError> {
         let mut control = load(rules, facts)?;
-        for steps in 0..=most {
-            let time = vec![Symbol::create_number(steps)];
-            let first =
-                if steps == 0 { Part::new("base", vec![])? } else { Part::new("step", time.clone())? };
-            control.ground(&[first, Part::new("state", time)?])?;
-            for (time, query) in queries(&control)? {
+        let mut grounded = -1;
+        for steps in least..=most {
+            if grounded < steps {
+                let until = (steps + chunk).min(most);
+                let mut parts = Vec::new();
+                for step in grounded + 1..=until {
+                    let time = vec![Symbol::create_number(step)];
+                    parts.push(if step == 0 {
+                        Part::new("base", vec![])?
+                    } else {
+                        Part::new("step", time.clone())?
+                    });
+                    parts.push(Part::new("state", time)?);
+                }
+                control.ground(&parts)?;
+                grounded = until;
+            }
+            for (time, query) in numbered(&control, "query")? {
                 let value = if time == steps { TruthValue::True } else { TruthValue::False };
                 control.assign_external(query, value)?;
+            }
+            for (time, active) in numbered(&control, "active")? {
+                let value = if time <= steps { TruthValue::True } else { TruthValue::False };
+                control.assign_external(active, value)?;
             }
             let (back, answer) = self.solve(control)?;
             control = back;
@@ -144,9 +162,9 @@ fn term(symbol: Symbol) -> Result<Term, ClingoError> {
     })
 }
 
-/// The atoms `query(t)` that stand open, with their t.
-fn queries(control: &Control) -> Result<Vec<(i32, SolverLiteral)>, ClingoError> {
-    let signature = Signature::new("query", 1, true)?;
+/// The atoms `name(t)`, with their t.
+fn numbered(control: &Control, name: &str) -> Result<Vec<(i32, SolverLiteral)>, ClingoError> {
+    let signature = Signature::new(name, 1, true)?;
     let mut found = Vec::new();
     for atom in control.symbolic_atoms()?.iter_with_signature(signature)? {
         if let [time] = atom.symbol()?.arguments()?[..] {
@@ -157,7 +175,7 @@ fn queries(control: &Control) -> Result<Vec<(i32, SolverLiteral)>, ClingoError> 
 }
 
 /// Checks that a rule file is a valid program, without running it.
-pub(crate) fn check(file: &SourceFile) -> Result<(), DomainError> {
+pub(crate) fn check(file: &SourceFile) -> Result<(), Fault<OrderProblem>> {
     MESSAGES.take();
     // Grounding no part at all still parses the rules and checks their variables.
     let outcome = clingo::control_with_context(vec![], Listener).and_then(|control| {
@@ -176,7 +194,7 @@ pub(crate) fn check(file: &SourceFile) -> Result<(), DomainError> {
 }
 
 /// A message such as `<block>:12:3-9: error: syntax error, unexpected .` as a fault at its place.
-fn fault(file: &SourceFile, message: &str) -> DomainError {
+fn fault(file: &SourceFile, message: &str) -> Fault<OrderProblem> {
     let message = message.trim();
     let (place, why) = match message.strip_prefix("<block>:").and_then(|rest| rest.split_once(": ")) {
         Some((place, why)) => (place, why.strip_prefix("error: ").unwrap_or(why)),
@@ -192,7 +210,7 @@ fn fault(file: &SourceFile, message: &str) -> DomainError {
     let end = numbers.next().filter(|_| numbers.next().is_none()).map_or(at, |last| start + last - 1);
     let why = why.replace("<block>", file.name());
     let why = why.lines().map(str::trim).collect::<Vec<_>>().join(" ");
-    Fault::new(DomainProblem::Rule { why }, file.place(at..end.max(at)))
+    Fault::new(OrderProblem::Rule { why }, file.place(at..end.max(at)))
 }
 
 thread_local! {
@@ -270,12 +288,13 @@ mod tests {
         let rules = "
             holds(n(0),0).
             #program state(t). #external query(t). :- query(t), not holds(n(12),t). #show do/2.
-            #program step(t). { do(add(1..5),t) } = 1. holds(n(X+Y),t) :- holds(n(X),t-1), do(add(Y),t).";
+            #program step(t). #external active(t).
+            { do(add(1..5),t) } = 1 :- active(t). holds(n(X+Y),t) :- holds(n(X),t-1), do(add(Y),t).";
         let file = SourceFile::new("test.lp", rules);
         let mut solver = Solver::default();
-        let found = solver.shortest(&file, &[], 8).unwrap().unwrap();
+        let found = solver.shortest(&file, &[], [0, 8], 1).unwrap().unwrap();
         assert_eq!((found.steps, found.shown.len(), solver.solves), (3, 3, 4));
-        assert!(solver.shortest(&file, &[], 2).unwrap().is_none());
+        assert!(solver.shortest(&file, &[], [0, 2], 4).unwrap().is_none());
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! Is the state one that can be? Checked before anything is planned from it.
 
 use crate::error::PlanError;
-use crate::plan::State;
+use crate::facts::{beam_item, beam_name, connection_name};
+use crate::plan::{Area, Item, State};
+use crate::term::Term;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_kit::source::nearest;
@@ -10,12 +12,56 @@ use ramp_kit::source::nearest;
 pub(crate) struct Known {
     /// Which beams stand, by index; the base does.
     pub(crate) stands: Vec<bool>,
-    /// Which connections are pinned, by index.
-    pub(crate) pinned: Vec<bool>,
+    /// Which connections are pinned, by index, and with which peg of the kit.
+    pub(crate) pinned: Vec<Option<usize>>,
     /// Which beams stand off their place, by index.
     pub(crate) misaligned: Vec<bool>,
-    /// Pegs that can still be used, by index, in the order of the kit.
+    /// Which beams are pushed back, by index.
+    pub(crate) deep: Vec<bool>,
+    /// Pegs that can still be used, by index, in the order of the kit; one in the hand comes first.
     pub(crate) pegs: Vec<usize>,
+    /// The beam in the hand.
+    pub(crate) held_beam: Option<usize>,
+    /// The peg in the hand.
+    pub(crate) held_peg: Option<usize>,
+    pub(crate) slipped: bool,
+    pub(crate) area: Area,
+}
+
+impl Known {
+    /// The coarse fluents that are told; the domain says what else is true.
+    pub(crate) fn told(&self, assembly: &Assembly) -> Vec<Term> {
+        let mut told = vec![Term::new("at", [area_name(self.area)])];
+        for beam in (0..assembly.beams.len()).filter(|&beam| self.stands[beam]) {
+            let name = beam_name(assembly, beam);
+            told.push(Term::new("in_assembly", [name.clone()]));
+            if self.deep[beam] {
+                told.push(Term::new("deep", [name]));
+            } else if !self.misaligned[beam] {
+                told.push(Term::new("aligned", [name]));
+            }
+        }
+        for connection in (0..assembly.connections.len()).filter(|&index| self.pinned[index].is_some()) {
+            told.push(Term::new("pinned", [connection_name(assembly, connection)]));
+        }
+        if let Some(beam) = self.held_beam {
+            told.push(Term::new("in_hand", [beam_item(assembly, beam)]));
+            if self.slipped {
+                told.push(Term::new("slipped", [beam_name(assembly, beam)]));
+            }
+        }
+        told
+    }
+}
+
+/// The name of an area in the rules.
+pub(crate) fn area_name(area: Area) -> Term {
+    let name = match area {
+        Area::Input => "input",
+        Area::Intermediate => "intermediate",
+        Area::Assembly => "assembly",
+    };
+    Term::new(name, [])
 }
 
 /// Looks up every name of a state and checks that it does not contradict itself.
@@ -38,18 +84,23 @@ pub(crate) fn look_up(assembly: &Assembly, kit: &Kit, state: &State) -> Result<K
     }
 
     let mut misaligned = vec![false; assembly.beams.len()];
-    for name in &state.misaligned {
-        let index = beam(name)?;
-        if index == assembly.base {
-            return impossible(format!("`{name}` is misaligned, but it is clamped to the table"));
+    let mut deep = vec![false; assembly.beams.len()];
+    for (names, flags, what) in
+        [(&state.misaligned, &mut misaligned, "misaligned"), (&state.deep, &mut deep, "pushed back")]
+    {
+        for name in names {
+            let index = beam(name)?;
+            if index == assembly.base {
+                return impossible(format!("`{name}` is {what}, but it is clamped to the table"));
+            }
+            if !stands[index] {
+                return impossible(format!("`{name}` is {what}, but it is not in the assembly"));
+            }
+            flags[index] = true;
         }
-        if !stands[index] {
-            return impossible(format!("`{name}` is misaligned, but it is not in the assembly"));
-        }
-        misaligned[index] = true;
     }
 
-    let mut pinned = vec![false; assembly.connections.len()];
+    let mut pinned = vec![None; assembly.connections.len()];
     let mut used = vec![false; kit.pegs.len()];
     for (name, peg_name) in &state.fastened {
         let names = assembly.connections.iter().map(|connection| connection.name.as_str());
@@ -58,23 +109,50 @@ pub(crate) fn look_up(assembly: &Assembly, kit: &Kit, state: &State) -> Result<K
             .ok_or_else(|| unknown("connection", name, &assembly.name, nearest(name, names)))?;
         let connection = &assembly.connections[index];
         for side in [connection.female, connection.male] {
+            let missing = &assembly.beams[side.beam].beam.name;
             if !stands[side.beam] {
-                let missing = &assembly.beams[side.beam].beam.name;
                 return impossible(format!("`{name}` is fastened, but `{missing}` is not in the assembly"));
             }
+            if deep[side.beam] {
+                return impossible(format!("`{name}` is fastened, but `{missing}` is pushed back"));
+            }
         }
-        if std::mem::replace(&mut pinned[index], true) {
+        let peg = peg(peg_name)?;
+        if pinned[index].replace(peg).is_some() {
             return impossible(format!("`{name}` is fastened twice"));
         }
-        if std::mem::replace(&mut used[peg(peg_name)?], true) {
+        if std::mem::replace(&mut used[peg], true) {
             return impossible(format!("the peg `{peg_name}` is used twice"));
         }
     }
     for name in &state.lost_pegs {
         used[peg(name)?] = true;
     }
-    let pegs = (0..kit.pegs.len()).filter(|&index| !used[index]).collect();
-    Ok(Known { stands, pinned, misaligned, pegs })
+    let (mut held_beam, mut held_peg) = (None, None);
+    match &state.in_hand {
+        Some(Item::Beam(name)) => {
+            let index = beam(name)?;
+            if stands[index] {
+                return impossible(format!("`{name}` is in the hand, but also in the assembly"));
+            }
+            held_beam = Some(index);
+        }
+        Some(Item::Peg(name)) => {
+            let index = peg(name)?;
+            if used[index] {
+                return impossible(format!("`{name}` is in the hand, but also used or lost"));
+            }
+            held_peg = Some(index);
+        }
+        None => {}
+    }
+    if state.slipped && held_beam.is_none() {
+        return impossible("a beam has slipped, but the hand holds none".to_string());
+    }
+    let mut pegs: Vec<usize> = (0..kit.pegs.len()).filter(|&index| !used[index]).collect();
+    pegs.sort_by_key(|&index| (Some(index) != held_peg, index));
+    let (slipped, area) = (state.slipped, state.hand_over);
+    Ok(Known { stands, pinned, misaligned, deep, pegs, held_beam, held_peg, slipped, area })
 }
 
 fn unknown(kind: &'static str, name: &str, place: &str, nearest: Option<&str>) -> PlanError {

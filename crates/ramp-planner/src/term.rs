@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Write};
 
 /// A ground term, such as `move(input)`, `"b4"` or `(1,0)`.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum Term {
     /// A whole number.
     Number(i64),

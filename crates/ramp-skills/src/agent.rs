@@ -139,6 +139,7 @@ impl<'a> Baseline<'a> {
                 .collect(),
             misaligned: cell.swung()?.into_iter().map(name).collect(),
             lost_pegs: lost.to_vec(),
+            ..State::default()
         })
     }
 
@@ -226,6 +227,13 @@ impl<'a> Baseline<'a> {
             }
             FineAction::PutDown { .. } => cell.put_back(),
             FineAction::AssembleSquare { beam: name, .. } => cell.assemble(beam(name)?, false),
+            // Along the beam's own way, which is a straight line here, too.
+            FineAction::AssembleAngled { beam: name, .. }
+            | FineAction::AssembleThrough { beam: name, .. } => cell.assemble(beam(name)?, false),
+            FineAction::LayDown { .. }
+            | FineAction::AssembleDeep { .. }
+            | FineAction::Slide { .. }
+            | FineAction::Regrasp { .. } => Err(no_skill().into()),
             FineAction::AssembleCap { beam: name, .. } => cell.assemble(beam(name)?, true),
             FineAction::Fasten { connection: name, .. } => cell.fasten(connection(name)?),
             FineAction::Push { beam: name, link } => {

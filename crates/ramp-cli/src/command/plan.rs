@@ -1,14 +1,15 @@
-//! `ramp plan`: coarse and fine actions.
+//! `ramp plan`: coarse and fine actions, why they come in this order, and the rules behind them.
 
 use std::fmt::Write;
+use std::path::PathBuf;
 use std::time::Instant;
 
-use miette::{IntoDiagnostic, Report};
-use ramp_planner::State;
+use miette::{IntoDiagnostic, Report, WrapErr, miette};
+use ramp_planner::{CoarseStep, Options, Replayer, State};
 use serde_json::json;
 
-use crate::DONE;
 use crate::data::{Data, print};
+use crate::{DONE, INCOMPLETE};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -17,14 +18,85 @@ pub struct Arguments {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// Prove that no plan has fewer coarse actions; takes much longer
+    #[arg(long)]
+    optimal: bool,
+    /// Say what forbade a coarse action before its place in the plan
+    #[arg(long, value_name = "ACTION", conflicts_with_all = ["emit_asp", "from"])]
+    why: Option<String>,
+    /// Use this file in place of the one of its kind: a coarse or fine domain (.al), or rules for the order (.lp)
+    #[arg(long, value_name = "FILE")]
+    domain: Option<PathBuf>,
+    /// Judge the plan in this file (JSON, as printed by --json) instead of making one
+    #[arg(long, value_name = "FILE", conflicts_with = "emit_asp")]
+    from: Option<PathBuf>,
+    /// Print the domains as Answer Set Programs
+    #[arg(long)]
+    emit_asp: bool,
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let kit = data.kit()?;
     let goal = data.goal(&arguments.goal, &kit)?;
-    let domains = data.domains()?;
+    let mut domains = data.domains()?;
+    if let Some(file) = &arguments.domain {
+        domains = domains.with(file)?;
+    }
+    let state = State::default();
+    if arguments.emit_asp {
+        print(&format!("{}\n{}", domains.coarse().to_asp(), domains.fine().to_asp()))?;
+        return Ok(DONE);
+    }
+    if let Some(path) = &arguments.from {
+        let name = path.display();
+        let text = std::fs::read_to_string(path)
+            .into_diagnostic()
+            .wrap_err_with(|| format!("cannot read {name}"))?;
+        let steps = serde_json::from_str::<serde_json::Value>(&text)
+            .and_then(|mut value| serde_json::from_value::<Vec<CoarseStep>>(value["plan"]["steps"].take()))
+            .map_err(|error| {
+                miette!(
+                    help = "expected what `ramp plan GOAL --json` prints",
+                    "{name} is not a plan: {error}"
+                )
+            })?;
+        let mut table = Replayer::new(&goal, &kit, &domains, &state).into_diagnostic()?;
+        return match table.run(&steps) {
+            Ok(()) => {
+                print(&format!("{name}: {} coarse actions, accepted\n", steps.len()))?;
+                Ok(DONE)
+            }
+            Err(refused) => {
+                print(&format!("{name}: refused at {refused}\n"))?;
+                Ok(INCOMPLETE)
+            }
+        };
+    }
+    if let Some(action) = &arguments.why {
+        let explanation = ramp_planner::why(&goal, &kit, &state, &domains, action).into_diagnostic()?;
+        let mut text = String::new();
+        if arguments.json {
+            text = serde_json::to_string_pretty(&explanation).into_diagnostic()?;
+            text.push('\n');
+        } else {
+            let _ = writeln!(text, "{} is step {}.", explanation.action, explanation.step);
+            for reason in &explanation.reasons {
+                let steps = match reason.from == reason.to {
+                    true => format!("Before step {}", reason.from),
+                    false => format!("Before steps {} to {}", reason.from, reason.to),
+                };
+                let because = reason.because.join(", ");
+                let because = if because.is_empty() { String::new() } else { format!(", and {because}") };
+                let file = domains.coarse().file().name();
+                let _ = writeln!(text, "{steps}: {}{because} ({file}:{})", reason.law, reason.line);
+            }
+        }
+        print(&text)?;
+        return Ok(DONE);
+    }
     let begin = Instant::now();
-    let plan = ramp_planner::plan(&goal, &kit, &State::default(), &domains).into_diagnostic()?;
+    let options = Options { optimal: arguments.optimal, ..Options::default() };
+    let plan = ramp_planner::plan_with(&goal, &kit, &state, &domains, options).into_diagnostic()?;
     let seconds = begin.elapsed().as_secs_f64();
     let mut text = String::new();
     if arguments.json {
@@ -40,6 +112,10 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         }
         let fine: usize = plan.steps.iter().map(|step| step.fine.len()).sum();
         let _ = writeln!(text, "{} coarse and {fine} fine actions in {seconds:.3} s", plan.steps.len());
+        let _ = match (plan.statistics.optimal, plan.statistics.lower_bound) {
+            (true, _) => writeln!(text, "no plan has fewer coarse actions"),
+            (false, bound) => writeln!(text, "no plan has fewer than {bound} coarse actions"),
+        };
     }
     print(&text)?;
     Ok(DONE)

@@ -1,0 +1,231 @@
+//! What the rules answer, in the words of plans.
+
+use crate::error::PlanError;
+use crate::plan::{Area, CoarseAction, FineAction, Grasp, Item, Place, Target};
+use crate::planner::Pegs;
+use crate::solver::Shortest;
+use crate::term::Term;
+use ramp_assembly::Assembly;
+use ramp_kit::Kit;
+use ramp_kit::source::SourceFile;
+
+/// The answer of a level, sorted by time.
+pub(crate) struct Timeline {
+    /// What is done at times 1, 2, …
+    pub actions: Vec<Term>,
+    /// What holds in the end, of what is shown.
+    pub end: Vec<Term>,
+}
+
+impl Timeline {
+    /// Sorts the terms `occurs(action,t)` and `holds(fluent,t)` of a plan.
+    pub(crate) fn of(rules: &SourceFile, plan: Shortest) -> Result<Timeline, PlanError> {
+        let length = usize::try_from(plan.steps).unwrap_or(0);
+        let mut actions: Vec<Option<Term>> = vec![None; length];
+        let mut end = Vec::new();
+        for term in plan.shown {
+            let Some((name @ ("occurs" | "holds"), arguments)) = term.parts() else { continue };
+            let [what, Term::Number(time)] = arguments else { return Err(meaningless(rules, &term)) };
+            let time = usize::try_from(*time).unwrap_or(usize::MAX);
+            if name == "holds" {
+                if time == length {
+                    end.push(what.clone());
+                }
+            } else {
+                // An action at time t leads from time t - 1 to time t.
+                let slot = actions.get_mut(time.wrapping_sub(1)).filter(|slot| slot.is_none());
+                *slot.ok_or_else(|| meaningless(rules, &term))? = Some(what.clone());
+            }
+        }
+        end.sort();
+        let actions = actions.into_iter().collect::<Option<Vec<Term>>>();
+        let actions = actions.ok_or_else(|| PlanError::Answer {
+            file: rules.name().to_string(),
+            answer: "a time without an action".to_string(),
+        })?;
+        Ok(Timeline { actions, end })
+    }
+}
+
+/// Looks up the names in an answer.
+pub(crate) struct Answers<'a> {
+    pub assembly: &'a Assembly,
+    pub kit: &'a Kit,
+    pub rules: &'a SourceFile,
+}
+
+impl Answers<'_> {
+    fn wrong(&self, term: &Term) -> PlanError {
+        meaningless(self.rules, term)
+    }
+
+    pub(crate) fn coarse_action(&self, term: &Term, pegs: &mut Pegs) -> Result<CoarseAction, PlanError> {
+        Ok(match term.parts() {
+            Some(("move", [to])) => CoarseAction::Move { to: self.area(to)? },
+            Some(("pick_up", [item])) => CoarseAction::PickUp { item: self.item(item, pegs)? },
+            Some(("put_down", [item])) => CoarseAction::PutDown { item: self.item(item, pegs)? },
+            Some(("assemble", [beam])) => CoarseAction::Assemble { beam: self.beam_name(beam)? },
+            Some(("assemble_deep", [beam])) => CoarseAction::AssembleDeep { beam: self.beam_name(beam)? },
+            Some(("lay_down", [beam])) => CoarseAction::LayDown { beam: self.beam_name(beam)? },
+            Some(("slide", [beam])) => CoarseAction::Slide { beam: self.beam_name(beam)? },
+            Some(("regrasp", [beam])) => CoarseAction::Regrasp { beam: self.beam_name(beam)? },
+            Some(("push", [beam])) => CoarseAction::Push { beam: self.beam_name(beam)? },
+            Some(("fasten", [connection])) => {
+                let index = self.connection(connection)?;
+                let connection = self.assembly.connections[index].name.clone();
+                CoarseAction::Fasten { connection, peg: pegs.name(self.kit, index) }
+            }
+            _ => return Err(self.wrong(term)),
+        })
+    }
+
+    /// `stands` and `deep` say which beams stand before the action, and which of those are pushed back.
+    pub(crate) fn fine_action(
+        &self,
+        term: &Term,
+        stands: &[bool],
+        deep: &[bool],
+        pegs: &mut Pegs,
+    ) -> Result<FineAction, PlanError> {
+        Ok(match term.parts() {
+            Some(("move", [to])) => FineAction::Move { to: self.place(to, pegs)? },
+            Some(("pick_up", [item, grasp])) => {
+                let grasp = match grasp.parts() {
+                    Some(("link", [link])) => Grasp::Link(self.text(link)?),
+                    Some(("head", [])) => Grasp::Head,
+                    _ => return Err(self.wrong(term)),
+                };
+                FineAction::PickUp { item: self.item(item, pegs)?, grasp }
+            }
+            Some(("put_down", [item])) => FineAction::PutDown { item: self.item(item, pegs)? },
+            Some(("regrasp", [beam, link])) => {
+                FineAction::Regrasp { beam: self.beam_name(beam)?, link: self.text(link)? }
+            }
+            Some(("assemble_square", [beam, joint])) => {
+                FineAction::AssembleSquare { beam: self.beam_name(beam)?, joint: self.text(joint)? }
+            }
+            Some(("assemble_angled", [beam, joint])) => {
+                FineAction::AssembleAngled { beam: self.beam_name(beam)?, joint: self.text(joint)? }
+            }
+            Some(("assemble_deep", [beam, joint])) => {
+                FineAction::AssembleDeep { beam: self.beam_name(beam)?, joint: self.text(joint)? }
+            }
+            Some(("assemble_through", [beam, joint])) => {
+                let through = sleeved(self.assembly, self.beam(beam)?, stands);
+                FineAction::AssembleThrough { beam: self.beam_name(beam)?, joint: self.text(joint)?, through }
+            }
+            Some(("assemble_cap", [beam])) => {
+                let joints = receives(self.assembly, self.beam(beam)?, stands, deep);
+                FineAction::AssembleCap { beam: self.beam_name(beam)?, joints }
+            }
+            Some(("lay_down", [beam])) => FineAction::LayDown { beam: self.beam_name(beam)? },
+            Some(("slide", [beam, link])) => {
+                FineAction::Slide { beam: self.beam_name(beam)?, link: self.text(link)? }
+            }
+            Some(("push", [beam, link])) => {
+                FineAction::Push { beam: self.beam_name(beam)?, link: self.text(link)? }
+            }
+            Some(("fasten", [connection])) => {
+                let index = self.connection(connection)?;
+                let pair = &self.assembly.connections[index];
+                FineAction::Fasten {
+                    connection: pair.name.clone(),
+                    female: self.assembly.joint_name(pair.female).to_string(),
+                    male: self.assembly.joint_name(pair.male).to_string(),
+                    peg: pegs.name(self.kit, index),
+                }
+            }
+            _ => return Err(self.wrong(term)),
+        })
+    }
+
+    fn place(&self, term: &Term, pegs: &mut Pegs) -> Result<Place, PlanError> {
+        match term.parts() {
+            Some(("above", [of])) => Ok(Place::Above(self.area(of)?)),
+            Some(("input", [item])) => Ok(Place::Input(self.item(item, pegs)?)),
+            Some(("approach", [of])) => Ok(Place::Approach(self.target(of)?)),
+            Some(("target", [of])) => Ok(Place::Target(self.target(of)?)),
+            _ => Err(self.wrong(term)),
+        }
+    }
+
+    fn target(&self, term: &Term) -> Result<Target, PlanError> {
+        match term.parts() {
+            Some(("beam", [beam])) => Ok(Target::Beam(self.beam_name(beam)?)),
+            Some(("hole", [connection])) => {
+                let index = self.connection(connection)?;
+                Ok(Target::Connection(self.assembly.connections[index].name.clone()))
+            }
+            _ => Err(self.wrong(term)),
+        }
+    }
+
+    fn item(&self, term: &Term, pegs: &mut Pegs) -> Result<Item, PlanError> {
+        match term.parts() {
+            Some(("beam", [beam])) => Ok(Item::Beam(self.beam_name(beam)?)),
+            Some(("peg", [connection])) => {
+                let index = self.connection(connection)?;
+                Ok(Item::Peg(pegs.name(self.kit, index)))
+            }
+            _ => Err(self.wrong(term)),
+        }
+    }
+
+    fn area(&self, term: &Term) -> Result<Area, PlanError> {
+        match term.parts() {
+            Some(("input", [])) => Ok(Area::Input),
+            Some(("intermediate", [])) => Ok(Area::Intermediate),
+            Some(("assembly", [])) => Ok(Area::Assembly),
+            _ => Err(self.wrong(term)),
+        }
+    }
+
+    fn text(&self, term: &Term) -> Result<String, PlanError> {
+        match term {
+            Term::Text(text) => Ok(text.clone()),
+            _ => Err(self.wrong(term)),
+        }
+    }
+
+    pub(crate) fn beam(&self, term: &Term) -> Result<usize, PlanError> {
+        self.assembly.beam_index(&self.text(term)?).ok_or_else(|| self.wrong(term))
+    }
+
+    fn beam_name(&self, term: &Term) -> Result<String, PlanError> {
+        Ok(self.assembly.beams[self.beam(term)?].beam.name.clone())
+    }
+
+    fn connection(&self, term: &Term) -> Result<usize, PlanError> {
+        self.assembly.connection_index(&self.text(term)?).ok_or_else(|| self.wrong(term))
+    }
+}
+
+/// The joints that a cap puts over males that stand at their place, from j1 to jn.
+pub(crate) fn receives(assembly: &Assembly, beam: usize, stands: &[bool], deep: &[bool]) -> Vec<String> {
+    let over = |joint: usize| {
+        assembly.connections.iter().any(|c| {
+            c.female.beam == beam && c.female.joint == joint && stands[c.male.beam] && !deep[c.male.beam]
+        })
+    };
+    let joints = assembly.beams[beam].beam.joints.iter().enumerate();
+    joints.filter(|(index, _)| over(*index)).map(|(_, joint)| joint.name.clone()).collect()
+}
+
+/// The joints in the middle of a beam that come to lie in females that stand, from j1 to jn.
+pub(crate) fn sleeved(assembly: &Assembly, beam: usize, stands: &[bool]) -> Vec<String> {
+    let within = |joint: usize| {
+        assembly
+            .connections
+            .iter()
+            .any(|c| c.male.beam == beam && c.male.joint == joint && stands[c.female.beam])
+    };
+    let joints = assembly.beams[beam].beam.joints.iter().enumerate();
+    joints
+        .filter(|(index, joint)| !joint.kind.is_end() && within(*index))
+        .map(|(_, joint)| joint.name.clone())
+        .collect()
+}
+
+pub(crate) fn meaningless(rules: &SourceFile, term: &Term) -> PlanError {
+    PlanError::Answer { file: rules.name().to_string(), answer: term.to_string() }
+}

@@ -1,0 +1,93 @@
+//! Why an action has its place in a plan: what forbade it at every step before.
+
+use crate::domains::Domains;
+use crate::error::PlanError;
+use crate::plan::State;
+use crate::planner::{Options, Planner};
+use crate::state::look_up;
+use ramp_assembly::Assembly;
+use ramp_kit::Kit;
+use ramp_kit::source::nearest;
+use serde::Serialize;
+
+/// Why an action is where it is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Explanation {
+    /// The action, in the words of the rules.
+    pub action: String,
+    /// Its step in the plan, counted from 1.
+    pub step: usize,
+    /// What forbade it before, from the first step on.
+    pub reasons: Vec<Reason>,
+}
+
+/// A law that forbade the action for some steps.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Reason {
+    /// The first of the steps before which it was impossible.
+    pub from: usize,
+    /// The last of them.
+    pub to: usize,
+    /// The law, as in the domain.
+    pub law: String,
+    /// Its line in the file.
+    pub line: usize,
+    /// Its conditions as they were.
+    pub because: Vec<String>,
+}
+
+/// Explains the place of a coarse action, such as `assemble(b9)`, in the plan for a goal.
+///
+/// # Errors
+/// When there is no plan, or no such action in it.
+///
+/// ```
+/// use ramp_planner::{Domains, State, why};
+///
+/// let kit = ramp_kit::read_kit("../../data/kit.xml".as_ref())?;
+/// let assembly = ramp_assembly::read_goal("../../data/goals/easy-3.xml".as_ref(), &kit)?;
+/// let domains = Domains::read("../../data/domains".as_ref())?;
+/// let explanation = why(&assembly, &kit, &State::default(), &domains, "push(b4)")?;
+/// assert!(explanation.reasons.iter().any(|reason| reason.law == "impossible push(B) if -in_assembly(B)"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn why(
+    assembly: &Assembly,
+    kit: &Kit,
+    state: &State,
+    domains: &Domains,
+    action: &str,
+) -> Result<Explanation, PlanError> {
+    let known = look_up(assembly, kit, state)?;
+    let mut planner = Planner::new(assembly, kit, domains, Options::default());
+    let transitions = planner.transitions(&known)?;
+    let plain = |text: &str| text.chars().filter(|c| !c.is_whitespace() && *c != '"').collect::<String>();
+    let wanted = plain(action);
+    let names: Vec<String> =
+        transitions.iter().map(|transition| plain(&transition.action.to_string())).collect();
+    let Some(index) = names.iter().position(|name| *name == wanted) else {
+        return Err(PlanError::UnknownAction {
+            name: wanted.clone(),
+            nearest: nearest(&wanted, names.iter().map(String::as_str)).map(str::to_string),
+        });
+    };
+    let target = &transitions[index].action;
+    let mut reasons: Vec<Reason> = Vec::new();
+    for (step, transition) in transitions[..index].iter().enumerate() {
+        let found = planner.model.why_not(&transition.before, target);
+        let Some(reason) = found.map_err(|refusal| planner.refused(refusal, action))? else { continue };
+        match reasons.last_mut() {
+            Some(last) if last.to == step && last.law == reason.law && last.because == reason.conditions => {
+                last.to = step + 1;
+            }
+            _ => reasons.push(Reason {
+                from: step + 1,
+                to: step + 1,
+                law: reason.law,
+                line: reason.line,
+                because: reason.conditions,
+            }),
+        }
+    }
+    Ok(Explanation { action: target.to_string(), step: index + 1, reasons })
+}

@@ -1,0 +1,449 @@
+//! What the shapes of an assembly say to the planner: which ways lead to a beam's place and what is in them, where
+//! a beam can be pushed back, and by which links a hand can hold it.
+//!
+//! Every beam is a few upright boxes, so for two beams that move past each other on a straight line the stretches
+//! on which they meet follow from the separating axis test, without steps in between.
+
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector2, Vector3};
+use ramp_assembly::{Assembly, Pose};
+use ramp_kit::joint::{BODY_WIDTH, HEAD_WIDTH};
+use ramp_kit::shape::{Cuboid, Shape, beam_shapes};
+use ramp_kit::{Kit, Link};
+use std::collections::HashMap;
+
+/// The shortest straight motion of an insertion, m: here a beam can be lowered next to its place.
+const LEAST_DISTANCE: f64 = 60.0e-3;
+/// The longest that is looked at, m.
+const MOST_DISTANCE: f64 = 1.0;
+/// Beams that reach less than this into each other touch, m.
+const TOUCH: f64 = 0.01e-3;
+/// Room around a beam, seen from above, where its motion begins, m.
+const MARGIN: f64 = 5.0e-3;
+/// How much further than it must a beam is pushed back, m: the arm's error, seen from both sides.
+const SHUTTLE_MARGIN: f64 = 5.0e-3;
+/// How much of a male's section must stay in its female while it is pushed back, m.
+const SHOULDER: f64 = 2.0e-3;
+/// Half a fingertip and 1 mm, which a grasp keeps from both ends of a link, m.
+const FINGER: f64 = 11.0e-3;
+/// What must then be left of the link, for the skill to choose from, m.
+const ROOM: f64 = 5.0e-3;
+/// How far the hand reaches with the gripper down, m.
+const RADIUS: f64 = 0.78;
+/// Where the fingers are when they let go, measured across the beam, m.
+const FINGERS: [f64; 2] = [11.0e-3, 30.0e-3];
+
+/// A straight way to a beam's place.
+#[derive(Clone, Debug)]
+pub(crate) struct Way {
+    /// For people and for the rules.
+    pub name: &'static str,
+    /// The direction of the motion, in the assembly frame.
+    pub direction: Vector3<f64>,
+}
+
+/// The way from above.
+pub(crate) const DOWN: &str = "down";
+
+/// A beam that can be pushed back through an open joint until another one can be put on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shuttle {
+    pub beam: usize,
+    pub cap: usize,
+    /// How far, m.
+    pub depth: f64,
+}
+
+/// The geometry of an assembly, computed once.
+pub(crate) struct Geometry<'a> {
+    assembly: &'a Assembly,
+    kit: &'a Kit,
+    solids: Vec<Solid>,
+    pub ways: Vec<Vec<Way>>,
+    /// By beam and way: the beams that are near it, with where they meet.
+    meetings: Vec<Vec<HashMap<usize, Meeting>>>,
+    pub shuttles: Vec<Shuttle>,
+}
+
+/// How a beam on its way out meets one that stands: ranges of the distance gone, m.
+#[derive(Clone, Debug, Default)]
+struct Meeting {
+    hits: Vec<[f64; 2]>,
+    /// Seen from above.
+    covers: Vec<[f64; 2]>,
+    /// No link would stay behind this beam, where a hand has room.
+    handless: bool,
+}
+
+impl<'a> Geometry<'a> {
+    pub(crate) fn new(assembly: &'a Assembly, kit: &'a Kit) -> Geometry<'a> {
+        let solids: Vec<Solid> = assembly
+            .beams
+            .iter()
+            .map(|placed| Solid::new(&beam_shapes(&placed.beam), &placed.x_ab))
+            .collect();
+        let ways: Vec<Vec<Way>> = assembly.beams.iter().map(|placed| ways(&placed.x_ab)).collect();
+        let mut geometry =
+            Geometry { assembly, kit, solids, ways, meetings: Vec::new(), shuttles: Vec::new() };
+        geometry.meetings = (0..assembly.beams.len()).map(|beam| geometry.meetings_of(beam)).collect();
+        geometry.shuttles = geometry.find_shuttles();
+        geometry
+    }
+
+    fn meetings_of(&self, beam: usize) -> Vec<HashMap<usize, Meeting>> {
+        let of_way = |way: &Way| {
+            let back = -way.direction;
+            let others = (0..self.solids.len()).filter(|&other| other != beam && beam != self.assembly.base);
+            let near = others.filter(|&other| self.solids[beam].may_meet(&self.solids[other], &back));
+            near.map(|other| (other, self.meeting(beam, other, way))).collect()
+        };
+        self.ways[beam].iter().map(of_way).collect()
+    }
+
+    fn meeting(&self, beam: usize, other: usize, way: &Way) -> Meeting {
+        let back = -way.direction;
+        let ranges =
+            |slack: f64, axes: usize| self.solids[beam].ranges(&self.solids[other], &back, slack, axes);
+        let hits = ranges(TOUCH, 5);
+        let covers = if way.direction.z == 0.0 { ranges(-MARGIN, 4) } else { Vec::new() };
+        let handless = covers.first().is_some_and(|cover| cover[0] <= 0.0 && cover[1] > LEAST_DISTANCE)
+            && self.handless(beam, other, way);
+        Meeting { hits, covers, handless }
+    }
+
+    /// Must every link of a beam go through a joint of the other one on this way?
+    fn handless(&self, beam: usize, other: usize, way: &Way) -> bool {
+        let placed = &self.assembly.beams[beam];
+        let holes: Vec<Point3<f64>> = self
+            .assembly
+            .connections
+            .iter()
+            .filter(|connection| connection.male.beam == beam && connection.female.beam == other)
+            .map(|connection| self.assembly.p_a_hole(connection.male))
+            .collect();
+        let behind = |link: &Link| {
+            let p = placed.x_ab * Point3::new(middle(link), 0.0, 0.0);
+            usable(link) && holes.iter().all(|hole| (p - hole).dot(&way.direction) < 0.0)
+        };
+        !holes.is_empty() && !placed.beam.links.iter().any(behind)
+    }
+
+    /// Which beams are in the way of a beam, each by itself.
+    pub(crate) fn blocked(&self, beam: usize, way: usize) -> Vec<usize> {
+        let mut blocked: Vec<usize> = self.meetings[beam][way]
+            .iter()
+            .filter(|(_, meeting)| {
+                let distance = clear(meeting.covers.iter().copied());
+                meeting.handless || meeting.hits.iter().any(|hit| hit[0] < distance)
+            })
+            .map(|(&other, _)| other)
+            .collect();
+        blocked.sort_unstable();
+        blocked
+    }
+
+    /// The length of the straight motion with which a beam gets to its place while others stand, m; `None` when
+    /// something is in this way.
+    pub(crate) fn distance(&self, beam: usize, way: usize, stands: &[bool]) -> Option<f64> {
+        let near: Vec<&Meeting> =
+            self.meetings[beam][way].iter().filter(|(other, _)| stands[**other]).map(|(_, m)| m).collect();
+        let distance = clear(near.iter().flat_map(|meeting| meeting.covers.iter().copied()));
+        let free = near.iter().all(|m| !m.handless && m.hits.iter().all(|hit| hit[0] >= distance));
+        (free && distance < MOST_DISTANCE).then_some(distance)
+    }
+
+    /// The way that a beam takes while others stand: that of the proven order if it is free, else the first one.
+    pub(crate) fn way(&self, beam: usize, stands: &[bool], laid: bool) -> Option<(&Way, f64)> {
+        let proven = self.assembly.insertions.iter().find(|insertion| insertion.beam == beam);
+        let usual = |way: &Way| proven.is_some_and(|i| i.direction.dot(&way.direction) > 1.0 - 1e-6);
+        let mut order: Vec<usize> = (0..self.ways[beam].len()).collect();
+        order.sort_by_key(|&index| {
+            let way = &self.ways[beam][index];
+            (laid != (way.name == DOWN), !usual(way), index)
+        });
+        order.into_iter().find_map(|index| {
+            self.distance(beam, index, stands).map(|distance| (&self.ways[beam][index], distance))
+        })
+    }
+
+    // ---- Pushed back ------------------------------------------------------------------------------------------
+
+    fn find_shuttles(&self) -> Vec<Shuttle> {
+        let mut shuttles = Vec::new();
+        for cap in &self.assembly.connections {
+            let (beam, joint) = (cap.male.beam, cap.male.joint);
+            let placed = &self.assembly.beams[beam];
+            if [beam, cap.female.beam].contains(&self.assembly.base)
+                || !placed.beam.joints[joint].kind.is_end()
+            {
+                continue;
+            }
+            let along = placed.x_ab.rotation * Vector3::x();
+            let back = if joint == 0 { along } else { -along };
+            let ends = self.assembly.connections.iter().filter(|c| {
+                c.male.beam == beam && c.male.joint != joint && placed.beam.joints[c.male.joint].kind.is_end()
+            });
+            for through in ends {
+                if let Some(depth) = self.depth(beam, cap.female.beam, through, &back) {
+                    shuttles.push(Shuttle { beam, cap: cap.female.beam, depth });
+                }
+            }
+        }
+        shuttles
+    }
+
+    /// How far a beam must be pushed back to be out of another one's way, m; `None` when it cannot be.
+    fn depth(
+        &self,
+        beam: usize,
+        cap: usize,
+        through: &ramp_assembly::Connection,
+        back: &Vector3<f64>,
+    ) -> Option<f64> {
+        let covers = self.solids[beam].ranges(&self.solids[cap], back, 0.0, 4);
+        let depth = covers.first().filter(|cover| cover[0] <= 0.0)?[1] + SHUTTLE_MARGIN;
+        // Its section must not leave the joint in which it rests: it would drop off the floor of that.
+        let male = self.assembly.beams[beam].beam.joints[through.male.joint].kind;
+        let across = self.assembly.beams[through.female.beam].x_ab.rotation * Vector3::x();
+        let straight = (1.0 - across.dot(back).powi(2)).sqrt().max(0.1);
+        let most = male.sleeve() + BODY_WIDTH / 2.0 / straight - SHOULDER;
+        let others = (0..self.solids.len()).filter(|&other| other != beam && other != cap);
+        let free =
+            others.filter(|&other| self.solids[beam].may_meet(&self.solids[other], back)).all(|other| {
+                let hits = self.solids[beam].ranges(&self.solids[other], back, TOUCH, 5);
+                hits.iter().all(|hit| hit[0] > depth)
+            });
+        (depth <= most && free).then_some(depth)
+    }
+
+    // ---- Held -------------------------------------------------------------------------------------------------
+
+    /// Can a hand hold a link where the beam starts?
+    pub(crate) fn graspable_at_start(&self, beam: usize, link: &Link) -> bool {
+        let x_wb = self.kit.x_wb_start(&self.assembly.beams[beam].beam);
+        usable(link) && x_wb.is_some_and(|x_wb| reaches(&x_wb, link))
+    }
+
+    /// Can a hand hold a link at the beam's place, while other beams stand and pegs are in their holes?
+    pub(crate) fn graspable_at_place(
+        &self,
+        beam: usize,
+        link: &Link,
+        stands: &[bool],
+        pinned: &[bool],
+    ) -> bool {
+        let placed = &self.assembly.beams[beam];
+        if !usable(link) || !reaches(&(self.kit.x_wa() * placed.x_ab), link) {
+            return false;
+        }
+        let [low, high] = [link.grasp[0] + FINGER, link.grasp[1] - FINGER];
+        let steps = ((high - low) / 1e-3) as usize;
+        (0..=steps).any(|step| {
+            let s = low + step as f64 * 1e-3;
+            [-1.0, 1.0].into_iter().all(|side| {
+                let [inner, outer] = FINGERS.map(|y| side * y);
+                let finger = Cuboid::new([s - 10.0e-3, s + 10.0e-3], [inner, outer], [-2.0e-3, 60.0e-3]);
+                let finger = Solid::new(&[Shape::Solid(finger)], &upright(&placed.x_ab));
+                let beams = (0..stands.len()).filter(|&other| other != beam && stands[other]);
+                let mut beams = beams.filter(|&other| finger.may_overlap(&self.solids[other]));
+                let pegs = self.assembly.connections.iter().zip(pinned).filter(|(_, pinned)| **pinned);
+                let mut pegs = pegs.map(|(connection, _)| self.assembly.p_a_hole(connection.male));
+                !beams.any(|other| finger.overlaps(&self.solids[other]))
+                    && !pegs.any(|hole| {
+                        let half = HEAD_WIDTH / 2.0;
+                        let head = Shape::Solid(Cuboid::new([-half, half], [-half, half], [0.0, 60.0e-3]));
+                        let x_ah = Pose::translation(hole.x, hole.y, hole.z);
+                        finger.overlaps(&Solid::new(&[head], &x_ah))
+                    })
+            })
+        })
+    }
+}
+
+/// The same pose with the beam the right way up.
+fn upright(x_ab: &Pose) -> Pose {
+    let along = x_ab.rotation * Vector3::x();
+    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), along.y.atan2(along.x));
+    Pose::from_parts(x_ab.translation, yaw)
+}
+
+/// Where the fingers close on a link, from j1, m.
+pub(crate) fn middle(link: &Link) -> f64 {
+    0.5 * (link.grasp[0] + link.grasp[1])
+}
+
+fn usable(link: &Link) -> bool {
+    link.grasp[1] - link.grasp[0] - 2.0 * FINGER >= ROOM
+}
+
+fn reaches(x_wb: &Pose, link: &Link) -> bool {
+    let p = x_wb * Point3::new(middle(link), 0.0, 0.0);
+    p.x.hypot(p.y) <= RADIUS
+}
+
+/// Does a beam lie along X or Y?
+pub(crate) fn is_square(x_ab: &Pose) -> bool {
+    let along = x_ab.rotation * Vector3::x();
+    along.x.abs() < 1e-6 || along.y.abs() < 1e-6
+}
+
+/// The directions that are tried: a beam at an angle along its own axis first, any other towards the clamped beam.
+fn ways(x_ab: &Pose) -> Vec<Way> {
+    let axis = x_ab.rotation * Vector3::x();
+    let along = Vector3::new(axis.x, axis.y, 0.0).normalize();
+    let square = [("-Y", 0.0, -1.0), ("-X", -1.0, 0.0), ("+X", 1.0, 0.0), ("+Y", 0.0, 1.0)];
+    let mut ways: Vec<Way> = Vec::new();
+    if !is_square(x_ab) {
+        ways.push(Way { name: "backwards", direction: -along });
+        ways.push(Way { name: "forwards", direction: along });
+    }
+    ways.extend(square.map(|(name, x, y)| Way { name, direction: Vector3::new(x, y, 0.0) }));
+    ways.push(Way { name: DOWN, direction: Vector3::new(0.0, 0.0, -1.0) });
+    ways
+}
+
+/// The first distance from [`LEAST_DISTANCE`] on that no range covers.
+fn clear(covers: impl Iterator<Item = [f64; 2]>) -> f64 {
+    merge(covers.collect()).into_iter().fold(LEAST_DISTANCE, |distance, cover| {
+        if cover[0] <= distance && distance < cover[1] { cover[1] } else { distance }
+    })
+}
+
+/// Ranges in order, those that touch made one.
+fn merge(mut ranges: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    ranges.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut merged: Vec<[f64; 2]> = Vec::new();
+    for range in ranges {
+        match merged.last_mut() {
+            Some(last) if range[0] <= last[1] => last[1] = last[1].max(range[1]),
+            _ => merged.push(range),
+        }
+    }
+    merged
+}
+
+/// A part at its place, as upright boxes.
+struct Solid {
+    blocks: Vec<Block>,
+    low: Vector3<f64>,
+    high: Vector3<f64>,
+}
+
+impl Solid {
+    fn new(shapes: &[Shape], x_ab: &Pose) -> Solid {
+        let blocks: Vec<Block> = shapes.iter().map(|shape| Block::new(shape, x_ab)).collect();
+        let mut low = Vector3::repeat(f64::INFINITY);
+        let mut high = -low;
+        for block in &blocks {
+            low = low.inf(&(block.centre - block.extent));
+            high = high.sup(&(block.centre + block.extent));
+        }
+        Solid { blocks, low, high }
+    }
+
+    /// Could it, drawn out along `back`, come near the other one? Never says no where it does.
+    fn may_meet(&self, other: &Solid, back: &Vector3<f64>) -> bool {
+        let end = back * MOST_DISTANCE;
+        let low = self.low.inf(&(self.low + end));
+        let high = self.high.sup(&(self.high + end));
+        (0..3).all(|axis| low[axis] - MARGIN < other.high[axis] && other.low[axis] < high[axis] + MARGIN)
+    }
+
+    fn may_overlap(&self, other: &Solid) -> bool {
+        (0..3).all(|axis| self.low[axis] < other.high[axis] && other.low[axis] < self.high[axis])
+    }
+
+    fn overlaps(&self, other: &Solid) -> bool {
+        self.blocks.iter().any(|a| {
+            other.blocks.iter().any(|b| {
+                a.axes_to(b, &Vector3::zeros())
+                    .iter()
+                    .all(|(between, _, touch)| between.abs() < touch - TOUCH)
+            })
+        })
+    }
+
+    fn ranges(&self, other: &Solid, shift: &Vector3<f64>, slack: f64, axes: usize) -> Vec<[f64; 2]> {
+        let mut ranges = Vec::new();
+        for a in &self.blocks {
+            ranges.extend(other.blocks.iter().filter_map(|b| a.meets(b, shift, slack, axes)));
+        }
+        merge(ranges)
+    }
+}
+
+/// An upright box: a rectangle of the plane, turned, from one height to another.
+struct Block {
+    centre: Vector3<f64>,
+    /// Unit vectors along its edges.
+    axes: [Vector2<f64>; 2],
+    half: Vector3<f64>,
+    /// Half the box along X, Y and Z around it.
+    extent: Vector3<f64>,
+}
+
+impl Block {
+    /// A shape at its place. A chamfer counts as filled, which only makes the tests stricter.
+    fn new(shape: &Shape, x_ab: &Pose) -> Block {
+        let (cuboid, x_ab) = match shape {
+            Shape::Turned { about, angle, piece } => {
+                let turned = Pose::from_parts(
+                    Translation3::new(*about, 0.0, 0.0),
+                    UnitQuaternion::from_axis_angle(&Vector3::z_axis(), *angle),
+                );
+                (piece.bounds(), x_ab * turned)
+            }
+            plain => (plain.bounds(), *x_ab),
+        };
+        let centre = (x_ab * Point3::from(cuboid.centre())).coords;
+        let along = x_ab.rotation * Vector3::x();
+        let x = Vector2::new(along.x, along.y).normalize();
+        let half: Vector3<f64> = cuboid.half().into();
+        let extent = Vector3::new(
+            half.x * x.x.abs() + half.y * x.y.abs(),
+            half.x * x.y.abs() + half.y * x.x.abs(),
+            half.z,
+        );
+        Block { centre, axes: [x, Vector2::new(-x.y, x.x)], half, extent }
+    }
+
+    fn reach(&self, axis: &Vector2<f64>) -> f64 {
+        self.half.x * self.axes[0].dot(axis).abs() + self.half.y * self.axes[1].dot(axis).abs()
+    }
+
+    /// Along each axis that can separate the two: the distance of the centres, how it changes with each metre
+    /// along `shift`, and where they touch.
+    fn axes_to(&self, other: &Block, shift: &Vector3<f64>) -> [(f64, f64, f64); 5] {
+        let between = other.centre - self.centre;
+        let plane = |axis: &Vector2<f64>| {
+            (between.xy().dot(axis), -shift.xy().dot(axis), self.reach(axis) + other.reach(axis))
+        };
+        [
+            plane(&self.axes[0]),
+            plane(&self.axes[1]),
+            plane(&other.axes[0]),
+            plane(&other.axes[1]),
+            (between.z, -shift.z, self.half.z + other.half.z),
+        ]
+    }
+
+    /// The range of t > 0 in which it, moved by t along `shift`, reaches deeper than `slack` into the other one;
+    /// with 4 axes, seen from above.
+    fn meets(&self, other: &Block, shift: &Vector3<f64>, slack: f64, axes: usize) -> Option<[f64; 2]> {
+        let mut range = [0.0f64, MOST_DISTANCE];
+        for (between, rate, touch) in self.axes_to(other, shift).into_iter().take(axes) {
+            let reach = touch - slack;
+            if rate.abs() < 1e-12 {
+                if between.abs() >= reach {
+                    return None;
+                }
+                continue;
+            }
+            let ends = [(-reach - between) / rate, (reach - between) / rate];
+            range = [range[0].max(ends[0].min(ends[1])), range[1].min(ends[0].max(ends[1]))];
+            if range[0] >= range[1] {
+                return None;
+            }
+        }
+        (range[0] < range[1]).then_some(range)
+    }
+}

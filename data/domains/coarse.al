@@ -1,0 +1,255 @@
+% The coarse domain: a hand, three areas in a line, beams and pegs.
+%
+% What may be done and what it changes. In which order the beams come is searched in order.lp and judged here; how
+% a hand does each of these actions is told in fine.al. docs/src/language.md explains the language.
+
+% ---- Things ------------------------------------------------------------------------------------------------------
+
+sort beam.                               % the beams of the goal
+sort connection.                         % two joints, to be pinned by one peg
+sort way.                                % a direction in which a beam can enter; its name is for people only
+sort area = { input, intermediate, assembly }.
+% Pegs are alike, so the rules speak of the peg of a connection; which one of the kit it is makes no difference.
+sort item = beam(beam) + peg(connection).
+
+% ---- What the goal and its geometry say --------------------------------------------------------------------------
+
+static base(beam).                       % the clamped beam
+static joins(connection, beam, beam).    % the two beams of a connection, either way around
+static enters(beam, beam).               % a male of the first goes into a female of the second
+static passes(beam, beam).               % the first goes through the second, and out on the other side
+static tight(connection).                % its female lets the male turn by no more than its play, 1.3 degrees
+static low(beam).                        % lies lower on the table than in the assembly: all its joints are males
+static entry(beam, way).                 % a straight way to the beam's place
+static blocked(beam, way, beam).         % the last one, at its place, is in this way
+static shuttle(beam, beam).              % the first, pushed back through an open joint, lets the second be put on
+static can_shuttle(beam).
+static awkward(beam).                    % no link can be held both where the beam starts and at its place
+static before(beam, beam).               % the order of the beams that is being tried
+static beside(area, area).
+
+beside(input, intermediate).
+beside(intermediate, assembly).
+beside(A, B) if beside(B, A).
+can_shuttle(B) if shuttle(B, _).
+
+% ---- What changes ------------------------------------------------------------------------------------------------
+
+inertial fluent at(area).                % where the hand is
+inertial fluent in_hand(item).
+inertial fluent on_sheet(item).          % where it starts: a beam on the sheet, a peg in its holder
+inertial fluent in_assembly(beam).
+inertial fluent aligned(beam).           % in the assembly, and exactly at its place
+inertial fluent deep(beam).              % in the assembly, pushed back through an open joint to let another on
+inertial fluent pinned(connection).
+inertial fluent slipped(beam).           % held, but not as it should be
+inertial fluent stuck(beam).             % jammed on its way in
+inertial fluent regrasped(beam).         % held by the link that it will be let go by
+
+defined fluent full.                     % the hand holds something
+defined fluent closed(connection).       % the joints of a connection are in each other
+defined fluent open(connection).         % and lack their peg
+defined fluent rests(beam).              % there is something to put the beam on
+defined fluent shut(beam, way).
+defined fluent can_enter(beam).
+defined fluent level(beam).              % a low beam that two females carry at its height
+defined fluent droops(beam).             % a low beam that they do not: 3 mm at its free end
+defined fluent pegged(beam).
+defined fluent guided(beam).             % a peg holds it in a joint that does not let it turn
+defined fluent steady(beam).             % does not swing
+defined fluent held(beam, connection).   % by a beam that is clamped, or that meets a third one
+defined fluent awaits(beam).             % another beam is still to be put on it or into it
+defined fluent other_open(beam, connection).
+defined fluent crooked(connection).      % one of its beams is off its place
+
+-at(B) if at(A), A != B.
+-on_sheet(I) if in_hand(I).
+-on_sheet(beam(B)) if in_assembly(B).
+-in_hand(I) if on_sheet(I).
+-in_hand(beam(B)) if in_assembly(B).
+-on_sheet(peg(C)) if pinned(C).
+-in_hand(peg(C)) if pinned(C).
+-aligned(B) if deep(B).
+-deep(B) if aligned(B).
+-slipped(B) if in_assembly(B).
+-slipped(B) if on_sheet(beam(B)).
+-stuck(B) if in_assembly(B).
+-stuck(B) if on_sheet(beam(B)).
+-regrasped(B) if on_sheet(beam(B)).
+
+full if in_hand(_).
+closed(C) if joins(C, A, B), in_assembly(A), in_assembly(B), -deep(A), -deep(B).
+open(C) if closed(C), -pinned(C).
+crooked(C) if joins(C, B, _), -aligned(B).
+
+rests(B) if joins(_, B, A), in_assembly(A).
+shut(B, W) if blocked(B, W, A), in_assembly(A).
+can_enter(B) if entry(B, W), -shut(B, W).
+
+level(A) if enters(A, F), in_assembly(F), enters(A, G), in_assembly(G), F != G.
+droops(A) if low(A), in_assembly(A), -level(A).
+
+pegged(B) if joins(C, B, _), pinned(C).
+guided(B) if base(B).
+guided(B) if joins(C, B, _), tight(C), pinned(C).
+held(B, C) if closed(C), joins(C, B, A), base(A).
+held(B, C) if closed(C), joins(C, B, A), closed(D), joins(D, A, E), E != B.
+steady(B) if base(B).
+steady(B) if held(B, C), held(B, D), C != D.
+awaits(B) if in_assembly(B), joins(_, B, A), -in_assembly(A).
+other_open(B, C) if joins(C, B, _), joins(D, B, _), open(D), C != D.
+
+% ---- What the hand does ------------------------------------------------------------------------------------------
+
+% Move to a neighbouring area, with what the hand holds.
+action move(area).
+move(A) causes at(A).
+impossible move(A) if at(B), -beside(A, B).
+
+% Take something from the sheet, and put back there what is held.
+action pick_up(item).
+pick_up(I) causes in_hand(I).
+impossible pick_up(_) if full.
+impossible pick_up(_) if -at(input).
+impossible pick_up(I) if -on_sheet(I).
+% What a beam is to meet stands at its place before it is fetched: a full hand cannot push.
+impossible pick_up(beam(B)) if joins(_, B, A), in_assembly(A), -aligned(A), -deep(A).
+
+action put_down(item).
+put_down(I) causes on_sheet(I).
+impossible put_down(I) if -in_hand(I).
+impossible put_down(_) if -at(input).
+
+% Set a beam down on the way and hold it by another link, where no link will do for both ends of its way.
+action regrasp(beam).
+regrasp(B) causes regrasped(B).
+impossible regrasp(B) if -in_hand(beam(B)).
+impossible regrasp(B) if -at(intermediate).
+impossible regrasp(B) if regrasped(B).
+impossible regrasp(B) if -awkward(B).
+
+% Insert the held beam: squarely, at an angle, through another one, or as a cap over males that stand.
+action assemble(beam).
+assemble(B) causes in_assembly(B), aligned(B) if -stuck(B).
+assemble(B) causes -stuck(B).
+% What it meets is pushed off its place, unless a peg holds it.
+assemble(A) causes -aligned(B) if -stuck(A), joins(_, A, B), in_assembly(B), -base(B), -pegged(B).
+% What it passes through is taken along and turned, unless a peg holds that in a joint which does not let it turn.
+assemble(A) causes -aligned(B) if -stuck(A), passes(A, B), in_assembly(B), -guided(B).
+impossible assemble(B) if -in_hand(beam(B)).
+impossible assemble(_) if -at(assembly).
+impossible assemble(B) if slipped(B).
+impossible assemble(B) if awkward(B), -regrasped(B).
+impossible assemble(B) if before(A, B), -in_assembly(A).
+% It needs something to rest on, and a way in.
+impossible assemble(B) if -rests(B).
+impossible assemble(B) if -can_enter(B).
+% What it meets stands at its place, or aside.
+impossible assemble(B) if joins(_, B, A), in_assembly(A), -aligned(A), -deep(A).
+% A droops by 3 mm at the end that B would be put over; pushed back, it is not in the way.
+impossible assemble(B) if enters(A, B), droops(A), -deep(A).
+impossible assemble(B) if enters(A, B), deep(A), -shuttle(A, B).
+% No connection waits for its peg: what is only plugged together would be pushed apart.
+impossible assemble(_) if open(_).
+
+% Lay the held beam down at its place, with nothing to rest on and nothing to hold it.
+action lay_down(beam).
+lay_down(B) causes in_assembly(B), aligned(B).
+impossible lay_down(B) if -in_hand(beam(B)).
+impossible lay_down(_) if -at(assembly).
+impossible lay_down(B) if slipped(B).
+impossible lay_down(B) if awkward(B), -regrasped(B).
+impossible lay_down(B) if before(A, B), -in_assembly(A).
+impossible lay_down(B) if rests(B).
+% Without the feet or females that carry it at its height, nothing could be put into it.
+impossible lay_down(B) if low(B).
+impossible lay_down(B) if shut(B, "down").
+
+% Shuttle, first half: insert the held beam deeper than its place, through a joint that is open behind.
+action assemble_deep(beam).
+assemble_deep(B) causes in_assembly(B), deep(B).
+assemble_deep(A) causes -aligned(B) if joins(_, A, B), in_assembly(B), -base(B), -pegged(B).
+impossible assemble_deep(B) if -in_hand(beam(B)).
+impossible assemble_deep(_) if -at(assembly).
+impossible assemble_deep(B) if slipped(B).
+impossible assemble_deep(B) if awkward(B), -regrasped(B).
+impossible assemble_deep(B) if before(A, B), -in_assembly(A).
+impossible assemble_deep(B) if -rests(B).
+impossible assemble_deep(B) if -can_enter(B).
+impossible assemble_deep(B) if joins(_, B, A), in_assembly(A), -aligned(A).
+impossible assemble_deep(B) if -can_shuttle(B).
+impossible assemble_deep(B) if shuttle(B, A), in_assembly(A).
+impossible assemble_deep(_) if open(_).
+
+% Shuttle, second half: slide the beam forward to its place, into what has been put on meanwhile.
+action slide(beam).
+slide(B) causes aligned(B).
+impossible slide(B) if -deep(B).
+impossible slide(_) if -at(assembly).
+impossible slide(_) if full.
+impossible slide(B) if joins(_, B, A), -in_assembly(A).
+impossible slide(B) if joins(_, B, A), in_assembly(A), -aligned(A).
+impossible slide(_) if open(_).
+
+% Press the held peg home.
+action fasten(connection).
+fasten(C) causes pinned(C).
+% A beam that is pinned to all that it meets so far still swings where it awaits another, if nothing makes it steady.
+fasten(C) causes -aligned(B) if joins(C, B, _), awaits(B), -steady(B), -other_open(B, C).
+% A male that no joint guides turns about its first peg, and its other end with it.
+fasten(C) causes -aligned(B) if joins(C, B, _), other_open(B, C), low(B), -tight(C), -guided(B).
+impossible fasten(C) if -in_hand(peg(C)).
+impossible fasten(_) if -at(assembly).
+impossible fasten(C) if -open(C).
+impossible fasten(C) if crooked(C).
+
+% Bring a beam exactly to its place: a free end before a cap, a carrier after another beam was slid through it.
+action push(beam).
+push(B) causes aligned(B).
+impossible push(B) if -in_assembly(B).
+impossible push(B) if deep(B).
+impossible push(B) if base(B).
+impossible push(_) if -at(assembly).
+impossible push(_) if full.
+% One that stands in it too deep would be taken along.
+impossible push(B) if joins(_, B, A), in_assembly(A), deep(A).
+
+% ---- What happens ------------------------------------------------------------------------------------------------
+
+% A peg is dropped; another of the kit takes its place in the rules.
+exogenous action drop_peg(connection).
+drop_peg(C) causes on_sheet(peg(C)).
+impossible drop_peg(C) if -in_hand(peg(C)).
+
+% A beam turns in the hand, or slides in it.
+exogenous action slip(beam).
+slip(B) causes slipped(B).
+impossible slip(B) if -in_hand(beam(B)).
+
+% A beam jams on its way in, and stays in the hand.
+exogenous action jam(beam).
+jam(B) causes stuck(B).
+impossible jam(B) if -in_hand(beam(B)).
+impossible jam(_) if -at(assembly).
+
+% The arm, or somebody, bumps a beam that stands.
+exogenous action bump(beam).
+bump(B) causes -aligned(B).
+impossible bump(B) if -in_assembly(B).
+impossible bump(B) if base(B).
+impossible bump(B) if -aligned(B).
+
+% ---- From where to where -----------------------------------------------------------------------------------------
+
+initially at(input).
+initially on_sheet(beam(B)) if -base(B).
+initially on_sheet(peg(C)).
+initially in_assembly(B) if base(B).
+initially aligned(B) if base(B).
+
+goal in_assembly(B).
+goal pinned(C).
+goal aligned(B).
+% The hand is free, and stands aside.
+goal -full.
+goal -at(assembly).
