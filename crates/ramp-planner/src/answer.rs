@@ -3,49 +3,10 @@
 use crate::error::PlanError;
 use crate::plan::{Area, CoarseAction, FineAction, Grasp, Item, Place, Target};
 use crate::planner::Pegs;
-use crate::solver::Shortest;
 use crate::term::Term;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_kit::source::SourceFile;
-
-/// The answer of a level, sorted by time.
-pub(crate) struct Timeline {
-    /// What is done at times 1, 2, …
-    pub actions: Vec<Term>,
-    /// What holds in the end, of what is shown.
-    pub end: Vec<Term>,
-}
-
-impl Timeline {
-    /// Sorts the terms `occurs(action,t)` and `holds(fluent,t)` of a plan.
-    pub(crate) fn of(rules: &SourceFile, plan: Shortest) -> Result<Timeline, PlanError> {
-        let length = usize::try_from(plan.steps).unwrap_or(0);
-        let mut actions: Vec<Option<Term>> = vec![None; length];
-        let mut end = Vec::new();
-        for term in plan.shown {
-            let Some((name @ ("occurs" | "holds"), arguments)) = term.parts() else { continue };
-            let [what, Term::Number(time)] = arguments else { return Err(meaningless(rules, &term)) };
-            let time = usize::try_from(*time).unwrap_or(usize::MAX);
-            if name == "holds" {
-                if time == length {
-                    end.push(what.clone());
-                }
-            } else {
-                // An action at time t leads from time t - 1 to time t.
-                let slot = actions.get_mut(time.wrapping_sub(1)).filter(|slot| slot.is_none());
-                *slot.ok_or_else(|| meaningless(rules, &term))? = Some(what.clone());
-            }
-        }
-        end.sort();
-        let actions = actions.into_iter().collect::<Option<Vec<Term>>>();
-        let actions = actions.ok_or_else(|| PlanError::Answer {
-            file: rules.name().to_string(),
-            answer: "a time without an action".to_string(),
-        })?;
-        Ok(Timeline { actions, end })
-    }
-}
 
 /// Looks up the names in an answer.
 pub(crate) struct Answers<'a> {

@@ -1,9 +1,8 @@
 //! The rules of the planner: two domains in the action language and the rules for the order, which people may edit.
 
-use crate::language::{Domain, LanguageError, PLAN};
+use crate::language::{Domain, LanguageError};
 use crate::solver;
 use ramp_kit::source::{Fault, FormProblem, Problem, SourceFile};
-use std::collections::BTreeSet;
 use std::path::Path;
 
 /// What is wrong with a rule file, and where.
@@ -63,23 +62,8 @@ impl Problem for OrderProblem {
 #[derive(Clone, Debug)]
 pub struct Domains {
     order: SourceFile,
-    pub(crate) coarse: Program,
-    pub(crate) fine: Program,
-}
-
-/// A domain with what makes a planning problem of it.
-#[derive(Clone, Debug)]
-pub(crate) struct Program {
-    pub domain: Domain,
-    more: String,
-}
-
-impl Program {
-    /// The program for a problem whose facts have these names.
-    pub(crate) fn for_facts(&self, names: &BTreeSet<&str>) -> SourceFile {
-        let text = self.domain.to_asp_for(&|name| names.contains(name));
-        SourceFile::new(self.domain.file().name(), &format!("{text}{}", self.more))
-    }
+    coarse: Domain,
+    fine: Domain,
 }
 
 impl Domains {
@@ -106,13 +90,7 @@ impl Domains {
         solver::check(&order)?;
         let coarse = Domain::new(&coarse, None)?;
         let fine = Domain::new(&fine, Some(&coarse))?;
-        // Where the hand ends up, the next action begins.
-        let more = fine.show_more_than(&coarse);
-        Ok(Domains {
-            order,
-            coarse: Program { domain: coarse, more: PLAN.to_string() },
-            fine: Program { domain: fine, more: format!("{PLAN}{more}") },
-        })
+        Ok(Domains { order, coarse, fine })
     }
 
     /// The same rules with another file in place of one of them: a file with `bridge` laws for the fine domain, one
@@ -122,7 +100,7 @@ impl Domains {
     /// As [`Domains::read`].
     pub fn with(&self, path: &Path) -> Result<Domains, DomainError> {
         let (mut order, mut coarse, mut fine) =
-            (self.order.clone(), self.coarse.domain.file().clone(), self.fine.domain.file().clone());
+            (self.order.clone(), self.coarse.file().clone(), self.fine.file().clone());
         if path.extension().is_some_and(|extension| extension == "lp") {
             order = SourceFile::read(path).map_err(DomainError::Order)?;
         } else {
@@ -140,11 +118,11 @@ impl Domains {
 
     /// The coarse domain.
     pub fn coarse(&self) -> &Domain {
-        &self.coarse.domain
+        &self.coarse
     }
 
     /// The fine domain.
     pub fn fine(&self) -> &Domain {
-        &self.fine.domain
+        &self.fine
     }
 }

@@ -77,7 +77,7 @@ pub enum PlanError {
         /// What was to be reached, in the words of the rules.
         task: String,
         /// How many steps were tried.
-        steps: i32,
+        steps: usize,
     },
     /// The rules gave an answer that does not fit their level.
     #[error("{file} gave the answer `{answer}`, which has no meaning here")]
@@ -87,7 +87,13 @@ pub enum PlanError {
         /// The answer.
         answer: String,
     },
-    /// The solver failed, or gave up.
+    /// The search was given up.
+    #[error("{file}: the search gave up; the problem is too hard")]
+    GaveUp {
+        /// The rule file.
+        file: String,
+    },
+    /// The solver failed.
     #[error("{file}: {why}")]
     Solver {
         /// The rule file.
@@ -100,7 +106,11 @@ pub enum PlanError {
 impl PlanError {
     /// A failure of the solver on one rule file.
     pub(crate) fn solver(rules: &SourceFile, error: &SolveError) -> PlanError {
-        PlanError::Solver { file: rules.name().to_string(), why: error.to_string() }
+        let file = rules.name().to_string();
+        match error {
+            SolveError::Limit => PlanError::GaveUp { file },
+            SolveError::Clingo(why) => PlanError::Solver { file, why: why.clone() },
+        }
     }
 }
 

@@ -3,28 +3,24 @@
 //! What may be done, and how, stands in the rule files; here their answers are carried from level to level. A level
 //! that finds no answer to what the one above decided hands that back, and gets another decision.
 
-use crate::answer::{Answers, Timeline, meaningless};
-use crate::domains::{Domains, Program};
+use crate::answer::{Answers, meaningless};
+use crate::domains::Domains;
 use crate::error::PlanError;
 use crate::facts::{self, beam_name, connection_name, peg_item};
 use crate::geometry::Geometry;
-use crate::language::ground::{Model, Refusal, State as Fluents};
-use crate::language::{FluentKind, Kind};
+use crate::language::ground::{Model, Refusal, State as Fluents, Unrolled};
+use crate::language::{Domain, FluentKind, Kind};
 use crate::plan::{CoarseStep, Entry, Plan, State, Statistics};
 use crate::shape::Shape;
-use crate::solver::{Shortest, SolveError, Solver};
+use crate::solver::Solver;
 use crate::state::{self, Known};
 use crate::term::Term;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
-use ramp_kit::source::SourceFile;
 use std::collections::{BTreeSet, HashMap};
 
 /// The most fine actions in one coarse action; the rules never need more than four.
-const MOST_FINE_STEPS: i32 = 8;
-/// How many steps are prepared at once: to the sheet and back takes six.
-const COARSE_CHUNK: i32 = 6;
-const FINE_CHUNK: i32 = 2;
+const MOST_FINE_STEPS: usize = 8;
 /// How many orders of the beams are tried before the planner gives up.
 const MOST_ORDERS: usize = 24;
 
@@ -99,34 +95,78 @@ pub(crate) struct Planner<'a> {
     fine_answers: KnownAnswers,
 }
 
-/// Answers to problems of one domain, by their shape, and programs by the names of their facts.
+/// Answers to problems of one domain, by their shape.
 #[derive(Default)]
-struct KnownAnswers {
-    answers: HashMap<String, Option<Shortest>>,
-    programs: HashMap<String, SourceFile>,
+struct KnownAnswers(HashMap<String, Option<Found>>);
+
+/// The fewest actions for a problem.
+#[derive(Clone, Debug, Default)]
+struct Found {
+    actions: Vec<Term>,
+    /// The inertial fluents that are true in the end.
+    end: Vec<Term>,
+}
+
+impl Found {
+    fn name(&self, shape: &Shape) -> Found {
+        let [actions, end] =
+            [&self.actions, &self.end].map(|terms| terms.iter().map(|term| shape.name(term)).collect());
+        Found { actions, end }
+    }
 }
 
 impl KnownAnswers {
+    /// Solves a problem of objects, statics, `told(F)`, `goal(F)` and `avoid(F)`.
     fn shortest(
         &mut self,
         solver: &mut Solver,
-        program: &Program,
+        domain: &Domain,
         shape: &Shape,
-        range: [i32; 2],
-        chunk: i32,
-    ) -> Result<Option<Shortest>, PlanError> {
+        most: usize,
+    ) -> Result<Option<Found>, PlanError> {
         let key = shape.key();
-        if let Some(found) = self.answers.get(&key) {
-            return Ok(found.clone());
+        if let Some(found) = self.0.get(&key) {
+            return Ok(found.as_ref().map(|found| found.name(shape)));
         }
-        let names: BTreeSet<&str> = shape.facts.iter().filter_map(|fact| Some(fact.parts()?.0)).collect();
-        let name = names.iter().copied().collect::<Vec<_>>().join(" ");
-        let rules = self.programs.entry(name).or_insert_with(|| program.for_facts(&names));
-        let found = solver
-            .shortest(rules, &shape.facts, range, chunk)
-            .map_err(|error| PlanError::solver(rules, &error))?;
-        Ok(self.answers.entry(key).or_insert(found).clone())
+        let found = solve(solver, domain, &shape.facts, [0, most])?;
+        let named = found.as_ref().map(|found| found.name(shape));
+        self.0.insert(key, found);
+        Ok(named)
     }
+}
+
+/// The fewest actions, from the least number to the most, for a problem of objects, statics, `told(F)`, `goal(F)` and
+/// `avoid(F)`.
+fn solve(
+    solver: &mut Solver,
+    domain: &Domain,
+    problem: &[Term],
+    range: [usize; 2],
+) -> Result<Option<Found>, PlanError> {
+    let file = domain.file();
+    let (mut told, mut goals) = (Vec::new(), Vec::new());
+    for term in problem {
+        match term.parts() {
+            Some(("told", [fluent])) => told.push(fluent.clone()),
+            Some((name @ ("goal" | "avoid"), [fluent])) => goals.push((fluent.clone(), name == "goal")),
+            _ => {}
+        }
+    }
+    let model = Model::new(domain, problem);
+    let refused = |refusal: Refusal| PlanError::Refused {
+        file: file.name().to_string(),
+        why: refusal_words(refusal, "the state"),
+    };
+    let start = model.resumed(&told).map_err(refused)?;
+    let mut unrolled = Unrolled::new(&model, start.clone());
+    let actions =
+        solver.shortest(&mut unrolled, &goals, range).map_err(|error| PlanError::solver(file, &error))?;
+    let Some(actions) = actions else { return Ok(None) };
+    let mut state = start;
+    for action in &actions {
+        state = model.after(&state, action).map_err(refused)?;
+    }
+    Ok(Some(Found { actions, end: model.inertial(&state) }))
 }
 
 /// An answer of the first level.
@@ -473,21 +513,12 @@ impl<'a> Planner<'a> {
             problem.extend(told);
         }
         problem.extend(task.iter().map(goal));
-        problem.push(Term::new("resumed", []));
         let ways: Vec<&str> = self.geometry.ways.iter().flatten().map(|way| way.name).collect();
         let shape = Shape::of(&problem, &ways);
-        let program = self.domains.coarse().file();
         let most = most_steps(self.assembly);
-        let found = self.coarse_answers.shortest(
-            &mut self.solver,
-            &self.domains.coarse,
-            &shape,
-            [0, most],
-            COARSE_CHUNK,
-        )?;
-        let Some(mut found) = found else { return Ok(None) };
-        found.shown = found.shown.iter().map(|term| shape.name(term)).collect();
-        let mut actions = Timeline::of(program, found)?.actions;
+        let found =
+            self.coarse_answers.shortest(&mut self.solver, self.domains.coarse(), &shape, most)?;
+        let Some(Found { mut actions, .. }) = found else { return Ok(None) };
         // Pushes that follow each other may come in any order; it is the same one every time.
         for run in actions.chunk_by_mut(|a, b| is_push(a) && is_push(b)) {
             run.sort_by_key(|action| action.texts().first().and_then(|name| self.assembly.beam_index(name)));
@@ -556,21 +587,16 @@ impl<'a> Planner<'a> {
         most: usize,
     ) -> Result<(Option<Vec<Term>>, usize), PlanError> {
         let mut problem = self.facts.clone();
-        let names: BTreeSet<&str> = self.facts.iter().filter_map(name_of).collect();
-        let program = self.domains.coarse.for_facts(&names);
-        let text =
-            format!("{}#program base.\ngoal(F) :- final(F).\navoid(F) :- final_not(F).\n", program.text());
-        let program = SourceFile::new(program.name(), &text);
         let told = self.model.inertial(start);
         problem.extend(told.into_iter().map(|fluent| Term::new("told", [fluent])));
-        problem.push(Term::new("resumed", []));
-        let count = |number: usize| i32::try_from(number).unwrap_or(i32::MAX);
+        let goal = |(fluent, truth)| Term::new(if truth { "goal" } else { "avoid" }, [fluent]);
+        problem.extend(self.model.goals().into_iter().map(goal));
         for steps in least..=most {
-            match self.solver.shortest(&program, &problem, [count(steps); 2], 0) {
-                Ok(Some(found)) => return Ok((Some(Timeline::of(&program, found)?.actions), steps)),
+            match solve(&mut self.solver, self.domains.coarse(), &problem, [steps; 2]) {
+                Ok(Some(found)) => return Ok((Some(found.actions), steps)),
                 Ok(None) => {}
-                Err(SolveError::Limit) => return Ok((None, steps)),
-                Err(error) => return Err(PlanError::solver(&program, &error)),
+                Err(PlanError::GaveUp { .. }) => return Ok((None, steps)),
+                Err(error) => return Err(error),
             }
         }
         Ok((None, most + 1))
@@ -644,7 +670,6 @@ impl<'a> Planner<'a> {
             before.iter().filter(|fluent| name_of(fluent).is_some_and(|name| fine.kind(name).is_some()));
         let told = shared.chain(own.iter()).filter(|fluent| matters(fluent));
         problem.extend(told.map(|fluent| Term::new("told", [fluent.clone()])));
-        problem.push(Term::new("resumed", []));
         // The coarse fluents that become true, as far as the fine domain knows of them.
         for fluent in self.model.inertial(&transition.after) {
             if before.contains(&fluent) {
@@ -658,23 +683,17 @@ impl<'a> Planner<'a> {
             }
         }
         let shape = Shape::of(&problem, &[]);
-        let program = self.domains.fine().file();
-        let found = self.fine_answers.shortest(
-            &mut self.solver,
-            &self.domains.fine,
-            &shape,
-            [0, MOST_FINE_STEPS],
-            FINE_CHUNK,
-        )?;
-        let Some(mut found) = found else { return Err(self.no_fine_plan(transition)) };
-        found.shown = found.shown.iter().map(|term| shape.name(term)).collect();
-        let timeline = Timeline::of(program, found)?;
-        // What was left out of sight stays, unless something else of the kind has come: one hand has one place.
-        let names: BTreeSet<&str> = timeline.end.iter().filter_map(name_of).collect();
+        let found = self.fine_answers.shortest(&mut self.solver, fine, &shape, MOST_FINE_STEPS)?;
+        let Some(Found { actions, mut end }) = found else { return Err(self.no_fine_plan(transition)) };
+        // Where the hand ends up, the next action begins. What was left out of sight stays, unless something else of
+        // the kind has come: one hand has one place.
+        end.retain(|fluent| name_of(fluent).is_some_and(|name| self.domains.coarse().kind(name).is_none()));
+        end.sort();
+        let names: BTreeSet<&str> = end.iter().filter_map(name_of).collect();
         own.retain(|fluent| !matters(fluent) && !name_of(fluent).is_some_and(|name| names.contains(name)));
         drop(names);
-        own.extend(timeline.end);
-        Ok(timeline.actions)
+        own.extend(end);
+        Ok(actions)
     }
 
     fn no_fine_plan(&self, transition: &Transition) -> PlanError {
@@ -730,7 +749,7 @@ impl<'a> Planner<'a> {
 
     // ---- Errors -----------------------------------------------------------------------------------------------
 
-    fn no_plan(&self, file: &str, task: &str, steps: i32) -> PlanError {
+    fn no_plan(&self, file: &str, task: &str, steps: usize) -> PlanError {
         PlanError::NoPlan {
             goal: self.assembly.name.clone(),
             file: file.to_string(),
@@ -742,14 +761,17 @@ impl<'a> Planner<'a> {
     /// The interpreter refuses what clingo found, or a state that was told.
     pub(crate) fn refused(&self, refusal: Refusal, what: &str) -> PlanError {
         let file = self.domains.coarse().file().name().to_string();
-        let why = match refusal {
-            Refusal::Unknown(name) => format!("there is no action {name}"),
-            Refusal::Impossible(reason) => {
-                format!("{what} is impossible by line {}: {}", reason.line, reason.law)
-            }
-            Refusal::Contradiction(fluent) => format!("{what} makes {fluent} both true and false"),
-        };
-        PlanError::Refused { file, why }
+        PlanError::Refused { file, why: refusal_words(refusal, what) }
+    }
+}
+
+fn refusal_words(refusal: Refusal, what: &str) -> String {
+    match refusal {
+        Refusal::Unknown(name) => format!("there is no action {name}"),
+        Refusal::Impossible(reason) => {
+            format!("{what} is impossible by line {}: {}", reason.line, reason.law)
+        }
+        Refusal::Contradiction(fluent) => format!("{what} makes {fluent} both true and false"),
     }
 }
 
@@ -762,8 +784,8 @@ fn name_of(fluent: &Term) -> Option<&str> {
 }
 
 /// To the assembly and back with a push for every beam, the way there and back again, and the task itself.
-fn most_steps(assembly: &Assembly) -> i32 {
-    i32::try_from(assembly.beams.len()).unwrap_or(i32::MAX).min(24).saturating_add(14)
+fn most_steps(assembly: &Assembly) -> usize {
+    assembly.beams.len().min(24) + 14
 }
 
 /// The hand begins over the sheet and every item costs it six actions: pick up, two moves, one to build it in, two
@@ -797,5 +819,64 @@ impl Pegs {
         self.of[connection] = chosen;
         // There are enough: they were counted before.
         chosen.map_or_else(String::new, |index| kit.pegs[index].name.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::shortest_by_clingo;
+    use crate::{State, plan::CoarseAction};
+    use std::path::Path;
+
+    fn data() -> (Kit, Domains) {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+        (ramp_kit::read_kit(&data.join("kit.xml")).unwrap(), Domains::read(&data.join("domains")).unwrap())
+    }
+
+    fn goal(name: &str, kit: &Kit) -> Assembly {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../data/goals/{name}.xml"));
+        ramp_assembly::read_goal(&file, kit).unwrap()
+    }
+
+    /// The program that is solved and the one that people read are the same.
+    #[test]
+    fn unrolling_agrees_with_clingos_own_grounder() {
+        let (kit, domains) = data();
+        let mut compared = 0;
+        for name in ["easy-3", "medium-3", "hard-3"] {
+            let assembly = goal(name, &kit);
+            let known = state::look_up(&assembly, &kit, &State::default()).unwrap();
+            let mut planner = Planner::new(&assembly, &kit, &domains, Options::default());
+            planner.plan(&known).unwrap();
+            for (answers, domain) in
+                [(&planner.coarse_answers, domains.coarse()), (&planner.fine_answers, domains.fine())]
+            {
+                let program = domain.to_asp();
+                for (problem, found) in &answers.0 {
+                    let steps = shortest_by_clingo(&format!("{program}#program base.\nresumed.\n{problem}"), 14);
+                    let expected = found.as_ref().map(|found| found.actions.len());
+                    assert_eq!(steps, expected, "{name}:\n{problem}");
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared > 50, "only {compared} problems were compared");
+    }
+
+    #[test]
+    fn looking_at_everything_gives_no_shorter_plan() {
+        let (kit, domains) = data();
+        for name in ["easy-1", "easy-2", "easy-3", "medium-1", "medium-2"] {
+            let assembly = goal(name, &kit);
+            let plan = |zoom| {
+                let options = Options { zoom, ..Options::default() };
+                plan_with(&assembly, &kit, &State::default(), &domains, options).unwrap()
+            };
+            let (zoomed, whole) = (plan(true), plan(false));
+            assert_eq!(zoomed.steps.len(), whole.steps.len(), "{name}");
+            assert_eq!(zoomed.fine().count(), whole.fine().count(), "{name}");
+            assert!(whole.steps.iter().any(|step| matches!(step.coarse, CoarseAction::Fasten { .. })));
+        }
     }
 }

@@ -30,9 +30,9 @@ impl Shape {
         Shape { facts, names }
     }
 
-    /// Equal for problems of the same shape.
+    /// The facts as a program; equal for problems of the same shape.
     pub(crate) fn key(&self) -> String {
-        self.facts.iter().map(Term::to_string).collect()
+        self.facts.iter().map(|fact| format!("{fact}.\n")).collect()
     }
 
     /// Puts the names back into an answer; other texts stay.

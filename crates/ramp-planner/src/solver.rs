@@ -3,11 +3,12 @@
 //! Everything is deterministic: one thread, a fixed seed, and limits counted in conflicts instead of seconds.
 
 use crate::domains::OrderProblem;
+use crate::language::ground::{Literal, Prospect, Unrolled};
 use crate::term::Term;
 use clingo::{
-    ClingoError, Control, ControlCtx, ExternalError, FunctionHandler, GenericControl, GroundProgramObserver,
-    Logger, Part, Propagator, ShowType, Signature, SolveHandle, SolveMode, SolveResult, SolverLiteral,
-    Symbol, SymbolType, TruthValue, Warning,
+    Atom, ClingoError, Control, ControlCtx, ExternalError, FunctionHandler, GenericControl, GroundProgramObserver,
+    Logger, Model, Part, Propagator, ShowType, SolveHandle, SolveMode, SolveResult, SolverLiteral, Symbol,
+    SymbolType, Warning,
 };
 use ramp_kit::source::{Fault, SourceFile};
 use std::cell::RefCell;
@@ -40,15 +41,6 @@ pub(crate) struct Solver {
     pub(crate) solves: usize,
 }
 
-/// The shortest plan of a program.
-#[derive(Clone, Debug)]
-pub(crate) struct Shortest {
-    /// How many steps it has.
-    pub(crate) steps: i32,
-    /// What the program shows.
-    pub(crate) shown: Vec<Term>,
-}
-
 impl Solver {
     /// The best answer of the part `base` of the rules with some facts; `None` when there is no answer.
     pub(crate) fn best(
@@ -58,59 +50,69 @@ impl Solver {
     ) -> Result<Option<Vec<Term>>, SolveError> {
         let mut control = load(rules, facts)?;
         control.ground(&[Part::new("base", vec![])?])?;
-        Ok(self.solve(control)?.1)
+        Ok(self.solve(control, &[], shown)?.1)
     }
 
-    /// The shortest plan: the parts `base`, `state(0)`, then `step(t)` and `state(t)` for t = 1, 2, … until there is
-    /// an answer in which `query(t)` is true; `None` when there is none from `least` to `most` steps. Steps up to t
-    /// are `active`. Grounding costs by the call more than by the step, so it is done `chunk` steps at a time.
+    /// The shortest plan that makes some fluents true or false, by the number of its actions from `least` to `most`;
+    /// `None` when there is none.
     pub(crate) fn shortest(
         &mut self,
-        rules: &SourceFile,
-        facts: &[Term],
-        [least, most]: [i32; 2],
-        chunk: i32,
-    ) -> Result<Option<Shortest>, SolveError> {
-        let mut control = load(rules, facts)?;
-        let mut grounded = -1;
-        for steps in least..=most {
-            if grounded < steps {
-                let until = (steps + chunk).min(most);
-                let mut parts = Vec::new();
-                for step in grounded + 1..=until {
-                    let time = vec![Symbol::create_number(step)];
-                    parts.push(if step == 0 {
-                        Part::new("base", vec![])?
-                    } else {
-                        Part::new("step", time.clone())?
-                    });
-                    parts.push(Part::new("state", time)?);
+        unrolled: &mut Unrolled,
+        goals: &[(Term, bool)],
+        [least, most]: [usize; 2],
+    ) -> Result<Option<Vec<Term>>, SolveError> {
+        let mut control: Option<Control> = None;
+        let mut atoms: Vec<Atom> = Vec::new();
+        for steps in 0..=most {
+            if steps > 0 && !unrolled.advance() {
+                return Ok(None);
+            }
+            let mut wanted = Vec::new();
+            let mut hopeless = steps < least;
+            for (fluent, truth) in goals {
+                match unrolled.prospect(fluent, *truth) {
+                    Prospect::Certain => {}
+                    Prospect::Never => hopeless = true,
+                    Prospect::If(literal) => wanted.push(literal),
                 }
-                control.ground(&parts)?;
-                grounded = until;
             }
-            for (time, query) in numbered(&control, "query")? {
-                let value = if time == steps { TruthValue::True } else { TruthValue::False };
-                control.assign_external(query, value)?;
+            if hopeless {
+                continue;
             }
-            for (time, active) in numbered(&control, "active")? {
-                let value = if time <= steps { TruthValue::True } else { TruthValue::False };
-                control.assign_external(active, value)?;
+            let mut now = match control.take() {
+                Some(control) => control,
+                None => new_control()?,
+            };
+            add(&mut now, &mut atoms, unrolled)?;
+            let assumed: Vec<SolverLiteral> = wanted.iter().map(|&wanted| literal(&atoms, wanted)).collect();
+            let read = |model: &Model| {
+                let mut actions = Vec::new();
+                for (action, occurs) in unrolled.choices().iter().flatten() {
+                    if model.is_true(literal(&atoms, *occurs))? {
+                        actions.push(action.clone());
+                    }
+                }
+                Ok(actions)
+            };
+            let (back, answer) = self.solve(now, &assumed, read)?;
+            if answer.is_some() {
+                return Ok(answer);
             }
-            let (back, answer) = self.solve(control)?;
-            control = back;
-            if let Some(shown) = answer {
-                return Ok(Some(Shortest { steps, shown }));
-            }
+            control = Some(back);
         }
         Ok(None)
     }
 
     /// Solves once; gives the control back, and the last and so the best answer.
-    fn solve(&mut self, control: Control) -> Result<(Control, Option<Vec<Term>>), SolveError> {
+    fn solve<T>(
+        &mut self,
+        control: Control,
+        assumed: &[SolverLiteral],
+        read: impl Fn(&Model) -> Result<T, ClingoError>,
+    ) -> Result<(Control, Option<T>), SolveError> {
         self.solves += 1;
-        let mut handle = control.solve(SolveMode::YIELD, &[])?;
-        let outcome = last_answer(&mut handle);
+        let mut handle = control.solve(SolveMode::YIELD, assumed)?;
+        let outcome = last_answer(&mut handle, read);
         // Closed before anything else, also after a failure: the search works on the control.
         let control = handle.close()?;
         let (result, answer) = outcome?;
@@ -123,30 +125,63 @@ impl Solver {
 }
 
 /// Lets a search run to its end.
-fn last_answer(handle: &mut SolveHandle) -> Result<(SolveResult, Option<Vec<Term>>), ClingoError> {
+fn last_answer<T>(
+    handle: &mut SolveHandle,
+    read: impl Fn(&Model) -> Result<T, ClingoError>,
+) -> Result<(SolveResult, Option<T>), ClingoError> {
     let mut answer = None;
     loop {
         handle.resume()?;
         match handle.model()? {
-            Some(model) => {
-                let shown = model.symbols(ShowType::SHOWN)?.into_iter().map(term);
-                answer = Some(shown.collect::<Result<_, _>>()?);
-            }
+            Some(model) => answer = Some(read(model)?),
             None => return Ok((handle.get()?, answer)),
         }
     }
 }
 
-/// A control with the rules and the facts in it, nothing grounded yet.
-fn load(rules: &SourceFile, facts: &[Term]) -> Result<Control, ClingoError> {
+fn shown(model: &Model) -> Result<Vec<Term>, ClingoError> {
+    model.symbols(ShowType::SHOWN)?.into_iter().map(term).collect()
+}
+
+fn new_control() -> Result<Control, ClingoError> {
     let limit = format!("--solve-limit={CONFLICT_LIMIT}");
     // The rule file was checked when it was read; what is left are remarks about facts that a goal lacks.
     let options = ["--warn=none", "--parallel-mode=1", "--seed=0", &limit];
-    let mut control = clingo::control(options.map(str::to_string).to_vec())?;
+    clingo::control(options.map(str::to_string).to_vec())
+}
+
+/// A control with the rules and the facts in it, nothing grounded yet.
+fn load(rules: &SourceFile, facts: &[Term]) -> Result<Control, ClingoError> {
+    let mut control = new_control()?;
     control.add("base", &[], rules.text())?;
     let facts: String = facts.iter().map(|fact| format!("{fact}.\n")).collect();
     control.add("base", &[], &facts)?;
     Ok(control)
+}
+
+/// Hands the new rules of a ground program on; `atoms` are clingo's names for its atoms.
+fn add(control: &mut Control, atoms: &mut Vec<Atom>, unrolled: &mut Unrolled) -> Result<(), ClingoError> {
+    let mut backend = control.backend()?;
+    for _ in atoms.len()..usize::try_from(unrolled.atoms()).unwrap_or(0) {
+        atoms.push(backend.add_atom(None)?);
+    }
+    let mut body = Vec::new();
+    for rule in unrolled.take_rules() {
+        let head = rule.head.map(|head| atom(atoms, head));
+        body.clear();
+        body.extend(rule.body.iter().map(|&of| literal(atoms, of)));
+        backend.rule(rule.choice, head.as_slice(), &body)?;
+    }
+    Ok(())
+}
+
+fn atom(atoms: &[Atom], literal: Literal) -> Atom {
+    atoms[literal.unsigned_abs() as usize - 1]
+}
+
+fn literal(atoms: &[Atom], literal: Literal) -> SolverLiteral {
+    let positive = SolverLiteral::from(atom(atoms, literal));
+    if literal < 0 { positive.negate() } else { positive }
 }
 
 /// A symbol of clingo as a term.
@@ -160,18 +195,6 @@ fn term(symbol: Symbol) -> Result<Term, ClingoError> {
         }
         SymbolType::Infimum | SymbolType::Supremum => Term::Other(symbol.to_string()),
     })
-}
-
-/// The atoms `name(t)`, with their t.
-fn numbered(control: &Control, name: &str) -> Result<Vec<(i32, SolverLiteral)>, ClingoError> {
-    let signature = Signature::new(name, 1, true)?;
-    let mut found = Vec::new();
-    for atom in control.symbolic_atoms()?.iter_with_signature(signature)? {
-        if let [time] = atom.symbol()?.arguments()?[..] {
-            found.push((time.number()?, atom.literal()?));
-        }
-    }
-    Ok(found)
 }
 
 /// Checks that a rule file is a valid program, without running it.
@@ -265,6 +288,41 @@ impl ControlCtx for Listener {
     }
 }
 
+/// The number of steps of the shortest plan of a program in the parts of clingo's incremental mode, grounded by
+/// clingo itself.
+#[cfg(test)]
+pub(crate) fn shortest_by_clingo(program: &str, most: i32) -> Option<usize> {
+    let mut control = new_control().unwrap();
+    control.add("base", &[], program).unwrap();
+    for name in ["step", "check"] {
+        control.add(name, &["t"], "").unwrap();
+    }
+    for steps in 0..=most {
+        let time = || vec![Symbol::create_number(steps)];
+        let first = if steps == 0 { Part::new("base", vec![]) } else { Part::new("step", time()) };
+        control.ground(&[first.unwrap(), Part::new("check", time()).unwrap()]).unwrap();
+        let signature = clingo::Signature::new("query", 1, true).unwrap();
+        let atoms = control.symbolic_atoms().unwrap();
+        let queries: Vec<(String, SolverLiteral)> = atoms
+            .iter_with_signature(signature)
+            .unwrap()
+            .map(|atom| (atom.symbol().unwrap().to_string(), atom.literal().unwrap()))
+            .collect();
+        for (query, literal) in queries {
+            let now = query == format!("query({steps})");
+            let value = if now { clingo::TruthValue::True } else { clingo::TruthValue::False };
+            control.assign_external(literal, value).unwrap();
+        }
+        let (back, answer) = Solver::default().solve(control, &[], shown).unwrap();
+        if let Some(shown) = answer {
+            assert_eq!(shown.len(), usize::try_from(steps).unwrap());
+            return Some(shown.len());
+        }
+        control = back;
+    }
+    None
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -281,20 +339,6 @@ mod tests {
         let numbers: Vec<Term> = [7, 3, 5].map(|number: usize| Term::new("n", [number.into()])).into();
         assert_eq!(shown(rules, &numbers).unwrap(), Some(vec![Term::new("a", [3.into()])]));
         assert_eq!(shown("a. :- a.", &[]).unwrap(), None);
-    }
-
-    #[test]
-    fn a_plan_has_as_few_steps_as_possible() {
-        let rules = "
-            holds(n(0),0).
-            #program state(t). #external query(t). :- query(t), not holds(n(12),t). #show do/2.
-            #program step(t). #external active(t).
-            { do(add(1..5),t) } = 1 :- active(t). holds(n(X+Y),t) :- holds(n(X),t-1), do(add(Y),t).";
-        let file = SourceFile::new("test.lp", rules);
-        let mut solver = Solver::default();
-        let found = solver.shortest(&file, &[], [0, 8], 1).unwrap().unwrap();
-        assert_eq!((found.steps, found.shown.len(), solver.solves), (3, 3, 4));
-        assert!(solver.shortest(&file, &[], [0, 2], 4).unwrap().is_none());
     }
 
     #[test]

@@ -4,6 +4,10 @@
 //! A [`Model`] is a domain with the objects and statics of a goal; everything in it is a number that stands for a
 //! ground term, so that states are small and comparing them is cheap.
 
+mod unroll;
+
+pub(crate) use unroll::{Literal, Prospect, Unrolled};
+
 use super::ast::{Atom, Condition, Expression, Law, Operator, Shape, Sign, Span};
 use super::check::{Domain, FluentKind, Kind, Leaf, NUMBER};
 use crate::term::Term;
@@ -26,6 +30,20 @@ pub(crate) struct Ground {
 pub(crate) struct State {
     /// By predicate; shared with the states before and after as far as they are equal.
     rows: Vec<Rc<BTreeSet<Row>>>,
+}
+
+/// What a law is matched against: fluents that may be true and fluents that must be. For a state that is known, the
+/// two are the same.
+#[derive(Clone, Copy)]
+pub(crate) struct View<'s> {
+    pub may: &'s State,
+    pub must: &'s State,
+}
+
+impl<'s> From<&'s State> for View<'s> {
+    fn from(state: &'s State) -> View<'s> {
+        View { may: state, must: state }
+    }
 }
 
 /// Why there is no next state.
@@ -344,28 +362,33 @@ impl<'d> Model<'d> {
     // ---- Solving a body ----------------------------------------------------------------------------------------
 
     /// Calls `with` for everything that the variables of a rule can stand for in a state, until it says `true`.
-    fn solve(&self, rule: &Rule, state: &State, with: &mut dyn FnMut(&Binding) -> bool) -> bool {
+    fn solve<'s>(
+        &self,
+        rule: &Rule,
+        state: impl Into<View<'s>>,
+        with: &mut dyn FnMut(&Binding) -> bool,
+    ) -> bool {
         let mut binding = vec![None; rule.variables.len()];
         let open: Vec<usize> = (0..rule.conditions.len()).collect();
-        self.extend(rule, state, &open, &mut binding, with)
+        self.extend(rule, state.into(), &open, &mut binding, with)
     }
 
     /// The same where the action of the rule is given.
-    fn solve_action(
+    fn solve_action<'s>(
         &self,
         rule: &Rule,
-        state: &State,
+        state: impl Into<View<'s>>,
         action: &Ground,
         with: &mut dyn FnMut(&Binding) -> bool,
     ) -> bool {
         let open: Vec<usize> = (0..rule.conditions.len()).collect();
-        self.solve_some(rule, state, action, &open, with)
+        self.solve_some(rule, state.into(), action, &open, with)
     }
 
     fn solve_some(
         &self,
         rule: &Rule,
-        state: &State,
+        state: View,
         action: &Ground,
         open: &[usize],
         with: &mut dyn FnMut(&Binding) -> bool,
@@ -384,7 +407,7 @@ impl<'d> Model<'d> {
     fn extend(
         &self,
         rule: &Rule,
-        state: &State,
+        state: View,
         open: &[usize],
         binding: &mut Binding,
         with: &mut dyn FnMut(&Binding) -> bool,
@@ -403,7 +426,7 @@ impl<'d> Model<'d> {
                         } else if !positive {
                             usize::MAX
                         } else {
-                            1 + self.candidates(*predicate, arguments, state, binding)
+                            1 + self.candidates(*predicate, arguments, state.may, binding)
                         }
                     }
                 };
@@ -442,8 +465,9 @@ impl<'d> Model<'d> {
             }
             Test::Literal { positive, predicate, arguments } => {
                 if arguments.iter().all(|term| is_bound(term, binding)) {
+                    let side = if *positive { state.may } else { state.must };
                     let there =
-                        self.row(arguments, binding).is_some_and(|row| self.has(*predicate, &row, state));
+                        self.row(arguments, binding).is_some_and(|row| self.has(*predicate, &row, side));
                     return there == *positive && self.extend(rule, state, &rest, binding, with);
                 }
                 let mut each = |row: &Row, binding: &mut Binding| {
@@ -462,7 +486,7 @@ impl<'d> Model<'d> {
                         None => relation.list.iter().any(|row| each(row, binding)),
                     }
                 } else {
-                    state.rows[*predicate].iter().any(|row| each(row, binding))
+                    state.may.rows[*predicate].iter().any(|row| each(row, binding))
                 }
             }
         }
@@ -626,6 +650,18 @@ impl<'d> Model<'d> {
         Ok(state)
     }
 
+    /// The state in which exactly these inertial fluents are true.
+    pub(crate) fn resumed(&self, told: &[Term]) -> Result<State, Refusal> {
+        let mut state = self.empty();
+        let mut fixed: HashMap<Ground, bool> = HashMap::new();
+        for fluent in told.iter().filter_map(|term| self.ground(term)) {
+            self.put(&mut state, &fluent, true);
+            fixed.insert(fluent, true);
+        }
+        self.settle(&mut state, &mut fixed, None)?;
+        Ok(state)
+    }
+
     /// The state after an action.
     pub(crate) fn after(&self, state: &State, action: &Term) -> Result<State, Refusal> {
         let ground = self.action(action)?;
@@ -694,7 +730,7 @@ impl<'d> Model<'d> {
                     let known = rows.len();
                     for rule in rules {
                         let mut found = Vec::new();
-                        self.solve(rule, state, &mut |binding| {
+                        self.solve(rule, &*state, &mut |binding| {
                             found.extend(self.row(&rule.heads[0].arguments, binding));
                             false
                         });
@@ -720,7 +756,7 @@ impl<'d> Model<'d> {
                     continue;
                 }
                 let mut concluded = Vec::new();
-                self.solve(rule, state, &mut |binding| {
+                self.solve(rule, &*state, &mut |binding| {
                     // What held before on the same grounds is no news; it may be just what has to give way.
                     if self.is_news(rule, binding, fixed) {
                         concluded.extend(self.head(&rule.heads[0], binding));
@@ -743,7 +779,7 @@ impl<'d> Model<'d> {
                 // A law that had no say while things changed has one in the end.
                 for rule in disputed {
                     let mut violated = None;
-                    self.solve(rule, state, &mut |binding| {
+                    self.solve(rule, &*state, &mut |binding| {
                         let head = &rule.heads[0];
                         let fluent = self.head(head, binding);
                         violated = fluent.filter(|f| self.has(f.predicate, &f.row, state) != head.positive);
@@ -845,7 +881,7 @@ impl<'d> Model<'d> {
     pub(crate) fn missing(&self, state: &State) -> Vec<(Term, bool)> {
         let mut missing = Vec::new();
         for rule in &self.goals {
-            self.solve(rule, state, &mut |binding| {
+            self.solve(rule, &*state, &mut |binding| {
                 for head in &rule.heads {
                     if let Some(fluent) = self.head(head, binding)
                         && self.has(fluent.predicate, &fluent.row, state) != head.positive
@@ -859,11 +895,27 @@ impl<'d> Model<'d> {
         missing
     }
 
+    /// All goals of the domain that do not depend on the state: fluents that should be true or false.
+    pub(crate) fn goals(&self) -> Vec<(Term, bool)> {
+        let mut goals = Vec::new();
+        let nothing = self.empty();
+        for rule in &self.goals {
+            self.solve(rule, &nothing, &mut |binding| {
+                let heads = rule.heads.iter();
+                goals.extend(heads.filter_map(|head| {
+                    Some((self.atom_term(&self.head(head, binding)?), head.positive))
+                }));
+                false
+            });
+        }
+        goals
+    }
+
     /// The coarse fluents that are true in a fine state: those of the same name, and those of the bridge laws.
     pub(crate) fn bridged(&self, state: &State) -> BTreeSet<Term> {
         let mut terms: BTreeSet<Term> = self.inertial(state).into_iter().collect();
         for rule in &self.bridges {
-            self.solve(rule, state, &mut |binding| {
+            self.solve(rule, &*state, &mut |binding| {
                 for head in &rule.heads {
                     if let Some(row) = self.row(&head.arguments, binding) {
                         let arguments = row.iter().map(|&value| self.term(value)).collect();
@@ -947,7 +999,7 @@ impl<'d> Model<'d> {
                         continue;
                     }
                     let open = [&statics[..], &[index]].concat();
-                    self.solve_some(rule, before, &ground, &open, &mut |binding| {
+                    self.solve_some(rule, before.into(), &ground, &open, &mut |binding| {
                         for condition in &open {
                             if let Test::Literal { predicate, arguments, .. } = &rule.conditions[*condition]
                                 && let Some(row) = self.row(arguments, binding)

@@ -8,42 +8,36 @@ use super::check::{CheckedLaw, Domain, FluentKind, Kind, Leaf, NUMBER};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// What a plan is made of.
-pub(crate) const PLAN: &str = "
-#show occurs/2.
-#program step(t).
-#external active(t).
-{ occurs(A,t) : action(A), not impossible(A,t) } = 1 :- active(t).
-";
-
 /// What the translations of all domains have in common, at the beginning.
-pub(crate) const BASE: &str = "
+const BASE: &str = "
 % ---- At time 0: what was told, what is the rule, and nothing else ----
 holds(F,0)  :- told(F).
 -holds(F,0) :- told_not(F).
 holds(F,0)  :- initially(F), not -holds(F,0), not resumed.
 -holds(F,0) :- inertial(F), not initially(F), not holds(F,0).
 -holds(F,0) :- inertial(F), not holds(F,0), resumed.
+#show occurs/2.
 ";
 
 /// Of every step.
-pub(crate) const STEP: &str = "
+const STEP: &str = "
 % ---- One action at a time, and what nothing changes stays as it is ----
+{ occurs(A,t) : action(A), not impossible(A,t) } = 1.
 :- occurs(A,t), impossible(A,t).
 holds(F,t)  :- inertial(F), holds(F,t-1), not -holds(F,t).
 -holds(F,t) :- inertial(F), -holds(F,t-1), not holds(F,t).
 ";
 
 /// Of every time: the goal, asked of one time after another.
-pub(crate) const CHECK: &str = "
+const CHECK: &str = "
 #external query(t).
 :- query(t), goal(F), not holds(F,t).
 :- query(t), avoid(F), holds(F,t).
 ";
 
 impl Domain {
-    /// The domain as a program for clingo, in the parts `base`, `state(t)` and `step(t)`, without the objects and
-    /// statics of a goal.
+    /// The domain as a program for clingo without the objects and statics of a goal, in the parts `base`, `step(t)`
+    /// and `check(t)` of clingo's incremental mode.
     ///
     /// ```
     /// use ramp_kit::source::SourceFile;
@@ -55,85 +49,6 @@ impl Domain {
     /// # Ok::<(), ramp_planner::language::LanguageError>(())
     /// ```
     pub fn to_asp(&self) -> String {
-        self.to_asp_of(&|_| true)
-    }
-
-    /// The same with only those laws that can ever apply where some sorts and statics have no elements: `has` says
-    /// of a name whether there are facts for it. What happens by itself is left out, too: nobody plans it.
-    pub(crate) fn to_asp_for(&self, has: &dyn Fn(&str) -> bool) -> String {
-        let mut empty: BTreeSet<&str> = BTreeSet::new();
-        for (name, sort) in &self.sorts {
-            let open = |leaf: &Leaf| match leaf {
-                Leaf::Open(open) => has(open),
-                Leaf::Function(function) => {
-                    // One level deep is enough to see that there is nothing.
-                    let sorts = self.functions.get(function).into_iter().flatten();
-                    sorts.clone().all(|sort| {
-                        let leaves = self.sorts.get(sort).map(|sort| &sort.leaves);
-                        leaves
-                            .into_iter()
-                            .flatten()
-                            .any(|leaf| !matches!(leaf, Leaf::Open(open) if !has(open)))
-                    })
-                }
-                Leaf::Number | Leaf::Constant(_) => true,
-            };
-            if !sort.leaves.iter().any(open) {
-                empty.insert(name);
-            }
-        }
-        let mut void: BTreeSet<&str> = self
-            .predicates
-            .iter()
-            .filter(|(name, predicate)| {
-                predicate.kind == (Kind::Action { exogenous: true })
-                    || predicate.kind == Kind::Static && !has(name) && !self.derives(name)
-            })
-            .map(|(name, _)| name.as_str())
-            .collect();
-        // A defined fluent without a law that can apply is never true, and so on.
-        loop {
-            let concluded = |name: &str| {
-                self.laws.iter().any(|law| {
-                    matches!(&law.law, Law::Holds { head } if head.atom.name.text == name)
-                        && self.applies(law, &empty, &void)
-                })
-            };
-            let never = |kind: Kind, name: &str| match kind {
-                Kind::Fluent(FluentKind::Defined) => !concluded(name),
-                Kind::Static => !has(name) && !concluded(name),
-                _ => false,
-            };
-            let defined = self
-                .predicates
-                .iter()
-                .filter(|(name, predicate)| !void.contains(name.as_str()) && never(predicate.kind, name));
-            let more: Vec<&str> = defined.map(|(name, _)| name.as_str()).collect();
-            if more.is_empty() {
-                break;
-            }
-            void.extend(more);
-        }
-        self.to_asp_of(&|law| self.applies(law, &empty, &void))
-    }
-
-    fn derives(&self, name: &str) -> bool {
-        self.laws.iter().any(|law| matches!(&law.law, Law::Holds { head } if head.atom.name.text == name))
-    }
-
-    /// Can a law ever apply, when some sorts are empty and some predicates never true?
-    fn applies(&self, law: &CheckedLaw, empty: &BTreeSet<&str>, void: &BTreeSet<&str>) -> bool {
-        let action = match &law.law {
-            Law::Causal { action, .. } | Law::Impossible { action } => Some(action),
-            _ => None,
-        };
-        let is_void = |condition: &Condition| matches!(condition, Condition::Literal(literal) if literal.positive && void.contains(literal.atom.name.text.as_str()));
-        !law.variables.values().any(|sort| empty.contains(sort.as_str()))
-            && !action.is_some_and(|action| void.contains(action.name.text.as_str()))
-            && !law.body.iter().any(is_void)
-    }
-
-    fn to_asp_of(&self, wanted: &dyn Fn(&CheckedLaw) -> bool) -> String {
         let mut parts = Parts::default();
         let _ = writeln!(parts.base, "% Written from {}.\n#program base.\n", self.file.name());
         self.sorts_to_asp(&mut parts.base);
@@ -155,28 +70,14 @@ impl Domain {
             let _ = writeln!(parts.base, "{}", rule(&format!("{kind}({atom})"), &sorts.collect::<Vec<_>>()));
         }
         parts.base.push('\n');
-        for law in self.laws.iter().filter(|law| wanted(law)) {
+        for law in &self.laws {
             self.law_to_asp(law, &mut parts);
         }
         parts.base.push_str(BASE);
         format!(
-            "{}\n#program state(t).\n{}{CHECK}\n#program step(t).\n{}{STEP}",
-            parts.base, parts.state, parts.step
+            "{}\n#program check(t).\n{}{CHECK}\n#program step(t).\n{}{STEP}",
+            parts.base, parts.check, parts.step
         )
-    }
-
-    /// Shows the inertial fluents that another domain does not have.
-    pub(crate) fn show_more_than(&self, other: &Domain) -> String {
-        let mut text = "#program state(t).\n".to_string();
-        for (name, predicate) in &self.predicates {
-            if predicate.kind == Kind::Fluent(FluentKind::Inertial) && !other.predicates.contains_key(name) {
-                let variables: Vec<String> = (1..=predicate.sorts.len()).map(|i| format!("X{i}")).collect();
-                let arguments =
-                    if variables.is_empty() { String::new() } else { format!("({})", variables.join(",")) };
-                let _ = writeln!(text, "#show holds({name}{arguments},t) : holds({name}{arguments},t).");
-            }
-        }
-        text
     }
 
     fn sorts_to_asp(&self, text: &mut String) {
@@ -230,7 +131,7 @@ impl Domain {
                 let to = if self.kind(&head.atom.name.text) == Some(Kind::Static) {
                     &mut parts.base
                 } else {
-                    &mut parts.state
+                    &mut parts.check
                 };
                 let _ = writeln!(to, "{}", rule(&self.literal(head, "t"), &body));
             }
@@ -246,7 +147,7 @@ impl Domain {
             }
             Law::Bridge { head } => {
                 let body = self.body(law, Vec::new(), None, "t", &[head]);
-                let _ = writeln!(parts.state, "{}", rule(&format!("holds(coarse({head}),t)"), &body));
+                let _ = writeln!(parts.check, "{}", rule(&format!("holds(coarse({head}),t)"), &body));
             }
         }
     }
@@ -356,7 +257,7 @@ impl Domain {
 #[derive(Default)]
 struct Parts {
     base: String,
-    state: String,
+    check: String,
     step: String,
 }
 
