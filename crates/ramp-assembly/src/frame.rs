@@ -11,9 +11,9 @@ use crate::read::read_goal_str;
 use ramp_kit::joint::SOCKET_DEPTH;
 use ramp_kit::{Beam, Joint, JointType, Kit, Link, Side};
 
-/// The heights of storeys to choose from, m: between the holes of a column, of which the shortest just has room
-/// for its two ends.
-const STOREYS: [f64; 6] = [0.115, 0.120, 0.125, 0.130, 0.140, 0.150];
+/// The heights of storeys to choose from, m: between the holes of a column. The shortest has room for its two ends and
+/// for the fingers between them.
+const STOREYS: [f64; 6] = [0.140, 0.145, 0.150, 0.155, 0.160, 0.170];
 /// Distance of the slots that a wide rail has beyond the clamped beam's, m.
 const BEYOND: f64 = 0.1262;
 
@@ -166,13 +166,18 @@ impl Builder<'_> {
         apart(slot - 1, slot) > least && apart(slot, slot + 1) > least
     }
 
-    /// A column between two rails, with a male in its middle where it passes through one.
+    /// A column between two rails. One on feet keeps its height while its free end waits for the next rail; one that
+    /// passes through a rail has none that could pass, but a male in its middle, and two rails that carry it.
     fn column(&self, column: &Column) -> Beam {
         let height = |rail: usize| self.storeys[..rail].iter().sum::<f64>();
         let mut joints = Vec::new();
         for (index, rail) in (column.from..=column.to).enumerate() {
             let end = rail == column.from || rail == column.to;
-            let kind = if end { JointType::InMEnd } else { JointType::ThruM };
+            let kind = match (end, column.to - column.from) {
+                (false, _) => JointType::ThruM,
+                (true, 1) => JointType::InMEndFeet,
+                (true, _) => JointType::InMEnd,
+            };
             let name = format!("{}j{}", column.name, index + 1);
             let offset = height(rail) - height(column.from);
             joints.push(Joint { name, kind, offset, opens: None, tag: None });

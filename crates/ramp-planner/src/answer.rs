@@ -5,13 +5,13 @@ use crate::plan::{Area, CoarseAction, FineAction, Grasp, Item, Place, Target};
 use crate::planner::Pegs;
 use crate::term::Term;
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use ramp_kit::source::SourceFile;
 
 /// Looks up the names in an answer.
 pub(crate) struct Answers<'a> {
     pub assembly: &'a Assembly,
-    pub kit: &'a Kit,
+    /// The names of the pegs.
+    pub pegs: &'a [String],
     pub rules: &'a SourceFile,
 }
 
@@ -34,7 +34,7 @@ impl Answers<'_> {
             Some(("fasten", [connection])) => {
                 let index = self.connection(connection)?;
                 let connection = self.assembly.connections[index].name.clone();
-                CoarseAction::Fasten { connection, peg: pegs.name(self.kit, index) }
+                CoarseAction::Fasten { connection, peg: pegs.name(self.pegs, index) }
             }
             _ => return Err(self.wrong(term)),
         })
@@ -93,7 +93,7 @@ impl Answers<'_> {
                     connection: pair.name.clone(),
                     female: self.assembly.joint_name(pair.female).to_string(),
                     male: self.assembly.joint_name(pair.male).to_string(),
-                    peg: pegs.name(self.kit, index),
+                    peg: pegs.name(self.pegs, index),
                 }
             }
             _ => return Err(self.wrong(term)),
@@ -126,7 +126,7 @@ impl Answers<'_> {
             Some(("beam", [beam])) => Ok(Item::Beam(self.beam_name(beam)?)),
             Some(("peg", [connection])) => {
                 let index = self.connection(connection)?;
-                Ok(Item::Peg(pegs.name(self.kit, index)))
+                Ok(Item::Peg(pegs.name(self.pegs, index)))
             }
             _ => Err(self.wrong(term)),
         }

@@ -217,10 +217,11 @@ impl<'a> Geometry<'a> {
 
     // ---- Held -------------------------------------------------------------------------------------------------
 
-    /// Can a hand hold a link where the beam starts?
+    /// Can a hand hold a link where the beam starts? A beam without a place on the sheet is one for planners alone:
+    /// of it, only its own shape is judged, not how far an arm reaches.
     pub(crate) fn graspable_at_start(&self, beam: usize, link: &Link) -> bool {
         let x_wb = self.kit.x_wb_start(&self.assembly.beams[beam].beam);
-        usable(link) && x_wb.is_some_and(|x_wb| reaches(&x_wb, link))
+        usable(link) && x_wb.is_none_or(|x_wb| reaches(&x_wb, link))
     }
 
     /// Can a hand hold a link at the beam's place, while other beams stand and pegs are in their holes?
@@ -232,7 +233,8 @@ impl<'a> Geometry<'a> {
         pinned: &[bool],
     ) -> bool {
         let placed = &self.assembly.beams[beam];
-        if !usable(link) || !reaches(&(self.kit.x_wa() * placed.x_ab), link) {
+        let near = placed.beam.start.is_none() || reaches(&(self.kit.x_wa() * placed.x_ab), link);
+        if !usable(link) || !near {
             return false;
         }
         let [low, high] = [link.grasp[0] + FINGER, link.grasp[1] - FINGER];

@@ -83,7 +83,8 @@ pub fn plan_with(
 /// What every step of planning needs.
 pub(crate) struct Planner<'a> {
     pub assembly: &'a Assembly,
-    pub kit: &'a Kit,
+    /// The names of the pegs.
+    pub pegs: Vec<String>,
     pub domains: &'a Domains,
     pub geometry: Geometry<'a>,
     pub facts: Vec<Term>,
@@ -201,7 +202,7 @@ impl<'a> Planner<'a> {
         let model = Model::new(domains.coarse(), &facts);
         Planner {
             assembly,
-            kit,
+            pegs: state::peg_names(assembly, kit),
             domains,
             geometry,
             facts,
@@ -313,7 +314,7 @@ impl<'a> Planner<'a> {
         }
         let solved = self.solver.best(rules, &facts).map_err(|error| PlanError::solver(rules, &error))?;
         let answer = solved.ok_or_else(|| PlanError::NoOrder { goal: self.assembly.name.clone() })?;
-        let answers = Answers { assembly: self.assembly, kit: self.kit, rules };
+        let answers = Answers { assembly: self.assembly, pegs: &self.pegs, rules };
 
         let mut order = Order::default();
         let mut problems = Vec::new();
@@ -617,7 +618,7 @@ impl<'a> Planner<'a> {
         for transition in transitions {
             let actions = self.refine(transition, &mut own)?;
             let answers =
-                Answers { assembly: self.assembly, kit: self.kit, rules: self.domains.fine().file() };
+                Answers { assembly: self.assembly, pegs: &self.pegs, rules: self.domains.fine().file() };
             let (stands, deep) = self.standing(&transition.before);
             let coarse = answers.coarse_action(&transition.action, &mut pegs)?;
             let fine = actions.iter().map(|term| answers.fine_action(term, &stands, &deep, &mut pegs));
@@ -800,7 +801,7 @@ fn lower_bound(known: &Known) -> usize {
 
 /// Which peg belongs to which connection.
 pub(crate) struct Pegs {
-    /// What is left of the kit's pegs, by index, the next one last.
+    /// What is left of the pegs, by index, the next one last.
     free: Vec<usize>,
     /// The peg of each connection.
     of: Vec<Option<usize>>,
@@ -813,12 +814,12 @@ impl Pegs {
         Pegs { free: known.pegs.iter().rev().copied().collect(), of }
     }
 
-    /// The name of the peg for a connection: at the first mention, the next free one of the kit.
-    pub(crate) fn name(&mut self, kit: &Kit, connection: usize) -> String {
+    /// The name of the peg for a connection: at the first mention, the next free one.
+    pub(crate) fn name(&mut self, names: &[String], connection: usize) -> String {
         let chosen = self.of[connection].or_else(|| self.free.pop());
         self.of[connection] = chosen;
         // There are enough: they were counted before.
-        chosen.map_or_else(String::new, |index| kit.pegs[index].name.clone())
+        chosen.map_or_else(String::new, |index| names[index].clone())
     }
 }
 

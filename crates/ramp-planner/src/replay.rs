@@ -66,12 +66,12 @@ impl<'a> Replayer<'a> {
         let known = look_up(assembly, kit, state)?;
         let planner = Planner::new(assembly, kit, domains, Options::default());
         let fluents = planner.fluents(&known)?;
-        let name = |peg: &usize| kit.pegs[*peg].name.clone();
+        let pinned = known.pinned.iter().map(|peg| peg.map(|peg| planner.pegs[peg].clone())).collect();
         Ok(Replayer {
             planner,
             state: fluents,
             own: vec![Term::new("hand_at", [Term::new("above", [area_name(known.area)])])],
-            pegs: known.pinned.iter().map(|peg| peg.as_ref().map(name)).collect(),
+            pegs: pinned,
             lost: state.lost_pegs.clone(),
             hand: state.in_hand.clone(),
         })
@@ -137,7 +137,7 @@ impl<'a> Replayer<'a> {
                 if let Item::Peg(peg) = item {
                     let in_use =
                         self.pegs.iter().flatten().any(|used| used == peg) || self.lost.contains(peg);
-                    if in_use || self.planner.kit.peg(peg).is_none() {
+                    if in_use || !self.planner.pegs.contains(peg) {
                         return Err(format!("{peg} cannot be had"));
                     }
                 }

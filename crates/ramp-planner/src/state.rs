@@ -64,16 +64,25 @@ pub(crate) fn area_name(area: Area) -> Term {
     Term::new(name, [])
 }
 
+/// The names of the pegs: the kit's, or, for a kit that says nothing of pegs, as many as the goal needs.
+pub(crate) fn peg_names(assembly: &Assembly, kit: &Kit) -> Vec<String> {
+    match kit.pegs.is_empty() {
+        false => kit.pegs.iter().map(|peg| peg.name.clone()).collect(),
+        true => (1..=assembly.connections.len()).map(|number| format!("p{number}")).collect(),
+    }
+}
+
 /// Looks up every name of a state and checks that it does not contradict itself.
 pub(crate) fn look_up(assembly: &Assembly, kit: &Kit, state: &State) -> Result<Known, PlanError> {
+    let all_pegs = peg_names(assembly, kit);
     let impossible = |why: String| Err(PlanError::ImpossibleState { why });
     let beam = |name: &str| {
         let names = assembly.beams.iter().map(|placed| placed.beam.name.as_str());
         assembly.beam_index(name).ok_or_else(|| unknown("beam", name, &assembly.name, nearest(name, names)))
     };
     let peg = |name: &str| {
-        let names = kit.pegs.iter().map(|peg| peg.name.as_str());
-        let index = kit.pegs.iter().position(|peg| peg.name == name);
+        let names = all_pegs.iter().map(String::as_str);
+        let index = all_pegs.iter().position(|peg| peg == name);
         index.ok_or_else(|| unknown("peg", name, "the kit", nearest(name, names)))
     };
 
@@ -101,7 +110,7 @@ pub(crate) fn look_up(assembly: &Assembly, kit: &Kit, state: &State) -> Result<K
     }
 
     let mut pinned = vec![None; assembly.connections.len()];
-    let mut used = vec![false; kit.pegs.len()];
+    let mut used = vec![false; all_pegs.len()];
     for (name, peg_name) in &state.fastened {
         let names = assembly.connections.iter().map(|connection| connection.name.as_str());
         let index = assembly
@@ -149,7 +158,7 @@ pub(crate) fn look_up(assembly: &Assembly, kit: &Kit, state: &State) -> Result<K
     if state.slipped && held_beam.is_none() {
         return impossible("a beam has slipped, but the hand holds none".to_string());
     }
-    let mut pegs: Vec<usize> = (0..kit.pegs.len()).filter(|&index| !used[index]).collect();
+    let mut pegs: Vec<usize> = (0..all_pegs.len()).filter(|&index| !used[index]).collect();
     pegs.sort_by_key(|&index| (Some(index) != held_peg, index));
     let (slipped, area) = (state.slipped, state.hand_over);
     Ok(Known { stands, pinned, misaligned, deep, pegs, held_beam, held_peg, slipped, area })
