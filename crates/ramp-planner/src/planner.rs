@@ -87,7 +87,7 @@ pub(crate) struct Planner<'a> {
     pub pegs: Vec<String>,
     pub domains: &'a Domains,
     pub geometry: Geometry<'a>,
-    pub facts: Vec<Term>,
+    pub facts: Facts,
     pub model: Model<'a>,
     solver: Solver,
     options: Options,
@@ -179,6 +179,47 @@ struct Order {
     deep: Vec<usize>,
 }
 
+/// Facts, to be picked by the names in them.
+pub(crate) struct Facts {
+    pub all: Vec<Term>,
+    /// By name: where it occurs, in order.
+    of: HashMap<String, Vec<usize>>,
+    /// Facts without any name.
+    nameless: Vec<usize>,
+}
+
+impl Facts {
+    fn new(all: Vec<Term>) -> Facts {
+        let mut of: HashMap<String, Vec<usize>> = HashMap::new();
+        let mut nameless = Vec::new();
+        for (index, fact) in all.iter().enumerate() {
+            let texts: BTreeSet<&str> = fact.texts().into_iter().collect();
+            if texts.is_empty() {
+                nameless.push(index);
+            }
+            for text in texts {
+                of.entry(text.to_string()).or_default().push(index);
+            }
+        }
+        Facts { all, of, nameless }
+    }
+
+    /// The facts that name nothing but these, in order; without names, all.
+    fn about(&self, names: Option<&BTreeSet<String>>) -> impl Iterator<Item = &Term> {
+        let picked = match names {
+            None => (0..self.all.len()).collect(),
+            Some(names) => {
+                let near = names.iter().filter_map(|name| self.of.get(name)).flatten().chain(&self.nameless);
+                let near: BTreeSet<usize> = near.copied().collect();
+                let inside =
+                    |index: &usize| self.all[*index].texts().into_iter().all(|text| names.contains(text));
+                near.into_iter().filter(inside).collect::<Vec<_>>()
+            }
+        };
+        picked.into_iter().map(|index| &self.all[index])
+    }
+}
+
 /// Something to be reached: fluents that are to be true or false.
 type Task = Vec<(Term, bool)>;
 
@@ -200,6 +241,7 @@ impl<'a> Planner<'a> {
         let geometry = Geometry::new(assembly, kit);
         let facts = facts::coarse(assembly, &geometry);
         let model = Model::new(domains.coarse(), &facts);
+        let facts = Facts::new(facts);
         Planner {
             assembly,
             pegs: state::peg_names(assembly, kit),
@@ -295,7 +337,7 @@ impl<'a> Planner<'a> {
     fn order(&mut self, known: &Known, refused: &[Order]) -> Result<Order, PlanError> {
         let rules = self.domains.order();
         let name = |beam: usize| beam_name(self.assembly, beam);
-        let mut facts = self.facts.clone();
+        let mut facts = self.facts.all.clone();
         for (rank, insertion) in self.assembly.insertions.iter().enumerate() {
             facts.push(Term::new("proven", [name(insertion.beam), rank.into()]));
         }
@@ -428,9 +470,10 @@ impl<'a> Planner<'a> {
         known: &Known,
         start: &Fluents,
     ) -> Result<Vec<Transition>, PlanError> {
-        let mut facts = self.facts.clone();
+        let mut facts = self.facts.all.clone();
         let name = |beam: usize| beam_name(self.assembly, beam);
         facts.extend(order.before.iter().map(|&(a, b)| Term::new("before", [name(a), name(b)])));
+        let facts = Facts::new(facts);
         let mut transitions: Vec<Transition> = Vec::new();
         let mut state = start.clone();
         for task in self.tasks(order, known) {
@@ -456,7 +499,7 @@ impl<'a> Planner<'a> {
     fn reach(
         &mut self,
         task: &Task,
-        facts: &[Term],
+        facts: &Facts,
         state: &mut Fluents,
         transitions: &mut Vec<Transition>,
     ) -> Result<(), PlanError> {
@@ -464,12 +507,18 @@ impl<'a> Planner<'a> {
         if task.iter().all(held) {
             return Ok(());
         }
-        if self.options.zoom
-            && let Some(actions) = self.solve_task(task, facts, state, true)?
-            && let Ok(walked) = self.walk(state, &actions)
-        {
-            // Judged on the whole goal: what was left out made no difference.
-            if let Some(last) = walked.last()
+        // Where a beam is placed, those matter that it meets, and those that carry these; for a peg, its two beams.
+        let places = task.iter().any(|(fluent, _)| name_of(fluent) == Some("in_assembly"));
+        let reaches: &[usize] = match (self.options.zoom, places) {
+            (false, _) => &[],
+            (true, true) => &[2],
+            (true, false) => &[0, 2],
+        };
+        for &reach in reaches {
+            if let Some(actions) = self.solve_task(task, facts, state, Some(reach))?
+                && let Ok(walked) = self.walk(state, &actions)
+                // Judged on the whole goal: what was left out made no difference.
+                && let Some(last) = walked.last()
                 && task.iter().all(|(fluent, truth)| self.model.holds(&last.after, fluent) == *truth)
             {
                 *state = last.after.clone();
@@ -481,7 +530,7 @@ impl<'a> Planner<'a> {
         let words = task.iter().map(|(fluent, truth)| format!("{}{fluent}", if *truth { "" } else { "-" }));
         let words = words.collect::<Vec<_>>().join(", ");
         let actions = self
-            .solve_task(task, facts, state, false)?
+            .solve_task(task, facts, state, None)?
             .ok_or_else(|| self.no_plan(&name, &words, most_steps(self.assembly)))?;
         let walked = self.walk(state, &actions)?;
         if let Some(last) = walked.last() {
@@ -494,25 +543,18 @@ impl<'a> Planner<'a> {
     fn solve_task(
         &mut self,
         task: &Task,
-        facts: &[Term],
+        facts: &Facts,
         state: &Fluents,
-        zoom: bool,
+        reach: Option<usize>,
     ) -> Result<Option<Vec<Term>>, PlanError> {
-        let told = self.model.inertial(state);
         let mut problem: Vec<Term> = Vec::new();
         let goal = |(fluent, truth): &(Term, bool)| {
             Term::new(if *truth { "goal" } else { "avoid" }, [fluent.clone()])
         };
-        let told = told.into_iter().map(|fluent| Term::new("told", [fluent]));
-        if zoom {
-            let keep = self.around(task, &self.model.inertial(state));
-            let matters = |term: &Term| term.texts().into_iter().all(|text| keep.contains(text));
-            problem.extend(facts.iter().filter(|term| matters(term)).cloned());
-            problem.extend(told.filter(matters));
-        } else {
-            problem.extend(facts.iter().cloned());
-            problem.extend(told);
-        }
+        let keep = reach.map(|reach| self.around(task, state, reach));
+        problem.extend(facts.about(keep.as_ref()).cloned());
+        let told = self.model.inertial_about(state, keep.as_ref());
+        problem.extend(told.into_iter().map(|fluent| Term::new("told", [fluent])));
         problem.extend(task.iter().map(goal));
         let ways: Vec<&str> = self.geometry.ways.iter().flatten().map(|way| way.name).collect();
         let shape = Shape::of(&problem, &ways);
@@ -527,12 +569,12 @@ impl<'a> Planner<'a> {
         Ok(Some(actions))
     }
 
-    /// The names that a task can have to do with: its beams, those around them, and those around these.
-    fn around(&self, task: &Task, told: &[Term]) -> BTreeSet<String> {
+    /// The names that a task can have to do with: its beams and those around them, so many joints away.
+    fn around(&self, task: &Task, state: &Fluents, reach: usize) -> BTreeSet<String> {
         let mut names: BTreeSet<String> =
             self.geometry.ways.iter().flatten().map(|way| way.name.to_string()).collect();
-        let in_hand = told.iter().filter(|fluent| matches!(fluent.parts(), Some(("in_hand" | "stuck", _))));
-        let texts = task.iter().map(|(fluent, _)| fluent).chain(in_hand).flat_map(Term::texts);
+        let in_hand = ["in_hand", "stuck"].map(|name| self.model.true_of(state, name)).concat();
+        let texts = task.iter().map(|(fluent, _)| fluent).chain(&in_hand).flat_map(Term::texts);
         let mut beams: BTreeSet<usize> = BTreeSet::new();
         for text in texts {
             beams.extend(self.assembly.beam_index(text));
@@ -546,7 +588,7 @@ impl<'a> Planner<'a> {
             .flat_map(|&beam| (0..self.geometry.ways[beam].len()).map(move |way| (beam, way)))
             .flat_map(|(beam, way)| self.geometry.blocked(beam, way))
             .collect();
-        for _ in 0..2 {
+        for _ in 0..reach {
             let next: Vec<usize> = beams
                 .iter()
                 .flat_map(|&beam| facts::partners(self.assembly, beam))
@@ -554,7 +596,9 @@ impl<'a> Planner<'a> {
                 .collect();
             beams.extend(next);
         }
-        beams.extend(in_the_way);
+        if reach > 0 {
+            beams.extend(in_the_way);
+        }
         names.extend(beams.iter().map(|&beam| self.assembly.beams[beam].beam.name.clone()));
         for connection in &self.assembly.connections {
             if beams.contains(&connection.female.beam) && beams.contains(&connection.male.beam) {
@@ -587,7 +631,7 @@ impl<'a> Planner<'a> {
         least: usize,
         most: usize,
     ) -> Result<(Option<Vec<Term>>, usize), PlanError> {
-        let mut problem = self.facts.clone();
+        let mut problem = self.facts.all.clone();
         let told = self.model.inertial(start);
         problem.extend(told.into_iter().map(|fluent| Term::new("told", [fluent])));
         let goal = |(fluent, truth)| Term::new(if truth { "goal" } else { "avoid" }, [fluent]);
@@ -664,18 +708,16 @@ impl<'a> Planner<'a> {
             }
         }
         let matters = |term: &Term| !zoom || term.texts().into_iter().all(|text| names.contains(text));
-        let mut problem: Vec<Term> =
-            self.facts.iter().chain(&facts).filter(|fact| matters(fact)).cloned().collect();
-        let before = self.model.inertial(&transition.before);
+        let names = zoom.then_some(&names);
+        let mut problem: Vec<Term> = self.facts.about(names).cloned().collect();
+        problem.extend(facts.into_iter().filter(matters));
+        let before = self.model.inertial_about(&transition.before, names);
         let shared =
             before.iter().filter(|fluent| name_of(fluent).is_some_and(|name| fine.kind(name).is_some()));
-        let told = shared.chain(own.iter()).filter(|fluent| matters(fluent));
+        let told = shared.chain(own.iter().filter(|fluent| matters(fluent)));
         problem.extend(told.map(|fluent| Term::new("told", [fluent.clone()])));
         // The coarse fluents that become true, as far as the fine domain knows of them.
-        for fluent in self.model.inertial(&transition.after) {
-            if before.contains(&fluent) {
-                continue;
-            }
+        for fluent in self.model.gained(&transition.before, &transition.after) {
             let Some(name) = name_of(&fluent) else { continue };
             if fine.kind(name) == Some(Kind::Fluent(FluentKind::Inertial)) {
                 problem.push(Term::new("goal", [fluent]));

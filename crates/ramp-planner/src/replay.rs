@@ -198,7 +198,7 @@ impl<'a> Replayer<'a> {
             beams.iter().flat_map(|&beam| facts::partners(assembly, beam)).map(|(_, other)| other).collect();
         beams.extend(near);
         let beams: Vec<usize> = beams.into_iter().collect();
-        let mut all = planner.facts.clone();
+        let mut all = planner.facts.all.clone();
         all.extend(facts::fine(assembly, &planner.geometry, &beams, &stands, &pinned));
         let model = Model::new(planner.domains.fine(), &all);
         let mut told = planner.model.inertial(before);

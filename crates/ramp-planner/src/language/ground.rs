@@ -862,6 +862,46 @@ impl<'d> Model<'d> {
         self.ground(fluent).is_some_and(|fluent| self.has(fluent.predicate, &fluent.row, state))
     }
 
+    /// The inertial fluents that are true and name nothing but these; without names, all.
+    pub(crate) fn inertial_about(&self, state: &State, names: Option<&BTreeSet<String>>) -> Vec<Term> {
+        let Some(names) = names else { return self.inertial(state) };
+        let mut inside: HashMap<Value, bool> = HashMap::new();
+        let mut about = |value: Value| {
+            *inside.entry(value).or_insert_with(|| {
+                let values = self.values.borrow();
+                values.terms[value as usize].texts().into_iter().all(|text| names.contains(text))
+            })
+        };
+        let mut terms = Vec::new();
+        for (predicate, rows) in state.rows.iter().enumerate() {
+            if self.predicates[predicate].kind == Kind::Fluent(FluentKind::Inertial) {
+                let rows = rows.iter().filter(|row| row.iter().all(|&value| about(value)));
+                terms.extend(rows.map(|row| self.atom_term(&Ground { predicate, row: row.clone() })));
+            }
+        }
+        terms
+    }
+
+    /// The fluents of one name that are true.
+    pub(crate) fn true_of(&self, state: &State, name: &str) -> Vec<Term> {
+        let Some(&predicate) = self.names.get(name) else { return Vec::new() };
+        let rows = state.rows[predicate].iter();
+        rows.map(|row| self.atom_term(&Ground { predicate, row: row.clone() })).collect()
+    }
+
+    /// The inertial fluents that are true after a step and were not before.
+    pub(crate) fn gained(&self, before: &State, after: &State) -> Vec<Term> {
+        let mut terms = Vec::new();
+        for (predicate, (old, new)) in before.rows.iter().zip(&after.rows).enumerate() {
+            let inertial = self.predicates[predicate].kind == Kind::Fluent(FluentKind::Inertial);
+            if inertial && !Rc::ptr_eq(old, new) {
+                let rows = new.difference(old);
+                terms.extend(rows.map(|row| self.atom_term(&Ground { predicate, row: row.clone() })));
+            }
+        }
+        terms
+    }
+
     /// The inertial fluents that are true.
     pub(crate) fn inertial(&self, state: &State) -> Vec<Term> {
         self.of_kind(state, FluentKind::Inertial)
