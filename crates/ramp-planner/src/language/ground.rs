@@ -12,11 +12,13 @@ use super::ast::{Atom, Condition, Expression, Law, Operator, Shape, Sign, Span};
 use super::check::{Domain, FluentKind, Kind, Leaf, NUMBER};
 use crate::term::Term;
 use std::cell::RefCell;
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
+use smallvec::SmallVec;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 type Value = u32;
-type Row = Box<[Value]>;
+type Row = SmallVec<[Value; 4]>;
 
 /// A ground atom: a predicate by number, and its arguments.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -75,9 +77,11 @@ pub(crate) struct Model<'d> {
     names: HashMap<&'d str, usize>,
     predicates: Vec<Predicate<'d>>,
     values: RefCell<Values>,
-    sorts: HashMap<&'d str, HashSet<Value>>,
+    /// The sorts by number, and for each, by value, whether that belongs to it.
+    sort_numbers: HashMap<&'d str, usize>,
+    sorts: Vec<Vec<bool>>,
     /// In a fixed order.
-    elements: HashMap<&'d str, Vec<Value>>,
+    elements: Vec<Vec<Value>>,
     statics: Vec<Relation>,
     causal: Vec<Rule<'d>>,
     impossible: Vec<Rule<'d>>,
@@ -101,7 +105,9 @@ struct Values {
     numbers: HashMap<Term, Value>,
     terms: Vec<Term>,
     /// The arguments, where it is a function.
-    parts: Vec<Option<(String, Row)>>,
+    parts: Vec<Option<(Rc<str>, Row)>>,
+    /// Functions by their arguments.
+    functions: HashMap<Rc<str>, HashMap<Row, Value>>,
 }
 
 impl Values {
@@ -111,13 +117,17 @@ impl Values {
         }
         let parts = match term {
             Term::Function(name, arguments) if !arguments.is_empty() => {
-                Some((name.clone(), arguments.iter().map(|argument| self.of(argument)).collect()))
+                let row: Row = arguments.iter().map(|argument| self.of(argument)).collect();
+                Some((Rc::<str>::from(name.as_str()), row))
             }
             _ => None,
         };
         let value = Value::try_from(self.terms.len()).unwrap_or(Value::MAX);
         self.numbers.insert(term.clone(), value);
         self.terms.push(term.clone());
+        if let Some((name, row)) = &parts {
+            self.functions.entry(name.clone()).or_default().insert(row.clone(), value);
+        }
         self.parts.push(parts);
         value
     }
@@ -150,8 +160,8 @@ struct Rule<'d> {
     /// The action of a causal law.
     action: Option<Head<'d>>,
     conditions: Vec<Test>,
-    /// The sort of each variable.
-    variables: Vec<&'d str>,
+    /// The sort of each variable; `None` for numbers.
+    variables: Vec<Option<usize>>,
     /// Predicates in the conditions.
     reads: BTreeSet<usize>,
     span: Span,
@@ -177,7 +187,7 @@ enum Test {
     Comparison(Pattern, Operator, Pattern),
 }
 
-type Binding = Vec<Option<Value>>;
+type Binding = SmallVec<[Option<Value>; 8]>;
 
 impl<'d> Model<'d> {
     /// A domain with the objects and statics of a goal; facts about what the domain does not declare are left out.
@@ -191,13 +201,14 @@ impl<'d> Model<'d> {
             statics: predicates.iter().map(|_| Relation::default()).collect(),
             predicates,
             values: RefCell::default(),
-            sorts: HashMap::new(),
-            elements: HashMap::new(),
+            sort_numbers: HashMap::default(),
+            sorts: Vec::new(),
+            elements: Vec::new(),
             causal: Vec::new(),
             impossible: Vec::new(),
             constraints: Vec::new(),
             defined: Vec::new(),
-            depends: HashMap::new(),
+            depends: HashMap::default(),
             initially: Vec::new(),
             goals: Vec::new(),
             bridges: Vec::new(),
@@ -221,13 +232,18 @@ impl<'d> Model<'d> {
         self.values.borrow_mut().of(term)
     }
 
+    /// Does a value belong to a sort?
+    fn is_of(&self, value: Value, sort: usize) -> bool {
+        self.sorts[sort].get(value as usize).copied().unwrap_or(false)
+    }
+
     /// The ground term that a value stands for.
     fn term(&self, value: Value) -> Term {
         self.values.borrow().terms[value as usize].clone()
     }
 
     fn find_elements(&mut self, facts: &[Term]) {
-        let mut objects: HashMap<&str, Vec<Value>> = HashMap::new();
+        let mut objects: HashMap<&str, Vec<Value>> = HashMap::default();
         for fact in facts {
             if let Some((name, [object])) = fact.parts()
                 && self.domain.sorts.contains_key(name)
@@ -238,8 +254,14 @@ impl<'d> Model<'d> {
         }
         for name in self.domain.sorts.keys() {
             let elements = self.elements_of(name, &objects, 0);
-            self.sorts.insert(name, elements.iter().copied().collect());
-            self.elements.insert(name, elements);
+            let most = elements.iter().max().map_or(0, |&value| value as usize + 1);
+            let mut belongs = vec![false; most];
+            for &value in &elements {
+                belongs[value as usize] = true;
+            }
+            self.sort_numbers.insert(name, self.sorts.len());
+            self.sorts.push(belongs);
+            self.elements.push(elements);
         }
     }
 
@@ -280,7 +302,8 @@ impl<'d> Model<'d> {
         let mut by_static: BTreeMap<usize, Vec<Rule<'d>>> = BTreeMap::new();
         for law in &domain.laws {
             let variables: Vec<&str> = law.variables.keys().map(String::as_str).collect();
-            let sorts = law.variables.values().map(String::as_str).collect();
+            let number = |sort: &String| self.sort_numbers.get(sort.as_str()).filter(|_| sort != NUMBER).copied();
+            let sorts = law.variables.values().map(number).collect();
             let compiler = Compiler { model: self, variables: &variables };
             let (action, heads) = match &law.law {
                 Law::Causal { action, heads } => {
@@ -368,8 +391,8 @@ impl<'d> Model<'d> {
         state: impl Into<View<'s>>,
         with: &mut dyn FnMut(&Binding) -> bool,
     ) -> bool {
-        let mut binding = vec![None; rule.variables.len()];
-        let open: Vec<usize> = (0..rule.conditions.len()).collect();
+        let mut binding = SmallVec::from_elem(None, rule.variables.len());
+        let open: SmallVec<[usize; 8]> = (0..rule.conditions.len()).collect();
         self.extend(rule, state.into(), &open, &mut binding, with)
     }
 
@@ -381,7 +404,7 @@ impl<'d> Model<'d> {
         action: &Ground,
         with: &mut dyn FnMut(&Binding) -> bool,
     ) -> bool {
-        let open: Vec<usize> = (0..rule.conditions.len()).collect();
+        let open: SmallVec<[usize; 8]> = (0..rule.conditions.len()).collect();
         self.solve_some(rule, state.into(), action, &open, with)
     }
 
@@ -393,7 +416,7 @@ impl<'d> Model<'d> {
         open: &[usize],
         with: &mut dyn FnMut(&Binding) -> bool,
     ) -> bool {
-        let mut binding = vec![None; rule.variables.len()];
+        let mut binding = SmallVec::from_elem(None, rule.variables.len());
         match &rule.action {
             Some(head) if head.predicate == action.predicate => {
                 let mut trail = Vec::new();
@@ -447,7 +470,8 @@ impl<'d> Model<'d> {
                 }),
             };
             let Some(variable) = free else { return with(binding) };
-            for &value in self.elements.get(rule.variables[variable]).into_iter().flatten() {
+            let elements = rule.variables[variable].map(|sort| self.elements[sort].as_slice());
+            for &value in elements.unwrap_or_default() {
                 binding[variable] = Some(value);
                 if self.extend(rule, state, open, binding, with) {
                     return true;
@@ -457,7 +481,7 @@ impl<'d> Model<'d> {
             return false;
         };
         let condition = open[place];
-        let rest: Vec<usize> = open.iter().copied().filter(|&other| other != condition).collect();
+        let rest: SmallVec<[usize; 8]> = open.iter().copied().filter(|&other| other != condition).collect();
         match &rule.conditions[condition] {
             Test::Comparison(left, operator, right) => {
                 self.compares(left, *operator, right, binding)
@@ -559,9 +583,7 @@ impl<'d> Model<'d> {
             Pattern::Variable(variable) => match binding[*variable] {
                 Some(known) => known == value,
                 None => {
-                    let sort = rule.variables[*variable];
-                    let belongs =
-                        sort == NUMBER || self.sorts.get(sort).is_some_and(|all| all.contains(&value));
+                    let belongs = rule.variables[*variable].is_none_or(|sort| self.is_of(value, sort));
                     if belongs {
                         binding[*variable] = Some(value);
                         trail.push(*variable);
@@ -572,7 +594,7 @@ impl<'d> Model<'d> {
             Pattern::Function(name, arguments) => {
                 let parts = self.values.borrow().parts[value as usize].clone();
                 parts.is_some_and(|(function, row)| {
-                    function == *name && self.match_row(rule, arguments, &row, binding, trail)
+                    *function == **name && self.match_row(rule, arguments, &row, binding, trail)
                 })
             }
             Pattern::Sum(..) => self.evaluate(pattern, binding) == Some(value),
@@ -586,6 +608,10 @@ impl<'d> Model<'d> {
             Pattern::Variable(variable) => binding[*variable],
             Pattern::Function(name, arguments) => {
                 let row = self.row(arguments, binding)?;
+                let known = self.values.borrow().functions.get(name.as_str()).and_then(|all| all.get(&row).copied());
+                if known.is_some() {
+                    return known;
+                }
                 let arguments = row.iter().map(|&value| self.term(value)).collect();
                 Some(self.value(&Term::Function(name.clone(), arguments)))
             }
@@ -619,7 +645,7 @@ impl<'d> Model<'d> {
     /// The state in which some fluents are told to be true and others false; the rest is as the domain says.
     pub(crate) fn initial(&self, told: &[Term], told_not: &[Term]) -> Result<State, Refusal> {
         let mut state = self.empty();
-        let mut fixed: HashMap<Ground, bool> = HashMap::new();
+        let mut fixed: HashMap<Ground, bool> = HashMap::default();
         for (terms, truth) in [(told, true), (told_not, false)] {
             for term in terms {
                 if let Some(fluent) = self.ground(term) {
@@ -653,7 +679,7 @@ impl<'d> Model<'d> {
     /// The state in which exactly these inertial fluents are true.
     pub(crate) fn resumed(&self, told: &[Term]) -> Result<State, Refusal> {
         let mut state = self.empty();
-        let mut fixed: HashMap<Ground, bool> = HashMap::new();
+        let mut fixed: HashMap<Ground, bool> = HashMap::default();
         for fluent in told.iter().filter_map(|term| self.ground(term)) {
             self.put(&mut state, &fluent, true);
             fixed.insert(fluent, true);
@@ -673,7 +699,7 @@ impl<'d> Model<'d> {
 
     /// The state after an action whose conditions are known to hold.
     fn effects(&self, state: &State, action: &Ground) -> Result<State, Refusal> {
-        let mut fixed: HashMap<Ground, bool> = HashMap::new();
+        let mut fixed: HashMap<Ground, bool> = HashMap::default();
         let mut clash = None;
         for rule in &self.causal {
             self.solve_action(rule, state, action, &mut |binding| {
@@ -836,7 +862,7 @@ impl<'d> Model<'d> {
         }
         let row: Row = arguments.iter().map(|argument| self.value(argument)).collect();
         let belongs = |(value, sort): (&Value, &String)| {
-            sort == NUMBER || self.sorts.get(sort.as_str()).is_some_and(|all| all.contains(value))
+            sort == NUMBER || self.sort_numbers.get(sort.as_str()).is_some_and(|&sort| self.is_of(*value, sort))
         };
         row.iter().zip(sorts).all(belongs).then_some(Ground { predicate, row })
     }
@@ -865,7 +891,7 @@ impl<'d> Model<'d> {
     /// The inertial fluents that are true and name nothing but these; without names, all.
     pub(crate) fn inertial_about(&self, state: &State, names: Option<&BTreeSet<String>>) -> Vec<Term> {
         let Some(names) = names else { return self.inertial(state) };
-        let mut inside: HashMap<Value, bool> = HashMap::new();
+        let mut inside: HashMap<Value, bool> = HashMap::default();
         let mut about = |value: Value| {
             *inside.entry(value).or_insert_with(|| {
                 let values = self.values.borrow();
@@ -1018,7 +1044,8 @@ impl<'d> Model<'d> {
     pub(crate) fn relevant(&self, before: &State, action: &Term, after: &State) -> BTreeSet<String> {
         let mut terms = vec![action.clone()];
         for (predicate, (old, new)) in before.rows.iter().zip(&after.rows).enumerate() {
-            if !matches!(self.predicates[predicate].kind, Kind::Fluent(FluentKind::Inertial)) || old == new {
+            let inertial = self.predicates[predicate].kind == Kind::Fluent(FluentKind::Inertial);
+            if !inertial || Rc::ptr_eq(old, new) {
                 continue;
             }
             let changed = old.symmetric_difference(new);

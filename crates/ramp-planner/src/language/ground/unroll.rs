@@ -10,7 +10,8 @@
 use super::{Binding, Ground, Model, Row, Rule, State, Test, View};
 use crate::language::{FluentKind, Kind};
 use crate::term::Term;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use rustc_hash::FxHashMap as HashMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 /// An atom of the ground program, counted from 1; negative where it is false.
@@ -78,7 +79,8 @@ impl<'m, 'd> Unrolled<'m, 'd> {
             let sorts = model.domain.predicates.get(known.name).map(|p| p.sorts.as_slice());
             let mut rows: Vec<Vec<u32>> = vec![Vec::new()];
             for sort in sorts.unwrap_or_default() {
-                let elements = model.elements.get(sort.as_str()).map(Vec::as_slice).unwrap_or_default();
+                let sort = model.sort_numbers.get(sort.as_str());
+                let elements = sort.map(|&sort| model.elements[sort].as_slice()).unwrap_or_default();
                 let longer = |row: Vec<u32>| elements.iter().map(move |&value| [&row[..], &[value]].concat());
                 rows = rows.into_iter().flat_map(longer).collect();
             }
@@ -90,8 +92,8 @@ impl<'m, 'd> Unrolled<'m, 'd> {
             candidates,
             must: start.clone(),
             may: start,
-            sides: HashMap::new(),
-            grounds: HashMap::new(),
+            sides: HashMap::default(),
+            grounds: HashMap::default(),
             atoms: 0,
             rules: Vec::new(),
             choices: Vec::new(),
@@ -336,7 +338,7 @@ impl<'m, 'd> Unrolled<'m, 'd> {
             }
         }
         let mut rules = Vec::new();
-        let mut sides: HashMap<Ground, Sides> = HashMap::new();
+        let mut sides: HashMap<Ground, Sides> = HashMap::default();
         for (predicate, rows) in may.rows.iter().enumerate() {
             if model.predicates[predicate].kind != Kind::Fluent(FluentKind::Inertial) {
                 continue;
@@ -405,7 +407,7 @@ impl<'m, 'd> Unrolled<'m, 'd> {
                     self.sides.insert(fluent.clone(), Sides { yes, no: -yes });
                 }
             }
-            let mut bodies: HashMap<Ground, BTreeSet<Vec<Literal>>> = HashMap::new();
+            let mut bodies: HashMap<Ground, BTreeSet<Vec<Literal>>> = HashMap::default();
             for law in laws {
                 model.solve(law, view, &mut |binding| {
                     let fluent = model.head(&law.heads[0], binding);
