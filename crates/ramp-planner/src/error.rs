@@ -88,10 +88,12 @@ pub enum PlanError {
         answer: String,
     },
     /// The search was given up.
-    #[error("{file}: the search gave up; the problem is too hard")]
+    #[error("{file}: the search for a plan of {steps} steps gave up")]
     GaveUp {
         /// The rule file.
         file: String,
+        /// There is no plan of fewer steps.
+        steps: usize,
     },
     /// The solver failed.
     #[error("{file}: {why}")]
@@ -108,7 +110,7 @@ impl PlanError {
     pub(crate) fn solver(rules: &SourceFile, error: &SolveError) -> PlanError {
         let file = rules.name().to_string();
         match error {
-            SolveError::Limit => PlanError::GaveUp { file },
+            SolveError::Limit { steps } => PlanError::GaveUp { file, steps: *steps },
             SolveError::Clingo(why) => PlanError::Solver { file, why: why.clone() },
         }
     }

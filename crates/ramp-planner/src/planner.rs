@@ -31,11 +31,13 @@ pub struct Options {
     pub optimal: bool,
     /// Look at no more of the goal at a time than what matters there.
     pub zoom: bool,
+    /// Find the fine actions, too.
+    pub fine: bool,
 }
 
 impl Default for Options {
     fn default() -> Options {
-        Options { optimal: false, zoom: true }
+        Options { optimal: false, zoom: true, fine: true }
     }
 }
 
@@ -98,7 +100,7 @@ pub(crate) struct Planner<'a> {
 
 /// Answers to problems of one domain, by their shape.
 #[derive(Default)]
-struct KnownAnswers(HashMap<String, Option<Found>>);
+struct KnownAnswers(HashMap<Vec<Term>, Option<Found>>);
 
 /// The fewest actions for a problem.
 #[derive(Clone, Debug, Default)]
@@ -125,13 +127,12 @@ impl KnownAnswers {
         shape: &Shape,
         most: usize,
     ) -> Result<Option<Found>, PlanError> {
-        let key = shape.key();
-        if let Some(found) = self.0.get(&key) {
+        if let Some(found) = self.0.get(&shape.facts) {
             return Ok(found.as_ref().map(|found| found.name(shape)));
         }
         let found = solve(solver, domain, &shape.facts, [0, most])?;
         let named = found.as_ref().map(|found| found.name(shape));
-        self.0.insert(key, found);
+        self.0.insert(shape.facts.clone(), found);
         Ok(named)
     }
 }
@@ -320,7 +321,9 @@ impl<'a> Planner<'a> {
         start: &Fluents,
     ) -> Result<(Vec<Transition>, Vec<CoarseStep>, usize), PlanError> {
         let mut transitions = self.coarse(order, known, start)?;
-        let mut lower_bound = lower_bound(known).min(transitions.len());
+        // What is known of the shipped rules need not be true of others.
+        let shipped = self.domains.coarse().file().text() == include_str!("../../../data/domains/coarse.al");
+        let mut lower_bound = if shipped { lower_bound(known).min(transitions.len()) } else { 0 };
         if self.options.optimal && lower_bound < transitions.len() {
             let (shorter, proven) = self.shorter(start, lower_bound, transitions.len() - 1)?;
             if let Some(actions) = shorter {
@@ -328,7 +331,7 @@ impl<'a> Planner<'a> {
             }
             lower_bound = proven.min(transitions.len());
         }
-        let steps = self.fine(&transitions, known)?;
+        let steps = self.steps(&transitions, known)?;
         Ok((transitions, steps, lower_bound))
     }
 
@@ -511,7 +514,7 @@ impl<'a> Planner<'a> {
         let places = task.iter().any(|(fluent, _)| name_of(fluent) == Some("in_assembly"));
         let reaches: &[usize] = match (self.options.zoom, places) {
             (false, _) => &[],
-            (true, true) => &[2],
+            (true, true) => &[1, 2],
             (true, false) => &[0, 2],
         };
         for &reach in reaches {
@@ -636,21 +639,24 @@ impl<'a> Planner<'a> {
         problem.extend(told.into_iter().map(|fluent| Term::new("told", [fluent])));
         let goal = |(fluent, truth)| Term::new(if truth { "goal" } else { "avoid" }, [fluent]);
         problem.extend(self.model.goals().into_iter().map(goal));
-        for steps in least..=most {
-            match solve(&mut self.solver, self.domains.coarse(), &problem, [steps; 2]) {
-                Ok(Some(found)) => return Ok((Some(found.actions), steps)),
-                Ok(None) => {}
-                Err(PlanError::GaveUp { .. }) => return Ok((None, steps)),
-                Err(error) => return Err(error),
+        let mut solver = Solver { thorough: true, ..Solver::default() };
+        let found = solve(&mut solver, self.domains.coarse(), &problem, [least, most]);
+        self.solver.solves += solver.solves;
+        match found {
+            Ok(Some(found)) => {
+                let steps = found.actions.len();
+                Ok((Some(found.actions), steps))
             }
+            Ok(None) => Ok((None, most + 1)),
+            Err(PlanError::GaveUp { steps, .. }) => Ok((None, steps)),
+            Err(error) => Err(error),
         }
-        Ok((None, most + 1))
     }
 
     // ---- Fine actions -----------------------------------------------------------------------------------------
 
-    /// The fine actions under each coarse action.
-    pub(crate) fn fine(
+    /// The coarse actions, each with the fine actions under it.
+    pub(crate) fn steps(
         &mut self,
         transitions: &[Transition],
         known: &Known,
@@ -660,7 +666,8 @@ impl<'a> Planner<'a> {
         let mut pegs = Pegs::new(self.assembly, known);
         let mut steps = Vec::new();
         for transition in transitions {
-            let actions = self.refine(transition, &mut own)?;
+            let actions =
+                if self.options.fine { self.refine(transition, &mut own)? } else { Vec::new() };
             let answers =
                 Answers { assembly: self.assembly, pegs: &self.pegs, rules: self.domains.fine().file() };
             let (stands, deep) = self.standing(&transition.before);
@@ -897,6 +904,7 @@ mod tests {
             {
                 let program = domain.to_asp();
                 for (problem, found) in &answers.0 {
+                    let problem: String = problem.iter().map(|fact| format!("{fact}.\n")).collect();
                     let steps = shortest_by_clingo(&format!("{program}#program base.\nresumed.\n{problem}"), 14);
                     let expected = found.as_ref().map(|found| found.actions.len());
                     assert_eq!(steps, expected, "{name}:\n{problem}");
@@ -910,7 +918,7 @@ mod tests {
     #[test]
     fn looking_at_everything_gives_no_shorter_plan() {
         let (kit, domains) = data();
-        for name in ["easy-1", "easy-2", "easy-3", "medium-1", "medium-2"] {
+        for name in ["easy-1", "easy-2", "easy-3", "medium-1", "medium-2", "medium-3", "hard-1", "hard-2", "hard-3"] {
             let assembly = goal(name, &kit);
             let plan = |zoom| {
                 let options = Options { zoom, ..Options::default() };

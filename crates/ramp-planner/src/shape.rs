@@ -1,10 +1,11 @@
 //! Problems that differ in nothing but names have the same shape, and are solved once.
 
 use crate::term::Term;
+use std::collections::HashMap;
 
 /// Facts in which every name is replaced by its number in the order of appearance.
 pub(crate) struct Shape {
-    /// The facts without names.
+    /// The facts without names; equal for problems of the same shape.
     pub(crate) facts: Vec<Term>,
     /// The names, by number.
     names: Vec<String>,
@@ -14,25 +15,22 @@ impl Shape {
     /// Takes the names out of some facts, but for those that the rules know themselves.
     pub(crate) fn of(facts: &[Term], fixed: &[&str]) -> Shape {
         let mut names: Vec<String> = Vec::new();
+        let mut numbers: HashMap<String, String> = HashMap::new();
         let mut number = |text: &str| {
             if fixed.contains(&text) {
                 return text.to_string();
             }
-            let known = names.iter().position(|name| name == text);
-            let number = known.unwrap_or_else(|| {
-                names.push(text.to_string());
-                names.len() - 1
-            });
+            if let Some(number) = numbers.get(text) {
+                return number.clone();
+            }
             // Of one width, so that the rules put them in the order of appearance.
-            format!("{number:06}")
+            let number = format!("{:06}", names.len());
+            names.push(text.to_string());
+            numbers.insert(text.to_string(), number.clone());
+            number
         };
         let facts = facts.iter().map(|fact| fact.with_texts(&mut number)).collect();
         Shape { facts, names }
-    }
-
-    /// The facts as a program; equal for problems of the same shape.
-    pub(crate) fn key(&self) -> String {
-        self.facts.iter().map(|fact| format!("{fact}.\n")).collect()
     }
 
     /// Puts the names back into an answer; other texts stay.

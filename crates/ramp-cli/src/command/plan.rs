@@ -21,6 +21,9 @@ pub struct Arguments {
     /// Prove that no plan has fewer coarse actions; takes much longer
     #[arg(long)]
     optimal: bool,
+    /// Coarse actions only
+    #[arg(long)]
+    coarse: bool,
     /// Say what forbade a coarse action before its place in the plan
     #[arg(long, value_name = "ACTION", conflicts_with_all = ["emit_asp", "from"])]
     why: Option<String>,
@@ -95,7 +98,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         return Ok(DONE);
     }
     let begin = Instant::now();
-    let options = Options { optimal: arguments.optimal, ..Options::default() };
+    let options =
+        Options { optimal: arguments.optimal, fine: !arguments.coarse, ..Options::default() };
     let plan = ramp_planner::plan_with(&goal, &kit, &state, &domains, options).into_diagnostic()?;
     let seconds = begin.elapsed().as_secs_f64();
     let mut text = String::new();
@@ -111,9 +115,11 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             }
         }
         let fine: usize = plan.steps.iter().map(|step| step.fine.len()).sum();
-        let _ = writeln!(text, "{} coarse and {fine} fine actions in {seconds:.3} s", plan.steps.len());
+        let and_fine = if arguments.coarse { String::new() } else { format!(" and {fine} fine") };
+        let _ = writeln!(text, "{} coarse{and_fine} actions in {seconds:.3} s", plan.steps.len());
         let _ = match (plan.statistics.optimal, plan.statistics.lower_bound) {
             (true, _) => writeln!(text, "no plan has fewer coarse actions"),
+            (false, 0) => Ok(()),
             (false, bound) => writeln!(text, "no plan has fewer than {bound} coarse actions"),
         };
     }
