@@ -12,9 +12,19 @@ use clingo::{
 };
 use ramp_kit::source::{Fault, SourceFile};
 use std::cell::RefCell;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Conflicts after which one call gives up: a few seconds of work, or, where no effort is spared, some minutes.
 const CONFLICT_LIMITS: [u32; 2] = [200_000, 5_000_000];
+
+/// Held while clingo works, one call at a time: its grounder crashes now and then when two threads use it, each with
+/// a control of its own (clingo 5.6, in `Gringo::Input::Program::rewrite`).
+static CLINGO: Mutex<()> = Mutex::new(());
+
+fn alone() -> MutexGuard<'static, ()> {
+    // It guards no data that a panic could leave half-written.
+    CLINGO.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Why a call came to no end.
 #[derive(Debug, thiserror::Error)]
@@ -53,6 +63,7 @@ impl Solver {
         rules: &SourceFile,
         facts: &[Term],
     ) -> Result<Option<Vec<Term>>, SolveError> {
+        let _alone = alone();
         let mut control = load(rules, facts)?;
         control.ground(&[Part::new("base", vec![])?])?;
         Ok(self.solve(control, 0, &[], shown)?.1)
@@ -66,6 +77,7 @@ impl Solver {
         goals: &[(Term, bool)],
         [least, most]: [usize; 2],
     ) -> Result<Option<Vec<Term>>, SolveError> {
+        let _alone = alone();
         let mut control: Option<Control> = None;
         let mut atoms: Vec<Atom> = Vec::new();
         for steps in 0..=most {
@@ -207,6 +219,7 @@ fn term(symbol: Symbol) -> Result<Term, ClingoError> {
 
 /// Checks that a rule file is a valid program, without running it.
 pub(crate) fn check(file: &SourceFile) -> Result<(), Fault<OrderProblem>> {
+    let _alone = alone();
     MESSAGES.take();
     // Grounding no part at all still parses the rules and checks their variables.
     let outcome = clingo::control_with_context(vec![], Listener).and_then(|control| {
@@ -300,6 +313,7 @@ impl ControlCtx for Listener {
 /// clingo itself.
 #[cfg(test)]
 pub(crate) fn shortest_by_clingo(program: &str, most: i32) -> Option<usize> {
+    let _alone = alone();
     let mut control = new_control(false).unwrap();
     control.add("base", &[], program).unwrap();
     for name in ["step", "check"] {
