@@ -12,6 +12,8 @@
 //! carries its answer on to the next; a level that finds no answer gets another question.
 
 mod answer;
+mod diagnosis;
+mod disassemble;
 mod domains;
 mod error;
 mod explain;
@@ -26,11 +28,13 @@ mod solver;
 mod state;
 mod term;
 
+pub use diagnosis::{Diagnosis, History, Record, Unexpected, diagnose};
+pub use disassemble::{Disassembly, FineRemoval, Removal, RemovalStep, disassemble};
 pub use domains::{DomainError, Domains, OrderProblem};
 pub use error::PlanError;
 pub use explain::{Explanation, Reason, why};
 pub use plan::{
     Area, CoarseAction, CoarseStep, Entry, FineAction, Grasp, Item, Place, Plan, State, Statistics, Target,
 };
-pub use planner::{Options, plan, plan_with};
+pub use planner::{Options, asp, plan, plan_with};
 pub use replay::{Refused, Replayer};

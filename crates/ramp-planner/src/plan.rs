@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display};
 
 /// What is known when planning starts. The default: nothing is built, the hand is empty and over the sheet.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct State {
     /// Beams that are already at their place, the base not counted.
     pub in_assembly: Vec<String>,

@@ -82,6 +82,29 @@ pub fn plan_with(
     Planner::new(assembly, kit, domains, options).plan(&known)
 }
 
+/// A domain with a goal as a program for clingo's incremental mode: `ramp plan GOAL --emit-asp > goal.lp`, then
+/// `clingo goal.lp`. The fine domain is emitted for the state at the beginning and with no goals of its own.
+pub fn asp(assembly: &Assembly, kit: &Kit, domains: &Domains, fine: bool) -> String {
+    let planner = Planner::new(assembly, kit, domains, Options::default());
+    let mut facts = planner.facts.all;
+    let domain = match fine {
+        false => domains.coarse(),
+        true => {
+            let beams: Vec<usize> = (0..assembly.beams.len()).collect();
+            let stands: Vec<bool> = beams.iter().map(|&beam| beam == assembly.base).collect();
+            let pinned = vec![false; assembly.connections.len()];
+            facts.extend(facts::fine(assembly, &planner.geometry, &beams, &stands, &pinned));
+            domains.fine()
+        }
+    };
+    let facts: String = facts.iter().map(|fact| format!("{fact}.\n")).collect();
+    format!(
+        "{}\n% ---- {} ----\n#include <incmode>.\n#program base.\ngoal(F) :- final(F).\navoid(F) :- final_not(F).\n{facts}",
+        domain.to_asp(),
+        assembly.name
+    )
+}
+
 /// What every step of planning needs.
 pub(crate) struct Planner<'a> {
     pub assembly: &'a Assembly,

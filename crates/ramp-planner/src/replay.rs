@@ -40,7 +40,7 @@ pub struct Refused {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Replayer<'a> {
-    planner: Planner<'a>,
+    pub(crate) planner: Planner<'a>,
     state: Fluents,
     /// What the fine domain has besides.
     own: Vec<Term>,
@@ -160,6 +160,20 @@ impl<'a> Replayer<'a> {
         }
         self.state = after;
         Ok(())
+    }
+
+    pub(crate) fn fluents(&self) -> &Fluents {
+        &self.state
+    }
+
+    /// Something happens, if it can.
+    pub(crate) fn happens(&mut self, event: &Term) {
+        let Ok(after) = self.planner.model.after(&self.state, event) else { return };
+        self.state = after;
+        let dropped = matches!(event.parts(), Some(("drop_peg", _)));
+        if let (true, Some(Item::Peg(peg))) = (dropped, self.hand.take_if(|_| dropped)) {
+            self.lost.push(peg);
+        }
     }
 
     /// Is there a way for what is placed?

@@ -21,6 +21,23 @@ impl Term {
         Term::Function(name.to_string(), arguments.into())
     }
 
+    /// Reads a term such as `in_hand(beam("b4"))`; `None` when it is none.
+    pub(crate) fn read(text: &str) -> Option<Term> {
+        let mut rest = text.trim();
+        let term = read(&mut rest)?;
+        rest.is_empty().then_some(term)
+    }
+
+    /// The same with the arguments that are mere words as texts: `beam(b4)` is `beam("b4")`.
+    pub(crate) fn quoted(&self) -> Term {
+        let Term::Function(name, arguments) = self else { return self.clone() };
+        let quoted = |argument: &Term| match argument {
+            Term::Function(word, none) if none.is_empty() => Term::Text(word.clone()),
+            other => other.quoted(),
+        };
+        Term::Function(name.clone(), arguments.iter().map(quoted).collect())
+    }
+
     /// The name and the arguments of a function, a constant or a tuple.
     pub(crate) fn parts(&self) -> Option<(&str, &[Term])> {
         match self {
@@ -48,6 +65,35 @@ impl Term {
             }
             other => other.clone(),
         }
+    }
+}
+
+/// Takes a term off the beginning of a text.
+fn read(rest: &mut &str) -> Option<Term> {
+    if let Some(quoted) = rest.strip_prefix('"') {
+        let (text, after) = quoted.split_once('"')?;
+        *rest = after.trim_start();
+        return Some(Term::Text(text.to_string()));
+    }
+    let end = rest.find(|c: char| !c.is_alphanumeric() && !matches!(c, '_' | '-')).unwrap_or(rest.len());
+    let (word, after) = rest.split_at(end);
+    if word.is_empty() {
+        return None;
+    }
+    *rest = after.trim_start();
+    let Some(inside) = rest.strip_prefix('(') else {
+        let number = word.parse().map(Term::Number).ok();
+        return Some(number.unwrap_or_else(|| Term::Function(word.to_string(), Vec::new())));
+    };
+    *rest = inside.trim_start();
+    let mut arguments = Vec::new();
+    loop {
+        arguments.push(read(rest)?);
+        if let Some(after) = rest.strip_prefix(')') {
+            *rest = after.trim_start();
+            return Some(Term::Function(word.to_string(), arguments));
+        }
+        *rest = rest.strip_prefix(',')?.trim_start();
     }
 }
 

@@ -1,11 +1,11 @@
 //! `ramp plan`: coarse and fine actions, why they come in this order, and the rules behind them.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use miette::{IntoDiagnostic, Report, WrapErr, miette};
-use ramp_planner::{CoarseStep, Options, Replayer, State};
+use ramp_planner::{CoarseStep, Diagnosis, History, Options, Replayer, State};
 use serde_json::json;
 
 use crate::data::{Data, print};
@@ -33,9 +33,36 @@ pub struct Arguments {
     /// Judge the plan in this file (JSON, as printed by --json) instead of making one
     #[arg(long, value_name = "FILE", conflicts_with = "emit_asp")]
     from: Option<PathBuf>,
-    /// Print the domains as Answer Set Programs
-    #[arg(long)]
-    emit_asp: bool,
+    /// Print a domain with this goal as an Answer Set Program for clingo's incremental mode
+    #[arg(long, value_name = "LEVEL", num_args = 0..=1, default_missing_value = "coarse")]
+    emit_asp: Option<Level>,
+    /// Plan from the state in this file (JSON) instead of from nothing
+    #[arg(long, value_name = "FILE", conflicts_with = "emit_asp")]
+    state: Option<PathBuf>,
+    /// Explain the actions and observations in this file (JSON), and plan from what is believed then
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["emit_asp", "from", "why", "state"])]
+    history: Option<PathBuf>,
+    /// Take the built goal apart: the same rules, run backwards
+    #[arg(long, conflicts_with_all = ["emit_asp", "from", "why", "state", "history", "optimal"])]
+    disassemble: bool,
+}
+
+/// The two resolutions.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Level {
+    Coarse,
+    Fine,
+}
+
+/// Reads a JSON file; `expected` says what of.
+fn read_json<T: serde::de::DeserializeOwned>(path: &Path, expected: &'static str) -> Result<T, Report> {
+    let name = path.display();
+    let text =
+        std::fs::read_to_string(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?;
+    serde_json::from_str(&text).map_err(|error| {
+        let place = format!("{name}:{}:{}", error.line(), error.column());
+        miette!(help = expected, "{place}: {error}")
+    })
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
@@ -45,10 +72,28 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     if let Some(file) = &arguments.domain {
         domains = domains.with(file)?;
     }
-    let state = State::default();
-    if arguments.emit_asp {
-        print(&format!("{}\n{}", domains.coarse().to_asp(), domains.fine().to_asp()))?;
+    let mut state = match &arguments.state {
+        Some(file) => read_json(file, "expected a state, such as {\"in_assembly\": [\"b4\"], \"fastened\": [[\"C1\", \"p1\"]]}")?,
+        None => State::default(),
+    };
+    if let Some(level) = arguments.emit_asp {
+        let fine = matches!(level, Level::Fine);
+        print(&ramp_planner::asp(&goal, &kit, &domains, fine))?;
         return Ok(DONE);
+    }
+    let mut diagnoses: Option<Vec<Diagnosis>> = None;
+    if let Some(file) = &arguments.history {
+        let history: History = read_json(
+            file,
+            "expected {\"records\": [{\"did\": {\"action\": \"move\", \"to\": \"input\"}}, {\"saw\": \"at(input)\"}]}",
+        )?;
+        let found = ramp_planner::diagnose(&goal, &kit, &domains, &history).into_diagnostic()?;
+        let Some(first) = found.first() else {
+            print("nothing that the domain knows of explains this\n")?;
+            return Ok(INCOMPLETE);
+        };
+        state = first.state.clone();
+        diagnoses = Some(found);
     }
     if let Some(path) = &arguments.from {
         let name = path.display();
@@ -100,14 +145,40 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let begin = Instant::now();
     let options =
         Options { optimal: arguments.optimal, fine: !arguments.coarse, ..Options::default() };
+    if arguments.disassemble {
+        let plan = ramp_planner::disassemble(&goal, &kit, &domains).into_diagnostic()?;
+        let mut text = String::new();
+        if arguments.json {
+            text = serde_json::to_string_pretty(&json!({ "goal": goal.name, "disassembly": plan }))
+                .into_diagnostic()?;
+            text.push('\n');
+        } else {
+            for (number, step) in plan.steps.iter().enumerate() {
+                let _ = writeln!(text, "{:>3}  {}", number + 1, step.coarse);
+                for action in step.fine.iter().filter(|_| !arguments.coarse) {
+                    let _ = writeln!(text, "       {action}");
+                }
+            }
+        }
+        print(&text)?;
+        return Ok(DONE);
+    }
     let plan = ramp_planner::plan_with(&goal, &kit, &state, &domains, options).into_diagnostic()?;
     let seconds = begin.elapsed().as_secs_f64();
     let mut text = String::new();
     if arguments.json {
-        let value = json!({ "goal": goal.name, "seconds": seconds, "plan": plan });
+        let mut value = json!({ "goal": goal.name, "seconds": seconds, "plan": plan });
+        if let Some(diagnoses) = &diagnoses {
+            value["diagnoses"] = json!(diagnoses);
+        }
         text = serde_json::to_string_pretty(&value).into_diagnostic()?;
         text.push('\n');
     } else {
+        for (number, diagnosis) in diagnoses.iter().flatten().enumerate() {
+            let events = diagnosis.events.iter().map(|event| event.event.as_str()).collect::<Vec<_>>().join(", ");
+            let events = if events.is_empty() { "all went as it should".to_string() } else { events };
+            let _ = writeln!(text, "{}{events}", if number == 0 { "believed: " } else { "      or: " });
+        }
         for (number, step) in plan.steps.iter().enumerate() {
             let _ = writeln!(text, "{:>3}  {}", number + 1, step.coarse);
             for action in &step.fine {

@@ -883,6 +883,15 @@ impl<'d> Model<'d> {
         self.atom_term(fluent).to_string()
     }
 
+    /// The fluent that a term names, with names in it quoted or not; `None` when there is none.
+    pub(crate) fn fluent(&self, term: &Term) -> Option<Term> {
+        let known = |term: &Term| {
+            let ground = self.ground(term)?;
+            matches!(self.predicates[ground.predicate].kind, Kind::Fluent(_)).then(|| term.clone())
+        };
+        known(term).or_else(|| known(&term.quoted()))
+    }
+
     /// Is a fluent true, or a static?
     pub(crate) fn holds(&self, state: &State, fluent: &Term) -> bool {
         self.ground(fluent).is_some_and(|fluent| self.has(fluent.predicate, &fluent.row, state))

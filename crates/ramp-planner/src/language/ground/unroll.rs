@@ -64,32 +64,44 @@ struct Candidate {
     laws: Vec<usize>,
 }
 
-impl<'m, 'd> Unrolled<'m, 'd> {
-    /// Time 0, where the state is known.
-    pub(crate) fn new(model: &'m Model<'d>, start: State) -> Unrolled<'m, 'd> {
+impl Candidate {
+    fn new(model: &Model, action: Ground) -> Candidate {
+        let is_about = |law: &usize| {
+            model.impossible[*law].action.as_ref().is_some_and(|head| head.predicate == action.predicate)
+        };
+        Candidate { laws: (0..model.impossible.len()).filter(is_about).collect(), action }
+    }
+
+    /// All actions that the hand does, or all that happen.
+    fn all(model: &Model, exogenous: bool) -> Vec<Candidate> {
         let mut candidates = Vec::new();
         for (predicate, known) in model.predicates.iter().enumerate() {
-            if known.kind != (Kind::Action { exogenous: false }) {
+            if known.kind != (Kind::Action { exogenous }) {
                 continue;
             }
-            let is_about = |law: &usize| {
-                model.impossible[*law].action.as_ref().is_some_and(|head| head.predicate == predicate)
-            };
-            let laws: Vec<usize> = (0..model.impossible.len()).filter(is_about).collect();
             let sorts = model.domain.predicates.get(known.name).map(|p| p.sorts.as_slice());
-            let mut rows: Vec<Vec<u32>> = vec![Vec::new()];
+            let mut rows: Vec<Row> = vec![Row::new()];
             for sort in sorts.unwrap_or_default() {
                 let sort = model.sort_numbers.get(sort.as_str());
                 let elements = sort.map(|&sort| model.elements[sort].as_slice()).unwrap_or_default();
-                let longer = |row: Vec<u32>| elements.iter().map(move |&value| [&row[..], &[value]].concat());
+                let longer = |row: Row| {
+                    elements.iter().map(move |&value| row.iter().copied().chain([value]).collect::<Row>())
+                };
                 rows = rows.into_iter().flat_map(longer).collect();
             }
-            let each = rows.into_iter().map(|row| Ground { predicate, row: row.into() });
-            candidates.extend(each.map(|action| Candidate { action, laws: laws.clone() }));
+            let grounds = rows.into_iter().map(|row| Ground { predicate, row });
+            candidates.extend(grounds.map(|action| Candidate::new(model, action)));
         }
+        candidates
+    }
+}
+
+impl<'m, 'd> Unrolled<'m, 'd> {
+    /// Time 0, where the state is known.
+    pub(crate) fn new(model: &'m Model<'d>, start: State) -> Unrolled<'m, 'd> {
         Unrolled {
             model,
-            candidates,
+            candidates: Candidate::all(model, false),
             must: start.clone(),
             may: start,
             sides: HashMap::default(),
@@ -117,15 +129,74 @@ impl<'m, 'd> Unrolled<'m, 'd> {
 
     /// One step further; `false` when nothing can be done any more.
     pub(crate) fn advance(&mut self) -> bool {
-        let model = self.model;
         let mut candidates = std::mem::take(&mut self.candidates);
+        let choices = self.choose(&mut candidates, &mut Vec::new());
+        self.candidates = candidates;
+        let atoms: Vec<Literal> = choices.iter().map(|(_, occurs)| *occurs).collect();
+        let any = self.at_most_one(&atoms);
+        self.rules.push(GroundRule {
+            choice: false,
+            head: None,
+            body: any.map(|any| -any).into_iter().collect(),
+        });
+        self.choices.push(choices);
+        any.is_some()
+    }
+
+    /// At most one exogenous action happens; those that can, with their literals.
+    pub(crate) fn may_happen(&mut self) -> Vec<(Term, Literal)> {
+        let mut candidates = Candidate::all(self.model, true);
+        let choices = self.choose(&mut candidates, &mut Vec::new());
+        let atoms: Vec<Literal> = choices.iter().map(|(_, occurs)| *occurs).collect();
+        self.at_most_one(&atoms);
+        choices
+    }
+
+    /// An action that was tried: where it is impossible, it does nothing. Returns the literal of its having done
+    /// nothing although it was possible; `None` where it cannot have been.
+    pub(crate) fn attempt(&mut self, action: &Term) -> Option<Literal> {
+        let Ok(ground) = self.model.action(action) else { return None };
+        let mut forbidden = Vec::new();
+        let mut candidates = vec![Candidate::new(self.model, ground)];
+        let choices = self.choose(&mut candidates, &mut forbidden);
+        let &[(_, occurs)] = &choices[..] else { return None };
+        let impossible = self.either(forbidden);
+        Some(self.either(vec![vec![-occurs, -impossible]]))
+    }
+
+    /// An atom that is true when one of some bodies is.
+    pub(crate) fn either(&mut self, bodies: Vec<Vec<Literal>>) -> Literal {
+        let head = self.atom();
+        let rules = bodies.into_iter().map(|body| GroundRule { choice: false, head: Some(head), body });
+        self.rules.extend(rules);
+        head
+    }
+
+    /// A literal must be true.
+    pub(crate) fn require(&mut self, literal: Literal) {
+        self.forbid(vec![-literal]);
+    }
+
+    /// Not all of these are true.
+    pub(crate) fn forbid(&mut self, body: Vec<Literal>) {
+        self.rules.push(GroundRule { choice: false, head: None, body });
+    }
+
+    /// The actions that are possible, as choices, and what follows; `forbidding` takes what forbids them.
+    fn choose(
+        &mut self,
+        candidates: &mut [Candidate],
+        forbidding: &mut Vec<Vec<Literal>>,
+    ) -> Vec<(Term, Literal)> {
+        let model = self.model;
         let mut caused: BTreeMap<Ground, Vec<(bool, Vec<Literal>)>> = BTreeMap::new();
         let mut choices = Vec::new();
         let mut rules = Vec::new();
-        for candidate in &mut candidates {
+        for candidate in candidates {
             let Some(forbidden) = self.forbidden(candidate) else { continue };
             let occurs = self.atom();
             rules.push(GroundRule { choice: true, head: Some(occurs), body: Vec::new() });
+            forbidding.extend(forbidden.iter().cloned());
             let constraints = forbidden.into_iter().map(|mut body| {
                 body.push(occurs);
                 GroundRule { choice: false, head: None, body }
@@ -145,13 +216,9 @@ impl<'m, 'd> Unrolled<'m, 'd> {
             }
             choices.push((model.atom_term(&candidate.action), occurs));
         }
-        self.candidates = candidates;
         self.rules.append(&mut rules);
-        self.one_of(&choices.iter().map(|(_, occurs)| *occurs).collect::<Vec<_>>());
-        let any = !choices.is_empty();
-        self.choices.push(choices);
         self.follow(caused);
-        any
+        choices
     }
 
     /// Whether a goal is true at the time that is reached. `coarse(F)` is what a bridge law says.
@@ -273,8 +340,9 @@ impl<'m, 'd> Unrolled<'m, 'd> {
         }
     }
 
-    /// Just one of some atoms is true: each of a row of further atoms says that one up to there is.
-    fn one_of(&mut self, atoms: &[Literal]) {
+    /// At most one of some atoms is true: each of a row of further atoms says that one up to there is. The last says
+    /// that any is.
+    fn at_most_one(&mut self, atoms: &[Literal]) -> Option<Literal> {
         let mut so_far: Option<Literal> = None;
         for &atom in atoms {
             let next = self.atom();
@@ -285,8 +353,7 @@ impl<'m, 'd> Unrolled<'m, 'd> {
             }
             so_far = Some(next);
         }
-        let body = so_far.map(|atom| -atom).into_iter().collect();
-        self.rules.push(GroundRule { choice: false, head: None, body });
+        so_far
     }
 
     /// The next time: what the actions cause, what follows, and what stays.
