@@ -87,6 +87,29 @@ pub enum PlanError {
         /// The answer.
         answer: String,
     },
+    /// A law that PDDL cannot say.
+    #[error("{file}:{line}: {why}")]
+    Pddl {
+        /// The rule file.
+        file: String,
+        /// The line of the law.
+        line: usize,
+        /// What PDDL lacks.
+        why: String,
+    },
+    /// A line of a plan from outside that is none.
+    #[error("line {line}: {why}; found `{found}`")]
+    PlanText {
+        /// Counted from 1.
+        line: usize,
+        /// What it says.
+        found: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// A plan from outside with an action that is not possible, or that does not reach the goal.
+    #[error("{0}")]
+    Outside(#[from] crate::replay::Refused),
     /// The search was given up.
     #[error("{file}: the search for a plan of {steps} steps gave up")]
     GaveUp {

@@ -20,6 +20,7 @@ mod explain;
 mod facts;
 mod geometry;
 pub mod language;
+mod pddl;
 pub mod plan;
 mod planner;
 mod replay;
@@ -33,6 +34,7 @@ pub use disassemble::{Disassembly, FineRemoval, Removal, RemovalStep, disassembl
 pub use domains::{DomainError, Domains, OrderProblem};
 pub use error::PlanError;
 pub use explain::{Explanation, Reason, why};
+pub use pddl::{Pddl, pddl, pddl_plan};
 pub use plan::{
     Area, CoarseAction, CoarseStep, Entry, FineAction, Grasp, Item, Place, Plan, State, Statistics, Target,
 };

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use miette::{IntoDiagnostic, Report, WrapErr, miette};
-use ramp_planner::{CoarseStep, Diagnosis, History, Options, Replayer, State};
+use ramp_planner::{CoarseStep, Diagnosis, History, Options, PlanError, Replayer, State};
 use serde_json::json;
 
 use crate::data::{Data, print};
@@ -30,12 +30,16 @@ pub struct Arguments {
     /// Use this file in place of the one of its kind: a coarse or fine domain (.al), or rules for the order (.lp)
     #[arg(long, value_name = "FILE")]
     domain: Option<PathBuf>,
-    /// Judge the plan in this file (JSON, as printed by --json) instead of making one
+    /// Judge the plan in this file instead of making one: JSON as printed by --json, or another planner's plan for
+    /// what --pddl wrote, which also gets its fine actions
     #[arg(long, value_name = "FILE", conflicts_with = "emit_asp")]
     from: Option<PathBuf>,
     /// Print a domain with this goal as an Answer Set Program for clingo's incremental mode
     #[arg(long, value_name = "LEVEL", num_args = 0..=1, default_missing_value = "coarse")]
     emit_asp: Option<Level>,
+    /// Write the coarse domain and this goal as domain.pddl and problem.pddl to a folder, for other planners
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["emit_asp", "from", "why", "history", "disassemble"])]
+    pddl: Option<PathBuf>,
     /// Plan from the state in this file (JSON) instead of from nothing
     #[arg(long, value_name = "FILE", conflicts_with = "emit_asp")]
     state: Option<PathBuf>,
@@ -65,6 +69,15 @@ fn read_json<T: serde::de::DeserializeOwned>(path: &Path, expected: &'static str
     })
 }
 
+fn write_steps(text: &mut String, steps: &[CoarseStep]) {
+    for (number, step) in steps.iter().enumerate() {
+        let _ = writeln!(text, "{:>3}  {}", number + 1, step.coarse);
+        for action in &step.fine {
+            let _ = writeln!(text, "       {action}");
+        }
+    }
+}
+
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let kit = data.kit()?;
     let goal = data.goal(&arguments.goal, &kit)?;
@@ -79,6 +92,22 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     if let Some(level) = arguments.emit_asp {
         let fine = matches!(level, Level::Fine);
         print(&ramp_planner::asp(&goal, &kit, &domains, fine))?;
+        return Ok(DONE);
+    }
+    if let Some(folder) = &arguments.pddl {
+        let written = ramp_planner::pddl(&goal, &kit, &state, &domains).into_diagnostic()?;
+        std::fs::create_dir_all(folder)
+            .into_diagnostic()
+            .wrap_err_with(|| format!("cannot make the folder {}", folder.display()))?;
+        let mut text = String::new();
+        for (name, content) in [("domain.pddl", &written.domain), ("problem.pddl", &written.problem)] {
+            let path = folder.join(name);
+            std::fs::write(&path, content)
+                .into_diagnostic()
+                .wrap_err_with(|| format!("cannot write {}", path.display()))?;
+            let _ = writeln!(text, "{}", path.display());
+        }
+        print(&text)?;
         return Ok(DONE);
     }
     let mut diagnoses: Option<Vec<Diagnosis>> = None;
@@ -100,6 +129,28 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         let text = std::fs::read_to_string(path)
             .into_diagnostic()
             .wrap_err_with(|| format!("cannot read {name}"))?;
+        if !text.trim_start().starts_with('{') {
+            let steps = ramp_planner::pddl_plan(&goal, &kit, &state, &domains, &text);
+            let steps = match steps {
+                Ok(steps) => steps,
+                Err(PlanError::Outside(refused)) => {
+                    print(&format!("{name}: refused at {refused}\n"))?;
+                    return Ok(INCOMPLETE);
+                }
+                Err(error) => return Err(error).into_diagnostic().wrap_err_with(|| format!("{name}")),
+            };
+            let mut text = String::new();
+            if arguments.json {
+                let value = json!({ "goal": goal.name, "plan": { "steps": steps } });
+                text = serde_json::to_string_pretty(&value).into_diagnostic()?;
+                text.push('\n');
+            } else {
+                write_steps(&mut text, &steps);
+                let _ = writeln!(text, "{name}: {} coarse actions, accepted", steps.len());
+            }
+            print(&text)?;
+            return Ok(DONE);
+        }
         let steps = serde_json::from_str::<serde_json::Value>(&text)
             .and_then(|mut value| serde_json::from_value::<Vec<CoarseStep>>(value["plan"]["steps"].take()))
             .map_err(|error| {
@@ -179,12 +230,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             let events = if events.is_empty() { "all went as it should".to_string() } else { events };
             let _ = writeln!(text, "{}{events}", if number == 0 { "believed: " } else { "      or: " });
         }
-        for (number, step) in plan.steps.iter().enumerate() {
-            let _ = writeln!(text, "{:>3}  {}", number + 1, step.coarse);
-            for action in &step.fine {
-                let _ = writeln!(text, "       {action}");
-            }
-        }
+        write_steps(&mut text, &plan.steps);
         let fine: usize = plan.steps.iter().map(|step| step.fine.len()).sum();
         let and_fine = if arguments.coarse { String::new() } else { format!(" and {fine} fine") };
         let _ = writeln!(text, "{} coarse{and_fine} actions in {seconds:.3} s", plan.steps.len());

@@ -970,6 +970,20 @@ impl<'d> Model<'d> {
         missing
     }
 
+    /// The statics, those that laws conclude included.
+    pub(crate) fn static_facts(&self) -> Vec<Term> {
+        let of = |(predicate, relation): (usize, &Relation)| {
+            let mut terms: Vec<Term> = relation
+                .list
+                .iter()
+                .map(|row| self.atom_term(&Ground { predicate, row: row.clone() }))
+                .collect();
+            terms.sort();
+            terms
+        };
+        self.statics.iter().enumerate().flat_map(of).collect()
+    }
+
     /// All goals of the domain that do not depend on the state: fluents that should be true or false.
     pub(crate) fn goals(&self) -> Vec<(Term, bool)> {
         let mut goals = Vec::new();

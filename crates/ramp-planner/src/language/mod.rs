@@ -10,8 +10,8 @@
 //! The language is one of the AL_d family (M. Gelfond, D. Inclezan, *Some properties of system descriptions of
 //! AL_d*, Journal of Applied Non-Classical Logics 23, 2013); `docs/src/language.md` describes every construct.
 
-mod ast;
-mod check;
+pub(crate) mod ast;
+pub(crate) mod check;
 pub(crate) mod ground;
 mod lex;
 mod parse;
