@@ -211,8 +211,8 @@ impossible push(B) if deep(B).
 impossible push(B) if base(B).
 impossible push(_) if -at(assembly).
 impossible push(_) if full.
-% One that stands in it too deep would be taken along.
-impossible push(B) if joins(_, B, A), in_assembly(A), deep(A).
+% One that stands in it too deep would be taken along; what was pushed back to let it on does not reach it.
+impossible push(B) if joins(_, B, A), in_assembly(A), deep(A), -shuttle(A, B).
 
 % ---- What happens ------------------------------------------------------------------------------------------------
 

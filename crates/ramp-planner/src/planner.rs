@@ -344,6 +344,7 @@ impl<'a> Planner<'a> {
         start: &Fluents,
     ) -> Result<(Vec<Transition>, Vec<CoarseStep>, usize), PlanError> {
         let mut transitions = self.coarse(order, known, start)?;
+        self.has_ways(&transitions)?;
         // What is known of the shipped rules need not be true of others.
         let shipped = self.domains.coarse().file().text() == include_str!("../../../data/domains/coarse.al");
         let mut lower_bound = if shipped { lower_bound(known).min(transitions.len()) } else { 0 };
@@ -356,6 +357,30 @@ impl<'a> Planner<'a> {
         }
         let steps = self.steps(&transitions, known)?;
         Ok((transitions, steps, lower_bound))
+    }
+
+    /// Each beam has a straight way in past all that stands by then. The rules know which single beams are in a way;
+    /// where one makes it longer and another one blocks it further out, only both together are.
+    fn has_ways(&self, transitions: &[Transition]) -> Result<(), PlanError> {
+        for transition in transitions {
+            let Some((name @ ("assemble" | "assemble_deep" | "lay_down"), [beam])) = transition.action.parts()
+            else {
+                continue;
+            };
+            let Some(index) = beam.texts().first().and_then(|name| self.assembly.beam_index(name)) else {
+                continue;
+            };
+            let (stands, _) = self.standing(&transition.before);
+            if self.geometry.way(index, &stands, name == "lay_down").is_none() {
+                let beam = &self.assembly.beams[index].beam.name;
+                return Err(PlanError::Illegal {
+                    goal: self.assembly.name.clone(),
+                    why: format!("{beam} has no straight way to its place past all that stands by then"),
+                    beams: vec![beam.clone()],
+                });
+            }
+        }
+        Ok(())
     }
 
     // ---- The order of the beams -------------------------------------------------------------------------------

@@ -1,0 +1,72 @@
+//! A thousand generated goals: every plan is accepted by the replayer, and none with an action removed, swapped or
+//! with another argument.
+
+// A helper may panic as its test may.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{domains, kit, replay};
+use ramp_assembly::{Assembly, Request, generate_many};
+use ramp_planner::{CoarseAction, CoarseStep, PlanError, State, plan};
+
+/// Another beam than this one.
+fn another(assembly: &Assembly, beam: &str) -> String {
+    let names = assembly.beams.iter().map(|placed| placed.beam.name.clone());
+    names.into_iter().find(|name| name != beam).unwrap()
+}
+
+/// The same plan with another argument in its `index`-th insertion or fastening.
+fn with_another_argument(assembly: &Assembly, steps: &[CoarseStep], index: usize) -> Vec<CoarseStep> {
+    let mut steps = steps.to_vec();
+    let mut places: Vec<usize> = (0..steps.len()).collect();
+    places.retain(|&place| {
+        matches!(steps[place].coarse, CoarseAction::Assemble { .. } | CoarseAction::Fasten { .. })
+    });
+    let step = &mut steps[places[index % places.len()]];
+    match &mut step.coarse {
+        CoarseAction::Assemble { beam } => *beam = another(assembly, beam),
+        CoarseAction::Fasten { peg, .. } => *peg = "p99".to_string(),
+        _ => {}
+    }
+    steps
+}
+
+#[test]
+fn plans_of_a_thousand_goals_are_accepted_and_wrong_ones_refused() {
+    let mut planned = 0;
+    for beams in 3..=7 {
+        let goals = generate_many(kit(), Request { beams, seed: 1, class: None }, 200).unwrap();
+        for (number, made) in goals.iter().enumerate() {
+            let assembly = &made.assembly;
+            let steps = match plan(assembly, kit(), &State::default(), domains()) {
+                Ok(found) => found.steps,
+                // A male end that droops cannot be capped, and not every one can be pushed back.
+                Err(PlanError::Illegal { why, .. }) if why.contains("droops") => continue,
+                Err(error) => panic!("{}: {error}", made.name),
+            };
+            planned += 1;
+            let outcome = |steps: &[CoarseStep]| replay(assembly, &State::default(), steps);
+            assert_eq!(outcome(&steps), Ok(()), "{}", made.name);
+
+            // One in four is enough for the wrong ones, of which each takes as long as the right one.
+            if number % 4 > 0 {
+                continue;
+            }
+            let index = number % (steps.len() - 1);
+            let mut fewer = steps.clone();
+            let left_out = fewer.remove(index).coarse;
+            assert!(outcome(&fewer).is_err(), "{} without {left_out}", made.name);
+
+            let is_push = |step: &CoarseStep| matches!(step.coarse, CoarseAction::Push { .. });
+            if !(is_push(&steps[index]) && is_push(&steps[index + 1])) {
+                let mut swapped = steps.clone();
+                swapped.swap(index, index + 1);
+                assert!(outcome(&swapped).is_err(), "{} with {left_out} one step later", made.name);
+            }
+            let other = with_another_argument(assembly, &steps, number);
+            assert!(outcome(&other).is_err(), "{} with another argument", made.name);
+        }
+    }
+    assert!(planned > 950, "only {planned} of 1000 goals have a plan");
+}
