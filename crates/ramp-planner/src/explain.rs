@@ -1,4 +1,4 @@
-//! Why an action has its place in a plan: what forbade it at every step before.
+//! Why an action has its place in a plan: all that forbade it at the steps before.
 
 use crate::domains::Domains;
 use crate::error::PlanError;
@@ -17,7 +17,7 @@ pub struct Explanation {
     pub action: String,
     /// Its step in the plan, counted from 1.
     pub step: usize,
-    /// What forbade it before, from the first step on.
+    /// All that forbade it at the steps before; what did so longest comes last.
     pub reasons: Vec<Reason>,
 }
 
@@ -75,19 +75,22 @@ pub fn why(
     let mut reasons: Vec<Reason> = Vec::new();
     for (step, transition) in transitions[..index].iter().enumerate() {
         let found = planner.model.why_not(&transition.before, target);
-        let Some(reason) = found.map_err(|refusal| planner.refused(refusal, action))? else { continue };
-        match reasons.last_mut() {
-            Some(last) if last.to == step && last.law == reason.law && last.because == reason.conditions => {
-                last.to = step + 1;
+        for reason in found.map_err(|refusal| planner.refused(refusal, action))? {
+            let open = reasons.iter_mut().find(|last| {
+                last.to == step && last.line == reason.line && last.because == reason.conditions
+            });
+            match open {
+                Some(last) => last.to = step + 1,
+                None => reasons.push(Reason {
+                    from: step + 1,
+                    to: step + 1,
+                    law: reason.law,
+                    line: reason.line,
+                    because: reason.conditions,
+                }),
             }
-            _ => reasons.push(Reason {
-                from: step + 1,
-                to: step + 1,
-                law: reason.law,
-                line: reason.line,
-                because: reason.conditions,
-            }),
         }
     }
+    reasons.sort_by(|a, b| (a.to, a.from, a.line, &a.because).cmp(&(b.to, b.from, b.line, &b.because)));
     Ok(Explanation { action: target.to_string(), step: index + 1, reasons })
 }

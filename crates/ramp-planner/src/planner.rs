@@ -114,6 +114,9 @@ pub(crate) struct Planner<'a> {
     pub geometry: Geometry<'a>,
     pub facts: Facts,
     pub model: Model<'a>,
+    /// Names that the laws themselves mention, and those of ways: these are always in sight, and not like others.
+    coarse_names: BTreeSet<String>,
+    fine_names: BTreeSet<String>,
     solver: Solver,
     options: Options,
     /// Answers to problems of the same shape.
@@ -266,7 +269,11 @@ impl<'a> Planner<'a> {
         let facts = facts::coarse(assembly, &geometry);
         let model = Model::new(domains.coarse(), &facts);
         let facts = Facts::new(facts);
+        let mut coarse_names = domains.coarse().quoted();
+        coarse_names.extend(geometry.ways.iter().flatten().map(|way| way.name.to_string()));
         Planner {
+            coarse_names,
+            fine_names: domains.fine().quoted(),
             assembly,
             pegs: state::peg_names(assembly, kit),
             domains,
@@ -607,8 +614,7 @@ impl<'a> Planner<'a> {
         let told = self.model.inertial_about(state, keep.as_ref());
         problem.extend(told.into_iter().map(|fluent| Term::new("told", [fluent])));
         problem.extend(task.iter().map(goal));
-        let ways: Vec<&str> = self.geometry.ways.iter().flatten().map(|way| way.name).collect();
-        let shape = Shape::of(&problem, &ways);
+        let shape = Shape::of(&problem, &self.coarse_names);
         let most = most_steps(self.assembly);
         let found =
             self.coarse_answers.shortest(&mut self.solver, self.domains.coarse(), &shape, most)?;
@@ -622,8 +628,7 @@ impl<'a> Planner<'a> {
 
     /// The names that a task can have to do with: its beams and those around them, so many joints away.
     fn around(&self, task: &Task, state: &Fluents, reach: usize) -> BTreeSet<String> {
-        let mut names: BTreeSet<String> =
-            self.geometry.ways.iter().flatten().map(|way| way.name.to_string()).collect();
+        let mut names = self.coarse_names.clone();
         let in_hand = ["in_hand", "stuck"].map(|name| self.model.true_of(state, name)).concat();
         let texts = task.iter().map(|(fluent, _)| fluent).chain(&in_hand).flat_map(Term::texts);
         let mut beams: BTreeSet<usize> = BTreeSet::new();
@@ -780,7 +785,7 @@ impl<'a> Planner<'a> {
                 problem.push(Term::new("goal", [Term::new("coarse", [fluent])]));
             }
         }
-        let shape = Shape::of(&problem, &[]);
+        let shape = Shape::of(&problem, &self.fine_names);
         let found = self.fine_answers.shortest(&mut self.solver, fine, &shape, MOST_FINE_STEPS)?;
         let Some(Found { actions, mut end }) = found else { return Err(self.no_fine_plan(transition)) };
         // Where the hand ends up, the next action begins. What was left out of sight stays, unless something else of

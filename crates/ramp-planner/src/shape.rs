@@ -1,7 +1,7 @@
 //! Problems that differ in nothing but names have the same shape, and are solved once.
 
 use crate::term::Term;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// Facts in which every name is replaced by its number in the order of appearance.
 pub(crate) struct Shape {
@@ -13,11 +13,11 @@ pub(crate) struct Shape {
 
 impl Shape {
     /// Takes the names out of some facts, but for those that the rules know themselves.
-    pub(crate) fn of(facts: &[Term], fixed: &[&str]) -> Shape {
+    pub(crate) fn of(facts: &[Term], fixed: &BTreeSet<String>) -> Shape {
         let mut names: Vec<String> = Vec::new();
         let mut numbers: HashMap<String, String> = HashMap::new();
         let mut number = |text: &str| {
-            if fixed.contains(&text) {
+            if fixed.contains(text) {
                 return text.to_string();
             }
             if let Some(number) = numbers.get(text) {
@@ -51,9 +51,9 @@ mod tests {
         let facts = |c: &str, b: &str| {
             [Term::new("pinned", [c.into()]), Term::new("at", [Term::new("beam", [b.into()]), c.into()])]
         };
-        let (first, second) = (Shape::of(&facts("C1", "b4"), &[]), Shape::of(&facts("b4", "\""), &[]));
+        let (first, second) = (Shape::of(&facts("C1", "b4"), &BTreeSet::new()), Shape::of(&facts("b4", "\""), &BTreeSet::new()));
         assert_eq!(first.facts, second.facts);
-        assert_ne!(first.facts, Shape::of(&facts("C1", "C1"), &[]).facts);
+        assert_ne!(first.facts, Shape::of(&facts("C1", "C1"), &BTreeSet::new()).facts);
         for (fact, shaped) in facts("b4", "\"").iter().zip(&second.facts) {
             assert_eq!(*fact, second.name(shaped));
         }

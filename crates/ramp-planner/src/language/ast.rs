@@ -1,6 +1,7 @@
 //! Statements as the parser leaves them: names not looked up yet, every part with its place in the text.
 
 use std::fmt::{self, Display, Write};
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Byte offsets into the text of the domain.
@@ -122,6 +123,21 @@ pub(crate) enum Statement {
 }
 
 impl Expression {
+    /// The quoted names in it.
+    pub fn quoted(&self, into: &mut BTreeSet<String>) {
+        match &self.what {
+            Shape::Quoted(name) => {
+                into.insert(name.clone());
+            }
+            Shape::Variable(_) | Shape::Number(_) => {}
+            Shape::Function(_, arguments) => arguments.iter().for_each(|term| term.quoted(into)),
+            Shape::Sum(left, _, right) => {
+                left.quoted(into);
+                right.quoted(into);
+            }
+        }
+    }
+
     /// Calls `with` for every variable in it.
     pub fn variables(&self, with: &mut impl FnMut(&str, &Span)) {
         match &self.what {

@@ -118,6 +118,36 @@ pub(crate) struct CheckedLaw {
 }
 
 impl Domain {
+    /// The objects that laws name: they are not like others.
+    pub(crate) fn quoted(&self) -> BTreeSet<String> {
+        let mut names = BTreeSet::new();
+        for law in &self.laws {
+            let heads: Vec<&Atom> = match &law.law {
+                Law::Causal { action, heads } => {
+                    [action].into_iter().chain(heads.iter().map(|head| &head.atom)).collect()
+                }
+                Law::Holds { head } | Law::Initially { head } | Law::Goal { head } => vec![&head.atom],
+                Law::Impossible { action } => vec![action],
+                Law::Bridge { head } => vec![head],
+            };
+            for atom in heads {
+                atom.arguments.iter().for_each(|term| term.quoted(&mut names));
+            }
+            for condition in &law.body {
+                match condition {
+                    Condition::Literal(literal) => {
+                        literal.atom.arguments.iter().for_each(|term| term.quoted(&mut names));
+                    }
+                    Condition::Comparison(comparison) => {
+                        comparison.left.quoted(&mut names);
+                        comparison.right.quoted(&mut names);
+                    }
+                }
+            }
+        }
+        names
+    }
+
     /// Reads a domain from a file. A fine domain is given the coarse one that it refines: it sees its sorts and
     /// statics, and its `bridge` laws are about its fluents.
     ///

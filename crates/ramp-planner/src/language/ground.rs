@@ -1017,9 +1017,20 @@ impl<'d> Model<'d> {
         terms
     }
 
-    /// The first law that forbids an action in a state.
-    pub(crate) fn why_not(&self, state: &State, action: &Term) -> Result<Option<Reason>, Refusal> {
-        Ok(self.prevented(state, &self.action(action)?))
+    /// All that forbids an action in a state: every law, with everything its variables can stand for.
+    pub(crate) fn why_not(&self, state: &State, action: &Term) -> Result<Vec<Reason>, Refusal> {
+        let action = self.action(action)?;
+        let mut reasons: Vec<Reason> = Vec::new();
+        for rule in &self.impossible {
+            self.solve_action(rule, state, &action, &mut |binding| {
+                let reason = self.reason(rule, binding);
+                if !reasons.contains(&reason) {
+                    reasons.push(reason);
+                }
+                false
+            });
+        }
+        Ok(reasons)
     }
 
     fn prevented(&self, state: &State, action: &Ground) -> Option<Reason> {
