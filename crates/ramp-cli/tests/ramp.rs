@@ -114,7 +114,7 @@ fn run_builds_easy_1_and_writes_result_and_curve() {
 }
 
 #[test]
-fn what_cannot_be_planned_yet_ends_with_status_1_and_a_reason() {
+fn what_no_skill_can_do_yet_ends_with_status_1_and_a_reason() {
     let folder = TempDir::new().unwrap();
     let output = ramp(&folder, &["run", "medium-3", "--json"]);
     assert_eq!(output.status.code(), Some(1));

@@ -177,7 +177,7 @@ impl Pddl {
                 .map(|predicate| &predicate.sorts)
                 .ok_or_else(|| bad(format!("the coarse domain has no action `{name}`")))?;
             let mut arguments = Vec::new();
-            for (word, sort) in words.by_ref().zip(sorts) {
+            for (sort, word) in sorts.iter().zip(words.by_ref()) {
                 let term = term_of(domain, sort, word, &names, &|sort, object| {
                     self.is_of(domain, sort, object)
                 });
