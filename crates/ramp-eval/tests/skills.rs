@@ -9,7 +9,7 @@ use common::World;
 use nalgebra::Translation3;
 use ramp_motion::PathPlanner;
 use ramp_robot::random::Stream;
-use ramp_robot::{Command, Observation, PartReading, Robot, RobotError};
+use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
 use ramp_skills::belief::Belief;
 use ramp_skills::hand::Hand;
 use ramp_skills::transport::Workcell;
@@ -39,6 +39,14 @@ impl Robot for Biased<'_> {
             }
         }
         Ok(parts)
+    }
+
+    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        self.twin.look(camera)
+    }
+
+    fn camera(&self, camera: Camera) -> CameraModel {
+        self.twin.camera(camera)
     }
 }
 

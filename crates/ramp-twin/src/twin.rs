@@ -10,8 +10,11 @@ use ramp_kit::Kit;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_robot::{
-    ArmCommand, Command, DOF, Impedance, Observation, PartReading, Pose, Robot, RobotError, Track,
+    ArmCommand, Camera, CameraModel, Command, DOF, GripperCommand, Image, Impedance, Observation,
+    PartReading, Pose, Robot, RobotError, Track,
 };
+
+use crate::cameras;
 
 use crate::control::{
     ArmState, GripperLoop, Jacobian, JointVector, impedance, limit_torques, pose_impedance,
@@ -94,6 +97,8 @@ pub struct Twin {
     gripper: GripperLoop,
     /// Joint targets of the last period, from which the velocities of a position command come.
     last_target: Option<JointVector>,
+    /// Command of the last period.
+    last_command: Option<Command>,
     /// Cartesian target of the last period, likewise.
     last_pose: Option<Pose>,
     /// Posture that a bare pose command keeps.
@@ -150,6 +155,7 @@ impl Twin {
             hand_bodies,
             gripper: GripperLoop::new(START_WIDTH / 2.0),
             last_target: None,
+            last_command: None,
             last_pose: None,
             posture: setup.arm.home,
             state: ArmState {
@@ -375,6 +381,23 @@ impl Twin {
         }
     }
 
+    /// Lets periods pass under the last command; before the first one the arm stays where it starts.
+    fn hold(&mut self, periods: u32) -> Result<(), RobotError> {
+        let command = self.last_command.clone().unwrap_or_else(|| Command {
+            arm: ArmCommand::JointPositions(self.arm.home),
+            gripper: GripperCommand { width: START_WIDTH, force: 10.0 },
+        });
+        for _ in 0..periods {
+            self.step(&command)?;
+        }
+        Ok(())
+    }
+
+    /// What a camera sees now.
+    fn expose(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        Err(RobotError::CameraStopped { camera })
+    }
+
     fn advance(&mut self, command: &Command) -> Result<(), RobotError> {
         check_command(command)?;
         if self.time() >= TIME_LIMIT {
@@ -390,6 +413,7 @@ impl Twin {
         ctrl[..DOF].copy_from_slice(self.torques.as_slice());
         ctrl[DOF..DOF + 2].copy_from_slice(&fingers);
         self.data.step();
+        self.last_command = Some(command.clone());
         self.steps += 1;
         self.watch_penetration();
         let reading = self.read_wrist();
@@ -482,6 +506,26 @@ impl Robot for Twin {
                 .iter()
                 .map(|(name, id)| PartReading { part: name.clone(), x_wp: self.body_pose(*id) })
                 .collect()),
+            track @ (Track::Noisy | Track::Tags) => {
+                Err(RobotError::NotOnTrack { track, what: "poses of parts" })
+            }
         }
+    }
+
+    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        if let Some(error) = &self.failed {
+            return Err(error.clone());
+        }
+        if self.track == Track::Noisy {
+            return Err(RobotError::NotOnTrack { track: self.track, what: "images" });
+        }
+        self.hold(cameras::EXPOSURE_STEPS / 2)?;
+        let image = self.expose(camera);
+        self.hold(cameras::EXPOSURE_STEPS.div_ceil(2) + cameras::LATENCY_STEPS)?;
+        image
+    }
+
+    fn camera(&self, camera: Camera) -> CameraModel {
+        CameraModel::nominal(camera, self.arm.hand.tip)
     }
 }
