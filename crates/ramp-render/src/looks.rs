@@ -1,6 +1,7 @@
 //! What everything looks like: meshes, tags and the sheet, made once from the kit and the arm file.
 
 use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use franka_description::{MeshSet, Robot};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -161,6 +162,23 @@ impl Looks {
             sheet_size: kit.sheet.size.map(|value| value as f32),
             sheet_tag: sticker(&sheet_place)?,
         })
+    }
+
+    /// As [`Looks::new`] with an arm, but made only once for each kit and arm that this process sees.
+    ///
+    /// # Errors
+    /// As [`Looks::new`].
+    pub fn shared(kit: &Kit, arm: &ArmModel) -> Result<Arc<Looks>, LooksError> {
+        static KNOWN: Mutex<Vec<(String, Arc<Looks>)>> = Mutex::new(Vec::new());
+        // The debug form holds every number of both.
+        let key = format!("{kit:?}{arm:?}");
+        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, looks)) = known.iter().find(|(other, _)| *other == key) {
+            return Ok(Arc::clone(looks));
+        }
+        let looks = Arc::new(Looks::new(kit, Some(arm))?);
+        known.push((key, Arc::clone(&looks)));
+        Ok(looks)
     }
 
     /// All bodies.
