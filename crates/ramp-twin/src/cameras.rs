@@ -23,10 +23,8 @@ pub fn true_camera(camera: Camera, arm: &ArmModel, seed: u64) -> CameraModel {
     let mut stream = Stream::new(seed, &format!("calibration-{}", camera.name()));
     let [position, angle] = CALIBRATION_ERROR;
     let mut three = |sigma: f64| Vector3::from_fn(|_, _| stream.normal(sigma));
-    let error = Pose::from_parts(
-        Translation3::from(three(position)),
-        UnitQuaternion::from_scaled_axis(three(angle)),
-    );
+    let error =
+        Pose::from_parts(Translation3::from(three(position)), UnitQuaternion::from_scaled_axis(three(angle)));
     let mut model = CameraModel::nominal(camera, arm.hand.tip);
     model.mount = match model.mount {
         Mount::Tip(x_tc) => Mount::Tip(x_tc * error),
