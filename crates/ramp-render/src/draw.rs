@@ -14,8 +14,9 @@ use crate::texture::TAG_LIGHT;
 
 /// Nothing nearer than this is drawn, m.
 const NEAR: f32 = 0.01;
-/// By how much a tag is drawn nearer than the face that it sticks on, m.
-const STICKER_HEIGHT: f32 = 3.0e-4;
+/// By how much nearer than it is a tag counts when it is asked what hides what, m: more than the details that meshes
+/// leave out.
+const STICKER_LIFT: f32 = 1.0e-3;
 /// Where the light comes from, in the world: a lamp to the right of the robot, behind whoever looks at it.
 const LIGHT: [f32; 3] = [0.30, -0.34, 0.89];
 /// Light from everywhere, more of it from above, and light from the lamp.
@@ -322,7 +323,7 @@ impl Renderer {
         let number = TAG | self.tags.len() as u32;
         let corner = |row: usize, column: usize| {
             let at = |index: usize| sticker.size * (index as f32 / PARTS as f32 - 0.5);
-            camera.moved(&[at(column), at(row), STICKER_HEIGHT])
+            camera.moved(&[at(column), at(row), 0.0])
         };
         for row in 0..PARTS {
             for column in 0..PARTS {
@@ -337,7 +338,7 @@ impl Renderer {
                 }
                 let [a, b, c, d] = quad.map(|p| {
                     let [x, y] = self.lens.project(p);
-                    [x, y, 1.0 / p[2]]
+                    [x, y, 1.0 / (p[2] - STICKER_LIFT)]
                 });
                 self.triangle(&[a, b, c], number);
                 self.triangle(&[a, c, d], number);

@@ -1,9 +1,14 @@
 //! Where a camera really is, from tags whose places in the world are known: the sheet's own, and those on the clamped
 //! beam.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Matrix6, Point3, Translation3, UnitQuaternion, Vector6};
+use ramp_kit::tags::TagPlace;
 use ramp_robot::camera::Mount;
 use ramp_robot::{CameraModel, Pose};
+
+use crate::find::{SeenPart, corner_points};
 
 /// Usual error of a corner, pixels.
 const CORNER: f64 = 0.15;
@@ -30,6 +35,20 @@ impl Calibration {
             Mount::World(_) => Pose::identity(),
         };
         self.sights.push((x_wm, p_w, pixel));
+    }
+
+    /// Adds a part that was seen while the tip was at `x_wt` and whose pose in the world is known: the clamped beam, or
+    /// the sheet (whose pose is the identity). `places` are the tags of [`crate::PartFinder::places`].
+    pub fn add_part(&mut self, x_wt: &Pose, seen: &SeenPart, x_wp: &Pose, places: &BTreeMap<u32, TagPlace>) {
+        let x_cw = self.nominal.x_wc(x_wt).inverse();
+        for place in seen.tags.iter().filter_map(|id| places.get(id)) {
+            for p_p in corner_points(place) {
+                // The corner's pixel as the whole of the part has it: better than the detector's.
+                if let Some(pixel) = self.nominal.project(&(x_cw * seen.x_wp * p_p)) {
+                    self.add(x_wt, x_wp * p_p, pixel);
+                }
+            }
+        }
     }
 
     /// How many points there are.

@@ -1,6 +1,8 @@
 //! Tags in an image, by the reference detector of the AprilTag project.
 
-use apriltag::{Detector, DetectorBuilder, Family};
+use apriltag::{Detector, DetectorBuilder, Family, detector::QuadThresholds};
+use measurements::Angle;
+use noisy_float::types::r32;
 
 use crate::image::{Grey, SightError};
 
@@ -33,6 +35,10 @@ const CORRECTED: usize = 2;
 /// Least [`Detection::margin`].
 const MARGIN: f64 = 12.0;
 
+/// Least difference of light between black and white nearby, levels of 255: several times the noise, so that plain
+/// surfaces are passed over.
+const CONTRAST: u8 = 30;
+
 /// Finds tags of the family tag25h9.
 pub struct TagFinder {
     detector: Detector,
@@ -53,6 +59,17 @@ impl TagFinder {
         detector.set_decimation(decimate);
         detector.set_thread_number(1);
         detector.set_refine_edges(true);
+        // Its defaults, but for the contrast. The smallest angle at a corner is 10°, which it wants as a cosine too.
+        let least_angle = 10f64.to_radians();
+        detector.set_thresholds(QuadThresholds {
+            min_cluster_pixels: 5,
+            max_maxima_number: 10,
+            min_angle: Angle::from_radians(least_angle),
+            min_opposite_angle: Angle::from_radians(least_angle.cos()),
+            max_mse: r32(10.0),
+            min_white_black_diff: CONTRAST,
+            deglitch: false,
+        });
         Ok(TagFinder { detector, image: None })
     }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Matrix6, Point3};
+use nalgebra::{Matrix6, Point3, Vector3};
 use ramp_kit::tags::{self, TagPlace};
 use ramp_kit::{Holder, Kit};
 use ramp_robot::{Camera, CameraModel, Image, Pose};
@@ -236,9 +236,11 @@ impl PartFinder {
             }
         }
         let view = View { grey: &grey, camera, x_wc: camera.x_wc(&image.x_wt) };
+        // The sheet lies on the table, whatever happens.
+        let sheet = Lying { part: SHEET.to_string(), height: 0.0, flipped: false, sigma: Lying::SIGMA };
         for name in self.order.iter().map(String::as_str).chain([SHEET]) {
             let Some(seen) = by_part.get(name) else { continue };
-            let lying = lying.iter().find(|lying| lying.part == name);
+            let lying = lying.iter().chain([&sheet]).find(|lying| lying.part == name);
             match view.part(name, seen, lying, &mut sighting.oddities) {
                 Some(part) if name == SHEET => sighting.sheet = Some(part),
                 Some(part) => sighting.parts.push(part),
@@ -292,10 +294,14 @@ impl View<'_> {
             oddities.push(Oddity::Small { part: name.to_string(), pixels: size });
             return None;
         }
+        // What is known holds where the tags are: the part's origin may be far away.
+        let middle = once.iter().map(|(place, _)| place.x_pg.translation.vector).sum::<Vector3<f64>>()
+            / once.len() as f64;
         let level = lying.map(|lying| Level {
             r_wc: self.x_wc.rotation.to_rotation_matrix(),
             eye: self.x_wc.translation.z,
-            height: [lying.height, lying.sigma[0]],
+            p_p: Point3::from(middle),
+            height: [lying.height + if lying.flipped { -middle.z } else { middle.z }, lying.sigma[0]],
             tilt: lying.sigma[1],
             flipped: lying.flipped,
         });
@@ -320,7 +326,7 @@ impl View<'_> {
         fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let pixels = root_mean(fits.first()?.cost, fits.first()?.count, CORNER_ERROR);
         if pixels > CORNERS_AGREE {
-            oddities.push(Oddity::TagsDisagree { part: name.to_string(), tags, pixels });
+            oddities.push(disagree(name, tags, pixels));
             return None;
         }
         let (best, scale, pixels) = if size < CORNERS_ONLY {
@@ -330,7 +336,7 @@ impl View<'_> {
             let edges = Edges { camera: self.camera, places: &places };
             let pixels = root_mean(edges.cost(&best.x_cp), places.len(), EDGE_ERROR);
             if pixels > EDGES_AGREE {
-                oddities.push(Oddity::TagsDisagree { part: name.to_string(), tags, pixels });
+                oddities.push(disagree(name, tags, pixels));
                 return None;
             }
             (best, COMMON * (pixels / EDGE_ERROR).max(LEAST_ERROR).powi(2), pixels)
@@ -458,11 +464,9 @@ impl View<'_> {
         let r_wc = self.x_wc.rotation.to_rotation_matrix();
         turn.fixed_view_mut::<3, 3>(0, 0).copy_from(r_wc.matrix());
         turn.fixed_view_mut::<3, 3>(3, 3).copy_from(r_wc.matrix());
-        let middle = once
-            .iter()
-            .map(|(place, _)| (fit.x_cp * place.x_pg).translation.vector)
-            .sum::<nalgebra::Vector3<f64>>()
-            / once.len() as f64;
+        let middle =
+            once.iter().map(|(place, _)| (fit.x_cp * place.x_pg).translation.vector).sum::<Vector3<f64>>()
+                / once.len() as f64;
         Some(SeenPart {
             part: name.to_string(),
             x_wp,
@@ -472,6 +476,14 @@ impl View<'_> {
             distance: middle.norm(),
             tag_size: size,
         })
+    }
+}
+
+/// Tags that are not where a part has them: one alone must be partly hidden.
+fn disagree(name: &str, tags: Vec<u32>, pixels: f64) -> Oddity {
+    match tags[..] {
+        [id] => Oddity::Hidden { part: name.to_string(), id },
+        _ => Oddity::TagsDisagree { part: name.to_string(), tags, pixels },
     }
 }
 

@@ -47,7 +47,9 @@ pub struct Level {
     pub r_wc: Rotation3<f64>,
     /// Height of the optical frame's origin in the world, m.
     pub eye: f64,
-    /// Height of the part's origin in the world, m, and how sure it is (1 σ).
+    /// A point of the part, m.
+    pub p_p: Point3<f64>,
+    /// Height of that point in the world, m, and how sure it is (1 σ).
     pub height: [f64; 2],
     /// How sure it is that its z axis is vertical (1 σ), rad.
     pub tilt: f64,
@@ -116,9 +118,8 @@ impl Terms for Level {
     fn each(&self, x_cp: &Pose, take: &mut dyn FnMut(f64, &RowVector6<f64>)) {
         let r_wc = self.r_wc.matrix();
         let [height, sigma] = self.height;
-        let z = self.eye + (self.r_wc * x_cp.translation.vector).z;
-        let mut row = RowVector6::zeros();
-        row.fixed_view_mut::<1, 3>(0, 0).copy_from(&(r_wc.row(2) / sigma));
+        let z = self.eye + (self.r_wc * (x_cp * self.p_p).coords).z;
+        let row = r_wc.row(2) * motion(x_cp, &self.p_p) / sigma;
         take((z - height) / sigma, &row);
         let sign = if self.flipped { -1.0 } else { 1.0 };
         let up = x_cp.rotation * Vector3::z() * sign;
