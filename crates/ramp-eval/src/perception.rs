@@ -127,8 +127,8 @@ pub struct View {
     pub image: Image,
     /// The camera as an agent is told it is.
     pub told: CameraModel,
-    /// Pose of the optical frame in the world, as it really is.
-    pub x_wc: Pose,
+    /// The camera as it really is.
+    pub real: CameraModel,
     /// The labels.
     pub label: ViewLabel,
     /// Index into the bodies of the looks for each pixel.
@@ -246,7 +246,7 @@ impl<'a> Photographer<'a> {
         let bodies = renderer.segmentation();
         let image = Image { camera, time: 0.0, x_wt, width: told.width, height: told.height, pixels };
         let label = self.label(file, camera, &real, &x_wc, &parts, &bodies);
-        View { image, told, x_wc, label, bodies, at_start }
+        View { image, told, real, label, bodies, at_start }
     }
 
     fn home_tip(&self) -> Pose {

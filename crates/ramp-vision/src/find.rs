@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Matrix6, Point3, Vector3};
 use ramp_kit::tags::{self, TagPlace};
 use ramp_kit::{Holder, Kit};
-use ramp_robot::{Camera, CameraModel, Image, Pose};
+use ramp_robot::{CameraModel, Image, Pose};
 
 use crate::detect::{Detection, TagFinder};
 use crate::edges::{Place, measure};
@@ -24,14 +24,15 @@ const SAME: f64 = 0.02;
 const COMMON: f64 = 4.0;
 /// Residuals on edges, in units of the usual one, are taken to be at least this large: there are errors that all places
 /// have in common.
-const LEAST_ERROR: f64 = 0.35;
+const LEAST_ERROR: f64 = 0.56;
 /// Heights in which a part's origin can be, m in the world.
 const HEIGHTS: [f64; 2] = [-0.03, 1.2];
 /// Largest sum of squares of what is known of a part, in units of its σ: three numbers, five σ.
 const KNOWN_AGREES: f64 = 25.0;
 /// Least share of the places on the edges of a tag that must be measurable.
 const MEASURED: f64 = 0.5;
-/// Tags smaller than this (pixels along their edge) are used by their corners alone: their cells blur into each other.
+/// Tags smaller than this (pixels along their edge) are used by their corners alone, because their cells blur into each
+/// other, and only on parts that are known to lie.
 const CORNERS_ONLY: f64 = 17.0;
 /// Smallest tag that is believed, pixels along its edge.
 const SMALLEST: f64 = 8.0;
@@ -183,8 +184,7 @@ pub const SHEET: &str = "sheet";
 pub struct PartFinder {
     places: BTreeMap<u32, TagPlace>,
     order: Vec<String>,
-    near: TagFinder,
-    far: TagFinder,
+    tags: TagFinder,
 }
 
 impl PartFinder {
@@ -204,7 +204,7 @@ impl PartFinder {
         places.insert(sheet.id, sheet);
         let beams = kit.beams.iter().map(|beam| beam.name.clone());
         let order = beams.chain(kit.pegs.iter().map(|peg| peg.name.clone())).collect();
-        Ok(PartFinder { places, order, near: TagFinder::new(2.0)?, far: TagFinder::new(1.0)? })
+        Ok(PartFinder { places, order, tags: TagFinder::new(1.0)? })
     }
 
     /// Where the tags stick.
@@ -224,9 +224,7 @@ impl PartFinder {
         lying: &[Lying],
     ) -> Result<Sighting, SightError> {
         let grey = Grey::new(image, camera)?;
-        // From high up tags are small, and every pixel counts.
-        let finder = if image.camera == Camera::Wrist { &mut self.near } else { &mut self.far };
-        let detections = finder.find(&grey)?;
+        let detections = self.tags.find(&grey)?;
         let mut sighting = Sighting { time: image.time, ..Sighting::default() };
         let mut by_part: BTreeMap<&str, Vec<(&TagPlace, &Detection)>> = BTreeMap::new();
         for detection in &detections {
@@ -290,7 +288,7 @@ impl View<'_> {
         if once.is_empty() {
             return None;
         }
-        if size < SMALLEST {
+        if size < SMALLEST || (size < CORNERS_ONLY && lying.is_none() && name != SHEET) {
             oddities.push(Oddity::Small { part: name.to_string(), pixels: size });
             return None;
         }

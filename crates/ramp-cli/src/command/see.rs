@@ -119,12 +119,13 @@ fn data_set(
             write_png(&folder.join(&file), &view.image, &view.image.pixels)?;
             all_areas.push(areas(&view, &bodies));
         }
-        let x_cw = view.told.x_wc(&view.image.x_wt).inverse();
-        // Once with nothing known of the parts, once with what is known while they lie on the sheet.
-        for (known, estimates) in
-            [&[][..], if view.at_start { &lying[..] } else { &[] }].into_iter().zip(&mut estimates)
+        // Once with nothing known, once with calibrated cameras and what is known while parts lie on the sheet.
+        let known = if view.at_start { &lying[..] } else { &[] };
+        for ((camera, known), estimates) in
+            [(&view.told, &[][..]), (&view.real, known)].into_iter().zip(&mut estimates)
         {
-            let sighting = finder.find(&view.image, &view.told, known).into_diagnostic()?;
+            let sighting = finder.find(&view.image, camera, known).into_diagnostic()?;
+            let x_cw = camera.x_wc(&view.image.x_wt).inverse();
             estimates.extend(sighting.parts.iter().map(|part| Estimate {
                 file: file.clone(),
                 part: part.part.clone(),
@@ -140,7 +141,7 @@ fn data_set(
         write_json(&folder.join(COCO), &coco(&labels.views, &all_areas, &names))?;
     }
     let mut text = String::new();
-    let titles = ["nothing known of the parts", "known to lie, where they lie on the sheet"];
+    let titles = ["nothing known", "cameras calibrated, and parts known to lie while they are on the sheet"];
     for ((file, estimates), title) in ESTIMATES.iter().zip(&estimates).zip(titles) {
         write_json(&folder.join(file), estimates)?;
         let _ = write!(text, "{title} ({file})\n{}\n", table(&judge(&labels, estimates)));
