@@ -133,8 +133,9 @@ pub struct View {
     pub label: ViewLabel,
     /// Index into the bodies of the looks for each pixel.
     pub bodies: Vec<u16>,
-    /// Does everything lie as the sheet has it (else: as the goal has it)?
-    pub at_start: bool,
+    /// How each part lies, on the sheet or in the goal: its name, the height of its origin in the world (m), and whether
+    /// its z axis points down.
+    pub lying: Vec<(String, f64, bool)>,
 }
 
 /// Makes views.
@@ -240,13 +241,17 @@ impl<'a> Photographer<'a> {
                 scene.bodies.push((index, x_wh * x_hb));
             }
         }
+        let lying = parts
+            .iter()
+            .map(|(name, x)| (name.clone(), x.translation.z, (x.rotation * Vector3::z()).z < 0.0))
+            .collect();
         let mut sensor = Sensor::new(own_seed, camera.name());
         let renderer = &mut self.renderers[usize::from(bird)];
         let pixels = renderer.render(&scene, &x_wc, &mut sensor);
         let bodies = renderer.segmentation();
         let image = Image { camera, time: 0.0, x_wt, width: told.width, height: told.height, pixels };
         let label = self.label(file, camera, &real, &x_wc, &parts, &bodies);
-        View { image, told, real, label, bodies, at_start }
+        View { image, told, real, label, bodies, lying }
     }
 
     fn home_tip(&self) -> Pose {

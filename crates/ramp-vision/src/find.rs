@@ -27,7 +27,7 @@ const COMMON: f64 = 4.0;
 const LEAST_ERROR: f64 = 0.56;
 /// Largest standard deviation of a place that is believed, m: of a part that nothing is known of, and of one that is
 /// known to lie, whose height is not so well known but cannot be quite wrong.
-const VAGUE: [f64; 2] = [1.25e-3, 2.5e-3];
+const VAGUE: [f64; 2] = [1.25e-3, 1.8e-3];
 /// Heights in which a part's origin can be, m in the world.
 const HEIGHTS: [f64; 2] = [-0.03, 1.2];
 /// Largest sum of squares of what is known of a part, in units of its σ: three numbers, five σ.

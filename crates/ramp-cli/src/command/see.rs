@@ -95,7 +95,6 @@ fn data_set(
     count: u32,
 ) -> Result<u8, Report> {
     let mut finder = PartFinder::new(kit).into_diagnostic()?;
-    let lying = Lying::at_start(kit);
     let names: Vec<String> = kit
         .beams
         .iter()
@@ -119,11 +118,19 @@ fn data_set(
             write_png(&folder.join(&file), &view.image, &view.image.pixels)?;
             all_areas.push(areas(&view, &bodies));
         }
-        // Once with nothing known, once with calibrated cameras and what is known while parts lie on the sheet.
-        let known = if view.at_start { &lying[..] } else { &[] };
-        for ((camera, known), estimates) in
-            [(&view.told, &[][..]), (&view.real, known)].into_iter().zip(&mut estimates)
-        {
+        // Once with nothing known, once with calibrated cameras and heights known.
+        let lying: Vec<Lying> = view
+            .lying
+            .iter()
+            .map(|(part, height, flipped)| Lying {
+                part: part.clone(),
+                height: *height,
+                flipped: *flipped,
+                sigma: Lying::SIGMA,
+            })
+            .collect();
+        let ways = [(&view.told, &[][..]), (&view.real, &lying[..])];
+        for ((camera, known), estimates) in ways.into_iter().zip(&mut estimates) {
             let sighting = finder.find(&view.image, camera, known).into_diagnostic()?;
             let x_cw = camera.x_wc(&view.image.x_wt).inverse();
             estimates.extend(sighting.parts.iter().map(|part| Estimate {
@@ -141,7 +148,7 @@ fn data_set(
         write_json(&folder.join(COCO), &coco(&labels.views, &all_areas, &names))?;
     }
     let mut text = String::new();
-    let titles = ["nothing known", "cameras calibrated, and parts known to lie while they are on the sheet"];
+    let titles = ["nothing known of the parts", "parts known to lie at their heights, cameras calibrated"];
     for ((file, estimates), title) in ESTIMATES.iter().zip(&estimates).zip(titles) {
         write_json(&folder.join(file), estimates)?;
         let _ = write!(text, "{title} ({file})\n{}\n", table(&judge(&labels, estimates)));
