@@ -1,8 +1,12 @@
-//! Where the agent believes the parts to be: what the robot let it read last.
+//! Where the agent believes the parts to be, and how well it knows: all that skills get to know of them.
+//!
+//! For each part there is one estimate. Sight corrects it, time and contact blur it. A part between the fingers is
+//! known in the frame of the tip and moves with it; one that stands or lies is known in the world. The same code
+//! runs on every track: where readings are exact, covariances are next to nothing.
 
 use std::collections::BTreeMap;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3, Vector6};
 use ramp_assembly::{Assembly, Connection, JointRef};
 use ramp_kit::Kit;
 use ramp_kit::shape::{Cuboid, Shape, beam_shapes, peg_head};
@@ -11,25 +15,253 @@ use ramp_motion::Obstacle;
 use ramp_robot::RobotError;
 
 use crate::Pose;
+use crate::estimate::{Estimate, covariance};
 use crate::fault::{Fault, SkillError};
 use crate::hand::Hand;
 
-/// Part poses in the world, by name.
-#[derive(Clone, Debug, Default)]
+const MM: f64 = 1.0e-3;
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+/// What is known of a part before it is seen: it lies on the outlines of the sheet, level. Position and rotation.
+const ON_SHEET: ([f64; 3], [f64; 3]) =
+    ([3.0 * MM, 3.0 * MM, 0.3 * MM], [0.3 * DEGREE, 0.3 * DEGREE, 3.0 * DEGREE]);
+/// How well the place of the clamped beam is known.
+const CLAMPED: ([f64; 3], [f64; 3]) = ([0.02 * MM; 3], [0.01 * DEGREE; 3]);
+/// What a second makes of a part that stands or lies: it is hardly ever touched.
+const RESTING: (f64, f64) = (0.02 * MM, 0.01 * DEGREE);
+/// What a second makes of a part between the fingers, on the axes of the tip: it creeps along the fingers' faces, by
+/// 1.5 mm on a long way.
+const CARRIED: ([f64; 3], f64) = ([0.5 * MM, 0.03 * MM, 0.1 * MM], 0.03 * DEGREE);
+/// How far the fingers may shift (across the closing direction, along it, along the hand) and turn (about the same)
+/// a part when they close on it.
+const GRIPPED: ([f64; 3], [f64; 3]) =
+    ([0.2 * MM, 3.0 * MM, 0.05 * MM], [0.1 * DEGREE, 0.05 * DEGREE, 3.0 * DEGREE]);
+/// How well the fingers, once closed, centre a part, and how well they turn it square to themselves.
+const CENTRED: (f64, f64) = (0.05 * MM, 0.03 * DEGREE);
+/// How far a part may move as the fingers let go of it, m and rad.
+const RELEASED: (f64, f64) = (0.2 * MM, 0.1 * DEGREE);
+/// A reading with a greater normalised innovation squared is not believed before the next one confirms it: with six
+/// degrees of freedom, chance alone exceeds it once in two million.
+const GATE: f64 = 40.0;
+/// Share of a new reading in the running mean of innovations that tells of a part that has moved a little.
+const DRIFT: f64 = 1.0 / 16.0;
+/// A part found further than this from where it was believed is worth telling, m.
+const ASTRAY: f64 = 5.0 * MM;
+
+/// A part as it was seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sighting {
+    /// Its name.
+    pub part: String,
+    /// Its pose in the world.
+    pub estimate: Estimate,
+    /// The pose of the tip in the world when it was seen.
+    pub x_wt: Pose,
+}
+
+/// Where a part is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Frame {
+    /// In the world, where nothing moves it.
+    Clamped,
+    /// In the world.
+    World,
+    /// In the tip's frame.
+    Tip,
+}
+
+#[derive(Clone, Debug)]
+struct Part {
+    estimate: Estimate,
+    frame: Frame,
+    seen: bool,
+    /// The last reading, in the same frame, if it was too far off to be believed.
+    odd: Option<Estimate>,
+    /// Running mean of the innovations, each whitened by its covariance.
+    drift: Vector6<f64>,
+}
+
+impl Part {
+    /// Readings that are each within reason but all on one side say that the part has moved: the estimate then
+    /// forgets as much as they differ from it.
+    fn watch(&mut self, seen: &Estimate) {
+        let Some((white, root)) = self.estimate.whitened(seen) else { return };
+        self.drift += (white - self.drift) * DRIFT;
+        // The mean of white noise so weighed has this share of its variance.
+        let share = DRIFT / (2.0 - DRIFT);
+        if self.drift.norm_squared() / share > GATE {
+            let off = root * self.drift;
+            self.estimate.spread([off[0], off[1], off[2]], [off[3], off[4], off[5]]);
+            self.drift = Vector6::zeros();
+        }
+    }
+
+    /// Begins to be known in another frame.
+    fn rebase(&mut self, frame: Frame, estimate: Estimate) {
+        self.estimate = estimate;
+        self.frame = frame;
+        self.odd = None;
+        self.drift = Vector6::zeros();
+    }
+}
+
+/// Part poses with their covariances, by name.
+#[derive(Clone, Debug)]
 pub struct Belief {
-    x_wp: BTreeMap<String, Pose>,
+    parts: BTreeMap<String, Part>,
+    time: f64,
+    x_wt: Pose,
+    astray: Vec<(String, f64)>,
 }
 
 impl Belief {
-    /// Reads the parts anew; what is not seen keeps its last pose.
+    /// What is known before anything is seen.
+    pub fn new(kit: &Kit, assembly: &Assembly) -> Belief {
+        let base = &assembly.beams[assembly.base];
+        let mut parts = BTreeMap::new();
+        let mut insert = |name: &str, x: Pose, (position, rotation): ([f64; 3], [f64; 3]), frame| {
+            let estimate = Estimate { x, covariance: covariance(position, rotation) };
+            parts.insert(
+                name.to_string(),
+                Part { estimate, frame, seen: frame == Frame::Clamped, odd: None, drift: Vector6::zeros() },
+            );
+        };
+        for beam in &kit.beams {
+            if beam.name == base.beam.name {
+                insert(&beam.name, kit.x_wa() * base.x_ab, CLAMPED, Frame::Clamped);
+            } else if let Some(x_wb) = kit.x_wb_start(beam) {
+                insert(&beam.name, x_wb, ON_SHEET, Frame::World);
+            }
+        }
+        for peg in &kit.pegs {
+            if let Some(x_wp) = kit.x_wp_start(peg) {
+                insert(&peg.name, x_wp, ON_SHEET, Frame::World);
+            }
+        }
+        Belief { parts, time: 0.0, x_wt: Pose::identity(), astray: Vec::new() }
+    }
+
+    /// Takes one reading of the parts, and another at once if one of them is too odd to be believed.
     ///
     /// # Errors
     /// The robot's.
     pub fn update(&mut self, hand: &mut Hand) -> Result<(), RobotError> {
-        for reading in hand.look()? {
-            self.x_wp.insert(reading.part, reading.x_wp);
+        self.follow(hand);
+        let sightings = hand.sight()?;
+        self.follow(hand);
+        let odd = sightings.iter().filter(|sighting| self.take(sighting)).count();
+        if odd > 0 {
+            let sightings = hand.sight()?;
+            self.follow(hand);
+            for sighting in &sightings {
+                self.take(sighting);
+            }
         }
         Ok(())
+    }
+
+    /// Lets the time pass that the robot's clock shows: what is held moves with the tip, and everything is known a
+    /// little less well.
+    pub fn follow(&mut self, hand: &Hand) {
+        let passed = (hand.time() - self.time).max(0.0);
+        self.time = hand.time();
+        self.x_wt = hand.seen.x_wt;
+        for part in self.parts.values_mut() {
+            let (position, rotation) = match part.frame {
+                Frame::Clamped => continue,
+                Frame::World => ([RESTING.0; 3], RESTING.1),
+                Frame::Tip => CARRIED,
+            };
+            let share = passed.sqrt();
+            part.estimate.spread(position.map(|sigma| sigma * share), [rotation * share; 3]);
+        }
+    }
+
+    /// Takes in what was seen of one part; tells whether it was too odd to be believed.
+    fn take(&mut self, sighting: &Sighting) -> bool {
+        let Some(part) = self.parts.get_mut(&sighting.part) else { return false };
+        let seen = match part.frame {
+            Frame::Tip => sighting.estimate.seen_from(&sighting.x_wt.inverse()),
+            Frame::World | Frame::Clamped => sighting.estimate.clone(),
+        };
+        if part.estimate.surprise(&seen) < GATE {
+            part.watch(&seen);
+            part.estimate.fuse(&seen);
+            part.odd = None;
+            part.seen = true;
+            return false;
+        }
+        match part.odd.take() {
+            // Two readings agree: the part is not where it was believed.
+            Some(mut before) if before.surprise(&seen) < GATE => {
+                before.fuse(&seen);
+                let off = before.error(&part.estimate.x).fixed_rows::<3>(0).norm();
+                if off > ASTRAY && part.seen {
+                    self.astray.push((sighting.part.clone(), off));
+                }
+                part.estimate = before;
+                part.drift = Vector6::zeros();
+                part.seen = true;
+                false
+            }
+            _ => {
+                part.odd = Some(seen);
+                true
+            }
+        }
+    }
+
+    /// The parts that were found far from where they were believed since this was last asked, and how far, m.
+    pub fn astray(&mut self) -> Vec<(String, f64)> {
+        std::mem::take(&mut self.astray)
+    }
+
+    /// The fingers have closed on a part: it moves with the tip from now on. They centre it, and turn it square to
+    /// themselves: its x axis lies along or against the tip's, that of a peg (`square`) along the nearest of the
+    /// tip's axes.
+    pub fn gripped(&mut self, part: &str, square: bool) {
+        let x_wt = self.x_wt;
+        let Some(part) = self.parts.get_mut(part) else { return };
+        let mut estimate = part.estimate.seen_from(&x_wt.inverse());
+        estimate.spread(GRIPPED.0, GRIPPED.1);
+        let (offset, angle) = CENTRED;
+        let x = estimate.x.rotation * Vector3::x();
+        let yaw = x.y.atan2(x.x);
+        let step = if square { std::f64::consts::FRAC_PI_2 } else { std::f64::consts::PI };
+        let turned = (yaw / step).round() * step - yaw;
+        estimate.constrain(&Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 1.0), turned, angle);
+        // The point of its axis under the tip (a peg's is its own origin) lies between the fingers.
+        let x = estimate.x.rotation * Vector3::x();
+        let along = if square || x.x.abs() < 0.5 { 0.0 } else { -estimate.x.translation.x / x.x };
+        let lever = x * along;
+        let middle = estimate.x.translation.vector + lever;
+        let row = Vector6::new(0.0, 1.0, 0.0, -lever.z, 0.0, lever.x);
+        estimate.constrain(&row, -middle.y, offset);
+        part.rebase(Frame::Tip, estimate);
+    }
+
+    /// The fingers have let go of a part where it is now.
+    pub fn released(&mut self, part: &str) {
+        self.freed(part, RELEASED.0, RELEASED.1);
+    }
+
+    /// A part has slipped out of the fingers: it may be anywhere below.
+    pub fn lost(&mut self, part: &str) {
+        self.freed(part, 100.0 * MM, 60.0 * DEGREE);
+    }
+
+    fn freed(&mut self, part: &str, position: f64, rotation: f64) {
+        let x_wt = self.x_wt;
+        let Some(part) = self.parts.get_mut(part).filter(|part| part.frame == Frame::Tip) else { return };
+        let mut estimate = part.estimate.seen_from(&x_wt);
+        estimate.spread([position; 3], [rotation; 3]);
+        part.rebase(Frame::World, estimate);
+    }
+
+    /// A part may have been moved by so much (m, rad), in a way that nothing tells.
+    pub fn bumped(&mut self, part: &str, position: f64, rotation: f64) {
+        if let Some(part) = self.parts.get_mut(part).filter(|part| part.frame != Frame::Clamped) {
+            part.estimate.spread([position; 3], [rotation; 3]);
+        }
     }
 
     /// Where a part is.
@@ -37,7 +269,30 @@ impl Belief {
     /// # Errors
     /// [`Fault::Unseen`].
     pub fn pose(&self, part: &str) -> Result<Pose, SkillError> {
-        self.x_wp.get(part).copied().ok_or_else(|| Fault::Unseen { part: part.to_string() }.into())
+        self.find(part).ok_or_else(|| Fault::Unseen { part: part.to_string() }.into())
+    }
+
+    fn find(&self, part: &str) -> Option<Pose> {
+        let part = self.parts.get(part).filter(|part| part.seen)?;
+        Some(match part.frame {
+            Frame::Tip => self.x_wt * part.estimate.x,
+            Frame::World | Frame::Clamped => part.estimate.x,
+        })
+    }
+
+    /// How well the place of a point of a part (m, in the part's frame) is known: the standard deviation in the
+    /// direction of the table in which it is largest, and that of its height, m. Infinite for a part never seen.
+    pub fn deviation(&self, part: &str, p: &Point3<f64>) -> [f64; 2] {
+        let Some(part) = self.parts.get(part).filter(|part| part.seen && part.odd.is_none()) else {
+            return [f64::INFINITY; 2];
+        };
+        let covariance = match part.frame {
+            Frame::Tip => part.estimate.seen_from(&self.x_wt).point_covariance(p),
+            Frame::World | Frame::Clamped => part.estimate.point_covariance(p),
+        };
+        let [xx, yy, xy] = [covariance[(0, 0)], covariance[(1, 1)], covariance[(0, 1)]];
+        let largest = (xx + yy) / 2.0 + ((xx - yy) / 2.0).hypot(xy);
+        [largest, covariance[(2, 2)]].map(|variance| variance.max(0.0).sqrt())
     }
 
     /// Where the hole of a joint is: on the beam's axis, in the world.
@@ -64,15 +319,15 @@ impl Belief {
         let mut obstacles = Vec::new();
         let left_out = |name: &str| without.contains(&name);
         for beam in kit.beams.iter().filter(|beam| !left_out(&beam.name)) {
-            if let Some(x_wb) = self.x_wp.get(&beam.name) {
+            if let Some(x_wb) = self.find(&beam.name) {
                 let cuboids = beam_shapes(beam).into_iter().map(cuboid_of);
-                obstacles.extend(cuboids.map(|cuboid| obstacle(&beam.name, x_wb, &cuboid)));
+                obstacles.extend(cuboids.map(|cuboid| obstacle(&beam.name, &x_wb, &cuboid)));
             }
         }
         for peg in kit.pegs.iter().filter(|peg| !left_out(&peg.name)) {
-            if let Some(x_wp) = self.x_wp.get(&peg.name) {
-                obstacles.push(obstacle(&peg.name, x_wp, &peg_head()));
-                obstacles.push(obstacle(&peg.name, x_wp, &peg_stem()));
+            if let Some(x_wp) = self.find(&peg.name) {
+                obstacles.push(obstacle(&peg.name, &x_wp, &peg_head()));
+                obstacles.push(obstacle(&peg.name, &x_wp, &peg_stem()));
             }
         }
         for holder in &kit.holders {

@@ -3,9 +3,13 @@
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_motion::{Joints, Trajectory};
-use ramp_robot::{ArmCommand, Command, GripperCommand, Impedance, Observation, Robot, RobotError};
+use ramp_robot::{
+    ArmCommand, Command, GripperCommand, Impedance, Observation, PartReading, Robot, RobotError,
+};
 
 use crate::Pose;
+use crate::belief::Sighting;
+use crate::estimate::{Estimate, covariance};
 
 /// Length of a control period, s.
 pub const PERIOD: f64 = 0.001;
@@ -13,6 +17,8 @@ pub const PERIOD: f64 = 0.001;
 const GRAVITY: f64 = 9.81;
 /// Stiffness of the hand in contact: N/m, N·m/rad.
 const STIFFNESS: [f64; 6] = [1500.0, 1500.0, 1500.0, 60.0, 60.0, 60.0];
+/// Standard deviation of a reading that is exact, m and rad: nothing is known better than a double can tell.
+const EXACT: f64 = 1.0e-9;
 /// Fastest turn of a straight motion, rad/s.
 const TURN_SPEED: f64 = 0.5;
 
@@ -44,6 +50,8 @@ pub struct Hand<'r> {
     pub stiffness: Vector6<f64>,
     /// What is held.
     pub held: Option<Held>,
+    /// Robot time that the last look took, s.
+    pub sight_cost: f64,
     posture: Joints,
     tare: Vector6<f64>,
 }
@@ -57,6 +65,7 @@ impl<'r> Hand<'r> {
             setpoint: seen.x_wt,
             stiffness: Vector6::from(STIFFNESS),
             held: None,
+            sight_cost: 0.0,
             posture: Joints::from(seen.positions),
             tare: Vector6::zeros(),
             robot,
@@ -64,12 +73,25 @@ impl<'r> Hand<'r> {
         }
     }
 
-    /// Where the parts are, as far as the robot tells.
+    /// Where the parts are now, as far as the robot tells. Time may pass, during which the arm goes on with its
+    /// last command.
     ///
     /// # Errors
     /// The robot's.
-    pub fn look(&mut self) -> Result<Vec<ramp_robot::PartReading>, RobotError> {
-        self.robot.read_parts()
+    pub fn sight(&mut self) -> Result<Vec<Sighting>, RobotError> {
+        let begin = self.time();
+        let readings = self.robot.read_parts()?;
+        self.seen = self.robot.observe();
+        self.sight_cost = self.time() - begin;
+        let sighting = |reading: PartReading| {
+            let [position, rotation] = reading.sigma.map(|sigma| sigma.max(EXACT));
+            Sighting {
+                part: reading.part,
+                estimate: Estimate { x: reading.x_wp, covariance: covariance([position; 3], [rotation; 3]) },
+                x_wt: self.seen.x_wt,
+            }
+        };
+        Ok(readings.into_iter().map(sighting).collect())
     }
 
     /// Joint positions, rad.

@@ -5,6 +5,7 @@ use ramp_assembly::Insertion;
 
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
+use crate::look::Point;
 use crate::transport::Workcell;
 
 /// How high over its way a beam is brought to where its insertion begins, m.
@@ -33,6 +34,10 @@ const FEEL_TURN: [f64; 2] = [0.014, 0.007];
 const FEEL_PROGRESS: f64 = 0.3e-3;
 /// Longest search, s.
 const FEEL_TIME: f64 = 30.0;
+/// How well the joints that are to meet must be known before an insertion, m.
+const KNOWN: f64 = 0.15e-3;
+/// How far an insertion may move the beams that it meets, m and rad.
+const BUMP: (f64, f64) = (0.3e-3, 0.1 / 180.0 * std::f64::consts::PI);
 /// How often an insertion that jams is tried again.
 const TRIES: usize = 4;
 
@@ -57,6 +62,15 @@ impl Workcell<'_, '_> {
             }
         }
         Ok(moved_onto(&nominal, &pairs))
+    }
+
+    /// The holes of this beam and of the beams that it meets where it is to stand.
+    fn meeting(&self, beam: usize) -> Vec<Point> {
+        let sides = self.assembly.connections.iter().filter_map(|connection| {
+            let (mine, theirs) = self.assembly.sides(connection, beam)?;
+            (theirs.beam != beam && self.standing.contains(&theirs.beam)).then_some([mine, theirs])
+        });
+        sides.flatten().map(|joint| self.hole(joint)).collect()
     }
 
     /// How this beam is put in.
@@ -131,6 +145,7 @@ impl Workcell<'_, '_> {
 
     fn insert_once(&mut self, beam: usize, cap: bool, attempt: usize) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
+        self.see(&self.meeting(beam), KNOWN)?;
         self.regrip(&name)?;
         let goal = self.target(beam)?;
         let direction = self.way_in(beam, &goal)?;
@@ -148,14 +163,17 @@ impl Workcell<'_, '_> {
         self.hand.zero()?;
         let limit = if cap { CAP_LIMIT } else { SQUARE_LIMIT };
         let overdrive = if cap { CAP_OVERDRIVE } else { 0.0 };
-        self.belief.update(&mut self.hand)?;
+        self.glance()?;
         let mut target = self.hand.corrected(&self.belief.pose(&name)?, &goal);
         target.translation.vector += direction * overdrive;
         target.translation.z += height;
         let stopped = self.hand.drive(&target, SPEED, |hand| hand.force().dot(&direction) > limit)?;
         let force = self.hand.force().dot(&direction);
         self.hand.wait(0.15)?;
-        self.belief.update(&mut self.hand)?;
+        for (other, _) in self.meeting(beam).iter().filter(|(other, _)| *other != name) {
+            self.belief.bumped(other, BUMP.0, BUMP.1);
+        }
+        self.glance()?;
         if stopped {
             let mut remaining = self.remaining(&name, &goal, &direction)?;
             if remaining > HOME && !cap {
@@ -200,7 +218,7 @@ impl Workcell<'_, '_> {
         let mut ticks = 0u32;
         while self.hand.time() - begin < FEEL_TIME {
             if ticks.is_multiple_of(20) {
-                self.belief.update(&mut self.hand)?;
+                self.glance()?;
                 let x_wp = self.belief.pose(part)?;
                 let remaining = self.remaining(part, goal, direction)?;
                 if remaining < 0.5 * HOME {
@@ -241,7 +259,7 @@ impl Workcell<'_, '_> {
     /// Brings the held part to a pose in free space, looking again on the way.
     fn place(&mut self, part: &str, x_wp_goal: &Pose) -> Result<(), SkillError> {
         for _ in 0..3 {
-            self.belief.update(&mut self.hand)?;
+            self.glance()?;
             let x_wp = self.belief.pose(part)?;
             let shift = (x_wp.translation.vector - x_wp_goal.translation.vector).norm();
             if shift < 0.1e-3 && x_wp.rotation.angle_to(&x_wp_goal.rotation) < 0.001 {
