@@ -26,11 +26,11 @@ const ON_SHEET: ([f64; 3], [f64; 3]) =
     ([3.0 * MM, 3.0 * MM, 0.3 * MM], [0.3 * DEGREE, 0.3 * DEGREE, 3.0 * DEGREE]);
 /// How well the place of the clamped beam is known.
 const CLAMPED: ([f64; 3], [f64; 3]) = ([0.02 * MM; 3], [0.01 * DEGREE; 3]);
-/// What a second makes of a part that stands or lies: it is hardly ever touched.
-const RESTING: (f64, f64) = (0.02 * MM, 0.01 * DEGREE);
-/// What a second makes of a part between the fingers, on the axes of the tip: it creeps along the fingers' faces, by
-/// 1.5 mm on a long way.
-const CARRIED: ([f64; 3], f64) = ([0.5 * MM, 0.03 * MM, 0.1 * MM], 0.03 * DEGREE);
+/// What a second makes of any part.
+const RESTING: (f64, f64) = (0.005 * MM, 0.002 * DEGREE);
+/// What a metre of way makes of a part between the fingers, on the axes of the tip: as the hand speeds up and slows
+/// down it creeps along the fingers' faces, by 1.5 mm on a long way.
+const CARRIED: ([f64; 3], f64) = ([1.0 * MM, 0.03 * MM, 0.3 * MM], 0.05 * DEGREE);
 /// How far the fingers may shift (across the closing direction, along it, along the hand) and turn (about the same)
 /// a part when they close on it.
 const GRIPPED: ([f64; 3], [f64; 3]) =
@@ -38,7 +38,7 @@ const GRIPPED: ([f64; 3], [f64; 3]) =
 /// How well the fingers, once closed, centre a part, and how well they turn it square to themselves.
 const CENTRED: (f64, f64) = (0.05 * MM, 0.03 * DEGREE);
 /// How far a part may move as the fingers let go of it, m and rad.
-const RELEASED: (f64, f64) = (0.2 * MM, 0.1 * DEGREE);
+const RELEASED: ([f64; 3], [f64; 3]) = ([0.2 * MM; 3], [0.1 * DEGREE, 0.1 * DEGREE, 0.05 * DEGREE]);
 /// A reading with a greater normalised innovation squared is not believed before the next one confirms it: with six
 /// degrees of freedom, chance alone exceeds it once in two million.
 const GATE: f64 = 40.0;
@@ -162,17 +162,16 @@ impl Belief {
     /// Lets the time pass that the robot's clock shows: what is held moves with the tip, and everything is known a
     /// little less well.
     pub fn follow(&mut self, hand: &Hand) {
-        let passed = (hand.time() - self.time).max(0.0);
+        let share = (hand.time() - self.time).max(0.0).sqrt();
+        let way = hand.seen.x_wt.translation.vector - self.x_wt.translation.vector;
         self.time = hand.time();
         self.x_wt = hand.seen.x_wt;
-        for part in self.parts.values_mut() {
-            let (position, rotation) = match part.frame {
-                Frame::Clamped => continue,
-                Frame::World => ([RESTING.0; 3], RESTING.1),
-                Frame::Tip => CARRIED,
-            };
-            let share = passed.sqrt();
-            part.estimate.spread(position.map(|sigma| sigma * share), [rotation * share; 3]);
+        for part in self.parts.values_mut().filter(|part| part.frame != Frame::Clamped) {
+            part.estimate.spread([RESTING.0 * share; 3], [RESTING.1 * share; 3]);
+            if part.frame == Frame::Tip {
+                let share = way.norm().sqrt();
+                part.estimate.spread(CARRIED.0.map(|sigma| sigma * share), [CARRIED.1 * share; 3]);
+            }
         }
     }
 
@@ -241,26 +240,37 @@ impl Belief {
 
     /// The fingers have let go of a part where it is now.
     pub fn released(&mut self, part: &str) {
-        self.freed(part, RELEASED.0, RELEASED.1);
+        self.freed(part, RELEASED);
     }
 
     /// A part has slipped out of the fingers: it may be anywhere below.
     pub fn lost(&mut self, part: &str) {
-        self.freed(part, 100.0 * MM, 60.0 * DEGREE);
+        self.freed(part, ([100.0 * MM; 3], [60.0 * DEGREE; 3]));
     }
 
-    fn freed(&mut self, part: &str, position: f64, rotation: f64) {
+    fn freed(&mut self, part: &str, (position, rotation): ([f64; 3], [f64; 3])) {
         let x_wt = self.x_wt;
         let Some(part) = self.parts.get_mut(part).filter(|part| part.frame == Frame::Tip) else { return };
         let mut estimate = part.estimate.seen_from(&x_wt);
-        estimate.spread([position; 3], [rotation; 3]);
+        estimate.spread(position, rotation);
         part.rebase(Frame::World, estimate);
     }
 
-    /// A part may have been moved by so much (m, rad), in a way that nothing tells.
-    pub fn bumped(&mut self, part: &str, position: f64, rotation: f64) {
+    /// A point of a part (m, in its frame) is at a height (m) that is known to a standard deviation of `sigma`, m.
+    pub fn stands_at(&mut self, part: &str, p: &Point3<f64>, height: f64, sigma: f64) {
+        let Some(part) = self.parts.get_mut(part).filter(|part| part.frame == Frame::World) else { return };
+        let lever = part.estimate.x.rotation * p.coords;
+        let value = height - part.estimate.x.translation.z - lever.z;
+        // (δθ × r)·z
+        let row = Vector6::new(0.0, 0.0, 1.0, lever.y, -lever.x, 0.0);
+        part.estimate.constrain(&row, value, sigma);
+    }
+
+    /// A part may have been pushed by so much (m, rad), in a way that nothing tells: mostly along the table.
+    pub fn bumped(&mut self, part: &str, (position, rotation): (f64, f64)) {
         if let Some(part) = self.parts.get_mut(part).filter(|part| part.frame != Frame::Clamped) {
-            part.estimate.spread([position; 3], [rotation; 3]);
+            let (height, tilt) = (position / 4.0, rotation / 4.0);
+            part.estimate.spread([position, position, height], [tilt, tilt, rotation]);
         }
     }
 

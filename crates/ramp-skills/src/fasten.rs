@@ -40,7 +40,7 @@ const KNOWN: [f64; 2] = [0.2e-3, 0.4e-3];
 /// How well their heights must be known to tell whether a peg is home, m.
 const KNOWN_HEIGHT: f64 = 0.1e-3;
 /// How far pressing a peg home may move the two beams, m and rad.
-const BUMP: (f64, f64) = (0.2e-3, 0.1 / 180.0 * std::f64::consts::PI);
+const BUMP: (f64, f64) = (0.2e-3, 0.06 / 180.0 * std::f64::consts::PI);
 /// Tries.
 const TRIES: usize = 3;
 
@@ -199,7 +199,7 @@ impl Workcell<'_, '_> {
             [self.assembly.connections[connection].female, self.assembly.connections[connection].male]
         {
             let (beam, _) = self.hole(joint);
-            self.belief.bumped(&beam, BUMP.0, BUMP.1);
+            self.belief.bumped(&beam, BUMP);
         }
         self.see_gap(connection, peg)?;
         let gap = self.gap(connection, peg)?;

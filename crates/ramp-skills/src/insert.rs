@@ -2,6 +2,7 @@
 
 use nalgebra::{Point2, Translation3, UnitQuaternion, Vector2, Vector3};
 use ramp_assembly::Insertion;
+use ramp_kit::joint;
 
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
@@ -36,8 +37,10 @@ const FEEL_PROGRESS: f64 = 0.3e-3;
 const FEEL_TIME: f64 = 30.0;
 /// How well the joints that are to meet must be known before an insertion, m.
 const KNOWN: f64 = 0.15e-3;
+/// How well the height of a beam that stands is known, m.
+const LEVEL: f64 = 0.1e-3;
 /// How far an insertion may move the beams that it meets, m and rad.
-const BUMP: (f64, f64) = (0.3e-3, 0.1 / 180.0 * std::f64::consts::PI);
+const BUMP: (f64, f64) = (0.3e-3, 0.06 / 180.0 * std::f64::consts::PI);
 /// How often an insertion that jams is tried again.
 const TRIES: usize = 4;
 
@@ -140,7 +143,29 @@ impl Workcell<'_, '_> {
             return Err(fault.into());
         }
         self.standing.push(beam);
-        self.release()
+        self.release()?;
+        self.reckon_heights(beam);
+        Ok(())
+    }
+
+    /// What is known of the heights of a beam that has just been let go of in the assembly: on females or feet it
+    /// stands level on the table; otherwise its males hang in their females, as low as the clearance lets them.
+    fn reckon_heights(&mut self, beam: usize) {
+        let placed = &self.assembly.beams[beam];
+        let nominal = self.kit.x_wa() * placed.x_ab;
+        let joints: Vec<usize> = if placed.beam.stands_at_assembled_height() {
+            vec![0, placed.beam.joints.len() - 1]
+        } else {
+            let sides = self.assembly.connections.iter();
+            let sides = sides.filter_map(|connection| self.assembly.sides(connection, beam));
+            let met = sides.filter(|(_, theirs)| self.standing.contains(&theirs.beam));
+            met.map(|(mine, _)| mine.joint).collect()
+        };
+        let hang = if placed.beam.stands_at_assembled_height() { 0.0 } else { joint::CLEARANCE };
+        for joint in joints {
+            let p = placed.beam.p_b_hole(joint);
+            self.belief.stands_at(&placed.beam.name, &p, (nominal * p).z - hang, LEVEL);
+        }
     }
 
     fn insert_once(&mut self, beam: usize, cap: bool, attempt: usize) -> Result<(), SkillError> {
@@ -170,8 +195,8 @@ impl Workcell<'_, '_> {
         let stopped = self.hand.drive(&target, SPEED, |hand| hand.force().dot(&direction) > limit)?;
         let force = self.hand.force().dot(&direction);
         self.hand.wait(0.15)?;
-        for (other, _) in self.meeting(beam).iter().filter(|(other, _)| *other != name) {
-            self.belief.bumped(other, BUMP.0, BUMP.1);
+        for (met, _) in self.meeting(beam) {
+            self.belief.bumped(&met, BUMP);
         }
         self.glance()?;
         if stopped {
