@@ -383,3 +383,137 @@ pub fn held_boxes(kit: &Kit, part: &str, x_tp: &Pose) -> Vec<Obstacle> {
         vec![obstacle(part, x_tp, &peg_head()), obstacle(part, x_tp, &peg_stem())]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    // A failed unwrap here is a failed test.
+    #![allow(clippy::unwrap_used)]
+
+    use std::path::Path;
+
+    use nalgebra::{Translation3, UnitQuaternion};
+    use ramp_robot::random::Stream;
+
+    use super::*;
+
+    fn belief() -> Belief {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+        let kit = ramp_kit::read_kit(&data.join("kit.xml")).unwrap();
+        let assembly = ramp_assembly::read_goal(&data.join("goals/easy-3.xml"), &kit).unwrap();
+        Belief::new(&kit, &assembly)
+    }
+
+    /// A reading with the noise of track `noisy`.
+    fn reading(stream: &mut Stream, part: &str, x_wp: &Pose) -> Sighting {
+        let shift = Vector3::from_fn(|_, _| stream.normal(1.0 * MM));
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::from_fn(|_, _| stream.normal(DEGREE)));
+        let x = Pose::from_parts(Translation3::from(x_wp.translation.vector + shift), turn * x_wp.rotation);
+        let estimate = Estimate { x, covariance: covariance([1.0 * MM; 3], [DEGREE; 3]) };
+        Sighting { part: part.to_string(), estimate, x_wt: Pose::identity() }
+    }
+
+    fn off(belief: &Belief, part: &str, x_wp: &Pose) -> f64 {
+        (belief.pose(part).unwrap().translation.vector - x_wp.translation.vector).norm()
+    }
+
+    #[test]
+    fn a_part_is_unseen_until_it_is_seen_and_the_clamped_beam_is_known() {
+        let mut belief = belief();
+        assert!(belief.pose("b7").is_ok());
+        assert!(belief.pose("b4").is_err());
+        assert!(belief.deviation("b4", &Point3::origin())[0].is_infinite());
+        let there = belief.parts["b4"].estimate.x;
+        belief.take(&reading(&mut Stream::new(1, "test"), "b4", &there));
+        assert!(belief.pose("b4").is_ok());
+    }
+
+    /// One wild reading moves nothing; a part that really is elsewhere is believed at the second, and told.
+    #[test]
+    fn a_wild_reading_needs_another_that_confirms_it() {
+        let mut belief = belief();
+        let mut stream = Stream::new(3, "test");
+        let there = belief.parts["b4"].estimate.x;
+        for _ in 0..50 {
+            assert!(!belief.take(&reading(&mut stream, "b4", &there)));
+        }
+        let away = Translation3::new(0.02, 0.0, 0.0) * there;
+        assert!(belief.take(&reading(&mut stream, "b4", &away)));
+        assert!(off(&belief, "b4", &there) < 0.6 * MM);
+        assert!(!belief.take(&reading(&mut stream, "b4", &there)));
+        assert!(belief.astray().is_empty());
+        // Wild, but each time elsewhere: no confirmation.
+        for side in [0.02, -0.02, 0.04, -0.04] {
+            assert!(belief.take(&reading(&mut stream, "b4", &(Translation3::new(side, 0.0, 0.0) * there))));
+        }
+        assert!(off(&belief, "b4", &there) < 0.6 * MM);
+        assert!(belief.take(&reading(&mut stream, "b4", &away)));
+        assert!(!belief.take(&reading(&mut stream, "b4", &away)));
+        assert!(off(&belief, "b4", &away) < 3.0 * MM);
+        assert_eq!(belief.astray().len(), 1);
+    }
+
+    /// A push too small for one reading to stand out is noticed over some.
+    #[test]
+    fn a_small_push_is_noticed() {
+        let mut belief = belief();
+        let mut stream = Stream::new(4, "test");
+        let there = belief.parts["b5"].estimate.x;
+        for _ in 0..400 {
+            belief.take(&reading(&mut stream, "b5", &there));
+        }
+        assert!(off(&belief, "b5", &there) < 0.3 * MM);
+        let pushed = Translation3::new(1.5 * MM, 0.0, 0.0) * there;
+        for _ in 0..60 {
+            belief.take(&reading(&mut stream, "b5", &pushed));
+        }
+        assert!(off(&belief, "b5", &pushed) < 0.6 * MM, "{:.2} mm", off(&belief, "b5", &pushed) / MM);
+    }
+
+    /// Nothing but noise is not taken for a push, however long one looks.
+    #[test]
+    fn noise_is_no_push() {
+        let mut belief = belief();
+        let mut stream = Stream::new(5, "test");
+        let there = belief.parts["b6"].estimate.x;
+        for _ in 0..5000 {
+            assert!(!belief.take(&reading(&mut stream, "b6", &there)));
+        }
+        let [across, height] = belief.deviation("b6", &Point3::origin());
+        assert!(across < 0.02 * MM && height < 0.02 * MM);
+        assert!(off(&belief, "b6", &there) < 0.06 * MM);
+    }
+
+    /// Fingers that close on a part know where it is across them, and how it is turned.
+    #[test]
+    fn a_grasp_tells_what_sight_does_not() {
+        let mut belief = belief();
+        let mut stream = Stream::new(6, "test");
+        let there = belief.parts["b4"].estimate.x;
+        for _ in 0..10 {
+            belief.take(&reading(&mut stream, "b4", &there));
+        }
+        // The hand grips the beam 80 mm from its origin where it really is; the belief is a little off.
+        let yaw = crate::grasp::yaw_of(&there);
+        let p = there * Point3::new(0.08, 0.0, 0.0);
+        belief.x_wt = Pose::from_parts(p.coords.into(), crate::grasp::hand_down(yaw));
+        let before = belief.deviation("b4", &Point3::new(0.29, 0.0, 0.0))[0];
+        belief.gripped("b4", false);
+        let x_wb = belief.pose("b4").unwrap();
+        let across = there.rotation * Vector3::y();
+        let error = (x_wb.translation.vector - there.translation.vector).dot(&across);
+        assert!(error.abs() < 0.2 * MM, "{:.3} mm across the fingers", error / MM);
+        assert!((crate::grasp::yaw_of(&x_wb) - yaw).abs() < 0.1 * DEGREE);
+        assert!(before > 1.0 * MM);
+        // It moves with the hand, and stays where the hand leaves it.
+        belief.x_wt = Translation3::new(0.0, 0.1, 0.2) * belief.x_wt;
+        let carried = belief.pose("b4").unwrap();
+        assert!(
+            (carried.translation.vector - x_wb.translation.vector)
+                .metric_distance(&Vector3::new(0.0, 0.1, 0.2))
+                < 1e-12
+        );
+        belief.released("b4");
+        belief.x_wt = Pose::identity();
+        assert!(off(&belief, "b4", &carried) < 1e-12);
+    }
+}

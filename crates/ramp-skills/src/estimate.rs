@@ -106,3 +106,81 @@ impl Estimate {
         jacobian * self.covariance * jacobian.transpose()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    // A failed unwrap here is a failed test.
+    #![allow(clippy::unwrap_used)]
+
+    use ramp_robot::random::Stream;
+
+    use super::*;
+
+    const SIGMA: ([f64; 3], [f64; 3]) = ([1.0e-3; 3], [0.0175; 3]);
+
+    fn drawn(stream: &mut Stream, covariance: &Matrix6<f64>) -> Vector6<f64> {
+        let white = Vector6::from_fn(|_, _| stream.normal(1.0));
+        Cholesky::new(*covariance).unwrap().l() * white
+    }
+
+    fn moved(x: &Pose, error: &Vector6<f64>) -> Pose {
+        let mut estimate = Estimate { x: *x, covariance: Matrix6::zeros() };
+        estimate.step(error);
+        estimate.x
+    }
+
+    /// What the filter says of its own error is true: over many series of readings, the normalised square of its
+    /// innovations and of its error against the truth both have six degrees of freedom.
+    #[test]
+    fn the_covariance_is_that_of_the_error() {
+        let mut stream = Stream::new(1, "filter");
+        let prior = covariance([3.0e-3, 3.0e-3, 0.3e-3], [0.005, 0.005, 0.05]);
+        let noise = covariance(SIGMA.0, SIGMA.1);
+        let truth = Pose::new(Vector3::new(0.4, -0.1, 0.02), Vector3::new(0.1, -0.2, 2.5));
+        let (series, length) = (300, 20);
+        let (mut innovations, mut errors) = (0.0, 0.0);
+        for _ in 0..series {
+            let mut estimate = Estimate { x: moved(&truth, &drawn(&mut stream, &prior)), covariance: prior };
+            for _ in 0..length {
+                // The part creeps between readings, and the filter knows that it may.
+                estimate.spread([0.1e-3; 3], [0.001; 3]);
+                estimate.x = moved(&estimate.x, &drawn(&mut stream, &covariance([0.1e-3; 3], [0.001; 3])));
+                let measured = Estimate { x: moved(&truth, &drawn(&mut stream, &noise)), covariance: noise };
+                innovations += estimate.surprise(&measured);
+                estimate.fuse(&measured);
+            }
+            let exact = Estimate { x: truth, covariance: Matrix6::identity() * 1e-18 };
+            errors += estimate.surprise(&exact);
+        }
+        // Mean of n chi-squares with six degrees of freedom: 6 ± √(12/n); four standard deviations.
+        let within = |sum: f64, n: f64| (sum / n - 6.0).abs() < 4.0 * (12.0 / n).sqrt();
+        let n = f64::from(series);
+        assert!(within(innovations, n * f64::from(length)), "{}", innovations / n / f64::from(length));
+        assert!(within(errors, n), "{}", errors / n);
+    }
+
+    /// A point far from the origin is as uncertain as the rotation makes it.
+    #[test]
+    fn a_lever_turns_an_angle_into_a_distance() {
+        let x = Pose::new(Vector3::new(0.3, 0.0, 0.0), Vector3::new(0.0, 0.0, 0.7));
+        let estimate = Estimate { x, covariance: covariance([1e-4; 3], [0.0, 0.0, 1e-3]) };
+        let at = estimate.point_covariance(&Point3::new(0.5, 0.0, 0.0));
+        let across = x.rotation * Vector3::y();
+        let along = x.rotation * Vector3::x();
+        assert!((across.dot(&(at * across)).sqrt() - (1e-8f64 + 0.25e-6).sqrt()).abs() < 1e-9);
+        assert!((along.dot(&(at * along)).sqrt() - 1e-4).abs() < 1e-9);
+    }
+
+    /// There and back into another frame changes nothing.
+    #[test]
+    fn a_change_of_frame_can_be_undone() {
+        let mut stream = Stream::new(2, "frames");
+        let mut estimate =
+            Estimate { x: Pose::identity(), covariance: covariance(SIGMA.0, [0.01, 0.02, 0.03]) };
+        estimate.constrain(&Vector6::new(0.0, 1.0, 0.0, 0.1, 0.0, 0.2), 1e-4, 1e-5);
+        let x = moved(&Pose::identity(), &Vector6::from_fn(|_, _| stream.normal(1.0)));
+        let back = estimate.seen_from(&x).seen_from(&x.inverse());
+        assert!((back.covariance - estimate.covariance).amax() < 1e-15);
+        assert!(back.error(&estimate.x).amax() < 1e-12);
+    }
+}
