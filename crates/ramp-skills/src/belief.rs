@@ -21,9 +21,9 @@ use crate::hand::Hand;
 
 const MM: f64 = 1.0e-3;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
-/// What is known of a part before it is seen: it lies on the outlines of the sheet, level. Position and rotation.
+/// What is known of a part before it is seen: it lies on the outlines of the sheet, flat. Position and rotation.
 const ON_SHEET: ([f64; 3], [f64; 3]) =
-    ([3.0 * MM, 3.0 * MM, 0.3 * MM], [0.3 * DEGREE, 0.3 * DEGREE, 3.0 * DEGREE]);
+    ([3.0 * MM, 3.0 * MM, 0.05 * MM], [0.02 * DEGREE, 0.02 * DEGREE, 3.0 * DEGREE]);
 /// How well the place of the clamped beam is known.
 const CLAMPED: ([f64; 3], [f64; 3]) = ([0.02 * MM; 3], [0.01 * DEGREE; 3]);
 /// What a second makes of any part.

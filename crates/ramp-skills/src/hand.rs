@@ -19,6 +19,8 @@ const GRAVITY: f64 = 9.81;
 const STIFFNESS: [f64; 6] = [1500.0, 1500.0, 1500.0, 60.0, 60.0, 60.0];
 /// Standard deviation of a reading that is exact, m and rad: nothing is known better than a double can tell.
 const EXACT: f64 = 1.0e-9;
+/// This near to the wanted width the fingers are open, m.
+const OPENED: f64 = 1.0e-3;
 /// Fastest turn of a straight motion, rad/s.
 const TURN_SPEED: f64 = 0.5;
 
@@ -223,13 +225,16 @@ impl<'r> Hand<'r> {
     /// The robot's.
     pub fn grip(&mut self, width: f64, force: f64) -> Result<(), RobotError> {
         self.gripper = GripperCommand { width, force };
+        let opens = width > self.seen.width;
         let mut still = 0;
         let mut before = self.seen.width;
-        for _ in 0..3000 {
+        for period in 0..3000 {
             self.tick()?;
             still = if (self.seen.width - before).abs() < 2e-6 { still + 1 } else { 0 };
             before = self.seen.width;
-            if still > 100 {
+            // Fingers that squeeze a part hold still for a while before they open.
+            let unloading = opens && period < 600 && width - self.seen.width > OPENED;
+            if still > 100 && !unloading {
                 break;
             }
         }

@@ -9,6 +9,9 @@ use crate::transport::Workcell;
 /// Longest series of looks, s: what is not known well enough by then has to be found by feel.
 const LONGEST: f64 = 15.0;
 
+/// How well a part must be known before it is gripped, along the table and in height, m.
+const GRASPABLE: [f64; 2] = [0.5e-3, 0.2e-3];
+
 /// A point of a part: its name, and the point in its frame, m.
 pub type Point = (String, Point3<f64>);
 
@@ -20,6 +23,15 @@ impl Workcell<'_, '_> {
     /// The robot's.
     pub fn see(&mut self, points: &[Point], within: f64) -> Result<(), SkillError> {
         self.see_until(points, [within, f64::INFINITY])
+    }
+
+    /// As [`Workcell::see`], for a part that is to be gripped. The fingers centre it, so that half a millimetre is
+    /// well enough along the table; but their ribs have only 1 mm of room above and below in a beam's slots.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn see_to_grip(&mut self, part: &str) -> Result<(), SkillError> {
+        self.see_until(&[self.middle(part)], GRASPABLE)
     }
 
     /// As [`Workcell::see`], for the heights of the points.

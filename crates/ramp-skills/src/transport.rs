@@ -26,8 +26,6 @@ const SHARE: f64 = 0.6;
 const STRAYED: f64 = 10.0e-3;
 /// Force on the table or the holder at which a part counts as put down, N.
 const PUT_DOWN_LIMIT: f64 = 8.0;
-/// How well a part must be known before it is gripped, m: the fingers centre it.
-const GRASPABLE: f64 = 0.5e-3;
 /// How far a fresh grasp is lifted before anything else, m.
 const LIFT: f64 = 0.02;
 /// Distance between what the fingers hold and what they should, m, beyond which the part is not held.
@@ -182,7 +180,7 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// When the part is unseen or out of reach, or the robot stops.
     pub fn hover(&mut self, part: &str, link: Option<&str>) -> Result<(), SkillError> {
-        self.see(&[self.middle(part)], GRASPABLE)?;
+        self.see_to_grip(part)?;
         let (mut x_wt, open, _) = self.grasp_of(part, link)?;
         self.hand.gripper.width = open;
         x_wt.translation.z = TRAVEL;
@@ -220,7 +218,7 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// As [`Workcell::seize`].
     pub fn pick_up(&mut self, part: &str, link: Option<&str>) -> Result<(), SkillError> {
-        self.see(&[self.middle(part)], GRASPABLE)?;
+        self.see_to_grip(part)?;
         let (x_wt, open, width) = self.grasp_of(part, link)?;
         self.seize(part, &x_wt, open, width)?;
         let mut up = self.hand.setpoint;
