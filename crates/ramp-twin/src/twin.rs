@@ -7,6 +7,8 @@ use mujoco_rs::wrappers::mj_model::MjtObjBase;
 use nalgebra::{SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
+use ramp_render::looks::HOUSING;
+use ramp_render::{Looks, LooksError, Scene};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_robot::{
@@ -14,7 +16,7 @@ use ramp_robot::{
     PartReading, Pose, Robot, RobotError, Track,
 };
 
-use crate::cameras;
+use crate::cameras::{self, Cameras};
 
 use crate::control::{
     ArmState, GripperLoop, Jacobian, JointVector, impedance, limit_torques, pose_impedance,
@@ -73,6 +75,9 @@ pub enum TwinError {
     /// There is no window to be had.
     #[error("cannot open a window: {0}")]
     Window(String),
+    /// The cameras have nothing to show.
+    #[error(transparent)]
+    Looks(#[from] LooksError),
     /// The scene lacks something the twin needs: the kit or the arm file is not what it should be.
     #[error("the scene has no {0}")]
     Missing(String),
@@ -116,6 +121,7 @@ pub struct Twin {
     noise: Stream,
     /// Noise of the readings of parts.
     reading_noise: Stream,
+    cameras: Cameras,
     failed: Option<RobotError>,
     deepest: f64,
     steps: u64,
@@ -178,6 +184,7 @@ impl Twin {
             wrench: Vector6::zeros(),
             noise: Stream::new(setup.seed, "wrist"),
             reading_noise: Stream::new(setup.seed, "readings"),
+            cameras: Cameras::new(setup.kit, setup.arm, setup.seed),
             failed: None,
             deepest: 0.0,
             steps: 0,
@@ -191,6 +198,9 @@ impl Twin {
                 width: START_WIDTH,
             },
         };
+        if setup.track == Track::Tags {
+            twin.cameras.looks()?;
+        }
         twin.state = twin.arm_state();
         twin.wrench = twin.read_wrist();
         twin.sense();
@@ -239,6 +249,32 @@ impl Twin {
             time: self.time(),
             x_wp: self.parts.iter().map(|(_, id)| body_pose(&self.data, *id)).collect(),
         }
+    }
+
+    /// A camera as it really is, its error of calibration included: for judging perception, never for an agent.
+    pub fn true_camera(&self, camera: Camera) -> CameraModel {
+        self.cameras.true_camera(camera)
+    }
+
+    /// What everything looks like and where it is now, for pictures from any place. What hangs on the hand stands
+    /// where the hand does.
+    ///
+    /// # Errors
+    /// A kit whose parts cannot be drawn.
+    pub fn bodies(&mut self) -> Result<(Arc<Looks>, Scene), TwinError> {
+        let looks = self.cameras.looks()?;
+        let model = self.data.model();
+        let ids: Vec<(usize, Option<usize>)> = looks
+            .bodies()
+            .iter()
+            .enumerate()
+            .map(|(index, body)| {
+                let name = if body.name == HOUSING { "hand" } else { &body.name };
+                (index, model.name_to_id(MjtObjBase::mjOBJ_BODY, name))
+            })
+            .collect();
+        let place = |(index, id): (usize, Option<usize>)| Some((index, body_pose(&self.data, id?)));
+        Ok((looks, Scene { bodies: ids.into_iter().filter_map(place).collect() }))
     }
 
     /// Deepest penetration between two parts in any step so far, m.
@@ -422,7 +458,11 @@ impl Twin {
 
     /// What a camera sees now.
     fn expose(&mut self, camera: Camera) -> Result<Image, RobotError> {
-        Err(RobotError::CameraStopped { camera })
+        let stopped = RobotError::CameraStopped { camera };
+        let Ok((_, scene)) = self.bodies() else { return Err(stopped) };
+        let x_wt = self.state.x_wt;
+        let (width, height, pixels) = self.cameras.expose(camera, scene, &x_wt).map_err(|_| stopped)?;
+        Ok(Image { camera, time: self.time(), x_wt, width, height, pixels })
     }
 
     fn advance(&mut self, command: &Command) -> Result<(), RobotError> {
