@@ -13,9 +13,11 @@ use ramp_kit::shape::{Cuboid, Shape, beam_shapes, peg_head};
 use ramp_kit::{Holder, joint};
 use ramp_motion::Obstacle;
 use ramp_robot::RobotError;
+use ramp_vision::Lying;
 
 use crate::Pose;
 use crate::estimate::{Estimate, covariance};
+use crate::eyes::{Eyes, Sighting};
 use crate::fault::{Fault, SkillError};
 use crate::hand::Hand;
 
@@ -44,19 +46,12 @@ const RELEASED: ([f64; 3], [f64; 3]) = ([0.2 * MM; 3], [0.1 * DEGREE, 0.1 * DEGR
 const GATE: f64 = 40.0;
 /// Share of a new reading in the running mean of innovations that tells of a part that has moved a little.
 const DRIFT: f64 = 1.0 / 16.0;
+/// A part whose z axis is this upright counts as level: within 0.8°.
+const LEVEL: f64 = 0.9999;
+/// Above this standard deviation of its tilt nothing is known of how a part lies, rad.
+const TILTED: f64 = 1.0 * DEGREE;
 /// A part found further than this from where it was believed is worth telling, m.
 const ASTRAY: f64 = 5.0 * MM;
-
-/// A part as it was seen.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sighting {
-    /// Its name.
-    pub part: String,
-    /// Its pose in the world.
-    pub estimate: Estimate,
-    /// The pose of the tip in the world when it was seen.
-    pub x_wt: Pose,
-}
 
 /// Where a part is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,9 +99,10 @@ impl Part {
     }
 }
 
-/// Part poses with their covariances, by name.
-#[derive(Clone, Debug)]
+/// Part poses with their covariances, by name, and the eyes that correct them.
 pub struct Belief {
+    /// What finds the parts.
+    pub eyes: Eyes,
     parts: BTreeMap<String, Part>,
     time: f64,
     x_wt: Pose,
@@ -137,7 +133,8 @@ impl Belief {
                 insert(&peg.name, x_wp, ON_SHEET, Frame::World);
             }
         }
-        Belief { parts, time: 0.0, x_wt: Pose::identity(), astray: Vec::new() }
+        let eyes = Eyes::new(kit, &base.beam.name, kit.x_wa() * base.x_ab);
+        Belief { eyes, parts, time: 0.0, x_wt: Pose::identity(), astray: Vec::new() }
     }
 
     /// Takes one reading of the parts, and another at once if one of them is too odd to be believed.
@@ -146,17 +143,38 @@ impl Belief {
     /// The robot's.
     pub fn update(&mut self, hand: &mut Hand) -> Result<(), RobotError> {
         self.follow(hand);
-        let sightings = hand.sight()?;
+        let sightings = self.sight(hand)?;
         self.follow(hand);
         let odd = sightings.iter().filter(|sighting| self.take(sighting)).count();
         if odd > 0 {
-            let sightings = hand.sight()?;
+            let sightings = self.sight(hand)?;
             self.follow(hand);
             for sighting in &sightings {
                 self.take(sighting);
             }
         }
         Ok(())
+    }
+
+    fn sight(&mut self, hand: &mut Hand) -> Result<Vec<Sighting>, RobotError> {
+        let lying = self.lying();
+        self.eyes.look(hand, &lying)
+    }
+
+    /// What is known of how parts lie: those that are level, and how high they are.
+    fn lying(&self) -> Vec<Lying> {
+        let lying = |(name, part): (&String, &Part)| {
+            let x_wp = self.find(name).unwrap_or(part.estimate.x);
+            let up = (x_wp.rotation * Vector3::z()).z;
+            let tilt = (part.estimate.covariance[(3, 3)] + part.estimate.covariance[(4, 4)]).sqrt();
+            if up.abs() < LEVEL || tilt > TILTED {
+                return None;
+            }
+            let height = part.estimate.covariance[(2, 2)].sqrt();
+            let sigma = [height.max(Lying::SIGMA[0]), tilt.max(Lying::SIGMA[1])];
+            Some(Lying { part: name.clone(), height: x_wp.translation.z, flipped: up < 0.0, sigma })
+        };
+        self.parts.iter().filter_map(lying).collect()
     }
 
     /// Lets the time pass that the robot's clock shows: what is held moves with the tip, and everything is known a

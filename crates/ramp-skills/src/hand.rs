@@ -4,12 +4,11 @@
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_motion::{Joints, Trajectory};
 use ramp_robot::{
-    ArmCommand, Command, GripperCommand, Impedance, Observation, PartReading, Robot, RobotError,
+    ArmCommand, Camera, CameraModel, Command, GripperCommand, Image, Impedance, Observation, PartReading,
+    Robot, RobotError,
 };
 
 use crate::Pose;
-use crate::belief::Sighting;
-use crate::estimate::{Estimate, covariance};
 
 /// Length of a control period, s.
 pub const PERIOD: f64 = 0.001;
@@ -17,8 +16,6 @@ pub const PERIOD: f64 = 0.001;
 const GRAVITY: f64 = 9.81;
 /// Stiffness of the hand in contact: N/m, N·m/rad.
 const STIFFNESS: [f64; 6] = [1500.0, 1500.0, 1500.0, 60.0, 60.0, 60.0];
-/// Standard deviation of a reading that is exact, m and rad: nothing is known better than a double can tell.
-const EXACT: f64 = 1.0e-9;
 /// This near to the wanted width the fingers are open, m.
 const OPENED: f64 = 1.0e-3;
 /// Fastest turn of a straight motion, rad/s.
@@ -52,8 +49,6 @@ pub struct Hand<'r> {
     pub stiffness: Vector6<f64>,
     /// What is held.
     pub held: Option<Held>,
-    /// Robot time that the last look took, s.
-    pub sight_cost: f64,
     posture: Joints,
     tare: Vector6<f64>,
 }
@@ -67,7 +62,6 @@ impl<'r> Hand<'r> {
             setpoint: seen.x_wt,
             stiffness: Vector6::from(STIFFNESS),
             held: None,
-            sight_cost: 0.0,
             posture: Joints::from(seen.positions),
             tare: Vector6::zeros(),
             robot,
@@ -75,25 +69,29 @@ impl<'r> Hand<'r> {
         }
     }
 
-    /// Where the parts are now, as far as the robot tells. Time may pass, during which the arm goes on with its
-    /// last command.
+    /// Reads where the parts are. Time may pass, during which the arm goes on with its last command.
     ///
     /// # Errors
     /// The robot's.
-    pub fn sight(&mut self) -> Result<Vec<Sighting>, RobotError> {
-        let begin = self.time();
-        let readings = self.robot.read_parts()?;
+    pub fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
+        let readings = self.robot.read_parts();
         self.seen = self.robot.observe();
-        self.sight_cost = self.time() - begin;
-        let sighting = |reading: PartReading| {
-            let [position, rotation] = reading.sigma.map(|sigma| sigma.max(EXACT));
-            Sighting {
-                part: reading.part,
-                estimate: Estimate { x: reading.x_wp, covariance: covariance([position; 3], [rotation; 3]) },
-                x_wt: self.seen.x_wt,
-            }
-        };
-        Ok(readings.into_iter().map(sighting).collect())
+        readings
+    }
+
+    /// Takes an image. Time passes, during which the arm goes on with its last command.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        let image = self.robot.look(camera);
+        self.seen = self.robot.observe();
+        image
+    }
+
+    /// What the robot tells of a camera.
+    pub fn camera(&self, camera: Camera) -> CameraModel {
+        self.robot.camera(camera)
     }
 
     /// Joint positions, rad.

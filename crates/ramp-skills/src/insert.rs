@@ -68,7 +68,7 @@ impl Workcell<'_, '_> {
     }
 
     /// The holes of this beam and of the beams that it meets where it is to stand.
-    fn meeting(&self, beam: usize) -> Vec<Point> {
+    pub fn meeting(&self, beam: usize) -> Vec<Point> {
         let sides = self.assembly.connections.iter().filter_map(|connection| {
             let (mine, theirs) = self.assembly.sides(connection, beam)?;
             (theirs.beam != beam && self.standing.contains(&theirs.beam)).then_some([mine, theirs])

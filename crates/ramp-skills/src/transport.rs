@@ -26,6 +26,8 @@ const SHARE: f64 = 0.6;
 const STRAYED: f64 = 10.0e-3;
 /// Force on the table or the holder at which a part counts as put down, N.
 const PUT_DOWN_LIMIT: f64 = 8.0;
+/// How well the joints that a beam is to meet must be known before it is fetched, m.
+const KNOWN: f64 = 0.25e-3;
 /// How far a fresh grasp is lifted before anything else, m.
 const LIFT: f64 = 0.02;
 /// Distance between what the fingers hold and what they should, m, beyond which the part is not held.
@@ -180,6 +182,14 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// When the part is unseen or out of reach, or the robot stops.
     pub fn hover(&mut self, part: &str, link: Option<&str>) -> Result<(), SkillError> {
+        // Where a beam is to go is easier to see before it is in the hand.
+        if let Some(beam) = self.assembly.beam_index(part) {
+            let mut meeting = self.meeting(beam);
+            meeting.retain(|(other, _)| other != part);
+            if !meeting.is_empty() {
+                self.see(&meeting, KNOWN)?;
+            }
+        }
         self.see_to_grip(part)?;
         let (mut x_wt, open, _) = self.grasp_of(part, link)?;
         self.hand.gripper.width = open;

@@ -51,6 +51,8 @@ enum TrackName {
     State,
     /// Poses with noise: 1 mm and 1° a reading, one in twenty missing
     Noisy,
+    /// Images of two cameras, with the parts' tags in them
+    Tags,
 }
 
 impl From<TrackName> for Track {
@@ -58,6 +60,7 @@ impl From<TrackName> for Track {
         match name {
             TrackName::State => Track::State,
             TrackName::Noisy => Track::Noisy,
+            TrackName::Tags => Track::Tags,
         }
     }
 }
