@@ -57,7 +57,7 @@ fn cell<'a, 'r>(world: &'a World, planner: &'a PathPlanner, robot: &'r mut dyn R
         arm: &world.arm,
         planner,
         hand: Hand::new(robot),
-        belief: Belief::default(),
+        belief: Belief::new(&world.kit, &world.assembly),
         standing: vec![world.assembly.base],
         pinned: Vec::new(),
         stream: Stream::new(1, "motion"),

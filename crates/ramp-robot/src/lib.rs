@@ -122,6 +122,9 @@ pub struct PartReading {
     pub part: String,
     /// Pose of its frame in the world: a beam's at its j1 hole, a peg's at the underside of its head.
     pub x_wp: Pose,
+    /// Standard deviation of its noise: of the position along each axis of the world, m, and of the rotation about
+    /// each axis of the world, rad. Zero for an exact reading.
+    pub sigma: [f64; 2],
 }
 
 /// Why a robot stopped.
@@ -195,8 +198,9 @@ pub trait Robot {
     /// What was sensed last, without letting time pass.
     fn observe(&self) -> Observation;
 
-    /// Reads where the parts are, as far as the track allows. On `state` all parts, exactly; on `noisy` most of
-    /// them, with noise.
+    /// Reads where the parts are, as far as the track allows. On `state` all parts, exactly and at no cost;
+    /// on `noisy` most of them, with noise, and robot time passes as for an image, during which the arm goes on with
+    /// its last command.
     ///
     /// # Errors
     /// As [`Robot::step`]; on `tags` always [`RobotError::NotOnTrack`], and the robot goes on.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use mujoco_rs::prelude::*;
 use mujoco_rs::wrappers::mj_model::MjtObjBase;
-use nalgebra::{SMatrix, Translation3, Vector3, Vector6};
+use nalgebra::{SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_render::looks::HOUSING;
@@ -37,6 +37,13 @@ const FORCE_NOISE: f64 = 0.3;
 const TORQUE_NOISE: f64 = 0.01;
 /// Share of a new reading in the wrist sensor's low-pass filter: a time constant of 20 ms.
 const WRENCH_FILTER: f64 = 0.05;
+/// Standard deviation on track `noisy` of the position of a part, m along each axis, and of its rotation, rad about
+/// each axis, per reading.
+pub const READING_NOISE: [f64; 2] = [1.0e-3, std::f64::consts::PI / 180.0];
+/// Share of the parts that a reading on track `noisy` leaves out.
+pub const READING_DROPPED: f64 = 0.05;
+/// What a reading on track `noisy` costs in control periods: as much as an image at 30 a second.
+pub const READING_STEPS: u32 = 33;
 /// Standard gravity as MuJoCo's default has it, m/s².
 const GRAVITY: f64 = 9.81;
 /// Width the gripper starts with, m.
@@ -112,6 +119,8 @@ pub struct Twin {
     torques: JointVector,
     wrench: Vector6<f64>,
     noise: Stream,
+    /// Noise of the readings of parts.
+    reading_noise: Stream,
     cameras: Cameras,
     failed: Option<RobotError>,
     deepest: f64,
@@ -174,6 +183,7 @@ impl Twin {
             torques: JointVector::zeros(),
             wrench: Vector6::zeros(),
             noise: Stream::new(setup.seed, "wrist"),
+            reading_noise: Stream::new(setup.seed, "readings"),
             cameras: Cameras::new(setup.kit, setup.arm, setup.seed),
             failed: None,
             deepest: 0.0,
@@ -235,7 +245,10 @@ impl Twin {
 
     /// Where everything really is.
     pub fn truth(&self) -> Truth {
-        Truth { time: self.time(), x_wp: self.parts.iter().map(|(_, id)| self.body_pose(*id)).collect() }
+        Truth {
+            time: self.time(),
+            x_wp: self.parts.iter().map(|(_, id)| body_pose(&self.data, *id)).collect(),
+        }
     }
 
     /// A camera as it really is, its error of calibration included: for judging perception, never for an agent.
@@ -260,7 +273,7 @@ impl Twin {
                 (index, model.name_to_id(MjtObjBase::mjOBJ_BODY, name))
             })
             .collect();
-        let place = |(index, id): (usize, Option<usize>)| Some((index, self.body_pose(id?)));
+        let place = |(index, id): (usize, Option<usize>)| Some((index, body_pose(&self.data, id?)));
         Ok((looks, Scene { bodies: ids.into_iter().filter_map(place).collect() }))
     }
 
@@ -283,13 +296,6 @@ impl Twin {
             }
         }
         hash
-    }
-
-    fn body_pose(&self, id: usize) -> Pose {
-        let p = self.data.xpos()[id];
-        let [w, x, y, z] = self.data.xquat()[id];
-        let rotation = nalgebra::UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
-        Pose::from_parts(Translation3::new(p[0], p[1], p[2]), rotation)
     }
 
     /// The arm's joint-space inertia: the first rows of MuJoCo's sparse lower triangle.
@@ -429,6 +435,27 @@ impl Twin {
         Ok(())
     }
 
+    /// A reading of all parts with noise, some left out.
+    fn noisy_reading(&mut self) -> Vec<PartReading> {
+        let [position, rotation] = READING_NOISE;
+        let noise = &mut self.reading_noise;
+        let mut readings = Vec::new();
+        for (name, id) in &self.parts {
+            // As many numbers for a reading that is dropped as for any other.
+            let dropped = noise.uniform() < READING_DROPPED;
+            let shift = Vector3::from_fn(|_, _| noise.normal(position));
+            let turn = Vector3::from_fn(|_, _| noise.normal(rotation));
+            if !dropped {
+                let x_wp = body_pose(&self.data, *id);
+                let p = x_wp.translation.vector + shift;
+                let rotation = UnitQuaternion::from_scaled_axis(turn) * x_wp.rotation;
+                let x_wp = Pose::from_parts(Translation3::from(p), rotation);
+                readings.push(PartReading { part: name.clone(), x_wp, sigma: READING_NOISE });
+            }
+        }
+        readings
+    }
+
     /// What a camera sees now.
     fn expose(&mut self, camera: Camera) -> Result<Image, RobotError> {
         let stopped = RobotError::CameraStopped { camera };
@@ -464,6 +491,14 @@ impl Twin {
         self.sense();
         self.check_arm()
     }
+}
+
+/// Pose in the world of a body of the scene.
+fn body_pose(data: &MjData<Arc<MjModel>>, id: usize) -> Pose {
+    let p = data.xpos()[id];
+    let [w, x, y, z] = data.xquat()[id];
+    let rotation = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
+    Pose::from_parts(Translation3::new(p[0], p[1], p[2]), rotation)
 }
 
 /// Velocity of a Cartesian target from one period to the next, limited to what can be a motion and not a jump:
@@ -544,11 +579,17 @@ impl Robot for Twin {
             Track::State => Ok(self
                 .parts
                 .iter()
-                .map(|(name, id)| PartReading { part: name.clone(), x_wp: self.body_pose(*id) })
+                .map(|(name, id)| PartReading {
+                    part: name.clone(),
+                    x_wp: body_pose(&self.data, *id),
+                    sigma: [0.0; 2],
+                })
                 .collect()),
-            track @ (Track::Noisy | Track::Tags) => {
-                Err(RobotError::NotOnTrack { track, what: "poses of parts" })
+            Track::Noisy => {
+                self.hold(READING_STEPS)?;
+                Ok(self.noisy_reading())
             }
+            Track::Tags => Err(RobotError::NotOnTrack { track: self.track, what: "poses of parts" }),
         }
     }
 

@@ -49,6 +49,20 @@ pub struct Arguments {
 enum TrackName {
     /// Exact poses from the simulator
     State,
+    /// Poses with noise: 1 mm and 1° a reading, one in twenty missing
+    Noisy,
+    /// Images of two cameras, with the parts' tags in them
+    Tags,
+}
+
+impl From<TrackName> for Track {
+    fn from(name: TrackName) -> Track {
+        match name {
+            TrackName::State => Track::State,
+            TrackName::Noisy => Track::Noisy,
+            TrackName::Tags => Track::Tags,
+        }
+    }
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
@@ -75,14 +89,11 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     if let Some(path) = &arguments.scene {
         check_writable(path)?;
     }
-    let track = match arguments.track {
-        TrackName::State => Track::State,
-    };
     let setup = Setup {
         kit: &kit,
         assembly: &assembly,
         arm: &arm,
-        track,
+        track: arguments.track.into(),
         seed: arguments.seed,
         disturbance: Disturbance::default(),
     };
