@@ -10,7 +10,7 @@ use crate::lens::Lens;
 use crate::looks::{Looks, Sticker};
 use crate::mesh::Mesh;
 use crate::sensor::{FULL, Sensor};
-use crate::texture::TAG_LIGHT;
+use crate::texture::{Level, TAG_LIGHT};
 
 /// Nothing nearer than this is drawn, m.
 const NEAR: f32 = 0.01;
@@ -416,7 +416,7 @@ impl Renderer {
         let mut light = vec![0u16; 3 * (width + 2)];
         let mut rows = vec![vec![0u16; 3 * width]; 3];
         let mut mixed = vec![0u16; 3 * width];
-        let mut places = vec![[0f32; 2]; width];
+        let mut places = [vec![0f32; width], vec![0f32; width]];
         let table = Table::new(looks, x_wc, &self.lens.model);
         for y in 0..=height {
             if y < height {
@@ -437,9 +437,16 @@ impl Renderer {
         image
     }
 
-    fn colour_row(&self, looks: &Looks, table: &Table, y: usize, places: &mut [[f32; 2]], light: &mut [u16]) {
+    fn colour_row(
+        &self,
+        looks: &Looks,
+        table: &Table<'_>,
+        y: usize,
+        places: &mut [Vec<f32>; 2],
+        light: &mut [u16],
+    ) {
         let width = self.lens.model.width;
-        let directions = self.lens.row(y);
+        let [dx, dy] = self.lens.row(y);
         let shown = &self.shown[y * width..][..width];
         let mut x = 0;
         while x < width {
@@ -448,10 +455,11 @@ impl Renderer {
             let end = shown[x..].iter().position(|next| *next != what).map_or(width, |length| x + length);
             let run = light[3 * x..3 * end].chunks_exact_mut(3);
             if what == 0 {
-                let places = &mut places[x..end];
-                table.places(&directions[x..end], places);
-                for (light, place) in run.zip(places) {
-                    light.copy_from_slice(&table.colour(looks, &self.soft, *place));
+                let [xs, ys] = &mut *places;
+                let (xs, ys) = (&mut xs[x..end], &mut ys[x..end]);
+                table.places([&dx[x..end], &dy[x..end]], [xs, ys]);
+                for ((light, x), y) in run.zip(xs).zip(ys) {
+                    light.copy_from_slice(&table.colour(looks, &self.soft, [*x, *y]));
                 }
             } else if what & TAG == 0 {
                 let colour = self.palette[what as usize];
@@ -463,7 +471,7 @@ impl Renderer {
                     if (at - x).is_multiple_of(STRETCH) {
                         steps = self.lens.step(at, y);
                     }
-                    light.fill(tag_pixel(tag, steps, &directions[at]));
+                    light.fill(tag_pixel(tag, steps, [dx[at], dy[at]]));
                 }
             }
             x = end;
@@ -476,7 +484,7 @@ const STRETCH: usize = 16;
 
 /// How bright a pixel is that looks at a tag along a direction; `steps` lead to the next pixels' directions.
 #[inline]
-fn tag_pixel(tag: &SeenTag, steps: [[f32; 2]; 2], [dx, dy]: &[f32; 2]) -> u16 {
+fn tag_pixel(tag: &SeenTag, steps: [[f32; 2]; 2], [dx, dy]: [f32; 2]) -> u16 {
     let [[xx, xy, xz], [yx, yy, yz], [wx, wy, wz]] = tag.rows;
     let one = 1.0 / (wx * dx + wy * dy + wz);
     let at = [(xx * dx + xy * dy + xz) * one, (yx * dx + yy * dy + yz) * one];
@@ -541,11 +549,11 @@ fn blur(mixed: &mut [u16], before: &[u16], here: &[u16], after: &[u16]) {
 }
 
 /// How the table is seen.
-struct Table {
+struct Table<'a> {
     turn: [[f32; 3]; 3],
     eye: [f32; 3],
-    /// The sheet's picture is looked up on this level.
-    level: usize,
+    /// The sheet's picture, about as fine as the image.
+    sheet: Level<'a>,
     /// From a byte of the sheet's picture to light, times 256.
     lit: u32,
     plain: [[u16; 3]; 3],
@@ -554,30 +562,30 @@ struct Table {
 /// The place of what does not look down at the table at all.
 const ABOVE: f32 = 1e9;
 
-impl Table {
-    fn new(looks: &Looks, x_wc: &Pose, model: &CameraModel) -> Table {
+impl<'a> Table<'a> {
+    fn new(looks: &'a Looks, x_wc: &Pose, model: &CameraModel) -> Table<'a> {
         let rigid = Rigid::new(x_wc);
         // What a pixel covers where the optical axis meets the table, or straight below.
         let down = -rigid.turn[2][2];
         let distance = if down > 0.3 { rigid.shift[2] / down } else { rigid.shift[2] };
-        let level = looks.sheet.level(distance.max(0.01) / model.focal[0] as f32);
+        let sheet = looks.sheet.on(looks.sheet.level(distance.max(0.01) / model.focal[0] as f32));
         let lit = light_on(&[0.0, 0.0, 1.0]);
         let colour = |colour: [f32; 3], light: f32| colour.map(|share| linear(share * light));
         let plain = [colour(TABLE_COLOUR, lit), colour(FLOOR_COLOUR, 0.8 * lit), colour(WALL_COLOUR, 1.0)];
         let lit = (lit * f32::from(FULL) / 255.0 * 256.0) as u32;
-        Table { turn: rigid.turn, eye: rigid.shift, level, lit, plain }
+        Table { turn: rigid.turn, eye: rigid.shift, sheet, lit, plain }
     }
 
     /// Where a row of pixels looks on the table, m in the world.
-    fn places(&self, directions: &[[f32; 2]], places: &mut [[f32; 2]]) {
-        let [xs, ys, zs] = self.turn;
-        for ([dx, dy], place) in directions.iter().zip(places) {
-            let fall = zs[0] * dx + zs[1] * dy + zs[2];
+    fn places(&self, [dx, dy]: [&[f32]; 2], [xs, ys]: [&mut [f32]; 2]) {
+        let [tx, ty, tz] = self.turn;
+        for (((dx, dy), x), y) in dx.iter().zip(dy).zip(xs).zip(ys) {
+            let fall = tz[0] * dx + tz[1] * dy + tz[2];
             let t = -self.eye[2] / fall;
-            let x = self.eye[0] + t * (xs[0] * dx + xs[1] * dy + xs[2]);
-            let y = self.eye[1] + t * (ys[0] * dx + ys[1] * dy + ys[2]);
             let down = fall < -1e-3;
-            *place = [if down { x } else { ABOVE }, if down { y } else { ABOVE }];
+            let (on_x, on_y) = (tx[0] * dx + tx[1] * dy + tx[2], ty[0] * dx + ty[1] * dy + ty[2]);
+            *x = if down { self.eye[0] + t * on_x } else { ABOVE };
+            *y = if down { self.eye[1] + t * on_y } else { ABOVE };
         }
     }
 
@@ -590,7 +598,7 @@ impl Table {
         let left = shade(shadow, (x - TABLE[0][0]) * SHADOW_SCALE, (y - TABLE[1][0]) * SHADOW_SCALE);
         let (u, v) = (x - looks.sheet_corner[0], looks.sheet_corner[1] - y);
         if inside(u, [0.0, looks.sheet_size[0]]) && inside(v, [0.0, looks.sheet_size[1]]) {
-            let colour = looks.sheet.at(self.level, u, v);
+            let colour = self.sheet.at(u, v);
             let channel = |shift: u32| (((colour >> shift & 255) * self.lit >> 8) * left >> 8) as u16;
             return [channel(0), channel(8), channel(16)].map(|value| value.min(FULL));
         }

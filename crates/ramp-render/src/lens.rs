@@ -16,8 +16,8 @@ pub struct Lens {
     distortion: [f32; 5],
     /// Squared distance from the axis beyond which the distortion grows no further: far outside the image.
     limit: f32,
-    /// Direction (x/z, y/z) in the middle of each pixel, row by row.
-    directions: Vec<[f32; 2]>,
+    /// Direction in the middle of each pixel, row by row: all x/z, and all y/z.
+    directions: [Vec<f32>; 2],
 }
 
 impl Lens {
@@ -31,18 +31,18 @@ impl Lens {
                 model.direction([(column * GRID) as f64 + 0.5, (row * GRID) as f64 + 0.5])
             })
             .collect();
-        let mut directions = Vec::with_capacity(width * height);
+        let mut directions = [0, 1].map(|_| Vec::with_capacity(width * height));
         for y in 0..height {
             let (row, v) = (y / GRID, (y % GRID) as f64 / GRID as f64);
             for x in 0..width {
                 let (column, u) = (x / GRID, (x % GRID) as f64 / GRID as f64);
                 let corner = |row: usize, column: usize, axis: usize| exact[row * columns + column][axis];
-                directions.push(std::array::from_fn(|axis| {
+                for (axis, directions) in directions.iter_mut().enumerate() {
                     let top = corner(row, column, axis) * (1.0 - u) + corner(row, column + 1, axis) * u;
                     let low =
                         corner(row + 1, column, axis) * (1.0 - u) + corner(row + 1, column + 1, axis) * u;
-                    (top * (1.0 - v) + low * v) as f32
-                }));
+                    directions.push((top * (1.0 - v) + low * v) as f32);
+                }
             }
         }
         let corner = exact.iter().map(|[x, y]| x * x + y * y).fold(0.0, f64::max);
@@ -69,16 +69,18 @@ impl Lens {
         [self.focal[0] * xd + self.centre[0], self.focal[1] * yd + self.centre[1]]
     }
 
-    /// Directions (x/z, y/z) of the pixels of a row.
-    pub fn row(&self, y: usize) -> &[[f32; 2]] {
-        &self.directions[y * self.model.width..][..self.model.width]
+    /// Directions of the pixels of a row: x/z, and y/z.
+    pub fn row(&self, y: usize) -> [&[f32]; 2] {
+        let width = self.model.width;
+        let [xs, ys] = &self.directions;
+        [&xs[y * width..][..width], &ys[y * width..][..width]]
     }
 
     /// By how much the direction changes from a pixel to the next one on the right and the one below.
     #[inline]
     pub fn step(&self, x: usize, y: usize) -> [[f32; 2]; 2] {
         let (width, height) = (self.model.width, self.model.height);
-        let at = |x: usize, y: usize| self.directions[y * width + x];
+        let at = |x: usize, y: usize| [0, 1].map(|axis| self.directions[axis][y * width + x]);
         let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
         let (up, down) = (y.saturating_sub(1), (y + 1).min(height - 1));
         let between =

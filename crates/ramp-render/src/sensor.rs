@@ -21,7 +21,8 @@ pub struct Sensor {
     gain: f64,
     stream: Stream,
     noise: Vec<i16>,
-    tone: Vec<i16>,
+    tone: Box<[i16; FULL as usize + 1]>,
+    row: Vec<i16>,
 }
 
 impl Sensor {
@@ -30,12 +31,18 @@ impl Sensor {
         let mut stream = Stream::new(seed, &format!("sensor-{name}"));
         let noise = (0..TABLE).map(|_| (stream.normal(NOISE) * f64::from(FINE)).round() as i16).collect();
         let gain = (1.0 + stream.normal(GAIN_EPISODE)).clamp(0.7, 1.3);
-        Sensor { gain, stream, noise, tone: Vec::new() }
+        Sensor { gain, stream, noise, tone: Box::new([0; FULL as usize + 1]), row: Vec::new() }
     }
 
     /// A sensor without noise, and the exposure that was meant.
     pub fn ideal() -> Sensor {
-        Sensor { gain: 1.0, stream: Stream::new(0, "ideal"), noise: vec![0; TABLE], tone: Vec::new() }
+        Sensor {
+            gain: 1.0,
+            stream: Stream::new(0, "ideal"),
+            noise: vec![0; TABLE],
+            tone: Box::new([0; FULL as usize + 1]),
+            row: Vec::new(),
+        }
     }
 
     /// With `gain` times as much light as was meant: 0 is a closed shutter.
@@ -47,20 +54,20 @@ impl Sensor {
     /// Prepares the next image.
     pub(crate) fn begin(&mut self) {
         let gain = self.gain * (1.0 + self.stream.normal(GAIN_IMAGE));
-        self.tone.clear();
-        self.tone.extend((0..=FULL).map(|value| {
-            let light = (f64::from(value) / f64::from(FULL) * gain).min(1.0);
-            (light.powf(1.0 / 2.2) * 255.0 * f64::from(FINE)).round() as i16 + FINE / 2
-        }));
+        for (value, tone) in self.tone.iter_mut().enumerate() {
+            let light = (value as f64 / f64::from(FULL) * gain).min(1.0);
+            *tone = (light.powf(1.0 / 2.2) * 255.0 * f64::from(FINE)).round() as i16 + FINE / 2;
+        }
     }
 
     /// Writes a row of pixels from linear light: red, green and blue.
     pub(crate) fn expose(&mut self, light: &[u16], row: &mut [u8]) {
         let room = self.noise.len().saturating_sub(light.len());
         let at = (self.stream.uniform() * room as f64) as usize;
-        let noise = &self.noise[at..];
-        for ((light, noise), out) in light.iter().zip(noise).zip(row) {
-            let tone = self.tone[usize::from(light & FULL)];
+        // First what cannot be done several at once, then what can.
+        self.row.clear();
+        self.row.extend(light.iter().map(|light| self.tone[usize::from(light & FULL)]));
+        for ((tone, noise), out) in self.row.iter().zip(&self.noise[at..]).zip(row) {
             *out = ((tone + noise) >> FINE.trailing_zeros()).clamp(0, 255) as u8;
         }
     }

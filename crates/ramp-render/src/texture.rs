@@ -64,7 +64,7 @@ impl Texture {
     pub fn level(&self, size: f32) -> usize {
         let texels = size * self.per_metre;
         let last = self.levels.len() - 1;
-        // Half an octave finer than the pixel: the lens blurs more than that.
+        // As fine as the pixel: the lens's blur does the rest.
         let mut level = 0;
         while level < last && texels > (1.5 * (1u32 << level) as f32) {
             level += 1;
@@ -72,34 +72,30 @@ impl Texture {
         level
     }
 
-    /// The colour at a place in metres from the upper left corner, between the four next pixels of a level; red,
-    /// green and blue in the bytes of the answer, lowest first.
-    #[inline]
-    pub fn at(&self, level: usize, x: f32, y: f32) -> u32 {
+    /// The picture on a level.
+    pub fn on(&self, level: usize) -> Level<'_> {
         let (width, height, pixels) = &self.levels[level];
-        let scale = self.per_metre / (1u32 << level) as f32;
-        // In 256ths of a pixel.
-        let u = ((x * scale - 0.5) * 256.0) as i32;
-        let v = ((y * scale - 0.5) * 256.0) as i32;
-        let (column, row) = ((u >> 8).clamp(0, *width as i32 - 2), (v >> 8).clamp(0, *height as i32 - 2));
-        let (fu, fv) = ((u & 255) as u32, (v & 255) as u32);
-        let from = row as usize * width + column as usize;
-        let (upper, lower) = (&pixels[from..from + 2], &pixels[from + width..from + width + 2]);
-        if upper[0] == upper[1] && lower[0] == lower[1] && upper[0] == lower[0] {
-            return upper[0];
-        }
-        mix(mix(upper[0], upper[1], fu), mix(lower[0], lower[1], fu), fv)
+        Level { width: *width, height: *height, pixels, scale: self.per_metre / (1u32 << level) as f32 }
     }
 }
 
-/// Between two colours, `share` 256ths of the way, all bytes at once.
-#[inline]
-fn mix(a: u32, b: u32, share: u32) -> u32 {
-    const EVEN: u32 = 0x00ff_00ff;
-    let keep = 256 - share;
-    let even = ((a & EVEN) * keep + (b & EVEN) * share) >> 8 & EVEN;
-    let odd = ((a >> 8 & EVEN) * keep + (b >> 8 & EVEN) * share) & 0xff00_ff00;
-    even | odd
+/// A [`Texture`] in one size.
+pub struct Level<'a> {
+    width: usize,
+    height: usize,
+    pixels: &'a [u32],
+    scale: f32,
+}
+
+impl Level<'_> {
+    /// The colour of the pixel at a place in metres from the upper left corner; red, green and blue in the bytes of the
+    /// answer, lowest first.
+    #[inline]
+    pub fn at(&self, x: f32, y: f32) -> u32 {
+        let column = ((x * self.scale) as usize).min(self.width - 1);
+        let row = ((y * self.scale) as usize).min(self.height - 1);
+        self.pixels.get(row * self.width + column).copied().unwrap_or_default()
+    }
 }
 
 /// How much light a tag's white and black throw back.

@@ -20,6 +20,18 @@ pub struct Detection {
 }
 
 impl Detection {
+    /// Its extent in the direction in which it is narrowest, pixels.
+    pub fn width(&self) -> f64 {
+        let side = |index: usize| {
+            let ([ax, ay], [bx, by]) = (self.corners[index], self.corners[(index + 1) % 4]);
+            [bx - ax, by - ay]
+        };
+        let cross = |a: [f64; 2], b: [f64; 2]| (a[0] * b[1] - a[1] * b[0]).abs();
+        let area = 0.5 * (cross(side(0), side(1)) + cross(side(2), side(3)));
+        let longest = (0..4).map(|index| side(index)[0].hypot(side(index)[1])).fold(0.0, f64::max);
+        area / longest.max(1e-9)
+    }
+
     /// Mean length of its edges, pixels.
     pub fn size(&self) -> f64 {
         let edge = |index: usize| {

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Matrix6, Point3, Vector3};
+use nalgebra::{Matrix3, Matrix3x6, Matrix6, Point3, Vector3};
 use ramp_kit::tags::{self, TagPlace};
 use ramp_kit::{Holder, Kit};
-use ramp_robot::{Camera, CameraModel, Image, Pose};
+use ramp_robot::{CameraModel, Image, Pose};
 
 use crate::detect::{Detection, TagFinder};
 use crate::edges::{Place, measure};
@@ -24,16 +24,20 @@ const SAME: f64 = 0.02;
 const COMMON: f64 = 4.0;
 /// Residuals on edges, in units of the usual one, are taken to be at least this large: there are errors that all places
 /// have in common.
-const LEAST_ERROR: f64 = 0.35;
+const LEAST_ERROR: f64 = 0.56;
+/// Largest standard deviation of a place that is believed, m: of a part that nothing is known of, and of one that is
+/// known to lie, whose height is not so well known but cannot be quite wrong.
+const VAGUE: [f64; 2] = [1.25e-3, 1.8e-3];
 /// Heights in which a part's origin can be, m in the world.
 const HEIGHTS: [f64; 2] = [-0.03, 1.2];
 /// Largest sum of squares of what is known of a part, in units of its σ: three numbers, five σ.
 const KNOWN_AGREES: f64 = 25.0;
 /// Least share of the places on the edges of a tag that must be measurable.
 const MEASURED: f64 = 0.5;
-/// Tags smaller than this (pixels along their edge) are used by their corners alone: their cells blur into each other.
-const CORNERS_ONLY: f64 = 17.0;
-/// Smallest tag that is believed, pixels along its edge.
+/// Tags narrower than this (pixels) are used by their corners alone, because their cells blur into each
+/// other, and only on parts that are known to lie.
+const CORNERS_ONLY: f64 = 14.0;
+/// Narrowest tag that is believed, pixels.
 const SMALLEST: f64 = 8.0;
 
 /// What is known of how a part lies, for as long as nothing has touched it.
@@ -151,12 +155,20 @@ pub enum Oddity {
         id: u32,
     },
     /// Too small in the image to be trusted.
-    #[error("{part} is too far away: its tags are {pixels:.0} pixels large")]
+    #[error("{part} is too far away or seen too flatly: its tags are {pixels:.0} pixels wide")]
     Small {
         /// The part.
         part: String,
-        /// Along an edge of a tag.
+        /// The narrowest extent of a tag.
         pixels: f64,
+    },
+    /// A pose too uncertain to be of use.
+    #[error("where {part} is remains open: {sigma:.4} m")]
+    Vague {
+        /// The part.
+        part: String,
+        /// Standard deviation of its tags' place in the worst direction, m.
+        sigma: f64,
     },
 }
 
@@ -183,8 +195,7 @@ pub const SHEET: &str = "sheet";
 pub struct PartFinder {
     places: BTreeMap<u32, TagPlace>,
     order: Vec<String>,
-    near: TagFinder,
-    far: TagFinder,
+    tags: TagFinder,
 }
 
 impl PartFinder {
@@ -204,7 +215,7 @@ impl PartFinder {
         places.insert(sheet.id, sheet);
         let beams = kit.beams.iter().map(|beam| beam.name.clone());
         let order = beams.chain(kit.pegs.iter().map(|peg| peg.name.clone())).collect();
-        Ok(PartFinder { places, order, near: TagFinder::new(2.0)?, far: TagFinder::new(1.0)? })
+        Ok(PartFinder { places, order, tags: TagFinder::new(1.0)? })
     }
 
     /// Where the tags stick.
@@ -224,9 +235,7 @@ impl PartFinder {
         lying: &[Lying],
     ) -> Result<Sighting, SightError> {
         let grey = Grey::new(image, camera)?;
-        // From high up tags are small, and every pixel counts.
-        let finder = if image.camera == Camera::Wrist { &mut self.near } else { &mut self.far };
-        let detections = finder.find(&grey)?;
+        let detections = self.tags.find(&grey)?;
         let mut sighting = Sighting { time: image.time, ..Sighting::default() };
         let mut by_part: BTreeMap<&str, Vec<(&TagPlace, &Detection)>> = BTreeMap::new();
         for detection in &detections {
@@ -286,17 +295,16 @@ impl View<'_> {
             }
         }
         let tags: Vec<u32> = once.iter().map(|(place, _)| place.id).collect();
-        let size = once.iter().map(|(_, d)| d.size()).sum::<f64>() / once.len().max(1) as f64;
         if once.is_empty() {
             return None;
         }
-        if size < SMALLEST {
-            oddities.push(Oddity::Small { part: name.to_string(), pixels: size });
+        let width = once.iter().map(|(_, d)| d.width()).fold(f64::INFINITY, f64::min);
+        if width < SMALLEST || (width < CORNERS_ONLY && lying.is_none()) {
+            oddities.push(Oddity::Small { part: name.to_string(), pixels: width });
             return None;
         }
         // What is known holds where the tags are: the part's origin may be far away.
-        let middle = once.iter().map(|(place, _)| place.x_pg.translation.vector).sum::<Vector3<f64>>()
-            / once.len() as f64;
+        let middle = middle_of(&once);
         let level = lying.map(|lying| Level {
             r_wc: self.x_wc.rotation.to_rotation_matrix(),
             eye: self.x_wc.translation.z,
@@ -329,7 +337,7 @@ impl View<'_> {
             oddities.push(disagree(name, tags, pixels));
             return None;
         }
-        let (best, scale, pixels) = if size < CORNERS_ONLY {
+        let (best, scale, pixels) = if width < CORNERS_ONLY {
             self.settle_corners(name, &terms, &fits, level.as_ref(), oddities)?
         } else {
             let (best, places) = self.settle_edges(name, &once, &fits, level.as_ref(), oddities)?;
@@ -341,7 +349,7 @@ impl View<'_> {
             }
             (best, COMMON * (pixels / EDGE_ERROR).max(LEAST_ERROR).powi(2), pixels)
         };
-        self.believed(name, &best, scale, pixels, tags, &once, size, oddities)
+        self.believed(name, &best, scale, pixels, tags, &once, level.is_some(), oddities)
     }
 
     /// Measures edges from the poses that corners allow, and decides between them.
@@ -449,7 +457,7 @@ impl View<'_> {
         pixels: f64,
         tags: Vec<u32>,
         once: &[(&TagPlace, &Detection)],
-        size: f64,
+        known: bool,
         oddities: &mut Vec<Oddity>,
     ) -> Option<SeenPart> {
         let x_wp = self.x_wc * fit.x_cp;
@@ -460,23 +468,42 @@ impl View<'_> {
         }
         // From usual residuals to the ones found, and from the optical frame's axes to the world's.
         let covariance = fit.information.try_inverse()? * scale;
+        // How uncertain the tags' place is: a shift of the origin and a turn about it.
+        let middle = middle_of(once);
+        let arm = fit.x_cp.rotation * middle;
+        let mut motion = Matrix3x6::zeros();
+        motion.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::identity());
+        motion.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-arm.cross_matrix()));
+        let place: Matrix3<f64> = motion * covariance * motion.transpose();
+        let sigma = place.symmetric_eigenvalues().max().max(0.0).sqrt();
+        if sigma > VAGUE[usize::from(known)] {
+            oddities.push(Oddity::Vague { part: name.to_string(), sigma });
+            return None;
+        }
         let mut turn = Matrix6::zeros();
         let r_wc = self.x_wc.rotation.to_rotation_matrix();
         turn.fixed_view_mut::<3, 3>(0, 0).copy_from(r_wc.matrix());
         turn.fixed_view_mut::<3, 3>(3, 3).copy_from(r_wc.matrix());
-        let middle =
-            once.iter().map(|(place, _)| (fit.x_cp * place.x_pg).translation.vector).sum::<Vector3<f64>>()
-                / once.len() as f64;
         Some(SeenPart {
             part: name.to_string(),
             x_wp,
             covariance: turn * covariance * turn.transpose(),
             tags,
             pixel_error: pixels,
-            distance: middle.norm(),
-            tag_size: size,
+            distance: (fit.x_cp * Point3::from(middle)).coords.norm(),
+            tag_size: mean_size(once),
         })
     }
+}
+
+/// Mean length of the edges of tags in the image, pixels.
+fn mean_size(tags: &[(&TagPlace, &Detection)]) -> f64 {
+    tags.iter().map(|(_, detection)| detection.size()).sum::<f64>() / tags.len() as f64
+}
+
+/// The middle of tags on their part, m.
+fn middle_of(tags: &[(&TagPlace, &Detection)]) -> Vector3<f64> {
+    tags.iter().map(|(place, _)| place.x_pg.translation.vector).sum::<Vector3<f64>>() / tags.len() as f64
 }
 
 /// Tags that are not where a part has them: one alone must be partly hidden.

@@ -15,7 +15,7 @@ const HUBER: f64 = 3.0;
 /// Usual error of a measured corner, pixels.
 pub const CORNER_ERROR: f64 = 0.25;
 /// Usual error of a measured place on an edge, pixels.
-pub const EDGE_ERROR: f64 = 0.08;
+pub const EDGE_ERROR: f64 = 0.05;
 
 /// Something that is measured of a part, to be brought to zero.
 pub trait Terms {
