@@ -5,6 +5,7 @@
 
 mod command;
 mod data;
+mod film;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

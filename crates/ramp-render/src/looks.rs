@@ -242,7 +242,8 @@ fn arm_bodies(arm: &ArmModel, bodies: &mut Vec<Body>) -> Result<(), LooksError> 
     };
     let mut links: BTreeMap<String, Mesh> = BTreeMap::new();
     for surface in arm_surfaces(&arm.name) {
-        let [r, g, b, _] = surface.rgba;
+        // Painted sheet metal throws back four fifths of the light at most.
+        let [r, g, b] = [0, 1, 2].map(|channel| surface.rgba[channel] * 0.8);
         let points = surface.vertices.iter().map(|point| point.map(f64::from));
         let triangles = surface.indices.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]]);
         links.entry(surface.body).or_default().add(points, triangles, [r, g, b]);

@@ -256,25 +256,15 @@ impl Twin {
         self.cameras.true_camera(camera)
     }
 
-    /// What everything looks like and where it is now, for pictures from any place. What hangs on the hand stands
-    /// where the hand does.
-    ///
-    /// # Errors
-    /// A kit whose parts cannot be drawn.
-    pub fn bodies(&mut self) -> Result<(Arc<Looks>, Scene), TwinError> {
-        let looks = self.cameras.looks()?;
+    /// Where everything is now, for pictures from any place with these looks. What hangs on the hand is where the hand
+    /// is.
+    pub fn picture(&self, looks: &Looks) -> Scene {
         let model = self.data.model();
-        let ids: Vec<(usize, Option<usize>)> = looks
-            .bodies()
-            .iter()
-            .enumerate()
-            .map(|(index, body)| {
-                let name = if body.name == HOUSING { "hand" } else { &body.name };
-                (index, model.name_to_id(MjtObjBase::mjOBJ_BODY, name))
-            })
-            .collect();
-        let place = |(index, id): (usize, Option<usize>)| Some((index, body_pose(&self.data, id?)));
-        Ok((looks, Scene { bodies: ids.into_iter().filter_map(place).collect() }))
+        let place = |(index, body): (usize, &ramp_render::looks::Body)| {
+            let name = if body.name == HOUSING { "hand" } else { &body.name };
+            Some((index, body_pose(&self.data, model.name_to_id(MjtObjBase::mjOBJ_BODY, name)?)))
+        };
+        Scene { bodies: looks.bodies().iter().enumerate().filter_map(place).collect() }
     }
 
     /// Deepest penetration between two parts in any step so far, m.
@@ -459,7 +449,8 @@ impl Twin {
     /// What a camera sees now.
     fn expose(&mut self, camera: Camera) -> Result<Image, RobotError> {
         let stopped = RobotError::CameraStopped { camera };
-        let Ok((_, scene)) = self.bodies() else { return Err(stopped) };
+        let Ok(looks) = self.cameras.looks() else { return Err(stopped) };
+        let scene = self.picture(&looks);
         let x_wt = self.state.x_wt;
         let (width, height, pixels) = self.cameras.expose(camera, scene, &x_wt).map_err(|_| stopped)?;
         Ok(Image { camera, time: self.time(), x_wt, width, height, pixels })
