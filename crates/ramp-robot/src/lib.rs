@@ -187,6 +187,20 @@ pub enum RobotError {
 }
 
 /// A robot that an agent can drive: the twin, or a real arm.
+///
+/// The trait is all that an agent gets of it. What is behind it, with the truth that the referee reads, cannot be had
+/// from it:
+///
+/// ```
+/// fn drive(robot: &mut dyn ramp_robot::Robot) -> &mut dyn ramp_robot::Robot {
+///     robot
+/// }
+/// ```
+/// ```compile_fail
+/// fn peek(robot: &mut dyn ramp_robot::Robot) -> &mut dyn std::any::Any {
+///     robot
+/// }
+/// ```
 pub trait Robot {
     /// Lets one control period of a millisecond pass under `command` and returns what was sensed at its end.
     ///
@@ -238,7 +252,7 @@ pub struct Account {
 pub struct Event {
     /// Robot time, s.
     pub time: f64,
-    /// In one word: `start`, `done`, `fault`, `retry`, `search`, `replan`.
+    /// In one word: `start`, `done`, `fault`, `retry`, `search`, `replan`, `seen`.
     pub kind: &'static str,
     /// What it was about, for a person.
     pub what: String,

@@ -46,6 +46,8 @@ const RELEASED: ([f64; 3], [f64; 3]) = ([0.2 * MM; 3], [0.1 * DEGREE, 0.1 * DEGR
 const GATE: f64 = 40.0;
 /// Share of a new reading in the running mean of innovations that tells of a part that has moved a little.
 const DRIFT: f64 = 1.0 / 16.0;
+/// So many images in a row that show a part lying otherwise, and it is believed that it does.
+const DOUBTS: u32 = 3;
 /// A part whose z axis is this upright counts as level: within 0.8°.
 const LEVEL: f64 = 0.9999;
 /// Above this standard deviation of its tilt nothing is known of how a part lies, rad.
@@ -71,6 +73,8 @@ struct Part {
     seen: bool,
     /// The last reading, in the same frame, if it was too far off to be believed.
     odd: Option<Estimate>,
+    /// Images since the last sighting that showed it lying otherwise than is believed.
+    doubts: u32,
     /// Running mean of the innovations, each whitened by its covariance.
     drift: Vector6<f64>,
 }
@@ -118,7 +122,14 @@ impl Belief {
             let estimate = Estimate { x, covariance: covariance(position, rotation) };
             parts.insert(
                 name.to_string(),
-                Part { estimate, frame, seen: frame == Frame::Clamped, odd: None, drift: Vector6::zeros() },
+                Part {
+                    estimate,
+                    frame,
+                    seen: frame == Frame::Clamped,
+                    odd: None,
+                    doubts: 0,
+                    drift: Vector6::zeros(),
+                },
             );
         };
         for beam in &kit.beams {
@@ -158,7 +169,21 @@ impl Belief {
 
     fn sight(&mut self, hand: &mut Hand) -> Result<Vec<Sighting>, RobotError> {
         let lying = self.lying();
-        self.eyes.look(hand, &lying)
+        let sightings = self.eyes.look(hand, &lying)?;
+        for name in self.eyes.upset() {
+            self.doubt(&name);
+        }
+        Ok(sightings)
+    }
+
+    /// A part was seen, but not lying as it is believed to: after some times it may lie anyhow.
+    fn doubt(&mut self, name: &str) {
+        let Some(part) = self.parts.get_mut(name).filter(|part| part.frame == Frame::World) else { return };
+        part.doubts += 1;
+        if part.doubts >= DOUBTS {
+            part.doubts = 0;
+            part.estimate.spread([30.0 * MM; 3], [30.0 * DEGREE; 3]);
+        }
     }
 
     /// What is known of how parts lie: those that are level, and how high they are.
@@ -196,6 +221,7 @@ impl Belief {
     /// Takes in what was seen of one part; tells whether it was too odd to be believed.
     fn take(&mut self, sighting: &Sighting) -> bool {
         let Some(part) = self.parts.get_mut(&sighting.part) else { return false };
+        part.doubts = 0;
         let seen = match part.frame {
             Frame::Tip => sighting.estimate.seen_from(&sighting.x_wt.inverse()),
             Frame::World | Frame::Clamped => sighting.estimate.clone(),
@@ -485,6 +511,21 @@ mod tests {
             belief.take(&reading(&mut stream, "b5", &pushed));
         }
         assert!(off(&belief, "b5", &pushed) < 0.6 * MM, "{:.2} mm", off(&belief, "b5", &pushed) / MM);
+    }
+
+    /// A part that images show to be tilted is not held to be flat for ever: the finder is no longer told so.
+    #[test]
+    fn a_part_that_is_seen_upset_is_doubted() {
+        let mut belief = belief();
+        let there = belief.parts["p1"].estimate.x;
+        belief.take(&reading(&mut Stream::new(7, "test"), "p1", &there));
+        let flat = |belief: &Belief| belief.lying().iter().any(|lying| lying.part == "p1");
+        for _ in 1..DOUBTS {
+            belief.doubt("p1");
+            assert!(flat(&belief));
+        }
+        belief.doubt("p1");
+        assert!(!flat(&belief));
     }
 
     /// Nothing but noise is not taken for a push, however long one looks.

@@ -4,10 +4,12 @@
 //! the camera's place is known, and that is found out on the way, from the tags of the clamped beam and of the sheet,
 //! whose places are known.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{Matrix6, Point3, Rotation3, SMatrix};
 use ramp_kit::Kit;
 use ramp_robot::{Camera, CameraModel, Image, RobotError};
-use ramp_vision::{Calibration, Lying, PartFinder, SeenPart};
+use ramp_vision::{Calibration, Lying, Oddity, PartFinder, SeenPart};
 
 use crate::Pose;
 use crate::estimate::{Estimate, covariance};
@@ -73,6 +75,10 @@ pub struct Eyes {
     /// Robot time that the last look took, s.
     cost: f64,
     complaints: Vec<String>,
+    /// Oddities that have been told.
+    told: BTreeSet<String>,
+    /// Parts that were seen not to lie as they were believed to.
+    upset: Vec<String>,
 }
 
 impl Eyes {
@@ -86,6 +92,8 @@ impl Eyes {
             images: false,
             cost: 0.0,
             complaints: Vec::new(),
+            told: BTreeSet::new(),
+            upset: Vec::new(),
         }
     }
 
@@ -102,6 +110,25 @@ impl Eyes {
     /// What was wrong with images since this was last asked, for a person.
     pub fn complaints(&mut self) -> Vec<String> {
         std::mem::take(&mut self.complaints)
+    }
+
+    /// The parts that images of the last look show not to lie as they were believed to.
+    pub fn upset(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.upset)
+    }
+
+    /// Tells what is wrong with tags, each thing once; what is only hidden or far away is nobody's fault.
+    fn tell(&mut self, oddity: Oddity) {
+        let told = match oddity {
+            Oddity::NotLying { part } => return self.upset.push(part),
+            Oddity::UnknownTag { id } => format!("unknown {id}"),
+            Oddity::SameTagTwice { id, .. } => format!("twice {id}"),
+            Oddity::TagsDisagree { ref part, .. } => format!("disagree {part}"),
+            _ => return,
+        };
+        if self.told.insert(told) {
+            self.complaints.push(oddity.to_string());
+        }
     }
 
     /// The middle of the tag of a part that is nearest to a point of it, both in the part's frame, m.
@@ -217,7 +244,11 @@ impl Eyes {
         let (base, error) = (&self.base.0, &eye.covariance);
         let parts = seen.parts.into_iter().filter(|part| part.part != *base);
         let parts = parts.map(|part| SeenPart { x_wp: moved * part.x_wp, ..part });
-        Ok(parts.map(|part| sighting(part, &x_wc, error, image.x_wt)).collect())
+        let sightings = parts.map(|part| sighting(part, &x_wc, error, image.x_wt)).collect();
+        for oddity in seen.oddities {
+            self.tell(oddity);
+        }
+        Ok(sightings)
     }
 }
 

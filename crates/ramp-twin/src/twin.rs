@@ -415,7 +415,7 @@ impl Twin {
 
     /// Lets periods pass under the last command; before the first one the arm stays where it starts.
     fn hold(&mut self, periods: u32) -> Result<(), RobotError> {
-        let command = self.last_command.clone().unwrap_or_else(|| Command {
+        let command = self.last_command.clone().unwrap_or(Command {
             arm: ArmCommand::JointPositions(self.arm.home),
             gripper: GripperCommand { width: START_WIDTH, force: 10.0 },
         });

@@ -27,7 +27,7 @@ pub struct Arguments {
     /// Name of a goal, or a goal file
     goal: String,
     /// What the agent may see of the parts
-    #[arg(long, value_enum, default_value_t = TrackName::State)]
+    #[arg(long, value_enum, default_value_t = TrackName::Tags)]
     track: TrackName,
     /// All randomness of the episode flows from this number
     #[arg(long, default_value_t = 1)]
