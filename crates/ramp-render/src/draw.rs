@@ -584,7 +584,7 @@ impl<'a> Table<'a> {
         let plain = [colour(TABLE_COLOUR, lit), colour(FLOOR_COLOUR, 0.8 * lit), colour(WALL_COLOUR, 1.0)];
         let lit = (lit * f32::from(FULL) / 255.0 * 256.0) as u32;
         let paper = looks.sheet.paper();
-        let paper = [0, 8, 16].map(|shift| (((paper >> shift & 255) * lit >> 8) as u16).min(FULL));
+        let paper = [0, 8, 16].map(|shift| ((((paper >> shift & 255) * lit) >> 8) as u16).min(FULL));
         Table { turn: rigid.turn, eye: rigid.shift, sheet, lit, plain, paper }
     }
 
@@ -639,8 +639,8 @@ impl<'a> Table<'a> {
     #[inline]
     fn paper_at(&self, looks: &Looks, [x, y]: [f32; 2], left: u32) -> [u16; 3] {
         let colour = self.sheet.at(x - looks.sheet_corner[0], looks.sheet_corner[1] - y);
-        let scale = self.lit * left >> 8;
-        let channel = |shift: u32| (((colour >> shift & 255) * scale >> 8) as u16).min(FULL);
+        let scale = (self.lit * left) >> 8;
+        let channel = |shift: u32| ((((colour >> shift & 255) * scale) >> 8) as u16).min(FULL);
         [channel(0), channel(8), channel(16)]
     }
 
@@ -653,7 +653,7 @@ impl<'a> Table<'a> {
         if on_sheet(looks, at) {
             return self.paper_at(looks, at, left);
         }
-        self.plain[0].map(|value| (u32::from(value) * left >> 8) as u16)
+        self.plain[0].map(|value| ((u32::from(value) * left) >> 8) as u16)
     }
 }
 
@@ -740,5 +740,5 @@ fn shade(shadow: &[u32], column: f32, row: f32) -> u32 {
     let (fu, fv) = ((u & 255) as u32, (v & 255) as u32);
     let mix = |a: u32, b: u32| a * (256 - fu) + b * fu;
     let dark = (mix(byte(0), byte(8)) * (256 - fv) + mix(byte(16), byte(24)) * fv) >> 16;
-    256 - (dark * LOST >> 8)
+    256 - ((dark * LOST) >> 8)
 }
