@@ -82,6 +82,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     Ok(DONE)
 }
 
+/// So many of a data set's images are also written with what is found drawn on them.
+const DRAWN: u32 = 10;
 /// Files of a data set.
 const LABELS: &str = "labels.json";
 const ESTIMATES: [&str; 2] = ["estimates.json", "estimates-lying.json"];
@@ -138,6 +140,11 @@ fn data_set(
                 part: part.part.clone(),
                 x_cp: PoseLabel::from(&(x_cw * part.x_wp)),
             }));
+        }
+        if !arguments.no_images && index < DRAWN {
+            let sighting = finder.find(&view.image, &view.told, &[]).into_diagnostic()?;
+            let drawn = draw(&view.image, &view.told, &sighting, &finder)?;
+            write_png(&folder.join(format!("{index:05}-found.png")), &view.image, &drawn)?;
         }
         labels.views.push(view.label);
         bar.inc(1);
