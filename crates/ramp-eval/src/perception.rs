@@ -133,6 +133,8 @@ pub struct View {
     pub label: ViewLabel,
     /// Index into the bodies of the looks for each pixel.
     pub bodies: Vec<u16>,
+    /// Distance along the optical axis in each pixel, m; infinite where nothing is.
+    pub depth: Vec<f32>,
     /// How each part lies, on the sheet or in the goal: its name, the height of its origin in the world (m), and whether
     /// its z axis points down.
     pub lying: Vec<(String, f64, bool)>,
@@ -248,10 +250,10 @@ impl<'a> Photographer<'a> {
         let mut sensor = Sensor::new(own_seed, camera.name());
         let renderer = &mut self.renderers[usize::from(bird)];
         let pixels = renderer.render(&scene, &x_wc, &mut sensor);
-        let bodies = renderer.segmentation();
+        let (bodies, depth) = (renderer.segmentation(), renderer.depth());
         let image = Image { camera, time: 0.0, x_wt, width: told.width, height: told.height, pixels };
         let label = self.label(file, camera, &real, &x_wc, &parts, &bodies);
-        View { image, told, real, label, bodies, lying }
+        View { image, told, real, label, bodies, depth, lying }
     }
 
     fn home_tip(&self) -> Pose {

@@ -78,6 +78,8 @@ pub struct Renderer {
     /// The body of each colour of the palette.
     owner: Vec<u16>,
     tags: Vec<SeenTag>,
+    /// Where the last picture was taken from.
+    x_wc: Pose,
     screen: Vec<[f32; 3]>,
     shadow: Vec<u8>,
     /// Sums while shadows' edges are made soft.
@@ -143,6 +145,7 @@ impl Renderer {
             palette: Vec::new(),
             owner: Vec::new(),
             tags: Vec::new(),
+            x_wc: Pose::identity(),
             screen: Vec::new(),
             shadow: vec![0; cells[0] * cells[1]],
             sums: [0, 1].map(|_| vec![0; cells[0] * cells[1]]),
@@ -164,6 +167,7 @@ impl Renderer {
         self.palette.clear();
         self.owner.clear();
         self.tags.clear();
+        self.x_wc = *x_wc;
         // Colour 0 is nothing.
         self.palette.push([0; 3]);
         self.owner.push(NOTHING);
@@ -177,9 +181,17 @@ impl Renderer {
         self.expose(&looks, x_wc, sensor)
     }
 
-    /// Distance along the optical axis in each pixel of the last picture, m; 0 where it is the table or further.
+    /// Distance along the optical axis in each pixel of the last picture, m; infinite where nothing is.
     pub fn depth(&self) -> Vec<f32> {
-        self.near.iter().map(|near| if *near > 0.0 { 1.0 / near } else { 0.0 }).collect()
+        let camera = Rigid::new(&self.x_wc);
+        let width = self.lens.model.width;
+        let table = |index: usize| {
+            let [dx, dy] = self.lens.row(index / width).map(|row| row[index % width]);
+            let fall = camera.turn[2][0] * dx + camera.turn[2][1] * dy + camera.turn[2][2];
+            if fall < 0.0 { -camera.shift[2] / fall } else { f32::INFINITY }
+        };
+        let depth = |(index, near): (usize, &f32)| if *near > 0.0 { 1.0 / near } else { table(index) };
+        self.near.iter().enumerate().map(depth).collect()
     }
 
     /// Which body each pixel of the last picture shows ([`Looks::bodies`]), or [`NOTHING`].

@@ -34,6 +34,10 @@ pub struct Arguments {
     /// Judge a detector's poses (a file like estimates.json) on the labels of a data set (its folder)
     #[arg(long, num_args = 2, value_names = ["FILE", "DIR"], conflicts_with_all = ["goal", "count", "output"])]
     judge: Option<Vec<PathBuf>>,
+    /// Also write the depth of each image of a data set: 16 bits, tenths of a millimetre along the optical axis, 0 beyond
+    /// 6.5 m
+    #[arg(long, requires = "count")]
+    depth: bool,
     /// Keep the labels and poses of a data set only, not its images
     #[arg(long, requires = "count")]
     no_images: bool,
@@ -141,6 +145,9 @@ fn data_set(
                 x_cp: PoseLabel::from(&(x_cw * part.x_wp)),
             }));
         }
+        if arguments.depth {
+            write_depth(&folder.join(format!("{index:05}-depth.png")), &view.image, &view.depth)?;
+        }
         if !arguments.no_images && index < DRAWN {
             let sighting = finder.find(&view.image, &view.told, &[]).into_diagnostic()?;
             let drawn = draw(&view.image, &view.told, &sighting, &finder)?;
@@ -176,13 +183,33 @@ fn write_json<T: serde::Serialize>(path: &Path, value: &T) -> Result<(), Report>
 }
 
 fn write_png(path: &Path, image: &Image, pixels: &[u8]) -> Result<(), Report> {
+    write_pixels(path, image, pixels, png::ColorType::Rgb, png::BitDepth::Eight)
+}
+
+/// Writes pixels of any kind that are as many as an image's.
+fn write_pixels(
+    path: &Path,
+    image: &Image,
+    pixels: &[u8],
+    colour: png::ColorType,
+    bits: png::BitDepth,
+) -> Result<(), Report> {
     let file = std::fs::File::create(path).into_diagnostic()?;
     let (width, height) = (image.width as u32, image.height as u32);
     let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_color(colour);
+    encoder.set_depth(bits);
     let mut writer = encoder.write_header().into_diagnostic()?;
     writer.write_image_data(pixels).into_diagnostic()
+}
+
+fn write_depth(path: &Path, image: &Image, depth: &[f32]) -> Result<(), Report> {
+    let tenths = |depth: &f32| {
+        let tenths = (depth * 1e4).round();
+        if tenths <= f32::from(u16::MAX) { tenths as u16 } else { 0 }
+    };
+    let bytes: Vec<u8> = depth.iter().flat_map(|depth| tenths(depth).to_be_bytes()).collect();
+    write_pixels(path, image, &bytes, png::ColorType::Grayscale, png::BitDepth::Sixteen)
 }
 
 /// The table of a verdict.
