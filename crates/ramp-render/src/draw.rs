@@ -32,8 +32,16 @@ const WALL_COLOUR: [f32; 3] = [0.55, 0.57, 0.60];
 /// Cells of the shadow map per metre, and how much of the light a shadow leaves.
 const SHADOW_SCALE: f32 = 300.0;
 const SHADOW_LEFT: f32 = 0.55;
-/// Cells over which a shadow's edge is spread, from two cells before.
-const SOFT: [(usize, usize); 8] = [(0, 2), (1, 1), (1, 3), (2, 0), (2, 4), (3, 1), (3, 3), (4, 2)];
+/// Cells over which a shadow's edge is spread.
+const WIDE: u16 = 5;
+/// What a cell of the table shows: something to be looked at closely, nothing but table, or nothing but paper.
+const DETAIL: u8 = 0;
+const TABLE_TOP: u8 = 1;
+const PAPER: u8 = 2;
+/// Pixels along a row that are coloured at once where there is nothing to be seen, and how far apart on the table their
+/// ends may be, m: twice what is known to be bare around a cell.
+const STRIDE: usize = 8;
+const BARE: f32 = 13.0e-3;
 /// A body of which a pixel covers more than this is drawn with less detail, m.
 const FAR_PIXEL: f32 = 0.8e-3;
 /// Marks a pixel that shows a tag.
@@ -72,6 +80,12 @@ pub struct Renderer {
     tags: Vec<SeenTag>,
     screen: Vec<[f32; 3]>,
     shadow: Vec<u8>,
+    /// Sums while shadows' edges are made soft.
+    sums: [Vec<u16>; 2],
+    /// For each cell of the map what is there without shadows, and in this picture: [`TABLE_TOP`], [`PAPER`] or
+    /// [`DETAIL`].
+    bare: Vec<u8>,
+    plain: Vec<u8>,
     /// For each cell of the map the shadow on it, on its right neighbour, and on the two below, a byte each.
     soft: Vec<u32>,
 }
@@ -121,6 +135,7 @@ impl Renderer {
         let count = model.width * model.height;
         let cells = shadow_size();
         Renderer {
+            bare: bare(&looks),
             looks,
             lens: Lens::new(model),
             near: vec![0.0; count],
@@ -130,6 +145,8 @@ impl Renderer {
             tags: Vec::new(),
             screen: Vec::new(),
             shadow: vec![0; cells[0] * cells[1]],
+            sums: [0, 1].map(|_| vec![0; cells[0] * cells[1]]),
+            plain: vec![DETAIL; cells[0] * cells[1]],
             soft: vec![0; cells[0] * cells[1]],
         }
     }
@@ -383,27 +400,26 @@ impl Renderer {
                 fill(&mut self.shadow, columns, rows, &corners);
             }
         }
-        // Soft edges: the lamp is not a point.
-        for y in 0..rows {
-            for x in 0..columns {
-                let mut sum = 0u32;
-                for (dx, dy) in SOFT {
-                    let (x, y) = (
-                        (x + dx).saturating_sub(2).min(columns - 1),
-                        (y + dy).saturating_sub(2).min(rows - 1),
-                    );
-                    sum += u32::from(self.shadow[y * columns + x]);
-                }
-                self.soft[y * columns + x] = sum / SOFT.len() as u32;
-            }
+        // Soft edges: the lamp is not a point. Then, wider, where there is any shadow at all.
+        let [sums, marks] = &mut self.sums;
+        for (sum, shadow) in sums.iter_mut().zip(&self.shadow) {
+            *sum = u16::from(*shadow);
         }
-        for y in 0..rows {
-            for x in 0..columns {
-                let at = |dx: usize, dy: usize| {
-                    self.soft[(y + dy).min(rows - 1) * columns + (x + dx).min(columns - 1)] & 255
-                };
-                self.soft[y * columns + x] = at(0, 0) | at(1, 0) << 8 | at(0, 1) << 16 | at(1, 1) << 24;
-            }
+        spread(sums, marks, columns);
+        for (soft, sum) in self.soft.iter_mut().zip(&*sums) {
+            *soft = u32::from(sum / (WIDE * WIDE));
+        }
+        for sum in sums.iter_mut() {
+            *sum = u16::from(*sum > 0);
+        }
+        spread(sums, marks, columns);
+        for ((plain, bare), sum) in self.plain.iter_mut().zip(&self.bare).zip(&*sums) {
+            *plain = if *sum == 0 { *bare } else { DETAIL };
+        }
+        let last = self.soft.len() - 1;
+        for index in 0..self.soft.len() {
+            let at = |step: usize| self.soft[(index + step).min(last)] & 255;
+            self.soft[index] = at(0) | at(1) << 8 | at(columns) << 16 | at(columns + 1) << 24;
         }
     }
 
@@ -416,11 +432,10 @@ impl Renderer {
         let mut light = vec![0u16; 3 * (width + 2)];
         let mut rows = vec![vec![0u16; 3 * width]; 3];
         let mut mixed = vec![0u16; 3 * width];
-        let mut places = [vec![0f32; width], vec![0f32; width]];
         let table = Table::new(looks, x_wc, &self.lens.model);
         for y in 0..=height {
             if y < height {
-                self.colour_row(looks, &table, y, &mut places, &mut light[3..3 * (width + 1)]);
+                self.colour_row(looks, &table, y, &mut light[3..3 * (width + 1)]);
                 light.copy_within(3..6, 0);
                 light.copy_within(3 * width..3 * (width + 1), 3 * (width + 1));
                 blur(&mut rows[y % 3], &light, &light[3..], &light[6..]);
@@ -437,14 +452,7 @@ impl Renderer {
         image
     }
 
-    fn colour_row(
-        &self,
-        looks: &Looks,
-        table: &Table<'_>,
-        y: usize,
-        places: &mut [Vec<f32>; 2],
-        light: &mut [u16],
-    ) {
+    fn colour_row(&self, looks: &Looks, table: &Table<'_>, y: usize, light: &mut [u16]) {
         let width = self.lens.model.width;
         let [dx, dy] = self.lens.row(y);
         let shown = &self.shown[y * width..][..width];
@@ -453,21 +461,19 @@ impl Renderer {
             // A run of pixels that show one thing.
             let what = shown[x];
             let end = shown[x..].iter().position(|next| *next != what).map_or(width, |length| x + length);
-            let run = light[3 * x..3 * end].chunks_exact_mut(3);
             if what == 0 {
-                let [xs, ys] = &mut *places;
-                let (xs, ys) = (&mut xs[x..end], &mut ys[x..end]);
-                table.places([&dx[x..end], &dy[x..end]], [xs, ys]);
-                for ((light, x), y) in run.zip(xs).zip(ys) {
-                    light.copy_from_slice(&table.colour(looks, &self.soft, [*x, *y]));
+                let stretches = light[3 * x..3 * end].chunks_mut(3 * STRIDE);
+                for (light, from) in stretches.zip((x..end).step_by(STRIDE)) {
+                    let to = from + light.len() / 3;
+                    table.stretch(looks, &self.plain, &self.soft, [&dx[from..to], &dy[from..to]], light);
                 }
             } else if what & TAG == 0 {
                 let colour = self.palette[what as usize];
-                run.for_each(|light| light.copy_from_slice(&colour));
+                light[3 * x..3 * end].chunks_exact_mut(3).for_each(|light| light.copy_from_slice(&colour));
             } else {
                 let tag = &self.tags[(what & !TAG) as usize];
                 let mut steps = [[0.0; 2]; 2];
-                for (light, at) in run.zip(x..end) {
+                for (light, at) in light[3 * x..3 * end].chunks_exact_mut(3).zip(x..end) {
                     if (at - x).is_multiple_of(STRETCH) {
                         steps = self.lens.step(at, y);
                     }
@@ -504,7 +510,10 @@ const LEVEL: [f32; 2] = [0.0; 2];
 #[inline]
 fn floor(value: f32) -> i32 {
     const SHIFT: i32 = 4096;
-    (value.clamp(-4000.0, 4000.0) + SHIFT as f32) as i32 - SHIFT
+    // Two comparisons without a thought for what is no number: that becomes the limit.
+    let value = if value < 4000.0 { value } else { 4000.0 };
+    let value = if value > -4000.0 { value } else { -4000.0 };
+    (value + SHIFT as f32) as i32 - SHIFT
 }
 
 /// Columns and rows of the shadow map.
@@ -557,6 +566,7 @@ struct Table<'a> {
     /// From a byte of the sheet's picture to light, times 256.
     lit: u32,
     plain: [[u16; 3]; 3],
+    paper: [u16; 3],
 }
 
 /// The place of what does not look down at the table at all.
@@ -573,37 +583,145 @@ impl<'a> Table<'a> {
         let colour = |colour: [f32; 3], light: f32| colour.map(|share| linear(share * light));
         let plain = [colour(TABLE_COLOUR, lit), colour(FLOOR_COLOUR, 0.8 * lit), colour(WALL_COLOUR, 1.0)];
         let lit = (lit * f32::from(FULL) / 255.0 * 256.0) as u32;
-        Table { turn: rigid.turn, eye: rigid.shift, sheet, lit, plain }
+        let paper = looks.sheet.paper();
+        let paper = [0, 8, 16].map(|shift| ((((paper >> shift & 255) * lit) >> 8) as u16).min(FULL));
+        Table { turn: rigid.turn, eye: rigid.shift, sheet, lit, plain, paper }
     }
 
-    /// Where a row of pixels looks on the table, m in the world.
-    fn places(&self, [dx, dy]: [&[f32]; 2], [xs, ys]: [&mut [f32]; 2]) {
-        let [tx, ty, tz] = self.turn;
-        for (((dx, dy), x), y) in dx.iter().zip(dy).zip(xs).zip(ys) {
-            let fall = tz[0] * dx + tz[1] * dy + tz[2];
-            let t = -self.eye[2] / fall;
-            let down = fall < -1e-3;
-            let (on_x, on_y) = (tx[0] * dx + tx[1] * dy + tx[2], ty[0] * dx + ty[1] * dy + ty[2]);
-            *x = if down { self.eye[0] + t * on_x } else { ABOVE };
-            *y = if down { self.eye[1] + t * on_y } else { ABOVE };
-        }
-    }
-
+    /// Where a pixel looks on the table, m in the world.
     #[inline]
-    fn colour(&self, looks: &Looks, shadow: &[u32], [x, y]: [f32; 2]) -> [u16; 3] {
-        let inside = |value: f32, [from, to]: [f32; 2]| value > from && value < to;
-        if !(inside(x, TABLE[0]) && inside(y, TABLE[1])) {
-            return self.plain[if x == ABOVE { 2 } else { 1 }];
+    fn place(&self, dx: f32, dy: f32) -> [f32; 2] {
+        let [tx, ty, tz] = self.turn;
+        let fall = tz[0] * dx + tz[1] * dy + tz[2];
+        if fall > -1e-3 {
+            return [ABOVE; 2];
         }
-        let left = shade(shadow, (x - TABLE[0][0]) * SHADOW_SCALE, (y - TABLE[1][0]) * SHADOW_SCALE);
-        let (u, v) = (x - looks.sheet_corner[0], looks.sheet_corner[1] - y);
-        if inside(u, [0.0, looks.sheet_size[0]]) && inside(v, [0.0, looks.sheet_size[1]]) {
-            let colour = self.sheet.at(u, v);
-            let channel = |shift: u32| (((colour >> shift & 255) * self.lit >> 8) * left >> 8) as u16;
-            return [channel(0), channel(8), channel(16)].map(|value| value.min(FULL));
-        }
-        self.plain[0].map(|value| (u32::from(value) * left >> 8) as u16)
+        let t = -self.eye[2] / fall;
+        let (x, y) = (tx[0] * dx + tx[1] * dy + tx[2], ty[0] * dx + ty[1] * dy + ty[2]);
+        [self.eye[0] + t * x, self.eye[1] + t * y]
     }
+
+    /// Colours a few neighbouring pixels.
+    fn stretch(&self, looks: &Looks, plain: &[u8], soft: &[u32], [dx, dy]: [&[f32]; 2], light: &mut [u16]) {
+        let pixels = light.chunks_exact_mut(3);
+        if let ([first_x, .., last_x], [first_y, .., last_y]) = (dx, dy) {
+            let (from, to) = (self.place(*first_x, *first_y), self.place(*last_x, *last_y));
+            let close = (to[0] - from[0]).abs().max((to[1] - from[1]).abs()) < BARE;
+            let kinds = (kind(plain, from), kind(plain, to));
+            let whole = match kinds {
+                (TABLE_TOP, TABLE_TOP) => Some(self.plain[0]),
+                (PAPER, PAPER) => Some(self.paper),
+                _ => None,
+            };
+            if let Some(colour) = whole.filter(|_| close) {
+                return pixels.for_each(|light| light.copy_from_slice(&colour));
+            }
+            if close && on_sheet(looks, from) && on_sheet(looks, to) {
+                // Places and shadow between the two ends: straight.
+                let share = 1.0 / (dx.len() - 1) as f32;
+                let (step_x, step_y) = ((to[0] - from[0]) * share, (to[1] - from[1]) * share);
+                let [first, last] = [from, to].map(|at| shade_at(soft, at) as f32);
+                let fade = (last - first) * share;
+                for (light, index) in pixels.zip(0i32..) {
+                    let index = index as f32;
+                    let (x, y) = (from[0] + index * step_x, from[1] + index * step_y);
+                    light.copy_from_slice(&self.paper_at(looks, [x, y], (first + index * fade) as u32));
+                }
+                return;
+            }
+        }
+        for ((light, dx), dy) in pixels.zip(dx).zip(dy) {
+            light.copy_from_slice(&self.colour(looks, soft, self.place(*dx, *dy)));
+        }
+    }
+
+    /// The colour of a place on the sheet, of which shadows leave `left` of 256.
+    #[inline]
+    fn paper_at(&self, looks: &Looks, [x, y]: [f32; 2], left: u32) -> [u16; 3] {
+        let colour = self.sheet.at(x - looks.sheet_corner[0], looks.sheet_corner[1] - y);
+        let scale = (self.lit * left) >> 8;
+        let channel = |shift: u32| ((((colour >> shift & 255) * scale) >> 8) as u16).min(FULL);
+        [channel(0), channel(8), channel(16)]
+    }
+
+    fn colour(&self, looks: &Looks, soft: &[u32], at: [f32; 2]) -> [u16; 3] {
+        let inside = |axis: usize| at[axis] > TABLE[axis][0] && at[axis] < TABLE[axis][1];
+        if !(inside(0) && inside(1)) {
+            return self.plain[if at[0] == ABOVE { 2 } else { 1 }];
+        }
+        let left = shade_at(soft, at);
+        if on_sheet(looks, at) {
+            return self.paper_at(looks, at, left);
+        }
+        self.plain[0].map(|value| ((u32::from(value) * left) >> 8) as u16)
+    }
+}
+
+#[inline]
+fn on_sheet(looks: &Looks, [x, y]: [f32; 2]) -> bool {
+    let (u, v) = (x - looks.sheet_corner[0], looks.sheet_corner[1] - y);
+    u > 0.0 && v > 0.0 && u < looks.sheet_size[0] && v < looks.sheet_size[1]
+}
+
+/// What is known of a place's cell: see [`Renderer::plain`].
+#[inline]
+fn kind(plain: &[u8], [x, y]: [f32; 2]) -> u8 {
+    let (column, row) = ((x - TABLE[0][0]) * SHADOW_SCALE, (y - TABLE[1][0]) * SHADOW_SCALE);
+    let [columns, rows] = shadow_size();
+    let inside = column >= 0.0 && row >= 0.0 && column < columns as f32 && row < rows as f32;
+    if inside { plain[row as usize * columns + column as usize] } else { DETAIL }
+}
+
+/// How much light reaches a place on the table, of 256.
+#[inline]
+fn shade_at(soft: &[u32], [x, y]: [f32; 2]) -> u32 {
+    shade(soft, (x - TABLE[0][0]) * SHADOW_SCALE, (y - TABLE[1][0]) * SHADOW_SCALE)
+}
+
+/// Adds up, for each cell, those around it: [`WIDE`] along both directions.
+fn spread(sums: &mut [u16], marks: &mut [u16], columns: usize) {
+    // Along rows, then along columns; what runs over an edge is not missed on a table this much larger.
+    for (step, across) in [(1, true), (columns, false)] {
+        let (from, to): (&mut [u16], &mut [u16]) = if across { (sums, marks) } else { (marks, sums) };
+        to.fill(0);
+        let reach = 2 * step;
+        let inner = from.len() - 2 * reach;
+        let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|index| &from[index * step..][..inner]);
+        for (((((to, a), b), c), d), e) in to[reach..].iter_mut().zip(a).zip(b).zip(c).zip(d).zip(e) {
+            *to = a + b + c + d + e;
+        }
+    }
+}
+
+/// What each cell of the map shows where no shadow falls, seen from anywhere near it.
+fn bare(looks: &Looks) -> Vec<u8> {
+    let [columns, rows] = shadow_size();
+    let kind = |column: i64, row: i64| {
+        if !(0..columns as i64).contains(&column) || !(0..rows as i64).contains(&row) {
+            return DETAIL;
+        }
+        let x = TABLE[0][0] + (column as f32 + 0.5) / SHADOW_SCALE;
+        let y = TABLE[1][0] + (row as f32 + 0.5) / SHADOW_SCALE;
+        let (u, v) = (x - looks.sheet_corner[0], looks.sheet_corner[1] - y);
+        let [width, height] = looks.sheet_size;
+        if !(u > 0.0 && v > 0.0 && u < width && v < height) {
+            TABLE_TOP
+        } else if looks.sheet.is_blank([u, v], 1.0 / SHADOW_SCALE) {
+            PAPER
+        } else {
+            DETAIL
+        }
+    };
+    let kinds: Vec<u8> =
+        (0..rows as i64).flat_map(|row| (0..columns as i64).map(move |column| kind(column, row))).collect();
+    // The same for two cells all around: more than a stretch of pixels reaches.
+    let same = |index: usize| {
+        let (row, column) = (index / columns, index % columns);
+        let inside = (2..rows - 2).contains(&row) && (2..columns - 2).contains(&column);
+        let around = |row: usize| &kinds[row * columns + column - 2..row * columns + column + 3];
+        inside && (row - 2..row + 3).all(|row| around(row).iter().all(|kind| *kind == kinds[index]))
+    };
+    (0..kinds.len()).map(|index| if same(index) { kinds[index] } else { DETAIL }).collect()
 }
 
 /// How much light reaches a place on the shadow map, of 256.
@@ -622,5 +740,5 @@ fn shade(shadow: &[u32], column: f32, row: f32) -> u32 {
     let (fu, fv) = ((u & 255) as u32, (v & 255) as u32);
     let mix = |a: u32, b: u32| a * (256 - fu) + b * fu;
     let dark = (mix(byte(0), byte(8)) * (256 - fv) + mix(byte(16), byte(24)) * fv) >> 16;
-    256 - (dark * LOST >> 8)
+    256 - ((dark * LOST) >> 8)
 }

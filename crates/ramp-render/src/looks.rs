@@ -218,7 +218,7 @@ fn add_extrusion(mesh: &mut Mesh, from: f64, to: f64) {
         let next = (here + 1) % count;
         [[here, next, here + count], [next, next + count, here + count]]
     });
-    mesh.add(points, triangles.map(|[a, b, c]| [a, b, c]), METAL);
+    mesh.add(points, triangles, METAL);
 }
 
 fn sticker(place: &TagPlace) -> Result<Sticker, LooksError> {

@@ -8,13 +8,56 @@ use crate::looks::LooksError;
 /// Pixels of the sheet's finest picture per millimetre.
 const SCALE: f64 = 3.2;
 
+/// Edge of the squares in which pixels are stored, so that those that are neighbours are so in memory too, whichever way
+/// the camera is turned.
+const TILE: usize = 8;
+
+/// Where a pixel is stored.
+#[inline]
+fn place(width: usize, column: usize, row: usize) -> usize {
+    let tiles = width.div_ceil(TILE);
+    ((row / TILE * tiles + column / TILE) * TILE + row % TILE) * TILE + column % TILE
+}
+
+/// The number of a colour of the sheet, which is printed in grey and red: how bright its green is in steps of two, and
+/// above them the same for red.
+fn number(colour: u32) -> u8 {
+    let [red, green] = [colour & 255, colour >> 8 & 255];
+    (green / 2) as u8 | if red > green + 24 { 128 } else { 0 }
+}
+
+/// The colours of these numbers. The sheet's red throws back half of the red light.
+fn colours() -> Vec<u32> {
+    let colour = |number: u32| {
+        let green = (number & 127) * 2;
+        let red = if number & 128 == 0 { green } else { green.max(110) };
+        red | green << 8 | green << 16
+    };
+    (0..256).map(colour).collect()
+}
+
+fn tiled(width: usize, height: usize, pixels: &[u32]) -> Vec<u8> {
+    let mut tiled = vec![0; width.div_ceil(TILE) * height.div_ceil(TILE) * TILE * TILE];
+    for (row, line) in pixels.chunks_exact(width).enumerate() {
+        for (column, pixel) in line.iter().enumerate() {
+            tiled[place(width, column, row)] = number(*pixel);
+        }
+    }
+    tiled
+}
+
 /// A picture on the table.
 #[derive(Clone, Debug)]
 pub struct Texture {
-    /// From fine to coarse: width, height and pixels (red, green, blue in linear light, lowest byte first).
-    levels: Vec<(usize, usize, Vec<u32>)>,
+    /// From fine to coarse: width, height and pixels in tiles, each a number of a colour. A byte each, because most of the
+    /// time of looking them up is waiting for memory.
+    levels: Vec<(usize, usize, Vec<u8>)>,
+    /// The colours: red, green, blue in linear light, lowest byte first.
+    colours: Vec<u32>,
     /// Pixels of the finest level per metre.
     pub per_metre: f32,
+    /// The number of bare paper's colour.
+    paper: u8,
 }
 
 impl Texture {
@@ -57,7 +100,12 @@ impl Texture {
             }
             levels.push((w, h, half));
         }
-        Ok(Texture { levels, per_metre: (SCALE * 1e3) as f32 })
+        let levels = levels
+            .iter()
+            .map(|(width, height, pixels)| (*width, *height, tiled(*width, *height, pixels)))
+            .collect();
+        let paper = number(linear[255] * 0x01_01_01);
+        Ok(Texture { levels, colours: colours(), per_metre: (SCALE * 1e3) as f32, paper })
     }
 
     /// The level on which a pixel that covers `size` metres should be looked up.
@@ -72,10 +120,33 @@ impl Texture {
         level
     }
 
+    /// The colour of paper on which nothing is printed.
+    pub fn paper(&self) -> u32 {
+        self.colours[usize::from(self.paper)]
+    }
+
+    /// Is nothing printed around a place (m from the upper left corner), `size` (m) wide?
+    pub fn is_blank(&self, [x, y]: [f32; 2], size: f32) -> bool {
+        let (width, height, pixels) = &self.levels[0];
+        let range = |value: f32, end: usize| {
+            let at = |value: f32| ((value * self.per_metre).max(0.0) as usize).min(end - 1);
+            at(value - size / 2.0)..=at(value + size / 2.0)
+        };
+        range(y, *height)
+            .all(|row| range(x, *width).all(|column| pixels[place(*width, column, row)] == self.paper))
+    }
+
     /// The picture on a level.
     pub fn on(&self, level: usize) -> Level<'_> {
         let (width, height, pixels) = &self.levels[level];
-        Level { width: *width, height: *height, pixels, scale: self.per_metre / (1u32 << level) as f32 }
+        let colours = &self.colours;
+        Level {
+            width: *width,
+            height: *height,
+            pixels,
+            colours,
+            scale: self.per_metre / (1u32 << level) as f32,
+        }
     }
 }
 
@@ -83,7 +154,8 @@ impl Texture {
 pub struct Level<'a> {
     width: usize,
     height: usize,
-    pixels: &'a [u32],
+    pixels: &'a [u8],
+    colours: &'a [u32],
     scale: f32,
 }
 
@@ -94,7 +166,8 @@ impl Level<'_> {
     pub fn at(&self, x: f32, y: f32) -> u32 {
         let column = ((x * self.scale) as usize).min(self.width - 1);
         let row = ((y * self.scale) as usize).min(self.height - 1);
-        self.pixels.get(row * self.width + column).copied().unwrap_or_default()
+        let number = self.pixels.get(place(self.width, column, row)).copied().unwrap_or_default();
+        self.colours[usize::from(number)]
     }
 }
 
@@ -106,8 +179,8 @@ pub const TAG_LIGHT: [f32; 2] = [0.82, 0.035];
 pub struct Cells {
     /// By row from the top, with a ring of white around for the sticker's edge.
     bright: [[bool; tags::CELLS + 2]; tags::CELLS + 2],
-    /// Edge of a cell, m.
-    pub cell: f32,
+    /// Cells per metre.
+    per_metre: f32,
 }
 
 impl Cells {
@@ -120,7 +193,7 @@ impl Cells {
                 bright[row + 1][column + 1] = !black;
             }
         }
-        Some(Cells { bright, cell: (edge / tags::BLACK_CELLS as f64) as f32 })
+        Some(Cells { bright, per_metre: (tags::BLACK_CELLS as f64 / edge) as f32 })
     }
 
     /// The cell at a place in the tag's frame G (x right, y up, m).
@@ -128,8 +201,11 @@ impl Cells {
     fn index(&self, x: f32, y: f32) -> (usize, usize) {
         let middle = (tags::CELLS + 2) as f32 / 2.0;
         let last = (tags::CELLS + 1) as f32;
-        let clamp = |value: f32| value.max(0.0).min(last) as usize;
-        (clamp(middle - y / self.cell), clamp(middle + x / self.cell))
+        let clamp = |value: f32| {
+            let value = if value > 0.0 { value } else { 0.0 };
+            (if value < last { value } else { last }) as i32 as usize
+        };
+        (clamp(middle - y * self.per_metre), clamp(middle + x * self.per_metre))
     }
 
     /// Share of white in a parallelogram around (x, y) with the sides `a` and `b`, all in G, m.
