@@ -23,7 +23,7 @@ const TIP: Colour = [0.03, 0.03, 0.033];
 const TOOL: Colour = [0.22, 0.23, 0.25];
 /// For near and far looks: details that are left out and the longest edge of a triangle (the lens bends longer ones
 /// visibly), m.
-const NEAR: [f32; 2] = [0.7e-3, 0.03];
+const NEAR: [f32; 2] = [0.9e-3, 0.045];
 const FAR: [f32; 2] = [2.0e-3, 0.06];
 /// Details that a shadow does not show, m.
 const SHADOW: f32 = 0.008;
