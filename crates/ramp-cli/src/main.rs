@@ -5,6 +5,7 @@
 
 mod command;
 mod data;
+mod film;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -49,6 +50,8 @@ enum Command {
     Plan(command::plan::Arguments),
     /// Build a goal in the digital twin, and score it
     Run(command::run::Arguments),
+    /// See a goal through the cameras: images, what is found in them, data sets
+    See(command::see::Arguments),
     /// Make the parts: print, saw, lay out
     Kit(command::kit::Arguments),
     /// Look into the digital twin
@@ -64,6 +67,7 @@ fn main() -> ExitCode {
         Command::Show(arguments) => command::show::run(&data, &arguments),
         Command::Plan(arguments) => command::plan::run(&data, &arguments),
         Command::Run(arguments) => command::run::run(&data, &arguments),
+        Command::See(arguments) => command::see::run(&data, &arguments),
         Command::Kit(arguments) => command::kit::run(&data, &arguments),
         Command::Twin(arguments) => command::twin::run(&data, &arguments),
     });

@@ -96,7 +96,10 @@ fn plan_prints_coarse_and_fine_actions() {
 #[test]
 fn run_builds_easy_1_and_writes_result_and_curve() {
     let folder = TempDir::new().unwrap();
-    let output = ramp(&folder, &["run", "easy-1", "--seed", "12", "-o", "out.json", "--scene", "scene.xml"]);
+    let output = ramp(
+        &folder,
+        &["run", "easy-1", "--track", "state", "--seed", "12", "-o", "out.json", "--scene", "scene.xml"],
+    );
     let (said, told) = (text(&output.stdout), text(&output.stderr));
     assert_eq!(output.status.code(), Some(0), "{said}{told}");
     assert!(said.contains("3 of 3 pegs") && said.contains("out.json") && said.contains("out.svg"), "{said}");
@@ -116,7 +119,7 @@ fn run_builds_easy_1_and_writes_result_and_curve() {
 #[test]
 fn what_no_skill_can_do_yet_ends_with_status_1_and_a_reason() {
     let folder = TempDir::new().unwrap();
-    let output = ramp(&folder, &["run", "medium-3", "--json"]);
+    let output = ramp(&folder, &["run", "medium-3", "--track", "state", "--json"]);
     assert_eq!(output.status.code(), Some(1));
     let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(result["events"].as_array().unwrap().iter().any(|event| event["kind"] == "fault"));

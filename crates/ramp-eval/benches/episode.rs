@@ -12,7 +12,9 @@ use common::World;
 use mujoco_rs::prelude::*;
 use ramp_eval::result::Software;
 use ramp_eval::{Progress, run_episode};
-use ramp_robot::{Account, Agent, Command, Observation, PartReading, Robot, RobotError};
+use ramp_robot::{
+    Account, Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError,
+};
 use ramp_skills::Baseline;
 use ramp_twin::Twin;
 
@@ -37,6 +39,14 @@ impl Robot for Recorder<'_> {
 
     fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
         self.robot.read_parts()
+    }
+
+    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        self.robot.look(camera)
+    }
+
+    fn camera(&self, camera: Camera) -> CameraModel {
+        self.robot.camera(camera)
     }
 }
 

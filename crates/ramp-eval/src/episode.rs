@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use ramp_robot::{Agent, Command, Observation, PartReading, Robot, RobotError};
+use ramp_robot::{Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
 use ramp_twin::{Setup, Twin, TwinError};
 
 use crate::referee::Referee;
@@ -46,7 +46,7 @@ impl Judged<'_, '_> {
         self.thought += self.answered.elapsed().as_secs_f64();
     }
 
-    fn look(&mut self) {
+    fn judge(&mut self) {
         self.referee.watch(&self.twin.truth(), self.thought);
         let verdict = self.referee.verdict();
         let progress = Progress {
@@ -64,7 +64,7 @@ impl Robot for Judged<'_, '_> {
         let result = self.twin.step(command);
         self.steps += 1;
         if self.steps.is_multiple_of(WATCH_EVERY) {
-            self.look();
+            self.judge();
         }
         self.answered = Instant::now();
         result
@@ -76,9 +76,26 @@ impl Robot for Judged<'_, '_> {
 
     fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
         self.called();
+        let before = self.twin.time();
         let result = self.twin.read_parts();
+        // Where a reading takes time, the world has moved on.
+        if self.twin.time() > before {
+            self.judge();
+        }
         self.answered = Instant::now();
         result
+    }
+
+    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        self.called();
+        let result = self.twin.look(camera);
+        self.judge();
+        self.answered = Instant::now();
+        result
+    }
+
+    fn camera(&self, camera: Camera) -> CameraModel {
+        self.twin.camera(camera)
     }
 }
 
@@ -99,7 +116,7 @@ pub fn run_episode(
         Judged { twin: &mut twin, referee, thought: 0.0, answered: Instant::now(), steps: 0, watcher };
     let outcome = agent.run(&mut judged);
     judged.called();
-    judged.look();
+    judged.judge();
     let Judged { referee, thought, .. } = judged;
     let account = agent.account();
     let planning = account.planning.min(thought);

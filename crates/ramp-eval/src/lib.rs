@@ -1,10 +1,12 @@
 //! Measures and protocol (sections III-C and III-D of the paper): who is right, how far, how fast.
 //!
 //! Data passes one way: [`episode`] lets an agent work in the twin while [`referee`] watches the truth; what comes
-//! out is a [`result::EpisodeResult`], one JSON file of a published schema; [`curve`] draws it.
+//! out is a [`result::EpisodeResult`], one JSON file of a published schema; [`curve`] draws it. [`perception`] makes images with
+//! labels, and judges detectors on them.
 
 pub mod curve;
 pub mod episode;
+pub mod perception;
 pub mod referee;
 pub mod result;
 

@@ -8,7 +8,9 @@ mod common;
 use common::World;
 use nalgebra::Translation3;
 use ramp_eval::Referee;
-use ramp_robot::{Agent, Command, Event, Observation, PartReading, Robot, RobotError};
+use ramp_robot::{
+    Agent, Camera, CameraModel, Command, Event, Image, Observation, PartReading, Robot, RobotError,
+};
 use ramp_skills::Baseline;
 use ramp_twin::Twin;
 
@@ -54,6 +56,14 @@ impl Robot for Troubled<'_> {
             }
         }
         Ok(parts)
+    }
+
+    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        self.twin.look(camera)
+    }
+
+    fn camera(&self, camera: Camera) -> CameraModel {
+        self.twin.camera(camera)
     }
 }
 

@@ -9,7 +9,7 @@ use common::World;
 use nalgebra::Translation3;
 use ramp_motion::PathPlanner;
 use ramp_robot::random::Stream;
-use ramp_robot::{Command, Observation, PartReading, Robot, RobotError};
+use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
 use ramp_skills::belief::Belief;
 use ramp_skills::hand::Hand;
 use ramp_skills::transport::Workcell;
@@ -40,6 +40,14 @@ impl Robot for Biased<'_> {
         }
         Ok(parts)
     }
+
+    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        self.twin.look(camera)
+    }
+
+    fn camera(&self, camera: Camera) -> CameraModel {
+        self.twin.camera(camera)
+    }
 }
 
 fn cell<'a, 'r>(world: &'a World, planner: &'a PathPlanner, robot: &'r mut dyn Robot) -> Workcell<'a, 'r> {
@@ -49,7 +57,7 @@ fn cell<'a, 'r>(world: &'a World, planner: &'a PathPlanner, robot: &'r mut dyn R
         arm: &world.arm,
         planner,
         hand: Hand::new(robot),
-        belief: Belief::default(),
+        belief: Belief::new(&world.kit, &world.assembly),
         standing: vec![world.assembly.base],
         pinned: Vec::new(),
         stream: Stream::new(1, "motion"),

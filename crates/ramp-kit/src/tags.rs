@@ -1,4 +1,10 @@
-//! The AprilTags of the family tag25h9, by which cameras find the parts.
+//! The AprilTags of the family tag25h9, by which cameras find the parts: what they look like and where they stick.
+
+use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+
+use crate::beam::Kit;
+use crate::joint::HEAD_HEIGHT;
+use crate::{JointType, Pose};
 
 /// Cells along an edge of a tag, its white ring included.
 pub const CELLS: usize = 9;
@@ -44,4 +50,59 @@ pub fn cells(id: u32) -> Option<[[bool; CELLS]; CELLS]> {
     }
     cells[4][4] = !bits.next().unwrap_or_default();
     Some(cells)
+}
+
+/// A tag at its place on a part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TagPlace {
+    /// Its id.
+    pub id: u32,
+    /// The beam or peg it sticks on.
+    pub part: String,
+    /// Pose of the tag's frame G on the part: origin in the middle of the tag, x to its right, y to its top, z out
+    /// of its face.
+    pub x_pg: Pose,
+    /// Length of its black edge, m.
+    pub edge: f64,
+}
+
+/// A frame at `at` with y and z in these directions.
+fn facing(at: Vector3<f64>, y: Vector3<f64>, z: Vector3<f64>) -> Pose {
+    let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[y.cross(&z), y, z]));
+    Pose::from_parts(Translation3::from(at), UnitQuaternion::from_rotation_matrix(&rotation))
+}
+
+/// Where the assembly guide has the tags stuck: on the ends of beams with their tops outwards, on the face that is up
+/// as the beam lies on the sheet, and on the heads of pegs with their tops towards +y.
+pub fn places(kit: &Kit) -> Vec<TagPlace> {
+    let mut places = Vec::new();
+    for beam in &kit.beams {
+        let flipped = beam.start.is_some_and(|start| start.flipped);
+        for (index, joint) in beam.joints.iter().enumerate() {
+            let Some((id, inwards, height)) = joint_tag(joint.tag, joint.kind) else { continue };
+            let outward = if index == 0 { -1.0 } else { 1.0 };
+            // The plate of a male end is on one face only.
+            let up = if flipped && !joint.kind.is_male() { -1.0 } else { 1.0 };
+            let at = Vector3::new(joint.offset - outward * inwards, 0.0, up * height);
+            let x_pg = facing(at, Vector3::x() * outward, Vector3::z() * up);
+            places.push(TagPlace { id, part: beam.name.clone(), x_pg, edge: BLACK_EDGE });
+        }
+    }
+    for peg in &kit.pegs {
+        let x_pg = facing(Vector3::z() * HEAD_HEIGHT, Vector3::y(), Vector3::z());
+        places.push(TagPlace { id: peg.tag, part: peg.name.clone(), x_pg, edge: BLACK_EDGE });
+    }
+    places
+}
+
+fn joint_tag(id: Option<u32>, kind: JointType) -> Option<(u32, f64, f64)> {
+    Some((id?, kind.tag_offset()?, kind.tag_height()?))
+}
+
+/// The id of the sheet's own tag.
+pub const SHEET_ID: u32 = 0;
+
+/// The pose of the sheet's own tag in the world, as [`TagPlace::x_pg`]: its top towards the sheet's top.
+pub fn x_wg_sheet(kit: &Kit) -> Pose {
+    facing(kit.sheet_to_world(kit.sheet.tag).coords, Vector3::y(), Vector3::z())
 }

@@ -5,9 +5,12 @@
 //! parts is decided by the [`Track`] it is judged on.
 
 pub mod arm;
+pub mod camera;
 pub mod random;
 
 use nalgebra::{Isometry3, Vector6};
+
+pub use camera::{Camera, CameraModel, Image};
 
 /// A rigid pose; `x_wt` is the pose of the tip T in the world W.
 pub type Pose = Isometry3<f64>;
@@ -20,13 +23,22 @@ pub const DOF: usize = 7;
 pub enum Track {
     /// Exact poses from the simulator.
     State,
+    /// Poses from the simulator with noise on each reading, and readings that are missing.
+    Noisy,
+    /// Camera images alone, with the parts' tags in them.
+    Tags,
 }
 
 impl Track {
+    /// All of them.
+    pub const ALL: [Track; 3] = [Track::State, Track::Noisy, Track::Tags];
+
     /// The name on the command line and in results.
     pub fn name(self) -> &'static str {
         match self {
             Track::State => "state",
+            Track::Noisy => "noisy",
+            Track::Tags => "tags",
         }
     }
 }
@@ -110,6 +122,9 @@ pub struct PartReading {
     pub part: String,
     /// Pose of its frame in the world: a beam's at its j1 hole, a peg's at the underside of its head.
     pub x_wp: Pose,
+    /// Standard deviation of its noise: of the position along each axis of the world, m, and of the rotation about
+    /// each axis of the world, rad. Zero for an exact reading.
+    pub sigma: [f64; 2],
 }
 
 /// Why a robot stopped.
@@ -149,6 +164,20 @@ pub enum RobotError {
         /// s.
         limit: f64,
     },
+    /// The track on which the agent is judged does not give what it asked for. The robot goes on.
+    #[error("track `{}` gives no {what}", track.name())]
+    NotOnTrack {
+        /// The track.
+        track: Track,
+        /// What was asked for.
+        what: &'static str,
+    },
+    /// A camera gives no images any more. The robot goes on.
+    #[error("the camera `{}` gives no image", camera.name())]
+    CameraStopped {
+        /// The camera.
+        camera: Camera,
+    },
     /// The simulation became unstable.
     #[error("the physics diverged at {time:.3} s")]
     Diverged {
@@ -158,6 +187,20 @@ pub enum RobotError {
 }
 
 /// A robot that an agent can drive: the twin, or a real arm.
+///
+/// The trait is all that an agent gets of it. What is behind it, with the truth that the referee reads, cannot be had
+/// from it:
+///
+/// ```
+/// fn drive(robot: &mut dyn ramp_robot::Robot) -> &mut dyn ramp_robot::Robot {
+///     robot
+/// }
+/// ```
+/// ```compile_fail
+/// fn peek(robot: &mut dyn ramp_robot::Robot) -> &mut dyn std::any::Any {
+///     robot
+/// }
+/// ```
 pub trait Robot {
     /// Lets one control period of a millisecond pass under `command` and returns what was sensed at its end.
     ///
@@ -169,11 +212,24 @@ pub trait Robot {
     /// What was sensed last, without letting time pass.
     fn observe(&self) -> Observation;
 
-    /// Reads where the parts are, as far as the track allows. On `state` all parts, exactly.
+    /// Reads where the parts are, as far as the track allows. On `state` all parts, exactly and at no cost;
+    /// on `noisy` most of them, with noise, and robot time passes as for an image, during which the arm goes on with
+    /// its last command.
     ///
     /// # Errors
-    /// As [`Robot::step`].
+    /// As [`Robot::step`]; on `tags` always [`RobotError::NotOnTrack`], and the robot goes on.
     fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError>;
+
+    /// Takes an image. Exposure and the way to the agent take robot time, during which the arm goes on with its
+    /// last command.
+    ///
+    /// # Errors
+    /// As [`Robot::step`]; [`RobotError::CameraStopped`] when there is no image, and on `noisy`
+    /// [`RobotError::NotOnTrack`]: after these two the robot goes on.
+    fn look(&mut self, camera: Camera) -> Result<Image, RobotError>;
+
+    /// What is known of a camera: its lens, and where it is up to the error of a usual calibration.
+    fn camera(&self, camera: Camera) -> CameraModel;
 }
 
 /// What an agent tells about its own work.
@@ -196,7 +252,7 @@ pub struct Account {
 pub struct Event {
     /// Robot time, s.
     pub time: f64,
-    /// In one word: `start`, `done`, `fault`, `retry`, `search`, `replan`.
+    /// In one word: `start`, `done`, `fault`, `retry`, `search`, `replan`, `seen`.
     pub kind: &'static str,
     /// What it was about, for a person.
     pub what: String,

@@ -21,6 +21,8 @@ use crate::transport::Workcell;
 
 /// How often the agent plans again before it gives up.
 const REPLANS: usize = 6;
+/// How well two holes must be known to tell whether a peg goes in, m.
+const KNOWN: f64 = 0.3e-3;
 /// A peg further than this from its place in the holder is not fetched any more, m: in its hole it can be 3 mm off.
 const STRAYED: f64 = 6.0e-3;
 
@@ -172,8 +174,9 @@ impl<'a> Baseline<'a> {
             _ => None,
         });
         let Some(index) = next else { return Ok(()) };
-        cell.belief.update(&mut cell.hand)?;
         let connection = &self.assembly.connections[index];
+        let holes = [cell.hole(connection.female), cell.hole(connection.male)];
+        cell.see(&holes, KNOWN)?;
         let offset = cell.belief.offset(self.assembly, connection)?;
         if offset <= PEGGABLE {
             return Ok(());
@@ -299,7 +302,7 @@ impl Agent for Baseline<'_> {
             arm: self.arm,
             planner: &planner,
             hand: Hand::new(robot),
-            belief: Belief::default(),
+            belief: Belief::new(self.kit, self.assembly),
             standing: vec![self.assembly.base],
             pinned: Vec::new(),
             stream: Stream::new(self.seed, "motion"),

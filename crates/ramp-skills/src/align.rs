@@ -13,6 +13,8 @@ use crate::transport::Workcell;
 
 /// A beam this near to its place is left alone, m.
 const GOOD: f64 = 0.3e-3;
+/// How well its ends must be known to tell, m.
+const KNOWN: f64 = 0.2e-3;
 /// Speed, m/s.
 const SPEED: f64 = 0.03;
 /// Force at which a push stops, N.
@@ -33,7 +35,7 @@ impl Workcell<'_, '_> {
         };
         let far = self.far_end(beam);
         for attempt in 0..TRIES {
-            self.belief.update(&mut self.hand)?;
+            self.see_ends(beam)?;
             let (goal, off) = self.straightened(beam)?;
             if off < GOOD {
                 return Ok(());
@@ -56,7 +58,7 @@ impl Workcell<'_, '_> {
             }
             self.hand.zero()?;
             for _ in 0..2 {
-                self.belief.update(&mut self.hand)?;
+                self.glance()?;
                 let x_wb = self.belief.pose(&name)?;
                 let target = self.hand.corrected(&x_wb, &goal);
                 self.hand.drive(&target, SPEED, |hand| hand.force().norm() > LIMIT)?;
@@ -64,7 +66,7 @@ impl Workcell<'_, '_> {
             }
             self.release()?;
         }
-        self.belief.update(&mut self.hand)?;
+        self.see_ends(beam)?;
         let (_, off) = self.straightened(beam)?;
         if off < 3.0 * GOOD {
             return Ok(());
@@ -107,6 +109,15 @@ impl Workcell<'_, '_> {
             }
         }
         Ok(swung)
+    }
+
+    /// Looks until it is known where the pinned joint and the far end of a beam are.
+    fn see_ends(&mut self, beam: usize) -> Result<(), SkillError> {
+        let placed = &self.assembly.beams[beam].beam;
+        let far = nalgebra::Point3::new(self.far_end(beam), 0.0, 0.0);
+        let mut points = vec![(placed.name.clone(), far)];
+        points.extend(self.anchor(beam).map(|joint| self.hole(joint)));
+        self.see(&points, KNOWN)
     }
 
     /// The joint of a beam that a peg already pins, if any.

@@ -1,35 +1,321 @@
-//! Where the agent believes the parts to be: what the robot let it read last.
+//! Where the agent believes the parts to be, and how well it knows: all that skills get to know of them.
+//!
+//! For each part there is one estimate. Sight corrects it, time and contact blur it. A part between the fingers is
+//! known in the frame of the tip and moves with it; one that stands or lies is known in the world. The same code
+//! runs on every track: where readings are exact, covariances are next to nothing.
 
 use std::collections::BTreeMap;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3, Vector6};
 use ramp_assembly::{Assembly, Connection, JointRef};
 use ramp_kit::Kit;
 use ramp_kit::shape::{Cuboid, Shape, beam_shapes, peg_head};
 use ramp_kit::{Holder, joint};
 use ramp_motion::Obstacle;
 use ramp_robot::RobotError;
+use ramp_vision::Lying;
 
 use crate::Pose;
+use crate::estimate::{Estimate, covariance};
+use crate::eyes::{Eyes, Sighting};
 use crate::fault::{Fault, SkillError};
 use crate::hand::Hand;
 
-/// Part poses in the world, by name.
-#[derive(Clone, Debug, Default)]
+const MM: f64 = 1.0e-3;
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+/// What is known of a part before it is seen: it lies on the outlines of the sheet, flat. Position and rotation.
+const ON_SHEET: ([f64; 3], [f64; 3]) =
+    ([3.0 * MM, 3.0 * MM, 0.05 * MM], [0.02 * DEGREE, 0.02 * DEGREE, 3.0 * DEGREE]);
+/// How well the place of the clamped beam is known.
+const CLAMPED: ([f64; 3], [f64; 3]) = ([0.02 * MM; 3], [0.01 * DEGREE; 3]);
+/// What a second makes of any part.
+const RESTING: (f64, f64) = (0.005 * MM, 0.002 * DEGREE);
+/// What a metre of way makes of a part between the fingers, on the axes of the tip: as the hand speeds up and slows
+/// down it creeps along the fingers' faces, by 1.5 mm on a long way.
+const CARRIED: ([f64; 3], f64) = ([1.0 * MM, 0.03 * MM, 0.3 * MM], 0.05 * DEGREE);
+/// How far the fingers may shift (across the closing direction, along it, along the hand) and turn (about the same)
+/// a part when they close on it.
+const GRIPPED: ([f64; 3], [f64; 3]) =
+    ([0.2 * MM, 3.0 * MM, 0.05 * MM], [0.1 * DEGREE, 0.05 * DEGREE, 3.0 * DEGREE]);
+/// How well the fingers, once closed, centre a part, and how well they turn it square to themselves.
+const CENTRED: (f64, f64) = (0.05 * MM, 0.03 * DEGREE);
+/// How far a part may move as the fingers let go of it, m and rad.
+const RELEASED: ([f64; 3], [f64; 3]) = ([0.2 * MM; 3], [0.1 * DEGREE, 0.1 * DEGREE, 0.05 * DEGREE]);
+/// A reading with a greater normalised innovation squared is not believed before the next one confirms it: with six
+/// degrees of freedom, chance alone exceeds it once in two million.
+const GATE: f64 = 40.0;
+/// Share of a new reading in the running mean of innovations that tells of a part that has moved a little.
+const DRIFT: f64 = 1.0 / 16.0;
+/// So many images in a row that show a part lying otherwise, and it is believed that it does.
+const DOUBTS: u32 = 3;
+/// A part whose z axis is this upright counts as level: within 0.8°.
+const LEVEL: f64 = 0.9999;
+/// Above this standard deviation of its tilt nothing is known of how a part lies, rad.
+const TILTED: f64 = 1.0 * DEGREE;
+/// A part found further than this from where it was believed is worth telling, m.
+const ASTRAY: f64 = 5.0 * MM;
+
+/// Where a part is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Frame {
+    /// In the world, where nothing moves it.
+    Clamped,
+    /// In the world.
+    World,
+    /// In the tip's frame.
+    Tip,
+}
+
+#[derive(Clone, Debug)]
+struct Part {
+    estimate: Estimate,
+    frame: Frame,
+    seen: bool,
+    /// The last reading, in the same frame, if it was too far off to be believed.
+    odd: Option<Estimate>,
+    /// Images since the last sighting that showed it lying otherwise than is believed.
+    doubts: u32,
+    /// Running mean of the innovations, each whitened by its covariance.
+    drift: Vector6<f64>,
+}
+
+impl Part {
+    /// Readings that are each within reason but all on one side say that the part has moved: the estimate then
+    /// forgets as much as they differ from it.
+    fn watch(&mut self, seen: &Estimate) {
+        let Some((white, root)) = self.estimate.whitened(seen) else { return };
+        self.drift += (white - self.drift) * DRIFT;
+        // The mean of white noise so weighed has this share of its variance.
+        let share = DRIFT / (2.0 - DRIFT);
+        if self.drift.norm_squared() / share > GATE {
+            let off = root * self.drift;
+            self.estimate.spread([off[0], off[1], off[2]], [off[3], off[4], off[5]]);
+            self.drift = Vector6::zeros();
+        }
+    }
+
+    /// Begins to be known in another frame.
+    fn rebase(&mut self, frame: Frame, estimate: Estimate) {
+        self.estimate = estimate;
+        self.frame = frame;
+        self.odd = None;
+        self.drift = Vector6::zeros();
+    }
+}
+
+/// Part poses with their covariances, by name, and the eyes that correct them.
 pub struct Belief {
-    x_wp: BTreeMap<String, Pose>,
+    /// What finds the parts.
+    pub eyes: Eyes,
+    parts: BTreeMap<String, Part>,
+    time: f64,
+    x_wt: Pose,
+    astray: Vec<(String, f64)>,
 }
 
 impl Belief {
-    /// Reads the parts anew; what is not seen keeps its last pose.
+    /// What is known before anything is seen.
+    pub fn new(kit: &Kit, assembly: &Assembly) -> Belief {
+        let base = &assembly.beams[assembly.base];
+        let mut parts = BTreeMap::new();
+        let mut insert = |name: &str, x: Pose, (position, rotation): ([f64; 3], [f64; 3]), frame| {
+            let estimate = Estimate { x, covariance: covariance(position, rotation) };
+            parts.insert(
+                name.to_string(),
+                Part {
+                    estimate,
+                    frame,
+                    seen: frame == Frame::Clamped,
+                    odd: None,
+                    doubts: 0,
+                    drift: Vector6::zeros(),
+                },
+            );
+        };
+        for beam in &kit.beams {
+            if beam.name == base.beam.name {
+                insert(&beam.name, kit.x_wa() * base.x_ab, CLAMPED, Frame::Clamped);
+            } else if let Some(x_wb) = kit.x_wb_start(beam) {
+                insert(&beam.name, x_wb, ON_SHEET, Frame::World);
+            }
+        }
+        for peg in &kit.pegs {
+            if let Some(x_wp) = kit.x_wp_start(peg) {
+                insert(&peg.name, x_wp, ON_SHEET, Frame::World);
+            }
+        }
+        let eyes = Eyes::new(kit, &base.beam.name, kit.x_wa() * base.x_ab);
+        Belief { eyes, parts, time: 0.0, x_wt: Pose::identity(), astray: Vec::new() }
+    }
+
+    /// Takes one reading of the parts, and another at once if one of them is too odd to be believed.
     ///
     /// # Errors
     /// The robot's.
     pub fn update(&mut self, hand: &mut Hand) -> Result<(), RobotError> {
-        for reading in hand.look()? {
-            self.x_wp.insert(reading.part, reading.x_wp);
+        self.follow(hand);
+        let sightings = self.sight(hand)?;
+        self.follow(hand);
+        let odd = sightings.iter().filter(|sighting| self.take(sighting)).count();
+        if odd > 0 {
+            let sightings = self.sight(hand)?;
+            self.follow(hand);
+            for sighting in &sightings {
+                self.take(sighting);
+            }
         }
         Ok(())
+    }
+
+    fn sight(&mut self, hand: &mut Hand) -> Result<Vec<Sighting>, RobotError> {
+        let lying = self.lying();
+        let sightings = self.eyes.look(hand, &lying)?;
+        for name in self.eyes.upset() {
+            self.doubt(&name);
+        }
+        Ok(sightings)
+    }
+
+    /// A part was seen, but not lying as it is believed to: after some times it may lie anyhow.
+    fn doubt(&mut self, name: &str) {
+        let Some(part) = self.parts.get_mut(name).filter(|part| part.frame == Frame::World) else { return };
+        part.doubts += 1;
+        if part.doubts >= DOUBTS {
+            part.doubts = 0;
+            part.estimate.spread([30.0 * MM; 3], [30.0 * DEGREE; 3]);
+        }
+    }
+
+    /// What is known of how parts lie: those that are level, and how high they are.
+    fn lying(&self) -> Vec<Lying> {
+        let lying = |(name, part): (&String, &Part)| {
+            let x_wp = self.find(name).unwrap_or(part.estimate.x);
+            let up = (x_wp.rotation * Vector3::z()).z;
+            let tilt = (part.estimate.covariance[(3, 3)] + part.estimate.covariance[(4, 4)]).sqrt();
+            if up.abs() < LEVEL || tilt > TILTED {
+                return None;
+            }
+            let height = part.estimate.covariance[(2, 2)].sqrt();
+            let sigma = [height.max(Lying::SIGMA[0]), tilt.max(Lying::SIGMA[1])];
+            Some(Lying { part: name.clone(), height: x_wp.translation.z, flipped: up < 0.0, sigma })
+        };
+        self.parts.iter().filter_map(lying).collect()
+    }
+
+    /// Lets the time pass that the robot's clock shows: what is held moves with the tip, and everything is known a
+    /// little less well.
+    pub fn follow(&mut self, hand: &Hand) {
+        let share = (hand.time() - self.time).max(0.0).sqrt();
+        let way = hand.seen.x_wt.translation.vector - self.x_wt.translation.vector;
+        self.time = hand.time();
+        self.x_wt = hand.seen.x_wt;
+        for part in self.parts.values_mut().filter(|part| part.frame != Frame::Clamped) {
+            part.estimate.spread([RESTING.0 * share; 3], [RESTING.1 * share; 3]);
+            if part.frame == Frame::Tip {
+                let share = way.norm().sqrt();
+                part.estimate.spread(CARRIED.0.map(|sigma| sigma * share), [CARRIED.1 * share; 3]);
+            }
+        }
+    }
+
+    /// Takes in what was seen of one part; tells whether it was too odd to be believed.
+    fn take(&mut self, sighting: &Sighting) -> bool {
+        let Some(part) = self.parts.get_mut(&sighting.part) else { return false };
+        part.doubts = 0;
+        let seen = match part.frame {
+            Frame::Tip => sighting.estimate.seen_from(&sighting.x_wt.inverse()),
+            Frame::World | Frame::Clamped => sighting.estimate.clone(),
+        };
+        if part.estimate.surprise(&seen) < GATE {
+            part.watch(&seen);
+            part.estimate.fuse(&seen);
+            part.odd = None;
+            part.seen = true;
+            return false;
+        }
+        match part.odd.take() {
+            // Two readings agree: the part is not where it was believed.
+            Some(mut before) if before.surprise(&seen) < GATE => {
+                before.fuse(&seen);
+                let off = before.error(&part.estimate.x).fixed_rows::<3>(0).norm();
+                if off > ASTRAY && part.seen {
+                    self.astray.push((sighting.part.clone(), off));
+                }
+                part.estimate = before;
+                part.drift = Vector6::zeros();
+                part.seen = true;
+                false
+            }
+            _ => {
+                part.odd = Some(seen);
+                true
+            }
+        }
+    }
+
+    /// The parts that were found far from where they were believed since this was last asked, and how far, m.
+    pub fn astray(&mut self) -> Vec<(String, f64)> {
+        std::mem::take(&mut self.astray)
+    }
+
+    /// The fingers have closed on a part: it moves with the tip from now on. They centre it, and turn it square to
+    /// themselves: its x axis lies along or against the tip's, that of a peg (`square`) along the nearest of the
+    /// tip's axes.
+    pub fn gripped(&mut self, part: &str, square: bool) {
+        let x_wt = self.x_wt;
+        let Some(part) = self.parts.get_mut(part) else { return };
+        let mut estimate = part.estimate.seen_from(&x_wt.inverse());
+        estimate.spread(GRIPPED.0, GRIPPED.1);
+        let (offset, angle) = CENTRED;
+        let x = estimate.x.rotation * Vector3::x();
+        let yaw = x.y.atan2(x.x);
+        let step = if square { std::f64::consts::FRAC_PI_2 } else { std::f64::consts::PI };
+        let turned = (yaw / step).round() * step - yaw;
+        estimate.constrain(&Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 1.0), turned, angle);
+        // The point of its axis under the tip (a peg's is its own origin) lies between the fingers.
+        let x = estimate.x.rotation * Vector3::x();
+        let along = if square || x.x.abs() < 0.5 { 0.0 } else { -estimate.x.translation.x / x.x };
+        let lever = x * along;
+        let middle = estimate.x.translation.vector + lever;
+        let row = Vector6::new(0.0, 1.0, 0.0, -lever.z, 0.0, lever.x);
+        estimate.constrain(&row, -middle.y, offset);
+        part.rebase(Frame::Tip, estimate);
+    }
+
+    /// The fingers have let go of a part where it is now.
+    pub fn released(&mut self, part: &str) {
+        self.freed(part, RELEASED);
+    }
+
+    /// A part has slipped out of the fingers: it may be anywhere below.
+    pub fn lost(&mut self, part: &str) {
+        self.freed(part, ([100.0 * MM; 3], [60.0 * DEGREE; 3]));
+    }
+
+    fn freed(&mut self, part: &str, (position, rotation): ([f64; 3], [f64; 3])) {
+        let x_wt = self.x_wt;
+        let Some(part) = self.parts.get_mut(part).filter(|part| part.frame == Frame::Tip) else { return };
+        let mut estimate = part.estimate.seen_from(&x_wt);
+        estimate.spread(position, rotation);
+        part.rebase(Frame::World, estimate);
+    }
+
+    /// A point of a part (m, in its frame) is at a height (m) that is known to a standard deviation of `sigma`, m.
+    pub fn stands_at(&mut self, part: &str, p: &Point3<f64>, height: f64, sigma: f64) {
+        let Some(part) = self.parts.get_mut(part).filter(|part| part.frame == Frame::World) else { return };
+        let lever = part.estimate.x.rotation * p.coords;
+        let value = height - part.estimate.x.translation.z - lever.z;
+        // (δθ × r)·z
+        let row = Vector6::new(0.0, 0.0, 1.0, lever.y, -lever.x, 0.0);
+        part.estimate.constrain(&row, value, sigma);
+    }
+
+    /// A part may have been pushed by so much (m, rad), in a way that nothing tells: mostly along the table.
+    pub fn bumped(&mut self, part: &str, (position, rotation): (f64, f64)) {
+        if let Some(part) = self.parts.get_mut(part).filter(|part| part.frame != Frame::Clamped) {
+            let (height, tilt) = (position / 4.0, rotation / 4.0);
+            part.estimate.spread([position, position, height], [tilt, tilt, rotation]);
+        }
     }
 
     /// Where a part is.
@@ -37,7 +323,30 @@ impl Belief {
     /// # Errors
     /// [`Fault::Unseen`].
     pub fn pose(&self, part: &str) -> Result<Pose, SkillError> {
-        self.x_wp.get(part).copied().ok_or_else(|| Fault::Unseen { part: part.to_string() }.into())
+        self.find(part).ok_or_else(|| Fault::Unseen { part: part.to_string() }.into())
+    }
+
+    fn find(&self, part: &str) -> Option<Pose> {
+        let part = self.parts.get(part).filter(|part| part.seen)?;
+        Some(match part.frame {
+            Frame::Tip => self.x_wt * part.estimate.x,
+            Frame::World | Frame::Clamped => part.estimate.x,
+        })
+    }
+
+    /// How well the place of a point of a part (m, in the part's frame) is known: the standard deviation in the
+    /// direction of the table in which it is largest, and that of its height, m. Infinite for a part never seen.
+    pub fn deviation(&self, part: &str, p: &Point3<f64>) -> [f64; 2] {
+        let Some(part) = self.parts.get(part).filter(|part| part.seen && part.odd.is_none()) else {
+            return [f64::INFINITY; 2];
+        };
+        let covariance = match part.frame {
+            Frame::Tip => part.estimate.seen_from(&self.x_wt).point_covariance(p),
+            Frame::World | Frame::Clamped => part.estimate.point_covariance(p),
+        };
+        let [xx, yy, xy] = [covariance[(0, 0)], covariance[(1, 1)], covariance[(0, 1)]];
+        let largest = (xx + yy) / 2.0 + ((xx - yy) / 2.0).hypot(xy);
+        [largest, covariance[(2, 2)]].map(|variance| variance.max(0.0).sqrt())
     }
 
     /// Where the hole of a joint is: on the beam's axis, in the world.
@@ -64,15 +373,15 @@ impl Belief {
         let mut obstacles = Vec::new();
         let left_out = |name: &str| without.contains(&name);
         for beam in kit.beams.iter().filter(|beam| !left_out(&beam.name)) {
-            if let Some(x_wb) = self.x_wp.get(&beam.name) {
+            if let Some(x_wb) = self.find(&beam.name) {
                 let cuboids = beam_shapes(beam).into_iter().map(cuboid_of);
-                obstacles.extend(cuboids.map(|cuboid| obstacle(&beam.name, x_wb, &cuboid)));
+                obstacles.extend(cuboids.map(|cuboid| obstacle(&beam.name, &x_wb, &cuboid)));
             }
         }
         for peg in kit.pegs.iter().filter(|peg| !left_out(&peg.name)) {
-            if let Some(x_wp) = self.x_wp.get(&peg.name) {
-                obstacles.push(obstacle(&peg.name, x_wp, &peg_head()));
-                obstacles.push(obstacle(&peg.name, x_wp, &peg_stem()));
+            if let Some(x_wp) = self.find(&peg.name) {
+                obstacles.push(obstacle(&peg.name, &x_wp, &peg_head()));
+                obstacles.push(obstacle(&peg.name, &x_wp, &peg_stem()));
             }
         }
         for holder in &kit.holders {
@@ -116,5 +425,154 @@ pub fn held_boxes(kit: &Kit, part: &str, x_tp: &Pose) -> Vec<Obstacle> {
         beam_shapes(beam).into_iter().map(|shape| obstacle(part, x_tp, &cuboid_of(shape))).collect()
     } else {
         vec![obstacle(part, x_tp, &peg_head()), obstacle(part, x_tp, &peg_stem())]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    // A failed unwrap here is a failed test.
+    #![allow(clippy::unwrap_used)]
+
+    use std::path::Path;
+
+    use nalgebra::{Translation3, UnitQuaternion};
+    use ramp_robot::random::Stream;
+
+    use super::*;
+
+    fn belief() -> Belief {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+        let kit = ramp_kit::read_kit(&data.join("kit.xml")).unwrap();
+        let assembly = ramp_assembly::read_goal(&data.join("goals/easy-3.xml"), &kit).unwrap();
+        Belief::new(&kit, &assembly)
+    }
+
+    /// A reading with the noise of track `noisy`.
+    fn reading(stream: &mut Stream, part: &str, x_wp: &Pose) -> Sighting {
+        let shift = Vector3::from_fn(|_, _| stream.normal(1.0 * MM));
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::from_fn(|_, _| stream.normal(DEGREE)));
+        let x = Pose::from_parts(Translation3::from(x_wp.translation.vector + shift), turn * x_wp.rotation);
+        let estimate = Estimate { x, covariance: covariance([1.0 * MM; 3], [DEGREE; 3]) };
+        Sighting { part: part.to_string(), estimate, x_wt: Pose::identity() }
+    }
+
+    fn off(belief: &Belief, part: &str, x_wp: &Pose) -> f64 {
+        (belief.pose(part).unwrap().translation.vector - x_wp.translation.vector).norm()
+    }
+
+    #[test]
+    fn a_part_is_unseen_until_it_is_seen_and_the_clamped_beam_is_known() {
+        let mut belief = belief();
+        assert!(belief.pose("b7").is_ok());
+        assert!(belief.pose("b4").is_err());
+        assert!(belief.deviation("b4", &Point3::origin())[0].is_infinite());
+        let there = belief.parts["b4"].estimate.x;
+        belief.take(&reading(&mut Stream::new(1, "test"), "b4", &there));
+        assert!(belief.pose("b4").is_ok());
+    }
+
+    /// One wild reading moves nothing; a part that really is elsewhere is believed at the second, and told.
+    #[test]
+    fn a_wild_reading_needs_another_that_confirms_it() {
+        let mut belief = belief();
+        let mut stream = Stream::new(3, "test");
+        let there = belief.parts["b4"].estimate.x;
+        for _ in 0..50 {
+            assert!(!belief.take(&reading(&mut stream, "b4", &there)));
+        }
+        let away = Translation3::new(0.02, 0.0, 0.0) * there;
+        assert!(belief.take(&reading(&mut stream, "b4", &away)));
+        assert!(off(&belief, "b4", &there) < 0.6 * MM);
+        assert!(!belief.take(&reading(&mut stream, "b4", &there)));
+        assert!(belief.astray().is_empty());
+        // Wild, but each time elsewhere: no confirmation.
+        for side in [0.02, -0.02, 0.04, -0.04] {
+            assert!(belief.take(&reading(&mut stream, "b4", &(Translation3::new(side, 0.0, 0.0) * there))));
+        }
+        assert!(off(&belief, "b4", &there) < 0.6 * MM);
+        assert!(belief.take(&reading(&mut stream, "b4", &away)));
+        assert!(!belief.take(&reading(&mut stream, "b4", &away)));
+        assert!(off(&belief, "b4", &away) < 3.0 * MM);
+        assert_eq!(belief.astray().len(), 1);
+    }
+
+    /// A push too small for one reading to stand out is noticed over some.
+    #[test]
+    fn a_small_push_is_noticed() {
+        let mut belief = belief();
+        let mut stream = Stream::new(4, "test");
+        let there = belief.parts["b5"].estimate.x;
+        for _ in 0..400 {
+            belief.take(&reading(&mut stream, "b5", &there));
+        }
+        assert!(off(&belief, "b5", &there) < 0.3 * MM);
+        let pushed = Translation3::new(1.5 * MM, 0.0, 0.0) * there;
+        for _ in 0..60 {
+            belief.take(&reading(&mut stream, "b5", &pushed));
+        }
+        assert!(off(&belief, "b5", &pushed) < 0.6 * MM, "{:.2} mm", off(&belief, "b5", &pushed) / MM);
+    }
+
+    /// A part that images show to be tilted is not held to be flat for ever: the finder is no longer told so.
+    #[test]
+    fn a_part_that_is_seen_upset_is_doubted() {
+        let mut belief = belief();
+        let there = belief.parts["p1"].estimate.x;
+        belief.take(&reading(&mut Stream::new(7, "test"), "p1", &there));
+        let flat = |belief: &Belief| belief.lying().iter().any(|lying| lying.part == "p1");
+        for _ in 1..DOUBTS {
+            belief.doubt("p1");
+            assert!(flat(&belief));
+        }
+        belief.doubt("p1");
+        assert!(!flat(&belief));
+    }
+
+    /// Nothing but noise is not taken for a push, however long one looks.
+    #[test]
+    fn noise_is_no_push() {
+        let mut belief = belief();
+        let mut stream = Stream::new(5, "test");
+        let there = belief.parts["b6"].estimate.x;
+        for _ in 0..5000 {
+            assert!(!belief.take(&reading(&mut stream, "b6", &there)));
+        }
+        let [across, height] = belief.deviation("b6", &Point3::origin());
+        assert!(across < 0.02 * MM && height < 0.02 * MM);
+        assert!(off(&belief, "b6", &there) < 0.06 * MM);
+    }
+
+    /// Fingers that close on a part know where it is across them, and how it is turned.
+    #[test]
+    fn a_grasp_tells_what_sight_does_not() {
+        let mut belief = belief();
+        let mut stream = Stream::new(6, "test");
+        let there = belief.parts["b4"].estimate.x;
+        for _ in 0..10 {
+            belief.take(&reading(&mut stream, "b4", &there));
+        }
+        // The hand grips the beam 80 mm from its origin where it really is; the belief is a little off.
+        let yaw = crate::grasp::yaw_of(&there);
+        let p = there * Point3::new(0.08, 0.0, 0.0);
+        belief.x_wt = Pose::from_parts(p.coords.into(), crate::grasp::hand_down(yaw));
+        let before = belief.deviation("b4", &Point3::new(0.29, 0.0, 0.0))[0];
+        belief.gripped("b4", false);
+        let x_wb = belief.pose("b4").unwrap();
+        let across = there.rotation * Vector3::y();
+        let error = (x_wb.translation.vector - there.translation.vector).dot(&across);
+        assert!(error.abs() < 0.2 * MM, "{:.3} mm across the fingers", error / MM);
+        assert!((crate::grasp::yaw_of(&x_wb) - yaw).abs() < 0.1 * DEGREE);
+        assert!(before > 1.0 * MM);
+        // It moves with the hand, and stays where the hand leaves it.
+        belief.x_wt = Translation3::new(0.0, 0.1, 0.2) * belief.x_wt;
+        let carried = belief.pose("b4").unwrap();
+        assert!(
+            (carried.translation.vector - x_wb.translation.vector)
+                .metric_distance(&Vector3::new(0.0, 0.1, 0.2))
+                < 1e-12
+        );
+        belief.released("b4");
+        belief.x_wt = Pose::identity();
+        assert!(off(&belief, "b4", &carried) < 1e-12);
     }
 }

@@ -3,7 +3,10 @@
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_motion::{Joints, Trajectory};
-use ramp_robot::{ArmCommand, Command, GripperCommand, Impedance, Observation, Robot, RobotError};
+use ramp_robot::{
+    ArmCommand, Camera, CameraModel, Command, GripperCommand, Image, Impedance, Observation, PartReading,
+    Robot, RobotError,
+};
 
 use crate::Pose;
 
@@ -13,6 +16,8 @@ pub const PERIOD: f64 = 0.001;
 const GRAVITY: f64 = 9.81;
 /// Stiffness of the hand in contact: N/m, N·m/rad.
 const STIFFNESS: [f64; 6] = [1500.0, 1500.0, 1500.0, 60.0, 60.0, 60.0];
+/// This near to the wanted width the fingers are open, m.
+const OPENED: f64 = 1.0e-3;
 /// Fastest turn of a straight motion, rad/s.
 const TURN_SPEED: f64 = 0.5;
 
@@ -64,12 +69,29 @@ impl<'r> Hand<'r> {
         }
     }
 
-    /// Where the parts are, as far as the robot tells.
+    /// Reads where the parts are. Time may pass, during which the arm goes on with its last command.
     ///
     /// # Errors
     /// The robot's.
-    pub fn look(&mut self) -> Result<Vec<ramp_robot::PartReading>, RobotError> {
-        self.robot.read_parts()
+    pub fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
+        let readings = self.robot.read_parts();
+        self.seen = self.robot.observe();
+        readings
+    }
+
+    /// Takes an image. Time passes, during which the arm goes on with its last command.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        let image = self.robot.look(camera);
+        self.seen = self.robot.observe();
+        image
+    }
+
+    /// What the robot tells of a camera.
+    pub fn camera(&self, camera: Camera) -> CameraModel {
+        self.robot.camera(camera)
     }
 
     /// Joint positions, rad.
@@ -201,13 +223,16 @@ impl<'r> Hand<'r> {
     /// The robot's.
     pub fn grip(&mut self, width: f64, force: f64) -> Result<(), RobotError> {
         self.gripper = GripperCommand { width, force };
+        let opens = width > self.seen.width;
         let mut still = 0;
         let mut before = self.seen.width;
-        for _ in 0..3000 {
+        for period in 0..3000 {
             self.tick()?;
             still = if (self.seen.width - before).abs() < 2e-6 { still + 1 } else { 0 };
             before = self.seen.width;
-            if still > 100 {
+            // Fingers that squeeze a part hold still for a while before they open.
+            let unloading = opens && period < 600 && width - self.seen.width > OPENED;
+            if still > 100 && !unloading {
                 break;
             }
         }

@@ -2,9 +2,11 @@
 
 use nalgebra::{Point2, Translation3, UnitQuaternion, Vector2, Vector3};
 use ramp_assembly::Insertion;
+use ramp_kit::joint;
 
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
+use crate::look::Point;
 use crate::transport::Workcell;
 
 /// How high over its way a beam is brought to where its insertion begins, m.
@@ -33,6 +35,12 @@ const FEEL_TURN: [f64; 2] = [0.014, 0.007];
 const FEEL_PROGRESS: f64 = 0.3e-3;
 /// Longest search, s.
 const FEEL_TIME: f64 = 30.0;
+/// How well the joints that are to meet must be known before an insertion, m.
+const KNOWN: f64 = 0.15e-3;
+/// How well the height of a beam that stands is known, m.
+const LEVEL: f64 = 0.1e-3;
+/// How far an insertion may move the beams that it meets, m and rad.
+const BUMP: (f64, f64) = (0.3e-3, 0.06 / 180.0 * std::f64::consts::PI);
 /// How often an insertion that jams is tried again.
 const TRIES: usize = 4;
 
@@ -57,6 +65,15 @@ impl Workcell<'_, '_> {
             }
         }
         Ok(moved_onto(&nominal, &pairs))
+    }
+
+    /// The holes of this beam and of the beams that it meets where it is to stand.
+    pub fn meeting(&self, beam: usize) -> Vec<Point> {
+        let sides = self.assembly.connections.iter().filter_map(|connection| {
+            let (mine, theirs) = self.assembly.sides(connection, beam)?;
+            (theirs.beam != beam && self.standing.contains(&theirs.beam)).then_some([mine, theirs])
+        });
+        sides.flatten().map(|joint| self.hole(joint)).collect()
     }
 
     /// How this beam is put in.
@@ -126,11 +143,34 @@ impl Workcell<'_, '_> {
             return Err(fault.into());
         }
         self.standing.push(beam);
-        self.release()
+        self.release()?;
+        self.reckon_heights(beam);
+        Ok(())
+    }
+
+    /// What is known of the heights of a beam that has just been let go of in the assembly: on females or feet it
+    /// stands level on the table; otherwise its males hang in their females, as low as the clearance lets them.
+    fn reckon_heights(&mut self, beam: usize) {
+        let placed = &self.assembly.beams[beam];
+        let nominal = self.kit.x_wa() * placed.x_ab;
+        let joints: Vec<usize> = if placed.beam.stands_at_assembled_height() {
+            vec![0, placed.beam.joints.len() - 1]
+        } else {
+            let sides = self.assembly.connections.iter();
+            let sides = sides.filter_map(|connection| self.assembly.sides(connection, beam));
+            let met = sides.filter(|(_, theirs)| self.standing.contains(&theirs.beam));
+            met.map(|(mine, _)| mine.joint).collect()
+        };
+        let hang = if placed.beam.stands_at_assembled_height() { 0.0 } else { joint::CLEARANCE };
+        for joint in joints {
+            let p = placed.beam.p_b_hole(joint);
+            self.belief.stands_at(&placed.beam.name, &p, (nominal * p).z - hang, LEVEL);
+        }
     }
 
     fn insert_once(&mut self, beam: usize, cap: bool, attempt: usize) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
+        self.see(&self.meeting(beam), KNOWN)?;
         self.regrip(&name)?;
         let goal = self.target(beam)?;
         let direction = self.way_in(beam, &goal)?;
@@ -148,14 +188,17 @@ impl Workcell<'_, '_> {
         self.hand.zero()?;
         let limit = if cap { CAP_LIMIT } else { SQUARE_LIMIT };
         let overdrive = if cap { CAP_OVERDRIVE } else { 0.0 };
-        self.belief.update(&mut self.hand)?;
+        self.glance()?;
         let mut target = self.hand.corrected(&self.belief.pose(&name)?, &goal);
         target.translation.vector += direction * overdrive;
         target.translation.z += height;
         let stopped = self.hand.drive(&target, SPEED, |hand| hand.force().dot(&direction) > limit)?;
         let force = self.hand.force().dot(&direction);
         self.hand.wait(0.15)?;
-        self.belief.update(&mut self.hand)?;
+        for (met, _) in self.meeting(beam) {
+            self.belief.bumped(&met, BUMP);
+        }
+        self.glance()?;
         if stopped {
             let mut remaining = self.remaining(&name, &goal, &direction)?;
             if remaining > HOME && !cap {
@@ -200,7 +243,7 @@ impl Workcell<'_, '_> {
         let mut ticks = 0u32;
         while self.hand.time() - begin < FEEL_TIME {
             if ticks.is_multiple_of(20) {
-                self.belief.update(&mut self.hand)?;
+                self.glance()?;
                 let x_wp = self.belief.pose(part)?;
                 let remaining = self.remaining(part, goal, direction)?;
                 if remaining < 0.5 * HOME {
@@ -241,7 +284,7 @@ impl Workcell<'_, '_> {
     /// Brings the held part to a pose in free space, looking again on the way.
     fn place(&mut self, part: &str, x_wp_goal: &Pose) -> Result<(), SkillError> {
         for _ in 0..3 {
-            self.belief.update(&mut self.hand)?;
+            self.glance()?;
             let x_wp = self.belief.pose(part)?;
             let shift = (x_wp.translation.vector - x_wp_goal.translation.vector).norm();
             if shift < 0.1e-3 && x_wp.rotation.angle_to(&x_wp_goal.rotation) < 0.001 {

@@ -2,17 +2,21 @@
 //!
 //! Data passes one way: [`agent`] asks the planner for a plan and runs it action by action; each action is a skill
 //! ([`transport`], [`insert`], [`fasten`], [`align`]); skills move the [`hand`], which is the only one to talk to
-//! the robot. What a skill knows of the parts is what the robot lets it read ([`belief`]); where a hand can grip is
-//! in [`grasp`].
+//! the robot. What a skill knows of the parts is a [`belief`], which what its [`eyes`] see corrects ([`estimate`]) and
+//! which it improves by looking ([`look`]);
+//! where a hand can grip is in [`grasp`].
 
 pub mod agent;
 pub mod align;
 pub mod belief;
+pub mod estimate;
+pub mod eyes;
 pub mod fasten;
 pub mod fault;
 pub mod grasp;
 pub mod hand;
 pub mod insert;
+pub mod look;
 pub mod transport;
 
 pub use agent::Baseline;

@@ -26,6 +26,8 @@ const SHARE: f64 = 0.6;
 const STRAYED: f64 = 10.0e-3;
 /// Force on the table or the holder at which a part counts as put down, N.
 const PUT_DOWN_LIMIT: f64 = 8.0;
+/// How well the joints that a beam is to meet must be known before it is fetched, m.
+const KNOWN: f64 = 0.25e-3;
 /// How far a fresh grasp is lifted before anything else, m.
 const LIFT: f64 = 0.02;
 /// Distance between what the fingers hold and what they should, m, beyond which the part is not held.
@@ -180,7 +182,15 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// When the part is unseen or out of reach, or the robot stops.
     pub fn hover(&mut self, part: &str, link: Option<&str>) -> Result<(), SkillError> {
-        self.belief.update(&mut self.hand)?;
+        // Where a beam is to go is easier to see before it is in the hand.
+        if let Some(beam) = self.assembly.beam_index(part) {
+            let mut meeting = self.meeting(beam);
+            meeting.retain(|(other, _)| other != part);
+            if !meeting.is_empty() {
+                self.see(&meeting, KNOWN)?;
+            }
+        }
+        self.see_to_grip(part)?;
         let (mut x_wt, open, _) = self.grasp_of(part, link)?;
         self.hand.gripper.width = open;
         x_wt.translation.z = TRAVEL;
@@ -200,6 +210,8 @@ impl Workcell<'_, '_> {
         if (self.hand.seen.width - width).abs() > WIDTH_TOLERANCE {
             return Err(Fault::NotHeld { part: part.to_string() }.into());
         }
+        self.belief.follow(&self.hand);
+        self.belief.gripped(part, self.kit.beam(part).is_none());
         self.belief.update(&mut self.hand)?;
         let x_wp = self.belief.pose(part)?;
         let (mass, p_centre) = match self.kit.beam(part) {
@@ -216,7 +228,7 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// As [`Workcell::seize`].
     pub fn pick_up(&mut self, part: &str, link: Option<&str>) -> Result<(), SkillError> {
-        self.belief.update(&mut self.hand)?;
+        self.see_to_grip(part)?;
         let (x_wt, open, width) = self.grasp_of(part, link)?;
         self.seize(part, &x_wt, open, width)?;
         let mut up = self.hand.setpoint;
@@ -244,6 +256,7 @@ impl Workcell<'_, '_> {
         });
         if closed || !here {
             self.hand.held = None;
+            self.belief.lost(part);
             return Err(Fault::NotHeld { part: part.to_string() }.into());
         }
         Ok(())
@@ -276,6 +289,10 @@ impl Workcell<'_, '_> {
     pub fn release(&mut self) -> Result<(), SkillError> {
         let held = self.hand.held.take();
         self.hand.relax();
+        self.belief.update(&mut self.hand)?;
+        if let Some(held) = &held {
+            self.belief.released(&held.part);
+        }
         let beam = held.as_ref().filter(|held| self.kit.beam(&held.part).is_some());
         self.hand.grip(if beam.is_some() { BEAM_RELEASE } else { PEG_OPEN }, 20.0)?;
         self.belief.update(&mut self.hand)?;

@@ -5,6 +5,7 @@
 //! compiles it; [`twin`] steps it, with the arm's inner loop from [`control`] once each millisecond. After the
 //! start nothing writes to a part: contact alone moves and holds it.
 
+pub mod cameras;
 pub mod control;
 pub mod layout;
 mod looks;

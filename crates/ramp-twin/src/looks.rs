@@ -1,52 +1,18 @@
-//! What the arm looks like: the maker's own meshes, from the crate `franka-description` (Apache-2.0). They collide
-//! with nothing; collision geometry is in the arm file.
+//! What the arm looks like in MuJoCo's own pictures: the maker's meshes. They collide with nothing; collision geometry
+//! is in the arm file.
 
 use std::fmt::Write;
 use std::sync::OnceLock;
 
-use franka_description::{MeshSet, Robot};
+use ramp_render::looks::{ArmSurface, arm_surfaces};
 
-/// A mesh of one colour on one body of the arm, in the body's frame.
-struct Mesh {
-    body: String,
-    rgba: [f32; 4],
-    vertices: Vec<[f32; 3]>,
-    indices: Vec<u32>,
-}
-
-/// The meshes of the arm called `arm`; none for an arm this crate has no meshes of.
-fn meshes(arm: &str) -> &'static [Mesh] {
-    static PANDA: OnceLock<Vec<Mesh>> = OnceLock::new();
+/// The meshes of the arm called `arm`; none for an arm there are no meshes of.
+fn meshes(arm: &str) -> &'static [ArmSurface] {
+    static PANDA: OnceLock<Vec<ArmSurface>> = OnceLock::new();
     if arm != "panda" {
         return &[];
     }
-    PANDA.get_or_init(|| {
-        let set = MeshSet::for_robot(Robot::Fer);
-        let mut all = Vec::new();
-        for (number, bytes) in set.links.iter().enumerate() {
-            read(&format!("link{number}"), bytes, &mut all);
-        }
-        read("hand", set.hand, &mut all);
-        all
-    })
-}
-
-/// Reads the triangles of a binary glTF file. What it cannot read is left out: looks are not worth an error.
-fn read(body: &str, bytes: &[u8], all: &mut Vec<Mesh>) {
-    let Ok(file) = gltf::Gltf::from_slice(bytes) else { return };
-    let Some(blob) = file.blob.as_deref() else { return };
-    for primitive in file.meshes().flat_map(|mesh| mesh.primitives()) {
-        let reader = primitive.reader(|_| Some(blob));
-        let (Some(positions), Some(indices)) = (reader.read_positions(), reader.read_indices()) else {
-            continue;
-        };
-        all.push(Mesh {
-            body: body.to_string(),
-            rgba: primitive.material().pbr_metallic_roughness().base_color_factor(),
-            vertices: positions.collect(),
-            indices: indices.into_u32().collect(),
-        });
-    }
+    PANDA.get_or_init(|| arm_surfaces(arm))
 }
 
 /// The `<mesh>` assets of the arm.

@@ -4,14 +4,19 @@ use std::sync::Arc;
 
 use mujoco_rs::prelude::*;
 use mujoco_rs::wrappers::mj_model::MjtObjBase;
-use nalgebra::{SMatrix, Translation3, Vector3, Vector6};
+use nalgebra::{SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
+use ramp_render::looks::HOUSING;
+use ramp_render::{Looks, LooksError, Scene};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_robot::{
-    ArmCommand, Command, DOF, Impedance, Observation, PartReading, Pose, Robot, RobotError, Track,
+    ArmCommand, Camera, CameraModel, Command, DOF, GripperCommand, Image, Impedance, Observation,
+    PartReading, Pose, Robot, RobotError, Track,
 };
+
+use crate::cameras::{self, Cameras};
 
 use crate::control::{
     ArmState, GripperLoop, Jacobian, JointVector, impedance, limit_torques, pose_impedance,
@@ -32,6 +37,13 @@ const FORCE_NOISE: f64 = 0.3;
 const TORQUE_NOISE: f64 = 0.01;
 /// Share of a new reading in the wrist sensor's low-pass filter: a time constant of 20 ms.
 const WRENCH_FILTER: f64 = 0.05;
+/// Standard deviation on track `noisy` of the position of a part, m along each axis, and of its rotation, rad about
+/// each axis, per reading.
+pub const READING_NOISE: [f64; 2] = [1.0e-3, std::f64::consts::PI / 180.0];
+/// Share of the parts that a reading on track `noisy` leaves out.
+pub const READING_DROPPED: f64 = 0.05;
+/// What a reading on track `noisy` costs in control periods: as much as an image at 30 a second.
+pub const READING_STEPS: u32 = 33;
 /// Standard gravity as MuJoCo's default has it, m/s².
 const GRAVITY: f64 = 9.81;
 /// Width the gripper starts with, m.
@@ -63,6 +75,9 @@ pub enum TwinError {
     /// There is no window to be had.
     #[error("cannot open a window: {0}")]
     Window(String),
+    /// The cameras have nothing to show.
+    #[error(transparent)]
+    Looks(#[from] LooksError),
     /// The scene lacks something the twin needs: the kit or the arm file is not what it should be.
     #[error("the scene has no {0}")]
     Missing(String),
@@ -94,6 +109,8 @@ pub struct Twin {
     gripper: GripperLoop,
     /// Joint targets of the last period, from which the velocities of a position command come.
     last_target: Option<JointVector>,
+    /// Command of the last period.
+    last_command: Option<Command>,
     /// Cartesian target of the last period, likewise.
     last_pose: Option<Pose>,
     /// Posture that a bare pose command keeps.
@@ -102,6 +119,9 @@ pub struct Twin {
     torques: JointVector,
     wrench: Vector6<f64>,
     noise: Stream,
+    /// Noise of the readings of parts.
+    reading_noise: Stream,
+    cameras: Cameras,
     failed: Option<RobotError>,
     deepest: f64,
     steps: u64,
@@ -150,6 +170,7 @@ impl Twin {
             hand_bodies,
             gripper: GripperLoop::new(START_WIDTH / 2.0),
             last_target: None,
+            last_command: None,
             last_pose: None,
             posture: setup.arm.home,
             state: ArmState {
@@ -162,6 +183,8 @@ impl Twin {
             torques: JointVector::zeros(),
             wrench: Vector6::zeros(),
             noise: Stream::new(setup.seed, "wrist"),
+            reading_noise: Stream::new(setup.seed, "readings"),
+            cameras: Cameras::new(setup.kit, setup.arm, setup.seed),
             failed: None,
             deepest: 0.0,
             steps: 0,
@@ -175,6 +198,9 @@ impl Twin {
                 width: START_WIDTH,
             },
         };
+        if setup.track == Track::Tags {
+            twin.cameras.looks()?;
+        }
         twin.state = twin.arm_state();
         twin.wrench = twin.read_wrist();
         twin.sense();
@@ -219,7 +245,26 @@ impl Twin {
 
     /// Where everything really is.
     pub fn truth(&self) -> Truth {
-        Truth { time: self.time(), x_wp: self.parts.iter().map(|(_, id)| self.body_pose(*id)).collect() }
+        Truth {
+            time: self.time(),
+            x_wp: self.parts.iter().map(|(_, id)| body_pose(&self.data, *id)).collect(),
+        }
+    }
+
+    /// A camera as it really is, its error of calibration included: for judging perception, never for an agent.
+    pub fn true_camera(&self, camera: Camera) -> CameraModel {
+        self.cameras.true_camera(camera)
+    }
+
+    /// Where everything is now, for pictures from any place with these looks. What hangs on the hand is where the hand
+    /// is.
+    pub fn picture(&self, looks: &Looks) -> Scene {
+        let model = self.data.model();
+        let place = |(index, body): (usize, &ramp_render::looks::Body)| {
+            let name = if body.name == HOUSING { "hand" } else { &body.name };
+            Some((index, body_pose(&self.data, model.name_to_id(MjtObjBase::mjOBJ_BODY, name)?)))
+        };
+        Scene { bodies: looks.bodies().iter().enumerate().filter_map(place).collect() }
     }
 
     /// Deepest penetration between two parts in any step so far, m.
@@ -241,13 +286,6 @@ impl Twin {
             }
         }
         hash
-    }
-
-    fn body_pose(&self, id: usize) -> Pose {
-        let p = self.data.xpos()[id];
-        let [w, x, y, z] = self.data.xquat()[id];
-        let rotation = nalgebra::UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
-        Pose::from_parts(Translation3::new(p[0], p[1], p[2]), rotation)
     }
 
     /// The arm's joint-space inertia: the first rows of MuJoCo's sparse lower triangle.
@@ -375,6 +413,49 @@ impl Twin {
         }
     }
 
+    /// Lets periods pass under the last command; before the first one the arm stays where it starts.
+    fn hold(&mut self, periods: u32) -> Result<(), RobotError> {
+        let command = self.last_command.clone().unwrap_or(Command {
+            arm: ArmCommand::JointPositions(self.arm.home),
+            gripper: GripperCommand { width: START_WIDTH, force: 10.0 },
+        });
+        for _ in 0..periods {
+            self.step(&command)?;
+        }
+        Ok(())
+    }
+
+    /// A reading of all parts with noise, some left out.
+    fn noisy_reading(&mut self) -> Vec<PartReading> {
+        let [position, rotation] = READING_NOISE;
+        let noise = &mut self.reading_noise;
+        let mut readings = Vec::new();
+        for (name, id) in &self.parts {
+            // As many numbers for a reading that is dropped as for any other.
+            let dropped = noise.uniform() < READING_DROPPED;
+            let shift = Vector3::from_fn(|_, _| noise.normal(position));
+            let turn = Vector3::from_fn(|_, _| noise.normal(rotation));
+            if !dropped {
+                let x_wp = body_pose(&self.data, *id);
+                let p = x_wp.translation.vector + shift;
+                let rotation = UnitQuaternion::from_scaled_axis(turn) * x_wp.rotation;
+                let x_wp = Pose::from_parts(Translation3::from(p), rotation);
+                readings.push(PartReading { part: name.clone(), x_wp, sigma: READING_NOISE });
+            }
+        }
+        readings
+    }
+
+    /// What a camera sees now.
+    fn expose(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        let stopped = RobotError::CameraStopped { camera };
+        let Ok(looks) = self.cameras.looks() else { return Err(stopped) };
+        let scene = self.picture(&looks);
+        let x_wt = self.state.x_wt;
+        let (width, height, pixels) = self.cameras.expose(camera, scene, &x_wt).map_err(|_| stopped)?;
+        Ok(Image { camera, time: self.time(), x_wt, width, height, pixels })
+    }
+
     fn advance(&mut self, command: &Command) -> Result<(), RobotError> {
         check_command(command)?;
         if self.time() >= TIME_LIMIT {
@@ -390,6 +471,7 @@ impl Twin {
         ctrl[..DOF].copy_from_slice(self.torques.as_slice());
         ctrl[DOF..DOF + 2].copy_from_slice(&fingers);
         self.data.step();
+        self.last_command = Some(command.clone());
         self.steps += 1;
         self.watch_penetration();
         let reading = self.read_wrist();
@@ -400,6 +482,14 @@ impl Twin {
         self.sense();
         self.check_arm()
     }
+}
+
+/// Pose in the world of a body of the scene.
+fn body_pose(data: &MjData<Arc<MjModel>>, id: usize) -> Pose {
+    let p = data.xpos()[id];
+    let [w, x, y, z] = data.xquat()[id];
+    let rotation = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
+    Pose::from_parts(Translation3::new(p[0], p[1], p[2]), rotation)
 }
 
 /// Velocity of a Cartesian target from one period to the next, limited to what can be a motion and not a jump:
@@ -480,8 +570,34 @@ impl Robot for Twin {
             Track::State => Ok(self
                 .parts
                 .iter()
-                .map(|(name, id)| PartReading { part: name.clone(), x_wp: self.body_pose(*id) })
+                .map(|(name, id)| PartReading {
+                    part: name.clone(),
+                    x_wp: body_pose(&self.data, *id),
+                    sigma: [0.0; 2],
+                })
                 .collect()),
+            Track::Noisy => {
+                self.hold(READING_STEPS)?;
+                Ok(self.noisy_reading())
+            }
+            Track::Tags => Err(RobotError::NotOnTrack { track: self.track, what: "poses of parts" }),
         }
+    }
+
+    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        if let Some(error) = &self.failed {
+            return Err(error.clone());
+        }
+        if self.track == Track::Noisy {
+            return Err(RobotError::NotOnTrack { track: self.track, what: "images" });
+        }
+        self.hold(cameras::EXPOSURE_STEPS / 2)?;
+        let image = self.expose(camera);
+        self.hold(cameras::EXPOSURE_STEPS.div_ceil(2) + cameras::LATENCY_STEPS)?;
+        image
+    }
+
+    fn camera(&self, camera: Camera) -> CameraModel {
+        CameraModel::nominal(camera, self.arm.hand.tip)
     }
 }

@@ -6,5 +6,6 @@ pub mod goals;
 pub mod kit;
 pub mod plan;
 pub mod run;
+pub mod see;
 pub mod show;
 pub mod twin;

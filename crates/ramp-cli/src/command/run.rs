@@ -16,6 +16,7 @@ use ramp_skills::Baseline;
 use ramp_twin::{Disturbance, Setup, Twin};
 
 use crate::data::{Data, check_writable, print};
+use crate::film::{self, Film};
 use crate::{DONE, INCOMPLETE};
 
 /// Folder for results that are given no name.
@@ -26,7 +27,7 @@ pub struct Arguments {
     /// Name of a goal, or a goal file
     goal: String,
     /// What the agent may see of the parts
-    #[arg(long, value_enum, default_value_t = TrackName::State)]
+    #[arg(long, value_enum, default_value_t = TrackName::Tags)]
     track: TrackName,
     /// All randomness of the episode flows from this number
     #[arg(long, default_value_t = 1)]
@@ -40,6 +41,12 @@ pub struct Arguments {
     /// Also write the scene as MJCF, with keyframes `start` and `end`, for any MuJoCo viewer
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
+    /// Also make a film of the work, as GIF, eight times as fast
+    #[arg(long, value_name = "FILE")]
+    video: Option<PathBuf>,
+    /// Whose eyes the film is seen through
+    #[arg(long, value_enum, default_value_t = film::From::Free, requires = "video")]
+    video_from: film::From,
     /// File for the result [default: results/GOAL-SEED.json]; the curve goes beside it as .svg
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -49,6 +56,20 @@ pub struct Arguments {
 enum TrackName {
     /// Exact poses from the simulator
     State,
+    /// Poses with noise: 1 mm and 1° a reading, one in twenty missing
+    Noisy,
+    /// Images of two cameras, with the parts' tags in them
+    Tags,
+}
+
+impl From<TrackName> for Track {
+    fn from(name: TrackName) -> Track {
+        match name {
+            TrackName::State => Track::State,
+            TrackName::Noisy => Track::Noisy,
+            TrackName::Tags => Track::Tags,
+        }
+    }
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
@@ -75,17 +96,22 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     if let Some(path) = &arguments.scene {
         check_writable(path)?;
     }
-    let track = match arguments.track {
-        TrackName::State => Track::State,
-    };
     let setup = Setup {
         kit: &kit,
         assembly: &assembly,
         arm: &arm,
-        track,
+        track: arguments.track.into(),
         seed: arguments.seed,
         disturbance: Disturbance::default(),
     };
+    if let Some(path) = &arguments.video {
+        check_writable(path)?;
+    }
+    let mut film = match &arguments.video {
+        Some(path) => Some(Film::new(path, &setup, arguments.video_from)?),
+        None => None,
+    };
+    let mut film_error = None;
     let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
     if arguments.output.is_none() {
         std::fs::create_dir_all(RESULTS).into_diagnostic()?;
@@ -105,9 +131,21 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         if let Some(window) = &mut window {
             window.show(twin);
         }
+        if let Some(film) = &mut film
+            && film_error.is_none()
+        {
+            let caption = format!("{}   {} of {} pegs", display.action(), progress.seated, progress.pegs);
+            film_error = film.show(twin, &caption).err();
+        }
     };
     let result = run_episode(&setup, &mut agent, &software, 1, &mut watcher).into_diagnostic()?;
     display.finish();
+    if let Some(error) = film_error {
+        return Err(error);
+    }
+    if let Some(film) = film {
+        film.end()?;
+    }
     write_whole(&output, &result.to_json()).into_diagnostic()?;
     write_whole(&curve, &completion_svg(&result)).into_diagnostic()?;
     if let Some(path) = &arguments.scene {
@@ -170,6 +208,11 @@ impl Display {
             bar
         });
         Display { bar, action: RefCell::new("planning".to_string()) }
+    }
+
+    /// What the agent does now.
+    fn action(&self) -> String {
+        self.action.borrow().clone()
     }
 
     fn event(&self, event: &Event) {

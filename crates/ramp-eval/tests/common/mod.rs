@@ -36,12 +36,17 @@ impl World {
         World { kit, assembly, arm, domains }
     }
 
+    #[allow(dead_code)]
     pub fn setup(&self, seed: u64) -> Setup<'_> {
+        self.setup_on(Track::State, seed)
+    }
+
+    pub fn setup_on(&self, track: Track, seed: u64) -> Setup<'_> {
         Setup {
             kit: &self.kit,
             assembly: &self.assembly,
             arm: &self.arm,
-            track: Track::State,
+            track,
             seed,
             disturbance: Disturbance::default(),
         }
@@ -49,8 +54,13 @@ impl World {
 
     #[allow(dead_code)]
     pub fn run(&self, seed: u64) -> EpisodeResult {
+        self.run_on(Track::State, seed)
+    }
+
+    #[allow(dead_code)]
+    pub fn run_on(&self, track: Track, seed: u64) -> EpisodeResult {
         let mut agent = Baseline::new(&self.kit, &self.assembly, &self.arm, &self.domains, seed);
         let software = Software { version: "test".into(), commit: "test".into() };
-        run_episode(&self.setup(seed), &mut agent, &software, 1, &mut |_, _| {}).unwrap()
+        run_episode(&self.setup_on(track, seed), &mut agent, &software, 1, &mut |_, _| {}).unwrap()
     }
 }

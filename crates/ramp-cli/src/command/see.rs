@@ -1,0 +1,352 @@
+//! `ramp see`: what the cameras see of a goal, what perception makes of it, and how good that is.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use indicatif::ProgressBar;
+use miette::{IntoDiagnostic, Report, miette};
+use ramp_eval::perception::{
+    Estimate, FALSE, Labels, Photographer, PoseLabel, SCHEMA, Verdict, areas, coco, judge,
+};
+use ramp_kit::strokes::{self, Align};
+use ramp_robot::{Camera, CameraModel, Image, Pose, Robot, Track};
+use ramp_twin::{Disturbance, Setup, Twin};
+use ramp_vision::{Lying, PartFinder, Sighting};
+use resvg::{tiny_skia, usvg};
+
+use crate::data::{Data, print};
+use crate::{DONE, INCOMPLETE};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Name of a goal, or a goal file
+    #[arg(required_unless_present = "judge")]
+    goal: Option<String>,
+    /// Seed of the layout, the cameras' errors and the noise
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Folder to write to; made if it is not there
+    #[arg(short, long, value_name = "DIR", required_unless_present = "judge")]
+    output: Option<PathBuf>,
+    /// Write a data set of so many images with labels, and what the baseline makes of them
+    #[arg(long, value_name = "N")]
+    count: Option<u32>,
+    /// Judge a detector's poses (a file like estimates.json) on the labels of a data set (its folder)
+    #[arg(long, num_args = 2, value_names = ["FILE", "DIR"], conflicts_with_all = ["goal", "count", "output"])]
+    judge: Option<Vec<PathBuf>>,
+    /// Also write the depth of each image of a data set: 16 bits, tenths of a millimetre along the optical axis, 0 beyond
+    /// 6.5 m
+    #[arg(long, requires = "count")]
+    depth: bool,
+    /// Keep the labels and poses of a data set only, not its images
+    #[arg(long, requires = "count")]
+    no_images: bool,
+}
+
+pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    if let Some([file, folder]) = arguments.judge.as_deref() {
+        let estimates: Vec<Estimate> = read(file)?;
+        let verdict = judge(&read(&folder.join(LABELS))?, &estimates);
+        print(&table(&verdict))?;
+        return Ok(if verdict.false_poses.is_empty() { DONE } else { INCOMPLETE });
+    }
+    let (Some(goal), Some(folder)) = (&arguments.goal, &arguments.output) else {
+        return Err(miette!("name a goal, and a folder with -o"));
+    };
+    let kit = data.kit()?;
+    let assembly = data.goal(goal, &kit)?;
+    let arm = data.arm()?;
+    std::fs::create_dir_all(folder).into_diagnostic()?;
+    if let Some(count) = arguments.count {
+        let photographer = Photographer::new(&kit, &assembly, &arm).into_diagnostic()?;
+        return data_set(photographer, &kit, arguments, folder, count);
+    }
+    let setup = Setup {
+        kit: &kit,
+        assembly: &assembly,
+        arm: &arm,
+        track: Track::Tags,
+        seed: arguments.seed,
+        disturbance: Disturbance::default(),
+    };
+    let mut twin = Twin::new(&setup).into_diagnostic()?;
+    let mut finder = PartFinder::new(&kit).into_diagnostic()?;
+    let lying = Lying::at_start(&kit);
+    let mut text = String::new();
+    for camera in Camera::ALL {
+        let image = twin.look(camera).into_diagnostic()?;
+        let told = twin.camera(camera);
+        let sighting = finder.find(&image, &told, &lying).into_diagnostic()?;
+        write_png(&folder.join(format!("{}.png", camera.name())), &image, &image.pixels)?;
+        let drawn = draw(&image, &told, &sighting, &finder)?;
+        write_png(&folder.join(format!("{}-found.png", camera.name())), &image, &drawn)?;
+        compare(&mut text, camera, &twin, &image, &sighting);
+    }
+    print(&text)?;
+    Ok(DONE)
+}
+
+/// So many of a data set's images are also written with what is found drawn on them.
+const DRAWN: u32 = 10;
+/// Files of a data set.
+const LABELS: &str = "labels.json";
+const ESTIMATES: [&str; 2] = ["estimates.json", "estimates-lying.json"];
+const COCO: &str = "coco.json";
+
+fn data_set(
+    mut photographer: Photographer<'_>,
+    kit: &ramp_kit::Kit,
+    arguments: &Arguments,
+    folder: &Path,
+    count: u32,
+) -> Result<u8, Report> {
+    let mut finder = PartFinder::new(kit).into_diagnostic()?;
+    let names: Vec<String> = kit
+        .beams
+        .iter()
+        .map(|beam| beam.name.clone())
+        .chain(kit.pegs.iter().map(|peg| peg.name.clone()))
+        .collect();
+    let bodies: Vec<Option<usize>> = photographer
+        .looks()
+        .bodies()
+        .iter()
+        .map(|body| names.iter().position(|name| *name == body.name))
+        .collect();
+    let mut labels = Labels { schema: SCHEMA.to_string(), views: Vec::new() };
+    let mut all_areas = Vec::new();
+    let mut estimates = [Vec::new(), Vec::new()];
+    let bar = ProgressBar::new(u64::from(count));
+    for index in 0..count {
+        let file = format!("{index:05}.png");
+        let view = photographer.view(arguments.seed, index, &file);
+        if !arguments.no_images {
+            write_png(&folder.join(&file), &view.image, &view.image.pixels)?;
+            all_areas.push(areas(&view, &bodies));
+        }
+        // Once with nothing known, once with calibrated cameras and heights known.
+        let lying: Vec<Lying> = view
+            .lying
+            .iter()
+            .map(|(part, height, flipped)| Lying {
+                part: part.clone(),
+                height: *height,
+                flipped: *flipped,
+                sigma: Lying::SIGMA,
+            })
+            .collect();
+        let ways = [(&view.told, &[][..]), (&view.real, &lying[..])];
+        for ((camera, known), estimates) in ways.into_iter().zip(&mut estimates) {
+            let sighting = finder.find(&view.image, camera, known).into_diagnostic()?;
+            let x_cw = camera.x_wc(&view.image.x_wt).inverse();
+            estimates.extend(sighting.parts.iter().map(|part| Estimate {
+                file: file.clone(),
+                part: part.part.clone(),
+                x_cp: PoseLabel::from(&(x_cw * part.x_wp)),
+            }));
+        }
+        if arguments.depth {
+            write_depth(&folder.join(format!("{index:05}-depth.png")), &view.image, &view.depth)?;
+        }
+        if !arguments.no_images && index < DRAWN {
+            let sighting = finder.find(&view.image, &view.told, &[]).into_diagnostic()?;
+            let drawn = draw(&view.image, &view.told, &sighting, &finder)?;
+            write_png(&folder.join(format!("{index:05}-found.png")), &view.image, &drawn)?;
+        }
+        labels.views.push(view.label);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    write_json(&folder.join(LABELS), &labels)?;
+    if !arguments.no_images {
+        write_json(&folder.join(COCO), &coco(&labels.views, &all_areas, &names))?;
+    }
+    let mut text = String::new();
+    let titles = ["nothing known of the parts", "parts known to lie at their heights, cameras calibrated"];
+    for ((file, estimates), title) in ESTIMATES.iter().zip(&estimates).zip(titles) {
+        write_json(&folder.join(file), estimates)?;
+        let _ = write!(text, "{title} ({file})\n{}\n", table(&judge(&labels, estimates)));
+    }
+    print(&text)?;
+    Ok(DONE)
+}
+
+fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, Report> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| miette!("{} cannot be read: {error}", path.display()))?;
+    serde_json::from_str(&text).map_err(|error| miette!("{}: {error}", path.display()))
+}
+
+fn write_json<T: serde::Serialize>(path: &Path, value: &T) -> Result<(), Report> {
+    let text = serde_json::to_string(value).into_diagnostic()?;
+    std::fs::write(path, text).into_diagnostic()
+}
+
+fn write_png(path: &Path, image: &Image, pixels: &[u8]) -> Result<(), Report> {
+    write_pixels(path, image, pixels, png::ColorType::Rgb, png::BitDepth::Eight)
+}
+
+/// Writes pixels of any kind that are as many as an image's.
+fn write_pixels(
+    path: &Path,
+    image: &Image,
+    pixels: &[u8],
+    colour: png::ColorType,
+    bits: png::BitDepth,
+) -> Result<(), Report> {
+    let file = std::fs::File::create(path).into_diagnostic()?;
+    let (width, height) = (image.width as u32, image.height as u32);
+    let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), width, height);
+    encoder.set_color(colour);
+    encoder.set_depth(bits);
+    let mut writer = encoder.write_header().into_diagnostic()?;
+    writer.write_image_data(pixels).into_diagnostic()
+}
+
+fn write_depth(path: &Path, image: &Image, depth: &[f32]) -> Result<(), Report> {
+    let tenths = |depth: &f32| {
+        let tenths = (depth * 1e4).round();
+        if tenths <= f32::from(u16::MAX) { tenths as u16 } else { 0 }
+    };
+    let bytes: Vec<u8> = depth.iter().flat_map(|depth| tenths(depth).to_be_bytes()).collect();
+    write_pixels(path, image, &bytes, png::ColorType::Grayscale, png::BitDepth::Sixteen)
+}
+
+/// The table of a verdict.
+fn table(verdict: &Verdict) -> String {
+    let mut text = String::from(
+        "camera     distance m   angle °  parts  found   position mm      turn °\n                                               median   95 %   median   95 %\n",
+    );
+    for line in &verdict.lines {
+        let _ = writeln!(
+            text,
+            "{:<9}  {:.2} – {:.2}  {:>2.0} – {:<2.0}  {:>5}  {:>4.0} %  {:>6.3} {:>6.3}   {:>6.3} {:>6.3}",
+            line.camera,
+            line.distance[0],
+            line.distance[1],
+            line.angle[0],
+            line.angle[1],
+            line.parts,
+            100.0 * line.found as f64 / line.parts.max(1) as f64,
+            line.position[0] * 1e3,
+            line.position[1] * 1e3,
+            line.turn[0].to_degrees(),
+            line.turn[1].to_degrees(),
+        );
+    }
+    let _ = writeln!(
+        text,
+        "false poses (more than {:.0} mm off, or of a part that shows no tag): {} of {}",
+        FALSE * 1e3,
+        verdict.false_poses.len(),
+        verdict.poses
+    );
+    for (file, part, error) in verdict.false_poses.iter().take(20) {
+        let _ = match error {
+            Some(error) => writeln!(text, "  {file}: {part}, {:.1} mm", error * 1e3),
+            None => writeln!(text, "  {file}: {part} shows no tag"),
+        };
+    }
+    text
+}
+
+/// Estimated against true, for every part that was found.
+fn compare(text: &mut String, camera: Camera, twin: &Twin, image: &Image, sighting: &Sighting) {
+    let truth = twin.truth();
+    let places: Vec<(&str, Pose)> = twin.part_names().zip(truth.x_wp).collect();
+    // What the camera's calibration adds to every pose.
+    let told = twin.camera(camera).x_wc(&image.x_wt);
+    let real = twin.true_camera(camera).x_wc(&image.x_wt);
+    let calibration = told * real.inverse();
+    let _ = writeln!(
+        text,
+        "{}: {} tags, {} parts; error in the world, and what is left of it beyond the camera's calibration",
+        camera.name(),
+        sighting.detections.len(),
+        sighting.parts.len()
+    );
+    let _ = writeln!(
+        text,
+        "part  tags      distance   pixels      x mm    y mm    z mm   turn °   beyond: mm    °"
+    );
+    for part in &sighting.parts {
+        let Some((_, x_wp)) = places.iter().find(|(name, _)| *name == part.part) else { continue };
+        let off = (part.x_wp.translation.vector - x_wp.translation.vector) * 1e3;
+        let turn = part.x_wp.rotation.angle_to(&x_wp.rotation).to_degrees();
+        let seen = calibration * x_wp;
+        let beyond = (part.x_wp.translation.vector - seen.translation.vector).norm() * 1e3;
+        let beyond_turn = part.x_wp.rotation.angle_to(&seen.rotation).to_degrees();
+        let tags: Vec<String> = part.tags.iter().map(u32::to_string).collect();
+        let _ = writeln!(
+            text,
+            "{:<5} {:<8} {:>7.3} m {:>8.1}   {:>7.2} {:>7.2} {:>7.2} {:>8.2} {:>10.3} {:>6.3}",
+            part.part,
+            tags.join(", "),
+            part.distance,
+            part.tag_size,
+            off.x,
+            off.y,
+            off.z,
+            turn,
+            beyond,
+            beyond_turn
+        );
+    }
+    for oddity in &sighting.oddities {
+        let _ = writeln!(text, "odd: {oddity}");
+    }
+    text.push('\n');
+}
+
+/// The image with its tags framed and the names and axes of the parts that were found.
+fn draw(
+    image: &Image,
+    told: &CameraModel,
+    sighting: &Sighting,
+    finder: &PartFinder,
+) -> Result<Vec<u8>, Report> {
+    let (width, height) = (image.width, image.height);
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">"
+    );
+    for detection in &sighting.detections {
+        let points: Vec<String> = detection.corners.iter().map(|[x, y]| format!("{x:.2},{y:.2}")).collect();
+        let _ = write!(
+            svg,
+            "<polygon points=\"{}\" fill=\"none\" stroke=\"#00c853\" stroke-width=\"2\"/>",
+            points.join(" ")
+        );
+    }
+    let x_cw = told.x_wc(&image.x_wt).inverse();
+    for part in sighting.parts.iter().chain(&sighting.sheet) {
+        let Some(place) = part.tags.first().and_then(|id| finder.places().get(id)) else { continue };
+        let x_cg = x_cw * part.x_wp * place.x_pg;
+        let project = |x: f64, y: f64, z: f64| told.project(&(x_cg * nalgebra::Point3::new(x, y, z)));
+        let Some(origin) = project(0.0, 0.0, 0.0) else { continue };
+        let length = place.edge;
+        for (end, colour) in [
+            (project(length, 0.0, 0.0), "#e53935"),
+            (project(0.0, length, 0.0), "#43a047"),
+            (project(0.0, 0.0, length), "#1e88e5"),
+        ] {
+            let Some(end) = end else { continue };
+            let _ = write!(
+                svg,
+                "<line x1=\"{:.2}\" y1=\"{:.2}\" x2=\"{:.2}\" y2=\"{:.2}\" stroke=\"{colour}\" stroke-width=\"2\"/>",
+                origin[0], origin[1], end[0], end[1]
+            );
+        }
+        let size = (part.tag_size / 3.0).clamp(9.0, 18.0);
+        let at = [origin[0] + 0.62 * part.tag_size, origin[1] - 0.2 * part.tag_size];
+        strokes::text(&mut svg, at, Align::Left, size, "#d500f9", &part.part);
+    }
+    svg.push_str("</svg>");
+    let tree = usvg::Tree::from_str(&svg, &usvg::Options::default()).into_diagnostic()?;
+    let mut pixmap = tiny_skia::Pixmap::new(width as u32, height as u32)
+        .ok_or_else(|| miette!("an image of {width} × {height} pixels"))?;
+    for (out, pixel) in pixmap.data_mut().chunks_exact_mut(4).zip(image.pixels.chunks_exact(3)) {
+        out.copy_from_slice(&[pixel[0], pixel[1], pixel[2], 255]);
+    }
+    resvg::render(&tree, tiny_skia::Transform::identity(), &mut pixmap.as_mut());
+    Ok(pixmap.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect())
+}

@@ -1,0 +1,74 @@
+//! A sensor behind a lens: what blurs, scales and disturbs the light on its way to a number.
+
+use ramp_robot::random::Stream;
+
+/// Largest value of a linear channel.
+pub(crate) const FULL: u16 = 4095;
+/// Sensor noise in grey levels (1 σ) after gamma, which makes shot noise about the same in dark and bright places.
+const NOISE: f64 = 1.6;
+/// By how much the exposure differs from episode to episode, and from image to image (1 σ, share).
+const GAIN_EPISODE: f64 = 0.08;
+/// See [`GAIN_EPISODE`].
+const GAIN_IMAGE: f64 = 0.01;
+/// Entries in the table of noise: a power of two.
+const TABLE: usize = 1 << 17;
+/// Steps of the output of the tone curve to a grey level.
+const FINE: i16 = 64;
+
+/// A sensor, with its own random numbers.
+#[derive(Clone, Debug)]
+pub struct Sensor {
+    gain: f64,
+    stream: Stream,
+    noise: Vec<i16>,
+    tone: Box<[i16; FULL as usize + 1]>,
+    row: Vec<i16>,
+}
+
+impl Sensor {
+    /// The sensor of the camera called `name` in the episode of this seed.
+    pub fn new(seed: u64, name: &str) -> Sensor {
+        let mut stream = Stream::new(seed, &format!("sensor-{name}"));
+        let noise = (0..TABLE).map(|_| (stream.normal(NOISE) * f64::from(FINE)).round() as i16).collect();
+        let gain = (1.0 + stream.normal(GAIN_EPISODE)).clamp(0.7, 1.3);
+        Sensor { gain, stream, noise, tone: Box::new([0; FULL as usize + 1]), row: Vec::new() }
+    }
+
+    /// A sensor without noise, and the exposure that was meant.
+    pub fn ideal() -> Sensor {
+        Sensor {
+            gain: 1.0,
+            stream: Stream::new(0, "ideal"),
+            noise: vec![0; TABLE],
+            tone: Box::new([0; FULL as usize + 1]),
+            row: Vec::new(),
+        }
+    }
+
+    /// With `gain` times as much light as was meant: 0 is a closed shutter.
+    pub fn with_gain(mut self, gain: f64) -> Sensor {
+        self.gain = gain;
+        self
+    }
+
+    /// Prepares the next image.
+    pub(crate) fn begin(&mut self) {
+        let gain = self.gain * (1.0 + self.stream.normal(GAIN_IMAGE));
+        for (value, tone) in self.tone.iter_mut().enumerate() {
+            let light = (value as f64 / f64::from(FULL) * gain).min(1.0);
+            *tone = (light.powf(1.0 / 2.2) * 255.0 * f64::from(FINE)).round() as i16 + FINE / 2;
+        }
+    }
+
+    /// Writes a row of pixels from linear light: red, green and blue.
+    pub(crate) fn expose(&mut self, light: &[u16], row: &mut [u8]) {
+        let room = self.noise.len().saturating_sub(light.len());
+        let at = (self.stream.uniform() * room as f64) as usize;
+        // First what cannot be done several at once, then what can.
+        self.row.clear();
+        self.row.extend(light.iter().map(|light| self.tone[usize::from(light & FULL)]));
+        for ((tone, noise), out) in self.row.iter().zip(&self.noise[at..]).zip(row) {
+            *out = ((tone + noise) >> FINE.trailing_zeros()).clamp(0, 255) as u8;
+        }
+    }
+}

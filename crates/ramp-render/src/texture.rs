@@ -1,0 +1,229 @@
+//! The printed sheet as pixels, in several sizes so that a far look at it does not flicker, and the cells of tags.
+
+use ramp_kit::{Kit, sheet, tags};
+use resvg::{tiny_skia, usvg};
+
+use crate::looks::LooksError;
+
+/// Pixels of the sheet's finest picture per millimetre.
+const SCALE: f64 = 3.2;
+
+/// Edge of the squares in which pixels are stored, so that those that are neighbours are so in memory too, whichever way
+/// the camera is turned.
+const TILE: usize = 8;
+
+/// Where a pixel is stored.
+#[inline]
+fn place(width: usize, column: usize, row: usize) -> usize {
+    let tiles = width.div_ceil(TILE);
+    ((row / TILE * tiles + column / TILE) * TILE + row % TILE) * TILE + column % TILE
+}
+
+/// The number of a colour of the sheet, which is printed in grey and red: how bright its green is in steps of two, and
+/// above them the same for red.
+fn number(colour: u32) -> u8 {
+    let [red, green] = [colour & 255, colour >> 8 & 255];
+    (green / 2) as u8 | if red > green + 24 { 128 } else { 0 }
+}
+
+/// The colours of these numbers. The sheet's red throws back half of the red light.
+fn colours() -> Vec<u32> {
+    let colour = |number: u32| {
+        let green = (number & 127) * 2;
+        let red = if number & 128 == 0 { green } else { green.max(110) };
+        red | green << 8 | green << 16
+    };
+    (0..256).map(colour).collect()
+}
+
+fn tiled(width: usize, height: usize, pixels: &[u32]) -> Vec<u8> {
+    let mut tiled = vec![0; width.div_ceil(TILE) * height.div_ceil(TILE) * TILE * TILE];
+    for (row, line) in pixels.chunks_exact(width).enumerate() {
+        for (column, pixel) in line.iter().enumerate() {
+            tiled[place(width, column, row)] = number(*pixel);
+        }
+    }
+    tiled
+}
+
+/// A picture on the table.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    /// From fine to coarse: width, height and pixels in tiles, each a number of a colour. A byte each, because most of the
+    /// time of looking them up is waiting for memory.
+    levels: Vec<(usize, usize, Vec<u8>)>,
+    /// The colours: red, green, blue in linear light, lowest byte first.
+    colours: Vec<u32>,
+    /// Pixels of the finest level per metre.
+    pub per_metre: f32,
+    /// The number of bare paper's colour.
+    paper: u8,
+}
+
+impl Texture {
+    /// The start sheet of a kit.
+    ///
+    /// # Errors
+    /// A sheet that cannot be drawn.
+    pub fn sheet(kit: &Kit) -> Result<Texture, LooksError> {
+        let drawing = sheet::start_sheet(kit)?;
+        let options = usvg::Options { dpi: 25.4, ..usvg::Options::default() };
+        let tree = usvg::Tree::from_str(&drawing.svg(), &options)
+            .map_err(|error| LooksError::Sheet(error.to_string()))?;
+        let [width, height] = drawing.size.map(|edge| (edge * SCALE).ceil() as u32);
+        let mut pixmap = tiny_skia::Pixmap::new(width, height)
+            .ok_or_else(|| LooksError::Sheet(format!("it has no size: {width} × {height}")))?;
+        let zoom = tiny_skia::Transform::from_scale(SCALE as f32, SCALE as f32);
+        resvg::render(&tree, zoom, &mut pixmap.as_mut());
+        // Paper reflects 80 % of the light.
+        let linear: Vec<u32> =
+            (0..256).map(|value| ((value as f64 / 255.0).powf(2.2) * 0.8 * 255.0).round() as u32).collect();
+        let pixels: Vec<u32> = pixmap
+            .pixels()
+            .iter()
+            .map(|p| {
+                let [r, g, b] = [p.red(), p.green(), p.blue()].map(|value| linear[value as usize]);
+                r | g << 8 | b << 16
+            })
+            .collect();
+        let mut levels = vec![(width as usize, height as usize, pixels)];
+        while let Some((width, height, pixels)) = levels.last().filter(|level| level.0.min(level.1) > 32) {
+            let (w, h) = (width / 2, height / 2);
+            let mut half = Vec::with_capacity(w * h);
+            for y in 0..h {
+                for x in 0..w {
+                    let at = |dx: usize, dy: usize| pixels[(2 * y + dy) * width + 2 * x + dx];
+                    let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+                    let mean = |shift: u32| (four.iter().map(|p| p >> shift & 255).sum::<u32>() + 2) / 4;
+                    half.push(mean(0) | mean(8) << 8 | mean(16) << 16);
+                }
+            }
+            levels.push((w, h, half));
+        }
+        let levels = levels
+            .iter()
+            .map(|(width, height, pixels)| (*width, *height, tiled(*width, *height, pixels)))
+            .collect();
+        let paper = number(linear[255] * 0x01_01_01);
+        Ok(Texture { levels, colours: colours(), per_metre: (SCALE * 1e3) as f32, paper })
+    }
+
+    /// The level on which a pixel that covers `size` metres should be looked up.
+    pub fn level(&self, size: f32) -> usize {
+        let texels = size * self.per_metre;
+        let last = self.levels.len() - 1;
+        // As fine as the pixel: the lens's blur does the rest.
+        let mut level = 0;
+        while level < last && texels > (1.5 * (1u32 << level) as f32) {
+            level += 1;
+        }
+        level
+    }
+
+    /// The colour of paper on which nothing is printed.
+    pub fn paper(&self) -> u32 {
+        self.colours[usize::from(self.paper)]
+    }
+
+    /// Is nothing printed around a place (m from the upper left corner), `size` (m) wide?
+    pub fn is_blank(&self, [x, y]: [f32; 2], size: f32) -> bool {
+        let (width, height, pixels) = &self.levels[0];
+        let range = |value: f32, end: usize| {
+            let at = |value: f32| ((value * self.per_metre).max(0.0) as usize).min(end - 1);
+            at(value - size / 2.0)..=at(value + size / 2.0)
+        };
+        range(y, *height)
+            .all(|row| range(x, *width).all(|column| pixels[place(*width, column, row)] == self.paper))
+    }
+
+    /// The picture on a level.
+    pub fn on(&self, level: usize) -> Level<'_> {
+        let (width, height, pixels) = &self.levels[level];
+        let colours = &self.colours;
+        Level {
+            width: *width,
+            height: *height,
+            pixels,
+            colours,
+            scale: self.per_metre / (1u32 << level) as f32,
+        }
+    }
+}
+
+/// A [`Texture`] in one size.
+pub struct Level<'a> {
+    width: usize,
+    height: usize,
+    pixels: &'a [u8],
+    colours: &'a [u32],
+    scale: f32,
+}
+
+impl Level<'_> {
+    /// The colour of the pixel at a place in metres from the upper left corner; red, green and blue in the bytes of the
+    /// answer, lowest first.
+    #[inline]
+    pub fn at(&self, x: f32, y: f32) -> u32 {
+        let column = ((x * self.scale) as usize).min(self.width - 1);
+        let row = ((y * self.scale) as usize).min(self.height - 1);
+        let number = self.pixels.get(place(self.width, column, row)).copied().unwrap_or_default();
+        self.colours[usize::from(number)]
+    }
+}
+
+/// How much light a tag's white and black throw back.
+pub const TAG_LIGHT: [f32; 2] = [0.82, 0.035];
+
+/// A tag's cells in a frame that begins at the sticker's corner.
+#[derive(Clone, Debug)]
+pub struct Cells {
+    /// By row from the top, with a ring of white around for the sticker's edge.
+    bright: [[bool; tags::CELLS + 2]; tags::CELLS + 2],
+    /// Cells per metre.
+    per_metre: f32,
+}
+
+impl Cells {
+    /// The tag of that id with a black edge of `edge` metres; `None` for an id the family does not have.
+    pub fn new(id: u32, edge: f64) -> Option<Cells> {
+        let cells = tags::cells(id)?;
+        let mut bright = [[true; tags::CELLS + 2]; tags::CELLS + 2];
+        for (row, line) in cells.iter().enumerate() {
+            for (column, black) in line.iter().enumerate() {
+                bright[row + 1][column + 1] = !black;
+            }
+        }
+        Some(Cells { bright, per_metre: (tags::BLACK_CELLS as f64 / edge) as f32 })
+    }
+
+    /// The cell at a place in the tag's frame G (x right, y up, m).
+    #[inline]
+    fn index(&self, x: f32, y: f32) -> (usize, usize) {
+        let middle = (tags::CELLS + 2) as f32 / 2.0;
+        let last = (tags::CELLS + 1) as f32;
+        let clamp = |value: f32| {
+            let value = if value > 0.0 { value } else { 0.0 };
+            (if value < last { value } else { last }) as i32 as usize
+        };
+        (clamp(middle - y * self.per_metre), clamp(middle + x * self.per_metre))
+    }
+
+    /// Share of white in a parallelogram around (x, y) with the sides `a` and `b`, all in G, m.
+    #[inline]
+    pub fn white(&self, x: f32, y: f32, a: [f32; 2], b: [f32; 2]) -> f32 {
+        let (hx, hy) = (0.5 * (a[0].abs() + b[0].abs()), 0.5 * (a[1].abs() + b[1].abs()));
+        let (low, high) = (self.index(x - hx, y - hy), self.index(x + hx, y + hy));
+        if low == high {
+            return f32::from(u8::from(self.bright[low.0][low.1]));
+        }
+        // Sixteen places, no two of them in one row or column of the pixel.
+        let mut count = 0;
+        for place in 0..16u32 {
+            let u = (place as f32 + 0.5) / 16.0 - 0.5;
+            let v = ((place * 5 % 16) as f32 + 0.5) / 16.0 - 0.5;
+            let (row, column) = self.index(x + u * a[0] + v * b[0], y + u * a[1] + v * b[1]);
+            count += u32::from(self.bright[row][column]);
+        }
+        count as f32 / 16.0
+    }
+}

@@ -1,0 +1,179 @@
+//! Cameras: images, and what an agent is told about the lenses they were taken through.
+//!
+//! An optical frame C: origin in the centre of the lens, z where it looks, x to the right and y downwards in the
+//! image. Pixel coordinates start at the outer corner of the first pixel: its middle is at (0.5, 0.5).
+
+use nalgebra::{Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
+
+use crate::Pose;
+
+/// A camera of the robot's cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Camera {
+    /// On the hand; moves with the tip.
+    Wrist,
+    /// High over the table, looking down.
+    BirdsEye,
+}
+
+impl Camera {
+    /// Both.
+    pub const ALL: [Camera; 2] = [Camera::Wrist, Camera::BirdsEye];
+
+    /// The name on the command line, in files and in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Camera::Wrist => "wrist",
+            Camera::BirdsEye => "birds-eye",
+        }
+    }
+}
+
+/// A colour image, as it came out of a camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Which camera took it.
+    pub camera: Camera,
+    /// Robot time in the middle of the exposure, s.
+    pub time: f64,
+    /// Pose of the tip in the world that the arm measured at that moment.
+    pub x_wt: Pose,
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Red, green and blue of each pixel, row by row from the top left, gamma 2.2.
+    pub pixels: Vec<u8>,
+}
+
+/// What a camera is fixed to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mount {
+    /// To the hand: pose of C in the tip frame T.
+    Tip(Pose),
+    /// To the room: pose of C in the world W.
+    World(Pose),
+}
+
+/// A pinhole camera with a lens that distorts, by Brown's model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraModel {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Focal lengths along x and y, pixels.
+    pub focal: [f64; 2],
+    /// Where the optical axis meets the image, pixels.
+    pub centre: [f64; 2],
+    /// Radial and tangential coefficients in the usual order: k1, k2, p1, p2, k3.
+    pub distortion: [f64; 5],
+    /// Where it is.
+    pub mount: Mount,
+}
+
+/// An optical frame that looks along `forward` with `up` upwards in the image, both unit vectors at right angles.
+fn looking(position: Vector3<f64>, forward: Vector3<f64>, up: Vector3<f64>) -> Pose {
+    let right = forward.cross(&up);
+    let rotation = nalgebra::Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[right, -up, forward]));
+    Pose::from_parts(Translation3::from(position), UnitQuaternion::from_rotation_matrix(&rotation))
+}
+
+impl CameraModel {
+    /// The benchmark's camera, as an agent is told it is; `tip` is the distance from the hand's frame to the tip's
+    /// along z, m. Poses and fields of view are the published simulation's; the distortion is that of a usual
+    /// lens of this opening.
+    pub fn nominal(camera: Camera, tip: f64) -> CameraModel {
+        let (width, height) = (1280, 800);
+        // Half of the horizontal field of view, the coefficients, and where it is.
+        let (half, distortion, mount) = match camera {
+            // (50, 0, 50) mm in the hand's frame, looking where the hand points, up towards the hand's x.
+            Camera::Wrist => (
+                43.65_f64,
+                [-0.055, 0.018, 3.0e-4, -2.0e-4, -0.002],
+                Mount::Tip(looking(Vector3::new(0.05, 0.0, 0.05 - tip), Vector3::z(), Vector3::x())),
+            ),
+            Camera::BirdsEye => (
+                23.6,
+                [-0.08, 0.05, -2.0e-4, 3.0e-4, 0.0],
+                Mount::World(looking(Vector3::new(0.6, 0.0, 2.5), -Vector3::z(), Vector3::y())),
+            ),
+        };
+        let focal = width as f64 / 2.0 / half.to_radians().tan();
+        CameraModel {
+            width,
+            height,
+            focal: [focal; 2],
+            centre: [width as f64 / 2.0, height as f64 / 2.0],
+            distortion,
+            mount,
+        }
+    }
+
+    /// Pose of the optical frame in the world while the tip is at `x_wt`.
+    pub fn x_wc(&self, x_wt: &Pose) -> Pose {
+        match self.mount {
+            Mount::Tip(x_tc) => x_wt * x_tc,
+            Mount::World(x_wc) => x_wc,
+        }
+    }
+
+    /// Where the lens throws a direction (x/z, y/z) of the optical frame, likewise.
+    pub fn distort(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [k1, k2, p1, p2, k3] = self.distortion;
+        let r2 = x * x + y * y;
+        let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+        [
+            x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+            y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
+        ]
+    }
+
+    /// The pixel in which a point of the optical frame (m) appears; `None` behind the camera. It may lie outside
+    /// the image.
+    pub fn project(&self, p_c: &Point3<f64>) -> Option<[f64; 2]> {
+        if p_c.z <= 1e-6 {
+            return None;
+        }
+        let [x, y] = self.distort([p_c.x / p_c.z, p_c.y / p_c.z]);
+        Some([self.focal[0] * x + self.centre[0], self.focal[1] * y + self.centre[1]])
+    }
+
+    /// The direction (x/z, y/z) of the optical frame that appears at a pixel: the inverse of
+    /// [`CameraModel::project`], by Newton's steps, to better than a millionth of a pixel within the image.
+    ///
+    /// ```
+    /// use ramp_robot::camera::{Camera, CameraModel};
+    /// let camera = CameraModel::nominal(Camera::Wrist, 0.1134);
+    /// let [x, y] = camera.direction([3.0, 790.0]);
+    /// let pixel = camera.project(&nalgebra::Point3::new(0.2 * x, 0.2 * y, 0.2)).unwrap();
+    /// assert!((pixel[0] - 3.0).abs() < 1e-6 && (pixel[1] - 790.0).abs() < 1e-6);
+    /// ```
+    pub fn direction(&self, pixel: [f64; 2]) -> [f64; 2] {
+        let wanted: [f64; 2] =
+            std::array::from_fn(|axis| (pixel[axis] - self.centre[axis]) / self.focal[axis]);
+        let [k1, k2, p1, p2, k3] = self.distortion;
+        let [mut x, mut y] = wanted;
+        for _ in 0..20 {
+            let at = self.distort([x, y]);
+            let (ex, ey) = (at[0] - wanted[0], at[1] - wanted[1]);
+            if ex.abs().max(ey.abs()) < 1e-12 {
+                break;
+            }
+            let r2 = x * x + y * y;
+            let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+            // Derivative of `radial` by r², times two.
+            let slope = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3));
+            let xx = radial + slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x;
+            let xy = slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y;
+            let yy = radial + slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x;
+            let determinant = xx * yy - xy * xy;
+            if determinant.abs() < 1e-9 {
+                break;
+            }
+            x -= (yy * ex - xy * ey) / determinant;
+            y -= (xx * ey - xy * ex) / determinant;
+        }
+        [x, y]
+    }
+}

@@ -1,0 +1,266 @@
+//! The eyes: whatever a track gives to find the parts by, readings of poses or camera images, as sightings.
+//!
+//! A track that gives no poses gives images. Both cameras are then asked; what is found in an image is only as good as
+//! the camera's place is known, and that is found out on the way, from the tags of the clamped beam and of the sheet,
+//! whose places are known.
+
+use std::collections::BTreeSet;
+
+use nalgebra::{Matrix6, Point3, Rotation3, SMatrix};
+use ramp_kit::Kit;
+use ramp_robot::{Camera, CameraModel, Image, RobotError};
+use ramp_vision::{Calibration, Lying, Oddity, PartFinder, SeenPart};
+
+use crate::Pose;
+use crate::estimate::{Estimate, covariance};
+use crate::hand::Hand;
+
+/// How far a camera may be from where the robot says it is, 1 σ, m and rad: the benchmark's error of calibration.
+const CALIBRATION: [f64; 2] = [0.5e-3, 0.2 / 180.0 * std::f64::consts::PI];
+/// What remains of it at best, m and rad.
+const REMAINS: [f64; 2] = [0.08e-3, 0.02 / 180.0 * std::f64::consts::PI];
+/// Known points that are enough to calibrate a camera by.
+const ENOUGH: usize = 240;
+/// How much larger than the finder says the covariance of a part in an image is taken to be: images taken from one
+/// place have errors in common.
+const COMMON: f64 = 4.0;
+/// Standard deviation of an exact reading, m and rad: nothing is known better than a double can tell.
+const EXACT: f64 = 1.0e-9;
+/// So many images in a row that show nothing at all, and a camera counts as broken.
+const BROKEN: u32 = 10;
+
+/// A part as it was seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sighting {
+    /// Its name.
+    pub part: String,
+    /// Its pose in the world.
+    pub estimate: Estimate,
+    /// The pose of the tip in the world when it was seen.
+    pub x_wt: Pose,
+}
+
+/// A camera, and how well its place is known by now.
+struct Eye {
+    camera: Camera,
+    model: Option<CameraModel>,
+    calibration: Option<Calibration>,
+    /// Covariance of a small shift (m) and turn (rad) of the camera, in its own axes.
+    covariance: Matrix6<f64>,
+    /// Images in a row that were of no use.
+    bad: u32,
+}
+
+impl Eye {
+    fn new(camera: Camera) -> Eye {
+        let [position, angle] = CALIBRATION;
+        let covariance = covariance([position; 3], [angle; 3]);
+        Eye { camera, model: None, calibration: None, covariance, bad: 0 }
+    }
+
+    fn broken(&self) -> bool {
+        self.bad >= BROKEN
+    }
+}
+
+/// What finds the parts.
+pub struct Eyes {
+    kit: Kit,
+    /// Name and pose of the beam that is clamped.
+    base: (String, Pose),
+    finder: Option<PartFinder>,
+    eyes: [Eye; 2],
+    /// Does the track give images instead of poses?
+    images: bool,
+    /// Robot time that the last look took, s.
+    cost: f64,
+    complaints: Vec<String>,
+    /// Oddities that have been told.
+    told: BTreeSet<String>,
+    /// Parts that were seen not to lie as they were believed to.
+    upset: Vec<String>,
+}
+
+impl Eyes {
+    /// Eyes for the parts of a kit, of which the beam `base` is clamped at `x_wb` in the world.
+    pub fn new(kit: &Kit, base: &str, x_wb: Pose) -> Eyes {
+        Eyes {
+            kit: kit.clone(),
+            base: (base.to_string(), x_wb),
+            finder: None,
+            eyes: Camera::ALL.map(Eye::new),
+            images: false,
+            cost: 0.0,
+            complaints: Vec::new(),
+            told: BTreeSet::new(),
+            upset: Vec::new(),
+        }
+    }
+
+    /// Robot time that the last look took, s.
+    pub fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    /// Does the track give images instead of poses? Known after the first look.
+    pub fn images(&self) -> bool {
+        self.images
+    }
+
+    /// What was wrong with images since this was last asked, for a person.
+    pub fn complaints(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.complaints)
+    }
+
+    /// The parts that images of the last look show not to lie as they were believed to.
+    pub fn upset(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.upset)
+    }
+
+    /// Tells what is wrong with tags, each thing once; what is only hidden or far away is nobody's fault.
+    fn tell(&mut self, oddity: Oddity) {
+        let told = match oddity {
+            Oddity::NotLying { part } => return self.upset.push(part),
+            Oddity::UnknownTag { id } => format!("unknown {id}"),
+            Oddity::SameTagTwice { id, .. } => format!("twice {id}"),
+            Oddity::TagsDisagree { ref part, .. } => format!("disagree {part}"),
+            _ => return,
+        };
+        if self.told.insert(told) {
+            self.complaints.push(oddity.to_string());
+        }
+    }
+
+    /// The middle of the tag of a part that is nearest to a point of it, both in the part's frame, m.
+    pub fn nearest_tag(&self, part: &str, p: &Point3<f64>) -> Option<Point3<f64>> {
+        let places = self.finder.as_ref()?.places().values().filter(|place| place.part == part);
+        let middles = places.map(|place| Point3::from(place.x_pg.translation.vector));
+        middles.min_by(|a, b| (a - p).norm().total_cmp(&(b - p).norm()))
+    }
+
+    /// Looks once. `lying` is what is known of how parts lie.
+    ///
+    /// # Errors
+    /// The robot's; [`RobotError::CameraStopped`] when no camera gives an image in which something could be seen.
+    pub fn look(&mut self, hand: &mut Hand, lying: &[Lying]) -> Result<Vec<Sighting>, RobotError> {
+        let begin = hand.time();
+        let sightings = match hand.read_parts() {
+            Err(RobotError::NotOnTrack { .. }) => {
+                self.images = true;
+                self.look_through_cameras(hand, lying)
+            }
+            readings => readings.map(|readings| {
+                let sighting = |reading: ramp_robot::PartReading| {
+                    let [position, angle] = reading.sigma.map(|sigma| sigma.max(EXACT));
+                    let covariance = covariance([position; 3], [angle; 3]);
+                    let estimate = Estimate { x: reading.x_wp, covariance };
+                    Sighting { part: reading.part, estimate, x_wt: hand.seen.x_wt }
+                };
+                readings.into_iter().map(sighting).collect()
+            }),
+        };
+        self.cost = hand.time() - begin;
+        sightings
+    }
+
+    fn look_through_cameras(
+        &mut self,
+        hand: &mut Hand,
+        lying: &[Lying],
+    ) -> Result<Vec<Sighting>, RobotError> {
+        let mut sightings = Vec::new();
+        for index in 0..self.eyes.len() {
+            if self.eyes[index].broken() {
+                continue;
+            }
+            let camera = self.eyes[index].camera;
+            let why = match hand.look(camera) {
+                Ok(image) => match self.read(index, hand, &image, lying) {
+                    Ok(found) => {
+                        self.eyes[index].bad = 0;
+                        sightings.extend(found);
+                        continue;
+                    }
+                    Err(why) => why,
+                },
+                Err(error @ RobotError::CameraStopped { .. }) => error.to_string(),
+                Err(error) => return Err(error),
+            };
+            let eye = &mut self.eyes[index];
+            eye.bad += 1;
+            // Told at the first and at the last of them.
+            if eye.bad == 1 {
+                self.complaints.push(why);
+            } else if eye.broken() {
+                self.complaints.push(format!("{why}, {BROKEN} times in a row: not looked through any more"));
+            }
+        }
+        match self.eyes.iter().find(|eye| !eye.broken()) {
+            Some(_) => Ok(sightings),
+            None => Err(RobotError::CameraStopped { camera: Camera::Wrist }),
+        }
+    }
+
+    /// Finds the parts in an image.
+    fn read(
+        &mut self,
+        index: usize,
+        hand: &Hand,
+        image: &Image,
+        lying: &[Lying],
+    ) -> Result<Vec<Sighting>, String> {
+        let finder = match &mut self.finder {
+            Some(finder) => finder,
+            None => self.finder.insert(PartFinder::new(&self.kit).map_err(|error| error.to_string())?),
+        };
+        let eye = &mut self.eyes[index];
+        let nominal = hand.camera(eye.camera);
+        let model = eye.model.get_or_insert_with(|| nominal.clone());
+        let seen = finder.find(image, model, lying).map_err(|error| error.to_string())?;
+        let x_wc_before = model.x_wc(&image.x_wt);
+        // What is known to be where it is tells where the camera is.
+        let calibration = eye.calibration.get_or_insert_with(|| Calibration::new(&nominal, CALIBRATION));
+        if calibration.len() < ENOUGH {
+            let (name, x_wb) = &self.base;
+            let base = seen.parts.iter().filter(|part| part.part == *name).map(|part| (part, *x_wb));
+            let known: Vec<(&SeenPart, Pose)> =
+                base.chain(seen.sheet.as_ref().map(|sheet| (sheet, Pose::identity()))).collect();
+            for (part, x_wp) in &known {
+                // The pixels are those of the image, whatever the camera was believed to be: seen through the
+                // nominal one they are what they are.
+                let x_wp_nominal = nominal.x_wc(&image.x_wt) * model.x_wc(&image.x_wt).inverse() * part.x_wp;
+                let part = SeenPart { x_wp: x_wp_nominal, ..(*part).clone() };
+                calibration.add_part(&image.x_wt, &part, x_wp, finder.places());
+            }
+            if !known.is_empty() {
+                let (better, left) = calibration.solve();
+                *model = better;
+                let [position, angle] = REMAINS;
+                eye.covariance = left + covariance([position; 3], [angle; 3]);
+            }
+        }
+        let x_wc = model.x_wc(&image.x_wt);
+        let moved = x_wc * x_wc_before.inverse();
+        let (base, error) = (&self.base.0, &eye.covariance);
+        let parts = seen.parts.into_iter().filter(|part| part.part != *base);
+        let parts = parts.map(|part| SeenPart { x_wp: moved * part.x_wp, ..part });
+        let sightings = parts.map(|part| sighting(part, &x_wc, error, image.x_wt)).collect();
+        for oddity in seen.oddities {
+            self.tell(oddity);
+        }
+        Ok(sightings)
+    }
+}
+
+/// A part that was seen by a camera at `x_wc` whose place has the covariance `error` in its own axes.
+fn sighting(part: SeenPart, x_wc: &Pose, error: &Matrix6<f64>, x_wt: Pose) -> Sighting {
+    let axes: Rotation3<f64> = x_wc.rotation.to_rotation_matrix();
+    let p_cp = x_wc.inverse_transform_point(&Point3::from(part.x_wp.translation.vector));
+    // A camera that is turned by δθ sees a part at p as shifted by δθ × p.
+    let mut jacobian = SMatrix::<f64, 6, 6>::zeros();
+    jacobian.fixed_view_mut::<3, 3>(0, 0).copy_from(axes.matrix());
+    jacobian.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-axes.matrix() * p_cp.coords.cross_matrix()));
+    jacobian.fixed_view_mut::<3, 3>(3, 3).copy_from(axes.matrix());
+    let covariance = part.covariance * COMMON + jacobian * error * jacobian.transpose();
+    Sighting { part: part.part, estimate: Estimate { x: part.x_wp, covariance }, x_wt }
+}

@@ -1,0 +1,144 @@
+//! Looking: as often as it takes to know well enough what the next step needs.
+
+use std::f64::consts::FRAC_PI_4;
+
+use nalgebra::{Point3, Translation3, Vector3};
+use ramp_assembly::JointRef;
+use ramp_robot::Camera;
+use ramp_robot::camera::Mount;
+
+use crate::Pose;
+use crate::belief::Belief;
+use crate::fault::SkillError;
+use crate::grasp::hand_down;
+use crate::transport::{TRAVEL, Workcell};
+
+/// Longest series of looks, s: what is not known well enough by then has to be found by feel.
+const LONGEST: f64 = 15.0;
+
+/// How well a part must be known before it is gripped, along the table and in height, m.
+const GRASPABLE: [f64; 2] = [0.5e-3, 0.2e-3];
+
+/// A point of a part: its name, and the point in its frame, m.
+pub type Point = (String, Point3<f64>);
+
+impl Workcell<'_, '_> {
+    /// Looks once, and on until the place of each of these points on the table is known to a standard deviation of
+    /// `within`, m: again and again where noise is what is in the way, and from near by, while the hand is empty, where
+    /// it sees by cameras.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn see(&mut self, points: &[Point], within: f64) -> Result<(), SkillError> {
+        self.see_until(points, [within, f64::INFINITY])
+    }
+
+    /// As [`Workcell::see`], for a part that is to be gripped. The fingers centre it, so that half a millimetre is
+    /// well enough along the table; but their ribs have only 1 mm of room above and below in a beam's slots.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn see_to_grip(&mut self, part: &str) -> Result<(), SkillError> {
+        self.see_until(&[self.middle(part)], GRASPABLE)
+    }
+
+    /// As [`Workcell::see`], for the heights of the points.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn see_height(&mut self, points: &[Point], within: f64) -> Result<(), SkillError> {
+        self.see_until(points, [f64::INFINITY, within])
+    }
+
+    fn see_until(&mut self, points: &[Point], within: [f64; 2]) -> Result<(), SkillError> {
+        let begin = self.hand.time();
+        let mut visits = 0;
+        loop {
+            self.look_once()?;
+            let excess = |belief: &Belief, (part, p): &Point| {
+                let deviation = belief.deviation(part, p);
+                (deviation[0] / within[0]).max(deviation[1] / within[1])
+            };
+            let worst = points
+                .iter()
+                .max_by(|a, b| excess(&self.belief, a).total_cmp(&excess(&self.belief, b)))
+                .filter(|worst| excess(&self.belief, worst) > 1.0);
+            let Some(worst) = worst else { return Ok(()) };
+            if self.belief.eyes.images() {
+                // Images from one place have their errors in common: after two of them only another place helps.
+                self.look_once()?;
+                if excess(&self.belief, worst) <= 1.0 {
+                    continue;
+                }
+                if visits >= points.len() || self.hand.held.is_some() {
+                    return Ok(());
+                }
+                visits += 1;
+                self.visit(worst)?;
+            } else if self.belief.eyes.cost() <= 0.0 || self.hand.time() - begin > LONGEST {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Looks once, and notes what was odd.
+    fn look_once(&mut self) -> Result<(), SkillError> {
+        self.belief.update(&mut self.hand)?;
+        for (part, off) in self.belief.astray() {
+            self.note("seen", format!("{part} is {:.1} mm from where it was believed", off * 1e3));
+        }
+        for complaint in self.belief.eyes.complaints() {
+            self.note("fault", complaint);
+        }
+        Ok(())
+    }
+
+    /// Brings the camera on the empty hand over the tag of a part that is nearest to a point of it.
+    fn visit(&mut self, (part, p): &Point) -> Result<(), SkillError> {
+        let Ok(x_wp) = self.belief.pose(part) else { return Ok(()) };
+        let aim = x_wp * self.belief.eyes.nearest_tag(part, p).unwrap_or(*p);
+        let Mount::Tip(x_tc) = self.hand.camera(Camera::Wrist).mount else { return Ok(()) };
+        let q = self.hand.joints();
+        let x = self.hand.seen.x_wt.rotation * Vector3::x();
+        let yaw = x.y.atan2(x.x);
+        let candidates = [0.0, 0.5, -0.5, 1.0, -1.0, 2.0, -2.0, 3.0].map(|step| {
+            let rotation = hand_down(yaw + step * FRAC_PI_4);
+            let aside = rotation * x_tc.translation.vector;
+            let x_wt =
+                Pose::from_parts(Translation3::new(aim.x - aside.x, aim.y - aside.y, TRAVEL), rotation);
+            (x_wt, self.reach(&x_wt, &q))
+        });
+        let Some(x_wt) = self.choose(&candidates) else { return Ok(()) };
+        self.rise()?;
+        match self.travel(&x_wt) {
+            // No way there: then from where it is.
+            Err(SkillError::Motion(_)) => Ok(()),
+            other => other,
+        }
+    }
+
+    /// Looks where that costs no time, and otherwise reckons on from what is known: for use within a motion.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn glance(&mut self) -> Result<(), SkillError> {
+        if self.belief.eyes.cost() > 0.0 {
+            self.belief.follow(&self.hand);
+        } else {
+            self.belief.update(&mut self.hand)?;
+        }
+        Ok(())
+    }
+
+    /// The middle of a part.
+    pub fn middle(&self, part: &str) -> Point {
+        let x = self.kit.beam(part).map_or(0.0, |beam| beam.span() / 2.0);
+        (part.to_string(), Point3::new(x, 0.0, 0.0))
+    }
+
+    /// The hole of a joint of the assembly.
+    pub fn hole(&self, joint: JointRef) -> Point {
+        let beam = &self.assembly.beams[joint.beam].beam;
+        (beam.name.clone(), beam.p_b_hole(joint.joint))
+    }
+}

@@ -1,0 +1,93 @@
+//! The twin's cameras: when they expose, how far they are from where the agent is told, and what they are pointed at.
+
+use std::sync::Arc;
+
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use ramp_kit::Kit;
+use ramp_render::looks::HOUSING;
+use ramp_render::{Looks, LooksError, Renderer, Scene, Sensor};
+use ramp_robot::arm::ArmModel;
+use ramp_robot::camera::Mount;
+use ramp_robot::random::Stream;
+use ramp_robot::{Camera, CameraModel, Pose};
+
+/// How long the shutter is open, in control periods of a millisecond.
+pub const EXPOSURE_STEPS: u32 = 8;
+/// From the end of the exposure until the agent has the image, in control periods: reading it out and sending it.
+pub const LATENCY_STEPS: u32 = 34;
+/// Error of the calibration: by how much a camera is away from where the agent is told, 1 σ for each axis, m and rad.
+pub const CALIBRATION_ERROR: [f64; 2] = [0.5e-3, 0.2 * std::f64::consts::PI / 180.0];
+
+/// A camera as it really is in the episode of this seed: the nominal one with an error of calibration.
+pub fn true_camera(camera: Camera, arm: &ArmModel, seed: u64) -> CameraModel {
+    let mut stream = Stream::new(seed, &format!("calibration-{}", camera.name()));
+    let [position, angle] = CALIBRATION_ERROR;
+    let mut three = |sigma: f64| Vector3::from_fn(|_, _| stream.normal(sigma));
+    let error =
+        Pose::from_parts(Translation3::from(three(position)), UnitQuaternion::from_scaled_axis(three(angle)));
+    let mut model = CameraModel::nominal(camera, arm.hand.tip);
+    model.mount = match model.mount {
+        Mount::Tip(x_tc) => Mount::Tip(x_tc * error),
+        Mount::World(x_wc) => Mount::World(x_wc * error),
+    };
+    model
+}
+
+/// Both cameras of an episode, and what they look at.
+pub(crate) struct Cameras {
+    kit: Kit,
+    arm: ArmModel,
+    seed: u64,
+    looks: Option<Arc<Looks>>,
+    eyes: [Option<Eye>; 2],
+}
+
+struct Eye {
+    model: CameraModel,
+    renderer: Renderer,
+    sensor: Sensor,
+}
+
+impl Cameras {
+    pub fn new(kit: &Kit, arm: &ArmModel, seed: u64) -> Cameras {
+        Cameras { kit: kit.clone(), arm: arm.clone(), seed, looks: None, eyes: [None, None] }
+    }
+
+    /// What everything looks like; made when it is first asked for.
+    pub fn looks(&mut self) -> Result<Arc<Looks>, LooksError> {
+        if let Some(looks) = &self.looks {
+            return Ok(Arc::clone(looks));
+        }
+        let looks = Looks::shared(&self.kit, &self.arm)?;
+        self.looks = Some(Arc::clone(&looks));
+        Ok(looks)
+    }
+
+    pub fn true_camera(&self, camera: Camera) -> CameraModel {
+        true_camera(camera, &self.arm, self.seed)
+    }
+
+    /// Takes an image: its width, its height, and red, green and blue of each pixel.
+    pub fn expose(
+        &mut self,
+        camera: Camera,
+        mut scene: Scene,
+        x_wt: &Pose,
+    ) -> Result<(usize, usize, Vec<u8>), LooksError> {
+        let looks = self.looks()?;
+        // The wrist camera sits inside its own housing.
+        if camera == Camera::Wrist {
+            let housing = looks.body(HOUSING);
+            scene.bodies.retain(|(index, _)| Some(*index) != housing);
+        }
+        let (seed, model) = (self.seed, self.true_camera(camera));
+        let slot = &mut self.eyes[usize::from(camera == Camera::BirdsEye)];
+        let eye = slot.get_or_insert_with(|| Eye {
+            renderer: Renderer::new(looks, &model),
+            sensor: Sensor::new(seed, camera.name()),
+            model,
+        });
+        let pixels = eye.renderer.render(&scene, &eye.model.x_wc(x_wt), &mut eye.sensor);
+        Ok((eye.model.width, eye.model.height, pixels))
+    }
+}

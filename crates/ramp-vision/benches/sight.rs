@@ -1,0 +1,80 @@
+//! Speed of drawing an image and of finding the parts in it, on one core, beside the reference detector at its defaults
+//! on the same images in the same run.
+//!
+//! The reference only finds tags: fitting parts to them is on our account.
+
+#![allow(clippy::unwrap_used)] // A benchmark that cannot go on may stop.
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use std::time::Instant;
+
+use apriltag::{DetectorBuilder, Family};
+use common::{TIP, Table, tip_above};
+use ramp_render::Sensor;
+use ramp_robot::random::Stream;
+use ramp_robot::{Camera, CameraModel};
+use ramp_vision::image::Grey;
+use ramp_vision::{Lying, PartFinder};
+
+/// Images of each kind.
+const IMAGES: u32 = 40;
+
+fn median(times: &mut [f64]) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+fn main() {
+    // `cargo test --benches` only asks whether it starts.
+    if std::env::args().any(|argument| argument == "--test") {
+        return;
+    }
+    let table = Table::new();
+    let lying = Lying::at_start(&table.kit);
+    let mut finder = PartFinder::new(&table.kit).unwrap();
+    let mut reference = DetectorBuilder::new().add_family_bits(Family::tag_25h9(), 2).build().unwrap();
+    println!("1280 x 800, one core, median of {IMAGES} images");
+    println!("                  draw ms   find ms  tags   reference ms  tags");
+    for (name, camera, height) in [
+        ("wrist, 0.2 m", Camera::Wrist, 0.23),
+        ("wrist, 0.5 m", Camera::Wrist, 0.53),
+        ("bird's-eye", Camera::BirdsEye, 0.0),
+    ] {
+        let model = CameraModel::nominal(camera, TIP);
+        let mut renderer = table.renderer(&model);
+        let mut sensor = Sensor::new(1, camera.name());
+        let mut stream = Stream::new(1, name);
+        let (mut draw, mut find, mut others) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut tags, mut other_tags) = (0, 0);
+        for _ in 0..IMAGES {
+            let eye = [0.15 + 0.4 * stream.uniform(), 0.25 + 0.25 * stream.uniform(), height];
+            let tilt = [stream.symmetric(0.2), stream.symmetric(0.2)];
+            let x_wt = tip_above(&model, eye, stream.symmetric(1.5), tilt);
+            let begin = Instant::now();
+            let image = table.look(&mut renderer, &mut sensor, camera, x_wt);
+            draw.push(begin.elapsed().as_secs_f64() * 1e3);
+            let begin = Instant::now();
+            let sighting = finder.find(&image, &model, &lying).unwrap();
+            find.push(begin.elapsed().as_secs_f64() * 1e3);
+            tags += sighting.detections.len();
+            let grey = Grey::new(&image, &model).unwrap();
+            let mut copy = apriltag::Image::zeros_with_alignment(grey.width, grey.height, 96).unwrap();
+            let stride = copy.stride();
+            for (row, pixels) in grey.pixels.chunks_exact(grey.width).enumerate() {
+                copy.as_slice_mut()[row * stride..][..grey.width].copy_from_slice(pixels);
+            }
+            let begin = Instant::now();
+            let found = reference.detect(&copy);
+            others.push(begin.elapsed().as_secs_f64() * 1e3);
+            other_tags += found.len();
+        }
+        println!(
+            "{name:<14} {:>9.1} {:>9.1} {tags:>6} {:>13.1} {other_tags:>6}",
+            median(&mut draw),
+            median(&mut find),
+            median(&mut others)
+        );
+    }
+}
