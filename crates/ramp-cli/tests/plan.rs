@@ -46,7 +46,8 @@ fn a_changed_rule_changes_the_plan() {
     let (_, wished, _) = plan(&folder, &["easy-3", "--coarse", "--domain", "wish.al"]);
     assert_eq!(assembled(&wished), ["b5", "b4", "b8"]);
 
-    let misspelt = rules.replace("impossible assemble(_) if -at(assembly).", "impossible assemble(_) if -at(asembly).");
+    let misspelt =
+        rules.replace("impossible assemble(_) if -at(assembly).", "impossible assemble(_) if -at(asembly).");
     std::fs::write(folder.path().join("bad.al"), misspelt).unwrap();
     let (status, _, told) = plan(&folder, &["easy-3", "--domain", "bad.al"]);
     assert_eq!(status, 2);

@@ -210,9 +210,7 @@ fn undone(
             *place = Place::Target(Target::Connection(connection.clone()));
             FineRemoval::PullOut { connection: connection.clone(), peg: peg.clone() }
         }
-        FineAction::Slide { beam, link } => {
-            FineRemoval::SlideBack { beam: beam.clone(), link: link.clone() }
-        }
+        FineAction::Slide { beam, link } => FineRemoval::SlideBack { beam: beam.clone(), link: link.clone() },
         FineAction::Push { .. } | FineAction::PutDown { .. } => return None,
     })
 }

@@ -163,8 +163,7 @@ impl Pddl {
             if line.is_empty() {
                 continue;
             }
-            let bad =
-                |why: String| PlanError::PlanText { line: number + 1, found: line.clone(), why };
+            let bad = |why: String| PlanError::PlanText { line: number + 1, found: line.clone(), why };
             // Some planners put the time before and the duration after.
             let inside = line.split_once('(').and_then(|(_, rest)| Some(rest.split_once(')')?.0));
             let inside = inside.ok_or_else(|| bad("expected `(action object …)`".to_string()))?;
@@ -178,9 +177,8 @@ impl Pddl {
                 .ok_or_else(|| bad(format!("the coarse domain has no action `{name}`")))?;
             let mut arguments = Vec::new();
             for (sort, word) in sorts.iter().zip(words.by_ref()) {
-                let term = term_of(domain, sort, word, &names, &|sort, object| {
-                    self.is_of(domain, sort, object)
-                });
+                let term =
+                    term_of(domain, sort, word, &names, &|sort, object| self.is_of(domain, sort, object));
                 arguments.push(term.ok_or_else(|| bad(format!("`{word}` is no {sort}")))?);
             }
             if arguments.len() != sorts.len() || words.next().is_some() {
@@ -444,9 +442,7 @@ impl Writer<'_> {
                     Condition::Literal(literal) => Some(literal),
                     Condition::Comparison(_) => None,
                 })
-                .filter(|literal| {
-                    matches!(self.domain.kind(&literal.atom.name.text), Some(Kind::Fluent(_)))
-                })
+                .filter(|literal| matches!(self.domain.kind(&literal.atom.name.text), Some(Kind::Fluent(_))))
                 .collect();
             let [trigger] = fluents[..] else {
                 return Err(self.cannot(law, "a state constraint with just one fluent in its body is wanted"));
@@ -515,9 +511,7 @@ impl Writer<'_> {
         left_out: &Literal,
         mark: &str,
     ) -> Result<Vec<String>, PlanError> {
-        let is_it = |condition: &&Condition| {
-            !matches!(condition, Condition::Literal(literal) if std::ptr::eq(literal, left_out))
-        };
+        let is_it = |condition: &&Condition| !matches!(condition, Condition::Literal(literal) if std::ptr::eq(literal, left_out));
         let conditions = law.body.iter().filter(is_it);
         conditions.map(|condition| Ok(marked(&self.condition(law, condition)?, mark))).collect()
     }

@@ -114,6 +114,8 @@ pub(crate) struct Planner<'a> {
     pub geometry: Geometry<'a>,
     pub facts: Facts,
     pub model: Model<'a>,
+    /// The beams by name.
+    numbers: HashMap<String, usize>,
     /// Names that the laws themselves mention, and those of ways: these are always in sight, and not like others.
     coarse_names: BTreeSet<String>,
     fine_names: BTreeSet<String>,
@@ -271,7 +273,10 @@ impl<'a> Planner<'a> {
         let facts = Facts::new(facts);
         let mut coarse_names = domains.coarse().quoted();
         coarse_names.extend(geometry.ways.iter().flatten().map(|way| way.name.to_string()));
+        let numbers =
+            assembly.beams.iter().enumerate().map(|(index, placed)| (placed.beam.name.clone(), index));
         Planner {
+            numbers: numbers.collect(),
             coarse_names,
             fine_names: domains.fine().quoted(),
             assembly,
@@ -370,7 +375,8 @@ impl<'a> Planner<'a> {
     /// where one makes it longer and another one blocks it further out, only both together are.
     fn has_ways(&self, transitions: &[Transition]) -> Result<(), PlanError> {
         for transition in transitions {
-            let Some((name @ ("assemble" | "assemble_deep" | "lay_down"), [beam])) = transition.action.parts()
+            let Some((name @ ("assemble" | "assemble_deep" | "lay_down"), [beam])) =
+                transition.action.parts()
             else {
                 continue;
             };
@@ -616,8 +622,7 @@ impl<'a> Planner<'a> {
         problem.extend(task.iter().map(goal));
         let shape = Shape::of(&problem, &self.coarse_names);
         let most = most_steps(self.assembly);
-        let found =
-            self.coarse_answers.shortest(&mut self.solver, self.domains.coarse(), &shape, most)?;
+        let found = self.coarse_answers.shortest(&mut self.solver, self.domains.coarse(), &shape, most)?;
         let Some(Found { mut actions, .. }) = found else { return Ok(None) };
         // Pushes that follow each other may come in any order; it is the same one every time.
         for run in actions.chunk_by_mut(|a, b| is_push(a) && is_push(b)) {
@@ -719,8 +724,7 @@ impl<'a> Planner<'a> {
         let mut pegs = Pegs::new(self.assembly, known);
         let mut steps = Vec::new();
         for transition in transitions {
-            let actions =
-                if self.options.fine { self.refine(transition, &mut own)? } else { Vec::new() };
+            let actions = if self.options.fine { self.refine(transition, &mut own)? } else { Vec::new() };
             let answers =
                 Answers { assembly: self.assembly, pegs: &self.pegs, rules: self.domains.fine().file() };
             let (stands, deep) = self.standing(&transition.before);
@@ -733,12 +737,17 @@ impl<'a> Planner<'a> {
 
     /// Which beams stand in a coarse state, and which of them are pushed back.
     pub(crate) fn standing(&self, state: &Fluents) -> (Vec<bool>, Vec<bool>) {
-        let names = ["in_assembly", "deep"];
-        let [stands, deep] = names.map(|fluent| {
-            let holds = |beam| self.model.holds(state, &Term::new(fluent, [beam_name(self.assembly, beam)]));
-            (0..self.assembly.beams.len()).map(holds).collect()
-        });
-        (stands, deep)
+        let beams = |fluent: &str| {
+            let mut flags = vec![false; self.assembly.beams.len()];
+            for term in self.model.true_of(state, fluent) {
+                let index = term.texts().first().and_then(|name| self.numbers.get(*name));
+                if let Some(flag) = index.and_then(|&index| flags.get_mut(index)) {
+                    *flag = true;
+                }
+            }
+            flags
+        };
+        (beams("in_assembly"), beams("deep"))
     }
 
     /// The fine actions for one coarse action. `own`: the fine fluents that have no coarse ones of their name,
@@ -750,10 +759,11 @@ impl<'a> Planner<'a> {
             names.extend(fluent.texts().into_iter().map(str::to_string));
         }
         let (stands, _) = self.standing(&transition.before);
-        let pinned: Vec<bool> = (0..self.assembly.connections.len())
-            .map(|index| Term::new("pinned", [connection_name(self.assembly, index)]))
-            .map(|fluent| self.model.holds(&transition.before, &fluent))
-            .collect();
+        let pins = self.model.true_of(&transition.before, "pinned");
+        let pins: BTreeSet<&str> = pins.iter().flat_map(Term::texts).collect();
+        let connections = self.assembly.connections.iter();
+        let pinned: Vec<bool> =
+            connections.map(|connection| pins.contains(connection.name.as_str())).collect();
         let all = 0..self.assembly.beams.len();
         let zoom = self.options.zoom;
         let beams: Vec<usize> =
@@ -958,7 +968,8 @@ mod tests {
                 let program = domain.to_asp();
                 for (problem, found) in &answers.0 {
                     let problem: String = problem.iter().map(|fact| format!("{fact}.\n")).collect();
-                    let steps = shortest_by_clingo(&format!("{program}#program base.\nresumed.\n{problem}"), 14);
+                    let steps =
+                        shortest_by_clingo(&format!("{program}#program base.\nresumed.\n{problem}"), 14);
                     let expected = found.as_ref().map(|found| found.actions.len());
                     assert_eq!(steps, expected, "{name}:\n{problem}");
                     compared += 1;
@@ -971,7 +982,9 @@ mod tests {
     #[test]
     fn looking_at_everything_gives_no_shorter_plan() {
         let (kit, domains) = data();
-        for name in ["easy-1", "easy-2", "easy-3", "medium-1", "medium-2", "medium-3", "hard-1", "hard-2", "hard-3"] {
+        for name in
+            ["easy-1", "easy-2", "easy-3", "medium-1", "medium-2", "medium-3", "hard-1", "hard-2", "hard-3"]
+        {
             let assembly = goal(name, &kit);
             let plan = |zoom| {
                 let options = Options { zoom, ..Options::default() };

@@ -51,7 +51,10 @@ mod tests {
         let facts = |c: &str, b: &str| {
             [Term::new("pinned", [c.into()]), Term::new("at", [Term::new("beam", [b.into()]), c.into()])]
         };
-        let (first, second) = (Shape::of(&facts("C1", "b4"), &BTreeSet::new()), Shape::of(&facts("b4", "\""), &BTreeSet::new()));
+        let (first, second) = (
+            Shape::of(&facts("C1", "b4"), &BTreeSet::new()),
+            Shape::of(&facts("b4", "\""), &BTreeSet::new()),
+        );
         assert_eq!(first.facts, second.facts);
         assert_ne!(first.facts, Shape::of(&facts("C1", "C1"), &BTreeSet::new()).facts);
         for (fact, shaped) in facts("b4", "\"").iter().zip(&second.facts) {

@@ -6,9 +6,9 @@ use crate::domains::OrderProblem;
 use crate::language::ground::{Literal, Prospect, Unrolled};
 use crate::term::Term;
 use clingo::{
-    Atom, ClingoError, Control, ControlCtx, ExternalError, FunctionHandler, GenericControl, GroundProgramObserver,
-    Logger, Model, Part, Propagator, ShowType, SolveHandle, SolveMode, SolveResult, SolverLiteral, Symbol,
-    SymbolType, Warning,
+    Atom, ClingoError, Control, ControlCtx, ExternalError, FunctionHandler, GenericControl,
+    GroundProgramObserver, Logger, Model, Part, Propagator, ShowType, SolveHandle, SolveMode, SolveResult,
+    SolverLiteral, Symbol, SymbolType, Warning,
 };
 use ramp_kit::source::{Fault, SourceFile};
 use std::cell::RefCell;
@@ -146,7 +146,8 @@ impl Solver {
             let before = more.clone();
             more = (0..=most)
                 .map(|count| {
-                    let mut bodies: Vec<Vec<Literal>> = before.get(count).map(|&had| vec![had]).into_iter().collect();
+                    let mut bodies: Vec<Vec<Literal>> =
+                        before.get(count).map(|&had| vec![had]).into_iter().collect();
                     match count.checked_sub(1).map(|less| before.get(less)) {
                         None => bodies.push(vec![happening.literal]),
                         Some(Some(&less)) => bodies.push(vec![happening.literal, less]),
@@ -185,7 +186,8 @@ impl Solver {
                         let others = set.iter().enumerate().filter(|(other, _)| *other != place);
                         wanted.extend(others.map(|(_, &index)| happenings[index].literal));
                         wanted.push(happenings[later].literal);
-                        let (back, answer) = self.happened(control, &mut atoms, unrolled, happenings, &wanted)?;
+                        let (back, answer) =
+                            self.happened(control, &mut atoms, unrolled, happenings, &wanted)?;
                         control = back;
                         if answer.is_some() {
                             set[place] = later;

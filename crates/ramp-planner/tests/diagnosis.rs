@@ -119,8 +119,7 @@ fn what_cannot_be_has_no_explanation() {
 fn an_observation_that_means_nothing_is_refused() {
     for text in ["in_assembly(b77)", "likes(b4)", "in_assembly(", ""] {
         let records = vec![Record::Saw(text.to_string())];
-        let outcome =
-            diagnose(&goal("easy-1"), kit(), domains(), &History { records, ..History::default() });
+        let outcome = diagnose(&goal("easy-1"), kit(), domains(), &History { records, ..History::default() });
         assert!(matches!(outcome, Err(PlanError::ImpossibleState { .. })), "{text}: {outcome:?}");
     }
 }

@@ -14,7 +14,9 @@ fn as_pddl(name: &str) -> String {
     let assembly = goal(name);
     let connection = |peg: &str| {
         let pinned = steps.iter().find_map(|step| match &step.coarse {
-            CoarseAction::Fasten { connection, peg: other } if other == peg => Some(connection.to_lowercase()),
+            CoarseAction::Fasten { connection, peg: other } if other == peg => {
+                Some(connection.to_lowercase())
+            }
             _ => None,
         });
         pinned.unwrap()
@@ -87,11 +89,8 @@ fn what_is_written_says_what_stands_and_has_no_two_objects_of_one_name() {
         assert_eq!(text.matches('(').count(), text.matches(')').count());
     }
     // Columns of a frame are called c1, as PDDL would call the connection C1.
-    let made = ramp_assembly::generate(
-        kit(),
-        ramp_assembly::Request { beams: 12, seed: 1, class: None },
-    )
-    .unwrap();
+    let made =
+        ramp_assembly::generate(kit(), ramp_assembly::Request { beams: 12, seed: 1, class: None }).unwrap();
     let larger = ramp_kit::read_kit_str("kit.xml", made.kit.as_deref().unwrap()).unwrap();
     let written = pddl(&made.assembly, &larger, &State::default(), domains()).unwrap();
     assert!(written.problem.contains(" c1_2"), "{}", written.problem);

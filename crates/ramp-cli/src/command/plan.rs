@@ -86,7 +86,10 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         domains = domains.with(file)?;
     }
     let mut state = match &arguments.state {
-        Some(file) => read_json(file, "expected a state, such as {\"in_assembly\": [\"b4\"], \"fastened\": [[\"C1\", \"p1\"]]}")?,
+        Some(file) => read_json(
+            file,
+            "expected a state, such as {\"in_assembly\": [\"b4\"], \"fastened\": [[\"C1\", \"p1\"]]}",
+        )?,
         None => State::default(),
     };
     if let Some(level) = arguments.emit_asp {
@@ -194,8 +197,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         return Ok(DONE);
     }
     let begin = Instant::now();
-    let options =
-        Options { optimal: arguments.optimal, fine: !arguments.coarse, ..Options::default() };
+    let options = Options { optimal: arguments.optimal, fine: !arguments.coarse, ..Options::default() };
     if arguments.disassemble {
         let plan = ramp_planner::disassemble(&goal, &kit, &domains).into_diagnostic()?;
         let mut text = String::new();
@@ -226,7 +228,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         text.push('\n');
     } else {
         for (number, diagnosis) in diagnoses.iter().flatten().enumerate() {
-            let events = diagnosis.events.iter().map(|event| event.event.as_str()).collect::<Vec<_>>().join(", ");
+            let events =
+                diagnosis.events.iter().map(|event| event.event.as_str()).collect::<Vec<_>>().join(", ");
             let events = if events.is_empty() { "all went as it should".to_string() } else { events };
             let _ = writeln!(text, "{}{events}", if number == 0 { "believed: " } else { "      or: " });
         }

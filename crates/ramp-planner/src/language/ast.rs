@@ -1,7 +1,7 @@
 //! Statements as the parser leaves them: names not looked up yet, every part with its place in the text.
 
-use std::fmt::{self, Display, Write};
 use std::collections::BTreeSet;
+use std::fmt::{self, Display, Write};
 use std::ops::Range;
 
 /// Byte offsets into the text of the domain.

@@ -11,9 +11,9 @@ pub(crate) use unroll::{Literal, Prospect, Unrolled};
 use super::ast::{Atom, Condition, Expression, Law, Operator, Shape, Sign, Span};
 use super::check::{Domain, FluentKind, Kind, Leaf, NUMBER};
 use crate::term::Term;
-use std::cell::RefCell;
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 use smallvec::SmallVec;
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
@@ -302,7 +302,8 @@ impl<'d> Model<'d> {
         let mut by_static: BTreeMap<usize, Vec<Rule<'d>>> = BTreeMap::new();
         for law in &domain.laws {
             let variables: Vec<&str> = law.variables.keys().map(String::as_str).collect();
-            let number = |sort: &String| self.sort_numbers.get(sort.as_str()).filter(|_| sort != NUMBER).copied();
+            let number =
+                |sort: &String| self.sort_numbers.get(sort.as_str()).filter(|_| sort != NUMBER).copied();
             let sorts = law.variables.values().map(number).collect();
             let compiler = Compiler { model: self, variables: &variables };
             let (action, heads) = match &law.law {
@@ -608,7 +609,8 @@ impl<'d> Model<'d> {
             Pattern::Variable(variable) => binding[*variable],
             Pattern::Function(name, arguments) => {
                 let row = self.row(arguments, binding)?;
-                let known = self.values.borrow().functions.get(name.as_str()).and_then(|all| all.get(&row).copied());
+                let known =
+                    self.values.borrow().functions.get(name.as_str()).and_then(|all| all.get(&row).copied());
                 if known.is_some() {
                     return known;
                 }
@@ -862,7 +864,8 @@ impl<'d> Model<'d> {
         }
         let row: Row = arguments.iter().map(|argument| self.value(argument)).collect();
         let belongs = |(value, sort): (&Value, &String)| {
-            sort == NUMBER || self.sort_numbers.get(sort.as_str()).is_some_and(|&sort| self.is_of(*value, sort))
+            sort == NUMBER
+                || self.sort_numbers.get(sort.as_str()).is_some_and(|&sort| self.is_of(*value, sort))
         };
         row.iter().zip(sorts).all(belongs).then_some(Ground { predicate, row })
     }
@@ -956,7 +959,7 @@ impl<'d> Model<'d> {
     pub(crate) fn missing(&self, state: &State) -> Vec<(Term, bool)> {
         let mut missing = Vec::new();
         for rule in &self.goals {
-            self.solve(rule, &*state, &mut |binding| {
+            self.solve(rule, state, &mut |binding| {
                 for head in &rule.heads {
                     if let Some(fluent) = self.head(head, binding)
                         && self.has(fluent.predicate, &fluent.row, state) != head.positive
@@ -991,9 +994,10 @@ impl<'d> Model<'d> {
         for rule in &self.goals {
             self.solve(rule, &nothing, &mut |binding| {
                 let heads = rule.heads.iter();
-                goals.extend(heads.filter_map(|head| {
-                    Some((self.atom_term(&self.head(head, binding)?), head.positive))
-                }));
+                goals
+                    .extend(heads.filter_map(|head| {
+                        Some((self.atom_term(&self.head(head, binding)?), head.positive))
+                    }));
                 false
             });
         }
@@ -1004,7 +1008,7 @@ impl<'d> Model<'d> {
     pub(crate) fn bridged(&self, state: &State) -> BTreeSet<Term> {
         let mut terms: BTreeSet<Term> = self.inertial(state).into_iter().collect();
         for rule in &self.bridges {
-            self.solve(rule, &*state, &mut |binding| {
+            self.solve(rule, state, &mut |binding| {
                 for head in &rule.heads {
                     if let Some(row) = self.row(&head.arguments, binding) {
                         let arguments = row.iter().map(|&value| self.term(value)).collect();

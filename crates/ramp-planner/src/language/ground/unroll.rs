@@ -64,6 +64,9 @@ struct Candidate {
     laws: Vec<usize>,
 }
 
+/// A law between the fluents of one time: what it concludes, and under which conditions.
+type Link = (Ground, bool, Vec<(Ground, bool)>);
+
 impl Candidate {
     fn new(model: &Model, action: Ground) -> Candidate {
         let is_about = |law: &usize| {
@@ -378,7 +381,7 @@ impl<'m, 'd> Unrolled<'m, 'd> {
         let open = |fluent: &Ground| self.in_state(fluent, &may) && !self.in_state(fluent, &must);
 
         // Laws between the fluents of one time, as far as something is open.
-        let mut links: Vec<(Ground, bool, Vec<(Ground, bool)>)> = Vec::new();
+        let mut links: Vec<Link> = Vec::new();
         for rule in &model.constraints {
             let head = &rule.heads[0];
             model.solve(rule, view, &mut |binding| {
