@@ -69,10 +69,15 @@ type Link = (Ground, bool, Vec<(Ground, bool)>);
 
 impl Candidate {
     fn new(model: &Model, action: Ground) -> Candidate {
+        Candidate { laws: Candidate::laws(model, action.predicate), action }
+    }
+
+    /// The laws that may forbid actions of a name.
+    fn laws(model: &Model, predicate: usize) -> Vec<usize> {
         let is_about = |law: &usize| {
-            model.impossible[*law].action.as_ref().is_some_and(|head| head.predicate == action.predicate)
+            model.impossible[*law].action.as_ref().is_some_and(|head| head.predicate == predicate)
         };
-        Candidate { laws: (0..model.impossible.len()).filter(is_about).collect(), action }
+        (0..model.impossible.len()).filter(is_about).collect()
     }
 
     /// All actions that the hand does, or all that happen.
@@ -93,7 +98,8 @@ impl Candidate {
                 rows = rows.into_iter().flat_map(longer).collect();
             }
             let grounds = rows.into_iter().map(|row| Ground { predicate, row });
-            candidates.extend(grounds.map(|action| Candidate::new(model, action)));
+            let laws = Candidate::laws(model, predicate);
+            candidates.extend(grounds.map(|action| Candidate { action, laws: laws.clone() }));
         }
         candidates
     }
