@@ -105,7 +105,7 @@ fn two_things_can_go_wrong() {
     // The hand is over the assembly with the first peg.
     let history = history("easy-3", move_on, 6, &["-full", "-aligned(b4)"]);
     let found = explain("easy-3", &history);
-    assert_eq!(events(&found), [["bump(\"b4\")", "drop_peg(\"C1\")"]], "{found:?}");
+    assert_eq!(events(&found), [["drop_peg(\"C1\")", "bump(\"b4\")"]], "{found:?}");
     goes_on("easy-3", &found);
 }
 
