@@ -10,7 +10,7 @@ use crate::lens::Lens;
 use crate::looks::{Looks, Sticker};
 use crate::mesh::Mesh;
 use crate::sensor::{FULL, Sensor};
-use crate::texture::{Level, TAG_LIGHT};
+use crate::texture::{Level, PLACES, TAG_LIGHT};
 
 /// Nothing nearer than this is drawn, m.
 const NEAR: f32 = 0.01;
@@ -61,8 +61,8 @@ struct SeenTag {
     sticker: Sticker,
     /// From the direction (x/z, y/z, 1) of a pixel to the tag's plane: rows of a homography onto (x w, y w, w).
     rows: [[f32; 3]; 3],
-    /// How bright white and black are.
-    light: [f32; 2],
+    /// How bright a pixel is of which that many [`PLACES`] are white.
+    light: [u16; PLACES + 1],
     body: u16,
 }
 
@@ -382,10 +382,12 @@ impl Renderer {
         let last = std::array::from_fn(|column| turn[(2, column)] as f32);
         let normal = (x_wb * sticker.place.x_pg).rotation * Vector3::z();
         let light = light_on(&[normal.x as f32, normal.y as f32, normal.z as f32]);
+        let [white, black] = TAG_LIGHT.map(|share| share * light);
+        let share = |count: usize| count as f32 / PLACES as f32;
         self.tags.push(SeenTag {
             sticker: sticker.clone(),
             rows: [row(0), row(1), last],
-            light: TAG_LIGHT.map(|share| share * light),
+            light: std::array::from_fn(|count| linear(black + (white - black) * share(count))),
             body,
         });
     }
@@ -511,8 +513,7 @@ fn tag_pixel(tag: &SeenTag, steps: [[f32; 2]; 2], [dx, dy]: [f32; 2]) -> u16 {
         let fall = wx * sx + wy * sy;
         [(xx * sx + xy * sy - at[0] * fall) * one, (yx * sx + yy * sy - at[1] * fall) * one]
     });
-    let white = tag.sticker.cells.white(at[0], at[1], right, below);
-    linear(tag.light[1] + (tag.light[0] - tag.light[1]) * white)
+    tag.light[tag.sticker.cells.white(at[0], at[1], right, below)]
 }
 
 /// An edge that bounds nothing.
