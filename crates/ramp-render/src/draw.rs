@@ -578,8 +578,16 @@ struct Table<'a> {
     sheet: Level<'a>,
     /// From a byte of the sheet's picture to light, times 256.
     lit: u32,
+    /// The sheet's colours by their numbers where no shadow falls.
+    ink: [[u16; 3]; 256],
     plain: [[u16; 3]; 3],
     paper: [u16; 3],
+}
+
+/// A colour of which the bytes are red, green and blue, lowest first, in a light of `lit` (see [`Table`]).
+#[inline]
+fn shine(colour: u32, lit: u32) -> [u16; 3] {
+    [0, 8, 16].map(|shift| ((((colour >> shift & 255) * lit) >> 8) as u16).min(FULL))
 }
 
 /// The place of what does not look down at the table at all.
@@ -596,9 +604,9 @@ impl<'a> Table<'a> {
         let colour = |colour: [f32; 3], light: f32| colour.map(|share| linear(share * light));
         let plain = [colour(TABLE_COLOUR, lit), colour(FLOOR_COLOUR, 0.8 * lit), colour(WALL_COLOUR, 1.0)];
         let lit = (lit * f32::from(FULL) / 255.0 * 256.0) as u32;
-        let paper = looks.sheet.paper();
-        let paper = [0, 8, 16].map(|shift| ((((paper >> shift & 255) * lit) >> 8) as u16).min(FULL));
-        Table { turn: rigid.turn, eye: rigid.shift, sheet, lit, plain, paper }
+        let paper = shine(looks.sheet.paper(), lit);
+        let ink = std::array::from_fn(|number| shine(sheet.colour(number as u8), lit));
+        Table { turn: rigid.turn, eye: rigid.shift, sheet, lit, ink, plain, paper }
     }
 
     /// Where a pixel looks on the table, m in the world.
@@ -633,12 +641,22 @@ impl<'a> Table<'a> {
                 // Places and shadow between the two ends: straight.
                 let share = 1.0 / (dx.len() - 1) as f32;
                 let (step_x, step_y) = ((to[0] - from[0]) * share, (to[1] - from[1]) * share);
-                let [first, last] = [from, to].map(|at| shade_at(soft, at) as f32);
+                let numbers = self.sheet.along(
+                    [from[0] - looks.sheet_corner[0], looks.sheet_corner[1] - from[1]],
+                    [step_x, -step_y],
+                );
+                let [first, last] = [from, to].map(|at| shade_at(soft, at));
+                if first == 256 && last == 256 {
+                    for (light, number) in pixels.zip(numbers) {
+                        light.copy_from_slice(&self.ink[usize::from(number)]);
+                    }
+                    return;
+                }
+                let [first, last] = [first, last].map(|left| left as f32);
                 let fade = (last - first) * share;
-                for (light, index) in pixels.zip(0i32..) {
-                    let index = index as f32;
-                    let (x, y) = (from[0] + index * step_x, from[1] + index * step_y);
-                    light.copy_from_slice(&self.paper_at(looks, [x, y], (first + index * fade) as u32));
+                for ((light, number), index) in pixels.zip(numbers).zip(0i32..) {
+                    let left = (first + index as f32 * fade) as u32;
+                    light.copy_from_slice(&self.faded(number, left));
                 }
                 return;
             }
@@ -648,13 +666,10 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The colour of a place on the sheet, of which shadows leave `left` of 256.
+    /// The colour of that number on the sheet, of which shadows leave `left` of 256.
     #[inline]
-    fn paper_at(&self, looks: &Looks, [x, y]: [f32; 2], left: u32) -> [u16; 3] {
-        let colour = self.sheet.at(x - looks.sheet_corner[0], looks.sheet_corner[1] - y);
-        let scale = (self.lit * left) >> 8;
-        let channel = |shift: u32| ((((colour >> shift & 255) * scale) >> 8) as u16).min(FULL);
-        [channel(0), channel(8), channel(16)]
+    fn faded(&self, number: u8, left: u32) -> [u16; 3] {
+        shine(self.sheet.colour(number), (self.lit * left) >> 8)
     }
 
     fn colour(&self, looks: &Looks, soft: &[u32], at: [f32; 2]) -> [u16; 3] {
@@ -664,7 +679,8 @@ impl<'a> Table<'a> {
         }
         let left = shade_at(soft, at);
         if on_sheet(looks, at) {
-            return self.paper_at(looks, at, left);
+            let number = self.sheet.at(at[0] - looks.sheet_corner[0], looks.sheet_corner[1] - at[1]);
+            return self.faded(number, left);
         }
         self.plain[0].map(|value| ((u32::from(value) * left) >> 8) as u16)
     }

@@ -160,13 +160,35 @@ pub struct Level<'a> {
 }
 
 impl Level<'_> {
-    /// The colour of the pixel at a place in metres from the upper left corner; red, green and blue in the bytes of the
-    /// answer, lowest first.
+    /// The number of the colour of the pixel at a place in metres from the upper left corner.
     #[inline]
-    pub fn at(&self, x: f32, y: f32) -> u32 {
-        let column = ((x * self.scale) as usize).min(self.width - 1);
-        let row = ((y * self.scale) as usize).min(self.height - 1);
-        let number = self.pixels.get(place(self.width, column, row)).copied().unwrap_or_default();
+    pub fn at(&self, x: f32, y: f32) -> u8 {
+        self.pixel((x * self.scale) as usize, (y * self.scale) as usize)
+    }
+
+    #[inline]
+    fn pixel(&self, column: usize, row: usize) -> u8 {
+        let (column, row) = (column.min(self.width - 1), row.min(self.height - 1));
+        self.pixels.get(place(self.width, column, row)).copied().unwrap_or_default()
+    }
+
+    /// The numbers of the colours along a straight line, from a place on the picture (as for [`Level::at`]) in equal steps
+    /// for as long as it does not leave the picture.
+    #[inline]
+    pub fn along(&self, from: [f32; 2], step: [f32; 2]) -> impl Iterator<Item = u8> {
+        // Whole pixels and their 65536th parts: nothing to be rounded from pixel to pixel.
+        let fixed = |value: f32| (value * self.scale * 65536.0) as i32;
+        let ([mut x, mut y], [step_x, step_y]) = (from.map(fixed), step.map(fixed));
+        std::iter::repeat_with(move || {
+            let number = self.pixel((x.max(0) >> 16) as usize, (y.max(0) >> 16) as usize);
+            (x, y) = (x.wrapping_add(step_x), y.wrapping_add(step_y));
+            number
+        })
+    }
+
+    /// The colour of that number: red, green and blue in the bytes, lowest first.
+    #[inline]
+    pub fn colour(&self, number: u8) -> u32 {
         self.colours[usize::from(number)]
     }
 }
