@@ -296,29 +296,29 @@ impl Renderer {
         };
         let (dx, dy) = (slope(0), slope(1));
         // Anticlockwise on the screen: going up the inside lies to the left of an edge, going down to its right.
-        let (mut rights, mut lefts) = ([LEVEL; 2], [LEVEL; 2]);
+        let (mut rights, mut lefts) =
+            ([Edge::new(f32::INFINITY, 0.0); 2], [Edge::new(f32::NEG_INFINITY, 0.0); 2]);
         let (mut right_count, mut left_count) = (0, 0);
+        let top = first as f32 + 0.5;
         for [p, q] in [[a, b], [b, c], [c, a]] {
             let rise = q[1] - p[1];
-            let slope = (q[0] - p[0]) / rise;
-            let edge = [p[0] - 0.5 - slope * p[1], slope];
+            let slope = ((q[0] - p[0]) / rise).clamp(-STEEP, STEEP);
+            let edge = || Edge::new(p[0] - 0.5 + slope * (top - p[1]), slope);
             if rise < -1e-6 && right_count < 2 {
-                rights[right_count] = edge;
+                rights[right_count] = edge();
                 right_count += 1;
             } else if rise > 1e-6 && left_count < 2 {
-                lefts[left_count] = edge;
+                lefts[left_count] = edge();
                 left_count += 1;
             }
         }
+        let (left, right) = (i64::from(left), i64::from(right));
         for y in first as usize..=last as usize {
             let middle = y as f32 + 0.5;
-            let (mut from, mut to) = (left, right);
-            for [at, slope] in &rights[..right_count] {
-                to = to.min(floor(at + slope * middle));
-            }
-            for [at, slope] in &lefts[..left_count] {
-                from = from.max(-floor(-(at + slope * middle)));
-            }
+            let [[a_right, b_right], [a_left, b_left]] =
+                [&mut rights, &mut lefts].map(|edges| edges.each_mut().map(Edge::next));
+            let to = right.min(a_right.min(b_right) >> Edge::BITS);
+            let from = left.max((a_left.max(b_left) + Edge::ALMOST) >> Edge::BITS);
             if from > to {
                 continue;
             }
@@ -516,8 +516,44 @@ fn tag_pixel(tag: &SeenTag, steps: [[f32; 2]; 2], [dx, dy]: [f32; 2]) -> u16 {
     tag.light[tag.sticker.cells.white(at[0], at[1], right, below)]
 }
 
-/// An edge that bounds nothing.
-const LEVEL: [f32; 2] = [0.0; 2];
+/// More pixels from row to row than an edge needs to cross any image between two rows.
+const STEEP: f32 = 4e6;
+
+/// Where the edge of a triangle crosses the middles of rows, in pixels from the middle of the first: whole numbers of
+/// small parts of pixels, so that a row costs an addition.
+#[derive(Clone, Copy)]
+struct Edge {
+    at: i64,
+    step: i64,
+}
+
+impl Edge {
+    /// So many bits are the parts of a pixel.
+    const BITS: u32 = 24;
+    /// A little less than a pixel.
+    const ALMOST: i64 = (1 << Self::BITS) - 1;
+    /// Further outside than any image, and far from the end of the numbers.
+    const OUTSIDE: f32 = 1e10;
+
+    #[inline]
+    fn new(at: f32, step: f32) -> Edge {
+        let fixed = |value: f32| {
+            // Two comparisons without a thought for what is no number.
+            let value = if value < Self::OUTSIDE { value } else { Self::OUTSIDE };
+            let value = if value > -Self::OUTSIDE { value } else { -Self::OUTSIDE };
+            (value * (1i64 << Self::BITS) as f32) as i64
+        };
+        Edge { at: fixed(at), step: fixed(step) }
+    }
+
+    /// Where it is in this row; goes on to the next.
+    #[inline]
+    fn next(&mut self) -> i64 {
+        let at = self.at;
+        self.at += self.step;
+        at
+    }
+}
 
 /// The largest whole number that is not larger, for numbers of pixels: without a call to the mathematics library.
 #[inline]
