@@ -326,12 +326,12 @@ impl Renderer {
             let start = a[2] + dx * (from as f32 + 0.5 - a[0]) + dy * (middle - a[1]);
             let near = &mut self.near[y * width + from..y * width + to];
             let pixels = &mut self.shown[y * width + from..y * width + to];
-            // Without a branch, so that several pixels go at once.
+            // Without a branch: several pixels go at once, and which ones are hidden cannot be guessed.
             for ((near, pixel), step) in near.iter_mut().zip(pixels).zip(0i32..) {
                 let value = start + dx * step as f32;
-                let nearer = value > *near;
-                *near = if nearer { value } else { *near };
-                *pixel = if nearer { shown } else { *pixel };
+                let mask = u32::from(value > *near).wrapping_neg();
+                *near = f32::from_bits(value.to_bits() & mask | near.to_bits() & !mask);
+                *pixel = shown & mask | *pixel & !mask;
             }
         }
         true
@@ -612,15 +612,14 @@ struct Table<'a> {
     eye: [f32; 3],
     /// The sheet's picture, about as fine as the image.
     sheet: Level<'a>,
-    /// From a byte of the sheet's picture to light, times 256.
-    lit: u32,
     /// The sheet's colours by their numbers where no shadow falls.
     ink: [[u16; 3]; 256],
     plain: [[u16; 3]; 3],
     paper: [u16; 3],
 }
 
-/// A colour of which the bytes are red, green and blue, lowest first, in a light of `lit` (see [`Table`]).
+/// A colour of which the bytes are red, green and blue, lowest first, in light of which `lit` is 256 times what a
+/// byte's one stands for.
 #[inline]
 fn shine(colour: u32, lit: u32) -> [u16; 3] {
     [0, 8, 16].map(|shift| ((((colour >> shift & 255) * lit) >> 8) as u16).min(FULL))
@@ -642,7 +641,7 @@ impl<'a> Table<'a> {
         let lit = (lit * f32::from(FULL) / 255.0 * 256.0) as u32;
         let paper = shine(looks.sheet.paper(), lit);
         let ink = std::array::from_fn(|number| shine(sheet.colour(number as u8), lit));
-        Table { turn: rigid.turn, eye: rigid.shift, sheet, lit, ink, plain, paper }
+        Table { turn: rigid.turn, eye: rigid.shift, sheet, ink, plain, paper }
     }
 
     /// Where a pixel looks on the table, m in the world.
@@ -705,7 +704,7 @@ impl<'a> Table<'a> {
     /// The colour of that number on the sheet, of which shadows leave `left` of 256.
     #[inline]
     fn faded(&self, number: u8, left: u32) -> [u16; 3] {
-        shine(self.sheet.colour(number), (self.lit * left) >> 8)
+        self.ink[usize::from(number)].map(|value| ((u32::from(value) * left) >> 8) as u16)
     }
 
     fn colour(&self, looks: &Looks, soft: &[u32], at: [f32; 2]) -> [u16; 3] {
