@@ -420,8 +420,14 @@ impl Renderer {
             *sum = u16::from(*shadow);
         }
         spread(sums, marks, columns);
-        for (soft, sum) in self.soft.iter_mut().zip(&*sums) {
-            *soft = u32::from(sum / (WIDE * WIDE));
+        for (mark, sum) in marks.iter_mut().zip(&*sums) {
+            *mark = sum / (WIDE * WIDE);
+        }
+        // The last cells, which have no neighbours, are never in shadow: see [`spread`].
+        let inner = marks.len() - columns - 1;
+        let [a, b, c, d] = [0, 1, columns, columns + 1].map(|step| &marks[step..][..inner]);
+        for ((((soft, a), b), c), d) in self.soft.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            *soft = u32::from(*a) | u32::from(*b) << 8 | u32::from(*c) << 16 | u32::from(*d) << 24;
         }
         for sum in sums.iter_mut() {
             *sum = u16::from(*sum > 0);
@@ -429,11 +435,6 @@ impl Renderer {
         spread(sums, marks, columns);
         for ((plain, bare), sum) in self.plain.iter_mut().zip(&self.bare).zip(&*sums) {
             *plain = if *sum == 0 { *bare } else { DETAIL };
-        }
-        let last = self.soft.len() - 1;
-        for index in 0..self.soft.len() {
-            let at = |step: usize| self.soft[(index + step).min(last)] & 255;
-            self.soft[index] = at(0) | at(1) << 8 | at(columns) << 16 | at(columns + 1) << 24;
         }
     }
 
