@@ -10,7 +10,7 @@ use crate::lens::Lens;
 use crate::looks::{Looks, Sticker};
 use crate::mesh::Mesh;
 use crate::sensor::{FULL, Sensor};
-use crate::texture::{Level, TAG_LIGHT};
+use crate::texture::{Level, PLACES, TAG_LIGHT};
 
 /// Nothing nearer than this is drawn, m.
 const NEAR: f32 = 0.01;
@@ -61,8 +61,8 @@ struct SeenTag {
     sticker: Sticker,
     /// From the direction (x/z, y/z, 1) of a pixel to the tag's plane: rows of a homography onto (x w, y w, w).
     rows: [[f32; 3]; 3],
-    /// How bright white and black are.
-    light: [f32; 2],
+    /// How bright a pixel is of which that many [`PLACES`] are white.
+    light: [u16; PLACES + 1],
     body: u16,
 }
 
@@ -296,29 +296,29 @@ impl Renderer {
         };
         let (dx, dy) = (slope(0), slope(1));
         // Anticlockwise on the screen: going up the inside lies to the left of an edge, going down to its right.
-        let (mut rights, mut lefts) = ([LEVEL; 2], [LEVEL; 2]);
+        let (mut rights, mut lefts) =
+            ([Edge::new(f32::INFINITY, 0.0); 2], [Edge::new(f32::NEG_INFINITY, 0.0); 2]);
         let (mut right_count, mut left_count) = (0, 0);
+        let top = first as f32 + 0.5;
         for [p, q] in [[a, b], [b, c], [c, a]] {
             let rise = q[1] - p[1];
-            let slope = (q[0] - p[0]) / rise;
-            let edge = [p[0] - 0.5 - slope * p[1], slope];
+            let slope = ((q[0] - p[0]) / rise).clamp(-STEEP, STEEP);
+            let edge = || Edge::new(p[0] - 0.5 + slope * (top - p[1]), slope);
             if rise < -1e-6 && right_count < 2 {
-                rights[right_count] = edge;
+                rights[right_count] = edge();
                 right_count += 1;
             } else if rise > 1e-6 && left_count < 2 {
-                lefts[left_count] = edge;
+                lefts[left_count] = edge();
                 left_count += 1;
             }
         }
+        let (left, right) = (i64::from(left), i64::from(right));
         for y in first as usize..=last as usize {
             let middle = y as f32 + 0.5;
-            let (mut from, mut to) = (left, right);
-            for [at, slope] in &rights[..right_count] {
-                to = to.min(floor(at + slope * middle));
-            }
-            for [at, slope] in &lefts[..left_count] {
-                from = from.max(-floor(-(at + slope * middle)));
-            }
+            let [[a_right, b_right], [a_left, b_left]] =
+                [&mut rights, &mut lefts].map(|edges| edges.each_mut().map(Edge::next));
+            let to = right.min(a_right.min(b_right) >> Edge::BITS);
+            let from = left.max((a_left.max(b_left) + Edge::ALMOST) >> Edge::BITS);
             if from > to {
                 continue;
             }
@@ -326,12 +326,12 @@ impl Renderer {
             let start = a[2] + dx * (from as f32 + 0.5 - a[0]) + dy * (middle - a[1]);
             let near = &mut self.near[y * width + from..y * width + to];
             let pixels = &mut self.shown[y * width + from..y * width + to];
-            // Without a branch, so that several pixels go at once.
+            // Without a branch: several pixels go at once, and which ones are hidden cannot be guessed.
             for ((near, pixel), step) in near.iter_mut().zip(pixels).zip(0i32..) {
                 let value = start + dx * step as f32;
-                let nearer = value > *near;
-                *near = if nearer { value } else { *near };
-                *pixel = if nearer { shown } else { *pixel };
+                let mask = u32::from(value > *near).wrapping_neg();
+                *near = f32::from_bits(value.to_bits() & mask | near.to_bits() & !mask);
+                *pixel = shown & mask | *pixel & !mask;
             }
         }
         true
@@ -382,10 +382,12 @@ impl Renderer {
         let last = std::array::from_fn(|column| turn[(2, column)] as f32);
         let normal = (x_wb * sticker.place.x_pg).rotation * Vector3::z();
         let light = light_on(&[normal.x as f32, normal.y as f32, normal.z as f32]);
+        let [white, black] = TAG_LIGHT.map(|share| share * light);
+        let share = |count: usize| count as f32 / PLACES as f32;
         self.tags.push(SeenTag {
             sticker: sticker.clone(),
             rows: [row(0), row(1), last],
-            light: TAG_LIGHT.map(|share| share * light),
+            light: std::array::from_fn(|count| linear(black + (white - black) * share(count))),
             body,
         });
     }
@@ -418,8 +420,14 @@ impl Renderer {
             *sum = u16::from(*shadow);
         }
         spread(sums, marks, columns);
-        for (soft, sum) in self.soft.iter_mut().zip(&*sums) {
-            *soft = u32::from(sum / (WIDE * WIDE));
+        for (mark, sum) in marks.iter_mut().zip(&*sums) {
+            *mark = sum / (WIDE * WIDE);
+        }
+        // The last cells, which have no neighbours, are never in shadow: see [`spread`].
+        let inner = marks.len() - columns - 1;
+        let [a, b, c, d] = [0, 1, columns, columns + 1].map(|step| &marks[step..][..inner]);
+        for ((((soft, a), b), c), d) in self.soft.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            *soft = u32::from(*a) | u32::from(*b) << 8 | u32::from(*c) << 16 | u32::from(*d) << 24;
         }
         for sum in sums.iter_mut() {
             *sum = u16::from(*sum > 0);
@@ -427,11 +435,6 @@ impl Renderer {
         spread(sums, marks, columns);
         for ((plain, bare), sum) in self.plain.iter_mut().zip(&self.bare).zip(&*sums) {
             *plain = if *sum == 0 { *bare } else { DETAIL };
-        }
-        let last = self.soft.len() - 1;
-        for index in 0..self.soft.len() {
-            let at = |step: usize| self.soft[(index + step).min(last)] & 255;
-            self.soft[index] = at(0) | at(1) << 8 | at(columns) << 16 | at(columns + 1) << 24;
         }
     }
 
@@ -511,12 +514,47 @@ fn tag_pixel(tag: &SeenTag, steps: [[f32; 2]; 2], [dx, dy]: [f32; 2]) -> u16 {
         let fall = wx * sx + wy * sy;
         [(xx * sx + xy * sy - at[0] * fall) * one, (yx * sx + yy * sy - at[1] * fall) * one]
     });
-    let white = tag.sticker.cells.white(at[0], at[1], right, below);
-    linear(tag.light[1] + (tag.light[0] - tag.light[1]) * white)
+    tag.light[tag.sticker.cells.white(at[0], at[1], right, below)]
 }
 
-/// An edge that bounds nothing.
-const LEVEL: [f32; 2] = [0.0; 2];
+/// More pixels from row to row than an edge needs to cross any image between two rows.
+const STEEP: f32 = 4e6;
+
+/// Where the edge of a triangle crosses the middles of rows, in pixels from the middle of the first: whole numbers of
+/// small parts of pixels, so that a row costs an addition.
+#[derive(Clone, Copy)]
+struct Edge {
+    at: i64,
+    step: i64,
+}
+
+impl Edge {
+    /// So many bits are the parts of a pixel.
+    const BITS: u32 = 24;
+    /// A little less than a pixel.
+    const ALMOST: i64 = (1 << Self::BITS) - 1;
+    /// Further outside than any image, and far from the end of the numbers.
+    const OUTSIDE: f32 = 1e10;
+
+    #[inline]
+    fn new(at: f32, step: f32) -> Edge {
+        let fixed = |value: f32| {
+            // Two comparisons without a thought for what is no number.
+            let value = if value < Self::OUTSIDE { value } else { Self::OUTSIDE };
+            let value = if value > -Self::OUTSIDE { value } else { -Self::OUTSIDE };
+            (value * (1i64 << Self::BITS) as f32) as i64
+        };
+        Edge { at: fixed(at), step: fixed(step) }
+    }
+
+    /// Where it is in this row; goes on to the next.
+    #[inline]
+    fn next(&mut self) -> i64 {
+        let at = self.at;
+        self.at += self.step;
+        at
+    }
+}
 
 /// The largest whole number that is not larger, for numbers of pixels: without a call to the mathematics library.
 #[inline]
@@ -575,10 +613,17 @@ struct Table<'a> {
     eye: [f32; 3],
     /// The sheet's picture, about as fine as the image.
     sheet: Level<'a>,
-    /// From a byte of the sheet's picture to light, times 256.
-    lit: u32,
+    /// The sheet's colours by their numbers where no shadow falls.
+    ink: [[u16; 3]; 256],
     plain: [[u16; 3]; 3],
     paper: [u16; 3],
+}
+
+/// A colour of which the bytes are red, green and blue, lowest first, in light of which `lit` is 256 times what a
+/// byte's one stands for.
+#[inline]
+fn shine(colour: u32, lit: u32) -> [u16; 3] {
+    [0, 8, 16].map(|shift| ((((colour >> shift & 255) * lit) >> 8) as u16).min(FULL))
 }
 
 /// The place of what does not look down at the table at all.
@@ -595,9 +640,9 @@ impl<'a> Table<'a> {
         let colour = |colour: [f32; 3], light: f32| colour.map(|share| linear(share * light));
         let plain = [colour(TABLE_COLOUR, lit), colour(FLOOR_COLOUR, 0.8 * lit), colour(WALL_COLOUR, 1.0)];
         let lit = (lit * f32::from(FULL) / 255.0 * 256.0) as u32;
-        let paper = looks.sheet.paper();
-        let paper = [0, 8, 16].map(|shift| ((((paper >> shift & 255) * lit) >> 8) as u16).min(FULL));
-        Table { turn: rigid.turn, eye: rigid.shift, sheet, lit, plain, paper }
+        let paper = shine(looks.sheet.paper(), lit);
+        let ink = std::array::from_fn(|number| shine(sheet.colour(number as u8), lit));
+        Table { turn: rigid.turn, eye: rigid.shift, sheet, ink, plain, paper }
     }
 
     /// Where a pixel looks on the table, m in the world.
@@ -632,12 +677,22 @@ impl<'a> Table<'a> {
                 // Places and shadow between the two ends: straight.
                 let share = 1.0 / (dx.len() - 1) as f32;
                 let (step_x, step_y) = ((to[0] - from[0]) * share, (to[1] - from[1]) * share);
-                let [first, last] = [from, to].map(|at| shade_at(soft, at) as f32);
+                let numbers = self.sheet.along(
+                    [from[0] - looks.sheet_corner[0], looks.sheet_corner[1] - from[1]],
+                    [step_x, -step_y],
+                );
+                let [first, last] = [from, to].map(|at| shade_at(soft, at));
+                if first == 256 && last == 256 {
+                    for (light, number) in pixels.zip(numbers) {
+                        light.copy_from_slice(&self.ink[usize::from(number)]);
+                    }
+                    return;
+                }
+                let [first, last] = [first, last].map(|left| left as f32);
                 let fade = (last - first) * share;
-                for (light, index) in pixels.zip(0i32..) {
-                    let index = index as f32;
-                    let (x, y) = (from[0] + index * step_x, from[1] + index * step_y);
-                    light.copy_from_slice(&self.paper_at(looks, [x, y], (first + index * fade) as u32));
+                for ((light, number), index) in pixels.zip(numbers).zip(0i32..) {
+                    let left = (first + index as f32 * fade) as u32;
+                    light.copy_from_slice(&self.faded(number, left));
                 }
                 return;
             }
@@ -647,13 +702,10 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The colour of a place on the sheet, of which shadows leave `left` of 256.
+    /// The colour of that number on the sheet, of which shadows leave `left` of 256.
     #[inline]
-    fn paper_at(&self, looks: &Looks, [x, y]: [f32; 2], left: u32) -> [u16; 3] {
-        let colour = self.sheet.at(x - looks.sheet_corner[0], looks.sheet_corner[1] - y);
-        let scale = (self.lit * left) >> 8;
-        let channel = |shift: u32| ((((colour >> shift & 255) * scale) >> 8) as u16).min(FULL);
-        [channel(0), channel(8), channel(16)]
+    fn faded(&self, number: u8, left: u32) -> [u16; 3] {
+        self.ink[usize::from(number)].map(|value| ((u32::from(value) * left) >> 8) as u16)
     }
 
     fn colour(&self, looks: &Looks, soft: &[u32], at: [f32; 2]) -> [u16; 3] {
@@ -663,7 +715,8 @@ impl<'a> Table<'a> {
         }
         let left = shade_at(soft, at);
         if on_sheet(looks, at) {
-            return self.paper_at(looks, at, left);
+            let number = self.sheet.at(at[0] - looks.sheet_corner[0], looks.sheet_corner[1] - at[1]);
+            return self.faded(number, left);
         }
         self.plain[0].map(|value| ((u32::from(value) * left) >> 8) as u16)
     }
