@@ -1,5 +1,6 @@
 //! Where the kit, the goals, the rules and the arm are read from.
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -29,6 +30,15 @@ impl Data {
             ));
         }
         Ok(Data { folder, kit })
+    }
+
+    /// What makes another process of this program read the same data.
+    pub fn arguments(&self) -> Vec<OsString> {
+        let mut arguments = vec!["--data".into(), self.folder.clone().into_os_string()];
+        if let Some(kit) = &self.kit {
+            arguments.extend(["--kit".into(), kit.clone().into_os_string()]);
+        }
+        arguments
     }
 
     /// The folder of the goals.

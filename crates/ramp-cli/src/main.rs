@@ -1,7 +1,7 @@
 //! The `ramp` command: goals, checks, pictures, plans and runs.
 //!
 //! Results go to standard output, everything else to standard error. Exit status: 0 done; 1 the run ended without
-//! completing the goal, or a check failed; 2 bad usage or bad input.
+//! completing the goal, or a check failed; 2 bad usage or bad input; 130 a bench was stopped by Ctrl-C.
 
 mod command;
 mod data;
@@ -50,6 +50,8 @@ enum Command {
     Plan(command::plan::Arguments),
     /// Build a goal in the digital twin, and score it
     Run(command::run::Arguments),
+    /// Run goals and classes by the protocol, and sum up
+    Bench(command::bench::Arguments),
     /// See a goal through the cameras: images, what is found in them, data sets
     See(command::see::Arguments),
     /// Make the parts: print, saw, lay out
@@ -67,6 +69,7 @@ fn main() -> ExitCode {
         Command::Show(arguments) => command::show::run(&data, &arguments),
         Command::Plan(arguments) => command::plan::run(&data, &arguments),
         Command::Run(arguments) => command::run::run(&data, &arguments),
+        Command::Bench(arguments) => command::bench::run(&data, &arguments),
         Command::See(arguments) => command::see::run(&data, &arguments),
         Command::Kit(arguments) => command::kit::run(&data, &arguments),
         Command::Twin(arguments) => command::twin::run(&data, &arguments),

@@ -2,13 +2,14 @@
 //!
 //! Data passes one way: [`episode`] lets an agent work in the twin while [`referee`] watches the truth; what comes
 //! out is a [`result::EpisodeResult`], one JSON file of a published schema; [`curve`] draws it. [`perception`] makes images with
-//! labels, and judges detectors on them.
+//! labels, and judges detectors on them. [`summary`] adds up the episodes of a goal or a class.
 
 pub mod curve;
 pub mod episode;
 pub mod perception;
 pub mod referee;
 pub mod result;
+pub mod summary;
 
 pub use episode::{Progress, run_episode};
 pub use referee::Referee;

@@ -50,10 +50,16 @@ pub struct Arguments {
     /// File for the result [default: results/GOAL-SEED.json]; the curve goes beside it as .svg
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Which of several runs in a row this is
+    #[arg(long, default_value_t = 1, hide = true, value_parser = clap::value_parser!(u32).range(1..))]
+    repeat: u32,
+    /// End when standard input does: whoever started this run is gone
+    #[arg(long, hide = true)]
+    leash: bool,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
-enum TrackName {
+pub enum TrackName {
     /// Exact poses from the simulator
     State,
     /// Poses with noise: 1 mm and 1° a reading, one in twenty missing
@@ -72,7 +78,23 @@ impl From<TrackName> for Track {
     }
 }
 
+/// The version and commit of this program.
+pub fn software() -> Software {
+    Software { version: env!("CARGO_PKG_VERSION").to_string(), commit: env!("RAMP_COMMIT").to_string() }
+}
+
+/// Ends the program when standard input does.
+fn hold_leash() {
+    std::thread::spawn(|| {
+        let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
+        std::process::exit(INCOMPLETE.into());
+    });
+}
+
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    if arguments.leash {
+        hold_leash();
+    }
     let kit = data.kit()?;
     let assembly = data.goal(&arguments.goal, &kit)?;
     let arm = data.arm()?;
@@ -119,8 +141,6 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let display = Display::new();
     let mut agent = Baseline::new(&kit, &assembly, &arm, &domains, arguments.seed)
         .with_listener(|event| display.event(event));
-    let software =
-        Software { version: env!("CARGO_PKG_VERSION").to_string(), commit: env!("RAMP_COMMIT").to_string() };
     let mut end = Vec::new();
     let mut watcher = |progress: &Progress, twin: &Twin| {
         display.progress(progress);
@@ -138,7 +158,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             film_error = film.show(twin, &caption).err();
         }
     };
-    let result = run_episode(&setup, &mut agent, &software, 1, &mut watcher).into_diagnostic()?;
+    let result =
+        run_episode(&setup, &mut agent, &software(), arguments.repeat, &mut watcher).into_diagnostic()?;
     display.finish();
     if let Some(error) = film_error {
         return Err(error);
