@@ -82,7 +82,7 @@ pub struct Unexpected {
 /// let found = diagnose(&assembly, &kit, &domains, &History { records, ..History::default() })?;
 /// assert_eq!(found[0].events[0].event, "no_effect(pick_up(beam(\"b4\")))");
 /// assert!(found[0].state.in_hand.is_none());
-/// # Ok::<(), ramp_planner::PlanError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn diagnose(
     assembly: &Assembly,

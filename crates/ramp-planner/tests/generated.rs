@@ -36,7 +36,7 @@ fn with_another_argument(assembly: &Assembly, steps: &[CoarseStep], index: usize
 fn plans_of_a_thousand_goals_are_accepted_and_wrong_ones_refused() {
     let mut planned = 0;
     for beams in 3..=7 {
-        let goals = generate_many(kit(), Request { beams, seed: 1, class: None }, 200).unwrap();
+        let goals = generate_many(kit(), Request { beams, seed: 1, class: None }, 210).unwrap();
         for (number, made) in goals.iter().enumerate() {
             let assembly = &made.assembly;
             let steps = match plan(assembly, kit(), &State::default(), domains()) {
@@ -68,5 +68,5 @@ fn plans_of_a_thousand_goals_are_accepted_and_wrong_ones_refused() {
             assert!(outcome(&other).is_err(), "{} with another argument", made.name);
         }
     }
-    assert!(planned > 950, "only {planned} of 1000 goals have a plan");
+    assert!(planned >= 1000, "only {planned} goals have a plan");
 }
