@@ -2,7 +2,7 @@
 //!
 //! A domain goes through four steps, one module each: `lex` cuts the text into words, `parse` makes statements of
 //! them, `check` finds the sort of every variable and refuses what means nothing, and [`Domain`] is the outcome.
-//! From there it goes two ways: `translate` writes it as a program for clingo that a person can read, and [`ground`]
+//! From there it goes two ways: `translate` writes it as a program for clingo that a person can read, and `ground`
 //! carries it out directly, state by state, for the replayer, the diagnosis and the explanations. What the planner
 //! solves is the same program for one problem, unrolled step by step without what that problem cannot reach
 //! (`ground::unroll`); a test holds the two against each other.
