@@ -105,7 +105,7 @@ fn what_is_killed_and_started_again_gives_the_same_sums() {
     wait_for("the end of the episodes", || orphans.iter().all(|&it| is_gone(it)));
 
     // Stopped by Ctrl-C.
-    let mut bench = command(&folder, &arguments).spawn().unwrap();
+    let bench = command(&folder, &arguments).spawn().unwrap();
     wait_for("two episodes", || episodes_of(&bench).len() == 2);
     let second = ramp(&folder, &arguments);
     assert_eq!(second.status.code(), Some(2));
@@ -140,8 +140,10 @@ fn what_is_killed_and_started_again_gives_the_same_sums() {
         let (one, other) = (folder.path().join("whole"), folder.path().join("killed"));
         assert_eq!(file(&one, name), file(&other, name));
     }
-    let mut names: Vec<_> =
-        std::fs::read_dir(folder.path().join("killed")).unwrap().map(|it| it.unwrap().file_name()).collect();
+    let mut names: Vec<_> = std::fs::read_dir(folder.path().join("killed"))
+        .unwrap()
+        .map(|it| it.unwrap().file_name().into_string().unwrap())
+        .collect();
     names.sort();
     let stems = ["easy-1-state-1", "easy-1-state-2"];
     let expected: Vec<String> =
