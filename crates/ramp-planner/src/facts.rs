@@ -70,12 +70,13 @@ pub(crate) fn is_tight(assembly: &Assembly, connection: usize) -> bool {
     !form.male && !form.end && form.cavity < 1.5 * JointType::ThruF.form().cavity
 }
 
-/// The parts of the beams and what a hand can do with them: for the fine domain, on top of the coarse facts. What
-/// stands and is pinned decides where a hand has room.
+/// The parts of some beams: for the fine domain, on top of the coarse facts. Of the beams that the hand handles also
+/// their measures and where a hand can hold them; what stands and is pinned decides where it has room.
 pub(crate) fn fine(
     assembly: &Assembly,
     geometry: &Geometry,
     beams: &[usize],
+    handled: &dyn Fn(usize) -> bool,
     stands: &[bool],
     pinned: &[bool],
 ) -> Vec<Term> {
@@ -95,7 +96,7 @@ pub(crate) fn fine(
             if number == 0 || number == last {
                 facts.push(Term::new("tip", [name.clone()]));
             }
-            for (other_number, other) in placed.beam.joints.iter().enumerate() {
+            for (other_number, other) in placed.beam.joints.iter().enumerate().filter(|_| handled(index)) {
                 let other_name = Term::from(other.name.as_str());
                 let apart = mm((joint.offset - other.offset).abs());
                 facts.push(Term::new("apart", [name.clone(), other_name.clone(), apart]));
@@ -104,7 +105,7 @@ pub(crate) fn fine(
                 }
             }
         }
-        for link in &placed.beam.links {
+        for link in placed.beam.links.iter().filter(|_| handled(index)) {
             let name = Term::from(link.name.as_str());
             facts.push(Term::new("link", [name.clone()]));
             facts.push(Term::new("component", [name.clone(), beam.clone()]));
@@ -126,6 +127,9 @@ pub(crate) fn fine(
         }
     }
     for (index, connection) in assembly.connections.iter().enumerate() {
+        if ![connection.male.beam, connection.female.beam].iter().all(|beam| beams.contains(beam)) {
+            continue;
+        }
         let joint = |joint: JointRef| Term::from(assembly.joint_name(joint));
         facts.push(Term::new(
             "mates",

@@ -93,7 +93,7 @@ pub fn asp(assembly: &Assembly, kit: &Kit, domains: &Domains, fine: bool) -> Str
             let beams: Vec<usize> = (0..assembly.beams.len()).collect();
             let stands: Vec<bool> = beams.iter().map(|&beam| beam == assembly.base).collect();
             let pinned = vec![false; assembly.connections.len()];
-            facts.extend(facts::fine(assembly, &planner.geometry, &beams, &stands, &pinned));
+            facts.extend(facts::fine(assembly, &planner.geometry, &beams, &|_| true, &stands, &pinned));
             domains.fine()
         }
     };
@@ -768,7 +768,9 @@ impl<'a> Planner<'a> {
         let zoom = self.options.zoom;
         let beams: Vec<usize> =
             all.filter(|&beam| !zoom || names.contains(&self.assembly.beams[beam].beam.name)).collect();
-        let facts = facts::fine(self.assembly, &self.geometry, &beams, &stands, &pinned);
+        let named = transition.action.texts();
+        let handled = |beam: usize| !zoom || named.contains(&self.assembly.beams[beam].beam.name.as_str());
+        let facts = facts::fine(self.assembly, &self.geometry, &beams, &handled, &stands, &pinned);
         // What belongs to a relevant thing is relevant.
         for fact in &facts {
             if let Some(("component", [part, whole])) = fact.parts()

@@ -213,7 +213,7 @@ impl<'a> Replayer<'a> {
         beams.extend(near);
         let beams: Vec<usize> = beams.into_iter().collect();
         let mut all = planner.facts.all.clone();
-        all.extend(facts::fine(assembly, &planner.geometry, &beams, &stands, &pinned));
+        all.extend(facts::fine(assembly, &planner.geometry, &beams, &|_| true, &stands, &pinned));
         let model = Model::new(planner.domains.fine(), &all);
         let mut told = planner.model.inertial(before);
         told.extend(self.own.iter().cloned());
