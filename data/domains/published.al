@@ -4,7 +4,7 @@
 % it does not. It knows no geometry: which way a beam goes in, whether an end droops, whether a hand has room. After
 % building something in, the hand still holds it and has to let go; every insertion misaligns every other beam, pinned
 % or not; the end need neither be aligned nor leave a free hand. Its plans are not carried out: the fine domain
-% belongs to coarse.al. `ramp plan easy-1 --domain published.al --coarse --optimal` plans with it.
+% belongs to coarse.al. `ramp plan easy-1 --domain data/domains/published.al --coarse --optimal` plans with it.
 
 sort beam.
 sort connection.

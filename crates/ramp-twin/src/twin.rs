@@ -17,7 +17,6 @@ use ramp_robot::{
 };
 
 use crate::cameras::{self, Cameras};
-
 use crate::control::{
     ArmState, GripperLoop, Jacobian, JointVector, impedance, limit_torques, pose_impedance,
     rotation_from_rows, track_joints, track_velocities,
