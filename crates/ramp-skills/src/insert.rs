@@ -1,13 +1,13 @@
 //! Inserting a beam: a male of it into the assembly (square), or males of the assembly into it (cap).
 
 use nalgebra::{Point2, Translation3, UnitQuaternion, Vector2, Vector3};
-use ramp_assembly::Insertion;
-use ramp_kit::joint;
+use ramp_assembly::JointRef;
+use ramp_kit::joint::{self, BODY_WIDTH, FEMALE_HEIGHT};
 
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
 use crate::look::Point;
-use crate::transport::Workcell;
+use crate::transport::{Way, Workcell};
 
 /// How high over its way a beam is brought to where its insertion begins, m.
 const CLEAR: f64 = 4.0e-3;
@@ -17,6 +17,8 @@ const SPEED: f64 = 0.03;
 const SQUARE_LIMIT: f64 = 12.0;
 /// Force against the motion at which a cap stops, N.
 const CAP_LIMIT: f64 = 25.0;
+/// Force on the table at which a beam lies on it, N.
+const TABLE_LIMIT: f64 = 8.0;
 /// How far the spring is pulled past the goal of a cap, m: it seats each end on its stop wall.
 const CAP_OVERDRIVE: f64 = 3.0e-3;
 /// Turn to and fro at the end of a cap, rad.
@@ -57,8 +59,7 @@ impl Workcell<'_, '_> {
         let mut pairs: Vec<(Point2<f64>, Point2<f64>)> = Vec::new();
         for connection in &self.assembly.connections {
             if let Some((mine, theirs)) = self.assembly.sides(connection, beam)
-                && self.standing.contains(&theirs.beam)
-                && theirs.beam != beam
+                && self.meets(theirs, beam)
             {
                 let here = nominal * placed.beam.p_b_hole(mine.joint);
                 pairs.push((here.xy(), self.belief.hole(self.assembly, theirs)?.xy()));
@@ -71,28 +72,29 @@ impl Workcell<'_, '_> {
     pub fn meeting(&self, beam: usize) -> Vec<Point> {
         let sides = self.assembly.connections.iter().filter_map(|connection| {
             let (mine, theirs) = self.assembly.sides(connection, beam)?;
-            (theirs.beam != beam && self.standing.contains(&theirs.beam)).then_some([mine, theirs])
+            self.meets(theirs, beam).then_some([mine, theirs])
         });
         sides.flatten().map(|joint| self.hole(joint)).collect()
     }
 
+    /// Is a joint of another beam where `beam` meets it? One of a deep beam is not, yet.
+    fn meets(&self, theirs: JointRef, beam: usize) -> bool {
+        theirs.beam != beam && self.standing.contains(&theirs.beam) && !self.deep.contains(&theirs.beam)
+    }
+
     /// How this beam is put in.
-    fn insertion(&self, beam: usize) -> Result<&Insertion, SkillError> {
-        let name = &self.assembly.beams[beam].beam.name;
-        self.assembly
-            .insertions
-            .iter()
-            .find(|insertion| insertion.beam == beam)
-            .ok_or_else(|| Fault::NoGrasp { part: name.clone() }.into())
+    pub fn way(&self, beam: usize) -> Result<&Way, SkillError> {
+        let name = || self.assembly.beams[beam].beam.name.clone();
+        self.ways.get(&beam).ok_or_else(|| Fault::NoWay { part: name() }.into())
     }
 
     /// The direction in which a beam is put in so that it ends at `goal`: the nominal one, turned as the goal is
     /// turned from the nominal place. Axes of the world.
-    fn way_in(&self, beam: usize, goal: &Pose) -> Result<Vector3<f64>, SkillError> {
+    pub fn way_in(&self, beam: usize, goal: &Pose) -> Result<Vector3<f64>, SkillError> {
         let x_wa = self.kit.x_wa();
         let nominal = x_wa * self.assembly.beams[beam].x_ab;
         let turn = goal.rotation * nominal.rotation.inverse();
-        Ok(turn * x_wa.rotation * self.insertion(beam)?.direction.into_inner())
+        Ok(turn * x_wa.rotation * self.way(beam)?.direction)
     }
 
     /// Carries the held beam to where its insertion begins, a little higher than its way.
@@ -110,9 +112,8 @@ impl Workcell<'_, '_> {
 
     /// The pose of a beam on its way in: `share` of the insertion still to go, `height` over its place (m).
     fn beside(&self, beam: usize, share: f64, height: f64) -> Result<Pose, SkillError> {
-        let insertion = self.insertion(beam)?;
-        let back =
-            self.kit.x_wa().rotation * insertion.direction.into_inner() * (-share * insertion.distance);
+        let way = self.way(beam)?;
+        let back = self.kit.x_wa().rotation * way.direction * (-share * way.distance);
         let goal = self.target(beam)?;
         Ok(Translation3::new(back.x, back.y, back.z + height) * goal)
     }
@@ -143,6 +144,76 @@ impl Workcell<'_, '_> {
             return Err(fault.into());
         }
         self.standing.push(beam);
+        if self.way(beam)?.depth > 0.0 {
+            self.deep.push(beam);
+        }
+        self.settle(beam)?;
+        self.release()?;
+        self.reckon_heights(beam);
+        Ok(())
+    }
+
+    /// How a beam hangs that only one female holds, turned about the joint in it: its other end lies on the table.
+    /// `None` for a beam that stands level.
+    fn drooping(&self, beam: usize) -> Option<(JointRef, f64)> {
+        let placed = &self.assembly.beams[beam].beam;
+        if placed.stands_at_assembled_height() {
+            return None;
+        }
+        let sides = self.assembly.connections.iter();
+        let sides = sides.filter_map(|connection| self.assembly.sides(connection, beam));
+        // A deep beam is short of the joint that it is to be slid into.
+        let mut met = sides.filter(|(mine, theirs)| {
+            self.standing.contains(&theirs.beam) && !(self.deep.contains(&beam) && self.leads(*mine))
+        });
+        let (joint, _) = met.next().filter(|_| met.next().is_none())?;
+        let pivot = placed.joints[joint.joint].offset;
+        // Measured from the table's height to where the axis is at the other end.
+        let far = if pivot > placed.span() / 2.0 { 0.0 } else { placed.span() };
+        let drop = (FEMALE_HEIGHT - BODY_WIDTH) / 2.0;
+        let reach = (far - pivot).abs() + BODY_WIDTH / 2.0;
+        Some((joint, (drop / reach).asin() * (far - pivot).signum()))
+    }
+
+    /// Lets the free end of a held beam down on the table before the fingers open: one that fell would hang on them,
+    /// and follow them.
+    fn settle(&mut self, beam: usize) -> Result<(), SkillError> {
+        let Some((joint, angle)) = self.drooping(beam) else { return Ok(()) };
+        let name = self.assembly.beams[beam].beam.name.clone();
+        let x_wb = self.belief.pose(&name)?;
+        let pivot = Translation3::from((x_wb * self.assembly.beams[beam].beam.p_b_hole(joint.joint)).coords);
+        let across = x_wb.rotation * Vector3::x();
+        let across = Vector3::z().cross(&across);
+        let turn = UnitQuaternion::from_scaled_axis(across.normalize() * angle);
+        let down = self.hand.corrected(&x_wb, &(pivot * turn * pivot.inverse() * x_wb));
+        self.hand.zero()?;
+        self.hand.drive(&down, 0.02, |hand| -hand.force().z > TABLE_LIMIT)?;
+        self.hand.wait(0.1)?;
+        Ok(())
+    }
+
+    /// Does a joint lead the way out of a beam that stands too deep?
+    fn leads(&self, joint: JointRef) -> bool {
+        let placed = &self.assembly.beams[joint.beam];
+        let along = placed.x_ab.rotation * Vector3::x();
+        let first = self.ways.get(&joint.beam).is_some_and(|way| along.dot(&way.direction) > 0.0);
+        first == (placed.beam.joints[joint.joint].offset < placed.beam.span() / 2.0)
+    }
+
+    /// Lays the held beam, which is over its place, on the table, and lets go of it.
+    ///
+    /// # Errors
+    /// [`Fault::NotHeld`], or what stopped the motion.
+    pub fn lay_down(&mut self, beam: usize) -> Result<(), SkillError> {
+        let name = self.assembly.beams[beam].beam.name.clone();
+        self.hand.relax();
+        self.regrip(&name)?;
+        let goal = self.target(beam)?;
+        self.place(&name, &(Translation3::new(0.0, 0.0, CLEAR) * goal))?;
+        self.hand.zero()?;
+        let down = self.hand.corrected(&self.belief.pose(&name)?, &goal);
+        self.hand.drive(&down, SPEED, |hand| -hand.force().z > TABLE_LIMIT)?;
+        self.standing.push(beam);
         self.release()?;
         self.reckon_heights(beam);
         Ok(())
@@ -150,7 +221,7 @@ impl Workcell<'_, '_> {
 
     /// What is known of the heights of a beam that has just been let go of in the assembly: on females or feet it
     /// stands level on the table; otherwise its males hang in their females, as low as the clearance lets them.
-    fn reckon_heights(&mut self, beam: usize) {
+    pub fn reckon_heights(&mut self, beam: usize) {
         let placed = &self.assembly.beams[beam];
         let nominal = self.kit.x_wa() * placed.x_ab;
         let joints: Vec<usize> = if placed.beam.stands_at_assembled_height() {
@@ -172,8 +243,9 @@ impl Workcell<'_, '_> {
         let name = self.assembly.beams[beam].beam.name.clone();
         self.see(&self.meeting(beam), KNOWN)?;
         self.regrip(&name)?;
-        let goal = self.target(beam)?;
-        let direction = self.way_in(beam, &goal)?;
+        let place = self.target(beam)?;
+        let direction = self.way_in(beam, &place)?;
+        let goal = Translation3::from(direction * self.way(beam)?.depth) * place;
         // A beam that stands on the table is pressed on it a little when it caps, and slides over it otherwise.
         let stands = self.assembly.beams[beam].beam.stands_at_assembled_height();
         let height: f64 = if cap {
@@ -211,8 +283,8 @@ impl Workcell<'_, '_> {
                 // Back out to where it began, free of the joint.
                 let mut back = self.hand.setpoint;
                 back.translation = self.hand.seen.x_wt.translation;
-                let insertion = self.insertion(beam)?;
-                back.translation.vector -= direction * (insertion.distance - remaining).max(0.0);
+                let way = self.way(beam)?;
+                back.translation.vector -= direction * (way.distance + way.depth - remaining).max(0.0);
                 self.hand.go(&back, 0.05)?;
                 return Err(jam.into());
             }
