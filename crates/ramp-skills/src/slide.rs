@@ -7,7 +7,7 @@
 use nalgebra::{Point3, Translation3};
 
 use crate::fault::{Fault, SkillError};
-use crate::grasp::{self, BEAM_OPEN, BEAM_WIDTH, beam_grasp};
+use crate::grasp;
 use crate::transport::Workcell;
 
 /// Speed, m/s.
@@ -36,14 +36,7 @@ impl Workcell<'_, '_> {
         let s = grasp::point_on(link, self.free_end(beam));
         self.see(&self.meeting(beam), KNOWN)?;
         self.see_to_grip(&name)?;
-        let x_wb = self.belief.pose(&name)?;
-        let q = self.hand.joints();
-        let senses = [false, true].map(|reverse| {
-            let x_wt = beam_grasp(&x_wb, s, reverse);
-            (x_wt, self.reach(&x_wt, &q))
-        });
-        let x_wt = self.choose(&senses).ok_or_else(|| Fault::NoGrasp { part: name.clone() })?;
-        self.seize(&name, &x_wt, BEAM_OPEN, BEAM_WIDTH)?;
+        self.seize_standing(beam, s)?;
         self.hand.zero()?;
         let mut jam = None;
         for (attempt, aside) in ASIDE.into_iter().enumerate() {
