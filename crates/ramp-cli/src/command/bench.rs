@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Diagnostic, IntoDiagnostic, Report, miette};
 use ramp_assembly::Class;
+use ramp_eval::log::ENDING;
 use ramp_eval::result::{EpisodeResult, SCHEMA, Software};
 use ramp_eval::summary::{Entry, Summary, shortfall};
 use ramp_kit::source::{nearest, shorten};
@@ -421,12 +422,14 @@ impl Bench<'_> {
         };
         let (result_from, result_to) = place("json");
         let (curve_from, curve_to) = place("svg");
+        let (record_from, record_to) = place(ENDING);
         let (log_from, log_to) = place("log");
         let result = self.read(&result_from, episode.goal, episode.seed);
         if let (Some(status), Some(result)) = (status, result)
             && status.code().is_some_and(|code| [DONE, INCOMPLETE].map(i32::from).contains(&code))
         {
             std::fs::rename(&curve_from, &curve_to).into_diagnostic()?;
+            std::fs::rename(&record_from, &record_to).into_diagnostic()?;
             std::fs::rename(&result_from, &result_to).into_diagnostic()?;
             let _ = std::fs::remove_file(&log_from);
             let _ = std::fs::remove_file(&log_to);
@@ -434,6 +437,7 @@ impl Bench<'_> {
         }
         let _ = std::fs::remove_file(&result_from);
         let _ = std::fs::remove_file(&curve_from);
+        let _ = std::fs::remove_file(&record_from);
         let _ = std::fs::rename(&log_from, &log_to);
         let reason = match status {
             Some(status) => end_of(status),

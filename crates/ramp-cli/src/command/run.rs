@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_eval::curve::completion_svg;
 use ramp_eval::result::{EpisodeResult, Software, write_whole};
-use ramp_eval::{Progress, run_episode};
+use ramp_eval::{Progress, log, record_episode};
 use ramp_robot::{Event, Track};
 use ramp_skills::Baseline;
 use ramp_twin::{Disturbance, Setup, Twin};
@@ -47,9 +47,12 @@ pub struct Arguments {
     /// Whose eyes the film is seen through
     #[arg(long, value_enum, default_value_t = film::From::Free, requires = "video")]
     video_from: film::From,
-    /// File for the result [default: results/GOAL-SEED.json]; the curve goes beside it as .svg
+    /// File for the result [default: results/GOAL-SEED.json]; the curve goes beside it as .svg, the log as .mcap
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// File for the log of everything, to be looked at or replayed [default: beside the result]
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
     /// Which of several runs in a row this is
     #[arg(long, default_value_t = 1, hide = true, value_parser = clap::value_parser!(u32).range(1..))]
     repeat: u32,
@@ -104,16 +107,22 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         None => Path::new(RESULTS).join(format!("{}-{}.json", assembly.name, arguments.seed)),
     };
     let curve = output.with_extension("svg");
-    if curve == output {
-        return Err(miette!(
-            help = "end the file's name in .json",
-            "{} is where the curve goes",
-            output.display()
-        ));
+    let log = arguments.record.clone().unwrap_or_else(|| output.with_extension(log::ENDING));
+    for (other, what) in [(&curve, "curve"), (&log, "log")] {
+        if *other == output {
+            return Err(miette!(
+                help = "end the file's name in .json",
+                "{} is where the {what} goes",
+                output.display()
+            ));
+        }
     }
     if arguments.output.is_some() {
         check_writable(&output)?;
         check_writable(&curve)?;
+    }
+    if arguments.output.is_some() || arguments.record.is_some() {
+        check_writable(&log)?;
     }
     if let Some(path) = &arguments.scene {
         check_writable(path)?;
@@ -158,8 +167,11 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             film_error = film.show(twin, &caption).err();
         }
     };
+    let texts = data.texts(&arguments.goal)?;
+    let (sources, software) = (texts.sources(), software());
     let result =
-        run_episode(&setup, &mut agent, &software(), arguments.repeat, &mut watcher).into_diagnostic()?;
+        record_episode(&setup, &sources, &mut agent, &software, arguments.repeat, &log, &mut watcher)
+            .into_diagnostic()?;
     display.finish();
     if let Some(error) = film_error {
         return Err(error);
@@ -174,12 +186,12 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         let scene = start.scene_with_keyframes(&[("start", start.qpos()), ("end", &end)]);
         write_whole(path, &scene).into_diagnostic()?;
     }
-    print(&if arguments.json { result.to_json() } else { summary(&result, &output, &curve) })?;
+    print(&if arguments.json { result.to_json() } else { summary(&result, [&output, &curve, &log]) })?;
     Ok(if result.counted() == result.pegs.len() { DONE } else { INCOMPLETE })
 }
 
 /// The result for a person.
-fn summary(result: &EpisodeResult, output: &Path, curve: &Path) -> String {
+fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
     let mut text = format!(
         "{}, track {}, seed {}: {} of {} pegs\n",
         result.goal,
@@ -208,7 +220,8 @@ fn summary(result: &EpisodeResult, output: &Path, curve: &Path) -> String {
         let _ = writeln!(text, "ended early: {}", result.ended.reason);
     }
     let _ = writeln!(text, "deepest penetration {:.2} mm", result.physics.deepest_penetration * 1e3);
-    let _ = writeln!(text, "result: {}\ncurve:  {}", output.display(), curve.display());
+    let _ = writeln!(text, "result: {}", output.display());
+    let _ = writeln!(text, "curve:  {}\nlog:    {}", curve.display(), log.display());
     text
 }
 
