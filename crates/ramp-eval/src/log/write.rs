@@ -30,22 +30,22 @@ const CALLS_SIZE: usize = 32 * 1024;
 /// Size of a chunk, bytes before compression.
 const CHUNK: u64 = 512 * 1024;
 
+macro_rules! schema {
+    ($name:literal) => {
+        include_str!(concat!("../../../../data/schema/", $name, ".schema.json"))
+    };
+}
+
 /// The channels: topic, name of the schema, and the schema itself.
-const CHANNELS: [(&str, &str, &str); 10] = [
-    ("/episode", "ramp.Episode", include_str!("../../../../data/schema/log/episode.schema.json")),
-    (
-        "/joint_states",
-        "ramp.JointStates",
-        include_str!("../../../../data/schema/log/joint-states.schema.json"),
-    ),
-    ("/tip", "foxglove.PoseInFrame", include_str!("../../../../data/schema/log/tip.schema.json")),
-    ("/wrench", "ramp.Wrench", include_str!("../../../../data/schema/log/wrench.schema.json")),
-    ("/gripper", "ramp.Gripper", include_str!("../../../../data/schema/log/gripper.schema.json")),
-    ("/command", "ramp.Command", include_str!("../../../../data/schema/log/command.schema.json")),
-    ("/parts", "foxglove.FrameTransforms", include_str!("../../../../data/schema/log/parts.schema.json")),
-    ("/events", "ramp.Event", include_str!("../../../../data/schema/log/event.schema.json")),
-    ("/referee", "ramp.Verdict", include_str!("../../../../data/schema/log/verdict.schema.json")),
-    ("/result", "ramp.EpisodeResult", include_str!("../../../../data/schema/episode.schema.json")),
+const CHANNELS: [(&str, &str, &str); 8] = [
+    ("/episode", "ramp.Episode", schema!("log/episode")),
+    ("/robot", "ramp.Sensed", schema!("log/sensed")),
+    ("/tip", "foxglove.PoseInFrame", schema!("log/tip")),
+    ("/command", "ramp.Command", schema!("log/command")),
+    ("/parts", "foxglove.FrameTransforms", schema!("log/parts")),
+    ("/events", "ramp.Event", schema!("log/event")),
+    ("/referee", "ramp.Verdict", schema!("log/verdict")),
+    ("/result", "ramp.EpisodeResult", schema!("episode")),
 ];
 
 /// A log that is being written. It has its name only when it is whole.
@@ -231,23 +231,25 @@ impl Recorder {
     }
 
     fn signals(&mut self, seen: &Observation) {
-        self.put_json(
-            "/joint_states",
-            &json!({
-                "positions": seen.positions.map(round),
-                "velocities": seen.velocities.map(round),
-                "torques": seen.torques.map(round),
-            }),
-        );
+        let wrench = |from: usize| {
+            let [x, y, z]: [f64; 3] = seen.wrench.fixed_rows::<3>(from).into_owned().into();
+            json!({"x": round(x, 1e3), "y": round(y, 1e3), "z": round(z, 1e3)})
+        };
+        let sensed = json!({
+            "positions": seen.positions.map(|it| round(it, 1e5)),
+            "velocities": seen.velocities.map(|it| round(it, 1e4)),
+            "torques": seen.torques.map(|it| round(it, 1e3)),
+            "force": wrench(0),
+            "moment": wrench(3),
+            "width": round(seen.width, 1e5),
+        });
+        self.put_json("/robot", &sensed);
         let pose = json!({
             "timestamp": self.stamp(),
             "frame_id": "world",
             "pose": {"position": xyz(&seen.x_wt.translation.vector), "orientation": xyzw(&seen.x_wt)},
         });
         self.put_json("/tip", &pose);
-        let part = |from: usize| xyz(&seen.wrench.fixed_rows::<3>(from).into_owned());
-        self.put_json("/wrench", &json!({"force": part(0), "torque": part(3)}));
-        self.put_json("/gripper", &json!({"width": round(seen.width)}));
         if self.command.is_some() && self.command != self.shown_command {
             self.shown_command.clone_from(&self.command);
             if let Some(command) = &self.command {
@@ -354,28 +356,33 @@ fn names_of(assembly: &Assembly) -> Vec<String> {
     assembly.connections.iter().map(|connection| connection.name.clone()).collect()
 }
 
-/// To a millionth: signals are for viewers, and the calls are exact.
-fn round(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6
+/// Rounded to so many parts of one: signals are for viewers, and the calls are exact.
+fn round(value: f64, parts: f64) -> f64 {
+    (value * parts).round() / parts
+}
+
+/// To a millionth.
+fn fine(value: f64) -> f64 {
+    round(value, 1e6)
 }
 
 fn xyz(v: &Vector3<f64>) -> Value {
-    json!({"x": round(v.x), "y": round(v.y), "z": round(v.z)})
+    json!({"x": fine(v.x), "y": fine(v.y), "z": fine(v.z)})
 }
 
 fn xyzw(x: &Pose) -> Value {
     let q = x.rotation.quaternion();
-    json!({"x": round(q.i), "y": round(q.j), "z": round(q.k), "w": round(q.w)})
+    json!({"x": fine(q.i), "y": fine(q.j), "z": fine(q.k), "w": fine(q.w)})
 }
 
 /// A command for viewers.
 fn command_json(command: &Command) -> Value {
     let joints = |kind: &str, values: &[f64; ramp_robot::DOF]| {
-        (kind.to_string(), json!(values.map(round)), Value::Null)
+        (kind.to_string(), json!(values.map(fine)), Value::Null)
     };
     let pose = |kind: &str, x: &Pose| {
         let (p, q) = (x.translation.vector, x.rotation.quaternion());
-        let (position, quat_wxyz) = ([p.x, p.y, p.z].map(round), [q.w, q.i, q.j, q.k].map(round));
+        let (position, quat_wxyz) = ([p.x, p.y, p.z].map(fine), [q.w, q.i, q.j, q.k].map(fine));
         let place = json!({"position": position, "quat_wxyz": quat_wxyz});
         (kind.to_string(), Value::Null, place)
     };
@@ -386,6 +393,6 @@ fn command_json(command: &Command) -> Value {
         ArmCommand::CartesianPose(x_wt) => pose("pose", x_wt),
         ArmCommand::CartesianImpedance(impedance) => pose("impedance", &impedance.x_wt),
     };
-    let gripper = json!({"width": round(command.gripper.width), "force": round(command.gripper.force)});
+    let gripper = json!({"width": fine(command.gripper.width), "force": fine(command.gripper.force)});
     json!({"kind": kind, "joints": joints, "x_wt": x_wt, "gripper": gripper})
 }
