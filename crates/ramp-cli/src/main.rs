@@ -60,10 +60,16 @@ enum Command {
     Kit(command::kit::Arguments),
     /// Look into the digital twin
     Twin(command::twin::Arguments),
+    /// Become an agent's program that ends with the run that started it
+    #[command(hide = true)]
+    AgentProcess(command::agent::ProcessArguments),
 }
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    if let Command::AgentProcess(arguments) = &arguments.command {
+        return command::agent::become_agent(arguments);
+    }
     // A closed pipe (`ramp goals | head -1`) ends the program quietly, as it does any other.
     let result = Data::find(arguments.data, arguments.kit).and_then(|data| match arguments.command {
         Command::Goals(arguments) => command::goals::run(&data, &arguments),
@@ -76,6 +82,7 @@ fn main() -> ExitCode {
         Command::See(arguments) => command::see::run(&data, &arguments),
         Command::Kit(arguments) => command::kit::run(&data, &arguments),
         Command::Twin(arguments) => command::twin::run(&data, &arguments),
+        Command::AgentProcess(_) => Ok(BAD_INPUT),
     });
     match result {
         Ok(status) => ExitCode::from(status),

@@ -7,6 +7,7 @@
 
 pub mod curve;
 pub mod episode;
+pub mod external;
 pub mod log;
 pub mod perception;
 pub mod referee;

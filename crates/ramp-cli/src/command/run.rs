@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Report, miette};
@@ -12,9 +12,9 @@ use ramp_eval::curve::completion_svg;
 use ramp_eval::result::{EpisodeResult, Software, write_whole};
 use ramp_eval::{Progress, log, record_episode};
 use ramp_robot::{Event, Track};
-use ramp_skills::Baseline;
 use ramp_twin::{Disturbance, Setup, Twin};
 
+use super::agent;
 use crate::data::{Data, check_writable, print};
 use crate::film::{self, Film};
 use crate::{DONE, INCOMPLETE};
@@ -32,6 +32,8 @@ pub struct Arguments {
     /// All randomness of the episode flows from this number
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    agent: agent::Arguments,
     /// Show the twin in a window while it works
     #[arg(long)]
     view: bool,
@@ -56,6 +58,9 @@ pub struct Arguments {
     /// Which of several runs in a row this is
     #[arg(long, default_value_t = 1, hide = true, value_parser = clap::value_parser!(u32).range(1..))]
     repeat: u32,
+    /// Time on the wall after which the agent's work is ended and scored
+    #[arg(long, hide = true, value_name = "SECONDS")]
+    end_after: Option<u64>,
     /// End when standard input does: whoever started this run is gone
     #[arg(long, hide = true)]
     leash: bool,
@@ -95,6 +100,7 @@ fn hold_leash() {
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    let end = arguments.end_after.and_then(|after| Instant::now().checked_add(Duration::from_secs(after)));
     if arguments.leash {
         hold_leash();
     }
@@ -102,6 +108,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let assembly = data.goal(&arguments.goal, &kit)?;
     let arm = data.arm()?;
     let domains = data.domains()?;
+    let agent_file = arguments.agent.file()?;
+    let texts = data.texts(&arguments.goal)?;
     let output = match &arguments.output {
         Some(path) => path.clone(),
         None => Path::new(RESULTS).join(format!("{}-{}.json", assembly.name, arguments.seed)),
@@ -148,8 +156,18 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         std::fs::create_dir_all(RESULTS).into_diagnostic()?;
     }
     let display = Display::new();
-    let mut agent = Baseline::new(&kit, &assembly, &arm, &domains, arguments.seed)
-        .with_listener(|event| display.event(event));
+    let world = agent::World {
+        kit: &kit,
+        assembly: &assembly,
+        arm: &arm,
+        domains: &domains,
+        texts: &texts,
+        track: setup.track,
+        seed: setup.seed,
+    };
+    let mut agent = agent::start(&world, agent_file.as_ref(), arguments.agent.agent_limit, end, |event| {
+        display.event(event);
+    })?;
     let mut end = Vec::new();
     let mut watcher = |progress: &Progress, twin: &Twin| {
         display.progress(progress);
@@ -167,10 +185,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             film_error = film.show(twin, &caption).err();
         }
     };
-    let texts = data.texts(&arguments.goal)?;
     let (sources, software) = (texts.sources(), software());
     let result =
-        record_episode(&setup, &sources, &mut agent, &software, arguments.repeat, &log, &mut watcher)
+        record_episode(&setup, &sources, agent.as_mut(), &software, arguments.repeat, &log, &mut watcher)
             .into_diagnostic()?;
     display.finish();
     if let Some(error) = film_error {
