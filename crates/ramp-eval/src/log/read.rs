@@ -3,8 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use mcap::read::parse_record;
-use mcap::records::{Record, op};
+use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::calls::Decoder;
@@ -84,6 +83,34 @@ fn in_words(error: &mcap::McapError) -> String {
     }
 }
 
+/// A channel, as far as it matters here. The library's own reader believes the lengths that the record tells, and asks
+/// for as much memory.
+struct Channel<'d> {
+    id: u16,
+    topic: &'d [u8],
+    encoding: &'d [u8],
+}
+
+impl<'d> Channel<'d> {
+    fn parse(data: &'d [u8]) -> Option<Channel<'d>> {
+        // Its number, its schema's, the topic and the encoding; what follows is not needed.
+        let id = number16(data)?;
+        let (topic, rest) = text(data.get(4..)?)?;
+        let (encoding, _) = text(rest)?;
+        Some(Channel { id, topic, encoding })
+    }
+}
+
+fn number16(data: &[u8]) -> Option<u16> {
+    data.first_chunk().map(|bytes| u16::from_le_bytes(*bytes))
+}
+
+/// A text with its length in front, and what follows it.
+fn text(data: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (length, rest) = data.split_first_chunk()?;
+    rest.split_at_checked(u32::from_le_bytes(*length) as usize)
+}
+
 /// What is found in the file.
 #[derive(Default)]
 struct Parts {
@@ -119,36 +146,41 @@ impl Parts {
                     reader.notify_read(next.len());
                     rest = after;
                 }
-                LinearReadEvent::Record { data, opcode: opcode @ (op::CHANNEL | op::MESSAGE) } => {
-                    match parse_record(opcode, data)? {
-                        Record::Channel(channel) => {
-                            let topic = match channel.topic.as_str() {
-                                "/episode" => Topic::Episode,
-                                "/result" => Topic::Result,
-                                "/calls" if channel.message_encoding == CALLS => Topic::Calls,
-                                "/calls" => {
-                                    let found = &channel.message_encoding;
-                                    return Err(Wrong::Content(format!(
-                                        "its calls are encoded as `{found}`, and `{CALLS}` is what this program knows"
-                                    )));
-                                }
-                                _ => continue,
-                            };
-                            if !self.channels.contains(&(channel.id, topic)) {
-                                self.channels.push((channel.id, topic));
-                            }
-                        }
-                        Record::Message { header, data } => {
-                            let topic = self.channels.iter().find(|(id, _)| *id == header.channel_id);
-                            if let Some((_, topic)) = topic {
-                                self.message(*topic, &data).map_err(Wrong::Content)?;
-                            }
-                        }
-                        _ => {}
+                LinearReadEvent::Record { data, opcode: op::CHANNEL } => {
+                    let channel = Channel::parse(data).ok_or(mcap::McapError::UnexpectedEoc)?;
+                    self.channel(&channel).map_err(Wrong::Content)?;
+                }
+                LinearReadEvent::Record { data, opcode: op::MESSAGE } => {
+                    // The channel's number, a sequence number and two times come first.
+                    let (Some(id), Some(content)) = (number16(data), data.get(2 + 4 + 8 + 8..)) else {
+                        return Err(mcap::McapError::UnexpectedEoc.into());
+                    };
+                    if let Some((_, topic)) = self.channels.iter().find(|(channel, _)| *channel == id) {
+                        self.message(*topic, content).map_err(Wrong::Content)?;
                     }
                 }
                 LinearReadEvent::Record { .. } => {}
             }
+        }
+        Ok(())
+    }
+
+    fn channel(&mut self, channel: &Channel) -> Result<(), String> {
+        let topic = match channel.topic {
+            b"/episode" => Topic::Episode,
+            b"/result" => Topic::Result,
+            b"/calls" if channel.encoding == CALLS.as_bytes() => Topic::Calls,
+            b"/calls" => {
+                let found = ramp_kit::source::shorten(&String::from_utf8_lossy(channel.encoding));
+                return Err(format!(
+                    "its calls are encoded as `{found}`, and `{CALLS}` is what this program knows"
+                ));
+            }
+            _ => return Ok(()),
+        };
+        // A writer repeats its channels at the end of the file.
+        if !self.channels.iter().any(|(id, _)| *id == channel.id) {
+            self.channels.push((channel.id, topic));
         }
         Ok(())
     }
