@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
+use ramp_eval::log::Sources;
 use ramp_kit::Kit;
 use ramp_planner::Domains;
 use ramp_robot::arm::ArmModel;
@@ -48,19 +49,43 @@ impl Data {
 
     /// The kit.
     pub fn kit(&self) -> Result<Kit, Report> {
-        let own = self.folder.join("kit.xml");
-        Ok(ramp_kit::read_kit(self.kit.as_deref().unwrap_or(&own))?)
+        Ok(ramp_kit::read_kit(&self.kit_path())?)
+    }
+
+    fn kit_path(&self) -> PathBuf {
+        self.kit.clone().unwrap_or_else(|| self.folder.join("kit.xml"))
+    }
+
+    fn arm_path(&self) -> PathBuf {
+        self.folder.join("arms/panda.json")
+    }
+
+    /// The file of the goal of that name, or that file.
+    fn goal_path(&self, name: &str) -> Result<PathBuf, Report> {
+        let as_file = Path::new(name);
+        if name.ends_with(".xml") || as_file.components().count() > 1 {
+            Ok(as_file.to_path_buf())
+        } else {
+            Ok(ramp_assembly::goal_path(&self.goals(), name)?)
+        }
     }
 
     /// The goal of that name, or in that file.
     pub fn goal(&self, name: &str, kit: &Kit) -> Result<Assembly, Report> {
-        let as_file = Path::new(name);
-        let path = if name.ends_with(".xml") || as_file.components().count() > 1 {
-            as_file.to_path_buf()
-        } else {
-            ramp_assembly::goal_path(&self.goals(), name)?
+        Ok(ramp_assembly::read_goal(&self.goal_path(name)?, kit)?)
+    }
+
+    /// The texts of the files that an episode of this goal is made from, for its log.
+    pub fn texts(&self, goal: &str) -> Result<Texts, Report> {
+        let read = |path: &Path| {
+            std::fs::read_to_string(path)
+                .map_err(|error| miette!("{} cannot be read: {error}", path.display()))
         };
-        Ok(ramp_assembly::read_goal(&path, kit)?)
+        Ok(Texts {
+            goal: read(&self.goal_path(goal)?)?,
+            kit: read(&self.kit_path())?,
+            arm: read(&self.arm_path())?,
+        })
     }
 
     /// The planner's rules.
@@ -70,7 +95,21 @@ impl Data {
 
     /// The arm.
     pub fn arm(&self) -> Result<ArmModel, Report> {
-        ArmModel::read(&self.folder.join("arms/panda.json")).into_diagnostic()
+        ArmModel::read(&self.arm_path()).into_diagnostic()
+    }
+}
+
+/// The files of an episode as texts.
+pub struct Texts {
+    goal: String,
+    kit: String,
+    arm: String,
+}
+
+impl Texts {
+    /// As the log wants them.
+    pub fn sources(&self) -> Sources<'_> {
+        Sources { goal: &self.goal, kit: &self.kit, arm: &self.arm }
     }
 }
 

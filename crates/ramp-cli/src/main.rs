@@ -52,16 +52,24 @@ enum Command {
     Run(command::run::Arguments),
     /// Run goals and classes by the protocol, and sum up
     Bench(command::bench::Arguments),
+    /// Run an episode again from its log, and compare bit by bit
+    Replay(command::replay::Arguments),
     /// See a goal through the cameras: images, what is found in them, data sets
     See(command::see::Arguments),
     /// Make the parts: print, saw, lay out
     Kit(command::kit::Arguments),
     /// Look into the digital twin
     Twin(command::twin::Arguments),
+    /// Become an agent's program that ends with the run that started it
+    #[command(hide = true)]
+    AgentProcess(command::agent::ProcessArguments),
 }
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    if let Command::AgentProcess(arguments) = &arguments.command {
+        return command::agent::become_agent(arguments);
+    }
     // A closed pipe (`ramp goals | head -1`) ends the program quietly, as it does any other.
     let result = Data::find(arguments.data, arguments.kit).and_then(|data| match arguments.command {
         Command::Goals(arguments) => command::goals::run(&data, &arguments),
@@ -70,9 +78,11 @@ fn main() -> ExitCode {
         Command::Plan(arguments) => command::plan::run(&data, &arguments),
         Command::Run(arguments) => command::run::run(&data, &arguments),
         Command::Bench(arguments) => command::bench::run(&data, &arguments),
+        Command::Replay(arguments) => command::replay::run(&arguments),
         Command::See(arguments) => command::see::run(&data, &arguments),
         Command::Kit(arguments) => command::kit::run(&data, &arguments),
         Command::Twin(arguments) => command::twin::run(&data, &arguments),
+        Command::AgentProcess(_) => Ok(BAD_INPUT),
     });
     match result {
         Ok(status) => ExitCode::from(status),

@@ -2,15 +2,21 @@
 //!
 //! Data passes one way: [`episode`] lets an agent work in the twin while [`referee`] watches the truth; what comes
 //! out is a [`result::EpisodeResult`], one JSON file of a published schema; [`curve`] draws it. [`perception`] makes images with
-//! labels, and judges detectors on them. [`summary`] adds up the episodes of a goal or a class.
+//! labels, and judges detectors on them. [`summary`] adds up the episodes of a goal or a class. [`log`] keeps all that an
+//! episode was, and [`replay`] runs it again from there.
 
 pub mod curve;
 pub mod episode;
+pub mod external;
+pub mod log;
 pub mod perception;
 pub mod referee;
+pub mod replay;
 pub mod result;
 pub mod summary;
 
-pub use episode::{Progress, run_episode};
+pub use episode::{EpisodeError, Progress, record_episode, run_episode};
+pub use log::Log;
 pub use referee::Referee;
+pub use replay::{ReplayError, Replayed, replay};
 pub use result::EpisodeResult;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 /// The version of the schema these files follow.
-pub const SCHEMA: &str = "ramp-episode-1";
+pub const SCHEMA: &str = "ramp-episode-2";
 
 /// Everything that is known about one episode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,6 +43,8 @@ pub struct EpisodeResult {
     pub physics: Physics,
     /// Why the episode ended.
     pub ended: Ended,
+    /// SHA-256 of the episode's log, in hex; `None` when there is none.
+    pub log: Option<String>,
 }
 
 /// Name and version of an agent.
@@ -52,6 +54,8 @@ pub struct AgentInfo {
     pub name: String,
     /// Its version.
     pub version: String,
+    /// SHA-256 of its file, in hex; `None` for the baseline, which the software's commit tells.
+    pub sha256: Option<String>,
 }
 
 /// Version and commit of this software.
@@ -172,8 +176,8 @@ impl EpisodeResult {
         text
     }
 
-    /// The same result with everything that a clock on the wall decided set to zero: what two runs with one seed
-    /// must share to the last bit.
+    /// The same result with everything that a clock on the wall decided set to zero, and without the hash of the log,
+    /// in which clocks are kept: what two runs with one seed must share to the last bit.
     #[must_use]
     pub fn without_clock(&self) -> EpisodeResult {
         let mut result = self.clone();
@@ -183,6 +187,7 @@ impl EpisodeResult {
         for peg in result.pegs.iter_mut().flatten() {
             peg.t_total = peg.t_robot;
         }
+        result.log = None;
         result
     }
 

@@ -160,8 +160,16 @@ impl ArmModel {
     pub fn read(path: &Path) -> Result<ArmModel, ArmError> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| ArmError::Io { path: path.to_path_buf(), source })?;
+        ArmModel::from_json(path, &text)
+    }
+
+    /// Reads the text of an arm file; `path` is what messages call it.
+    ///
+    /// # Errors
+    /// As [`ArmModel::read`].
+    pub fn from_json(path: &Path, text: &str) -> Result<ArmModel, ArmError> {
         let at = |line, column, message| ArmError::Format { path: path.to_path_buf(), line, column, message };
-        let model: ArmModel = serde_json::from_str(&text)
+        let model: ArmModel = serde_json::from_str(text)
             .map_err(|error| at(error.line(), error.column(), error.to_string()))?;
         for (index, joint) in model.joints.iter().enumerate() {
             let limits = [joint.velocity, joint.acceleration, joint.jerk, joint.torque, joint.link.mass];

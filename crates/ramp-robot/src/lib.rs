@@ -6,6 +6,7 @@
 
 pub mod arm;
 pub mod camera;
+pub mod limits;
 pub mod random;
 
 use nalgebra::{Isometry3, Vector6};
@@ -158,6 +159,18 @@ pub enum RobotError {
         /// Which part of the command.
         what: &'static str,
     },
+    /// A command holds a number beyond [`limits`].
+    #[error("the command's {what} is {value:e}, and {limit} {unit} is the most there is")]
+    TooMuch {
+        /// Which part of the command.
+        what: &'static str,
+        /// In `unit`.
+        value: f64,
+        /// The most that is allowed, in `unit`.
+        limit: f64,
+        /// The SI unit.
+        unit: &'static str,
+    },
     /// The episode has lasted as long as an episode may.
     #[error("the episode reached its limit of {limit:.0} s of robot time")]
     OutOfTime {
@@ -184,6 +197,13 @@ pub enum RobotError {
         /// s.
         time: f64,
     },
+}
+
+impl RobotError {
+    /// Whether the robot has stopped for good; after the other errors it goes on.
+    pub fn is_final(&self) -> bool {
+        !matches!(self, RobotError::NotOnTrack { .. } | RobotError::CameraStopped { .. })
+    }
 }
 
 /// A robot that an agent can drive: the twin, or a real arm.
@@ -252,10 +272,15 @@ pub struct Account {
 pub struct Event {
     /// Robot time, s.
     pub time: f64,
-    /// In one word: `start`, `done`, `fault`, `retry`, `search`, `replan`, `seen`.
+    /// In one word, one of [`Event::KINDS`].
     pub kind: &'static str,
     /// What it was about, for a person.
     pub what: String,
+}
+
+impl Event {
+    /// The kinds there are.
+    pub const KINDS: [&'static str; 7] = ["start", "done", "fault", "retry", "search", "replan", "seen"];
 }
 
 /// An agent: gets a robot and works until it is done or the robot stops it.
@@ -265,6 +290,16 @@ pub trait Agent {
 
     /// What it did, for the result; read after [`Agent::run`].
     fn account(&self) -> Account;
+
+    /// SHA-256, in hex, of the file that the agent was read from; `None` where it is part of the program.
+    fn file_hash(&self) -> Option<&str> {
+        None
+    }
+
+    /// Why the agent itself could not go on, where it was not the robot that stopped it; read after [`Agent::run`].
+    fn failure(&self) -> Option<String> {
+        None
+    }
 
     /// Works on the goal it was made for. Returning ends the episode.
     ///

@@ -1,6 +1,7 @@
 //! `ramp bench`: goals and whole classes by the protocol, each episode in a process of its own, and the sums.
 
 use std::collections::VecDeque;
+use std::ffi::OsString;
 use std::fmt::Write;
 use std::fs::{File, TryLockError};
 use std::io::IsTerminal;
@@ -13,12 +14,15 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Diagnostic, IntoDiagnostic, Report, miette};
 use ramp_assembly::Class;
+use ramp_eval::external::{AgentFile, adopt_orphans, end_orphans};
+use ramp_eval::log::ENDING;
 use ramp_eval::result::{EpisodeResult, SCHEMA, Software};
 use ramp_eval::summary::{Entry, Summary, shortfall};
 use ramp_kit::source::{nearest, shorten};
 use ramp_robot::Track;
 use serde_json::{Value, json};
 
+use super::agent;
 use super::run::{TrackName, software};
 use crate::data::{Data, print};
 use crate::{DONE, INCOMPLETE};
@@ -31,6 +35,8 @@ const RUNNING: &str = ".running";
 const LOCK: &str = ".lock";
 /// The bench was stopped by Ctrl-C.
 const STOPPED: u8 = 130;
+/// What is left of an episode's time on the wall to score it when an agent is not done.
+const SCORING: Duration = Duration::from_secs(20);
 /// How often the bench looks after its episodes.
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -42,6 +48,8 @@ pub struct Arguments {
     /// What the agent may see of the parts
     #[arg(long, value_enum, default_value_t = TrackName::Tags)]
     track: TrackName,
+    #[command(flatten)]
+    agent: agent::Arguments,
     /// Episodes of each goal, with seeds in a row
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     repeats: u32,
@@ -84,6 +92,11 @@ enum BenchError {
         "results of different versions are not added up: name another folder with -o, or move these away"
     ))]
     OtherVersion { file: String, theirs: String, ours: String },
+    #[error("{file} is of the agent {theirs}, and the folder would become one of two agents")]
+    #[diagnostic(help(
+        "a class is run with one unchanged agent: name another folder with -o, or move these away"
+    ))]
+    OtherAgent { file: String, theirs: String },
     #[error("another bench is at work in {folder}")]
     #[diagnostic(help("wait for it, or name another folder with -o"))]
     Busy { folder: String },
@@ -129,6 +142,8 @@ struct Bench<'a> {
     folder: &'a Path,
     track: &'static str,
     limit: Duration,
+    agent: Option<AgentFile>,
+    agent_limit: f64,
     goals: Vec<Goal>,
     software: Software,
 }
@@ -147,9 +162,14 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         folder,
         track: Track::from(arguments.track).name(),
         limit: Duration::from_secs(arguments.limit),
+        agent: arguments.agent.file()?,
+        agent_limit: arguments.agent.agent_limit,
         goals,
         software: software(),
     };
+    if bench.agent.is_some() {
+        adopt_orphans();
+    }
     bench.refuse_other_versions()?;
     std::fs::create_dir_all(folder)
         .map_err(|error| miette!("cannot make the folder {}: {error}", folder.display()))?;
@@ -246,7 +266,7 @@ fn find_goals(data: &Data, words: &[String]) -> Result<Vec<Goal>, Report> {
 }
 
 impl Bench<'_> {
-    /// A folder is of one version of the software.
+    /// A folder is of one version of the software and one agent.
     fn refuse_other_versions(&self) -> Result<(), Report> {
         let Ok(entries) = std::fs::read_dir(self.folder) else { return Ok(()) };
         let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
@@ -267,6 +287,15 @@ impl Bench<'_> {
                     file: path.display().to_string(),
                     theirs: format!("ramp {} ({}, {schema})", part("version"), part("commit")),
                     ours: format!("ramp {} ({}, {SCHEMA})", self.software.version, self.software.commit),
+                }
+                .into());
+            }
+            let agent = &value["agent"];
+            if agent["sha256"].as_str() != self.agent.as_ref().map(AgentFile::sha256) {
+                let part = |name: &str| agent[name].as_str().unwrap_or("unknown");
+                return Err(BenchError::OtherAgent {
+                    file: path.display().to_string(),
+                    theirs: format!("{} {}", part("name"), part("version")),
                 }
                 .into());
             }
@@ -308,7 +337,8 @@ impl Bench<'_> {
             && result.pegs.len() == goal.pegs
             && result.track == self.track
             && result.seed == seed
-            && result.software == self.software;
+            && result.software == self.software
+            && result.agent.sha256.as_deref() == self.agent.as_ref().map(AgentFile::sha256);
         fits.then_some(result)
     }
 
@@ -346,6 +376,10 @@ impl Bench<'_> {
                     Ok(None) => index += 1,
                     Ok(Some(outcome)) => {
                         let worker = workers.swap_remove(index);
+                        if self.agent.is_some() {
+                            let at_work = workers.iter().filter_map(|it| i32::try_from(it.child.id()).ok());
+                            end_orphans(&at_work.collect::<Vec<_>>());
+                        }
                         let episode = &mut episodes[worker.episode];
                         episode.outcome = outcome;
                         display.ended(episode, worker.since.elapsed());
@@ -381,6 +415,7 @@ impl Bench<'_> {
             .args(self.data.arguments())
             .args(["run", "--leash", "--track", self.track])
             .args(["--seed", &episode.seed.to_string(), "--repeat", &episode.repeat.to_string()])
+            .args(self.agent_arguments())
             .arg("-o")
             .arg(running.join(format!("{}.json", episode.stem)))
             .arg("--")
@@ -392,6 +427,20 @@ impl Bench<'_> {
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         command.spawn()
+    }
+
+    /// What an episode is told of the agent: one that would not be done in time is ended before the episode is.
+    fn agent_arguments(&self) -> Vec<OsString> {
+        let Some(agent) = &self.agent else { return Vec::new() };
+        let end_after = self.limit.saturating_sub(SCORING.min(self.limit / 2)).as_secs();
+        let words = [
+            "--agent-limit".into(),
+            self.agent_limit.to_string(),
+            "--end-after".into(),
+            end_after.to_string(),
+            "--agent".into(),
+        ];
+        words.into_iter().map(OsString::from).chain([agent.path().into()]).collect()
     }
 
     /// Whether an episode has ended, and how. What it wrote is moved to its place.
@@ -421,19 +470,27 @@ impl Bench<'_> {
         };
         let (result_from, result_to) = place("json");
         let (curve_from, curve_to) = place("svg");
+        let (record_from, record_to) = place(ENDING);
         let (log_from, log_to) = place("log");
         let result = self.read(&result_from, episode.goal, episode.seed);
         if let (Some(status), Some(result)) = (status, result)
             && status.code().is_some_and(|code| [DONE, INCOMPLETE].map(i32::from).contains(&code))
         {
             std::fs::rename(&curve_from, &curve_to).into_diagnostic()?;
+            std::fs::rename(&record_from, &record_to).into_diagnostic()?;
             std::fs::rename(&result_from, &result_to).into_diagnostic()?;
-            let _ = std::fs::remove_file(&log_from);
-            let _ = std::fs::remove_file(&log_to);
+            // What an agent of one's own has said is kept.
+            if self.agent.is_some() {
+                let _ = std::fs::rename(&log_from, &log_to);
+            } else {
+                let _ = std::fs::remove_file(&log_from);
+                let _ = std::fs::remove_file(&log_to);
+            }
             return Ok(Some(Outcome::Finished(Box::new(result))));
         }
         let _ = std::fs::remove_file(&result_from);
         let _ = std::fs::remove_file(&curve_from);
+        let _ = std::fs::remove_file(&record_from);
         let _ = std::fs::rename(&log_from, &log_to);
         let reason = match status {
             Some(status) => end_of(status),

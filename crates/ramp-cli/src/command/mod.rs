@@ -1,11 +1,13 @@
 //! The subcommands, one file each.
 
+pub mod agent;
 pub mod bench;
 pub mod check;
 pub mod generate;
 pub mod goals;
 pub mod kit;
 pub mod plan;
+pub mod replay;
 pub mod run;
 pub mod see;
 pub mod show;

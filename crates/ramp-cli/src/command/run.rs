@@ -4,17 +4,17 @@ use std::cell::RefCell;
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_eval::curve::completion_svg;
 use ramp_eval::result::{EpisodeResult, Software, write_whole};
-use ramp_eval::{Progress, run_episode};
+use ramp_eval::{Progress, log, record_episode};
 use ramp_robot::{Event, Track};
-use ramp_skills::Baseline;
 use ramp_twin::{Disturbance, Setup, Twin};
 
+use super::agent;
 use crate::data::{Data, check_writable, print};
 use crate::film::{self, Film};
 use crate::{DONE, INCOMPLETE};
@@ -32,6 +32,8 @@ pub struct Arguments {
     /// All randomness of the episode flows from this number
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    agent: agent::Arguments,
     /// Show the twin in a window while it works
     #[arg(long)]
     view: bool,
@@ -47,12 +49,18 @@ pub struct Arguments {
     /// Whose eyes the film is seen through
     #[arg(long, value_enum, default_value_t = film::From::Free, requires = "video")]
     video_from: film::From,
-    /// File for the result [default: results/GOAL-SEED.json]; the curve goes beside it as .svg
+    /// File for the result [default: results/GOAL-SEED.json]; the curve goes beside it as .svg, the log as .mcap
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// File for the log of everything, to be looked at or replayed [default: beside the result]
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
     /// Which of several runs in a row this is
     #[arg(long, default_value_t = 1, hide = true, value_parser = clap::value_parser!(u32).range(1..))]
     repeat: u32,
+    /// Time on the wall after which the agent's work is ended and scored
+    #[arg(long, hide = true, value_name = "SECONDS")]
+    end_after: Option<u64>,
     /// End when standard input does: whoever started this run is gone
     #[arg(long, hide = true)]
     leash: bool,
@@ -92,6 +100,7 @@ fn hold_leash() {
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    let end = arguments.end_after.and_then(|after| Instant::now().checked_add(Duration::from_secs(after)));
     if arguments.leash {
         hold_leash();
     }
@@ -99,21 +108,29 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let assembly = data.goal(&arguments.goal, &kit)?;
     let arm = data.arm()?;
     let domains = data.domains()?;
+    let agent_file = arguments.agent.file()?;
+    let texts = data.texts(&arguments.goal)?;
     let output = match &arguments.output {
         Some(path) => path.clone(),
         None => Path::new(RESULTS).join(format!("{}-{}.json", assembly.name, arguments.seed)),
     };
     let curve = output.with_extension("svg");
-    if curve == output {
-        return Err(miette!(
-            help = "end the file's name in .json",
-            "{} is where the curve goes",
-            output.display()
-        ));
+    let log = arguments.record.clone().unwrap_or_else(|| output.with_extension(log::ENDING));
+    for (other, what) in [(&curve, "curve"), (&log, "log")] {
+        if *other == output {
+            return Err(miette!(
+                help = "end the file's name in .json",
+                "{} is where the {what} goes",
+                output.display()
+            ));
+        }
     }
     if arguments.output.is_some() {
         check_writable(&output)?;
         check_writable(&curve)?;
+    }
+    if arguments.output.is_some() || arguments.record.is_some() {
+        check_writable(&log)?;
     }
     if let Some(path) = &arguments.scene {
         check_writable(path)?;
@@ -139,8 +156,18 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         std::fs::create_dir_all(RESULTS).into_diagnostic()?;
     }
     let display = Display::new();
-    let mut agent = Baseline::new(&kit, &assembly, &arm, &domains, arguments.seed)
-        .with_listener(|event| display.event(event));
+    let world = agent::World {
+        kit: &kit,
+        assembly: &assembly,
+        arm: &arm,
+        domains: &domains,
+        texts: &texts,
+        track: setup.track,
+        seed: setup.seed,
+    };
+    let mut agent = agent::start(&world, agent_file.as_ref(), arguments.agent.agent_limit, end, |event| {
+        display.event(event);
+    })?;
     let mut end = Vec::new();
     let mut watcher = |progress: &Progress, twin: &Twin| {
         display.progress(progress);
@@ -158,8 +185,10 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             film_error = film.show(twin, &caption).err();
         }
     };
+    let (sources, software) = (texts.sources(), software());
     let result =
-        run_episode(&setup, &mut agent, &software(), arguments.repeat, &mut watcher).into_diagnostic()?;
+        record_episode(&setup, &sources, agent.as_mut(), &software, arguments.repeat, &log, &mut watcher)
+            .into_diagnostic()?;
     display.finish();
     if let Some(error) = film_error {
         return Err(error);
@@ -174,12 +203,12 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         let scene = start.scene_with_keyframes(&[("start", start.qpos()), ("end", &end)]);
         write_whole(path, &scene).into_diagnostic()?;
     }
-    print(&if arguments.json { result.to_json() } else { summary(&result, &output, &curve) })?;
+    print(&if arguments.json { result.to_json() } else { summary(&result, [&output, &curve, &log]) })?;
     Ok(if result.counted() == result.pegs.len() { DONE } else { INCOMPLETE })
 }
 
 /// The result for a person.
-fn summary(result: &EpisodeResult, output: &Path, curve: &Path) -> String {
+fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
     let mut text = format!(
         "{}, track {}, seed {}: {} of {} pegs\n",
         result.goal,
@@ -208,7 +237,8 @@ fn summary(result: &EpisodeResult, output: &Path, curve: &Path) -> String {
         let _ = writeln!(text, "ended early: {}", result.ended.reason);
     }
     let _ = writeln!(text, "deepest penetration {:.2} mm", result.physics.deepest_penetration * 1e3);
-    let _ = writeln!(text, "result: {}\ncurve:  {}", output.display(), curve.display());
+    let _ = writeln!(text, "result: {}", output.display());
+    let _ = writeln!(text, "curve:  {}\nlog:    {}", curve.display(), log.display());
     text
 }
 

@@ -1,0 +1,155 @@
+//! `ramp replay`: an episode run again from its log, and compared bit by bit.
+
+use std::fmt::Write;
+use std::io::IsTerminal;
+use std::path::PathBuf;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use miette::{IntoDiagnostic, Report};
+use ramp_eval::Progress;
+use ramp_eval::log::Log;
+use ramp_eval::replay::{Replayed, World, replay_watched};
+use ramp_eval::result::EventInfo;
+use ramp_twin::Twin;
+use serde_json::json;
+
+use super::run::software;
+use crate::data::{check_writable, print};
+use crate::film::{self, Film};
+use crate::{DONE, INCOMPLETE};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Log of an episode, as `ramp run` and `ramp bench` write it
+    log: PathBuf,
+    /// Print the comparison as JSON
+    #[arg(long)]
+    json: bool,
+    /// Also make a film of the work, as GIF or with ffmpeg as MP4, eight times as fast
+    #[arg(long, value_name = "FILE")]
+    video: Option<PathBuf>,
+    /// Whose eyes the film is seen through
+    #[arg(long, value_enum, default_value_t = film::From::Free, requires = "video")]
+    video_from: film::From,
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8, Report> {
+    let log = Log::read(&arguments.log).into_diagnostic()?;
+    let world = World::of(&log).into_diagnostic()?;
+    if let Some(path) = &arguments.video {
+        check_writable(path)?;
+    }
+    let mut film = match &arguments.video {
+        Some(path) => Some(Film::new(path, &world.setup(), arguments.video_from)?),
+        None => None,
+    };
+    let mut film_error = None;
+    let bar = std::io::stderr().is_terminal().then(|| {
+        let bar = ProgressBar::new(log.result.time.robot.clamp(0.0, 1e6) as u64);
+        if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} s") {
+            bar.set_style(style);
+        }
+        bar
+    });
+    let mut actions = Actions::of(&log.result.events);
+    let mut watcher = |progress: &Progress, twin: &Twin| {
+        if let Some(bar) = &bar {
+            bar.set_position(progress.time as u64);
+        }
+        if let Some(film) = &mut film
+            && film_error.is_none()
+        {
+            let action = actions.at(progress.time);
+            let caption = format!("{action}   {} of {} pegs", progress.seated, progress.pegs);
+            film_error = film.show(twin, &caption).err();
+        }
+    };
+    let replayed = replay_watched(&log, &world, &mut watcher).into_diagnostic()?;
+    if let Some(bar) = &bar {
+        bar.finish_and_clear();
+    }
+    if let Some(error) = film_error {
+        return Err(error);
+    }
+    if let Some(film) = film {
+        film.end()?;
+    }
+    print(&if arguments.json { as_json(&log, &replayed)? } else { as_text(&log, &replayed) })?;
+    Ok(if replayed.is_equal() { DONE } else { INCOMPLETE })
+}
+
+/// What the agent does at a time, from its events.
+struct Actions<'e> {
+    rest: std::iter::Peekable<std::slice::Iter<'e, EventInfo>>,
+    now: &'e str,
+}
+
+impl<'e> Actions<'e> {
+    fn of(events: &'e [EventInfo]) -> Actions<'e> {
+        Actions { rest: events.iter().peekable(), now: "planning" }
+    }
+
+    fn at(&mut self, time: f64) -> &'e str {
+        while let Some(event) = self.rest.next_if(|event| event.t <= time) {
+            if event.kind == "start" {
+                self.now = &event.what;
+            }
+        }
+        self.now
+    }
+}
+
+fn as_text(log: &Log, replayed: &Replayed) -> String {
+    let result = &replayed.result;
+    let mut text = format!(
+        "{}, track {}, seed {}, agent {} {}: {} of {} pegs in {} s of robot time\n",
+        result.goal,
+        result.track,
+        result.seed,
+        result.agent.name,
+        result.agent.version,
+        result.counted(),
+        result.pegs.len(),
+        result.time.robot
+    );
+    if replayed.is_equal() {
+        text.push_str("the replay is equal to the log, to the last bit\n");
+    } else {
+        text.push_str("the replay differs from the log:\n");
+        for difference in &replayed.differences {
+            let _ = writeln!(
+                text,
+                "  {:9.3} s  {}: {} in the log, {} in the replay",
+                difference.time, difference.what, difference.logged, difference.replayed
+            );
+        }
+        let (theirs, ours) = (&log.header.software, software());
+        if *theirs != ours {
+            let _ = writeln!(
+                text,
+                "the log was made by ramp {} ({}), and this is {} ({}): that may be why",
+                theirs.version, theirs.commit, ours.version, ours.commit
+            );
+        }
+    }
+    let _ = writeln!(text, "log: sha256 {}", log.sha256);
+    text
+}
+
+fn as_json(log: &Log, replayed: &Replayed) -> Result<String, Report> {
+    let differences: Vec<_> = replayed
+        .differences
+        .iter()
+        .map(|it| json!({"t": it.time, "what": it.what, "logged": it.logged, "replayed": it.replayed}))
+        .collect();
+    let value = json!({
+        "sha256": log.sha256,
+        "equal": replayed.is_equal(),
+        "differences": differences,
+        "made_by": log.header.software,
+        "result": replayed.result,
+    });
+    let mut text = serde_json::to_string_pretty(&value).into_diagnostic()?;
+    text.push('\n');
+    Ok(text)
+}

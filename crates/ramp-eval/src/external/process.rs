@@ -1,0 +1,275 @@
+//! The process of an agent: started in a group of its own, listened and talked to with limits, and ended with all that
+//! it has started.
+
+use std::ffi::OsString;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::time::{Duration, Instant};
+
+use rustix::process::{Pid, Signal};
+
+use super::Patience;
+use super::protocol::LONGEST_MESSAGE;
+
+/// How much of an agent's standard error is passed on, bytes.
+const MOST_WORDS: u64 = 1 << 20;
+/// How long an agent may take to be gone after it was told the end.
+const FAREWELL: Duration = Duration::from_secs(1);
+
+/// Why nothing more is heard from an agent.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Silence {
+    /// It does not answer.
+    #[error("the agent sent nothing for {seconds} s")]
+    Hangs {
+        /// s.
+        seconds: String,
+    },
+    /// It does not listen.
+    #[error("the agent did not read its answer for {seconds} s")]
+    Deaf {
+        /// s.
+        seconds: String,
+    },
+    /// The wall's clock is over.
+    #[error("the agent was not done when the episode's time on the wall was over")]
+    Late,
+    /// It sends a line without an end.
+    #[error("the agent sent a line of more than {LONGEST_MESSAGE} bytes")]
+    Endless,
+    /// It is no more.
+    #[error("the agent {how}")]
+    Ended {
+        /// In words.
+        how: String,
+    },
+}
+
+/// What the listening thread has heard.
+enum Heard {
+    Line(Vec<u8>),
+    Endless,
+    /// The end, or an error, which is the end as well.
+    End,
+}
+
+/// A child process and the threads that talk to it.
+pub struct Process {
+    child: Child,
+    group: Option<Pid>,
+    patience: Patience,
+    heard: Receiver<Heard>,
+    to_say: Option<SyncSender<Vec<u8>>>,
+    said: Receiver<bool>,
+    /// Children of this process that were there before.
+    before: Vec<i32>,
+    /// Whether it was told the end, and gets a moment to go by itself.
+    dismissed: bool,
+}
+
+impl Process {
+    /// Starts a program with pipes to its standard input and output.
+    pub fn start(command: &[OsString], patience: Patience) -> std::io::Result<Process> {
+        let (program, arguments) =
+            command.split_first().ok_or_else(|| std::io::Error::from(std::io::ErrorKind::InvalidInput))?;
+        let before = children();
+        let mut child = Command::new(program)
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .process_group(0)
+            .spawn()?;
+        let group = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
+        let (hear, heard) = sync_channel(1);
+        let (to_say, say) = sync_channel::<Vec<u8>>(1);
+        let (answer, said) = sync_channel(1);
+        if let Some(output) = child.stdout.take() {
+            std::thread::spawn(move || listen(output, &hear));
+        }
+        if let Some(mut input) = child.stdin.take() {
+            std::thread::spawn(move || {
+                for bytes in say {
+                    let done = input.write_all(&bytes).and_then(|()| input.flush()).is_ok();
+                    if answer.send(done).is_err() || !done {
+                        break;
+                    }
+                }
+            });
+        }
+        if let Some(words) = child.stderr.take() {
+            std::thread::spawn(move || pass_on(words));
+        }
+        Ok(Process { child, group, patience, heard, to_say: Some(to_say), said, before, dismissed: false })
+    }
+
+    /// How long is waited now, and whether that is less than the agent's own time.
+    fn wait(&self) -> (Duration, bool) {
+        let left = self.patience.end.map(|end| end.saturating_duration_since(Instant::now()));
+        match left {
+            Some(left) if left < self.patience.answer => (left, true),
+            _ => (self.patience.answer, false),
+        }
+    }
+
+    fn seconds(&self) -> String {
+        self.patience.answer.as_secs_f64().to_string()
+    }
+
+    /// The next line, without its end.
+    pub fn hear(&mut self) -> Result<Vec<u8>, Silence> {
+        let (wait, late) = self.wait();
+        match self.heard.recv_timeout(wait) {
+            Ok(Heard::Line(line)) => Ok(line),
+            Ok(Heard::Endless) => Err(Silence::Endless),
+            Ok(Heard::End) | Err(RecvTimeoutError::Disconnected) => Err(self.how_it_ended()),
+            Err(RecvTimeoutError::Timeout) if late => Err(Silence::Late),
+            Err(RecvTimeoutError::Timeout) => Err(Silence::Hangs { seconds: self.seconds() }),
+        }
+    }
+
+    /// Writes to the agent, and waits until it has taken it.
+    pub fn tell(&mut self, bytes: Vec<u8>) -> Result<(), Silence> {
+        // The channel is empty: the last answer was taken.
+        let sent = self.to_say.as_ref().is_some_and(|to_say| to_say.send(bytes).is_ok());
+        if !sent {
+            return Err(self.how_it_ended());
+        }
+        let (wait, late) = self.wait();
+        match self.said.recv_timeout(wait) {
+            Ok(true) => Ok(()),
+            Ok(false) | Err(RecvTimeoutError::Disconnected) => Err(self.how_it_ended()),
+            Err(RecvTimeoutError::Timeout) if late => Err(Silence::Late),
+            Err(RecvTimeoutError::Timeout) => Err(Silence::Deaf { seconds: self.seconds() }),
+        }
+    }
+
+    /// What became of an agent that closed a pipe.
+    fn how_it_ended(&mut self) -> Silence {
+        let how = match self.wait_for_end(FAREWELL) {
+            Some(status) => match (status.signal(), status.code()) {
+                (Some(signal), _) => format!("was killed by signal {signal}"),
+                (None, Some(0)) => "ended without saying that it is done".to_string(),
+                (None, code) => format!("crashed: it ended with status {}", code.unwrap_or(-1)),
+            },
+            None => "closed its pipe without saying that it is done".to_string(),
+        };
+        Silence::Ended { how }
+    }
+
+    fn wait_for_end(&mut self, longest: Duration) -> Option<ExitStatus> {
+        let begin = Instant::now();
+        loop {
+            match self.child.try_wait() {
+                Ok(Some(status)) => return Some(status),
+                Ok(None) if begin.elapsed() < longest => std::thread::sleep(Duration::from_millis(5)),
+                _ => return None,
+            }
+        }
+    }
+
+    /// Tells the agent the end, if it listens: it gets a moment to go by itself.
+    pub fn dismiss(&mut self, bytes: Vec<u8>) {
+        self.dismissed = self.tell(bytes).is_ok();
+    }
+
+    /// Ends the agent and all that it has started.
+    fn end(&mut self) {
+        // With this its standard input is at an end.
+        self.to_say = None;
+        if self.dismissed {
+            self.wait_for_end(FAREWELL);
+        }
+        if let Some(group) = self.group {
+            let _ = rustix::process::kill_process_group(group, Signal::KILL);
+        }
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        end_orphans(&self.before);
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// Takes in lines of limited length, one ahead at most.
+fn listen(output: impl Read, hear: &SyncSender<Heard>) {
+    let mut output = BufReader::new(output);
+    loop {
+        let mut line = Vec::new();
+        let limit = LONGEST_MESSAGE as u64 + 1;
+        let heard = match output.by_ref().take(limit).read_until(b'\n', &mut line) {
+            Ok(_) if line.last() == Some(&b'\n') => {
+                line.pop();
+                Heard::Line(line)
+            }
+            Ok(length) if length as u64 == limit => Heard::Endless,
+            _ => Heard::End,
+        };
+        let last = !matches!(heard, Heard::Line(_));
+        if hear.send(heard).is_err() || last {
+            return;
+        }
+    }
+}
+
+/// Passes on what an agent says to a person, up to a limit; the rest is taken in and forgotten.
+fn pass_on(mut words: impl Read) {
+    let passed = std::io::copy(&mut words.by_ref().take(MOST_WORDS), &mut std::io::stderr());
+    if passed.is_ok_and(|passed| passed == MOST_WORDS) {
+        eprintln!("\n(the agent says more than is shown)");
+    }
+    let _ = std::io::copy(&mut words, &mut std::io::sink());
+}
+
+/// From now on, processes whose parents are gone become children of this one, so that they can be ended.
+pub fn adopt_orphans() {
+    let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
+}
+
+/// Numbers of all children of this process.
+fn children() -> Vec<i32> {
+    let Ok(tasks) = std::fs::read_dir("/proc/self/task") else { return Vec::new() };
+    let lists = tasks.flatten().filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
+    lists
+        .flat_map(|list| list.split_whitespace().filter_map(|it| it.parse().ok()).collect::<Vec<_>>())
+        .collect()
+}
+
+/// Ends all children of this process but these.
+pub fn end_orphans(but: &[i32]) {
+    // Each that ends may leave children of its own.
+    for _ in 0..100 {
+        let orphans: Vec<Pid> =
+            children().into_iter().filter(|it| !but.contains(it)).filter_map(Pid::from_raw).collect();
+        if orphans.is_empty() {
+            return;
+        }
+        for orphan in orphans {
+            let _ = rustix::process::kill_process(orphan, Signal::KILL);
+            let _ = rustix::process::waitpid(Some(orphan), rustix::process::WaitOptions::empty());
+        }
+    }
+}
+
+/// Becomes another program that is killed when the process `parent`, which started this one, is gone. Returns only
+/// when that cannot be done.
+pub fn exec_with_parent(parent: u32, command: &[OsString]) -> std::io::Error {
+    if let Err(error) = rustix::process::set_parent_process_death_signal(Some(Signal::KILL)) {
+        return error.into();
+    }
+    // It may have gone before this process began to watch.
+    let present = rustix::process::getppid().map(|pid| pid.as_raw_nonzero().get());
+    if present != i32::try_from(parent).ok() {
+        return std::io::Error::other("its parent is gone");
+    }
+    match command.split_first() {
+        Some((program, arguments)) => Command::new(program).args(arguments).exec(),
+        None => std::io::ErrorKind::InvalidInput.into(),
+    }
+}

@@ -1,0 +1,61 @@
+//! The largest numbers that a command may hold. What is beyond them is no way to drive this arm and ends the episode;
+//! they lie well above what the arm can do, so that no agent meets them by accident.
+
+use crate::{ArmCommand, Command, RobotError};
+
+/// Largest force of a finger, N: what Franka's hand can press with at most.
+pub const GRIPPER_FORCE: f64 = 140.0;
+/// Largest commanded distance of the fingers, m; they open to 0.08.
+pub const GRIPPER_WIDTH: f64 = 0.1;
+/// Largest force, N, and moment or joint torque, N·m; the strongest joint gives 87.
+pub const WRENCH: f64 = 1000.0;
+/// Largest joint angle, rad, and joint velocity, rad/s.
+pub const JOINT: f64 = 10.0;
+/// Largest coordinate of a pose, m.
+pub const PLACE: f64 = 10.0;
+/// Largest stiffness, N/m or N·m/rad.
+pub const STIFFNESS: f64 = 1.0e5;
+/// Largest damping ratio.
+pub const DAMPING_RATIO: f64 = 100.0;
+
+impl Command {
+    /// Whether every number of it is within the limits of this module. Numbers that are no numbers are left to the
+    /// robot.
+    ///
+    /// # Errors
+    /// [`RobotError::TooMuch`], with the first number that is not.
+    ///
+    /// ```
+    /// use ramp_robot::{ArmCommand, Command, GripperCommand};
+    /// let gripper = GripperCommand { width: 0.04, force: 1e12 };
+    /// let command = Command { arm: ArmCommand::JointTorques([0.0; 7]), gripper };
+    /// let error = command.check_limits().unwrap_err();
+    /// assert_eq!(error.to_string(), "the command's gripper force is 1e12, and 140 N is the most there is");
+    /// ```
+    pub fn check_limits(&self) -> Result<(), RobotError> {
+        match &self.arm {
+            ArmCommand::JointPositions(values) => within("joint position", values, JOINT, "rad")?,
+            ArmCommand::JointVelocities(values) => within("joint velocity", values, JOINT, "rad/s")?,
+            ArmCommand::JointTorques(values) => within("joint torque", values, WRENCH, "N·m")?,
+            ArmCommand::CartesianPose(x_wt) => {
+                within("pose", x_wt.translation.vector.as_slice(), PLACE, "m")?;
+            }
+            ArmCommand::CartesianImpedance(it) => {
+                within("target pose", it.x_wt.translation.vector.as_slice(), PLACE, "m")?;
+                within("stiffness", it.stiffness.as_slice(), STIFFNESS, "N/m or N·m/rad")?;
+                within("damping ratio", &[it.damping_ratio], DAMPING_RATIO, "(critical is 1)")?;
+                within("feed-forward wrench", it.feed_forward.as_slice(), WRENCH, "N or N·m")?;
+                within("posture", &it.posture, JOINT, "rad")?;
+            }
+        }
+        within("gripper width", &[self.gripper.width], GRIPPER_WIDTH, "m")?;
+        within("gripper force", &[self.gripper.force], GRIPPER_FORCE, "N")
+    }
+}
+
+fn within(what: &'static str, values: &[f64], limit: f64, unit: &'static str) -> Result<(), RobotError> {
+    match values.iter().find(|value| value.abs() > limit) {
+        Some(&value) => Err(RobotError::TooMuch { what, value, limit, unit }),
+        None => Ok(()),
+    }
+}
