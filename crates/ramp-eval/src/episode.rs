@@ -7,7 +7,8 @@ use ramp_twin::{Setup, Twin, TwinError};
 
 use crate::referee::Referee;
 use crate::result::{
-    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PegResult, Physics, PlanInfo, SCHEMA, Software, Time,
+    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PegResult, Physics, PlanInfo, RULES, SCHEMA, Software,
+    Time,
 };
 
 /// The referee looks once in so many steps (10 ms).
@@ -141,9 +142,11 @@ pub fn run_episode(
     let counted = pegs.iter().flatten().count();
     Ok(EpisodeResult {
         schema: SCHEMA.to_string(),
+        rules: RULES.to_string(),
         goal: assembly.name.clone(),
         class: assembly.class.map(|class| class.name().to_string()),
         track: setup.track.name().to_string(),
+        real: None,
         seed: setup.seed,
         repeat,
         agent: AgentInfo { name: name.to_string(), version: version.to_string() },
@@ -158,10 +161,10 @@ pub fn run_episode(
             .into_iter()
             .map(|event| EventInfo { t: event.time, kind: event.kind.to_string(), what: event.what })
             .collect(),
-        physics: Physics {
+        physics: Some(Physics {
             deepest_penetration: twin.deepest_penetration(),
             state: format!("{:016x}", twin.state_hash()),
-        },
+        }),
         ended: Ended {
             reason: match outcome {
                 Ok(()) => "done".to_string(),

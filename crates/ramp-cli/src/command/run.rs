@@ -207,7 +207,9 @@ fn summary(result: &EpisodeResult, output: &Path, curve: &Path) -> String {
     if result.ended.reason != "done" {
         let _ = writeln!(text, "ended early: {}", result.ended.reason);
     }
-    let _ = writeln!(text, "deepest penetration {:.2} mm", result.physics.deepest_penetration * 1e3);
+    if let Some(physics) = &result.physics {
+        let _ = writeln!(text, "deepest penetration {:.2} mm", physics.deepest_penetration * 1e3);
+    }
     let _ = writeln!(text, "result: {}\ncurve:  {}", output.display(), curve.display());
     text
 }
