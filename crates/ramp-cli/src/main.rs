@@ -52,6 +52,8 @@ enum Command {
     Run(command::run::Arguments),
     /// Run goals and classes by the protocol, and sum up
     Bench(command::bench::Arguments),
+    /// Make a report of results: tables, curves, comparisons
+    Report(command::report::Arguments),
     /// See a goal through the cameras: images, what is found in them, data sets
     See(command::see::Arguments),
     /// Make the parts: print, saw, lay out
@@ -70,6 +72,7 @@ fn main() -> ExitCode {
         Command::Plan(arguments) => command::plan::run(&data, &arguments),
         Command::Run(arguments) => command::run::run(&data, &arguments),
         Command::Bench(arguments) => command::bench::run(&data, &arguments),
+        Command::Report(arguments) => command::report::run(&arguments),
         Command::See(arguments) => command::see::run(&data, &arguments),
         Command::Kit(arguments) => command::kit::run(&data, &arguments),
         Command::Twin(arguments) => command::twin::run(&data, &arguments),

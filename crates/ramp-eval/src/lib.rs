@@ -3,13 +3,22 @@
 //! Data passes one way: [`episode`] lets an agent work in the twin while [`referee`] watches the truth; what comes
 //! out is a [`result::EpisodeResult`], one JSON file of a published schema; [`curve`] draws it. [`perception`] makes images with
 //! labels, and judges detectors on them. [`summary`] adds up the episodes of a goal or a class.
+//! [`collection`] reads folders of results, and [`report`] compares the agents in them, with [`statistics`] and with
+//! what the events tell of each [`activity`]; [`published`] holds means that others have given.
 
+pub mod activity;
+pub mod collection;
 pub mod curve;
 pub mod episode;
 pub mod perception;
+pub mod published;
 pub mod referee;
+pub mod report;
 pub mod result;
+pub mod statistics;
 pub mod summary;
+#[cfg(test)]
+mod testing;
 
 pub use episode::{Progress, run_episode};
 pub use referee::Referee;

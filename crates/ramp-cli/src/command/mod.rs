@@ -6,6 +6,7 @@ pub mod generate;
 pub mod goals;
 pub mod kit;
 pub mod plan;
+pub mod report;
 pub mod run;
 pub mod see;
 pub mod show;
