@@ -10,12 +10,14 @@ pub mod activity;
 pub mod collection;
 pub mod curve;
 pub mod episode;
+pub mod form;
 pub mod perception;
 pub mod published;
 pub mod referee;
 pub mod report;
 pub mod result;
 pub mod statistics;
+pub mod stopwatch;
 pub mod summary;
 #[cfg(test)]
 mod testing;

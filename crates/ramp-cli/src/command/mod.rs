@@ -8,6 +8,7 @@ pub mod kit;
 pub mod plan;
 pub mod report;
 pub mod run;
+pub mod score;
 pub mod see;
 pub mod show;
 pub mod twin;
