@@ -173,7 +173,7 @@ pub fn replay_watched(log: &Log, world: &World, watcher: &mut Watcher) -> Result
     judged.judge();
     let mut result = log.result.clone();
     result.pegs = judged.pegs(&setup);
-    result.physics = judged.physics();
+    result.physics = Some(judged.physics());
     result.completion = completion(&result.pegs);
     result.time.robot = judged.twin.time();
     let end = result.time.robot;
@@ -244,12 +244,15 @@ fn compare(
     }
     differ("completion".into(), logged.completion.to_string(), replayed.completion.to_string());
     differ("robot time".into(), logged.time.robot.to_string(), replayed.time.robot.to_string());
-    differ(
-        "deepest penetration".into(),
-        logged.physics.deepest_penetration.to_string(),
-        replayed.physics.deepest_penetration.to_string(),
-    );
-    differ("final state of the physics".into(), logged.physics.state.clone(), replayed.physics.state.clone());
+    if let (Some(logged), Some(replayed)) = (&logged.physics, &replayed.physics) {
+        differ(
+            "deepest penetration".into(),
+            logged.deepest_penetration.to_string(),
+            replayed.deepest_penetration.to_string(),
+        );
+        differ("largest force".into(), logged.largest_force.to_string(), replayed.largest_force.to_string());
+        differ("final state of the physics".into(), logged.state.clone(), replayed.state.clone());
+    }
     if let Some(error) = stopped {
         differ("reason of the end".into(), logged.ended.reason.clone(), error.to_string());
     }
