@@ -54,6 +54,25 @@ fn an_agent_in_python_gets_what_its_track_gives() {
     }
 }
 
+/// The example of the book works: a corner of two beams, pinned by plain Python.
+#[test]
+fn the_example_builds_a_corner() {
+    let folder = TempDir::new().unwrap();
+    let goal = r#"<assembly>
+  <component beam="b7" base="True"/>
+  <component beam="b4"/>
+  <connection name="C1">
+    <element component="b4" joint="b4j1"/>
+    <element component="b7" joint="b7j1"/>
+  </connection>
+</assembly>"#;
+    std::fs::write(folder.path().join("corner.xml"), goal).unwrap();
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/agents/build.py");
+    let output = ramp(&folder, &["run", "./corner.xml", "--track", "state", "-o", "out.json"], &example, "");
+    assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
+    assert_eq!(file(&folder, "out.json")["completion"], 1.0);
+}
+
 /// Each way to behave badly ends in a result that says so, soon, and without much memory.
 #[test]
 fn whatever_an_agent_does_is_scored_with_its_reason() {
