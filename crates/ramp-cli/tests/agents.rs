@@ -128,6 +128,45 @@ fn what_an_agent_has_started_ends_with_it() {
     assert!(!sleeping);
 }
 
+/// Not even when its run is killed and can do nothing any more.
+#[test]
+fn an_agent_does_not_outlive_a_run_that_is_killed() {
+    let folder = TempDir::new().unwrap();
+    let mut run = Command::new(env!("CARGO_BIN_EXE_ramp"))
+        .current_dir(&folder)
+        .args(["run", "easy-1", "--track", "state", "-o", "out.json", "--agent"])
+        .arg(agent("bad.py"))
+        .env("BAD_WAY", "silent")
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let children = format!("/proc/{0}/task/{0}/children", run.id());
+    let begin = Instant::now();
+    let process = loop {
+        let list = std::fs::read_to_string(&children).unwrap();
+        let found = list.split_whitespace().next().map(|word| format!("/proc/{word}"));
+        // It is the agent's once Python runs in it.
+        let line = found.as_ref().and_then(|it| std::fs::read_to_string(format!("{it}/cmdline")).ok());
+        match (found, line) {
+            (Some(process), Some(line)) if line.contains("bad.py") && !line.contains("agent-process") => {
+                break process;
+            }
+            _ => assert!(begin.elapsed() < Duration::from_secs(60), "there is no agent"),
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    };
+    run.kill().unwrap();
+    run.wait().unwrap();
+    let gone = || {
+        let stat = std::fs::read_to_string(format!("{process}/stat"));
+        stat.map_or(true, |text| text.rsplit(')').next().unwrap().trim_start().starts_with('Z'))
+    };
+    while !gone() {
+        assert!(begin.elapsed() < Duration::from_secs(60), "the agent lives on");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
 /// A bench goes on, scores every episode, and stays with one agent.
 #[test]
 fn a_bench_goes_on_whatever_its_agent_does() {
