@@ -54,6 +54,10 @@ enum Command {
     Bench(command::bench::Arguments),
     /// Run an episode again from its log, and compare bit by bit
     Replay(command::replay::Arguments),
+    /// Make a report of results: tables, curves, comparisons
+    Report(command::report::Arguments),
+    /// Score a real robot's run from a stopwatch log, or print the form for it
+    Score(command::score::Arguments),
     /// See a goal through the cameras: images, what is found in them, data sets
     See(command::see::Arguments),
     /// Make the parts: print, saw, lay out
@@ -79,6 +83,8 @@ fn main() -> ExitCode {
         Command::Run(arguments) => command::run::run(&data, &arguments),
         Command::Bench(arguments) => command::bench::run(&data, &arguments),
         Command::Replay(arguments) => command::replay::run(&arguments),
+        Command::Report(arguments) => command::report::run(&arguments),
+        Command::Score(arguments) => command::score::run(&data, &arguments),
         Command::See(arguments) => command::see::run(&data, &arguments),
         Command::Kit(arguments) => command::kit::run(&data, &arguments),
         Command::Twin(arguments) => command::twin::run(&data, &arguments),

@@ -11,7 +11,8 @@ use ramp_twin::{Setup, Twin, TwinError};
 use crate::log::{LogError, Recorder, Sources};
 use crate::referee::Referee;
 use crate::result::{
-    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PegResult, Physics, PlanInfo, SCHEMA, Software, Time,
+    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PegResult, Physics, PlanInfo, RULES, SCHEMA, Software,
+    Time,
 };
 
 /// The referee looks once in so many steps (10 ms).
@@ -144,6 +145,7 @@ impl<'a, 'w> Judged<'a, 'w> {
     pub(crate) fn physics(&self) -> Physics {
         Physics {
             deepest_penetration: self.twin.deepest_penetration(),
+            largest_force: self.twin.largest_force(),
             state: format!("{:016x}", self.twin.state_hash()),
         }
     }
@@ -274,9 +276,11 @@ fn run(
     };
     EpisodeResult {
         schema: SCHEMA.to_string(),
+        rules: RULES.to_string(),
         goal: setup.assembly.name.clone(),
         class: setup.assembly.class.map(|class| class.name().to_string()),
         track: setup.track.name().to_string(),
+        real: None,
         seed: setup.seed,
         repeat,
         agent: AgentInfo {
@@ -294,7 +298,7 @@ fn run(
             .into_iter()
             .map(|event| EventInfo { t: event.time, kind: event.kind.to_string(), what: event.what })
             .collect(),
-        physics: judged.physics(),
+        physics: Some(judged.physics()),
         ended: Ended { reason },
         log: None,
     }

@@ -4,16 +4,27 @@
 //! out is a [`result::EpisodeResult`], one JSON file of a published schema; [`curve`] draws it. [`perception`] makes images with
 //! labels, and judges detectors on them. [`summary`] adds up the episodes of a goal or a class. [`log`] keeps all that an
 //! episode was, and [`replay`] runs it again from there.
+//! [`collection`] reads folders of results, and [`report`] compares the agents in them, with [`statistics`] and with
+//! what the events tell of each [`activity`]; [`published`] holds means that others have given.
 
+pub mod activity;
+pub mod collection;
 pub mod curve;
 pub mod episode;
 pub mod external;
+pub mod form;
 pub mod log;
 pub mod perception;
+pub mod published;
 pub mod referee;
 pub mod replay;
+pub mod report;
 pub mod result;
+pub mod statistics;
+pub mod stopwatch;
 pub mod summary;
+#[cfg(test)]
+mod testing;
 
 pub use episode::{EpisodeError, Progress, record_episode, run_episode};
 pub use log::Log;

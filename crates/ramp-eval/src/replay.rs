@@ -11,8 +11,8 @@ use ramp_twin::{Disturbance, Setup, Twin, TwinError};
 
 use crate::episode::{Judged, Watcher, completion};
 use crate::log::calls::{CallsError, Entry};
-use crate::log::{Header, Log, RULES};
-use crate::result::EpisodeResult;
+use crate::log::{Header, Log};
+use crate::result::{EpisodeResult, RULES};
 
 /// The largest disturbance of the start that is believed, m or rad.
 const LARGEST_DISTURBANCE: f64 = 0.1;
@@ -173,7 +173,7 @@ pub fn replay_watched(log: &Log, world: &World, watcher: &mut Watcher) -> Result
     judged.judge();
     let mut result = log.result.clone();
     result.pegs = judged.pegs(&setup);
-    result.physics = judged.physics();
+    result.physics = Some(judged.physics());
     result.completion = completion(&result.pegs);
     result.time.robot = judged.twin.time();
     let end = result.time.robot;
@@ -244,12 +244,17 @@ fn compare(
     }
     differ("completion".into(), logged.completion.to_string(), replayed.completion.to_string());
     differ("robot time".into(), logged.time.robot.to_string(), replayed.time.robot.to_string());
-    differ(
-        "deepest penetration".into(),
-        logged.physics.deepest_penetration.to_string(),
-        replayed.physics.deepest_penetration.to_string(),
-    );
-    differ("final state of the physics".into(), logged.physics.state.clone(), replayed.physics.state.clone());
+    let told = |told: bool| if told { "told" } else { "missing" }.to_string();
+    differ("physics".into(), told(logged.physics.is_some()), told(replayed.physics.is_some()));
+    if let (Some(logged), Some(replayed)) = (&logged.physics, &replayed.physics) {
+        differ(
+            "deepest penetration".into(),
+            logged.deepest_penetration.to_string(),
+            replayed.deepest_penetration.to_string(),
+        );
+        differ("largest force".into(), logged.largest_force.to_string(), replayed.largest_force.to_string());
+        differ("final state of the physics".into(), logged.state.clone(), replayed.state.clone());
+    }
     if let Some(error) = stopped {
         differ("reason of the end".into(), logged.ended.reason.clone(), error.to_string());
     }
@@ -258,6 +263,7 @@ fn compare(
 /// What the start of the log and its result must both say.
 fn check_agreement(header: &Header, result: &EpisodeResult) -> Result<(), ReplayError> {
     let pairs = [
+        ("rules", header.rules.clone(), result.rules.clone()),
         ("goal", header.goal.name.clone(), result.goal.clone()),
         ("track", header.track.clone(), result.track.clone()),
         ("seed", header.seed.to_string(), result.seed.to_string()),

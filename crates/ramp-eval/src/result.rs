@@ -8,18 +8,25 @@ use serde::{Deserialize, Serialize};
 /// The version of the schema these files follow.
 pub const SCHEMA: &str = "ramp-episode-2";
 
+/// The version of the rules by which episodes are judged: `docs/src/protocol.md`, which names it.
+pub const RULES: &str = "1";
+
 /// Everything that is known about one episode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeResult {
     /// [`SCHEMA`].
     pub schema: String,
+    /// [`RULES`].
+    pub rules: String,
     /// The goal's name.
     pub goal: String,
     /// Its class, if it has one.
     pub class: Option<String>,
     /// What the agent was allowed to see.
     pub track: String,
-    /// All randomness of the world came from here.
+    /// Where a real robot worked and a person held the stopwatch: who and what; `None` in the twin.
+    pub real: Option<RealRun>,
+    /// All randomness of the world came from here; of a real run, the repeat.
     pub seed: u64,
     /// Which of several runs in a row this is, from 1.
     pub repeat: u32,
@@ -39,8 +46,8 @@ pub struct EpisodeResult {
     pub plan: PlanInfo,
     /// What happened, in order.
     pub events: Vec<EventInfo>,
-    /// Figures of the physics that a reader may want to check.
-    pub physics: Physics,
+    /// Figures of the physics that a reader may want to check; `None` for a real run.
+    pub physics: Option<Physics>,
     /// Why the episode ended.
     pub ended: Ended,
     /// SHA-256 of the episode's log, in hex; `None` when there is none.
@@ -56,6 +63,17 @@ pub struct AgentInfo {
     pub version: String,
     /// SHA-256 of its file, in hex; `None` for the baseline, which the software's commit tells.
     pub sha256: Option<String>,
+}
+
+/// What is known of a run of a real robot, in the words of who scored it.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct RealRun {
+    /// The robot.
+    pub robot: String,
+    /// Who held the stopwatch.
+    pub scorer: String,
+    /// Where this was done or published.
+    pub source: String,
 }
 
 /// Version and commit of this software.
@@ -146,6 +164,8 @@ pub struct EventInfo {
 pub struct Physics {
     /// Deepest penetration between two parts in any step, m.
     pub deepest_penetration: f64,
+    /// Largest force between the hand and what it touched or held, N: at the wrist, filtered with 20 ms.
+    pub largest_force: f64,
     /// Hash of the final physics state: two runs that share it share every bit.
     pub state: String,
 }

@@ -1,6 +1,7 @@
 //! The baseline agent: plans, runs the plan action by action, notices what goes wrong and plans again from what it
 //! then believes.
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use ramp_assembly::Assembly;
@@ -17,7 +18,7 @@ use crate::belief::Belief;
 use crate::fault::{Fault, SkillError};
 use crate::hand::Hand;
 use crate::insert::PEGGABLE;
-use crate::transport::Workcell;
+use crate::transport::{Way, Workcell};
 
 /// How often the agent plans again before it gives up.
 const REPLANS: usize = 6;
@@ -113,6 +114,13 @@ impl<'a> Baseline<'a> {
                 self.account.replans += 1;
                 cell.note("replan", format!("{} coarse actions", plan.steps.len()));
             }
+            // Of beams that stand already the new plan says nothing: for them the old one holds.
+            for entry in &plan.entries {
+                if let Some(beam) = self.assembly.beam_index(&entry.beam) {
+                    let (direction, distance, depth) = (entry.direction.into(), entry.distance, entry.depth);
+                    cell.ways.insert(beam, Way { direction, distance, depth });
+                }
+            }
             match self.run_plan(cell, &plan) {
                 Ok(()) => return Ok(()),
                 Err(SkillError::Robot(error)) => return Err(error),
@@ -141,6 +149,7 @@ impl<'a> Baseline<'a> {
                 .collect(),
             misaligned: cell.swung()?.into_iter().map(name).collect(),
             lost_pegs: lost.to_vec(),
+            deep: cell.deep.iter().map(|beam| name(*beam)).collect(),
             ..State::default()
         })
     }
@@ -233,10 +242,13 @@ impl<'a> Baseline<'a> {
             // Along the beam's own way, which is a straight line here, too.
             FineAction::AssembleAngled { beam: name, .. }
             | FineAction::AssembleThrough { beam: name, .. } => cell.assemble(beam(name)?, false),
-            FineAction::LayDown { .. }
-            | FineAction::AssembleDeep { .. }
-            | FineAction::Slide { .. }
-            | FineAction::Regrasp { .. } => Err(no_skill().into()),
+            FineAction::AssembleDeep { beam: name, .. } => cell.assemble(beam(name)?, false),
+            FineAction::LayDown { beam: name } => cell.lay_down(beam(name)?),
+            FineAction::Slide { beam: name, link } => {
+                cell.rise()?;
+                cell.slide(beam(name)?, link)
+            }
+            FineAction::Regrasp { .. } => Err(no_skill().into()),
             FineAction::AssembleCap { beam: name, .. } => cell.assemble(beam(name)?, true),
             FineAction::Fasten { connection: name, .. } => cell.fasten(connection(name)?),
             FineAction::Push { beam: name, link } => {
@@ -304,7 +316,9 @@ impl Agent for Baseline<'_> {
             hand: Hand::new(robot),
             belief: Belief::new(self.kit, self.assembly),
             standing: vec![self.assembly.base],
+            deep: Vec::new(),
             pinned: Vec::new(),
+            ways: BTreeMap::new(),
             stream: Stream::new(self.seed, "motion"),
             events: Vec::new(),
         };

@@ -9,6 +9,7 @@ use ramp_assembly::JointRef;
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{self, BEAM_OPEN, BEAM_WIDTH, beam_grasp};
+use crate::insert::PEGGABLE;
 use crate::transport::Workcell;
 
 /// A beam this near to its place is left alone, m.
@@ -19,6 +20,10 @@ const KNOWN: f64 = 0.2e-3;
 const SPEED: f64 = 0.03;
 /// Force at which a push stops, N.
 const LIMIT: f64 = 20.0;
+/// A hole this near to a peg tells nothing of how its beam is turned, m.
+const SHORT: f64 = 0.05;
+/// A beam that stands this far short of its place is inserted further, m.
+const SHORT_OF: f64 = 3.0e-3;
 /// Tries.
 const TRIES: usize = 3;
 
@@ -44,14 +49,11 @@ impl Workcell<'_, '_> {
                 self.note("retry", format!("push {name}, {:.2} mm off", off * 1e3));
             }
             let s = grasp::point_on(link, far);
-            let x_wb = self.belief.pose(&name)?;
-            let q = self.hand.joints();
-            let senses = [false, true].map(|reverse| {
-                let x_wt = beam_grasp(&x_wb, s, reverse);
-                (x_wt, self.reach(&x_wt, &q))
-            });
-            let x_wt = self.choose(&senses).ok_or_else(|| Fault::NoGrasp { part: name.clone() })?;
-            self.seize(&name, &x_wt, BEAM_OPEN, BEAM_WIDTH)?;
+            if self.anchor(beam).is_none() && self.short(beam)? > SHORT_OF {
+                self.reinsert(beam, s)?;
+                continue;
+            }
+            self.seize_standing(beam, s)?;
             // It stands on the table and in its joint: the hand does not carry it.
             if let Some(held) = &mut self.hand.held {
                 held.mass = 0.0;
@@ -68,10 +70,37 @@ impl Workcell<'_, '_> {
         }
         self.see_ends(beam)?;
         let (_, off) = self.straightened(beam)?;
-        if off < 3.0 * GOOD {
+        // What comes next, a peg or the chamfers of a cap, takes this much.
+        if off < PEGGABLE {
             return Ok(());
         }
         Err(Fault::Misaligned { connection: name, offset_mm: off * 1e3 }.into())
+    }
+
+    /// Grips a beam that stands, where it stands, at `s` metres from its j1 hole.
+    ///
+    /// # Errors
+    /// As [`Workcell::seize`].
+    pub fn seize_standing(&mut self, beam: usize, s: f64) -> Result<(), SkillError> {
+        let name = self.assembly.beams[beam].beam.name.clone();
+        let x_wb = self.belief.pose(&name)?;
+        let q = self.hand.joints();
+        let senses = [false, true].map(|reverse| {
+            let x_wt = beam_grasp(&x_wb, s, reverse);
+            (x_wt, self.reach(&x_wt, &q))
+        });
+        let x_wt = self.choose(&senses).ok_or_else(|| Fault::NoGrasp { part: name.clone() })?;
+        self.seize(&name, &x_wt, BEAM_OPEN, BEAM_WIDTH)
+    }
+
+    /// How far a standing beam is short of its place on its way in, m.
+    fn short(&self, beam: usize) -> Result<f64, SkillError> {
+        if !self.ways.contains_key(&beam) {
+            return Ok(0.0);
+        }
+        let goal = self.target(beam)?;
+        let x_wb = self.belief.pose(&self.assembly.beams[beam].beam.name)?;
+        Ok((goal.translation.vector - x_wb.translation.vector).dot(&self.way_in(beam, &goal)?))
     }
 
     /// As [`Workcell::push`], by the reachable link that is nearest to the beam's free end.
@@ -127,6 +156,22 @@ impl Workcell<'_, '_> {
         })
     }
 
+    /// The joint of a pinned beam that is furthest from its peg among those that meet a standing beam and have no peg
+    /// yet, and what it meets.
+    fn open_joint(&self, beam: usize, anchor: JointRef) -> Option<(JointRef, JointRef)> {
+        let offset = |joint: JointRef| self.assembly.beams[beam].beam.joints[joint.joint].offset;
+        let lever = |joint: JointRef| (offset(joint) - offset(anchor)).abs();
+        // One that nothing holds would only be dragged along.
+        let held = |theirs: JointRef| theirs.beam == self.assembly.base || self.anchor(theirs.beam).is_some();
+        let open = self.assembly.connections.iter().enumerate().filter_map(|(index, connection)| {
+            let (mine, theirs) = self.assembly.sides(connection, beam)?;
+            let pinned = self.pinned.iter().any(|(other, _)| *other == index);
+            (!pinned && held(theirs) && self.meets(theirs, beam) && lever(mine) > SHORT)
+                .then_some((mine, theirs))
+        });
+        open.max_by(|(a, _), (b, _)| lever(*a).total_cmp(&lever(*b)))
+    }
+
     /// Distance from j1, m, of the end of a beam that is further from its pinned joint.
     fn far_end(&self, beam: usize) -> f64 {
         let placed = &self.assembly.beams[beam].beam;
@@ -135,7 +180,8 @@ impl Workcell<'_, '_> {
     }
 
     /// Where a standing beam should be, in the world, and how far its far end is from there now, m. A pinned beam
-    /// is turned about its peg so that the far end comes to its nominal place; any other goes to its target.
+    /// is turned about its peg so that the hole of its next peg comes to the other beam's, or else its far end to its
+    /// nominal place; any other goes to its target.
     fn straightened(&self, beam: usize) -> Result<(Pose, f64), SkillError> {
         let placed = &self.assembly.beams[beam];
         let x_wb = self.belief.pose(&placed.beam.name)?;
@@ -146,8 +192,15 @@ impl Workcell<'_, '_> {
             return Ok((goal, ((goal * far).xy() - (x_wb * far).xy()).norm()));
         };
         let pivot = x_wb * placed.beam.p_b_hole(anchor.joint);
-        let wanted = (self.kit.x_wa() * placed.x_ab * far).xy() - pivot.xy();
-        let now = (x_wb * far).xy() - pivot.xy();
+        // Where it is to be pinned next to a beam that stands, that hole is what counts; else its far end.
+        let open = self.open_joint(beam, anchor);
+        let (now, wanted) = match open {
+            Some((mine, theirs)) => {
+                (x_wb * placed.beam.p_b_hole(mine.joint), self.belief.hole(self.assembly, theirs)?)
+            }
+            None => (x_wb * far, self.kit.x_wa() * placed.x_ab * far),
+        };
+        let (now, wanted) = (now.xy() - pivot.xy(), wanted.xy() - pivot.xy());
         let angle = now.perp(&wanted).atan2(now.dot(&wanted));
         let about = Translation3::from(pivot.coords);
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);

@@ -66,6 +66,12 @@ pub enum Fault {
         /// The action.
         action: String,
     },
+    /// The plan does not say how the part gets to its place.
+    #[error("the plan has no way to its place for {part}")]
+    NoWay {
+        /// Its name.
+        part: String,
+    },
     /// No grasp of the part can be reached at both ends of its way.
     #[error("no reachable grasp for {part}")]
     NoGrasp {

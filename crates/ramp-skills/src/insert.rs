@@ -1,13 +1,13 @@
 //! Inserting a beam: a male of it into the assembly (square), or males of the assembly into it (cap).
 
 use nalgebra::{Point2, Translation3, UnitQuaternion, Vector2, Vector3};
-use ramp_assembly::Insertion;
-use ramp_kit::joint;
+use ramp_assembly::JointRef;
+use ramp_kit::joint::{self, BODY_WIDTH, FEMALE_HEIGHT};
 
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
 use crate::look::Point;
-use crate::transport::Workcell;
+use crate::transport::{Way, Workcell};
 
 /// How high over its way a beam is brought to where its insertion begins, m.
 const CLEAR: f64 = 4.0e-3;
@@ -17,6 +17,8 @@ const SPEED: f64 = 0.03;
 const SQUARE_LIMIT: f64 = 12.0;
 /// Force against the motion at which a cap stops, N.
 const CAP_LIMIT: f64 = 25.0;
+/// Force on the table at which a beam lies on it, N.
+const TABLE_LIMIT: f64 = 8.0;
 /// How far the spring is pulled past the goal of a cap, m: it seats each end on its stop wall.
 const CAP_OVERDRIVE: f64 = 3.0e-3;
 /// Turn to and fro at the end of a cap, rad.
@@ -25,16 +27,23 @@ const CAP_SWEEP: f64 = 2.0 / 180.0 * std::f64::consts::PI;
 const HOME: f64 = 0.8e-3;
 /// Horizontal distance between two holes that a peg still pulls together, m.
 pub const PEGGABLE: f64 = 1.6e-3;
-/// Force along the way while a stalled beam is felt in, N: with more, friction holds the edge against the search.
-const FEEL_FORCE: f64 = 4.0;
+/// Force along the way while a stalled beam is felt in, N, and the longest search, s: with more force, friction holds
+/// the edge against the search.
+const FEEL: (f64, f64) = (4.0, 30.0);
+/// The same through a sleeve that little holds: a beam on the table slides at 1.4 N.
+const LOOSE_FEEL: (f64, f64) = (0.7, 60.0);
+/// Force against the motion at which a beam stops that goes through a sleeve that little holds, N.
+const LOOSE_LIMIT: f64 = 1.2;
+/// How far such a sleeve may be moved, m and rad.
+const LOOSE_BUMP: (f64, f64) = (3.0e-3, 1.0 / 180.0 * std::f64::consts::PI);
 /// Smallest and largest swing across the way, m.
 const FEEL_SIZE: [f64; 2] = [0.8e-3, 2.0e-3];
 /// Swing about the vertical and about the horizontal across the way, rad.
 const FEEL_TURN: [f64; 2] = [0.014, 0.007];
+/// How often a part that does not move is looked at, s.
+const LOOK_EVERY: f64 = 3.0;
 /// Progress that counts as having moved, m.
 const FEEL_PROGRESS: f64 = 0.3e-3;
-/// Longest search, s.
-const FEEL_TIME: f64 = 30.0;
 /// How well the joints that are to meet must be known before an insertion, m.
 const KNOWN: f64 = 0.15e-3;
 /// How well the height of a beam that stands is known, m.
@@ -55,10 +64,18 @@ impl Workcell<'_, '_> {
         let nominal = self.kit.x_wa() * placed.x_ab;
         // Pairs of horizontal hole positions: nominal on this beam, real on the standing one.
         let mut pairs: Vec<(Point2<f64>, Point2<f64>)> = Vec::new();
+        // A sleeve that little holds comes along; what counts is what does not.
+        let loose = self.loose_sleeves(beam);
+        let loose =
+            if self.meeting(beam).iter().all(|(met, _)| loose.contains(met) || *met == placed.beam.name) {
+                &[]
+            } else {
+                &loose[..]
+            };
         for connection in &self.assembly.connections {
             if let Some((mine, theirs)) = self.assembly.sides(connection, beam)
-                && self.standing.contains(&theirs.beam)
-                && theirs.beam != beam
+                && self.meets(theirs, beam)
+                && !loose.contains(&self.assembly.beams[theirs.beam].beam.name)
             {
                 let here = nominal * placed.beam.p_b_hole(mine.joint);
                 pairs.push((here.xy(), self.belief.hole(self.assembly, theirs)?.xy()));
@@ -71,28 +88,44 @@ impl Workcell<'_, '_> {
     pub fn meeting(&self, beam: usize) -> Vec<Point> {
         let sides = self.assembly.connections.iter().filter_map(|connection| {
             let (mine, theirs) = self.assembly.sides(connection, beam)?;
-            (theirs.beam != beam && self.standing.contains(&theirs.beam)).then_some([mine, theirs])
+            self.meets(theirs, beam).then_some([mine, theirs])
         });
         sides.flatten().map(|joint| self.hole(joint)).collect()
     }
 
+    /// The beams, by name, that this beam passes through and that fewer than two pegs hold.
+    fn loose_sleeves(&self, beam: usize) -> Vec<String> {
+        let through = self.assembly.connections.iter().filter(|connection| {
+            let male = &self.assembly.beams[beam].beam.joints[connection.male.joint];
+            connection.male.beam == beam && !male.kind.is_end() && self.meets(connection.female, beam)
+        });
+        let pins = |beam: usize| {
+            let pinned = self.pinned.iter().map(|(index, _)| &self.assembly.connections[*index]);
+            pinned.filter(|connection| self.assembly.sides(connection, beam).is_some()).count()
+        };
+        let loose = through.map(|connection| connection.female.beam);
+        let loose = loose.filter(|&sleeve| sleeve != self.assembly.base && pins(sleeve) < 2);
+        loose.map(|sleeve| self.assembly.beams[sleeve].beam.name.clone()).collect()
+    }
+
+    /// Is a joint of another beam where `beam` meets it? One of a deep beam is not, yet.
+    pub fn meets(&self, theirs: JointRef, beam: usize) -> bool {
+        theirs.beam != beam && self.standing.contains(&theirs.beam) && !self.deep.contains(&theirs.beam)
+    }
+
     /// How this beam is put in.
-    fn insertion(&self, beam: usize) -> Result<&Insertion, SkillError> {
-        let name = &self.assembly.beams[beam].beam.name;
-        self.assembly
-            .insertions
-            .iter()
-            .find(|insertion| insertion.beam == beam)
-            .ok_or_else(|| Fault::NoGrasp { part: name.clone() }.into())
+    pub fn way(&self, beam: usize) -> Result<&Way, SkillError> {
+        let name = || self.assembly.beams[beam].beam.name.clone();
+        self.ways.get(&beam).ok_or_else(|| Fault::NoWay { part: name() }.into())
     }
 
     /// The direction in which a beam is put in so that it ends at `goal`: the nominal one, turned as the goal is
     /// turned from the nominal place. Axes of the world.
-    fn way_in(&self, beam: usize, goal: &Pose) -> Result<Vector3<f64>, SkillError> {
+    pub fn way_in(&self, beam: usize, goal: &Pose) -> Result<Vector3<f64>, SkillError> {
         let x_wa = self.kit.x_wa();
         let nominal = x_wa * self.assembly.beams[beam].x_ab;
         let turn = goal.rotation * nominal.rotation.inverse();
-        Ok(turn * x_wa.rotation * self.insertion(beam)?.direction.into_inner())
+        Ok(turn * x_wa.rotation * self.way(beam)?.direction)
     }
 
     /// Carries the held beam to where its insertion begins, a little higher than its way.
@@ -110,9 +143,8 @@ impl Workcell<'_, '_> {
 
     /// The pose of a beam on its way in: `share` of the insertion still to go, `height` over its place (m).
     fn beside(&self, beam: usize, share: f64, height: f64) -> Result<Pose, SkillError> {
-        let insertion = self.insertion(beam)?;
-        let back =
-            self.kit.x_wa().rotation * insertion.direction.into_inner() * (-share * insertion.distance);
+        let way = self.way(beam)?;
+        let back = self.kit.x_wa().rotation * way.direction * (-share * way.distance);
         let goal = self.target(beam)?;
         Ok(Translation3::new(back.x, back.y, back.z + height) * goal)
     }
@@ -143,6 +175,76 @@ impl Workcell<'_, '_> {
             return Err(fault.into());
         }
         self.standing.push(beam);
+        if self.way(beam)?.depth > 0.0 {
+            self.deep.push(beam);
+        }
+        self.settle(beam)?;
+        self.release()?;
+        self.reckon_heights(beam);
+        Ok(())
+    }
+
+    /// How a beam hangs that only one female holds, turned about the joint in it: its other end lies on the table.
+    /// `None` for a beam that stands level.
+    fn drooping(&self, beam: usize) -> Option<(JointRef, f64)> {
+        let placed = &self.assembly.beams[beam].beam;
+        if placed.stands_at_assembled_height() {
+            return None;
+        }
+        let sides = self.assembly.connections.iter();
+        let sides = sides.filter_map(|connection| self.assembly.sides(connection, beam));
+        // A deep beam is short of the joint that it is to be slid into.
+        let mut met = sides.filter(|(mine, theirs)| {
+            self.standing.contains(&theirs.beam) && !(self.deep.contains(&beam) && self.leads(*mine))
+        });
+        let (joint, _) = met.next().filter(|_| met.next().is_none())?;
+        let pivot = placed.joints[joint.joint].offset;
+        // Measured from the table's height to where the axis is at the other end.
+        let far = if pivot > placed.span() / 2.0 { 0.0 } else { placed.span() };
+        let drop = (FEMALE_HEIGHT - BODY_WIDTH) / 2.0;
+        let reach = (far - pivot).abs() + BODY_WIDTH / 2.0;
+        Some((joint, (drop / reach).asin() * (far - pivot).signum()))
+    }
+
+    /// Lets the free end of a held beam down on the table before the fingers open: one that fell would hang on them,
+    /// and follow them.
+    fn settle(&mut self, beam: usize) -> Result<(), SkillError> {
+        let Some((joint, angle)) = self.drooping(beam) else { return Ok(()) };
+        let name = self.assembly.beams[beam].beam.name.clone();
+        let x_wb = self.belief.pose(&name)?;
+        let pivot = Translation3::from((x_wb * self.assembly.beams[beam].beam.p_b_hole(joint.joint)).coords);
+        let across = x_wb.rotation * Vector3::x();
+        let across = Vector3::z().cross(&across);
+        let turn = UnitQuaternion::from_scaled_axis(across.normalize() * angle);
+        let down = self.hand.corrected(&x_wb, &(pivot * turn * pivot.inverse() * x_wb));
+        self.hand.zero()?;
+        self.hand.drive(&down, 0.02, |hand| -hand.force().z > TABLE_LIMIT)?;
+        self.hand.wait(0.1)?;
+        Ok(())
+    }
+
+    /// Does a joint lead the way out of a beam that stands too deep?
+    fn leads(&self, joint: JointRef) -> bool {
+        let placed = &self.assembly.beams[joint.beam];
+        let along = placed.x_ab.rotation * Vector3::x();
+        let first = self.ways.get(&joint.beam).is_some_and(|way| along.dot(&way.direction) > 0.0);
+        first == (placed.beam.joints[joint.joint].offset < placed.beam.span() / 2.0)
+    }
+
+    /// Lays the held beam, which is over its place, on the table, and lets go of it.
+    ///
+    /// # Errors
+    /// [`Fault::NotHeld`], or what stopped the motion.
+    pub fn lay_down(&mut self, beam: usize) -> Result<(), SkillError> {
+        let name = self.assembly.beams[beam].beam.name.clone();
+        self.hand.relax();
+        self.regrip(&name)?;
+        let goal = self.target(beam)?;
+        self.place(&name, &(Translation3::new(0.0, 0.0, CLEAR) * goal))?;
+        self.hand.zero()?;
+        let down = self.hand.corrected(&self.belief.pose(&name)?, &goal);
+        self.hand.drive(&down, SPEED, |hand| -hand.force().z > TABLE_LIMIT)?;
+        self.standing.push(beam);
         self.release()?;
         self.reckon_heights(beam);
         Ok(())
@@ -150,7 +252,7 @@ impl Workcell<'_, '_> {
 
     /// What is known of the heights of a beam that has just been let go of in the assembly: on females or feet it
     /// stands level on the table; otherwise its males hang in their females, as low as the clearance lets them.
-    fn reckon_heights(&mut self, beam: usize) {
+    pub fn reckon_heights(&mut self, beam: usize) {
         let placed = &self.assembly.beams[beam];
         let nominal = self.kit.x_wa() * placed.x_ab;
         let joints: Vec<usize> = if placed.beam.stands_at_assembled_height() {
@@ -172,8 +274,9 @@ impl Workcell<'_, '_> {
         let name = self.assembly.beams[beam].beam.name.clone();
         self.see(&self.meeting(beam), KNOWN)?;
         self.regrip(&name)?;
-        let goal = self.target(beam)?;
-        let direction = self.way_in(beam, &goal)?;
+        let place = self.target(beam)?;
+        let direction = self.way_in(beam, &place)?;
+        let goal = Translation3::from(direction * self.way(beam)?.depth) * place;
         // A beam that stands on the table is pressed on it a little when it caps, and slides over it otherwise.
         let stands = self.assembly.beams[beam].beam.stands_at_assembled_height();
         let height: f64 = if cap {
@@ -186,7 +289,14 @@ impl Workcell<'_, '_> {
         self.place(&name, &self.beside(beam, 1.0, if attempt == 0 { CLEAR } else { 0.0 })?)?;
         self.place(&name, &self.beside(beam, 1.0, height.max(0.1e-3))?)?;
         self.hand.zero()?;
-        let limit = if cap { CAP_LIMIT } else { SQUARE_LIMIT };
+        let loose = self.loose_sleeves(beam);
+        let limit = if cap {
+            CAP_LIMIT
+        } else if loose.is_empty() {
+            SQUARE_LIMIT
+        } else {
+            LOOSE_LIMIT
+        };
         let overdrive = if cap { CAP_OVERDRIVE } else { 0.0 };
         self.glance()?;
         let mut target = self.hand.corrected(&self.belief.pose(&name)?, &goal);
@@ -196,13 +306,13 @@ impl Workcell<'_, '_> {
         let force = self.hand.force().dot(&direction);
         self.hand.wait(0.15)?;
         for (met, _) in self.meeting(beam) {
-            self.belief.bumped(&met, BUMP);
+            self.belief.bumped(&met, if loose.contains(&met) { LOOSE_BUMP } else { BUMP });
         }
         self.glance()?;
         if stopped {
             let mut remaining = self.remaining(&name, &goal, &direction)?;
             if remaining > HOME && !cap {
-                self.feel_in(&name, &goal, &direction)?;
+                self.feel_in(&name, &goal, &direction, !loose.is_empty())?;
                 remaining = self.remaining(&name, &goal, &direction)?;
             }
             if remaining > HOME {
@@ -211,39 +321,94 @@ impl Workcell<'_, '_> {
                 // Back out to where it began, free of the joint.
                 let mut back = self.hand.setpoint;
                 back.translation = self.hand.seen.x_wt.translation;
-                let insertion = self.insertion(beam)?;
-                back.translation.vector -= direction * (insertion.distance - remaining).max(0.0);
+                let way = self.way(beam)?;
+                back.translation.vector -= direction * (way.distance + way.depth - remaining).max(0.0);
                 self.hand.go(&back, 0.05)?;
                 return Err(jam.into());
             }
         }
         if cap {
             self.sweep()?;
-        } else {
-            // What remains is a fraction of a millimetre: measured, and taken back.
+            self.belief.update(&mut self.hand)?;
+            return Ok(());
+        }
+        self.seat(beam, &goal, height, limit)
+    }
+
+    /// Brings a held beam that is in its joints all the way to `goal`, as sight says: what remains is mostly a fraction
+    /// of a millimetre, and otherwise felt in.
+    fn seat(&mut self, beam: usize, goal: &Pose, height: f64, limit: f64) -> Result<(), SkillError> {
+        let name = self.assembly.beams[beam].beam.name.clone();
+        let direction = self.way_in(beam, goal)?;
+        let loose = !self.loose_sleeves(beam).is_empty();
+        for _ in 0..TRIES {
             let x_wp = self.belief.pose(&name)?;
             let fine = self.hand.corrected(&x_wp, &(Translation3::new(0.0, 0.0, height) * goal));
             self.hand.drive(&fine, 0.01, |hand| hand.force().norm() > limit)?;
             self.hand.wait(0.15)?;
+            self.see(&[self.middle(&name)], KNOWN)?;
+            let remaining = self.remaining(&name, goal, &direction)?;
+            if remaining < 2.0 * HOME {
+                return Ok(());
+            }
+            self.note("retry", format!("insert {name}, {:.1} mm short", remaining * 1e3));
+            self.feel_in(&name, goal, &direction, loose)?;
         }
-        self.belief.update(&mut self.hand)?;
-        Ok(())
+        let (remaining, force) =
+            (self.remaining(&name, goal, &direction)?, self.hand.force().dot(&direction));
+        if remaining < 2.0 * HOME {
+            return Ok(());
+        }
+        Err(Fault::Jammed { part: name, remaining_mm: remaining * 1e3, force }.into())
+    }
+
+    /// Grips a beam that stands short of its place on its way in, and takes it there.
+    ///
+    /// # Errors
+    /// [`Fault::Jammed`], or what stopped the motion.
+    pub fn reinsert(&mut self, beam: usize, s: f64) -> Result<(), SkillError> {
+        let name = self.assembly.beams[beam].beam.name.clone();
+        self.seize_standing(beam, s)?;
+        let goal = self.target(beam)?;
+        let direction = self.way_in(beam, &goal)?;
+        let loose = !self.loose_sleeves(beam).is_empty();
+        self.hand.zero()?;
+        self.feel_in(&name, &goal, &direction, loose)?;
+        let seated = self.seat(beam, &goal, 0.0, if loose { LOOSE_LIMIT } else { SQUARE_LIMIT });
+        self.settle(beam)?;
+        self.release()?;
+        self.reckon_heights(beam);
+        seated
     }
 
     /// Feels a stalled beam in: a light push along its way, and a slow swing of growing size across it, up and down,
     /// and about both, until the edge that it stands on gives way. An unchamfered edge (thru-m) stops dead unless it
     /// meets its female within 0.3 mm.
-    fn feel_in(&mut self, part: &str, goal: &Pose, direction: &Vector3<f64>) -> Result<(), SkillError> {
+    fn feel_in(
+        &mut self,
+        part: &str,
+        goal: &Pose,
+        direction: &Vector3<f64>,
+        loose: bool,
+    ) -> Result<(), SkillError> {
+        let (force, longest) = if loose { LOOSE_FEEL } else { FEEL };
         let begin = self.hand.time();
         let across = Vector3::z().cross(direction);
         let mut stalled_since = begin;
+        let mut looked = begin;
         let mut best = self.remaining(part, goal, direction)?;
         // The line of the way in, as a correction of the setpoint taken anew at every look.
         let mut line = self.hand.setpoint;
         let mut ticks = 0u32;
-        while self.hand.time() - begin < FEEL_TIME {
+        while self.hand.time() - begin < longest {
             if ticks.is_multiple_of(20) {
-                self.glance()?;
+                // A part that does not move may have moved in the hand.
+                if stalled_since.max(looked) + LOOK_EVERY < self.hand.time() {
+                    self.belief.update(&mut self.hand)?;
+                    looked = self.hand.time();
+                } else {
+                    self.glance()?;
+                }
                 let x_wp = self.belief.pose(part)?;
                 let remaining = self.remaining(part, goal, direction)?;
                 if remaining < 0.5 * HOME {
@@ -262,7 +427,7 @@ impl Workcell<'_, '_> {
             let stalled = self.hand.time() - stalled_since;
             let size = FEEL_SIZE[0] + (FEEL_SIZE[1] - FEEL_SIZE[0]) * (stalled / 4.0).min(1.0);
             let wave = |hertz: f64| (std::f64::consts::TAU * hertz * time).sin();
-            let lead = FEEL_FORCE / self.hand.stiffness.x;
+            let lead = force / self.hand.stiffness.x;
             let shift = direction * lead + across * (size * wave(1.3)) + Vector3::z() * (size * wave(2.1));
             let swing = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), FEEL_TURN[0] * wave(0.9))
                 * UnitQuaternion::from_scaled_axis(across * (FEEL_TURN[1] * wave(0.6)));

@@ -1,5 +1,8 @@
 //! Moving through free space, picking up and putting down.
 
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_motion::{Checker, MotionError, PathPlanner, Trajectory};
@@ -37,6 +40,17 @@ const GOOD_MARGIN: f64 = 0.3;
 /// What a radian of turning the hand counts against a radian of that distance.
 const TURN_COST: f64 = 0.05;
 
+/// How a beam gets to its place: a straight motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Way {
+    /// Its direction in the assembly frame.
+    pub direction: Vector3<f64>,
+    /// Its length, m: from here on nothing is in the way.
+    pub distance: f64,
+    /// How much further than its place the beam goes at first, m.
+    pub depth: f64,
+}
+
 /// What every skill works with.
 pub struct Workcell<'a, 'r> {
     /// The parts.
@@ -53,8 +67,12 @@ pub struct Workcell<'a, 'r> {
     pub belief: Belief,
     /// Beams that stand in the assembly, by index, the base among them.
     pub standing: Vec<usize>,
+    /// Those of them that stand deeper than their place, by index, until they are slid forward.
+    pub deep: Vec<usize>,
     /// Connections that are pinned, by index, and by which peg.
     pub pinned: Vec<(usize, String)>,
+    /// How beams get to their places, by index: as the plan says.
+    pub ways: BTreeMap<usize, Way>,
     /// Random numbers for the motion planner.
     pub stream: Stream,
     /// What happened.

@@ -123,6 +123,10 @@ pub struct Twin {
     cameras: Cameras,
     failed: Option<RobotError>,
     deepest: f64,
+    /// Force of the hand on the world through the sensor's filter, without its noise, N.
+    pressed: Vector3<f64>,
+    /// The largest of it so far, N.
+    largest_force: f64,
     steps: u64,
     observation: Observation,
 }
@@ -186,6 +190,8 @@ impl Twin {
             cameras: Cameras::new(setup.kit, setup.arm, setup.seed),
             failed: None,
             deepest: 0.0,
+            pressed: Vector3::zeros(),
+            largest_force: 0.0,
             steps: 0,
             observation: Observation {
                 time: 0.0,
@@ -269,6 +275,12 @@ impl Twin {
     /// Deepest penetration between two parts in any step so far, m.
     pub fn deepest_penetration(&self) -> f64 {
         self.deepest
+    }
+
+    /// The largest force between the hand and what it touches or holds so far, N: at the wrist, through the sensor's
+    /// filter (time constant 20 ms), without its noise.
+    pub fn largest_force(&self) -> f64 {
+        self.largest_force
     }
 
     /// Robot time, s: counted in steps, so that it carries no rounding.
@@ -477,6 +489,8 @@ impl Twin {
         let noise =
             Vector6::from_fn(|axis, _| self.noise.normal(if axis < 3 { FORCE_NOISE } else { TORQUE_NOISE }));
         self.wrench += (reading + noise - self.wrench) * WRENCH_FILTER;
+        self.pressed += (reading.fixed_rows::<3>(0) - self.pressed) * WRENCH_FILTER;
+        self.largest_force = self.largest_force.max(self.pressed.norm());
         self.state = self.arm_state();
         self.sense();
         self.check_arm()

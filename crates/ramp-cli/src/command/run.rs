@@ -236,7 +236,14 @@ fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
     if result.ended.reason != "done" {
         let _ = writeln!(text, "ended early: {}", result.ended.reason);
     }
-    let _ = writeln!(text, "deepest penetration {:.2} mm", result.physics.deepest_penetration * 1e3);
+    if let Some(physics) = &result.physics {
+        let _ = writeln!(
+            text,
+            "deepest penetration {:.2} mm, largest force {:.0} N",
+            physics.deepest_penetration * 1e3,
+            physics.largest_force
+        );
+    }
     let _ = writeln!(text, "result: {}", output.display());
     let _ = writeln!(text, "curve:  {}\nlog:    {}", curve.display(), log.display());
     text

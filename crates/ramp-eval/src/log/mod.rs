@@ -20,8 +20,6 @@ pub use write::Recorder;
 
 /// The version of the form of logs.
 pub const SCHEMA: &str = "ramp-log-1";
-/// The version of the rules by which episodes are judged: what counts, what time is, what an agent may do.
-pub const RULES: &str = "ramp-rules-1";
 /// How the channel of the calls is encoded.
 pub const CALLS: &str = "ramp-calls-1";
 /// The ending of a log's name.
@@ -43,7 +41,7 @@ pub struct Sources<'a> {
 pub struct Header {
     /// [`SCHEMA`].
     pub schema: String,
-    /// [`RULES`] at that time.
+    /// [`crate::result::RULES`] at that time.
     pub rules: String,
     /// The goal.
     pub goal: GoalText,

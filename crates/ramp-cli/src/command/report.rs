@@ -1,0 +1,86 @@
+//! `ramp report`: results of one or several agents as one HTML file, as figures and tables, and as LaTeX.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use miette::{Report as Failure, miette};
+use ramp_eval::collection::collect;
+use ramp_eval::report::{Named, Report, page, paper, table};
+use ramp_eval::result::write_whole;
+
+use crate::DONE;
+use crate::data::{check_writable, print};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Folders of results, of one or several agents
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// The page to write
+    #[arg(short, long, value_name = "FILE", default_value = "report.html")]
+    output: PathBuf,
+    /// Also write a LaTeX table, for the package booktabs
+    #[arg(long, value_name = "FILE")]
+    paper: Option<PathBuf>,
+    /// Also write every figure as SVG and all numbers as CSV to a folder; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    check_writable(&arguments.output)?;
+    if let Some(path) = &arguments.paper {
+        check_writable(path)?;
+    }
+    let report = Report::new(collect(&arguments.folders)?);
+    let mut written = vec![arguments.output.display().to_string()];
+    write(&arguments.output, &page::html(&report))?;
+    if let Some(path) = &arguments.paper {
+        write(path, &paper::latex(&report))?;
+        written.push(path.display().to_string());
+    }
+    if let Some(folder) = &arguments.figures {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| miette!("cannot make the folder {}: {error}", folder.display()))?;
+        for (files, ending) in [(report.figures(), "svg"), (table::tables(&report), "csv")] {
+            for Named { name, text } in files {
+                write(&folder.join(format!("{name}.{ending}")), &text)?;
+            }
+        }
+        written.push(folder.display().to_string());
+    }
+    print(&summary(&report, &written))?;
+    Ok(DONE)
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    write_whole(path, text).map_err(|error| miette!("{error}"))
+}
+
+/// One line for each agent and class.
+fn summary(report: &Report, written: &[String]) -> String {
+    let mut text = String::new();
+    for note in &report.notes {
+        let _ = writeln!(text, "note: {note}");
+    }
+    for part in &report.tracks {
+        for class in &part.classes {
+            for line in &class.lines {
+                let sum = &line.summary;
+                let time = sum.time.map_or_else(String::new, |time| format!(", {:.1} s", time.total));
+                let _ = writeln!(
+                    text,
+                    "{}, {}, track {}: {} of {} episodes complete, completion {:.1} %{time}",
+                    report.label(line.entrant),
+                    class.name(),
+                    part.track,
+                    line.complete,
+                    sum.episodes,
+                    100.0 * sum.completion.mean,
+                );
+            }
+        }
+    }
+    let _ = writeln!(text, "report: {}", written.join(", "));
+    text
+}

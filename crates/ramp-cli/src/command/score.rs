@@ -1,0 +1,103 @@
+//! `ramp score`: the log of a real robot's run as results, and the form that such a log is written on.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use miette::{IntoDiagnostic, Report, miette};
+use ramp_assembly::Assembly;
+use ramp_eval::form::form;
+use ramp_eval::result::write_whole;
+use ramp_eval::stopwatch::{Log, read_log};
+use ramp_kit::Kit;
+use ramp_kit::drawing::pdf;
+
+use super::run::software;
+use crate::DONE;
+use crate::data::{Data, check_writable, print};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The log, as CSV
+    #[arg(required_unless_present = "form")]
+    log: Option<PathBuf>,
+    /// Write the form for the person with the stopwatch, to be printed on A4
+    #[arg(long, value_name = "GOAL", conflicts_with = "log", requires = "output")]
+    form: Option<String>,
+    /// Folder for the results, made if it is not there [default: results/score]; with --form, the PDF to write
+    #[arg(short, long, value_name = "DIR|FILE")]
+    output: Option<PathBuf>,
+}
+
+pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    let kit = data.kit()?;
+    if let (Some(goal), Some(path)) = (&arguments.form, &arguments.output) {
+        return write_form(data, &kit, goal, path);
+    }
+    let Some(path) = &arguments.log else { return Err(miette!("name a log")) };
+    let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results/score"));
+    if folder.exists() && !folder.is_dir() {
+        return Err(miette!(help = "name a folder with -o", "{} is not a folder", folder.display()));
+    }
+    let names = ramp_assembly::goal_names(&data.goals()).into_diagnostic()?;
+    let goals: Vec<Assembly> =
+        names.iter().map(|name| data.goal(name, &kit)).collect::<Result<_, Report>>()?;
+    let log = read_log(path, &kit, &goals, &software())?;
+    let mut text = String::new();
+    let mut files = Vec::new();
+    match log {
+        Log::Episodes(results) => {
+            for result in &results {
+                let _ = writeln!(
+                    text,
+                    "{}, track {}, repeat {}: {} of {} pegs, {:.1} s (planning {:.1} s), {}",
+                    result.goal,
+                    result.track,
+                    result.repeat,
+                    result.counted(),
+                    result.pegs.len(),
+                    result.time.total,
+                    result.time.planning,
+                    result.ended.reason
+                );
+                let name = format!("{}-{}-{}.json", result.goal, result.track, result.seed);
+                files.push((name, result.to_json()));
+            }
+        }
+        Log::Means(means) => {
+            for (index, it) in means.iter().enumerate() {
+                let _ = writeln!(
+                    text,
+                    "{}, {}, track {}: {:.0} % in {:.0} s, as published",
+                    it.name,
+                    it.class,
+                    it.track,
+                    100.0 * it.completion,
+                    it.total
+                );
+                let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+                let json = serde_json::to_string_pretty(it).into_diagnostic()?;
+                files.push((format!("{stem}-{}-{}.json", it.class, index + 1), json + "\n"));
+            }
+        }
+    }
+    std::fs::create_dir_all(&folder)
+        .map_err(|error| miette!("cannot make the folder {}: {error}", folder.display()))?;
+    for (name, json) in files {
+        write_whole(&folder.join(name), &json).map_err(|error| miette!("{error}"))?;
+    }
+    let _ = writeln!(text, "results: {}", folder.display());
+    print(&text)?;
+    Ok(DONE)
+}
+
+fn write_form(data: &Data, kit: &Kit, goal: &str, path: &Path) -> Result<u8, Report> {
+    check_writable(path)?;
+    if path.extension().is_none_or(|ending| ending != "pdf") {
+        return Err(miette!(help = "end the file's name in .pdf", "{} is no PDF file", path.display()));
+    }
+    let goal = data.goal(goal, kit)?;
+    let page = form(kit, &goal).into_diagnostic()?;
+    std::fs::write(path, pdf(&page.title, std::slice::from_ref(&page))).into_diagnostic()?;
+    print(&format!("form: {}\n", path.display()))?;
+    Ok(DONE)
+}

@@ -1,0 +1,113 @@
+//! `ramp score` and `ramp report` as a user has them: from a stopwatch log to a page.
+
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+fn ramp(folder: &TempDir, arguments: &[&str]) -> Output {
+    Command::cargo_bin("ramp").unwrap().current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn data(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name);
+    path.canonicalize().unwrap().display().to_string()
+}
+
+fn words(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes)
+        .replace(['│', '╭', '╰', '─', '·'], " ")
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+fn done(output: &Output) {
+    assert_eq!(output.status.code(), Some(0), "{}", words(&output.stderr));
+}
+
+fn refused(output: &Output, sentence: &str) {
+    let message = words(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains(sentence), "{message}");
+    assert!(output.stdout.is_empty());
+}
+
+/// Two agents by stopwatch, one with a name that would be markup, and the published means.
+fn results() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let log = std::fs::read_to_string(data("examples/stopwatch.csv")).unwrap();
+    std::fs::write(folder.path().join("log.csv"), &log).unwrap();
+    let other =
+        log.replace("agent,our-system", "agent,<script>alert(1)</script>").replace("1:51.2", "1:59.9");
+    std::fs::write(folder.path().join("other.csv"), other).unwrap();
+    done(&ramp(&folder, &["score", "log.csv", "-o", "one"]));
+    done(&ramp(&folder, &["score", "other.csv", "-o", "two"]));
+    done(&ramp(&folder, &["score", &data("published/ramp-baseline.csv"), "-o", "means"]));
+    folder
+}
+
+#[test]
+fn from_the_stopwatch_to_the_page_to_the_same_bits() {
+    let folder = results();
+    let report = ["report", "one", "two", "means", "--paper", "table.tex", "--figures", "figures"];
+    done(&ramp(&folder, &report));
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let page = read("report.html");
+    assert!(page.contains("RAMP baseline as published") && page.contains("our-system"));
+    assert!(!page.contains("<script>alert"), "a name became markup");
+    // Nothing is fetched from anywhere.
+    for word in ["http:", "https:", "src=", "@import", "url("] {
+        let without_names = page.replace("http://www.w3.org/2000/svg", "");
+        assert!(!without_names.contains(word), "{word}");
+    }
+    assert!(read("table.tex").contains("\\textless{}script\\textgreater{}"));
+    assert_eq!(read("figures/sums.csv").lines().count(), 5);
+    assert!(read("figures/curves-tags-easy.svg").starts_with("<svg"));
+    done(&ramp(&folder, &report));
+    assert_eq!(page, read("report.html"));
+}
+
+#[test]
+fn what_does_not_belong_together_is_refused() {
+    let folder = results();
+    let path = folder.path().join("one/easy-1-tags-1.json");
+    let sound = std::fs::read_to_string(&path).unwrap();
+    // What is replaced by what in a result, and what is said of it.
+    let cases = [
+        ("ramp-episode-2", "ramp-episode-1", "is of the schema `ramp-episode-1`"),
+        ("\"rules\": \"1\"", "\"rules\": \"0\"", "was judged by the rules of version 0, expected 1"),
+        ("\"completion\": 1.0", "\"completion\": 0.9", "`completion` is 0.9, and 3 of 3 pegs count"),
+        ("\"total\": 164.0", "\"total\": 163.0", "`time.total` is 163 s"),
+        ("\"t_robot\": 44.6", "\"t_robot\": 444.6", "C1 is pinned since 444.6 s"),
+        ("\"peg\": \"p2\"", "\"peg\": \"p1\"", "the peg p1 counts twice"),
+        ("\"track\": \"tags\"", "\"track\": \"eyes\"", "there is no track `eyes`"),
+        ("\"seed\": 1", "\"seed\": 2", "are two results of one episode"),
+        ("\"class\": \"easy\"", "\"class\": \"hard\"", "are of two goals called `easy-1`"),
+        ("\"seed\": 1,", "", "easy-1-tags-1.json:"),
+    ];
+    for (from, to, sentence) in cases {
+        assert!(sound.contains(from), "{from}");
+        std::fs::write(&path, sound.replacen(from, to, 1)).unwrap();
+        refused(&ramp(&folder, &["report", "one", "two"]), sentence);
+    }
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    refused(&ramp(&folder, &["report", "empty"]), "there is no result in empty");
+    refused(&ramp(&folder, &["report", "nowhere"]), "nowhere cannot be read");
+    assert!(!folder.path().join("report.html").exists());
+}
+
+#[test]
+fn a_wrong_log_writes_nothing_and_the_form_is_a_pdf() {
+    let folder = results();
+    std::fs::write(folder.path().join("bad.csv"), "log,ramp-stopwatch-1\nagent,x\n").unwrap();
+    refused(&ramp(&folder, &["score", "bad.csv", "-o", "new"]), "bad.csv:2:");
+    assert!(!folder.path().join("new").exists());
+    done(&ramp(&folder, &["score", "--form", "hard-3", "-o", "form.pdf"]));
+    assert!(std::fs::read(folder.path().join("form.pdf")).unwrap().starts_with(b"%PDF"));
+    refused(&ramp(&folder, &["score", "--form", "hard-33", "-o", "form2.pdf"]), "did you mean `hard-3`?");
+}

@@ -1,0 +1,64 @@
+//! Figures that others have published of a class, where single episodes are not known: means to be shown beside results,
+//! never added to them.
+
+use serde::{Deserialize, Serialize};
+
+/// The version of the schema of these files.
+pub const SCHEMA: &str = "ramp-published-1";
+
+/// What somebody has published of a class.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Published {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// What it is called in tables.
+    pub name: String,
+    /// The robot.
+    pub robot: String,
+    /// Where it is published.
+    pub source: String,
+    /// The class.
+    pub class: String,
+    /// Goals of it that were run.
+    pub goals: usize,
+    /// Repeats of each.
+    pub repeats: usize,
+    /// The track it belongs to.
+    pub track: String,
+    /// Mean completion, 0 to 1.
+    pub completion: f64,
+    /// Mean total time, s.
+    pub total: f64,
+    /// Shortest and longest planning time, s.
+    pub planning: [f64; 2],
+}
+
+impl Published {
+    /// Can these figures be?
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self) -> Result<(), String> {
+        if ramp_assembly::Class::ALL.iter().all(|class| class.name() != self.class) {
+            return Err(format!("there is no class `{}`", ramp_kit::source::shorten(&self.class)));
+        }
+        if ramp_robot::Track::ALL.iter().all(|track| track.name() != self.track) {
+            return Err(format!("there is no track `{}`", ramp_kit::source::shorten(&self.track)));
+        }
+        if self.goals == 0 || self.repeats == 0 {
+            return Err("no goal was run".to_string());
+        }
+        if !(0.0..=1.0).contains(&self.completion) {
+            return Err(format!("mean completion is {}, expected 0 to 1", self.completion));
+        }
+        if !(0.0..=1e7).contains(&self.total) {
+            return Err(format!("mean total time is {} s", self.total));
+        }
+        let [shortest, longest] = self.planning;
+        if !(0.0 <= shortest && shortest <= longest && longest <= self.total) {
+            return Err(format!("planning takes {shortest} to {longest} s of {} s in total", self.total));
+        }
+        Ok(())
+    }
+}
