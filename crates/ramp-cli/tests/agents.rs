@@ -17,7 +17,12 @@ fn agent(name: &str) -> PathBuf {
 fn ramp(folder: &TempDir, arguments: &[&str], file: &Path, way: &str) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_ramp"));
     command.current_dir(folder).args(arguments).arg("--agent").arg(file).env("BAD_WAY", way);
-    command.env("PYTHONDONTWRITEBYTECODE", "1").output().unwrap()
+    command.env("PYTHONDONTWRITEBYTECODE", "1").env("BAD_SLEEP", sleep()).output().unwrap()
+}
+
+/// A sleep that no other test has.
+fn sleep() -> String {
+    format!("9{:08}", std::process::id())
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -123,7 +128,8 @@ fn what_an_agent_has_started_ends_with_it() {
     ramp(&folder, &arguments, &agent("bad.py"), "leaves children");
     assert_eq!(file(&folder, "out.json")["ended"]["reason"], "done");
     let sleeping = std::fs::read_dir("/proc").unwrap().flatten().any(|entry| {
-        std::fs::read(entry.path().join("cmdline")).is_ok_and(|line| line == b"sleep\x00987654\x00")
+        std::fs::read_to_string(entry.path().join("cmdline"))
+            .is_ok_and(|line| line == format!("sleep\0{}\0", sleep()))
     });
     assert!(!sleeping);
 }

@@ -14,6 +14,8 @@ use crate::log::calls::{CallsError, Entry};
 use crate::log::{Header, Log};
 use crate::result::{EpisodeResult, RULES};
 
+/// The most entries in a row that let no robot time pass: more than any agent has use for.
+const MOST_IDLE: u32 = 1_000_000;
 /// The largest disturbance of the start that is believed, m or rad.
 const LARGEST_DISTURBANCE: f64 = 0.1;
 
@@ -82,7 +84,7 @@ pub enum ReplayError {
         result: String,
     },
     /// The header holds what cannot be.
-    #[error("the log's {what} cannot be: {found}")]
+    #[error("the log holds what cannot be as its {what}: {found}")]
     Impossible {
         /// What.
         what: &'static str,
@@ -194,7 +196,9 @@ fn call_again(
     log: &Log,
     differences: &mut Vec<Difference>,
 ) -> Result<Option<RobotError>, ReplayError> {
+    let mut idle = 0;
     for entry in log.calls() {
+        let time = judged.twin.time();
         let outcome = match entry? {
             Entry::Step(command, periods) => (0..periods).try_for_each(|_| judged.step(&command).map(|_| ())),
             Entry::ReadParts => judged.read_parts().map(|_| ()),
@@ -216,6 +220,11 @@ fn call_again(
         match outcome {
             Err(error) if error.is_final() => return Ok(Some(error)),
             _ => {}
+        }
+        idle = if judged.twin.time() > time { 0 } else { idle + 1 };
+        if idle > MOST_IDLE {
+            let found = format!("more than {MOST_IDLE} in a row let no robot time pass");
+            return Err(ReplayError::Impossible { what: "calls", found });
         }
     }
     Ok(None)
