@@ -50,7 +50,7 @@ pub enum CollectError {
         found: String,
     },
     /// A result by other rules.
-    #[error("{file} was judged by the rules of version {found}, expected {RULES}")]
+    #[error("{file} was judged by the rules {found}, expected {RULES}")]
     #[diagnostic(help("results of different rules are not added up: run these episodes again"))]
     Rules {
         /// The file.
@@ -129,6 +129,8 @@ pub struct Identity {
     pub agent: String,
     /// Its version.
     pub agent_version: String,
+    /// SHA-256 of its file, where it has one.
+    pub agent_sha256: Option<String>,
     /// The version of this software.
     pub version: String,
     /// The commit it was built from.
@@ -442,13 +444,14 @@ pub(crate) fn class_rank(class: Option<&str>) -> usize {
 impl Identity {
     fn of(result: &EpisodeResult) -> Identity {
         let EpisodeResult { track, agent, software, real, .. } = result;
-        let AgentInfo { name, version: agent_version, .. } = agent;
+        let AgentInfo { name, version: agent_version, sha256 } = agent;
         let Software { version, commit } = software;
         Identity {
             track_rank: Track::ALL.iter().position(|known| known.name() == track).unwrap_or(Track::ALL.len()),
             track: track.clone(),
             agent: name.clone(),
             agent_version: agent_version.clone(),
+            agent_sha256: sha256.clone(),
             version: version.clone(),
             commit: commit.clone(),
             real: real.clone(),

@@ -28,7 +28,7 @@ pub fn form(kit: &Kit, goal: &Assembly) -> Result<Drawing, SolidError> {
     let title = format!("{}: times of a real robot", goal.name);
     page.text([LEFT, 22.0], Align::Left, strokes::fit(&title, 6.0, right - LEFT), BLACK, &title);
     let about = format!(
-        "class {}, {} beams, {} pegs; rules of version {RULES}",
+        "class {}, {} beams, {} pegs; {RULES}",
         goal.class.map_or("none", |class| class.name()),
         goal.beams.len(),
         goal.connections.len()

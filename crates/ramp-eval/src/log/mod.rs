@@ -15,13 +15,12 @@ use sha2::{Digest, Sha256};
 
 use crate::result::Software;
 
+pub use crate::result::RULES;
 pub use read::Log;
 pub use write::Recorder;
 
 /// The version of the form of logs.
 pub const SCHEMA: &str = "ramp-log-1";
-/// The version of the rules by which episodes are judged: what counts, what time is, what an agent may do.
-pub const RULES: &str = "ramp-rules-1";
 /// How the channel of the calls is encoded.
 pub const CALLS: &str = "ramp-calls-1";
 /// The ending of a log's name.
