@@ -414,6 +414,11 @@ fn method() -> Markup {
     }
 }
 
+/// The first digits of a hash from a file.
+fn short(hash: Option<&str>) -> String {
+    hash.map_or_else(|| NONE.to_string(), |hash| hash.chars().take(16).collect())
+}
+
 fn origin(report: &Report) -> Markup {
     html! {
         h2 { "Where this comes from" }
@@ -436,7 +441,7 @@ fn origin(report: &Report) -> Markup {
                 table {
                     thead { tr {
                         th.name { "file" } th.name { "goal" } th { "seed" } th { "completion" } th { "total time" }
-                        th.name { "ended" } th.name { "SHA-256" }
+                        th.name { "ended" } th.name { "SHA-256" } th.name { "of its log" }
                     } }
                     tbody {
                         @for file in &entrant.files {
@@ -448,6 +453,7 @@ fn origin(report: &Report) -> Markup {
                                 td { (seconds(file.result.time.total)) }
                                 td.long { (file.result.ended.reason) }
                                 td.name { code { (&file.sha256[..16]) } }
+                                td.name { code { (short(file.result.log.as_deref())) } }
                             }
                         }
                     }
