@@ -101,6 +101,59 @@ fn what_does_not_belong_together_is_refused() {
     assert!(!folder.path().join("report.html").exists());
 }
 
+/// A stopwatch log of the whole easy class.
+fn whole_class() -> String {
+    let example = std::fs::read_to_string(data("examples/stopwatch.csv")).unwrap();
+    let mut log = example.split("easy-1,1,").next().unwrap().to_string();
+    for goal in ["easy-1", "easy-2", "easy-3"] {
+        for repeat in 1..=5 {
+            for line in ["planning,3", "C1,60", "C2,120", "end,200"] {
+                log.push_str(&format!("{goal},{repeat},{line}\n"));
+            }
+        }
+    }
+    log
+}
+
+#[test]
+fn a_leaderboard_takes_whole_classes_only() {
+    let folder = TempDir::new().unwrap();
+    let log = whole_class();
+    std::fs::write(folder.path().join("log.csv"), &log).unwrap();
+    done(&ramp(&folder, &["score", "log.csv", "-o", "all/one"]));
+    done(&ramp(&folder, &["leaderboard", "all", "-o", "site"]));
+    let page = std::fs::read_to_string(folder.path().join("site/index.html")).unwrap();
+    assert!(page.contains("real robots") && page.contains("agent-1.html") && page.contains("our-system"));
+    assert!(folder.path().join("site/agent-1.html").exists());
+    std::fs::remove_file(folder.path().join("all/one/easy-3-tags-4.json")).unwrap();
+    let output = ramp(&folder, &["leaderboard", "all", "-o", "site2"]);
+    refused(&output, "easy-3 was run with seeds 1, 2, 3, 5");
+    assert!(!folder.path().join("site2").exists());
+}
+
+#[test]
+fn goals_that_are_kept_back_are_promised_and_verified() {
+    let folder = TempDir::new().unwrap();
+    let goal = data("goals/easy-2.xml");
+    done(&ramp(&folder, &["goals", "commit", &goal, "-o", "held"]));
+    let verify = ["goals", "verify", "held/commitments.json", "held/reveal.json"];
+    done(&ramp(&folder, &verify));
+    // What is published tells nothing of the goal, and twice the same goal has two commitments.
+    let published = std::fs::read_to_string(folder.path().join("held/commitments.json")).unwrap();
+    assert!(!published.contains("beam"));
+    done(&ramp(&folder, &["goals", "commit", &goal, "-o", "again"]));
+    let again = std::fs::read_to_string(folder.path().join("again/commitments.json")).unwrap();
+    assert_ne!(published, again);
+    refused(&ramp(&folder, &["goals", "commit", &goal, "-o", "held"]), "is there already");
+    // Another goal is not what was promised.
+    let path = folder.path().join("held/reveal.json");
+    let revealed = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, revealed.replacen("b7", "b8", 1)).unwrap();
+    let output = ramp(&folder, &verify);
+    assert_eq!(output.status.code(), Some(1), "{}", words(&output.stderr));
+    assert!(words(&output.stdout).contains("is not the goal that was promised"));
+}
+
 #[test]
 fn a_wrong_log_writes_nothing_and_the_form_is_a_pdf() {
     let folder = results();

@@ -152,7 +152,7 @@ pub fn front(report: &Report) -> String {
                 @for real in [false, true] {
                     @let lines = ranked(report, &class.lines, real);
                     @if !lines.is_empty() {
-                        h2 { (class.name()) ", track " (part.track) @if real { ", real robots" } }
+                        h2 { "Class " (class.name()) ", track " (part.track) @if real { ", real robots" } }
                         @if real { p.soft { "By stopwatch: nobody can run these again." } }
                         (table(report, &lines))
                     }

@@ -60,7 +60,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Failure> {
     let count = files.len();
     let agents = write_site(collection, &arguments.output)?;
     print(&format!(
-        "{count} episodes run again, equal to the last bit; {agents} agents: {}\n",
+        "{count} episodes run again, equal to the last bit; {agents} {}: {}\n",
+        if agents == 1 { "agent" } else { "agents" },
         arguments.output.join("index.html").display()
     ))?;
     Ok(DONE)

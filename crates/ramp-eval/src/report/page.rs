@@ -177,7 +177,7 @@ fn track(report: &Report, part: &TrackPart) -> Markup {
             h3 { "Completion over time" }
             @if !class.lines.is_empty() { p.soft {
                 "Thick: mean of all episodes, with a band of one sample standard deviation. Dashed: the best episode. An \
-                 episode that has ended keeps what it had; the dot is where the last one ended. Time is planning, compute \
+                 episode that has ended keeps what it had: the dot is where the last one ended, and dots go on from there. Time is planning, compute \
                  and robot time together."
             } }
             div.charts {
