@@ -1,7 +1,9 @@
-//! Films of an episode as GIF, drawn by the renderer of the cameras, with a caption of the action and the clock.
+//! Films of an episode, drawn by the renderer of the cameras, with a caption of the action and the clock: as GIF, or as
+//! MP4 where there is ffmpeg.
 
-use std::fs::File;
-use std::io::BufWriter;
+mod gif;
+mod mp4;
+
 use std::path::Path;
 use std::sync::Arc;
 
@@ -19,11 +21,10 @@ use resvg::{tiny_skia, usvg};
 const SIZE: [usize; 2] = [800, 500];
 /// It is drawn so many times larger, so that edges are smooth.
 const FINER: usize = 2;
-/// Hundredths of a second that a frame is shown, and robot seconds from one to the next.
-const SHOWN: u16 = 8;
-const STEP: f64 = 0.64;
-/// How long the last frame stands, in hundredths of a second.
-const LAST: u16 = 300;
+/// How many times as fast as the work the film is.
+const SPEED: f64 = 8.0;
+/// How long the last frame stands, s.
+const LAST: f64 = 3.0;
 /// From what the free camera looks at to the camera, m, and its focal length in widths of the image.
 const OFFSET: [f64; 3] = [0.68, -0.80, 0.66];
 const FOCAL: f64 = 1.05;
@@ -31,8 +32,6 @@ const FOCAL: f64 = 1.05;
 const LOOKED_AT: f64 = 0.14;
 /// The free camera moves on when the tip is further than this from the middle, in halves of the image.
 const AWAY: f64 = 0.7;
-/// Colours of the palette; one more stands for what has not changed.
-const COLOURS: usize = 255;
 
 /// Whose eyes the film is seen through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -52,10 +51,7 @@ pub struct Film {
     model: CameraModel,
     renderer: Renderer,
     sensor: Sensor,
-    encoder: gif::Encoder<BufWriter<File>>,
-    palette: Option<Palette>,
-    /// Colours on the screen, as numbers of the palette.
-    screen: Vec<u8>,
+    writer: Writer,
     next: f64,
     /// What the free camera looks at, m.
     target: Option<Point3<f64>>,
@@ -63,22 +59,31 @@ pub struct Film {
     caption: String,
 }
 
-/// The colours of a film, chosen from its first frame.
-struct Palette {
-    quantiser: color_quant::NeuQuant,
-    /// For each colour of 15 bits its number, once it was asked for.
-    known: Vec<Option<u8>>,
+/// What becomes of the frames.
+enum Writer {
+    Gif(gif::Gif),
+    Mp4(mp4::Mp4),
 }
 
-impl Palette {
-    fn number(&mut self, pixel: &[u8]) -> u8 {
-        let [r, g, b] = [pixel[0], pixel[1], pixel[2]];
-        let key = usize::from(r >> 3) << 10 | usize::from(g >> 3) << 5 | usize::from(b >> 3);
-        let quantiser = &self.quantiser;
-        *self.known[key].get_or_insert_with(|| {
-            let middle = [r, g, b].map(|value| value & 0xf8 | 4);
-            quantiser.index_of(&[middle[0], middle[1], middle[2], 255]) as u8
-        })
+impl Writer {
+    fn new(path: &Path) -> Result<Writer, Report> {
+        match path.extension().and_then(|ending| ending.to_str()) {
+            Some("gif") => Ok(Writer::Gif(gif::Gif::new(path)?)),
+            Some("mp4") => Ok(Writer::Mp4(mp4::Mp4::new(path)?)),
+            _ => Err(miette!(
+                help = "end the file's name in .gif or .mp4",
+                "{} is neither a GIF nor an MP4 file",
+                path.display()
+            )),
+        }
+    }
+
+    /// How long a frame is shown, s.
+    fn shown(&self) -> f64 {
+        match self {
+            Writer::Gif(_) => gif::SHOWN,
+            Writer::Mp4(_) => mp4::SHOWN,
+        }
     }
 }
 
@@ -104,10 +109,7 @@ impl Film {
             From::BirdsEye => scaled(CameraModel::nominal(Camera::BirdsEye, setup.arm.hand.tip), w),
         };
         let renderer = Renderer::new(Arc::clone(&looks), &model);
-        let file = File::create(path).into_diagnostic()?;
-        let mut encoder =
-            gif::Encoder::new(BufWriter::new(file), width as u16, height as u16, &[]).into_diagnostic()?;
-        encoder.set_repeat(gif::Repeat::Infinite).into_diagnostic()?;
+        let writer = Writer::new(path)?;
         let track = setup.track.name();
         let title = format!("{}, track {track}, seed {}", setup.assembly.name, setup.seed);
         Ok(Film {
@@ -116,9 +118,7 @@ impl Film {
             model,
             renderer,
             sensor: Sensor::ideal(),
-            encoder,
-            palette: None,
-            screen: Vec::new(),
+            writer,
             next: 0.0,
             target: None,
             title,
@@ -135,18 +135,23 @@ impl Film {
         if twin.time() < self.next {
             return Ok(());
         }
-        self.next += STEP;
+        self.next += SPEED * self.writer.shown();
         let pixels = self.draw(twin)?;
-        self.write(&pixels, SHOWN)
+        match &mut self.writer {
+            Writer::Gif(gif) => gif.write(&pixels),
+            Writer::Mp4(mp4) => mp4.write(&pixels),
+        }
     }
 
     /// Lets the last frame stand for a while.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn end(mut self) -> Result<(), Report> {
-        let nothing = vec![COLOURS as u8];
-        self.write_part([0, 0, 1, 1], nothing, LAST)
+    pub fn end(self) -> Result<(), Report> {
+        match self.writer {
+            Writer::Gif(gif) => gif.end(),
+            Writer::Mp4(mp4) => mp4.end(),
+        }
     }
 
     fn draw(&mut self, twin: &Twin) -> Result<tiny_skia::Pixmap, Report> {
@@ -233,61 +238,6 @@ impl Film {
         let tree = usvg::Tree::from_str(&svg, &usvg::Options::default()).into_diagnostic()?;
         resvg::render(&tree, tiny_skia::Transform::identity(), &mut pixmap.as_mut());
         Ok(())
-    }
-
-    /// Writes the rectangle that has changed.
-    fn write(&mut self, pixmap: &tiny_skia::Pixmap, shown: u16) -> Result<(), Report> {
-        let [width, height] = SIZE;
-        let palette = self.palette.get_or_insert_with(|| Palette {
-            quantiser: color_quant::NeuQuant::new(5, COLOURS, pixmap.data()),
-            known: vec![None; 1 << 15],
-        });
-        let numbers: Vec<u8> = pixmap.data().chunks_exact(4).map(|pixel| palette.number(pixel)).collect();
-        let first = self.screen.is_empty();
-        let changed = |index: usize| first || self.screen[index] != numbers[index];
-        let mut around: Option<[usize; 4]> = None;
-        for index in (0..numbers.len()).filter(|index| changed(*index)) {
-            let (x, y) = (index % width, index / width);
-            let [left, top, right, low] = around.unwrap_or([x, y, x, y]);
-            around = Some([left.min(x), top.min(y), right.max(x), low.max(y)]);
-        }
-        // A frame that shows nothing new keeps the old one on for longer.
-        let [left, top, right, low] = around.unwrap_or([0, height - 1, 0, height - 1]);
-        let unchanged = COLOURS as u8;
-        let mut buffer = Vec::with_capacity((right + 1 - left) * (low + 1 - top));
-        for y in top..=low {
-            for x in left..=right {
-                let index = y * width + x;
-                buffer.push(if changed(index) { numbers[index] } else { unchanged });
-            }
-        }
-        self.screen = numbers;
-        self.write_part([left, top, right + 1 - left, low + 1 - top], buffer, shown)
-    }
-
-    /// Writes colours into a part of the screen: left, top, width and height.
-    fn write_part(
-        &mut self,
-        [left, top, width, height]: [usize; 4],
-        buffer: Vec<u8>,
-        shown: u16,
-    ) -> Result<(), Report> {
-        let mut colours =
-            self.palette.as_ref().map(|palette| palette.quantiser.color_map_rgb()).unwrap_or_default();
-        colours.resize(3 * (COLOURS + 1), 0);
-        let frame = gif::Frame {
-            delay: shown,
-            dispose: gif::DisposalMethod::Keep,
-            transparent: Some(COLOURS as u8),
-            left: left as u16,
-            top: top as u16,
-            width: width as u16,
-            height: height as u16,
-            palette: Some(colours),
-            buffer: buffer.into(),
-            ..gif::Frame::default()
-        };
-        self.encoder.write_frame(&frame).into_diagnostic()
     }
 }
 

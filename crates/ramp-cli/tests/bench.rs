@@ -61,7 +61,7 @@ fn is_gone(process: u32) -> bool {
 fn without_clock(value: &mut Value) {
     match value {
         Value::Object(map) => {
-            for name in ["planning", "compute", "total", "total_deviation", "t_total"] {
+            for name in ["planning", "compute", "total", "total_deviation", "t_total", "log"] {
                 map.remove(name);
             }
             map.values_mut().for_each(without_clock);
@@ -146,8 +146,10 @@ fn what_is_killed_and_started_again_gives_the_same_sums() {
         .collect();
     names.sort();
     let stems = ["easy-1-state-1", "easy-1-state-2"];
-    let expected: Vec<String> =
-        stems.iter().flat_map(|stem| [format!("{stem}.json"), format!("{stem}.svg")]).collect();
+    let expected: Vec<String> = stems
+        .iter()
+        .flat_map(|stem| ["json", "mcap", "svg"].map(|ending| format!("{stem}.{ending}")))
+        .collect();
     assert_eq!(names, [&[".lock".to_string()][..], &expected].concat());
 
     // The table for a person; then the folder becomes one of another version.

@@ -102,7 +102,10 @@ fn run_builds_easy_1_and_writes_result_and_curve() {
     );
     let (said, told) = (text(&output.stdout), text(&output.stderr));
     assert_eq!(output.status.code(), Some(0), "{said}{told}");
-    assert!(said.contains("3 of 3 pegs") && said.contains("out.json") && said.contains("out.svg"), "{said}");
+    assert!(said.contains("3 of 3 pegs"), "{said}");
+    for file in ["out.json", "out.svg", "out.mcap"] {
+        assert!(said.contains(file) && folder.path().join(file).exists(), "{said}");
+    }
     assert!(told.contains("fasten C1"), "progress goes to standard error: {told}");
     let result: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(folder.path().join("out.json")).unwrap()).unwrap();
@@ -143,6 +146,11 @@ fn bad_usage_is_refused() {
     refused(&folder, &["run", "easy-1", "--track", "telepathy"], &["telepathy"]);
     refused(&folder, &["run", "easy-1", "-o", "nowhere/out.json"], &["no folder nowhere"]);
     refused(&folder, &["run", "easy-1", "-o", "out.svg"], &["where the curve goes"]);
+    refused(&folder, &["run", "easy-1", "-o", "out.mcap"], &["where the log goes"]);
+    refused(&folder, &["run", "easy-1", "--record", "nowhere/out.mcap"], &["no folder nowhere"]);
+    refused(&folder, &["run", "easy-1", "--agent-limit", "nan"], &["a number of seconds"]);
+    refused(&folder, &["run", "easy-1", "--video", "film.avi"], &["neither a GIF nor an MP4"]);
+    refused(&folder, &["replay", "nowhere.mcap"], &["nowhere.mcap"]);
     refused(&folder, &["--data", "nowhere", "goals"], &["no kit.xml"]);
 }
 

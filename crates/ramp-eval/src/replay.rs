@@ -11,8 +11,8 @@ use ramp_twin::{Disturbance, Setup, Twin, TwinError};
 
 use crate::episode::{Judged, Watcher, completion};
 use crate::log::calls::{CallsError, Entry};
-use crate::log::{Header, Log, RULES};
-use crate::result::EpisodeResult;
+use crate::log::{Header, Log};
+use crate::result::{EpisodeResult, RULES};
 
 /// The largest disturbance of the start that is believed, m or rad.
 const LARGEST_DISTURBANCE: f64 = 0.1;

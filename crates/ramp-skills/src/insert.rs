@@ -1,8 +1,8 @@
 //! Inserting a beam: a male of it into the assembly (square), or males of the assembly into it (cap).
 
-use nalgebra::{Point2, Translation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Point2, Point3, Translation3, UnitQuaternion, Vector2, Vector3};
 use ramp_assembly::JointRef;
-use ramp_kit::joint::{self, BODY_WIDTH, FEMALE_HEIGHT};
+use ramp_kit::joint::{self, BODY_WIDTH, EXTRUSION, FEMALE_HEIGHT};
 
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
@@ -40,6 +40,16 @@ const LOOSE_BUMP: (f64, f64) = (3.0e-3, 1.0 / 180.0 * std::f64::consts::PI);
 const FEEL_SIZE: [f64; 2] = [0.8e-3, 2.0e-3];
 /// Swing about the vertical and about the horizontal across the way, rad.
 const FEEL_TURN: [f64; 2] = [0.014, 0.007];
+/// A height known this well needs no touch, m.
+const TRUSTED: f64 = 0.05e-3;
+/// How far a beam backs off from an edge before it touches the floor of the sleeve, m.
+const TOUCH_BACK: f64 = 10.0e-3;
+/// How far below the beam the floor is, about, m.
+const TOUCH_DEPTH: f64 = 3.6e-3;
+/// Force of the touch, N, and its speed, m/s.
+const TOUCH_FORCE: f64 = 1.5;
+/// See [`TOUCH_FORCE`].
+const TOUCH_SPEED: f64 = 5.0e-3;
 /// How often a part that does not move is looked at, s.
 const LOOK_EVERY: f64 = 3.0;
 /// Progress that counts as having moved, m.
@@ -276,7 +286,7 @@ impl Workcell<'_, '_> {
         self.regrip(&name)?;
         let place = self.target(beam)?;
         let direction = self.way_in(beam, &place)?;
-        let goal = Translation3::from(direction * self.way(beam)?.depth) * place;
+        let mut goal = Translation3::from(direction * self.way(beam)?.depth) * place;
         // A beam that stands on the table is pressed on it a little when it caps, and slides over it otherwise.
         let stands = self.assembly.beams[beam].beam.stands_at_assembled_height();
         let height: f64 = if cap {
@@ -312,6 +322,9 @@ impl Workcell<'_, '_> {
         if stopped {
             let mut remaining = self.remaining(&name, &goal, &direction)?;
             if remaining > HOME && !cap {
+                if let Some(sleeve) = self.sleeve(beam) {
+                    goal.translation.z += self.touch_floor(&name, sleeve, &direction)?;
+                }
                 self.feel_in(&name, &goal, &direction, !loose.is_empty())?;
                 remaining = self.remaining(&name, &goal, &direction)?;
             }
@@ -379,6 +392,52 @@ impl Workcell<'_, '_> {
         self.release()?;
         self.reckon_heights(beam);
         seated
+    }
+
+    /// How much higher than believed a beam is to go through a sleeve, m: backs off from the edge that it stands on,
+    /// lowers the beam on the sleeve's floor, and compares. 0 when that tells nothing.
+    fn touch_floor(
+        &mut self,
+        part: &str,
+        sleeve: JointRef,
+        direction: &Vector3<f64>,
+    ) -> Result<f64, SkillError> {
+        let hole = self.belief.hole(self.assembly, sleeve)?;
+        let inside = |x_wp: &Pose| Point3::new(x_wp.inverse_transform_point(&hole).x, 0.0, 0.0);
+        if self.belief.deviation(part, &inside(&self.belief.pose(part)?))[1] < TRUSTED {
+            return Ok(0.0);
+        }
+        let mut back = self.hand.setpoint;
+        back.translation.vector = self.hand.seen.x_wt.translation.vector - direction * TOUCH_BACK;
+        self.hand.go(&back, SPEED)?;
+        self.hand.wait(0.1)?;
+        self.hand.zero()?;
+        let mut down = self.hand.setpoint;
+        down.translation.z -= 2.0 * TOUCH_DEPTH;
+        let touched = self.hand.drive(&down, TOUCH_SPEED, |hand| -hand.force().z > TOUCH_FORCE)?;
+        self.glance()?;
+        let x_wp = self.belief.pose(part)?;
+        let believed = (x_wp * inside(&x_wp)).z;
+        self.hand.go(&back, SPEED)?;
+        self.hand.wait(0.1)?;
+        // On the floor lies the extrusion, or a joint's body.
+        let floor = (FEMALE_HEIGHT - BODY_WIDTH) / 2.0 - joint::CLEARANCE;
+        let off = [EXTRUSION, BODY_WIDTH].map(|width| believed - (floor + width / 2.0));
+        let off = off.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or_default();
+        if !touched || off.abs() > TOUCH_DEPTH / 2.0 {
+            return Ok(0.0);
+        }
+        self.note("search", format!("{part} touched the floor {:.2} mm off", off * 1e3));
+        Ok(off)
+    }
+
+    /// The sleeve of another beam that this beam goes through first.
+    fn sleeve(&self, beam: usize) -> Option<JointRef> {
+        let through = self.assembly.connections.iter().find(|connection| {
+            let male = &self.assembly.beams[connection.male.beam].beam.joints[connection.male.joint];
+            connection.male.beam == beam && !male.kind.is_end() && self.meets(connection.female, beam)
+        });
+        through.map(|connection| connection.female)
     }
 
     /// Feels a stalled beam in: a light push along its way, and a slow swing of growing size across it, up and down,

@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Also write the scene as MJCF, with keyframes `start` and `end`, for any MuJoCo viewer
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
-    /// Also make a film of the work, as GIF, eight times as fast
+    /// Also make a film of the work, as GIF or with ffmpeg as MP4, eight times as fast
     #[arg(long, value_name = "FILE")]
     video: Option<PathBuf>,
     /// Whose eyes the film is seen through

@@ -3,7 +3,7 @@
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector6};
 use ramp_assembly::Assembly;
-use ramp_kit::{Kit, tags};
+use ramp_kit::{Kit, joint, tags};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::camera::Mount;
 use ramp_robot::{
@@ -479,6 +479,14 @@ impl Goal<'_> {
             "time_limit": ramp_twin::twin::TIME_LIMIT,
             "beams": beams,
             "pegs": pegs,
+            "dimensions": {
+                "female_height": joint::FEMALE_HEIGHT,
+                "hole_radius": joint::HOLE_RADIUS,
+                "peg_head_width": joint::HEAD_WIDTH,
+                "peg_head_height": joint::HEAD_HEIGHT,
+                "peg_stem_length": joint::STEM_LENGTH,
+                "peg_stem_radius": joint::STEM_RADIUS,
+            },
             "connections": connections,
             "insertions": insertions,
             "arm": {

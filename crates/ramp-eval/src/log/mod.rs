@@ -42,7 +42,7 @@ pub struct Sources<'a> {
 pub struct Header {
     /// [`SCHEMA`].
     pub schema: String,
-    /// [`RULES`] at that time.
+    /// [`crate::result::RULES`] at that time.
     pub rules: String,
     /// The goal.
     pub goal: GoalText,

@@ -13,11 +13,9 @@ use ramp_twin::{Setup, Twin};
 use serde_json::{Value, json};
 
 use super::calls::Encoder;
-use super::{
-    ArmText, CALLS, DisturbanceText, GoalText, Header, KitText, LogError, RULES, SCHEMA, Sources, sha256,
-};
+use super::{ArmText, CALLS, DisturbanceText, GoalText, Header, KitText, LogError, SCHEMA, Sources, sha256};
 use crate::referee::{Referee, Seated};
-use crate::result::{EpisodeResult, Software};
+use crate::result::{EpisodeResult, RULES, Software};
 
 /// Signals are written once in so many periods: 100 a second.
 const SIGNALS_EVERY: u64 = 10;

@@ -1,0 +1,80 @@
+//! Frames as MP4, by ffmpeg where the machine has it.
+
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use miette::{IntoDiagnostic, Report, miette};
+use resvg::tiny_skia;
+
+use super::{LAST, SIZE};
+
+/// How long a frame is shown, s.
+pub const SHOWN: f64 = 0.04;
+
+/// An MP4 that is being written.
+pub struct Mp4 {
+    path: PathBuf,
+    ffmpeg: Child,
+    last: Vec<u8>,
+}
+
+impl Mp4 {
+    /// An empty film.
+    ///
+    /// # Errors
+    /// When there is no ffmpeg.
+    pub fn new(path: &Path) -> Result<Mp4, Report> {
+        let [width, height] = SIZE;
+        let ffmpeg = Command::new("ffmpeg")
+            .args(["-y", "-loglevel", "error", "-f", "rawvideo", "-pixel_format", "rgba"])
+            .args(["-video_size", &format!("{width}x{height}"), "-framerate", &(1.0 / SHOWN).to_string()])
+            .args(["-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart"])
+            // A name that begins with a dash is still a name.
+            .arg(Path::new(".").join(path))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .spawn()
+            .map_err(|error| {
+                let why = match error.kind() {
+                    ErrorKind::NotFound => "there is no ffmpeg on the PATH".to_string(),
+                    _ => format!("ffmpeg cannot be started: {error}"),
+                };
+                miette!(
+                    help = "install ffmpeg, or end the file's name in .gif",
+                    "{} cannot be written: {why}",
+                    path.display()
+                )
+            })?;
+        Ok(Mp4 { path: path.to_path_buf(), ffmpeg, last: Vec::new() })
+    }
+
+    /// Adds a frame.
+    ///
+    /// # Errors
+    /// When ffmpeg takes no more.
+    pub fn write(&mut self, pixmap: &tiny_skia::Pixmap) -> Result<(), Report> {
+        self.last = pixmap.data().to_vec();
+        self.write_last()
+    }
+
+    fn write_last(&mut self) -> Result<(), Report> {
+        let Some(input) = &mut self.ffmpeg.stdin else { return Ok(()) };
+        input
+            .write_all(&self.last)
+            .map_err(|error| miette!("ffmpeg does not write {}: {error}", self.path.display()))
+    }
+
+    /// Lets the last frame stand for a while, and waits until the file is written.
+    ///
+    /// # Errors
+    /// When ffmpeg fails.
+    pub fn end(mut self) -> Result<(), Report> {
+        for _ in 0..(LAST / SHOWN) as usize {
+            self.write_last()?;
+        }
+        drop(self.ffmpeg.stdin.take());
+        let status = self.ffmpeg.wait().into_diagnostic()?;
+        if status.success() { Ok(()) } else { Err(miette!("ffmpeg could not write {}", self.path.display())) }
+    }
+}
