@@ -17,7 +17,12 @@ fn agent(name: &str) -> PathBuf {
 fn ramp(folder: &TempDir, arguments: &[&str], file: &Path, way: &str) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_ramp"));
     command.current_dir(folder).args(arguments).arg("--agent").arg(file).env("BAD_WAY", way);
-    command.env("PYTHONDONTWRITEBYTECODE", "1").output().unwrap()
+    command.env("PYTHONDONTWRITEBYTECODE", "1").env("BAD_SLEEP", sleep()).output().unwrap()
+}
+
+/// A sleep that no other test has.
+fn sleep() -> String {
+    format!("9{:08}", std::process::id())
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -52,6 +57,25 @@ fn an_agent_in_python_gets_what_its_track_gives() {
             .unwrap();
         assert_eq!(replay.status.code(), Some(0), "{}{}", text(&replay.stdout), text(&replay.stderr));
     }
+}
+
+/// The example of the book works: a corner of two beams, pinned by plain Python.
+#[test]
+fn the_example_builds_a_corner() {
+    let folder = TempDir::new().unwrap();
+    let goal = r#"<assembly>
+  <component beam="b7" base="True"/>
+  <component beam="b4"/>
+  <connection name="C1">
+    <element component="b4" joint="b4j1"/>
+    <element component="b7" joint="b7j1"/>
+  </connection>
+</assembly>"#;
+    std::fs::write(folder.path().join("corner.xml"), goal).unwrap();
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/agents/build.py");
+    let output = ramp(&folder, &["run", "./corner.xml", "--track", "state", "-o", "out.json"], &example, "");
+    assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
+    assert_eq!(file(&folder, "out.json")["completion"], 1.0);
 }
 
 /// Each way to behave badly ends in a result that says so, soon, and without much memory.
@@ -104,9 +128,49 @@ fn what_an_agent_has_started_ends_with_it() {
     ramp(&folder, &arguments, &agent("bad.py"), "leaves children");
     assert_eq!(file(&folder, "out.json")["ended"]["reason"], "done");
     let sleeping = std::fs::read_dir("/proc").unwrap().flatten().any(|entry| {
-        std::fs::read(entry.path().join("cmdline")).is_ok_and(|line| line == b"sleep\x00987654\x00")
+        std::fs::read_to_string(entry.path().join("cmdline"))
+            .is_ok_and(|line| line == format!("sleep\0{}\0", sleep()))
     });
     assert!(!sleeping);
+}
+
+/// Not even when its run is killed and can do nothing any more.
+#[test]
+fn an_agent_does_not_outlive_a_run_that_is_killed() {
+    let folder = TempDir::new().unwrap();
+    let mut run = Command::new(env!("CARGO_BIN_EXE_ramp"))
+        .current_dir(&folder)
+        .args(["run", "easy-1", "--track", "state", "-o", "out.json", "--agent"])
+        .arg(agent("bad.py"))
+        .env("BAD_WAY", "silent")
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let children = format!("/proc/{0}/task/{0}/children", run.id());
+    let begin = Instant::now();
+    let process = loop {
+        let list = std::fs::read_to_string(&children).unwrap();
+        let found = list.split_whitespace().next().map(|word| format!("/proc/{word}"));
+        // It is the agent's once Python runs in it.
+        let line = found.as_ref().and_then(|it| std::fs::read_to_string(format!("{it}/cmdline")).ok());
+        match (found, line) {
+            (Some(process), Some(line)) if line.contains("bad.py") && !line.contains("agent-process") => {
+                break process;
+            }
+            _ => assert!(begin.elapsed() < Duration::from_secs(60), "there is no agent"),
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    };
+    run.kill().unwrap();
+    run.wait().unwrap();
+    let gone = || {
+        let stat = std::fs::read_to_string(format!("{process}/stat"));
+        stat.map_or(true, |text| text.rsplit(')').next().unwrap().trim_start().starts_with('Z'))
+    };
+    while !gone() {
+        assert!(begin.elapsed() < Duration::from_secs(60), "the agent lives on");
+        std::thread::sleep(Duration::from_millis(10));
+    }
 }
 
 /// A bench goes on, scores every episode, and stays with one agent.

@@ -3,7 +3,7 @@
 //! Data passes one way: [`episode`] lets an agent work in the twin while [`referee`] watches the truth; what comes
 //! out is a [`result::EpisodeResult`], one JSON file of a published schema; [`curve`] draws it. [`perception`] makes images with
 //! labels, and judges detectors on them. [`summary`] adds up the episodes of a goal or a class. [`log`] keeps all that an
-//! episode was, and [`replay`] runs it again from there.
+//! episode was, and [`mod@replay`] runs it again from there.
 //! [`collection`] reads folders of results, and [`report`] compares the agents in them, with [`statistics`] and with
 //! what the events tell of each [`activity`]; [`published`] holds means that others have given.
 

@@ -14,6 +14,8 @@ use crate::log::calls::{CallsError, Entry};
 use crate::log::{Header, Log};
 use crate::result::{EpisodeResult, RULES};
 
+/// The most entries in a row that let no robot time pass: more than any agent has use for.
+const MOST_IDLE: u32 = 1_000_000;
 /// The largest disturbance of the start that is believed, m or rad.
 const LARGEST_DISTURBANCE: f64 = 0.1;
 
@@ -82,7 +84,7 @@ pub enum ReplayError {
         result: String,
     },
     /// The header holds what cannot be.
-    #[error("the log's {what} cannot be: {found}")]
+    #[error("the log holds what cannot be as its {what}: {found}")]
     Impossible {
         /// What.
         what: &'static str,
@@ -194,7 +196,9 @@ fn call_again(
     log: &Log,
     differences: &mut Vec<Difference>,
 ) -> Result<Option<RobotError>, ReplayError> {
+    let mut idle = 0;
     for entry in log.calls() {
+        let time = judged.twin.time();
         let outcome = match entry? {
             Entry::Step(command, periods) => (0..periods).try_for_each(|_| judged.step(&command).map(|_| ())),
             Entry::ReadParts => judged.read_parts().map(|_| ()),
@@ -216,6 +220,11 @@ fn call_again(
         match outcome {
             Err(error) if error.is_final() => return Ok(Some(error)),
             _ => {}
+        }
+        idle = if judged.twin.time() > time { 0 } else { idle + 1 };
+        if idle > MOST_IDLE {
+            let found = format!("more than {MOST_IDLE} in a row let no robot time pass");
+            return Err(ReplayError::Impossible { what: "calls", found });
         }
     }
     Ok(None)
@@ -244,6 +253,8 @@ fn compare(
     }
     differ("completion".into(), logged.completion.to_string(), replayed.completion.to_string());
     differ("robot time".into(), logged.time.robot.to_string(), replayed.time.robot.to_string());
+    let told = |told: bool| if told { "told" } else { "missing" }.to_string();
+    differ("physics".into(), told(logged.physics.is_some()), told(replayed.physics.is_some()));
     if let (Some(logged), Some(replayed)) = (&logged.physics, &replayed.physics) {
         differ(
             "deepest penetration".into(),
@@ -261,6 +272,7 @@ fn compare(
 /// What the start of the log and its result must both say.
 fn check_agreement(header: &Header, result: &EpisodeResult) -> Result<(), ReplayError> {
     let pairs = [
+        ("rules", header.rules.clone(), result.rules.clone()),
         ("goal", header.goal.name.clone(), result.goal.clone()),
         ("track", header.track.clone(), result.track.clone()),
         ("seed", header.seed.to_string(), result.seed.to_string()),

@@ -60,7 +60,8 @@ fn a_log_replays_to_the_bit_and_a_changed_one_does_not() {
 
     // One bit of one command, at 0.7 s.
     let bent = with_calls(&bytes, |index, entry| {
-        if let Entry::Step(Command { arm: ArmCommand::JointPositions(positions), .. }, _) = entry
+        if let Entry::Step(command, _) = entry
+            && let ArmCommand::JointPositions(positions) = &mut command.arm
             && index == 710
         {
             positions[0] = f64::from_bits(positions[0].to_bits() + 1);

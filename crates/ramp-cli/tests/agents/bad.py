@@ -63,7 +63,8 @@ def main():
             sys.stderr.write("and then, and then, " * 1000)
     elif way == "leaves children":
         for _ in range(3):
-            subprocess.Popen(["sleep", "987654"], start_new_session=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+            quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL}
+            subprocess.Popen(["sleep", os.environ["BAD_SLEEP"]], start_new_session=True, **quiet)
         tell({"done": {}})
     hear()
 

@@ -22,6 +22,8 @@ pub const PROTOCOL: u32 = 1;
 pub const LONGEST_MESSAGE: usize = 4 << 20;
 /// The longest name and the longest version, characters.
 const LONGEST_NAME: usize = 64;
+/// The longest reason that may hold an agent's own words, characters.
+const LONGEST_REASON: usize = 200;
 /// How far the length of a quaternion may be from one.
 const QUATERNION: f64 = 1e-3;
 /// The longest time that planning can have taken, s.
@@ -285,9 +287,14 @@ pub fn parse(line: &[u8]) -> Result<Request, String> {
         let no_number = ["NaN", "Infinity"].into_iter().find(|word| text.contains(word));
         match no_number {
             Some(word) if error.is_syntax() => format!("holds {word}, which is no number for a robot"),
-            _ => format!("is not understood: {}", ramp_kit::source::shorten(&error.to_string())),
+            _ => format!("is not understood: {}", plain(&error.to_string())),
         }
     })
+}
+
+/// A message that may hold an agent's own words: not longer than a line or two, and no control characters.
+fn plain(text: &str) -> String {
+    text.chars().take(LONGEST_REASON).map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 /// What an agent is told.

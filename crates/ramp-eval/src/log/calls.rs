@@ -26,7 +26,7 @@ const STATE: u8 = 10;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Entry {
     /// This command for so many periods.
-    Step(Command, u64),
+    Step(Box<Command>, u64),
     /// The parts were read.
     ReadParts,
     /// An image was taken.
@@ -343,7 +343,9 @@ impl<'b> Decoder<'b> {
             REPEAT => {
                 let count = self.number()?;
                 match self.past.last {
-                    Some(row) if (1..=MOST_PERIODS).contains(&count) => Ok(Entry::Step(row.command(), count)),
+                    Some(row) if (1..=MOST_PERIODS).contains(&count) => {
+                        Ok(Entry::Step(Box::new(row.command()), count))
+                    }
                     _ => Err(CallsError::Repeat { entry }),
                 }
             }
@@ -362,7 +364,7 @@ impl<'b> Decoder<'b> {
                     };
                 }
                 self.past.push(row, width);
-                Ok(Entry::Step(row.command(), 1))
+                Ok(Entry::Step(Box::new(row.command()), 1))
             }
         }
     }

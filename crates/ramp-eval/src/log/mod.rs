@@ -1,8 +1,8 @@
 //! Logs: one MCAP file an episode, from which it can be looked at, judged again, and run again bit by bit.
 //!
 //! A log holds what the episode was made from ([`Header`]), every call of the agent to its last bit ([`calls`]) with
-//! hashes of the physics state on the way, signals for viewers, and the result. [`write`] makes it while the episode
-//! runs, [`read`] takes it apart, and [`crate::replay`] runs it again. The truth is in it: an agent never gets the file.
+//! hashes of the physics state on the way, signals for viewers, and the result. [`mod@write`] makes it while the episode
+//! runs, [`read`] takes it apart, and [`mod@crate::replay`] runs it again. The truth is in it: an agent never gets the file.
 
 pub mod calls;
 pub mod read;

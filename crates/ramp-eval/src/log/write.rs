@@ -69,7 +69,7 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Opens a log for an episode. It is written beside `path` and moved there by [`Recorder::finish`].
+    /// Opens a log for an episode. It is written beside `path` and moved there when it is whole.
     ///
     /// # Errors
     /// When the file cannot be written.
