@@ -112,15 +112,11 @@ impl Workcell<'_, '_> {
 
     /// The beams, by name, that this beam passes through and that fewer than two pegs hold.
     fn loose_sleeves(&self, beam: usize) -> Vec<String> {
-        let through = self.assembly.connections.iter().filter(|connection| {
-            let male = &self.assembly.beams[beam].beam.joints[connection.male.joint];
-            connection.male.beam == beam && !male.kind.is_end() && self.meets(connection.female, beam)
-        });
         let pins = |beam: usize| {
             let pinned = self.pinned.iter().map(|(index, _)| &self.assembly.connections[*index]);
             pinned.filter(|connection| self.assembly.sides(connection, beam).is_some()).count()
         };
-        let loose = through.map(|connection| connection.female.beam);
+        let loose = self.sleeves(beam).map(|sleeve| sleeve.beam);
         let loose = loose.filter(|&sleeve| sleeve != self.assembly.base && pins(sleeve) < 2);
         loose.map(|sleeve| self.assembly.beams[sleeve].beam.name.clone()).collect()
     }
@@ -333,7 +329,7 @@ impl Workcell<'_, '_> {
         if stopped {
             let mut remaining = self.remaining(&name, &goal, &direction)?;
             if remaining > HOME && !cap {
-                if let Some(sleeve) = self.sleeve(beam) {
+                if let Some(sleeve) = self.sleeves(beam).next() {
                     goal.translation.z += self.touch_floor(&name, sleeve, &direction)?;
                 }
                 self.feel_in(&name, &goal, &direction, !loose.is_empty())?;
@@ -442,9 +438,9 @@ impl Workcell<'_, '_> {
         Ok(off)
     }
 
-    /// The sleeve of another beam that this beam goes through first.
-    fn sleeve(&self, beam: usize) -> Option<JointRef> {
-        let through = self.assembly.connections.iter().find(|connection| {
+    /// The sleeves of other beams that this beam goes through.
+    fn sleeves(&self, beam: usize) -> impl Iterator<Item = JointRef> {
+        let through = self.assembly.connections.iter().filter(move |connection| {
             let male = &self.assembly.beams[connection.male.beam].beam.joints[connection.male.joint];
             connection.male.beam == beam && !male.kind.is_end() && self.meets(connection.female, beam)
         });
