@@ -329,7 +329,8 @@ impl Workcell<'_, '_> {
         if stopped {
             let mut remaining = self.remaining(&name, &goal, &direction)?;
             if remaining > HOME && !cap {
-                if let Some(sleeve) = self.sleeves(beam).next() {
+                let sleeve = self.sleeves(beam).next();
+                if let Some(sleeve) = sleeve {
                     goal.translation.z += self.touch_floor(&name, sleeve, &direction)?;
                 }
                 self.feel_in(&name, &goal, &direction, !loose.is_empty())?;
