@@ -56,6 +56,8 @@ enum Command {
     Replay(command::replay::Arguments),
     /// Make a report of results: tables, curves, comparisons
     Report(command::report::Arguments),
+    /// Make a site of the results of many, each run again from its log
+    Leaderboard(command::leaderboard::Arguments),
     /// Score a real robot's run from a stopwatch log, or print the form for it
     Score(command::score::Arguments),
     /// See a goal through the cameras: images, what is found in them, data sets
@@ -84,6 +86,7 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => command::bench::run(&data, &arguments),
         Command::Replay(arguments) => command::replay::run(&arguments),
         Command::Report(arguments) => command::report::run(&arguments),
+        Command::Leaderboard(arguments) => command::leaderboard::run(&data, &arguments),
         Command::Score(arguments) => command::score::run(&data, &arguments),
         Command::See(arguments) => command::see::run(&data, &arguments),
         Command::Kit(arguments) => command::kit::run(&data, &arguments),

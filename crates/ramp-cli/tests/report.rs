@@ -80,7 +80,7 @@ fn what_does_not_belong_together_is_refused() {
     // What is replaced by what in a result, and what is said of it.
     let cases = [
         ("ramp-episode-2", "ramp-episode-1", "is of the schema `ramp-episode-1`"),
-        ("\"rules\": \"1\"", "\"rules\": \"0\"", "was judged by the rules of version 0, expected 1"),
+        ("ramp-rules-1", "ramp-rules-0", "was judged by the rules ramp-rules-0"),
         ("\"completion\": 1.0", "\"completion\": 0.9", "`completion` is 0.9, and 3 of 3 pegs count"),
         ("\"total\": 164.0", "\"total\": 163.0", "`time.total` is 163 s"),
         ("\"t_robot\": 44.6", "\"t_robot\": 444.6", "C1 is pinned since 444.6 s"),
@@ -99,6 +99,59 @@ fn what_does_not_belong_together_is_refused() {
     refused(&ramp(&folder, &["report", "empty"]), "there is no result in empty");
     refused(&ramp(&folder, &["report", "nowhere"]), "nowhere cannot be read");
     assert!(!folder.path().join("report.html").exists());
+}
+
+/// A stopwatch log of the whole easy class.
+fn whole_class() -> String {
+    let example = std::fs::read_to_string(data("examples/stopwatch.csv")).unwrap();
+    let mut log = example.split("easy-1,1,").next().unwrap().to_string();
+    for goal in ["easy-1", "easy-2", "easy-3"] {
+        for repeat in 1..=5 {
+            for line in ["planning,3", "C1,60", "C2,120", "end,200"] {
+                log.push_str(&format!("{goal},{repeat},{line}\n"));
+            }
+        }
+    }
+    log
+}
+
+#[test]
+fn a_leaderboard_takes_whole_classes_only() {
+    let folder = TempDir::new().unwrap();
+    let log = whole_class();
+    std::fs::write(folder.path().join("log.csv"), &log).unwrap();
+    done(&ramp(&folder, &["score", "log.csv", "-o", "all/one"]));
+    done(&ramp(&folder, &["leaderboard", "all", "-o", "site"]));
+    let page = std::fs::read_to_string(folder.path().join("site/index.html")).unwrap();
+    assert!(page.contains("real robots") && page.contains("agent-1.html") && page.contains("our-system"));
+    assert!(folder.path().join("site/agent-1.html").exists());
+    std::fs::remove_file(folder.path().join("all/one/easy-3-tags-4.json")).unwrap();
+    let output = ramp(&folder, &["leaderboard", "all", "-o", "site2"]);
+    refused(&output, "easy-3 was run with seeds 1, 2, 3, 5");
+    assert!(!folder.path().join("site2").exists());
+}
+
+#[test]
+fn goals_that_are_kept_back_are_promised_and_verified() {
+    let folder = TempDir::new().unwrap();
+    let goal = data("goals/easy-2.xml");
+    done(&ramp(&folder, &["goals", "commit", &goal, "-o", "held"]));
+    let verify = ["goals", "verify", "held/commitments.json", "held/reveal.json"];
+    done(&ramp(&folder, &verify));
+    // What is published tells nothing of the goal, and twice the same goal has two commitments.
+    let published = std::fs::read_to_string(folder.path().join("held/commitments.json")).unwrap();
+    assert!(!published.contains("beam"));
+    done(&ramp(&folder, &["goals", "commit", &goal, "-o", "again"]));
+    let again = std::fs::read_to_string(folder.path().join("again/commitments.json")).unwrap();
+    assert_ne!(published, again);
+    refused(&ramp(&folder, &["goals", "commit", &goal, "-o", "held"]), "is there already");
+    // Another goal is not what was promised.
+    let path = folder.path().join("held/reveal.json");
+    let revealed = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, revealed.replacen("b7", "b8", 1)).unwrap();
+    let output = ramp(&folder, &verify);
+    assert_eq!(output.status.code(), Some(1), "{}", words(&output.stderr));
+    assert!(words(&output.stdout).contains("is not the goal that was promised"));
 }
 
 #[test]

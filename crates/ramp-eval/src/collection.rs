@@ -50,7 +50,7 @@ pub enum CollectError {
         found: String,
     },
     /// A result by other rules.
-    #[error("{file} was judged by the rules of version {found}, expected {RULES}")]
+    #[error("{file} was judged by the rules {found}, expected {RULES}")]
     #[diagnostic(help("results of different rules are not added up: run these episodes again"))]
     Rules {
         /// The file.
@@ -118,17 +118,16 @@ pub struct Lost {
 }
 
 /// Who worked, with what, on what: only results that agree in all of this are added up.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Identity {
-    /// The track, as a position in [`Track::ALL`].
-    #[serde(skip)]
-    track_rank: usize,
     /// The track.
     pub track: String,
     /// The agent's name.
     pub agent: String,
     /// Its version.
     pub agent_version: String,
+    /// SHA-256 of its file, where it has one.
+    pub agent_sha256: Option<String>,
     /// The version of this software.
     pub version: String,
     /// The commit it was built from.
@@ -164,7 +163,7 @@ pub struct Goal {
 /// All that was read.
 #[derive(Clone, Debug)]
 pub struct Collection {
-    /// By track and name.
+    /// By track, in the order in which their folders were named.
     pub entrants: Vec<Entrant>,
     /// By class and name.
     pub goals: Vec<Goal>,
@@ -212,10 +211,16 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
         }
     }
     let goals = goals(&files)?;
-    let mut by_identity: BTreeMap<Identity, Vec<ResultFile>> = BTreeMap::new();
+    // In the order in which they were named.
+    let mut by_identity: Vec<(Identity, Vec<ResultFile>)> = Vec::new();
     for file in files {
-        by_identity.entry(Identity::of(&file.result)).or_default().push(file);
+        let identity = Identity::of(&file.result);
+        match by_identity.iter_mut().find(|(known, _)| *known == identity) {
+            Some((_, files)) => files.push(file),
+            None => by_identity.push((identity, vec![file])),
+        }
     }
+    by_identity.sort_by_key(|(identity, _)| identity.track_rank());
     let mut entrants = Vec::new();
     for (identity, mut files) in by_identity {
         let order = |file: &ResultFile| {
@@ -440,15 +445,20 @@ pub(crate) fn class_rank(class: Option<&str>) -> usize {
 }
 
 impl Identity {
+    /// The track's place among all of them.
+    fn track_rank(&self) -> usize {
+        Track::ALL.iter().position(|known| known.name() == self.track).unwrap_or(Track::ALL.len())
+    }
+
     fn of(result: &EpisodeResult) -> Identity {
         let EpisodeResult { track, agent, software, real, .. } = result;
-        let AgentInfo { name, version: agent_version, .. } = agent;
+        let AgentInfo { name, version: agent_version, sha256 } = agent;
         let Software { version, commit } = software;
         Identity {
-            track_rank: Track::ALL.iter().position(|known| known.name() == track).unwrap_or(Track::ALL.len()),
             track: track.clone(),
             agent: name.clone(),
             agent_version: agent_version.clone(),
+            agent_sha256: sha256.clone(),
             version: version.clone(),
             commit: commit.clone(),
             real: real.clone(),

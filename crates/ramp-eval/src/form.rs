@@ -18,6 +18,9 @@ const REPEATS: usize = 5;
 const NAMES: f64 = 48.0;
 const ROW: f64 = 7.4;
 
+/// Closed lines, mm.
+type Outlines = Vec<Vec<[f64; 2]>>;
+
 /// One page, A4 upright. With more connections than fit below the picture, lines get lower.
 ///
 /// # Errors
@@ -28,7 +31,7 @@ pub fn form(kit: &Kit, goal: &Assembly) -> Result<Drawing, SolidError> {
     let title = format!("{}: times of a real robot", goal.name);
     page.text([LEFT, 22.0], Align::Left, strokes::fit(&title, 6.0, right - LEFT), BLACK, &title);
     let about = format!(
-        "class {}, {} beams, {} pegs; rules of version {RULES}",
+        "class {}, {} beams, {} pegs; {RULES}",
         goal.class.map_or("none", |class| class.name()),
         goal.beams.len(),
         goal.connections.len()
@@ -62,7 +65,8 @@ fn blanks(page: &mut Drawing) {
 
 /// The goal from above: the robot's base is at the bottom, the clamped beam grey.
 fn picture(page: &mut Drawing, kit: &Kit, goal: &Assembly) -> Result<(), SolidError> {
-    let mut shapes: Vec<(bool, f64, Vec<Vec<[f64; 2]>>)> = Vec::new();
+    // Clamped or not, height, outlines.
+    let mut shapes: Vec<(bool, f64, Outlines)> = Vec::new();
     for (index, placed) in goal.beams.iter().enumerate() {
         for piece in solid::beam(&placed.beam, &kit.dimensions, 0.0)? {
             let in_a = |[x, y]: [f64; 2]| {

@@ -13,6 +13,8 @@ pub mod curve;
 pub mod episode;
 pub mod external;
 pub mod form;
+pub mod held_out;
+pub mod leaderboard;
 pub mod log;
 pub mod perception;
 pub mod published;

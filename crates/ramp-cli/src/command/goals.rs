@@ -22,11 +22,18 @@ pub struct Arguments {
 enum Command {
     /// Make new goals, each checked; the same seed gives the same file
     Generate(super::generate::Arguments),
+    /// Promise goals that are kept back: commitments to publish now, and the goals to publish later
+    Commit(super::held_out::CommitArguments),
+    /// Check that revealed goals are those that were promised
+    Verify(super::held_out::VerifyArguments),
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
-    if let Some(Command::Generate(arguments)) = &arguments.command {
-        return super::generate::run(data, arguments);
+    match &arguments.command {
+        Some(Command::Generate(arguments)) => return super::generate::run(data, arguments),
+        Some(Command::Commit(arguments)) => return super::held_out::commit(data, arguments),
+        Some(Command::Verify(arguments)) => return super::held_out::check(arguments),
+        None => {}
     }
     let kit = data.kit()?;
     let mut rows = Vec::new();

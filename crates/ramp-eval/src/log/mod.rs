@@ -15,6 +15,7 @@ use sha2::{Digest, Sha256};
 
 use crate::result::Software;
 
+pub use crate::result::RULES;
 pub use read::Log;
 pub use write::Recorder;
 

@@ -177,7 +177,7 @@ fn track(report: &Report, part: &TrackPart) -> Markup {
             h3 { "Completion over time" }
             @if !class.lines.is_empty() { p.soft {
                 "Thick: mean of all episodes, with a band of one sample standard deviation. Dashed: the best episode. An \
-                 episode that has ended keeps what it had; the dot is where the last one ended. Time is planning, compute \
+                 episode that has ended keeps what it had: the dot is where the last one ended, and dots go on from there. Time is planning, compute \
                  and robot time together."
             } }
             div.charts {
@@ -414,6 +414,11 @@ fn method() -> Markup {
     }
 }
 
+/// The first digits of a hash from a file.
+fn short(hash: Option<&str>) -> String {
+    hash.map_or_else(|| NONE.to_string(), |hash| hash.chars().take(16).collect())
+}
+
 fn origin(report: &Report) -> Markup {
     html! {
         h2 { "Where this comes from" }
@@ -436,7 +441,7 @@ fn origin(report: &Report) -> Markup {
                 table {
                     thead { tr {
                         th.name { "file" } th.name { "goal" } th { "seed" } th { "completion" } th { "total time" }
-                        th.name { "ended" } th.name { "SHA-256" }
+                        th.name { "ended" } th.name { "SHA-256" } th.name { "of its log" }
                     } }
                     tbody {
                         @for file in &entrant.files {
@@ -448,6 +453,7 @@ fn origin(report: &Report) -> Markup {
                                 td { (seconds(file.result.time.total)) }
                                 td.long { (file.result.ended.reason) }
                                 td.name { code { (&file.sha256[..16]) } }
+                                td.name { code { (short(file.result.log.as_deref())) } }
                             }
                         }
                     }

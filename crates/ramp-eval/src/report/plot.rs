@@ -222,9 +222,14 @@ pub fn curves(title: &str, series: &[Series], marks: &[Mark]) -> String {
             agent_dash(one.place)
         );
         if let Some(at) = steps.last() {
+            // What it had when it ended is what it has from there on.
             let _ = write!(
                 svg,
-                "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"3.4\" fill=\"{colour}\"/>",
+                "<path d=\"M{:.1} {:.1}H{:.1}\" stroke=\"{colour}\" stroke-width=\"1.6\" stroke-dasharray=\"1.5 3.5\"/>\
+                 <circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"3.4\" fill=\"{colour}\"/>",
+                x(one.curves.end),
+                y(at.mean),
+                x(last),
                 x(one.curves.end),
                 y(at.mean)
             );

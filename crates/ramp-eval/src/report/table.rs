@@ -154,6 +154,7 @@ fn episodes(report: &Report) -> String {
         "ended",
         "file",
         "sha256",
+        "log_sha256",
     ])];
     for (entrant, agent) in report.collection.entrants.iter().enumerate() {
         for file in &agent.files {
@@ -165,13 +166,14 @@ fn episodes(report: &Report) -> String {
             row.extend([time.planning, time.compute, time.robot, time.total].map(|it| format!("{it:.6}")));
             let name = file.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             row.extend([result.ended.reason.clone(), name, file.sha256.clone()]);
+            row.push(result.log.clone().unwrap_or_default());
             rows.push(row);
         }
         for lost in &agent.lost {
             let mut row = who(report, entrant);
             row.extend([lost.goal.clone(), lost.seed.to_string(), "0".to_string(), "0".to_string()]);
             row.extend(vec![String::new(); 5]);
-            row.extend(["lost".to_string(), String::new(), String::new()]);
+            row.extend(["lost".to_string(), String::new(), String::new(), String::new()]);
             rows.push(row);
         }
     }
