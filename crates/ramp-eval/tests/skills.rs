@@ -59,7 +59,9 @@ fn cell<'a, 'r>(world: &'a World, planner: &'a PathPlanner, robot: &'r mut dyn R
         hand: Hand::new(robot),
         belief: Belief::new(&world.kit, &world.assembly),
         standing: vec![world.assembly.base],
+        deep: Vec::new(),
         pinned: Vec::new(),
+        ways: std::collections::BTreeMap::new(),
         stream: Stream::new(1, "motion"),
         events: Vec::new(),
     }

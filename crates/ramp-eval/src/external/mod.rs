@@ -4,21 +4,20 @@
 //! Nothing that such a program does can stop or bend a bench: whether it hangs, crashes, floods or talks nonsense, it
 //! ends its own episode, which is scored, with a reason that says so.
 
+mod goal;
 mod process;
 pub mod protocol;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use ramp_assembly::Assembly;
-use ramp_kit::Kit;
-use ramp_robot::arm::ArmModel;
-use ramp_robot::{Account, Agent, Event, Observation, Robot, RobotError, Track};
+use ramp_robot::{Account, Agent, Event, Observation, Robot, RobotError};
 
 use crate::log::sha256;
 use process::Process;
-use protocol::{Answer, Goal, Request};
+use protocol::{Answer, Request};
 
+pub use goal::Goal;
 pub use process::{Silence, adopt_orphans, end_orphans, exec_with_parent};
 
 /// The most periods that one message may ask for: ten seconds.
@@ -312,19 +311,5 @@ impl Agent for ExternalAgent<'_> {
             self.process.dismiss(Answer::End(reason).to_bytes());
         }
         outcome
-    }
-}
-
-/// What an agent is told of its goal is made from this.
-impl<'a> Goal<'a> {
-    /// A goal, with the texts of its files.
-    pub fn new(
-        kit: &'a Kit,
-        assembly: &'a Assembly,
-        arm: &'a ArmModel,
-        track: Track,
-        texts: crate::log::Sources<'a>,
-    ) -> Goal<'a> {
-        Goal { kit, assembly, arm, track, texts }
     }
 }
