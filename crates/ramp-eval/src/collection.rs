@@ -10,6 +10,7 @@ use serde::Serialize;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
+use crate::planning::{self, PlanVerdict};
 use crate::published::{self, Published};
 use crate::result::{AgentInfo, EpisodeResult, RULES, RealRun, SCHEMA, Software};
 
@@ -169,6 +170,8 @@ pub struct Collection {
     pub goals: Vec<Goal>,
     /// Means that others have published.
     pub published: Vec<Published>,
+    /// Plans that were judged alone, by goal and planner.
+    pub plans: Vec<PlanVerdict>,
     /// What a reader must know of what was read.
     pub notes: Vec<String>,
 }
@@ -181,6 +184,7 @@ pub struct Collection {
 pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
     let mut files: Vec<ResultFile> = Vec::new();
     let mut published: Vec<Published> = Vec::new();
+    let mut plans: Vec<PlanVerdict> = Vec::new();
     let mut notes = Vec::new();
     let mut lost: Vec<(PathBuf, String)> = Vec::new();
     let mut seen = Vec::new();
@@ -191,12 +195,13 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
         }
         seen.push(place);
         let paths = list(folder)?;
-        let before = files.len() + published.len();
+        let before = files.len() + published.len() + plans.len();
         for path in &paths {
             match path.extension().and_then(|ending| ending.to_str()) {
                 Some("json") => match read(path)? {
                     Found::Episode(file) => files.push(*file),
                     Found::Published(means) => published.push(means),
+                    Found::Plan(verdict) => plans.push(verdict),
                     Found::Other => notes.push(format!("{} is no result and is left out", path.display())),
                 },
                 Some("log") if !path.with_extension("json").exists() => {
@@ -206,7 +211,7 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
                 _ => {}
             }
         }
-        if files.len() + published.len() == before {
+        if files.len() + published.len() + plans.len() == before {
             return Err(CollectError::Empty { folder: folder.display().to_string() });
         }
     }
@@ -239,7 +244,8 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
     label(&mut entrants);
     published.sort_by(|a, b| a.name.cmp(&b.name).then(a.class.cmp(&b.class)));
     published.dedup();
-    Ok(Collection { entrants, goals, published, notes })
+    plans.sort_by(|a, b| (&a.planner, &a.goal).cmp(&(&b.planner, &b.goal)));
+    Ok(Collection { entrants, goals, published, plans, notes })
 }
 
 /// The files of a folder, by name.
@@ -265,6 +271,7 @@ fn unreadable(path: &Path, error: &std::io::Error) -> CollectError {
 enum Found {
     Episode(Box<ResultFile>),
     Published(Published),
+    Plan(PlanVerdict),
     /// Not ours.
     Other,
 }
@@ -284,6 +291,7 @@ fn read(path: &Path) -> Result<Found, CollectError> {
             result: *result,
         })),
         Parsed::Published(means) => Found::Published(means),
+        Parsed::Plan(verdict) => Found::Plan(verdict),
     })
 }
 
@@ -294,6 +302,8 @@ pub enum Parsed {
     Episode(Box<EpisodeResult>),
     /// Published means.
     Published(Published),
+    /// The verdict on a plan.
+    Plan(PlanVerdict),
 }
 
 /// Reads one result; `None` for JSON that does not say that it is one. `name` is what messages call it.
@@ -314,6 +324,12 @@ pub fn parse(name: &str, bytes: &[u8]) -> Result<Option<Parsed>, CollectError> {
         let impossible = |why| CollectError::Impossible { file: name.to_string(), why };
         means.check().map_err(impossible)?;
         return Ok(Some(Parsed::Published(means)));
+    }
+    if schema == planning::SCHEMA {
+        let verdict: PlanVerdict = serde_json::from_slice(bytes).map_err(bad)?;
+        let impossible = |why| CollectError::Impossible { file: name.to_string(), why };
+        verdict.check().map_err(impossible)?;
+        return Ok(Some(Parsed::Plan(verdict)));
     }
     if !schema.starts_with("ramp-episode-") {
         return Ok(None);
