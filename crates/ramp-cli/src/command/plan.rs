@@ -202,7 +202,10 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             })?;
         let mut table = Replayer::new(&goal, &kit, &domains, &state).into_diagnostic()?;
         let verdict = table.run(&steps);
-        let words = verdict.as_ref().map(|()| ()).map_err(ToString::to_string);
+        let words = match &verdict {
+            Ok(()) => Ok(()),
+            Err(refused) => Err(refused.to_string()),
+        };
         write_verdict(arguments, &goal, path, &(words, steps.len()), seconds)?;
         return match verdict {
             Ok(()) => {
