@@ -258,6 +258,15 @@ impl<'a> Baseline<'a> {
         }
     }
 
+    fn put_right(&self, cell: &mut Workcell) -> Result<(), SkillError> {
+        for beam in cell.carried_off()? {
+            cell.rise()?;
+            cell.push_by_nearest_link(beam)?;
+            cell.rise()?;
+        }
+        Ok(())
+    }
+
     /// After a fault: put back what is held, or let it go where it is, rise, and look which pegs are still where a
     /// hand can fetch them.
     fn recover(&mut self, cell: &mut Workcell, lost: &mut Vec<String>) -> Result<(), RobotError> {
@@ -269,6 +278,13 @@ impl<'a> Baseline<'a> {
             }
         }
         cell.belief.update(&mut cell.hand)?;
+        // What lies loose in the assembly and was carried off is put back by hand: the planner knows beams by what they
+        // meet, and this one meets nothing yet.
+        match self.put_right(cell) {
+            Err(SkillError::Robot(error)) => return Err(error),
+            Err(error) => cell.note("fault", error.to_string()),
+            Ok(()) => {}
+        }
         let refused = self.fetching.take();
         for peg in &self.kit.pegs {
             let pinned = cell.pinned.iter().any(|(_, name)| *name == peg.name);

@@ -22,6 +22,8 @@ const SPEED: f64 = 0.03;
 const LIMIT: f64 = 20.0;
 /// A hole this near to a peg tells nothing of how its beam is turned, m.
 const SHORT: f64 = 0.05;
+/// A beam that lies loose may be this far off its place, m: another one goes through it all the same.
+const CARRIED_OFF: f64 = 4.0e-3;
 /// A beam that stands this far short of its place is inserted further, m.
 const SHORT_OF: f64 = 3.0e-3;
 /// Tries.
@@ -138,6 +140,21 @@ impl Workcell<'_, '_> {
             }
         }
         Ok(swung)
+    }
+
+    /// The beams that lie in the assembly, held by no peg, and are off their place, by index.
+    ///
+    /// # Errors
+    /// [`Fault::Unseen`].
+    pub fn carried_off(&self) -> Result<Vec<usize>, SkillError> {
+        let mut off = Vec::new();
+        for beam in self.standing.iter().copied().filter(|beam| *beam != self.assembly.base) {
+            let lies = self.ways.get(&beam).is_some_and(|way| way.direction.z < -0.5);
+            if lies && self.anchor(beam).is_none() && self.straightened(beam)?.1 > CARRIED_OFF {
+                off.push(beam);
+            }
+        }
+        Ok(off)
     }
 
     /// Looks until it is known where the pinned joint and the far end of a beam are.

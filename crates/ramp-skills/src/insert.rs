@@ -30,10 +30,10 @@ pub const PEGGABLE: f64 = 1.6e-3;
 /// Force along the way while a stalled beam is felt in, N, and the longest search, s: with more force, friction holds
 /// the edge against the search.
 const FEEL: (f64, f64) = (4.0, 30.0);
-/// The same through a sleeve that little holds: a beam on the table slides at 1.4 N.
+/// The same through a sleeve that little holds: a beam on the table slides at 1.4 N, and turns at 0.7 N at its end.
 const LOOSE_FEEL: (f64, f64) = (0.7, 60.0);
 /// Force against the motion at which a beam stops that goes through a sleeve that little holds, N.
-const LOOSE_LIMIT: f64 = 1.2;
+const LOOSE_LIMIT: f64 = 0.6;
 /// How far such a sleeve may be moved, m and rad.
 const LOOSE_BUMP: (f64, f64) = (3.0e-3, 1.0 / 180.0 * std::f64::consts::PI);
 /// Smallest and largest swing across the way, m.
@@ -50,6 +50,13 @@ const TOUCH_DEPTH: f64 = 3.6e-3;
 const TOUCH_FORCE: f64 = 1.5;
 /// See [`TOUCH_FORCE`].
 const TOUCH_SPEED: f64 = 5.0e-3;
+/// How long a beam may stand still before the search begins, how long the swing grows, and after what time it begins
+/// anew, s.
+const FEEL_PATIENCE: f64 = 0.5;
+/// See [`FEEL_PATIENCE`].
+const FEEL_GROWTH: f64 = 4.0;
+/// See [`FEEL_PATIENCE`].
+const FEEL_CYCLE: f64 = 8.0;
 /// How often a part that does not move is looked at, s.
 const LOOK_EVERY: f64 = 3.0;
 /// Progress that counts as having moved, m.
@@ -105,15 +112,11 @@ impl Workcell<'_, '_> {
 
     /// The beams, by name, that this beam passes through and that fewer than two pegs hold.
     fn loose_sleeves(&self, beam: usize) -> Vec<String> {
-        let through = self.assembly.connections.iter().filter(|connection| {
-            let male = &self.assembly.beams[beam].beam.joints[connection.male.joint];
-            connection.male.beam == beam && !male.kind.is_end() && self.meets(connection.female, beam)
-        });
         let pins = |beam: usize| {
             let pinned = self.pinned.iter().map(|(index, _)| &self.assembly.connections[*index]);
             pinned.filter(|connection| self.assembly.sides(connection, beam).is_some()).count()
         };
-        let loose = through.map(|connection| connection.female.beam);
+        let loose = self.sleeves(beam).map(|sleeve| sleeve.beam);
         let loose = loose.filter(|&sleeve| sleeve != self.assembly.base && pins(sleeve) < 2);
         loose.map(|sleeve| self.assembly.beams[sleeve].beam.name.clone()).collect()
     }
@@ -179,6 +182,10 @@ impl Workcell<'_, '_> {
                     last = None;
                     break;
                 }
+            }
+            // A sleeve that was carried off is to be put right first.
+            if !self.carried_off()?.is_empty() {
+                break;
             }
         }
         if let Some(fault) = last {
@@ -322,7 +329,8 @@ impl Workcell<'_, '_> {
         if stopped {
             let mut remaining = self.remaining(&name, &goal, &direction)?;
             if remaining > HOME && !cap {
-                if let Some(sleeve) = self.sleeve(beam) {
+                let sleeve = self.sleeves(beam).next();
+                if let Some(sleeve) = sleeve {
                     goal.translation.z += self.touch_floor(&name, sleeve, &direction)?;
                 }
                 self.feel_in(&name, &goal, &direction, !loose.is_empty())?;
@@ -431,9 +439,9 @@ impl Workcell<'_, '_> {
         Ok(off)
     }
 
-    /// The sleeve of another beam that this beam goes through first.
-    fn sleeve(&self, beam: usize) -> Option<JointRef> {
-        let through = self.assembly.connections.iter().find(|connection| {
+    /// The sleeves of other beams that this beam goes through.
+    fn sleeves(&self, beam: usize) -> impl Iterator<Item = JointRef> {
+        let through = self.assembly.connections.iter().filter(move |connection| {
             let male = &self.assembly.beams[connection.male.beam].beam.joints[connection.male.joint];
             connection.male.beam == beam && !male.kind.is_end() && self.meets(connection.female, beam)
         });
@@ -484,12 +492,19 @@ impl Workcell<'_, '_> {
             ticks += 1;
             let time = self.hand.time() - begin;
             let stalled = self.hand.time() - stalled_since;
-            let size = FEEL_SIZE[0] + (FEEL_SIZE[1] - FEEL_SIZE[0]) * (stalled / 4.0).min(1.0);
+            // Straight on while it moves; then a swing that grows, and begins small again.
+            let grown = ((stalled - FEEL_PATIENCE).max(0.0) % FEEL_CYCLE / FEEL_GROWTH).min(1.0);
+            let size = if stalled < FEEL_PATIENCE {
+                0.0
+            } else {
+                FEEL_SIZE[0] + (FEEL_SIZE[1] - FEEL_SIZE[0]) * grown
+            };
             let wave = |hertz: f64| (std::f64::consts::TAU * hertz * time).sin();
+            let turn = FEEL_TURN.map(|turn| turn * grown);
             let lead = force / self.hand.stiffness.x;
             let shift = direction * lead + across * (size * wave(1.3)) + Vector3::z() * (size * wave(2.1));
-            let swing = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), FEEL_TURN[0] * wave(0.9))
-                * UnitQuaternion::from_scaled_axis(across * (FEEL_TURN[1] * wave(0.6)));
+            let swing = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn[0] * wave(0.9))
+                * UnitQuaternion::from_scaled_axis(across * (turn[1] * wave(0.6)));
             self.hand.setpoint =
                 Pose::from_parts(Translation3::from(line.translation.vector + shift), swing * line.rotation);
             self.hand.tick()?;

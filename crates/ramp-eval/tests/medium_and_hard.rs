@@ -1,0 +1,37 @@
+//! The goals that no published system has built, in the real physics: a slanted beam that is put in too deep and slid
+//! forward under its cap, and a beam that lies loose while two others go through it.
+//!
+//! `RAMP_SEEDS="1 2 3"` chooses other seeds than the one that every test run takes.
+
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::World;
+
+/// What arm and parts bear, at the tip, N.
+const LIMIT: f64 = 80.0;
+
+fn completes(goal: &str, seed: u64) {
+    let seeds = std::env::var("RAMP_SEEDS").unwrap_or_else(|_| seed.to_string());
+    let world = World::new(goal);
+    for seed in seeds.split_whitespace().map(|word| word.parse().unwrap()) {
+        let result = world.run(seed);
+        let faults: Vec<_> = result.events.iter().filter(|event| event.kind == "fault").collect();
+        assert_eq!(result.ended.reason, "done", "{goal}, seed {seed}: {faults:?}");
+        assert_eq!(result.counted(), result.pegs.len(), "{goal}, seed {seed}: {faults:?}");
+        let force = result.physics.as_ref().unwrap().largest_force;
+        assert!(force > 5.0 && force < LIMIT, "{goal}, seed {seed}: {force} N");
+    }
+}
+
+#[test]
+fn medium_2_is_built() {
+    completes("medium-2", 2);
+}
+
+#[test]
+fn hard_3_is_built() {
+    completes("hard-3", 3);
+}
