@@ -155,6 +155,25 @@ fn goals_that_are_kept_back_are_promised_and_verified() {
 }
 
 #[test]
+fn plans_are_judged_alone_and_told_in_the_report() {
+    let folder = TempDir::new().unwrap();
+    let plan = ramp(&folder, &["plan", "easy-1", "--json"]);
+    done(&plan);
+    std::fs::write(folder.path().join("good.json"), &plan.stdout).unwrap();
+    let mut wrong: serde_json::Value = serde_json::from_slice(&plan.stdout).unwrap();
+    wrong["plan"]["steps"].as_array_mut().unwrap().remove(3);
+    std::fs::write(folder.path().join("hasty.json"), wrong.to_string()).unwrap();
+    std::fs::create_dir(folder.path().join("plans")).unwrap();
+    let judge = |plan: &str, output: &str| ramp(&folder, &["plan", "easy-1", "--from", plan, "-o", output]);
+    done(&judge("good.json", "plans/one.json"));
+    assert_eq!(judge("hasty.json", "plans/two.json").status.code(), Some(1));
+    done(&ramp(&folder, &["report", "plans"]));
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("Planning alone") && page.contains("hasty") && page.contains("refused"));
+    assert!(page.contains("step 4"), "where it is wrong is told");
+}
+
+#[test]
 fn a_wrong_log_writes_nothing_and_the_form_is_a_pdf() {
     let folder = results();
     std::fs::write(folder.path().join("bad.csv"), "log,ramp-stopwatch-1\nagent,x\n").unwrap();

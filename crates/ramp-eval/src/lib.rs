@@ -17,6 +17,7 @@ pub mod held_out;
 pub mod leaderboard;
 pub mod log;
 pub mod perception;
+pub mod planning;
 pub mod published;
 pub mod referee;
 pub mod replay;

@@ -328,14 +328,16 @@ fn notes(collection: &Collection) -> Vec<String> {
             software.join("; ")
         ));
     }
-    if collection.entrants.iter().any(|it| it.identity.real.is_some())
-        && collection.entrants.iter().any(|it| it.identity.real.is_none())
-    {
+    let twin = collection.entrants.iter().any(|it| it.identity.real.is_none());
+    if twin && collection.entrants.iter().any(|it| it.identity.real.is_some()) {
         notes.push(
             "real robots and the twin stand side by side; a repeat of one is paired with the seed of the other, which \
              have nothing in common but the goal"
                 .to_string(),
         );
+    }
+    if twin && !collection.published.is_empty() {
+        notes.push("published figures are of real robots, and others here of the twin".to_string());
     }
     notes
 }

@@ -3,14 +3,14 @@
 //! A log is a CSV file: lines of a word and its value, then a table with a line for everything that happened. The page
 //! `docs/src/real.md` tells the form; what cannot have happened is refused with its line.
 
+mod cells;
 mod run;
 
 use std::ops::Range;
 
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
-use ramp_kit::source::{Fault, FormProblem, MAX_NAME, Problem, SourceFile, nearest, shorten};
-use ramp_robot::Track;
+use ramp_kit::source::{Fault, FormProblem, Problem, SourceFile, nearest, shorten};
 
 use crate::published::{self, Published};
 use crate::result::{AgentInfo, EpisodeResult, Host, RULES, RealRun, Software};
@@ -139,175 +139,6 @@ impl Reader<'_> {
                 None,
             )),
         }
-    }
-
-    /// All rows of which some cell is filled, without empty cells at their ends.
-    fn rows(&self) -> Read<Vec<Vec<Cell>>> {
-        let text = self.file.text();
-        let mut reader = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .trim(csv::Trim::All)
-            .comment(Some(b'#'))
-            .from_reader(text.as_bytes());
-        let mut rows = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(|error| {
-                let at = error.position().map_or(0, |it| it.byte() as usize);
-                self.fault(at..at, "this is not CSV".to_string(), "here", Some(error.to_string()))
-            })?;
-            let mut from = record.position().map_or(0, |it| it.byte() as usize);
-            let mut row: Vec<Cell> = Vec::new();
-            for field in &record {
-                // A quoted cell with quotes in it is not found as it stands; its row is.
-                let at = text.get(from..).and_then(|rest| rest.find(field)).map_or(from, |at| from + at);
-                row.push(Cell { text: field.to_string(), span: at..at + field.len() });
-                from = at + field.len();
-            }
-            while row.last().is_some_and(|cell| cell.text.is_empty()) {
-                row.pop();
-            }
-            if !row.is_empty() {
-                rows.push(row);
-            }
-        }
-        Ok(rows)
-    }
-
-    fn fault(
-        &self,
-        span: Range<usize>,
-        found: String,
-        expected: &str,
-        help: Option<String>,
-    ) -> Fault<LogProblem> {
-        let problem = LogProblem::Entry { found, expected: expected.to_string(), help };
-        Fault::new(problem, self.file.place(span))
-    }
-
-    /// What the head says of `name`.
-    fn entry<'h>(&self, head: &'h Head, name: &str) -> Read<&'h Cell> {
-        match head.entries.iter().find(|(known, _)| known.text == name) {
-            Some((_, value)) if value.text.chars().count() <= 4 * MAX_NAME => Ok(value),
-            Some((_, value)) => {
-                let words = format!("`{name}` is longer than {} characters", 4 * MAX_NAME);
-                Err(self.fault(value.span.clone(), words, "expected less", None))
-            }
-            None => {
-                let near = nearest(name, head.entries.iter().map(|(known, _)| known.text.as_str()));
-                Err(self.fault(
-                    head.end..head.end,
-                    format!("nothing above the table says `{name}`"),
-                    &format!("expected a line such as `{name},…`"),
-                    near.map(|near| format!("is `{near}` meant to be it?")),
-                ))
-            }
-        }
-    }
-
-    fn text(&self, head: &Head, name: &str) -> Read<String> {
-        Ok(self.entry(head, name)?.text.clone())
-    }
-
-    fn track(&self, head: &Head) -> Read<String> {
-        let cell = self.entry(head, "track")?;
-        let names = Track::ALL.map(Track::name);
-        if names.contains(&cell.text.as_str()) {
-            return Ok(cell.text.clone());
-        }
-        let words = format!("there is no track `{}`", shorten(&cell.text));
-        Err(self.fault(cell.span.clone(), words, &format!("expected {}", names.join(", ")), None))
-    }
-
-    /// The first row of the table must name its columns.
-    fn check_columns<'t>(&self, table: &'t [Vec<Cell>], columns: &[&str]) -> Read<&'t [Vec<Cell>]> {
-        let end = self.file.text().len();
-        let Some((first, rows)) = table.split_first() else {
-            let words = "there is no table".to_string();
-            return Err(self.fault(end..end, words, &format!("expected {}", columns.join(",")), None));
-        };
-        for (index, name) in columns.iter().enumerate() {
-            if first.get(index).is_none_or(|cell| cell.text != *name) {
-                let at = first.get(index).or(first.last()).map_or(0..0, |cell| cell.span.clone());
-                let words = format!("column {} of the table is not `{name}`", index + 1);
-                return Err(self.fault(at, words, &format!("expected {}", columns.join(",")), None));
-            }
-        }
-        if rows.is_empty() {
-            return Err(self.fault(end..end, "the table is empty".to_string(), "expected a line", None));
-        }
-        for row in rows {
-            if let Some(cell) = row.get(columns.len()) {
-                let words = format!("this line has {} cells", row.len());
-                let expected = format!("expected {} at most", columns.len());
-                let help = "a comma inside a cell needs the cell in quotation marks".to_string();
-                return Err(self.fault(cell.span.clone(), words, &expected, Some(help)));
-            }
-        }
-        Ok(rows)
-    }
-
-    /// A cell of a row, which may be missing at its end.
-    fn cell(&self, row: &[Cell], column: usize) -> Cell {
-        let end = row.last().map_or(0, |cell| cell.span.end);
-        row.get(column).cloned().unwrap_or(Cell { text: String::new(), span: end..end })
-    }
-
-    fn number(&self, cell: &Cell, name: &str, low: f64, high: f64) -> Read<f64> {
-        let value: Option<f64> = cell.text.parse().ok();
-        match value {
-            Some(value) if (low..=high).contains(&value) => Ok(value),
-            _ => Err(self.fault(
-                cell.span.clone(),
-                format!("`{name}` is `{}`", shorten(&cell.text)),
-                &format!("expected a number from {low} to {high}"),
-                None,
-            )),
-        }
-    }
-
-    fn count(&self, cell: &Cell, name: &str, highest: u32) -> Read<u32> {
-        match cell.text.parse() {
-            Ok(value) if (1..=highest).contains(&value) => Ok(value),
-            _ => Err(self.fault(
-                cell.span.clone(),
-                format!("`{name}` is `{}`", shorten(&cell.text)),
-                &format!("expected a whole number from 1 to {highest}"),
-                None,
-            )),
-        }
-    }
-
-    /// Seconds, `m:ss` or `h:mm:ss`.
-    fn seconds(&self, cell: &Cell) -> Read<f64> {
-        let bad = |help: &str| {
-            let words = format!("the time is `{}`", shorten(&cell.text));
-            Err(self.fault(
-                cell.span.clone(),
-                words,
-                "expected seconds, such as 75.2, or 1:15.2, from 0",
-                Some(help.to_string()).filter(|help| !help.is_empty()),
-            ))
-        };
-        let parts: Vec<&str> = cell.text.split(':').collect();
-        if parts.len() > 3 {
-            return bad("");
-        }
-        let mut total = 0.0;
-        for (index, part) in parts.iter().enumerate() {
-            let plain = part.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
-            let Some(value) = part.parse::<f64>().ok().filter(|_| plain) else {
-                return bad(if part.starts_with('-') { "no time is negative" } else { "" });
-            };
-            if index > 0 && value >= 60.0 {
-                return bad("an hour has 60 minutes, and a minute 60 seconds");
-            }
-            if index + 1 < parts.len() && value.fract() != 0.0 {
-                return bad("only seconds have decimals");
-            }
-            total = 60.0 * total + value;
-        }
-        if total > LONGEST { bad("") } else { Ok(total) }
     }
 
     fn means(&self, head: &Head, table: &[Vec<Cell>]) -> Read<Vec<Published>> {

@@ -126,7 +126,13 @@ fn write_site(collection: Collection, folder: &Path) -> Result<usize, Failure> {
     let agents = collection.entrants.len();
     for index in 0..agents {
         let entrants = vec![collection.entrants[index].clone()];
-        let one = Collection { entrants, published: Vec::new(), notes: Vec::new(), ..collection.clone() };
+        let one = Collection {
+            entrants,
+            published: Vec::new(),
+            plans: Vec::new(),
+            notes: Vec::new(),
+            ..collection.clone()
+        };
         write(&agent_page(index), &page::html(&Report::new(one)))?;
     }
     // Last: who sees the front page finds what it leads to.

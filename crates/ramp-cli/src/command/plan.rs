@@ -5,10 +5,14 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use miette::{IntoDiagnostic, Report, WrapErr, miette};
+use ramp_assembly::Assembly;
+use ramp_eval::planning::{self, PlanVerdict};
+use ramp_eval::result::write_whole;
 use ramp_planner::{CoarseStep, Diagnosis, History, Options, PlanError, Replayer, State};
 use serde_json::json;
 
-use crate::data::{Data, print};
+use super::run::software;
+use crate::data::{Data, check_writable, print};
 use crate::{DONE, INCOMPLETE};
 
 #[derive(clap::Args)]
@@ -34,6 +38,9 @@ pub struct Arguments {
     /// what --pddl wrote, which also gets its fine actions
     #[arg(long, value_name = "FILE", conflicts_with = "emit_asp")]
     from: Option<PathBuf>,
+    /// With --from: also write the verdict as a result file, for `ramp report`
+    #[arg(short, long, value_name = "FILE", requires = "from")]
+    output: Option<PathBuf>,
     /// Print a domain with this goal as an Answer Set Program for clingo's incremental mode
     #[arg(long, value_name = "LEVEL", num_args = 0..=1, default_missing_value = "coarse")]
     emit_asp: Option<Level>,
@@ -67,6 +74,32 @@ fn read_json<T: serde::de::DeserializeOwned>(path: &Path, expected: &'static str
         let place = format!("{name}:{}:{}", error.line(), error.column());
         miette!(help = expected, "{place}: {error}")
     })
+}
+
+/// Writes what came of judging a plan, and how many coarse actions it has, where a file is asked for. The planner is
+/// called as its plan's file is.
+fn write_verdict(
+    arguments: &Arguments,
+    goal: &Assembly,
+    plan: &Path,
+    (verdict, coarse): &(Result<(), String>, usize),
+    seconds: Option<f64>,
+) -> Result<(), Report> {
+    let Some(path) = &arguments.output else { return Ok(()) };
+    check_writable(path)?;
+    let result = PlanVerdict {
+        schema: planning::SCHEMA.to_string(),
+        goal: goal.name.clone(),
+        class: goal.class.map(|class| class.name().to_string()),
+        planner: plan.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        software: software(),
+        accepted: verdict.is_ok(),
+        refused: verdict.as_ref().err().cloned(),
+        coarse: *coarse,
+        seconds,
+    };
+    let text = serde_json::to_string_pretty(&result).into_diagnostic()? + "\n";
+    write_whole(path, &text).map_err(|error| miette!("{error}"))
 }
 
 fn write_steps(text: &mut String, steps: &[CoarseStep]) {
@@ -137,11 +170,14 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             let steps = match steps {
                 Ok(steps) => steps,
                 Err(PlanError::Outside(refused)) => {
+                    let verdict = (Err(refused.to_string()), text.lines().count());
+                    write_verdict(arguments, &goal, path, &verdict, None)?;
                     print(&format!("{name}: refused at {refused}\n"))?;
                     return Ok(INCOMPLETE);
                 }
                 Err(error) => return Err(error).into_diagnostic().wrap_err_with(|| format!("{name}")),
             };
+            write_verdict(arguments, &goal, path, &(Ok(()), steps.len()), None)?;
             let mut text = String::new();
             if arguments.json {
                 let value = json!({ "goal": goal.name, "plan": { "steps": steps } });
@@ -154,7 +190,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             print(&text)?;
             return Ok(DONE);
         }
-        let steps = serde_json::from_str::<serde_json::Value>(&text)
+        let file = serde_json::from_str::<serde_json::Value>(&text);
+        let seconds = file.as_ref().ok().and_then(|value| value["seconds"].as_f64());
+        let steps = file
             .and_then(|mut value| serde_json::from_value::<Vec<CoarseStep>>(value["plan"]["steps"].take()))
             .map_err(|error| {
                 miette!(
@@ -163,7 +201,13 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
                 )
             })?;
         let mut table = Replayer::new(&goal, &kit, &domains, &state).into_diagnostic()?;
-        return match table.run(&steps) {
+        let verdict = table.run(&steps);
+        let words = match &verdict {
+            Ok(()) => Ok(()),
+            Err(refused) => Err(refused.to_string()),
+        };
+        write_verdict(arguments, &goal, path, &(words, steps.len()), seconds)?;
+        return match verdict {
             Ok(()) => {
                 print(&format!("{name}: {} coarse actions, accepted\n", steps.len()))?;
                 Ok(DONE)

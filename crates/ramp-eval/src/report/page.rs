@@ -21,8 +21,9 @@ pub fn html(report: &Report) -> String {
         @for part in &report.tracks {
             (track(report, part))
         }
-        (failures(report))
-        (episodes_over_time(report))
+        @if !report.collection.plans.is_empty() { (plans(report)) }
+        @if !report.collection.entrants.is_empty() { (failures(report)) }
+        @if !report.collection.entrants.is_empty() { (episodes_over_time(report)) }
         (method())
         (origin(report))
     };
@@ -327,6 +328,37 @@ fn difference(
                 td { "0" }
                 @for _ in 0..3 { td { (NONE) } }
                 td.name { "never both complete" }
+            }
+        }
+    }
+}
+
+/// Plans that were judged without a robot.
+fn plans(report: &Report) -> Markup {
+    html! {
+        h2 { "Planning alone" }
+        p.soft {
+            "Plans judged by the planner's replayer, without a robot: every action must be possible and do what it says, and \
+             the end must be the goal. The time is the planner's own account."
+        }
+        div.wide {
+            table {
+                thead { tr {
+                    th.name { "planner" } th.name { "goal" } th.name { "verdict" } th { "coarse actions" }
+                    th { "planning" small { "s" } } th.name { "refused at" }
+                } }
+                tbody {
+                    @for it in &report.collection.plans {
+                        tr {
+                            td.name { (it.planner) }
+                            td.name { (it.goal) }
+                            td.name.bad[!it.accepted] { (if it.accepted { "accepted" } else { "refused" }) }
+                            td { (it.coarse) }
+                            td { (it.seconds.map_or_else(|| NONE.to_string(), |it| format!("{it:.3}"))) }
+                            td.long { (it.refused.as_deref().unwrap_or_default()) }
+                        }
+                    }
+                }
             }
         }
     }
