@@ -120,15 +120,6 @@ fn run_builds_easy_1_and_writes_result_and_curve() {
 }
 
 #[test]
-fn what_no_skill_can_do_yet_ends_with_status_1_and_a_reason() {
-    let folder = TempDir::new().unwrap();
-    let output = ramp(&folder, &["run", "medium-3", "--track", "state", "--json"]);
-    assert_eq!(output.status.code(), Some(1));
-    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert!(result["events"].as_array().unwrap().iter().any(|event| event["kind"] == "fault"));
-}
-
-#[test]
 fn an_unknown_goal_suggests_the_nearest() {
     let folder = TempDir::new().unwrap();
     for command in ["check", "show", "plan", "run"] {

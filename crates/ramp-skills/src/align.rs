@@ -149,8 +149,7 @@ impl Workcell<'_, '_> {
     pub fn carried_off(&self) -> Result<Vec<usize>, SkillError> {
         let mut off = Vec::new();
         for beam in self.standing.iter().copied().filter(|beam| *beam != self.assembly.base) {
-            let lies = self.ways.get(&beam).is_some_and(|way| way.direction.z < -0.5);
-            if lies && self.anchor(beam).is_none() && self.straightened(beam)?.1 > CARRIED_OFF {
+            if self.lies(beam) && self.anchor(beam).is_none() && self.straightened(beam)?.1 > CARRIED_OFF {
                 off.push(beam);
             }
         }

@@ -29,7 +29,7 @@ const HOME: f64 = 0.8e-3;
 pub const PEGGABLE: f64 = 1.6e-3;
 /// Force along the way while a stalled beam is felt in, N, and the longest search, s: with more force, friction holds
 /// the edge against the search.
-const FEEL: (f64, f64) = (4.0, 30.0);
+const FEEL: (f64, f64) = (4.0, 60.0);
 /// The same through a sleeve that little holds: a beam on the table slides at 1.4 N, and turns at 0.7 N at its end.
 const LOOSE_FEEL: (f64, f64) = (0.7, 60.0);
 /// Force against the motion at which a beam stops that goes through a sleeve that little holds, N.
@@ -57,6 +57,8 @@ const FEEL_PATIENCE: f64 = 0.5;
 const FEEL_GROWTH: f64 = 4.0;
 /// See [`FEEL_PATIENCE`].
 const FEEL_CYCLE: f64 = 8.0;
+/// A beam that in so long, s, comes on by no more than this, m, is not felt in any further.
+const FEEL_PACE: (f64, f64) = (15.0, 3.0e-3);
 /// How often a part that does not move is looked at, s.
 const LOOK_EVERY: f64 = 3.0;
 /// Progress that counts as having moved, m.
@@ -81,8 +83,8 @@ impl Workcell<'_, '_> {
         let nominal = self.kit.x_wa() * placed.x_ab;
         // Pairs of horizontal hole positions: nominal on this beam, real on the standing one.
         let mut pairs: Vec<(Point2<f64>, Point2<f64>)> = Vec::new();
-        // A sleeve that little holds comes along; what counts is what does not.
-        let loose = self.loose_sleeves(beam);
+        // A sleeve that nothing holds comes along; what counts is what does not.
+        let loose = self.loose_sleeves(beam, 0);
         let loose =
             if self.meeting(beam).iter().all(|(met, _)| loose.contains(met) || *met == placed.beam.name) {
                 &[]
@@ -110,15 +112,21 @@ impl Workcell<'_, '_> {
         sides.flatten().map(|joint| self.hole(joint)).collect()
     }
 
-    /// The beams, by name, that this beam passes through and that fewer than two pegs hold.
-    fn loose_sleeves(&self, beam: usize) -> Vec<String> {
+    /// The beams, by name, that this beam passes through, that lie on the table, and that at most `pegs` hold: a beam
+    /// that was inserted is held by its joint as well.
+    fn loose_sleeves(&self, beam: usize, pegs: usize) -> Vec<String> {
         let pins = |beam: usize| {
             let pinned = self.pinned.iter().map(|(index, _)| &self.assembly.connections[*index]);
             pinned.filter(|connection| self.assembly.sides(connection, beam).is_some()).count()
         };
         let loose = self.sleeves(beam).map(|sleeve| sleeve.beam);
-        let loose = loose.filter(|&sleeve| sleeve != self.assembly.base && pins(sleeve) < 2);
+        let loose = loose.filter(|&sleeve| self.lies(sleeve) && pins(sleeve) <= pegs);
         loose.map(|sleeve| self.assembly.beams[sleeve].beam.name.clone()).collect()
+    }
+
+    /// Was a beam laid down, rather than inserted?
+    pub fn lies(&self, beam: usize) -> bool {
+        self.ways.get(&beam).is_some_and(|way| way.direction.z < -0.5)
     }
 
     /// Is a joint of another beam where `beam` meets it? One of a deep beam is not, yet.
@@ -306,7 +314,8 @@ impl Workcell<'_, '_> {
         self.place(&name, &self.beside(beam, 1.0, if attempt == 0 { CLEAR } else { 0.0 })?)?;
         self.place(&name, &self.beside(beam, 1.0, height.max(0.1e-3))?)?;
         self.hand.zero()?;
-        let loose = self.loose_sleeves(beam);
+        // A loose beam turns about a single peg, too.
+        let loose = self.loose_sleeves(beam, 1);
         let limit = if cap {
             CAP_LIMIT
         } else if loose.is_empty() {
@@ -353,15 +362,21 @@ impl Workcell<'_, '_> {
             self.belief.update(&mut self.hand)?;
             return Ok(());
         }
-        self.seat(beam, &goal, height, limit)
+        self.seat(beam, &goal, height, limit, !loose.is_empty())
     }
 
     /// Brings a held beam that is in its joints all the way to `goal`, as sight says: what remains is mostly a fraction
     /// of a millimetre, and otherwise felt in.
-    fn seat(&mut self, beam: usize, goal: &Pose, height: f64, limit: f64) -> Result<(), SkillError> {
+    fn seat(
+        &mut self,
+        beam: usize,
+        goal: &Pose,
+        height: f64,
+        limit: f64,
+        loose: bool,
+    ) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
         let direction = self.way_in(beam, goal)?;
-        let loose = !self.loose_sleeves(beam).is_empty();
         for _ in 0..TRIES {
             let x_wp = self.belief.pose(&name)?;
             let fine = self.hand.corrected(&x_wp, &(Translation3::new(0.0, 0.0, height) * goal));
@@ -392,10 +407,11 @@ impl Workcell<'_, '_> {
         self.seize_standing(beam, s)?;
         let goal = self.target(beam)?;
         let direction = self.way_in(beam, &goal)?;
-        let loose = !self.loose_sleeves(beam).is_empty();
+        let loose = !self.loose_sleeves(beam, 1).is_empty();
         self.hand.zero()?;
         self.feel_in(&name, &goal, &direction, loose)?;
-        let seated = self.seat(beam, &goal, 0.0, if loose { LOOSE_LIMIT } else { SQUARE_LIMIT });
+        let limit = if loose { LOOSE_LIMIT } else { SQUARE_LIMIT };
+        let seated = self.seat(beam, &goal, 0.0, limit, loose);
         self.settle(beam)?;
         self.release()?;
         self.reckon_heights(beam);
@@ -464,6 +480,7 @@ impl Workcell<'_, '_> {
         let mut stalled_since = begin;
         let mut looked = begin;
         let mut best = self.remaining(part, goal, direction)?;
+        let mut paced = (begin, best);
         // The line of the way in, as a correction of the setpoint taken anew at every look.
         let mut line = self.hand.setpoint;
         let mut ticks = 0u32;
@@ -480,6 +497,12 @@ impl Workcell<'_, '_> {
                 let remaining = self.remaining(part, goal, direction)?;
                 if remaining < 0.5 * HOME {
                     break;
+                }
+                if self.hand.time() - paced.0 > FEEL_PACE.0 {
+                    if paced.1 - remaining < FEEL_PACE.1 {
+                        break;
+                    }
+                    paced = (self.hand.time(), remaining);
                 }
                 if remaining < best - FEEL_PROGRESS {
                     best = remaining;
