@@ -7,13 +7,20 @@ mod common;
 
 use common::World;
 use nalgebra::Translation3;
+use ramp_assembly::Insertion;
 use ramp_motion::PathPlanner;
 use ramp_robot::random::Stream;
 use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
 use ramp_skills::belief::Belief;
 use ramp_skills::hand::Hand;
-use ramp_skills::transport::Workcell;
+use ramp_skills::transport::{Way, Workcell};
 use ramp_twin::Twin;
+
+/// The way in that the goal's own order of insertions gives a beam.
+fn way(insertion: &Insertion) -> (usize, Way) {
+    let (direction, distance) = (insertion.direction.into_inner(), insertion.distance);
+    (insertion.beam, Way { direction, distance, depth: 0.0 })
+}
 
 /// The twin, but some beams are read as standing a little beside where they are (m, axes of the world).
 struct Biased<'t> {
@@ -61,7 +68,7 @@ fn cell<'a, 'r>(world: &'a World, planner: &'a PathPlanner, robot: &'r mut dyn R
         standing: vec![world.assembly.base],
         deep: Vec::new(),
         pinned: Vec::new(),
-        ways: std::collections::BTreeMap::new(),
+        ways: world.assembly.insertions.iter().map(way).collect(),
         stream: Stream::new(1, "motion"),
         events: Vec::new(),
     }
