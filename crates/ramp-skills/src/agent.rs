@@ -258,6 +258,8 @@ impl<'a> Baseline<'a> {
         }
     }
 
+    /// Pushes beams that lie loose in the assembly and were carried off back to their places. The planner knows beams by
+    /// what they meet, and such a beam meets nothing yet.
     fn put_right(&self, cell: &mut Workcell) -> Result<(), SkillError> {
         for beam in cell.carried_off()? {
             cell.rise()?;
@@ -278,8 +280,6 @@ impl<'a> Baseline<'a> {
             }
         }
         cell.belief.update(&mut cell.hand)?;
-        // What lies loose in the assembly and was carried off is put back by hand: the planner knows beams by what they
-        // meet, and this one meets nothing yet.
         match self.put_right(cell) {
             Err(SkillError::Robot(error)) => return Err(error),
             Err(error) => cell.note("fault", error.to_string()),

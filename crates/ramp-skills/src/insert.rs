@@ -250,10 +250,8 @@ impl Workcell<'_, '_> {
 
     /// Does a joint lead the way out of a beam that stands too deep?
     fn leads(&self, joint: JointRef) -> bool {
-        let placed = &self.assembly.beams[joint.beam];
-        let along = placed.x_ab.rotation * Vector3::x();
-        let first = self.ways.get(&joint.beam).is_some_and(|way| along.dot(&way.direction) > 0.0);
-        first == (placed.beam.joints[joint.joint].offset < placed.beam.span() / 2.0)
+        let beam = &self.assembly.beams[joint.beam].beam;
+        (beam.joints[joint.joint].offset - self.free_end(joint.beam)).abs() < beam.span() / 2.0
     }
 
     /// Lays the held beam, which is over its place, on the table, and lets go of it.

@@ -1,10 +1,9 @@
 //! Action execution (section IV-B of the paper): the baseline agent.
 //!
 //! Data passes one way: [`agent`] asks the planner for a plan and runs it action by action; each action is a skill
-//! ([`transport`], [`insert`], [`slide`], [`fasten`], [`align`]); skills move the [`hand`], which is the only one to talk to
-//! the robot. What a skill knows of the parts is a [`belief`], which what its [`eyes`] see corrects ([`estimate`]) and
-//! which it improves by looking ([`look`]);
-//! where a hand can grip is in [`grasp`].
+//! ([`transport`], [`insert`], [`slide`], [`fasten`], [`align`]); skills move the [`hand`], which is the only one to
+//! talk to the robot. What a skill knows of the parts is a [`belief`], which what its [`eyes`] see corrects
+//! ([`estimate`]) and which it improves by looking ([`look`]); where a hand can grip is in [`grasp`].
 
 pub mod agent;
 pub mod align;

@@ -101,7 +101,7 @@ impl Workcell<'_, '_> {
 
     /// Distance from j1, m, of the end of a deep beam that is to go into the other joint: the one that leads the way
     /// out.
-    fn free_end(&self, beam: usize) -> f64 {
+    pub fn free_end(&self, beam: usize) -> f64 {
         let placed = &self.assembly.beams[beam];
         let along = placed.x_ab.rotation * nalgebra::Vector3::x();
         let into = self.ways.get(&beam).map_or(0.0, |way| along.dot(&way.direction));
