@@ -387,11 +387,7 @@ impl Belief {
         for holder in &kit.holders {
             let at = kit.sheet_to_world(holder.centre);
             let x = Pose::translation(at.x, at.y, 0.0);
-            let [length, width] = Holder::BASE;
-            let foot = Cuboid::new([-length / 2.0, length / 2.0], [-width / 2.0, width / 2.0], [0.0, 0.018]);
-            let bar = Cuboid::new([-length / 2.0, length / 2.0], [-0.0125, 0.0125], [0.0, Holder::HEIGHT]);
-            obstacles.push(obstacle(&holder.name, &x, &foot));
-            obstacles.push(obstacle(&holder.name, &x, &bar));
+            obstacles.extend(Holder::blocks().map(|block| obstacle(&holder.name, &x, &block)));
         }
         obstacles
     }

@@ -156,16 +156,25 @@ impl Workcell<'_, '_> {
             let link = link
                 .and_then(|name| beam.links.iter().find(|link| link.name == name))
                 .ok_or_else(no_grasp)?;
-            let s = grasp::point_on(link, beam.span() / 2.0);
             // The hand turns with the beam: what counts is the worse end of its way.
             let goal = self.assembly.beam_index(part).map(|index| self.target(index)).transpose()?;
-            let senses = [false, true].map(|reverse| {
-                let x_wt = beam_grasp(&x_wp, s, reverse);
-                let margin = self.reach(&x_wt, &q);
-                let at_goal = goal.map_or(margin, |x_wb| self.reach(&beam_grasp(&x_wb, s, reverse), &q));
-                (x_wt, margin.min(at_goal))
-            });
-            let x_wt = self.choose(&senses).ok_or_else(no_grasp)?;
+            let mut nearest = None;
+            for s in grasp::points_on(link, beam.span() / 2.0) {
+                let senses = [false, true].map(|reverse| {
+                    let x_wt = beam_grasp(&x_wp, s, reverse);
+                    let margin = self.reach(&x_wt, &q);
+                    let at_goal =
+                        goal.map_or(margin, |x_wb| self.reach(&beam_grasp(&x_wb, s, reverse), &q));
+                    (x_wt, margin.min(at_goal))
+                });
+                let Some(x_wt) = self.choose(&senses) else { continue };
+                if self.has_room(&x_wt, BEAM_OPEN, part) {
+                    return Ok((x_wt, BEAM_OPEN, BEAM_WIDTH));
+                }
+                nearest = nearest.or(Some(x_wt));
+            }
+            // With no room anywhere the motion says what is in the way.
+            let x_wt = nearest.ok_or_else(no_grasp)?;
             return Ok((x_wt, BEAM_OPEN, BEAM_WIDTH));
         }
         // Pegs stand close together along x of their holder: the hand closes across it.
@@ -175,6 +184,15 @@ impl Workcell<'_, '_> {
         });
         let x_wt = self.choose(&senses).ok_or_else(no_grasp)?;
         Ok((x_wt, PEG_OPEN, PEG_WIDTH))
+    }
+
+    /// Does the hand, opened to `open` (m), touch nothing but `part` at a pose of the tip that it can reach?
+    fn has_room(&self, x_wt: &Pose, open: f64, part: &str) -> bool {
+        let around = self.belief.obstacles(self.kit, &[part]);
+        let checker = Checker::new(self.arm, open, Vec::new(), &around, MARGIN);
+        self.planner
+            .solve(x_wt, &self.hand.joints())
+            .is_ok_and(|q| checker.is_free(&self.planner.kinematics.frames(&q)))
     }
 
     /// Of several poses of the tip, each with its distance from the joints' ends (rad), the one to use: reachable
