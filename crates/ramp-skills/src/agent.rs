@@ -248,7 +248,7 @@ impl<'a> Baseline<'a> {
                 cell.rise()?;
                 cell.slide(beam(name)?, link)
             }
-            FineAction::Regrasp { .. } => Err(no_skill().into()),
+            FineAction::Regrasp { beam: name, link } => cell.regrasp(beam(name)?, link),
             FineAction::AssembleCap { beam: name, .. } => cell.assemble(beam(name)?, true),
             FineAction::Fasten { connection: name, .. } => cell.fasten(connection(name)?),
             FineAction::Push { beam: name, link } => {
