@@ -35,6 +35,7 @@ impl World {
             track: Track::State,
             seed,
             disturbance: Disturbance::default(),
+            fault: None,
         })
         .unwrap()
     }
