@@ -71,6 +71,7 @@ fn cell<'a, 'r>(world: &'a World, planner: &'a PathPlanner, robot: &'r mut dyn R
         ways: world.assembly.insertions.iter().map(way).collect(),
         stream: Stream::new(1, "motion"),
         events: Vec::new(),
+        force_told: false,
     }
 }
 

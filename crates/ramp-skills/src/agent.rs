@@ -38,6 +38,8 @@ pub struct Baseline<'a> {
     plan: Option<Plan>,
     /// The peg that is being fetched: one that cannot be gripped is not tried again.
     fetching: Option<String>,
+    /// Why it gave up.
+    failure: Option<String>,
     on_event: Box<dyn FnMut(&Event) + 'a>,
 }
 
@@ -59,6 +61,7 @@ impl<'a> Baseline<'a> {
             account: Account::default(),
             plan: None,
             fetching: None,
+            failure: None,
             on_event: Box::new(|_| {}),
         }
     }
@@ -90,8 +93,16 @@ impl<'a> Baseline<'a> {
         }
     }
 
+    /// Nothing more can be done.
+    fn give_up(&mut self, cell: &mut Workcell, why: String) {
+        cell.note("fault", why.clone());
+        self.report(cell);
+        self.failure = Some(why);
+    }
+
     fn work(&mut self, cell: &mut Workcell) -> Result<(), RobotError> {
         let mut lost: Vec<String> = Vec::new();
+        let mut last = String::new();
         for round in 0..=REPLANS {
             cell.belief.update(&mut cell.hand)?;
             let plan = self
@@ -101,8 +112,7 @@ impl<'a> Baseline<'a> {
             let plan = match plan {
                 Ok(plan) => plan,
                 Err(why) => {
-                    cell.note("fault", why);
-                    self.report(cell);
+                    self.give_up(cell, why);
                     return Ok(());
                 }
             };
@@ -125,14 +135,14 @@ impl<'a> Baseline<'a> {
                 Ok(()) => return Ok(()),
                 Err(SkillError::Robot(error)) => return Err(error),
                 Err(error) => {
-                    cell.note("fault", error.to_string());
+                    last = error.to_string();
+                    cell.note("fault", last.clone());
                     self.report(cell);
                     self.recover(cell, &mut lost)?;
                 }
             }
         }
-        cell.note("fault", format!("gave up after {REPLANS} new plans"));
-        self.report(cell);
+        self.give_up(cell, format!("gave up after {REPLANS} new plans: {last}"));
         Ok(())
     }
 
@@ -322,6 +332,10 @@ impl Agent for Baseline<'_> {
         self.account.clone()
     }
 
+    fn failure(&self) -> Option<String> {
+        self.failure.clone()
+    }
+
     fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {
         let planner = PathPlanner::new(self.arm);
         let mut cell = Workcell {
@@ -337,6 +351,7 @@ impl Agent for Baseline<'_> {
             ways: BTreeMap::new(),
             stream: Stream::new(self.seed, "motion"),
             events: Vec::new(),
+            force_told: false,
         };
         let result = self.work(&mut cell);
         self.report(&mut cell);

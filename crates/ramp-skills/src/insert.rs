@@ -5,6 +5,7 @@ use ramp_assembly::JointRef;
 use ramp_kit::joint::{self, BODY_WIDTH, EXTRUSION, FEMALE_HEIGHT};
 
 use crate::Pose;
+use crate::diagnosis::Cause;
 use crate::fault::{Fault, SkillError};
 use crate::look::Point;
 use crate::transport::{Way, Workcell};
@@ -156,7 +157,17 @@ impl Workcell<'_, '_> {
     pub fn approach_beam(&mut self, beam: usize) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
         self.regrip(&name)?;
+        self.level(beam)?;
         let start = self.beside(beam, 1.0, CLEAR)?;
+        let Some(held) = &self.hand.held else { return Err(Fault::NotHeld { part: name }.into()) };
+        let x_wt = start * held.x_tp.inverse();
+        self.travel(&x_wt)?;
+        // A beam that turned in the hand on the way does not go in as it is.
+        self.regrip(&name)?;
+        if !self.is_aslant() {
+            return Ok(());
+        }
+        self.level(beam)?;
         let Some(held) = &self.hand.held else { return Err(Fault::NotHeld { part: name }.into()) };
         let x_wt = start * held.x_tp.inverse();
         self.travel(&x_wt)
@@ -345,7 +356,7 @@ impl Workcell<'_, '_> {
             }
             if remaining > HOME {
                 let jam = Fault::Jammed { part: name.clone(), remaining_mm: remaining * 1e3, force };
-                self.note("fault", jam.to_string());
+                self.diagnose(Cause::Jam, &jam);
                 // Back out to where it began, free of the joint.
                 let mut back = self.hand.setpoint;
                 back.translation = self.hand.seen.x_wt.translation;

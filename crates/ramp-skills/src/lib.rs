@@ -3,11 +3,13 @@
 //! Data passes one way: [`agent`] asks the planner for a plan and runs it action by action; each action is a skill
 //! ([`transport`], [`insert`], [`slide`], [`fasten`], [`align`], [`regrasp`]); skills move the [`hand`], which is the only one to
 //! talk to the robot. What a skill knows of the parts is a [`belief`], which what its [`eyes`] see corrects
-//! ([`estimate`]) and which it improves by looking ([`look`]); where a hand can grip is in [`grasp`].
+//! ([`estimate`]) and which it improves by looking ([`look`]); where a hand can grip is in [`grasp`]. What goes wrong is put down to a cause
+//! in [`diagnosis`].
 
 pub mod agent;
 pub mod align;
 pub mod belief;
+pub mod diagnosis;
 pub mod estimate;
 pub mod eyes;
 pub mod fasten;

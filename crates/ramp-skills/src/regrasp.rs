@@ -19,6 +19,8 @@ const DROP: f64 = 20.0e-3;
 const LIMIT: f64 = 8.0;
 /// Speed, m/s.
 const SPEED: f64 = 0.03;
+/// Sine of how far a beam in the hand may be from level.
+const ASLANT: f64 = 0.035;
 /// How far the joints must stay from the ends of their ranges, rad.
 const ROOM: f64 = 0.1;
 
@@ -48,6 +50,27 @@ impl Workcell<'_, '_> {
         self.rise()?;
         self.pick_up(&name, Some(link))?;
         self.rise()
+    }
+
+    /// Does the held beam sit aslant in the hand?
+    pub fn is_aslant(&self) -> bool {
+        self.hand.held.as_ref().is_some_and(|held| (held.x_tp.rotation * Vector3::x()).z.abs() > ASLANT)
+    }
+
+    /// Takes a beam anew that sits aslant in the hand: laid on the table, it lies level.
+    ///
+    /// # Errors
+    /// As [`Workcell::regrasp`].
+    pub fn level(&mut self, beam: usize) -> Result<(), SkillError> {
+        let Some(held) = self.hand.held.as_ref().filter(|_| self.is_aslant()) else { return Ok(()) };
+        // Where the hand holds it now.
+        let s = held.x_tp.inverse_transform_point(&nalgebra::Point3::origin()).x;
+        let links = &self.assembly.beams[beam].beam.links;
+        let off = |link: &ramp_kit::Link| (s - s.clamp(link.grasp[0], link.grasp[1])).abs();
+        let Some(link) = links.iter().min_by(|a, b| off(a).total_cmp(&off(b))) else { return Ok(()) };
+        let link = link.name.clone();
+        self.note("retry", format!("take {link} anew"));
+        self.regrasp(beam, &link)
     }
 
     /// The pose of the tip at which the held beam lies on the table beside everything else, with room for the hand now
