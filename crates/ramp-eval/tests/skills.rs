@@ -72,6 +72,7 @@ fn cell<'a, 'r>(world: &'a World, planner: &'a PathPlanner, robot: &'r mut dyn R
         stream: Stream::new(1, "motion"),
         events: Vec::new(),
         force_told: false,
+        stood: std::collections::BTreeMap::new(),
     }
 }
 

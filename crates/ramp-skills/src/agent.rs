@@ -178,6 +178,9 @@ impl<'a> Baseline<'a> {
                     _ => None,
                 };
                 self.act(cell, action, rest)?;
+                if !matches!(action, FineAction::Move { .. } | FineAction::PickUp { .. }) {
+                    cell.remember_standing();
+                }
                 cell.note("done", action.to_string());
                 self.report(cell);
             }
@@ -196,6 +199,7 @@ impl<'a> Baseline<'a> {
         let connection = &self.assembly.connections[index];
         let holes = [cell.hole(connection.female), cell.hole(connection.male)];
         cell.see(&holes, KNOWN)?;
+        cell.diagnose_standing();
         let offset = cell.belief.offset(self.assembly, connection)?;
         if offset <= PEGGABLE {
             return Ok(());
@@ -213,6 +217,7 @@ impl<'a> Baseline<'a> {
             cell.rise()?;
             cell.push_by_nearest_link(beam)?;
             cell.rise()?;
+            cell.remember_standing();
             if cell.belief.offset(self.assembly, connection)? <= PEGGABLE {
                 return Ok(());
             }
@@ -276,6 +281,7 @@ impl<'a> Baseline<'a> {
             cell.push_by_nearest_link(beam)?;
             cell.rise()?;
         }
+        cell.remember_standing();
         Ok(())
     }
 
@@ -352,6 +358,7 @@ impl Agent for Baseline<'_> {
             stream: Stream::new(self.seed, "motion"),
             events: Vec::new(),
             force_told: false,
+            stood: BTreeMap::new(),
         };
         let result = self.work(&mut cell);
         self.report(&mut cell);

@@ -384,7 +384,9 @@ impl Belief {
     pub fn obstacles(&self, kit: &Kit, without: &[&str]) -> Vec<Obstacle> {
         let mut obstacles = Vec::new();
         // What was lost may be anywhere but where it was.
-        let lost = |name: &str| self.parts.get(name).is_some_and(|part| part.estimate.covariance[(0, 0)] > ANYWHERE.powi(2));
+        let lost = |name: &str| {
+            self.parts.get(name).is_some_and(|part| part.estimate.covariance[(0, 0)] > ANYWHERE.powi(2))
+        };
         let left_out = |name: &str| without.contains(&name) || lost(name);
         for beam in kit.beams.iter().filter(|beam| !left_out(&beam.name)) {
             if let Some(x_wb) = self.find(&beam.name) {

@@ -5,8 +5,9 @@
 
 use std::fmt;
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
+use crate::Pose;
 use crate::transport::Workcell;
 
 /// A peg is this far from its outline at most when nobody has touched its holder, m: the start is disturbed by 1 mm and
@@ -16,6 +17,8 @@ const IN_PLACE: f64 = 3.0e-3;
 const HOLDER_OFF: f64 = 2.2e-3;
 /// A part that turns in the hand by more than this, rad, or moves in it by more than this, m, has slipped.
 const SLIPPED: (f64, f64) = (1.5 / 180.0 * std::f64::consts::PI, 3.0e-3);
+/// A beam that stands has moved when one of its ends is further than this from where it was, m.
+const MOVED: f64 = 2.0e-3;
 /// A force in free space that is further than this from what the held part weighs tells of a sensor that is off, N:
 /// twelve times the noise of its filtered reading.
 const BIASED: f64 = 0.8;
@@ -80,6 +83,40 @@ impl Workcell<'_, '_> {
         }
     }
 
+    /// Keeps in mind how the beams of the assembly stand that can be seen well now.
+    pub fn remember_standing(&mut self) {
+        self.stood = self.well_seen().into_iter().collect();
+    }
+
+    /// Says which beams stand otherwise than they did when the hand left them.
+    pub fn diagnose_standing(&mut self) {
+        for (beam, x_wb) in self.well_seen() {
+            let Some(before) = self.stood.get(&beam) else { continue };
+            let placed = &self.assembly.beams[beam].beam;
+            let ends = [0.0, placed.span()].map(|x| Point3::new(x, 0.0, 0.0));
+            let moved = ends.map(|end| (x_wb * end - before * end).xy().norm());
+            let moved = moved[0].max(moved[1]);
+            if moved > MOVED {
+                let words = format!("{} is {:.1} mm from where it stood", placed.name, moved * 1e3);
+                self.diagnose(Cause::BeamMoved, words);
+                self.stood.insert(beam, x_wb);
+            }
+        }
+    }
+
+    /// The beams of the assembly, the clamped one aside, both of whose ends are well known, and where they are.
+    fn well_seen(&self) -> Vec<(usize, Pose)> {
+        let known = |beam: usize| {
+            let placed = &self.assembly.beams[beam].beam;
+            let well =
+                |x: f64| self.belief.deviation(&placed.name, &Point3::new(x, 0.0, 0.0))[0] < MOVED / 3.0;
+            let x_wb = self.belief.pose(&placed.name).ok()?;
+            (well(0.0) && well(placed.span())).then_some((beam, x_wb))
+        };
+        let standing = self.standing.iter().copied().filter(|beam| *beam != self.assembly.base);
+        standing.filter_map(known).collect()
+    }
+
     /// Looks whether a peg that is to be fetched has moved with its holder.
     pub fn diagnose_holder(&mut self, peg: &str) {
         let Some(holder) = self.kit.peg(peg).map(|peg| peg.holder.clone()) else { return };
@@ -98,7 +135,7 @@ impl Workcell<'_, '_> {
     fn off_outline(&self, peg: &str) -> Option<Vector3<f64>> {
         let start = self.kit.x_wp_start(self.kit.peg(peg)?)?;
         let x_wp = self.belief.pose(peg).ok()?;
-        let known = self.belief.deviation(peg, &nalgebra::Point3::origin())[0] < HOLDER_OFF / 3.0;
+        let known = self.belief.deviation(peg, &Point3::origin())[0] < HOLDER_OFF / 3.0;
         let mut off = x_wp.translation.vector - start.translation.vector;
         let upright = (x_wp.rotation * Vector3::z()).z > 0.99 && off.z.abs() < IN_PLACE;
         off.z = 0.0;
@@ -108,9 +145,15 @@ impl Workcell<'_, '_> {
     /// Says so when a part has moved in the hand by `moved` (m) and `turned` (rad).
     pub fn diagnose_grip(&mut self, part: &str, moved: f64, turned: f64) {
         if turned > SLIPPED.0 {
-            self.diagnose(Cause::GripMoved, format!("{part} has turned by {:.1}° in the hand", turned.to_degrees()));
+            self.diagnose(
+                Cause::GripMoved,
+                format!("{part} has turned by {:.1}° in the hand", turned.to_degrees()),
+            );
         } else if moved > SLIPPED.1 {
-            self.diagnose(Cause::GripMoved, format!("{part} has slipped by {:.1} mm in the hand", moved * 1e3));
+            self.diagnose(
+                Cause::GripMoved,
+                format!("{part} has slipped by {:.1} mm in the hand", moved * 1e3),
+            );
         }
     }
 

@@ -28,12 +28,12 @@ const COMMON: f64 = 4.0;
 /// Standard deviation of an exact reading, m and rad: nothing is known better than a double can tell.
 const EXACT: f64 = 1.0e-9;
 /// A tag that was never found in so many images in which it should have been in sight is covered or gone.
-const MISSED: u32 = 8;
+const MISSED: u32 = 16;
 /// In sight is a tag this far from the border of the image, pixels, whose edges are this long, pixels, and that faces
 /// the camera this much: the cosine of the angle.
 const BORDER: f64 = 40.0;
 /// See [`BORDER`].
-const LEGIBLE: f64 = 30.0;
+const LEGIBLE: f64 = 10.0;
 /// See [`BORDER`].
 const FACING: f64 = 0.6;
 /// How long a camera that repeats its image is waited for, and how often it is asked meanwhile, s.

@@ -202,16 +202,19 @@ impl Workcell<'_, '_> {
             -hand.force().z > TOUCH || hand.x_wp_held().is_some_and(|x| tip(&x) < -FOUND)
         })?;
         if !self.hand.x_wp_held().is_some_and(|x| tip(&x) < -FOUND) {
-            let begin = self.hand.time();
+            let (begin, mut upright) = (self.hand.time(), false);
             self.spiral(plate, NEAR_TIME)?;
             if !self.is_in(plate) {
-                self.search_aslant(connection, peg, plate)?;
+                upright = self.search_aslant(connection, peg, plate)?;
             }
             if !self.is_in(plate) {
                 self.spiral(plate, SEARCH_TIME)?;
             }
             let seconds = self.hand.time() - begin;
             self.note("search", format!("spiral at {name}, {seconds:.1} s"));
+            if seconds > NEAR_TIME && self.is_in(plate) && !upright {
+                self.diagnose(Cause::Jam, format!("{peg} went into {name} only after {seconds:.0} s"));
+            }
         }
         if !self.hand.x_wp_held().is_some_and(|x| tip(&x) < -0.5 * FOUND) {
             return Err(Fault::HoleNotFound { peg: peg.to_string(), connection: name }.into());
@@ -268,8 +271,8 @@ impl Workcell<'_, '_> {
 
     /// A hole that is not where it was seen: the peg may have turned between the fingers, about the axis on which they
     /// close, where no camera sees it. Its tip is then beside the hand, along the fingers' other axis: searches there,
-    /// and where the tip drops in turns the hand until the peg stands upright.
-    fn search_aslant(&mut self, connection: usize, peg: &str, plate: f64) -> Result<(), SkillError> {
+    /// and where the tip drops in turns the hand until the peg stands upright. Returns whether it did.
+    fn search_aslant(&mut self, connection: usize, peg: &str, plate: f64) -> Result<bool, SkillError> {
         let mouth = self.mouth(connection)?;
         let x = self.hand.seen.x_wt.rotation * Vector3::x();
         let axis = Vector3::new(x.x, x.y, 0.0).normalize();
@@ -282,11 +285,12 @@ impl Workcell<'_, '_> {
                 let p = mouth + axis * (direction * way) + aside * sway;
                 self.slide_to(p.x, p.y)?;
                 if self.is_in(plate) {
-                    return self.set_upright(peg, &mouth, &(axis * (direction * way)));
+                    self.set_upright(peg, &mouth, &(axis * (direction * way)))?;
+                    return Ok(true);
                 }
             }
         }
-        Ok(())
+        Ok(false)
     }
 
     /// The tip of a peg is in the hole at `mouth` while the hand is `off` beside it, all m in the world: turns the hand

@@ -346,6 +346,10 @@ impl Workcell<'_, '_> {
         self.glance()?;
         if stopped {
             let mut remaining = self.remaining(&name, &goal, &direction)?;
+            if remaining > HOME {
+                let met = format!("{name} meets {force:.0} N {:.1} mm before its place", remaining * 1e3);
+                self.diagnose(Cause::Jam, met);
+            }
             if remaining > HOME && !cap {
                 let sleeve = self.sleeves(beam).next();
                 if let Some(sleeve) = sleeve {
@@ -356,7 +360,7 @@ impl Workcell<'_, '_> {
             }
             if remaining > HOME {
                 let jam = Fault::Jammed { part: name.clone(), remaining_mm: remaining * 1e3, force };
-                self.diagnose(Cause::Jam, &jam);
+                self.note("fault", jam.to_string());
                 // Back out to where it began, free of the joint.
                 let mut back = self.hand.setpoint;
                 back.translation = self.hand.seen.x_wt.translation;

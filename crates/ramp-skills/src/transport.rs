@@ -86,6 +86,8 @@ pub struct Workcell<'a, 'r> {
     pub events: Vec<Event>,
     /// It has been told that the wrist sensor is off.
     pub force_told: bool,
+    /// How the beams of the assembly stood when the hand last left them, by index.
+    pub stood: BTreeMap<usize, Pose>,
 }
 
 impl Workcell<'_, '_> {
@@ -235,6 +237,7 @@ impl Workcell<'_, '_> {
             }
         }
         self.see_to_grip(part)?;
+        self.diagnose_standing();
         if self.kit.beam(part).is_none() {
             if self.belief.pose(part).is_err() {
                 self.diagnose(Cause::PartMissing, format!("{part} is not in its holder"));

@@ -121,11 +121,8 @@ impl Push {
             self.end(data);
             return Progress::Settling;
         }
-        self.force = if speed > fastest {
-            self.force * BACK_OFF
-        } else {
-            (self.force + growth * PERIOD).min(most)
-        };
+        self.force =
+            if speed > fastest { self.force * BACK_OFF } else { (self.force + growth * PERIOD).min(most) };
         let along = self.force * if self.in_hand { x_wt.rotation * axis } else { axis };
         match self.motion {
             Motion::Line(_) => press(data, self.body, &(x_wb * self.p_b), &along),

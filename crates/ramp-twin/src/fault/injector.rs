@@ -51,23 +51,42 @@ fn between([from, to]: [f64; 2], share: f64) -> f64 {
 enum Action {
     Waiting,
     /// A part was lifted; in so many seconds it is struck.
-    Lifted { part: usize, left: f64 },
+    Lifted {
+        part: usize,
+        left: f64,
+    },
     /// The fingers have no force for so many seconds.
-    Limp { left: f64 },
+    Limp {
+        left: f64,
+    },
     /// A part is pushed in the grip.
     InGrip(Push),
     /// A standing beam is pushed; the sides that are left to push it from.
-    Bump { push: Push, part: usize, at: f64, left: Vec<(usize, Motion)> },
+    Bump {
+        push: Push,
+        part: usize,
+        at: f64,
+        left: Vec<(usize, Motion)>,
+    },
     /// A holder is pushed.
     Shift(Push),
     /// Something is in the way of an insertion.
     Jam(Obstacle),
     /// The cameras repeat their images for so many seconds.
-    Frozen { left: f64 },
+    Frozen {
+        left: f64,
+    },
     /// The fingers close no further than this width, m.
-    Short { width: f64 },
+    Short {
+        width: f64,
+    },
     /// The sensor's bias grows: N so far, in the sensor's frame.
-    Drift { force: f64, growth: f64, most: f64, direction: Vector3<f64> },
+    Drift {
+        force: f64,
+        growth: f64,
+        most: f64,
+        direction: Vector3<f64>,
+    },
     Over,
 }
 
@@ -189,7 +208,11 @@ impl Injector {
                 if matches!(progress, Progress::Over(_)) { Action::Over } else { Action::Shift(push) }
             }
             Action::Jam(mut obstacle) => {
-                if obstacle.step(data) { Action::Jam(obstacle) } else { Action::Over }
+                if obstacle.step(data) {
+                    Action::Jam(obstacle)
+                } else {
+                    Action::Over
+                }
             }
             Action::Frozen { left } if left > 0.0 => Action::Frozen { left: left - PERIOD },
             Action::Short { width } if gripper.width < width => {
@@ -218,7 +241,12 @@ impl Injector {
             (FaultKind::BeamBumped, Occasion::Left) => self.begin_bump(data, time),
             (FaultKind::Jam, Occasion::Inserted { part, p_w, direction }) => {
                 let (force, seconds) = (between(JAM.0, draws.size), between(JAM.1, draws.second));
-                self.struck(time, &name, Some(force), format!("{name} meets {force:.0} N for {seconds:.1} s"));
+                self.struck(
+                    time,
+                    &name,
+                    Some(force),
+                    format!("{name} meets {force:.0} N for {seconds:.1} s"),
+                );
                 let body = self.cell.parts[*part].body;
                 Some(Action::Jam(Obstacle::new(data, body, *p_w, *direction, force, seconds)))
             }
@@ -276,7 +304,12 @@ impl Injector {
         let (name, body) = (self.cell.parts[part].name.clone(), self.cell.parts[part].body);
         if kind == FaultKind::PegDropped {
             let left = between(LIMP, self.draws.size);
-            self.struck(time, &name, Some(left), format!("the fingers lose {name}: no force for {left:.2} s"));
+            self.struck(
+                time,
+                &name,
+                Some(left),
+                format!("the fingers lose {name}: no force for {left:.2} s"),
+            );
             return Action::Limp { left };
         }
         let x_tp = x_wt.inverse() * self.cell.pose(data, part);
@@ -337,7 +370,8 @@ impl Injector {
         let mut sides = Vec::new();
         for index in standing {
             let x_wb = self.cell.pose(data, self.cell.placed[index].part);
-            let along = (x_wb.rotation * Vector3::x()).component_mul(&Vector3::new(1.0, 1.0, 0.0)).normalize();
+            let along =
+                (x_wb.rotation * Vector3::x()).component_mul(&Vector3::new(1.0, 1.0, 0.0)).normalize();
             let across = Vector3::z().cross(&along) * self.side();
             sides.extend([across, -across, along, -along].map(|axis| (index, Motion::Line(axis))));
         }

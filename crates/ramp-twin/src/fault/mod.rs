@@ -178,8 +178,10 @@ impl FromStr for Fault {
         };
         let Some(kind) = FaultKind::ALL.into_iter().find(|kind| kind.name() == word) else {
             let names = FaultKind::ALL.map(FaultKind::name);
-            let help = nearest(word, names)
-                .map_or_else(|| format!("there are {}", names.join(", ")), |near| format!("did you mean `{near}`?"));
+            let help = nearest(word, names).map_or_else(
+                || format!("there are {}", names.join(", ")),
+                |near| format!("did you mean `{near}`?"),
+            );
             return Err(FaultError::Kind { found: shorten(word), help });
         };
         let occasion = match number {
