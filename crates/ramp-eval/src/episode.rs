@@ -11,8 +11,8 @@ use ramp_twin::{Setup, Twin, TwinError};
 use crate::log::{LogError, Recorder, Sources};
 use crate::referee::Referee;
 use crate::result::{
-    AgentInfo, Ended, EpisodeResult, EventInfo, FaultInfo, Host, PegResult, Physics, PlanInfo, RULES, SCHEMA, Software,
-    Time,
+    AgentInfo, Ended, EpisodeResult, EventInfo, FaultInfo, Host, PegResult, Physics, PlanInfo, RULES, SCHEMA,
+    Software, Time,
 };
 
 /// The referee looks once in so many steps (10 ms).

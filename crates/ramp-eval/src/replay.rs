@@ -139,9 +139,7 @@ impl World {
         }
         let fault = match &header.fault {
             Some(fault) => Some(
-                fault
-                    .parse()
-                    .map_err(|_| ReplayError::Impossible { what: "fault", found: short(fault) })?,
+                fault.parse().map_err(|_| ReplayError::Impossible { what: "fault", found: short(fault) })?,
             ),
             None => None,
         };

@@ -338,6 +338,7 @@ impl Bench<'_> {
             && result.track == self.track
             && result.seed == seed
             && result.software == self.software
+            && result.fault.is_none()
             && result.agent.sha256.as_deref() == self.agent.as_ref().map(AgentFile::sha256);
         fits.then_some(result)
     }

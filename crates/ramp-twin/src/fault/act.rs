@@ -99,6 +99,11 @@ impl Push {
         self.gone
     }
 
+    /// How far it is to go, m or rad.
+    pub fn way(&self) -> f64 {
+        self.strength.way
+    }
+
     /// Pushes for a period, or lets the body rest.
     pub fn step(&mut self, data: &mut Data, x_wt: &Pose) -> Progress {
         let x_wb = body_pose(data, self.body);
@@ -121,11 +126,8 @@ impl Push {
             self.end(data);
             return Progress::Settling;
         }
-        self.force = if speed > fastest {
-            self.force * BACK_OFF
-        } else {
-            (self.force + growth * PERIOD).min(most)
-        };
+        self.force =
+            if speed > fastest { self.force * BACK_OFF } else { (self.force + growth * PERIOD).min(most) };
         let along = self.force * if self.in_hand { x_wt.rotation * axis } else { axis };
         match self.motion {
             Motion::Line(_) => press(data, self.body, &(x_wb * self.p_b), &along),

@@ -20,6 +20,8 @@ const DELAY: [f64; 2] = [0.3, 2.5];
 const LIMP: [f64; 2] = [0.3, 0.6];
 /// What is left of the fingers' force while something is moved in the grip.
 const WEAKENED: f64 = 0.15;
+/// What moves by less than this share of its way does not give way.
+const LEAST_OF_WAY: f64 = 0.3;
 /// How far a peg is turned in the grip, rad.
 const TILT: [f64; 2] = [6.0 / 180.0 * std::f64::consts::PI, 15.0 / 180.0 * std::f64::consts::PI];
 /// How far a beam is pushed along its axis in the grip, m.
@@ -51,23 +53,45 @@ fn between([from, to]: [f64; 2], share: f64) -> f64 {
 enum Action {
     Waiting,
     /// A part was lifted; in so many seconds it is struck.
-    Lifted { part: usize, left: f64 },
+    Lifted {
+        part: usize,
+        left: f64,
+    },
     /// The fingers have no force for so many seconds.
-    Limp { left: f64 },
-    /// A part is pushed in the grip.
-    InGrip(Push),
+    Limp {
+        left: f64,
+    },
+    /// A part is pushed in the grip; the other way, if it has not been tried.
+    InGrip {
+        push: Push,
+        other: Option<Push>,
+    },
     /// A standing beam is pushed; the sides that are left to push it from.
-    Bump { push: Push, part: usize, at: f64, left: Vec<(usize, Motion)> },
+    Bump {
+        push: Push,
+        part: usize,
+        at: f64,
+        left: Vec<(usize, Motion)>,
+    },
     /// A holder is pushed.
     Shift(Push),
     /// Something is in the way of an insertion.
     Jam(Obstacle),
     /// The cameras repeat their images for so many seconds.
-    Frozen { left: f64 },
+    Frozen {
+        left: f64,
+    },
     /// The fingers close no further than this width, m.
-    Short { width: f64 },
+    Short {
+        width: f64,
+    },
     /// The sensor's bias grows: N so far, in the sensor's frame.
-    Drift { force: f64, growth: f64, most: f64, direction: Vector3<f64> },
+    Drift {
+        force: f64,
+        growth: f64,
+        most: f64,
+        direction: Vector3<f64>,
+    },
     Over,
 }
 
@@ -169,18 +193,9 @@ impl Injector {
                 gripper.force = 0.0;
                 Action::Limp { left: left - PERIOD }
             }
-            Action::InGrip(mut push) => {
+            Action::InGrip { push, other } => {
                 gripper.force *= WEAKENED;
-                let progress = push.step(data, x_wt);
-                self.report.size = Some(push.gone());
-                match progress {
-                    Progress::Over(_) => Action::Over,
-                    _ if self.watch.held().is_none() => {
-                        push.end(data);
-                        Action::Over
-                    }
-                    _ => Action::InGrip(push),
-                }
+                self.push_in_grip(push, other, data, x_wt)
             }
             Action::Bump { push, part, at, left } => self.bump(push, part, at, left, data, x_wt),
             Action::Shift(mut push) => {
@@ -189,7 +204,11 @@ impl Injector {
                 if matches!(progress, Progress::Over(_)) { Action::Over } else { Action::Shift(push) }
             }
             Action::Jam(mut obstacle) => {
-                if obstacle.step(data) { Action::Jam(obstacle) } else { Action::Over }
+                if obstacle.step(data) {
+                    Action::Jam(obstacle)
+                } else {
+                    Action::Over
+                }
             }
             Action::Frozen { left } if left > 0.0 => Action::Frozen { left: left - PERIOD },
             Action::Short { width } if gripper.width < width => {
@@ -218,7 +237,12 @@ impl Injector {
             (FaultKind::BeamBumped, Occasion::Left) => self.begin_bump(data, time),
             (FaultKind::Jam, Occasion::Inserted { part, p_w, direction }) => {
                 let (force, seconds) = (between(JAM.0, draws.size), between(JAM.1, draws.second));
-                self.struck(time, &name, Some(force), format!("{name} meets {force:.0} N for {seconds:.1} s"));
+                self.struck(
+                    time,
+                    &name,
+                    Some(force),
+                    format!("{name} meets {force:.0} N for {seconds:.1} s"),
+                );
                 let body = self.cell.parts[*part].body;
                 Some(Action::Jam(Obstacle::new(data, body, *p_w, *direction, force, seconds)))
             }
@@ -276,7 +300,12 @@ impl Injector {
         let (name, body) = (self.cell.parts[part].name.clone(), self.cell.parts[part].body);
         if kind == FaultKind::PegDropped {
             let left = between(LIMP, self.draws.size);
-            self.struck(time, &name, Some(left), format!("the fingers lose {name}: no force for {left:.2} s"));
+            self.struck(
+                time,
+                &name,
+                Some(left),
+                format!("the fingers lose {name}: no force for {left:.2} s"),
+            );
             return Action::Limp { left };
         }
         let x_tp = x_wt.inverse() * self.cell.pose(data, part);
@@ -300,7 +329,31 @@ impl Injector {
             Motion::Turn(_) => format!("{:.1}°", way.to_degrees()),
         };
         self.struck(time, &name, Some(0.0), format!("{name} {what} in the grip, pushed for {wanted}"));
-        Action::InGrip(Push::new(data, body, Point3::origin(), motion, strength, Some(x_wt)))
+        let push = |motion| Push::new(data, body, Point3::origin(), motion, strength, Some(x_wt));
+        let back = match motion {
+            Motion::Line(axis) => Motion::Line(-axis),
+            Motion::Turn(axis) => Motion::Turn(-axis),
+        };
+        Action::InGrip { push: push(motion), other: Some(push(back)) }
+    }
+
+    /// A push in the grip goes on; where the part does not give way, because a joint is at the fingers, it is pushed the
+    /// other way.
+    fn push_in_grip(&mut self, mut push: Push, other: Option<Push>, data: &mut Data, x_wt: &Pose) -> Action {
+        let progress = push.step(data, x_wt);
+        self.report.size = Some(push.gone());
+        match progress {
+            Progress::Over(gone) if gone < LEAST_OF_WAY * push.way() => match other {
+                Some(other) => Action::InGrip { push: other, other: None },
+                None => Action::Over,
+            },
+            Progress::Over(_) => Action::Over,
+            _ if self.watch.held().is_none() => {
+                push.end(data);
+                Action::Over
+            }
+            _ => Action::InGrip { push, other },
+        }
     }
 
     /// The holder of a lifted peg, or the first with pegs in it when that is empty, is pushed.
@@ -337,7 +390,8 @@ impl Injector {
         let mut sides = Vec::new();
         for index in standing {
             let x_wb = self.cell.pose(data, self.cell.placed[index].part);
-            let along = (x_wb.rotation * Vector3::x()).component_mul(&Vector3::new(1.0, 1.0, 0.0)).normalize();
+            let along =
+                (x_wb.rotation * Vector3::x()).component_mul(&Vector3::new(1.0, 1.0, 0.0)).normalize();
             let across = Vector3::z().cross(&along) * self.side();
             sides.extend([across, -across, along, -along].map(|axis| (index, Motion::Line(axis))));
         }

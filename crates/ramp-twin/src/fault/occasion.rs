@@ -227,7 +227,11 @@ impl Watch {
                 }
                 let held = self.held().map(|held| cell.parts[held].body);
                 if Some(one) == held && contact.dist < 0.0 && met.is_none() {
-                    met = cell.placed.iter().any(|placed| placed.part == part).then(|| (part, contact.pos.into()));
+                    met = cell
+                        .placed
+                        .iter()
+                        .any(|placed| placed.part == part)
+                        .then(|| (part, contact.pos.into()));
                 }
             }
         }
@@ -291,7 +295,8 @@ impl Watch {
 
     /// The held part in the look in which it counts as lifted.
     fn lifted(&mut self, cell: &Cell, data: &Data) -> Option<usize> {
-        let grip = self.grip.as_mut().filter(|grip| grip.held >= GRIPPED && grip.missed == 0.0 && !grip.lifted)?;
+        let grip =
+            self.grip.as_mut().filter(|grip| grip.held >= GRIPPED && grip.missed == 0.0 && !grip.lifted)?;
         grip.lifted = cell.pose(data, grip.part).translation.z - grip.height > LIFTED;
         grip.lifted.then_some(grip.part)
     }
