@@ -194,7 +194,9 @@ impl Injector {
                 Action::Limp { left: left - PERIOD }
             }
             Action::InGrip { push, other } => {
-                gripper.force *= WEAKENED;
+                if push.pushes() {
+                    gripper.force *= WEAKENED;
+                }
                 self.push_in_grip(push, other, data, x_wt)
             }
             Action::Bump { push, part, at, left } => self.bump(push, part, at, left, data, x_wt),
@@ -321,8 +323,16 @@ impl Injector {
             _ => (Motion::Turn(Vector3::y() * self.side()), between(TILT, self.draws.size), "tilts"),
         };
         let strength = match motion {
-            Motion::Line(_) => Strength { way, speed: 0.03, most: 40.0, growth: 60.0, longest: 2.0 },
-            Motion::Turn(_) => Strength { way, speed: 0.5, most: 3.0, growth: 3.0, longest: 2.0 },
+            Motion::Line(_) => {
+                Strength { way, speed: 0.03, most: 40.0, growth: 150.0, back_off: 0.9, longest: 2.0 }
+            }
+            // A peg is so light that it starts with a jerk.
+            Motion::Turn(_) if self.cell.parts[part].is_peg => {
+                Strength { way, speed: 0.5, most: 3.0, growth: 3.0, back_off: 0.8, longest: 4.0 }
+            }
+            Motion::Turn(_) => {
+                Strength { way, speed: 0.5, most: 3.0, growth: 3.0, back_off: 0.9, longest: 2.0 }
+            }
         };
         let wanted = match motion {
             Motion::Line(_) => format!("{:.1} mm", way * 1e3),
@@ -372,7 +382,7 @@ impl Injector {
         let way = between(SHIFT, self.draws.size);
         let (sine, cosine) = (std::f64::consts::TAU * self.draws.angle).sin_cos();
         let motion = Motion::Line(Vector3::new(cosine, sine, 0.0));
-        let strength = Strength { way, speed: 0.03, most: 60.0, growth: 200.0, longest: 2.0 };
+        let strength = Strength { way, speed: 0.03, most: 60.0, growth: 200.0, back_off: 0.9, longest: 2.0 };
         self.struck(time, &name, Some(0.0), format!("{name} is pushed by {:.1} mm", way * 1e3));
         Some(Action::Shift(Push::new(data, body, Point3::origin(), motion, strength, None)))
     }
@@ -414,7 +424,7 @@ impl Injector {
         let far = |p: &Point3<f64>| pins.iter().map(|pin| (p - pin).norm()).fold(f64::INFINITY, f64::min);
         let p_b = placed.links.iter().copied().max_by(|a, b| far(a).total_cmp(&far(b)));
         let way = between(BUMP, self.draws.size);
-        let strength = Strength { way, speed: 0.05, most: 40.0, growth: 100.0, longest: 1.5 };
+        let strength = Strength { way, speed: 0.05, most: 40.0, growth: 100.0, back_off: 0.9, longest: 1.5 };
         let body = self.cell.parts[placed.part].body;
         let push = Push::new(data, body, p_b.unwrap_or_else(Point3::origin), motion, strength, None);
         Action::Bump { push, part: placed.part, at, left }
