@@ -12,6 +12,9 @@ use crate::statistics::{Interval, wilson};
 /// The kind of the events by which an agent tells a cause.
 pub const DIAGNOSIS: &str = "diagnosis";
 
+/// The kinds of the events that tell that something had to be mended.
+const MENDING: [&str; 2] = ["fault", "replan"];
+
 /// What an agent may say was the cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
@@ -103,12 +106,14 @@ pub struct Judgement {
     pub diagnosed: bool,
     /// All pegs of the goal count at the end.
     pub recovered: bool,
+    /// Whether the agent told after the strike that something was amiss, or planned again.
+    pub mended: bool,
 }
 
 impl Judgement {
-    /// Nothing was diagnosed and nothing had to be mended.
+    /// The goal was built, nothing was diagnosed and nothing had to be mended.
     pub fn harmless(&self) -> bool {
-        self.recovered && self.told.is_none()
+        self.recovered && self.told.is_none() && !self.mended
     }
 }
 
@@ -117,13 +122,11 @@ pub fn judge(result: &EpisodeResult) -> Option<Judgement> {
     let fault = result.fault.as_ref()?;
     let struck = fault.at?;
     let kind = FaultKind::ALL.into_iter().find(|kind| kind.name() == fault.kind)?;
-    let told = result
-        .events
-        .iter()
-        .find(|event| event.kind == DIAGNOSIS && event.t >= struck)
-        .map(|event| Cause::told(&event.what));
+    let after = || result.events.iter().filter(|event| event.t >= struck);
+    let told = after().find(|event| event.kind == DIAGNOSIS).map(|event| Cause::told(&event.what));
+    let mended = after().any(|event| MENDING.contains(&event.kind.as_str()));
     let diagnosed = told.flatten().is_some_and(|cause| accepted(kind).contains(&cause));
-    Some(Judgement { told, diagnosed, recovered: result.counted() == result.pegs.len() })
+    Some(Judgement { told, diagnosed, recovered: result.counted() == result.pegs.len(), mended })
 }
 
 /// A share with its interval.
@@ -219,6 +222,10 @@ mod tests {
         assert!(judge(&struck(FaultKind::Jam, Some(2.0), ALL, &[])).unwrap().harmless());
         let failed = judge(&struck(FaultKind::Jam, Some(2.0), &[1.0], &[])).unwrap();
         assert!(!failed.harmless() && !failed.diagnosed && !failed.recovered);
+        let mut mended = struck(FaultKind::Jam, Some(2.0), ALL, &[]);
+        mended.events.push(EventInfo { t: 3.0, kind: "replan".to_string(), what: String::new() });
+        let judgement = judge(&mended).unwrap();
+        assert!(!judgement.harmless() && !judgement.diagnosed && judgement.recovered);
         let babble = judge(&struck(FaultKind::Jam, Some(2.0), ALL, &[(3.0, "something")])).unwrap();
         assert!(!babble.harmless() && !babble.diagnosed);
     }

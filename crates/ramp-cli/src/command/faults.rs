@@ -136,7 +136,7 @@ fn rows<'a>(batch: &'a Batch, faults: &[Fault], episodes: &[Episode]) -> Vec<Row
 }
 
 /// Each episode that fell short: which, what is known of it, and why.
-fn shortfalls<'e>(episodes: &'e [Episode]) -> impl Iterator<Item = (&'e Episode, String)> {
+fn shortfalls(episodes: &[Episode]) -> impl Iterator<Item = (&Episode, String)> {
     episodes.iter().filter_map(|episode| {
         let why = match &episode.outcome {
             Outcome::Lost(reason) => format!("lost: {reason}"),
