@@ -84,10 +84,11 @@ impl Outcome {
         self.twin.truth().x_wp[part]
     }
 
-    /// How far the struck part has moved in the world, m.
-    fn moved(&self) -> f64 {
-        let (part, before) = self.part.unwrap();
-        (self.now(part).translation.vector - before.translation.vector).norm()
+    /// Where the struck beam is, where it belongs, and the beam.
+    fn beam<'w>(&self, world: &'w World) -> (Pose, Pose, &'w ramp_kit::Beam) {
+        let name = self.report.part.as_ref();
+        let placed = world.assembly.beams.iter().find(|it| Some(&it.beam.name) == name).unwrap();
+        (self.now(self.part.unwrap().0), world.kit.x_wa() * placed.x_ab, &placed.beam)
     }
 
     /// How the struck part has moved in the hand: m, rad.
@@ -128,7 +129,7 @@ fn parts_are_moved_in_the_grip_and_out_of_it() {
     let (_, angle) = tilted.moved_in_hand();
     assert!((0.07..0.3).contains(&angle), "tilted by {angle} rad");
 
-    let slipped = strike(&world, "beam-slipped@1", 2.2);
+    let slipped = strike(&world, "beam-slipped@1", 5.0);
     let (shift, _) = slipped.moved_in_hand();
     assert!((3.0e-3..16.0e-3).contains(&shift), "slipped by {shift} m");
 
@@ -140,9 +141,13 @@ fn parts_are_moved_in_the_grip_and_out_of_it() {
 #[test]
 fn what_stands_is_pushed_and_what_is_inserted_held_up() {
     let world = World::new("easy-1");
-    let bumped = strike(&world, "beam-bumped@1", 2.0);
+    let bumped = strike(&world, "beam-bumped@1", 1.5);
     let size = bumped.report.size.unwrap();
-    assert!(size > 2.5e-3 && bumped.moved() > 1.0e-3, "pushed by {size} m");
+    assert!((2.5e-3..17.0e-3).contains(&size), "pushed by {size} m");
+    let (x_wb, goal, beam) = bumped.beam(&world);
+    let last = beam.p_b_hole(beam.joints.len() - 1);
+    let off = (x_wb * last - goal * last).norm();
+    assert!(off > size, "its end is {off} m from where it was");
 
     let shifted = strike(&world, "holder-shifted@1", 1.5);
     assert_eq!(shifted.report.part.as_deref(), Some("h1"));
@@ -152,14 +157,13 @@ fn what_stands_is_pushed_and_what_is_inserted_held_up() {
     for peg in ["p2", "p3"] {
         let index = shifted.twin.part_names().position(|name| name == peg).unwrap();
         let shift = shifted.now(index).translation.vector - shifted.before[index].translation.vector;
-        assert!((shift.norm() - size).abs() < 0.6e-3, "{peg} went {} m", shift.norm());
+        assert!((shift.norm() - size).abs() < 1.5e-3, "{peg} went {} m", shift.norm());
     }
 
     // Two seconds after it met the burr, a beam is still short of where it goes.
     let jammed = strike(&world, "jam@1", 2.0);
-    let beam = world.assembly.beams.iter().find(|it| Some(&it.beam.name) == jammed.report.part.as_ref());
-    let goal = world.kit.x_wa() * beam.unwrap().x_ab;
-    let short = (jammed.now(jammed.part.unwrap().0).translation.vector - goal.translation.vector).norm();
+    let (x_wb, goal, _) = jammed.beam(&world);
+    let short = (x_wb.translation.vector - goal.translation.vector).norm();
     assert!(short > 3.0e-3, "only {short} m short");
 }
 
