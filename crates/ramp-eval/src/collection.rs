@@ -117,6 +117,12 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
         for path in &paths {
             match path.extension().and_then(|ending| ending.to_str()) {
                 Some("json") => match read(path)? {
+                    Found::Episode(file) if file.result.fault.is_some() => {
+                        notes.push(format!(
+                            "{} is of an episode with a fault and is left out",
+                            path.display()
+                        ));
+                    }
                     Found::Episode(file) => files.push(*file),
                     Found::Published(means) => published.push(means),
                     Found::Plan(verdict) => plans.push(verdict),

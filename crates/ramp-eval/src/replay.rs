@@ -285,12 +285,18 @@ fn compare(
 
 /// What the start of the log and its result must both say.
 fn check_agreement(header: &Header, result: &EpisodeResult) -> Result<(), ReplayError> {
+    // In the header with its occasion, if one was asked for.
+    let kind = |fault: Option<&str>| match fault {
+        Some(fault) => fault.split('@').next().unwrap_or_default().to_string(),
+        None => "none".to_string(),
+    };
     let pairs = [
         ("rules", header.rules.clone(), result.rules.clone()),
         ("goal", header.goal.name.clone(), result.goal.clone()),
         ("track", header.track.clone(), result.track.clone()),
         ("seed", header.seed.to_string(), result.seed.to_string()),
         ("repeat", header.repeat.to_string(), result.repeat.to_string()),
+        ("fault", kind(header.fault.as_deref()), kind(result.fault.as_ref().map(|it| it.kind.as_str()))),
         ("software's version", header.software.version.clone(), result.software.version.clone()),
         ("software's commit", header.software.commit.clone(), result.software.commit.clone()),
     ];

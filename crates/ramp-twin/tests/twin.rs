@@ -86,6 +86,25 @@ fn the_code_writes_only_commands_after_the_start() {
     }
 }
 
+/// A fault acts by forces alone.
+#[test]
+fn the_code_of_faults_writes_only_forces() {
+    let files = [
+        include_str!("../src/fault/act.rs"),
+        include_str!("../src/fault/injector.rs"),
+        include_str!("../src/fault/occasion.rs"),
+    ];
+    for source in files {
+        for (at, _) in source.match_indices("_mut()[") {
+            let call = source[..at].rsplit('.').next().unwrap();
+            assert_eq!(call, "xfrc_applied", "a fault writes to {call}");
+        }
+        for word in ["qpos_mut", "qvel_mut", "mocap", "set_state", "reset", "ffi_mut", "unsafe"] {
+            assert!(!source.contains(word), "{word} in a fault");
+        }
+    }
+}
+
 /// Everything that happens follows from the start and the actuators' commands: MuJoCo alone, given the same
 /// commands, ends in the same state to the last bit.
 #[test]

@@ -10,8 +10,6 @@ use crate::twin::{PERIOD, body_pose};
 
 type Data = MjData<Arc<MjModel>>;
 
-/// By how much a push is less in the next period when its body moves faster than it is meant to.
-const BACK_OFF: f64 = 0.8;
 /// How long a body is left alone before it is measured how far it went, s.
 const SETTLE: f64 = 0.4;
 
@@ -35,6 +33,8 @@ pub(super) struct Strength {
     pub most: f64,
     /// How fast it grows.
     pub growth: f64,
+    /// What is left of it in the next period while the body moves too fast.
+    pub back_off: f64,
     /// How long at most, s.
     pub longest: f64,
 }
@@ -99,6 +99,16 @@ impl Push {
         self.gone
     }
 
+    /// Whether the force is still there.
+    pub fn pushes(&self) -> bool {
+        self.rest.is_none()
+    }
+
+    /// How far it is to go, m or rad.
+    pub fn way(&self) -> f64 {
+        self.strength.way
+    }
+
     /// Pushes for a period, or lets the body rest.
     pub fn step(&mut self, data: &mut Data, x_wt: &Pose) -> Progress {
         let x_wb = body_pose(data, self.body);
@@ -116,13 +126,13 @@ impl Push {
             *rest += PERIOD;
             return if *rest < SETTLE { Progress::Settling } else { Progress::Over(gone) };
         }
-        let Strength { way, speed: fastest, most, growth, longest } = self.strength;
+        let Strength { way, speed: fastest, most, growth, back_off, longest } = self.strength;
         if gone >= way || self.time > longest {
             self.end(data);
             return Progress::Settling;
         }
         self.force =
-            if speed > fastest { self.force * BACK_OFF } else { (self.force + growth * PERIOD).min(most) };
+            if speed > fastest { self.force * back_off } else { (self.force + growth * PERIOD).min(most) };
         let along = self.force * if self.in_hand { x_wt.rotation * axis } else { axis };
         match self.motion {
             Motion::Line(_) => press(data, self.body, &(x_wb * self.p_b), &along),

@@ -20,6 +20,8 @@ const DELAY: [f64; 2] = [0.3, 2.5];
 const LIMP: [f64; 2] = [0.3, 0.6];
 /// What is left of the fingers' force while something is moved in the grip.
 const WEAKENED: f64 = 0.15;
+/// What moves by less than this share of its way does not give way.
+const LEAST_OF_WAY: f64 = 0.3;
 /// How far a peg is turned in the grip, rad.
 const TILT: [f64; 2] = [6.0 / 180.0 * std::f64::consts::PI, 15.0 / 180.0 * std::f64::consts::PI];
 /// How far a beam is pushed along its axis in the grip, m.
@@ -59,8 +61,11 @@ enum Action {
     Limp {
         left: f64,
     },
-    /// A part is pushed in the grip.
-    InGrip(Push),
+    /// A part is pushed in the grip; the other way, if it has not been tried.
+    InGrip {
+        push: Push,
+        other: Option<Push>,
+    },
     /// A standing beam is pushed; the sides that are left to push it from.
     Bump {
         push: Push,
@@ -188,18 +193,11 @@ impl Injector {
                 gripper.force = 0.0;
                 Action::Limp { left: left - PERIOD }
             }
-            Action::InGrip(mut push) => {
-                gripper.force *= WEAKENED;
-                let progress = push.step(data, x_wt);
-                self.report.size = Some(push.gone());
-                match progress {
-                    Progress::Over(_) => Action::Over,
-                    _ if self.watch.held().is_none() => {
-                        push.end(data);
-                        Action::Over
-                    }
-                    _ => Action::InGrip(push),
+            Action::InGrip { push, other } => {
+                if push.pushes() {
+                    gripper.force *= WEAKENED;
                 }
+                self.push_in_grip(push, other, data, x_wt)
             }
             Action::Bump { push, part, at, left } => self.bump(push, part, at, left, data, x_wt),
             Action::Shift(mut push) => {
@@ -325,15 +323,47 @@ impl Injector {
             _ => (Motion::Turn(Vector3::y() * self.side()), between(TILT, self.draws.size), "tilts"),
         };
         let strength = match motion {
-            Motion::Line(_) => Strength { way, speed: 0.03, most: 40.0, growth: 60.0, longest: 2.0 },
-            Motion::Turn(_) => Strength { way, speed: 0.5, most: 3.0, growth: 3.0, longest: 2.0 },
+            Motion::Line(_) => {
+                Strength { way, speed: 0.03, most: 40.0, growth: 150.0, back_off: 0.9, longest: 2.0 }
+            }
+            // A peg is so light that it starts with a jerk.
+            Motion::Turn(_) if self.cell.parts[part].is_peg => {
+                Strength { way, speed: 0.5, most: 3.0, growth: 3.0, back_off: 0.8, longest: 4.0 }
+            }
+            Motion::Turn(_) => {
+                Strength { way, speed: 0.5, most: 3.0, growth: 3.0, back_off: 0.9, longest: 2.0 }
+            }
         };
         let wanted = match motion {
             Motion::Line(_) => format!("{:.1} mm", way * 1e3),
             Motion::Turn(_) => format!("{:.1}°", way.to_degrees()),
         };
         self.struck(time, &name, Some(0.0), format!("{name} {what} in the grip, pushed for {wanted}"));
-        Action::InGrip(Push::new(data, body, Point3::origin(), motion, strength, Some(x_wt)))
+        let push = |motion| Push::new(data, body, Point3::origin(), motion, strength, Some(x_wt));
+        let back = match motion {
+            Motion::Line(axis) => Motion::Line(-axis),
+            Motion::Turn(axis) => Motion::Turn(-axis),
+        };
+        Action::InGrip { push: push(motion), other: Some(push(back)) }
+    }
+
+    /// A push in the grip goes on; where the part does not give way, because a joint is at the fingers, it is pushed the
+    /// other way.
+    fn push_in_grip(&mut self, mut push: Push, other: Option<Push>, data: &mut Data, x_wt: &Pose) -> Action {
+        let progress = push.step(data, x_wt);
+        self.report.size = Some(push.gone());
+        match progress {
+            Progress::Over(gone) if gone < LEAST_OF_WAY * push.way() => match other {
+                Some(other) => Action::InGrip { push: other, other: None },
+                None => Action::Over,
+            },
+            Progress::Over(_) => Action::Over,
+            _ if self.watch.held().is_none() => {
+                push.end(data);
+                Action::Over
+            }
+            _ => Action::InGrip { push, other },
+        }
     }
 
     /// The holder of a lifted peg, or the first with pegs in it when that is empty, is pushed.
@@ -352,7 +382,7 @@ impl Injector {
         let way = between(SHIFT, self.draws.size);
         let (sine, cosine) = (std::f64::consts::TAU * self.draws.angle).sin_cos();
         let motion = Motion::Line(Vector3::new(cosine, sine, 0.0));
-        let strength = Strength { way, speed: 0.03, most: 60.0, growth: 200.0, longest: 2.0 };
+        let strength = Strength { way, speed: 0.03, most: 60.0, growth: 200.0, back_off: 0.9, longest: 2.0 };
         self.struck(time, &name, Some(0.0), format!("{name} is pushed by {:.1} mm", way * 1e3));
         Some(Action::Shift(Push::new(data, body, Point3::origin(), motion, strength, None)))
     }
@@ -394,7 +424,7 @@ impl Injector {
         let far = |p: &Point3<f64>| pins.iter().map(|pin| (p - pin).norm()).fold(f64::INFINITY, f64::min);
         let p_b = placed.links.iter().copied().max_by(|a, b| far(a).total_cmp(&far(b)));
         let way = between(BUMP, self.draws.size);
-        let strength = Strength { way, speed: 0.05, most: 40.0, growth: 100.0, longest: 1.5 };
+        let strength = Strength { way, speed: 0.05, most: 40.0, growth: 100.0, back_off: 0.9, longest: 1.5 };
         let body = self.cell.parts[placed.part].body;
         let push = Push::new(data, body, p_b.unwrap_or_else(Point3::origin), motion, strength, None);
         Action::Bump { push, part: placed.part, at, left }

@@ -4,7 +4,7 @@
 //! A [`Fault`] strikes once. `occasion` watches the truth for the moments at which a kind may strike and counts them;
 //! `act` is what then happens: a force on a part, a grip that is weak, an image that repeats, a bias of the wrist
 //! sensor. No part is ever put anywhere, and the agent is told nothing. Sizes, times and, where it is not given, the
-//! occasion come from the stream `fault` of the episode's seed.
+//! occasion come from the stream `fault-KIND` of the episode's seed.
 
 mod act;
 mod injector;
@@ -107,7 +107,9 @@ impl FaultKind {
         let connections = setup.assembly.connections.len();
         let beams = setup.assembly.beams.len().saturating_sub(1);
         match self {
-            FaultKind::PegDropped | FaultKind::PegTilted | FaultKind::HolderShifted => connections.min(3),
+            FaultKind::PegDropped | FaultKind::PegTilted => connections.min(3),
+            // So that a peg is wanted afterwards.
+            FaultKind::HolderShifted => connections.saturating_sub(1).min(3),
             FaultKind::BeamSlipped | FaultKind::BeamTurned | FaultKind::BeamBumped => beams.min(3),
             FaultKind::Jam | FaultKind::CameraFrozen | FaultKind::GripperWeak | FaultKind::ForceDrift => {
                 (connections + beams).min(3)
@@ -226,7 +228,7 @@ pub(crate) struct Draws {
 
 impl Draws {
     fn new(fault: Fault, setup: &Setup) -> Draws {
-        let mut stream = Stream::new(setup.seed, "fault");
+        let mut stream = Stream::new(setup.seed, &format!("fault-{}", fault.kind.name()));
         let among = fault.kind.drawn_among(setup.kit, setup).max(1);
         let drawn = (stream.uniform() * among as f64) as u32 + 1;
         let mut next = || stream.uniform();
