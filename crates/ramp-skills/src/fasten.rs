@@ -40,6 +40,8 @@ const PRESS: f64 = 25.0;
 const PRESS_RATE: f64 = 40.0;
 /// Radius (m) and frequency (Hz) of the circle that keeps a peg from jamming.
 const WIGGLE: (f64, f64) = (0.5e-3, 2.0);
+/// A peg that takes so long, s, is held up by something.
+const PRESS_LONG: f64 = 3.0;
 /// Longest pressing, s.
 const PRESS_TIME: f64 = 6.0;
 /// A head this near to the plate is home, m. The referee asks for 0.5 mm.
@@ -347,6 +349,10 @@ impl Workcell<'_, '_> {
                     break;
                 }
             }
+        }
+        let seconds = self.hand.time() - begin;
+        if seconds > PRESS_LONG {
+            self.diagnose(Cause::Jam, format!("{peg} was pressed for {seconds:.1} s"));
         }
         Ok(())
     }
