@@ -2,6 +2,7 @@
 
 use crate::Pose;
 use crate::joint::{AXIS_HEIGHT, AXIS_HEIGHT_LYING, Dimensions, JointType, Side};
+use crate::shape::Cuboid;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 
 /// Everything on the table at the start of an episode.
@@ -168,6 +169,15 @@ impl Holder {
     pub const HEIGHT: f64 = 37.2e-3;
     /// Length (x) and width (y) of its base, m.
     pub const BASE: [f64; 2] = [103.0e-3, 40.0e-3];
+
+    /// The space that it fills, in a frame at its centre on the table, z up, m: foot and bar.
+    pub fn blocks() -> [Cuboid; 2] {
+        let [x, y] = Holder::BASE.map(|edge| edge / 2.0);
+        [
+            Cuboid::new([-x, x], [-y, y], [0.0, 18.0e-3]),
+            Cuboid::new([-x, x], [-12.5e-3, 12.5e-3], [0.0, Holder::HEIGHT]),
+        ]
+    }
 }
 
 impl Beam {

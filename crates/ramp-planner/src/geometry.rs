@@ -7,8 +7,8 @@
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector2, Vector3};
 use ramp_assembly::{Assembly, Pose};
 use ramp_kit::joint::{BODY_WIDTH, HEAD_WIDTH};
-use ramp_kit::shape::{Cuboid, Shape, beam_shapes};
-use ramp_kit::{Kit, Link};
+use ramp_kit::shape::{Cuboid, Shape, beam_shapes, peg_head};
+use ramp_kit::{Holder, Kit, Link};
 use std::collections::HashMap;
 
 /// The shortest straight motion of an insertion, m: here a beam can be lowered next to its place.
@@ -29,8 +29,12 @@ const FINGER: f64 = 11.0e-3;
 const ROOM: f64 = 5.0e-3;
 /// How far the hand reaches with the gripper down, m.
 const RADIUS: f64 = 0.78;
-/// Where the fingers are when they let go, measured across the beam, m.
-const FINGERS: [f64; 2] = [11.0e-3, 30.0e-3];
+/// Where a finger is when it lets go, m: across the beam, and up from its axis.
+const FINGERS: [[[f64; 2]; 2]; 1] = [[[11.0e-3, 30.0e-3], [-2.0e-3, 60.0e-3]]];
+/// Where a finger comes down beside a beam on the sheet, likewise, with room for how far the parts may lie off their
+/// outlines: the fingertip, and what carries it.
+const OPEN_FINGERS: [[[f64; 2]; 2]; 2] =
+    [[[11.0e-3, 32.0e-3], [-2.0e-3, 38.0e-3]], [[24.0e-3, 42.0e-3], [36.0e-3, 55.0e-3]]];
 
 /// A straight way to a beam's place.
 #[derive(Clone, Debug)]
@@ -220,8 +224,29 @@ impl<'a> Geometry<'a> {
     /// Can a hand hold a link where the beam starts? A beam without a place on the sheet is one for planners alone:
     /// of it, only its own shape is judged, not how far an arm reaches.
     pub(crate) fn graspable_at_start(&self, beam: usize, link: &Link) -> bool {
-        let x_wb = self.kit.x_wb_start(&self.assembly.beams[beam].beam);
-        usable(link) && x_wb.is_none_or(|x_wb| reaches(&x_wb, link))
+        let beam = &self.assembly.beams[beam].beam;
+        let Some(x_wb) = self.kit.x_wb_start(beam) else { return usable(link) };
+        if !usable(link) || !reaches(&x_wb, link) {
+            return false;
+        }
+        let beside = self.beside_at_start(&beam.name);
+        has_room(link, &x_wb, &OPEN_FINGERS, |finger| {
+            beside.iter().any(|solid| finger.may_overlap(solid) && finger.overlaps(solid))
+        })
+    }
+
+    /// What is on the sheet beside a beam, in the world: the other beams, the holders and the pegs in them.
+    fn beside_at_start(&self, beam: &str) -> Vec<Solid> {
+        let others = self.kit.beams.iter().filter(|other| other.name != beam);
+        let others =
+            others.filter_map(|other| Some(Solid::new(&beam_shapes(other), &self.kit.x_wb_start(other)?)));
+        let holders = self.kit.holders.iter().map(|holder| {
+            let at = self.kit.sheet_to_world(holder.centre);
+            Solid::new(&Holder::blocks().map(Shape::Solid), &Pose::translation(at.x, at.y, at.z))
+        });
+        let pegs = self.kit.pegs.iter().filter_map(|peg| self.kit.x_wp_start(peg));
+        let pegs = pegs.map(|x_wp| Solid::new(&[Shape::Solid(peg_head())], &x_wp));
+        others.chain(holders).chain(pegs).collect()
     }
 
     /// Can a hand hold a link at the beam's place, while other beams stand and pegs are in their holes?
@@ -237,26 +262,23 @@ impl<'a> Geometry<'a> {
         if !usable(link) || !near {
             return false;
         }
-        let [low, high] = [link.grasp[0] + FINGER, link.grasp[1] - FINGER];
-        let steps = ((high - low) / 1e-3) as usize;
-        (0..=steps).any(|step| {
-            let s = low + step as f64 * 1e-3;
-            [-1.0, 1.0].into_iter().all(|side| {
-                let [inner, outer] = FINGERS.map(|y| side * y);
-                let finger = Cuboid::new([s - 10.0e-3, s + 10.0e-3], [inner, outer], [-2.0e-3, 60.0e-3]);
-                let finger = Solid::new(&[Shape::Solid(finger)], &upright(&placed.x_ab));
-                let beams = (0..stands.len()).filter(|&other| other != beam && stands[other]);
-                let mut beams = beams.filter(|&other| finger.may_overlap(&self.solids[other]));
-                let pegs = self.assembly.connections.iter().zip(pinned).filter(|(_, pinned)| **pinned);
-                let mut pegs = pegs.map(|(connection, _)| self.assembly.p_a_hole(connection.male));
-                !beams.any(|other| finger.overlaps(&self.solids[other]))
-                    && !pegs.any(|hole| {
-                        let half = HEAD_WIDTH / 2.0;
-                        let head = Shape::Solid(Cuboid::new([-half, half], [-half, half], [0.0, 60.0e-3]));
-                        let x_ah = Pose::translation(hole.x, hole.y, hole.z);
-                        finger.overlaps(&Solid::new(&[head], &x_ah))
-                    })
+        let beams = (0..stands.len()).filter(|&other| other != beam && stands[other]);
+        let beams: Vec<&Solid> = beams.map(|other| &self.solids[other]).collect();
+        let pegs = self.assembly.connections.iter().zip(pinned).filter(|(_, pinned)| **pinned);
+        let heads: Vec<Solid> = pegs
+            .map(|(connection, _)| {
+                let hole = self.assembly.p_a_hole(connection.male);
+                let half = HEAD_WIDTH / 2.0;
+                let head = Cuboid::new([-half, half], [-half, half], [0.0, 60.0e-3]);
+                Solid::new(&[Shape::Solid(head)], &Pose::translation(hole.x, hole.y, hole.z))
             })
+            .collect();
+        has_room(link, &placed.x_ab, &FINGERS, |finger| {
+            beams
+                .iter()
+                .copied()
+                .chain(&heads)
+                .any(|solid| finger.may_overlap(solid) && finger.overlaps(solid))
         })
     }
 }
@@ -275,6 +297,22 @@ pub(crate) fn middle(link: &Link) -> f64 {
 
 fn usable(link: &Link) -> bool {
     link.grasp[1] - link.grasp[0] - 2.0 * FINGER >= ROOM
+}
+
+/// Is there a place on a link where the pieces of both fingers, each across the beam and up from its axis, m, meet
+/// nothing?
+fn has_room(link: &Link, x: &Pose, pieces: &[[[f64; 2]; 2]], meets: impl Fn(&Solid) -> bool) -> bool {
+    let [low, high] = [link.grasp[0] + FINGER, link.grasp[1] - FINGER];
+    let steps = ((high - low) / 1e-3) as usize;
+    (0..=steps).any(|step| {
+        let s = low + step as f64 * 1e-3;
+        [-1.0, 1.0].into_iter().all(|side| {
+            pieces.iter().all(|[across, up]| {
+                let finger = Cuboid::new([s - 10.0e-3, s + 10.0e-3], across.map(|y| side * y), *up);
+                !meets(&Solid::new(&[Shape::Solid(finger)], &upright(x)))
+            })
+        })
+    })
 }
 
 fn reaches(x_wb: &Pose, link: &Link) -> bool {

@@ -124,6 +124,8 @@ pub(crate) struct Planner<'a> {
     /// Answers to problems of the same shape.
     coarse_answers: KnownAnswers,
     fine_answers: KnownAnswers,
+    /// The first beam for which no link was found that can be held where the beam starts and at its place.
+    ungrasped: Option<usize>,
 }
 
 /// Answers to problems of one domain, by their shape.
@@ -289,6 +291,7 @@ impl<'a> Planner<'a> {
             options,
             coarse_answers: KnownAnswers::default(),
             fine_answers: KnownAnswers::default(),
+            ungrasped: None,
         }
     }
 
@@ -320,8 +323,37 @@ impl<'a> Planner<'a> {
         Ok(self.search(known)?.0)
     }
 
-    /// Tries one order of the beams after another.
+    /// Plans, and again with a beam to be regrasped where no link can be held all the way: which ones there is room for
+    /// at a beam's place depends on what stands by then.
     fn search(&mut self, known: &Known) -> Result<(Vec<Transition>, Vec<CoarseStep>, usize), PlanError> {
+        loop {
+            let found = self.try_orders(known);
+            let Some(beam) = self.ungrasped.take().filter(|_| found.is_err()) else { return found };
+            if !self.regrasp(&[beam]) {
+                return found;
+            }
+        }
+    }
+
+    /// Lets beams be regrasped on their way that the facts do not know to need it. Returns whether that is new for any.
+    pub(crate) fn regrasp(&mut self, beams: &[usize]) -> bool {
+        let mut facts = self.facts.all.clone();
+        for &beam in beams {
+            let fact = Term::new("awkward", [beam_name(self.assembly, beam)]);
+            if !facts.contains(&fact) {
+                facts.push(fact);
+            }
+        }
+        if facts.len() == self.facts.all.len() {
+            return false;
+        }
+        self.model = Model::new(self.domains.coarse(), &facts);
+        self.facts = Facts::new(facts);
+        true
+    }
+
+    /// Tries one order of the beams after another.
+    fn try_orders(&mut self, known: &Known) -> Result<(Vec<Transition>, Vec<CoarseStep>, usize), PlanError> {
         let start = self.fluents(known)?;
         let mut refused: Vec<Order> = Vec::new();
         let mut first_error: Option<PlanError> = None;
@@ -811,9 +843,12 @@ impl<'a> Planner<'a> {
         Ok(actions)
     }
 
-    fn no_fine_plan(&self, transition: &Transition) -> PlanError {
+    fn no_fine_plan(&mut self, transition: &Transition) -> PlanError {
         let texts = transition.action.texts();
         let beam = texts.iter().find(|text| self.assembly.beam_index(text).is_some());
+        if let (Some(("pick_up", _)), Some(beam)) = (transition.action.parts(), beam) {
+            self.ungrasped = self.ungrasped.or(self.assembly.beam_index(beam));
+        }
         match (transition.action.parts(), beam) {
             (Some(("pick_up", _)), Some(beam)) => PlanError::Illegal {
                 goal: self.assembly.name.clone(),

@@ -7,7 +7,7 @@ use crate::facts::{self, beam_item, beam_name, connection_name, peg_item};
 use crate::language::ground::{Model, Refusal, State as Fluents};
 use crate::plan::{Area, CoarseAction, CoarseStep, FineAction, Grasp, Item, Place, State, Target};
 use crate::planner::{Options, Planner};
-use crate::state::{area_name, look_up};
+use crate::state::{Known, area_name, look_up};
 use crate::term::Term;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
@@ -41,6 +41,7 @@ pub struct Refused {
 /// ```
 pub struct Replayer<'a> {
     pub(crate) planner: Planner<'a>,
+    start: Known,
     state: Fluents,
     /// What the fine domain has besides.
     own: Vec<Term>,
@@ -71,6 +72,7 @@ impl<'a> Replayer<'a> {
             planner,
             state: fluents,
             own: vec![Term::new("hand_at", [Term::new("above", [area_name(known.area)])])],
+            start: known,
             pegs: pinned,
             lost: state.lost_pegs.clone(),
             hand: state.in_hand.clone(),
@@ -82,6 +84,7 @@ impl<'a> Replayer<'a> {
     /// # Errors
     /// At the first step that is not possible, or does something else than it says.
     pub fn run(&mut self, steps: &[CoarseStep]) -> Result<(), Refused> {
+        self.expect_regrasps(steps.iter().map(|step| &step.coarse))?;
         for index in 0..steps.len() {
             self.step(&steps[index..], true).map_err(|why| Refused {
                 step: index + 1,
@@ -99,6 +102,7 @@ impl<'a> Replayer<'a> {
     pub fn run_coarse(&mut self, actions: &[CoarseAction]) -> Result<(), Refused> {
         let steps: Vec<CoarseStep> =
             actions.iter().map(|coarse| CoarseStep { coarse: coarse.clone(), fine: Vec::new() }).collect();
+        self.expect_regrasps(actions.iter())?;
         for index in 0..steps.len() {
             self.step(&steps[index..], false).map_err(|why| Refused {
                 step: index + 1,
@@ -107,6 +111,27 @@ impl<'a> Replayer<'a> {
             })?;
         }
         self.end(steps.len())
+    }
+
+    /// A plan may regrasp any beam; the rules then hold it to what that means.
+    fn expect_regrasps<'s>(
+        &mut self,
+        actions: impl Iterator<Item = &'s CoarseAction>,
+    ) -> Result<(), Refused> {
+        let beams: Vec<usize> = actions
+            .filter_map(|action| match action {
+                CoarseAction::Regrasp { beam } => self.planner.assembly.beam_index(beam),
+                _ => None,
+            })
+            .collect();
+        if self.planner.regrasp(&beams) {
+            self.state = self.planner.fluents(&self.start).map_err(|error| Refused {
+                step: 1,
+                action: "the start".to_string(),
+                why: error.to_string(),
+            })?;
+        }
+        Ok(())
     }
 
     fn end(&self, steps: usize) -> Result<(), Refused> {

@@ -38,6 +38,8 @@ pub struct Baseline<'a> {
     plan: Option<Plan>,
     /// The peg that is being fetched: one that cannot be gripped is not tried again.
     fetching: Option<String>,
+    /// Why it gave up.
+    failure: Option<String>,
     on_event: Box<dyn FnMut(&Event) + 'a>,
 }
 
@@ -59,6 +61,7 @@ impl<'a> Baseline<'a> {
             account: Account::default(),
             plan: None,
             fetching: None,
+            failure: None,
             on_event: Box::new(|_| {}),
         }
     }
@@ -90,8 +93,16 @@ impl<'a> Baseline<'a> {
         }
     }
 
+    /// Nothing more can be done.
+    fn give_up(&mut self, cell: &mut Workcell, why: String) {
+        cell.note("fault", why.clone());
+        self.report(cell);
+        self.failure = Some(why);
+    }
+
     fn work(&mut self, cell: &mut Workcell) -> Result<(), RobotError> {
         let mut lost: Vec<String> = Vec::new();
+        let mut last = String::new();
         for round in 0..=REPLANS {
             cell.belief.update(&mut cell.hand)?;
             let plan = self
@@ -101,8 +112,7 @@ impl<'a> Baseline<'a> {
             let plan = match plan {
                 Ok(plan) => plan,
                 Err(why) => {
-                    cell.note("fault", why);
-                    self.report(cell);
+                    self.give_up(cell, why);
                     return Ok(());
                 }
             };
@@ -125,14 +135,14 @@ impl<'a> Baseline<'a> {
                 Ok(()) => return Ok(()),
                 Err(SkillError::Robot(error)) => return Err(error),
                 Err(error) => {
-                    cell.note("fault", error.to_string());
+                    last = error.to_string();
+                    cell.note("fault", last.clone());
                     self.report(cell);
                     self.recover(cell, &mut lost)?;
                 }
             }
         }
-        cell.note("fault", format!("gave up after {REPLANS} new plans"));
-        self.report(cell);
+        self.give_up(cell, format!("gave up after {REPLANS} new plans: {last}"));
         Ok(())
     }
 
@@ -168,6 +178,9 @@ impl<'a> Baseline<'a> {
                     _ => None,
                 };
                 self.act(cell, action, rest)?;
+                if !matches!(action, FineAction::Move { .. } | FineAction::PickUp { .. }) {
+                    cell.remember_standing();
+                }
                 cell.note("done", action.to_string());
                 self.report(cell);
             }
@@ -186,6 +199,7 @@ impl<'a> Baseline<'a> {
         let connection = &self.assembly.connections[index];
         let holes = [cell.hole(connection.female), cell.hole(connection.male)];
         cell.see(&holes, KNOWN)?;
+        cell.diagnose_standing();
         let offset = cell.belief.offset(self.assembly, connection)?;
         if offset <= PEGGABLE {
             return Ok(());
@@ -203,6 +217,7 @@ impl<'a> Baseline<'a> {
             cell.rise()?;
             cell.push_by_nearest_link(beam)?;
             cell.rise()?;
+            cell.remember_standing();
             if cell.belief.offset(self.assembly, connection)? <= PEGGABLE {
                 return Ok(());
             }
@@ -248,7 +263,7 @@ impl<'a> Baseline<'a> {
                 cell.rise()?;
                 cell.slide(beam(name)?, link)
             }
-            FineAction::Regrasp { .. } => Err(no_skill().into()),
+            FineAction::Regrasp { beam: name, link } => cell.regrasp(beam(name)?, link),
             FineAction::AssembleCap { beam: name, .. } => cell.assemble(beam(name)?, true),
             FineAction::Fasten { connection: name, .. } => cell.fasten(connection(name)?),
             FineAction::Push { beam: name, link } => {
@@ -266,6 +281,7 @@ impl<'a> Baseline<'a> {
             cell.push_by_nearest_link(beam)?;
             cell.rise()?;
         }
+        cell.remember_standing();
         Ok(())
     }
 
@@ -322,6 +338,10 @@ impl Agent for Baseline<'_> {
         self.account.clone()
     }
 
+    fn failure(&self) -> Option<String> {
+        self.failure.clone()
+    }
+
     fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {
         let planner = PathPlanner::new(self.arm);
         let mut cell = Workcell {
@@ -337,6 +357,8 @@ impl Agent for Baseline<'_> {
             ways: BTreeMap::new(),
             stream: Stream::new(self.seed, "motion"),
             events: Vec::new(),
+            force_told: false,
+            stood: BTreeMap::new(),
         };
         let result = self.work(&mut cell);
         self.report(&mut cell);

@@ -27,6 +27,9 @@ pub const GRIP_FORCE: f64 = 60.0;
 /// How near a finger may come to the end of a bare extrusion, m: half its width and a millimetre.
 const FINGER_ROOM: f64 = 11.0e-3;
 
+/// Distance between places at which a grasp is tried along a link, m.
+const STEP: f64 = 5.0e-3;
+
 /// The rotation of a hand that points down with its x axis at `yaw` (rad) in the world; it closes across x.
 pub fn hand_down(yaw: f64) -> UnitQuaternion<f64> {
     UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw)
@@ -48,6 +51,17 @@ pub fn span(link: &Link) -> [f64; 2] {
 pub fn point_on(link: &Link, wanted: f64) -> f64 {
     let [from, to] = span(link);
     if from > to { (from + to) / 2.0 } else { wanted.clamp(from, to) }
+}
+
+/// Points of a link's stretch, the nearest to `wanted` first, then every 5 mm along it; all in metres from the j1 hole.
+pub fn points_on(link: &Link, wanted: f64) -> Vec<f64> {
+    let nearest = point_on(link, wanted);
+    let [from, to] = span(link);
+    let steps = ((to - from) / STEP).max(0.0) as usize;
+    let mut points: Vec<f64> = (0..=steps).map(|step| from + step as f64 * STEP).collect();
+    points.sort_by(|a, b| (a - nearest).abs().total_cmp(&(b - nearest).abs()));
+    points.insert(0, nearest);
+    points
 }
 
 /// The pose of the tip that grips the beam at `x_wb` (world) at `s` metres from its j1 hole; `reverse` turns the
