@@ -135,8 +135,11 @@ impl Push {
             self.end(data);
             return Progress::Settling;
         }
-        self.force =
-            if speed > fastest { self.force * back_off } else { (self.force + growth * PERIOD).min(most) };
+        self.force = if speed > fastest {
+            self.force * back_off.powf((speed / fastest).min(5.0))
+        } else {
+            (self.force + growth * PERIOD).min(most)
+        };
         self.hardest = if self.force < most { 0.0 } else { self.hardest + PERIOD };
         let along = self.force * if self.in_hand { x_wt.rotation * axis } else { axis };
         match self.motion {
