@@ -181,6 +181,7 @@ impl Injector {
             Progress::Over(_) => Action::Over,
             _ if self.watch.held().is_none() => {
                 push.end(data);
+                self.report.text.push_str(", and is lost from it");
                 Action::Over
             }
             _ => Action::InGrip { push, other },
