@@ -91,7 +91,8 @@ fn the_code_writes_only_commands_after_the_start() {
 fn the_code_of_faults_writes_only_forces() {
     let files = [
         include_str!("../src/fault/act.rs"),
-        include_str!("../src/fault/injector.rs"),
+        include_str!("../src/fault/injector/mod.rs"),
+        include_str!("../src/fault/injector/strike.rs"),
         include_str!("../src/fault/occasion.rs"),
     ];
     for source in files {

@@ -10,6 +10,8 @@ use crate::twin::{PERIOD, body_pose};
 
 type Data = MjData<Arc<MjModel>>;
 
+/// How long a push is at its hardest before it gives up, s.
+const HARDEST: f64 = 0.3;
 /// How long a body is left alone before it is measured how far it went, s.
 const SETTLE: f64 = 0.4;
 
@@ -54,8 +56,9 @@ pub(super) struct Push {
     x_start: Pose,
     force: f64,
     gone: f64,
-    /// Since it began, s.
+    /// Since it began, and how long it has been at its hardest, s.
     time: f64,
+    hardest: f64,
     /// Since the force ended, s.
     rest: Option<f64>,
 }
@@ -90,6 +93,7 @@ impl Push {
             force: 0.0,
             gone: 0.0,
             time: 0.0,
+            hardest: 0.0,
             rest: None,
         }
     }
@@ -127,12 +131,16 @@ impl Push {
             return if *rest < SETTLE { Progress::Settling } else { Progress::Over(gone) };
         }
         let Strength { way, speed: fastest, most, growth, back_off, longest } = self.strength;
-        if gone >= way || self.time > longest {
+        if gone >= way || self.time > longest || self.hardest > HARDEST {
             self.end(data);
             return Progress::Settling;
         }
-        self.force =
-            if speed > fastest { self.force * back_off } else { (self.force + growth * PERIOD).min(most) };
+        self.force = if speed > fastest {
+            self.force * back_off.powf((speed / fastest).min(5.0))
+        } else {
+            (self.force + growth * PERIOD).min(most)
+        };
+        self.hardest = if self.force < most { 0.0 } else { self.hardest + PERIOD };
         let along = self.force * if self.in_hand { x_wt.rotation * axis } else { axis };
         match self.motion {
             Motion::Line(_) => press(data, self.body, &(x_wb * self.p_b), &along),

@@ -320,6 +320,13 @@ impl Watch {
         grip.inserted.then_some(Occasion::Inserted { part: grip.part, p_w: at, direction })
     }
 
+    /// Whether the hand works at a beam.
+    pub fn is_back(&self, cell: &Cell, data: &Data, beam: usize, x_wt: &Pose) -> bool {
+        let p_w = x_wt.translation.vector;
+        let placed = cell.placed.iter().find(|placed| placed.part == beam);
+        p_w.z < HEIGHTS[0] && placed.is_some_and(|placed| cell.distance(data, placed, &p_w) < NEAR)
+    }
+
     /// Whether the hand has just left an assembly in which beams stand.
     fn left(&mut self, cell: &Cell, data: &Data, x_wt: &Pose) -> bool {
         let p_w = x_wt.translation.vector;
