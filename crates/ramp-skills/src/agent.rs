@@ -178,14 +178,32 @@ impl<'a> Baseline<'a> {
                     _ => None,
                 };
                 self.act(cell, action, rest)?;
-                if !matches!(action, FineAction::Move { .. } | FineAction::PickUp { .. }) {
-                    cell.remember_standing();
-                }
+                cell.remember_standing(&self.touched(action));
                 cell.note("done", action.to_string());
                 self.report(cell);
             }
         }
         Ok(())
+    }
+
+    /// The beams of the assembly that an action works on, by index.
+    fn touched(&self, action: &FineAction) -> Vec<usize> {
+        match action {
+            FineAction::AssembleSquare { beam, .. }
+            | FineAction::AssembleAngled { beam, .. }
+            | FineAction::AssembleThrough { beam, .. }
+            | FineAction::AssembleDeep { beam, .. }
+            | FineAction::AssembleCap { beam, .. }
+            | FineAction::LayDown { beam }
+            | FineAction::Slide { beam, .. }
+            | FineAction::Push { beam, .. } => self.assembly.beam_index(beam).into_iter().collect(),
+            FineAction::Fasten { connection, .. } => {
+                let index = self.assembly.connection_index(connection);
+                let sides = index.map(|index| &self.assembly.connections[index]);
+                sides.map(|sides| vec![sides.female.beam, sides.male.beam]).unwrap_or_default()
+            }
+            _ => Vec::new(),
+        }
     }
 
     /// Before a peg is fetched: would it go in? A peg pulls two holes together that are up to 1.7 mm apart, and
@@ -217,7 +235,7 @@ impl<'a> Baseline<'a> {
             cell.rise()?;
             cell.push_by_nearest_link(beam)?;
             cell.rise()?;
-            cell.remember_standing();
+            cell.remember_standing(&[beam]);
             if cell.belief.offset(self.assembly, connection)? <= PEGGABLE {
                 return Ok(());
             }
@@ -280,8 +298,8 @@ impl<'a> Baseline<'a> {
             cell.rise()?;
             cell.push_by_nearest_link(beam)?;
             cell.rise()?;
+            cell.remember_standing(&[beam]);
         }
-        cell.remember_standing();
         Ok(())
     }
 

@@ -5,9 +5,8 @@
 
 use std::fmt;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point2, Point3, Vector3};
 
-use crate::Pose;
 use crate::transport::Workcell;
 
 /// A peg is this far from its outline at most when nobody has touched its holder, m: the start is disturbed by 1 mm and
@@ -19,6 +18,8 @@ const HOLDER_OFF: f64 = 2.2e-3;
 const SLIPPED: (f64, f64) = (1.5 / 180.0 * std::f64::consts::PI, 3.0e-3);
 /// A beam that stands has moved when one of its ends is further than this from where it was, m.
 const MOVED: f64 = 2.0e-3;
+/// So many standard deviations are no chance.
+const SURE: f64 = 4.0;
 /// A force in free space that is further than this from what the held part weighs tells of a sensor that is off, N:
 /// twelve times the noise of its filtered reading.
 const BIASED: f64 = 0.8;
@@ -46,6 +47,15 @@ pub enum Cause {
     GripWeak,
     /// The wrist sensor is off.
     ForceBias,
+}
+
+/// How a beam stands in the assembly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stand {
+    /// Where its ends are on the table, m in the world.
+    pub ends: [Point2<f64>; 2],
+    /// How well that is known: standard deviation, m.
+    pub deviation: f64,
 }
 
 impl fmt::Display for Cause {
@@ -83,38 +93,51 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// Keeps in mind how the beams of the assembly stand that can be seen well now.
-    pub fn remember_standing(&mut self) {
-        self.stood = self.well_seen().into_iter().collect();
-    }
-
-    /// Says which beams stand otherwise than they did when the hand left them.
-    pub fn diagnose_standing(&mut self) {
-        for (beam, x_wb) in self.well_seen() {
-            let Some(before) = self.stood.get(&beam) else { continue };
-            let placed = &self.assembly.beams[beam].beam;
-            let ends = [0.0, placed.span()].map(|x| Point3::new(x, 0.0, 0.0));
-            let moved = ends.map(|end| (x_wb * end - before * end).xy().norm());
-            let moved = moved[0].max(moved[1]);
-            if moved > MOVED {
-                let words = format!("{} is {:.1} mm from where it stood", placed.name, moved * 1e3);
-                self.diagnose(Cause::BeamMoved, words);
-                self.stood.insert(beam, x_wb);
+    /// Keeps in mind how the beams of the assembly stand, after the hand has worked on those given and on what they meet:
+    /// of the others what was known before stays.
+    pub fn remember_standing(&mut self, touched: &[usize]) {
+        let meets = |beam: usize| {
+            touched.contains(&beam)
+                || self.assembly.connections.iter().any(|connection| {
+                    let sides = self.assembly.sides(connection, beam);
+                    sides.is_some_and(|(_, theirs)| touched.contains(&theirs.beam))
+                })
+        };
+        let seen = self.seen_standing();
+        for (beam, stand) in seen {
+            if meets(beam) || !self.stood.contains_key(&beam) {
+                self.stood.insert(beam, stand);
             }
         }
     }
 
-    /// The beams of the assembly, the clamped one aside, both of whose ends are well known, and where they are.
-    fn well_seen(&self) -> Vec<(usize, Pose)> {
-        let known = |beam: usize| {
+    /// Says which beams stand otherwise than they did when the hand left them.
+    pub fn diagnose_standing(&mut self) {
+        for (beam, now) in self.seen_standing() {
+            let Some(before) = self.stood.get(&beam) else { continue };
+            let moved = now.ends.iter().zip(before.ends).map(|(now, before)| (now - before).norm());
+            let moved = moved.fold(0.0, f64::max);
+            if moved > MOVED.max(SURE * now.deviation.hypot(before.deviation)) {
+                let name = &self.assembly.beams[beam].beam.name;
+                let words = format!("{name} is {:.1} mm from where it stood", moved * 1e3);
+                self.diagnose(Cause::BeamMoved, words);
+                self.stood.insert(beam, now);
+            }
+        }
+    }
+
+    /// The beams of the assembly that can be seen, the clamped one aside.
+    fn seen_standing(&self) -> Vec<(usize, Stand)> {
+        let stand = |beam: usize| {
             let placed = &self.assembly.beams[beam].beam;
-            let well =
-                |x: f64| self.belief.deviation(&placed.name, &Point3::new(x, 0.0, 0.0))[0] < MOVED / 3.0;
             let x_wb = self.belief.pose(&placed.name).ok()?;
-            (well(0.0) && well(placed.span())).then_some((beam, x_wb))
+            let ends = [0.0, placed.span()].map(|x| Point3::new(x, 0.0, 0.0));
+            let deviation = ends.map(|end| self.belief.deviation(&placed.name, &end)[0]);
+            let deviation = deviation[0].max(deviation[1]);
+            Some((beam, Stand { ends: ends.map(|end| (x_wb * end).xy()), deviation }))
         };
         let standing = self.standing.iter().copied().filter(|beam| *beam != self.assembly.base);
-        standing.filter_map(known).collect()
+        standing.filter_map(stand).filter(|(_, stand)| stand.deviation.is_finite()).collect()
     }
 
     /// Looks whether a peg that is to be fetched has moved with its holder.

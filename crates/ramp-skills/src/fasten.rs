@@ -68,6 +68,7 @@ impl Workcell<'_, '_> {
     /// When there is no way, or the robot stops.
     pub fn approach_hole(&mut self, connection: usize) -> Result<(), SkillError> {
         self.see(&[self.hole(self.assembly.connections[connection].female)], KNOWN[1])?;
+        self.diagnose_standing();
         let mouth = self.mouth(connection)?;
         let Some(part) = self.hand.held.as_ref().map(|held| held.part.clone()) else {
             return Err(Fault::NotHeld { part: "the peg".into() }.into());
@@ -178,6 +179,7 @@ impl Workcell<'_, '_> {
         // Upright over the hole, as exactly as the eyes allow.
         self.see(&[self.hole(self.assembly.connections[connection].female)], KNOWN[1])?;
         self.see(&[self.middle(peg)], KNOWN[0])?;
+        self.diagnose_standing();
         for _ in 0..3 {
             self.glance()?;
             let x_wp = self.belief.pose(peg)?;

@@ -307,6 +307,9 @@ impl Workcell<'_, '_> {
     fn insert_once(&mut self, beam: usize, cap: bool, attempt: usize) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
         self.see(&self.meeting(beam), KNOWN)?;
+        if attempt == 0 {
+            self.diagnose_standing();
+        }
         self.regrip(&name)?;
         let place = self.target(beam)?;
         let direction = self.way_in(beam, &place)?;

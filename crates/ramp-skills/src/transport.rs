@@ -12,7 +12,7 @@ use ramp_robot::random::Stream;
 
 use crate::Pose;
 use crate::belief::{Belief, held_boxes};
-use crate::diagnosis::Cause;
+use crate::diagnosis::{Cause, Stand};
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{
     self, BEAM_OPEN, BEAM_RELEASE, BEAM_WIDTH, GRIP_FORCE, PEG_OPEN, PEG_WIDTH, SQUEEZE, beam_grasp,
@@ -87,7 +87,7 @@ pub struct Workcell<'a, 'r> {
     /// It has been told that the wrist sensor is off.
     pub force_told: bool,
     /// How the beams of the assembly stood when the hand last left them, by index.
-    pub stood: BTreeMap<usize, Pose>,
+    pub stood: BTreeMap<usize, Stand>,
 }
 
 impl Workcell<'_, '_> {
