@@ -52,6 +52,8 @@ enum Command {
     Run(command::run::Arguments),
     /// Run goals and classes by the protocol, and sum up
     Bench(command::bench::Arguments),
+    /// Try single skills from randomised starts, and count how often they succeed
+    Trials(command::trials::Arguments),
     /// Run an episode again from its log, and compare bit by bit
     Replay(command::replay::Arguments),
     /// Make a report of results: tables, curves, comparisons
@@ -84,6 +86,7 @@ fn main() -> ExitCode {
         Command::Plan(arguments) => command::plan::run(&data, &arguments),
         Command::Run(arguments) => command::run::run(&data, &arguments),
         Command::Bench(arguments) => command::bench::run(&data, &arguments),
+        Command::Trials(arguments) => command::trials::run(&data, &arguments),
         Command::Replay(arguments) => command::replay::run(&arguments),
         Command::Report(arguments) => command::report::run(&arguments),
         Command::Leaderboard(arguments) => command::leaderboard::run(&data, &arguments),

@@ -16,6 +16,7 @@ pub mod form;
 pub mod held_out;
 pub mod leaderboard;
 pub mod log;
+pub mod manipulation;
 pub mod perception;
 pub mod planning;
 pub mod published;

@@ -282,6 +282,13 @@ impl Belief {
         part.rebase(Frame::Tip, estimate);
     }
 
+    /// Others have put a part at `x_wp` in the world, to within so much (m, rad); where it really is, sight will tell.
+    pub fn expect(&mut self, part: &str, x_wp: Pose, (position, rotation): ([f64; 3], [f64; 3])) {
+        if let Some(part) = self.parts.get_mut(part).filter(|part| part.frame != Frame::Clamped) {
+            part.rebase(Frame::World, Estimate { x: x_wp, covariance: covariance(position, rotation) });
+        }
+    }
+
     /// The fingers have let go of a part where it is now.
     pub fn released(&mut self, part: &str) {
         self.freed(part, RELEASED);

@@ -4,6 +4,7 @@
 //! ([`transport`], [`insert`], [`slide`], [`fasten`], [`align`]); skills move the [`hand`], which is the only one to
 //! talk to the robot. What a skill knows of the parts is a [`belief`], which what its [`eyes`] see corrects
 //! ([`estimate`]) and which it improves by looking ([`look`]); where a hand can grip is in [`grasp`].
+//! [`piece`] is the same agent at a single piece of a plan, in a build that others have begun.
 
 pub mod agent;
 pub mod align;
@@ -16,11 +17,13 @@ pub mod grasp;
 pub mod hand;
 pub mod insert;
 pub mod look;
+pub mod piece;
 pub mod slide;
 pub mod transport;
 
 pub use agent::Baseline;
 pub use fault::{Fault, SkillError};
+pub use piece::Piece;
 
 /// A rigid pose.
 pub type Pose = nalgebra::Isometry3<f64>;
