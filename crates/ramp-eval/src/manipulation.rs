@@ -54,8 +54,8 @@ pub struct Trial {
     pub step: usize,
     /// The step, for a person.
     pub action: String,
-    /// Starts that were drawn until the physics held one.
-    pub starts: usize,
+    /// How it began.
+    pub start: StartInfo,
     /// Who worked.
     pub agent: AgentInfo,
     /// With what this file was made.
@@ -78,6 +78,16 @@ pub struct Trial {
     pub physics: Physics,
     /// Why the trial ended.
     pub ended: Ended,
+}
+
+/// A start that was drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StartInfo {
+    /// How many were drawn until the physics held one.
+    pub drawn: usize,
+    /// The furthest that an end of a beam that stands is from its place along the table, m.
+    pub displaced: f64,
 }
 
 impl Trial {
@@ -108,6 +118,9 @@ impl Trial {
         if !(0.0..=1e7).contains(&self.time) {
             return Err(format!("`time` is {} s", self.time));
         }
+        if self.start.drawn == 0 || !(0.0..=1.0).contains(&self.start.displaced) {
+            return Err("there is no such start".to_string());
+        }
         match self.physics.largest_force {
             force if (0.0..=1e9).contains(&force) => Ok(()),
             force => Err(format!("`largest_force` is {force} N")),
@@ -125,7 +138,7 @@ pub fn run_trial(
     agent: &mut dyn Agent,
     software: &Software,
 ) -> Result<Trial, StartError> {
-    let start::Start { mut twin, places, starts } = start::draw(setup, task)?;
+    let start::Start { mut twin, places, info: start } = start::draw(setup, task)?;
     let outcome = agent.run(&mut twin);
     let missing = judge::missing(setup, task, &places, &twin);
     let account = agent.account();
@@ -142,7 +155,7 @@ pub fn run_trial(
         class: setup.assembly.class.map(|class| class.name().to_string()),
         step: task.step,
         action: task.action.clone(),
-        starts,
+        start,
         agent: AgentInfo {
             name: name.to_string(),
             version: version.to_string(),

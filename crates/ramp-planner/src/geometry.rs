@@ -238,8 +238,8 @@ impl<'a> Geometry<'a> {
     /// What is on the sheet beside a beam, in the world: the other beams, the holders and the pegs in them.
     fn beside_at_start(&self, beam: &str) -> Vec<Solid> {
         let others = self.kit.beams.iter().filter(|other| other.name != beam);
-        let others = others
-            .filter_map(|other| Some(Solid::new(&beam_shapes(other), &self.kit.x_wb_start(other)?)));
+        let others =
+            others.filter_map(|other| Some(Solid::new(&beam_shapes(other), &self.kit.x_wb_start(other)?)));
         let holders = self.kit.holders.iter().map(|holder| {
             let at = self.kit.sheet_to_world(holder.centre);
             Solid::new(&Holder::blocks().map(Shape::Solid), &Pose::translation(at.x, at.y, at.z))
@@ -274,7 +274,11 @@ impl<'a> Geometry<'a> {
             })
             .collect();
         has_room(link, &placed.x_ab, &FINGERS, |finger| {
-            beams.iter().copied().chain(&heads).any(|solid| finger.may_overlap(solid) && finger.overlaps(solid))
+            beams
+                .iter()
+                .copied()
+                .chain(&heads)
+                .any(|solid| finger.may_overlap(solid) && finger.overlaps(solid))
         })
     }
 }

@@ -123,7 +123,10 @@ impl<'a> Replayer<'a> {
     }
 
     /// A plan may regrasp any beam; the rules then hold it to what that means.
-    fn expect_regrasps<'s>(&mut self, actions: impl Iterator<Item = &'s CoarseAction>) -> Result<(), Refused> {
+    fn expect_regrasps<'s>(
+        &mut self,
+        actions: impl Iterator<Item = &'s CoarseAction>,
+    ) -> Result<(), Refused> {
         let beams: Vec<usize> = actions
             .filter_map(|action| match action {
                 CoarseAction::Regrasp { beam } => self.planner.assembly.beam_index(beam),

@@ -163,8 +163,7 @@ impl Workcell<'_, '_> {
                 let senses = [false, true].map(|reverse| {
                     let x_wt = beam_grasp(&x_wp, s, reverse);
                     let margin = self.reach(&x_wt, &q);
-                    let at_goal =
-                        goal.map_or(margin, |x_wb| self.reach(&beam_grasp(&x_wb, s, reverse), &q));
+                    let at_goal = goal.map_or(margin, |x_wb| self.reach(&beam_grasp(&x_wb, s, reverse), &q));
                     (x_wt, margin.min(at_goal))
                 });
                 let Some(x_wt) = self.choose(&senses) else { continue };

@@ -130,10 +130,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
 }
 
 /// The skills that are asked for, each once.
-fn chosen(
-    words: &[String],
-    steps: &BTreeMap<String, Vec<(usize, usize)>>,
-) -> Result<Vec<String>, Report> {
+fn chosen(words: &[String], steps: &BTreeMap<String, Vec<(usize, usize)>>) -> Result<Vec<String>, Report> {
     if words.is_empty() {
         return Ok(steps.keys().cloned().collect());
     }

@@ -101,12 +101,7 @@ impl<'t> World<'t> {
 
 /// What the truth lacks of a task that was to be done; `None` when it is done and nothing was spoilt. `places` is where all
 /// parts were at the start.
-pub(super) fn missing(
-    setup: &Setup,
-    task: &Task,
-    places: &[(String, Pose)],
-    twin: &Twin,
-) -> Option<String> {
+pub(super) fn missing(setup: &Setup, task: &Task, places: &[(String, Pose)], twin: &Twin) -> Option<String> {
     let world = World::of(setup, twin);
     let seated = pegs_in(setup, twin);
     let out = task.build.pinned.iter().find(|(connection, peg)| seated[*connection].as_deref() != Some(peg));
@@ -127,9 +122,9 @@ pub(super) fn missing(
             let name = &world.assembly.connections[*connection].name;
             seated[*connection].is_none().then(|| format!("no peg pins {name}"))
         }
-        Aim::Placed { beam } => open_joints(task, &world, *beam).into_iter().find_map(|(mine, theirs)| {
-            apart(&world, mine, &world.hole(mine), theirs, &world.hole(theirs))
-        }),
+        Aim::Placed { beam } => open_joints(task, &world, *beam)
+            .into_iter()
+            .find_map(|(mine, theirs)| apart(&world, mine, &world.hole(mine), theirs, &world.hole(theirs))),
         Aim::Deep { beam, shift } => {
             let shift = world.x_wa.rotation * shift;
             let back = shift.normalize();
@@ -163,7 +158,8 @@ pub(super) fn missing(
             let placed = &world.assembly.beams[*beam].beam;
             let p = Point3::new(far_end(task, world.assembly, *beam), 0.0, 0.0);
             let off = (world.part(&placed.name) * p - world.nominal(*beam, &p)).xy().norm();
-            (off > PEGGABLE).then(|| format!("the end of {} is {:.2} mm from its place", placed.name, off * 1e3))
+            (off > PEGGABLE)
+                .then(|| format!("the end of {} is {:.2} mm from its place", placed.name, off * 1e3))
         }
     }
 }

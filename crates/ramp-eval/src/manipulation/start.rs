@@ -15,8 +15,8 @@ use ramp_robot::RobotError;
 use ramp_robot::random::Stream;
 use ramp_twin::{Layout, Setup, Twin, TwinError};
 
-use super::Task;
 use super::judge::{Aim, World, far_end};
+use super::{StartInfo, Task};
 use crate::referee::Referee;
 
 /// So many starts are drawn before a trial is given up.
@@ -92,27 +92,27 @@ pub(super) struct Start {
     pub twin: Twin,
     /// Where all parts are then.
     pub places: Vec<(String, Pose)>,
-    /// How many were drawn.
-    pub starts: usize,
+    /// How it came about.
+    pub info: StartInfo,
 }
 
 /// Draws starts from the stream `start` of the setup's seed until one holds.
 pub(super) fn draw(setup: &Setup, task: &Task) -> Result<Start, StartError> {
     let mut stream = Stream::new(setup.seed, "start");
     let mut why = String::new();
-    for starts in 1..=DRAWS {
+    for drawn in 1..=DRAWS {
         let layout = layout(setup, task, &mut stream);
         let mut twin = Twin::with_layout(setup, &layout)?;
         let knocks = knocks(setup, task, &mut stream);
         let settled = settle(&mut twin, &knocks);
         why = match settled {
             Err(error) => error.to_string(),
-            Ok(last) => match unfit(setup, task, &layout, &twin, last) {
-                Some(why) => why,
-                None => {
+            Ok(last) => match fit(setup, task, &layout, &twin, last) {
+                Err(why) => why,
+                Ok(displaced) => {
                     twin.begin();
                     let places = twin.part_names().map(str::to_string).zip(twin.truth().x_wp).collect();
-                    return Ok(Start { twin, places, starts });
+                    return Ok(Start { twin, places, info: StartInfo { drawn, displaced } });
                 }
             },
         };
@@ -203,26 +203,28 @@ pub(super) fn pegs_in(setup: &Setup, twin: &Twin) -> Vec<Option<String>> {
     referee.verdict().iter().map(|seated| seated.as_ref().map(|seated| seated.peg.clone())).collect()
 }
 
-/// Why a start does not hold; `last` is where all parts were a tenth of a second before.
-fn unfit(setup: &Setup, task: &Task, layout: &Layout, twin: &Twin, last: Vec<Pose>) -> Option<String> {
+/// How far an end of a beam that stands is from its place at most, m, or why a start does not hold; `last` is where all
+/// parts were a tenth of a second before.
+fn fit(setup: &Setup, task: &Task, layout: &Layout, twin: &Twin, last: Vec<Pose>) -> Result<f64, String> {
     let (build, assembly) = (&task.build, setup.assembly);
     if twin.deepest_penetration() > PENETRATION {
-        return Some(format!("parts are {:.2} mm in each other", twin.deepest_penetration() * 1e3));
+        return Err(format!("parts are {:.2} mm in each other", twin.deepest_penetration() * 1e3));
     }
     let moved = |a: &Pose, b: &Pose| (a.translation.vector - b.translation.vector).norm();
     let world = World::of(setup, twin);
     let parts = || twin.part_names().zip(twin.truth().x_wp);
     for ((name, x_wp), before) in parts().zip(last) {
         if moved(&x_wp, &before) > STILL {
-            return Some(format!("{name} does not come to rest"));
+            return Err(format!("{name} does not come to rest"));
         }
     }
     let seated = pegs_in(setup, twin);
     for (connection, peg) in &build.pinned {
         if seated[*connection].as_deref() != Some(peg) {
-            return Some(format!("{peg} does not pin {}", assembly.connections[*connection].name));
+            return Err(format!("{peg} does not pin {}", assembly.connections[*connection].name));
         }
     }
+    let mut displaced: f64 = 0.0;
     for &beam in &build.standing {
         let placed = &assembly.beams[beam].beam;
         let deep = build.deep.iter().find(|(deep, _)| *deep == beam);
@@ -232,8 +234,9 @@ fn unfit(setup: &Setup, task: &Task, layout: &Layout, twin: &Twin, last: Vec<Pos
         for x in [0.0, placed.span(), far_end(task, assembly, beam)] {
             let p = Point3::new(x, 0.0, 0.0);
             let off = x_wb * p - (world.nominal(beam, &p) + shift);
+            displaced = displaced.max(off.xy().norm());
             if off.xy().norm() > most || off.z.abs() > HANG {
-                return Some(format!("{} is {:.1} mm from its place", placed.name, off.norm() * 1e3));
+                return Err(format!("{} is {:.1} mm from its place", placed.name, off.norm() * 1e3));
             }
         }
     }
@@ -244,8 +247,8 @@ fn unfit(setup: &Setup, task: &Task, layout: &Layout, twin: &Twin, last: Vec<Pos
     let placed = layout.beams.iter().chain(&layout.pegs).filter(|(name, _)| !used(name));
     for (name, x_wp) in placed {
         if moved(&world.part(name), x_wp) > UNTOUCHED {
-            return Some(format!("{name} has left its place on the sheet"));
+            return Err(format!("{name} has left its place on the sheet"));
         }
     }
-    None
+    Ok(displaced)
 }

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::Trial;
 use crate::report::sums::cause;
+use crate::result::Software;
 use crate::statistics::{Interval, quantile, wilson};
 
 /// All trials of one skill on one track by one agent.
@@ -15,6 +16,8 @@ pub struct SkillSum {
     pub track: String,
     /// The agent and its version.
     pub agent: String,
+    /// With what the trials were made.
+    pub software: Software,
     /// How many trials.
     pub trials: usize,
     /// How many of them the truth says are done.
@@ -31,12 +34,12 @@ pub struct SkillSum {
     pub failures: Vec<(String, usize, u64)>,
 }
 
-/// Sums by skill, track and agent, in the order in which they first come.
+/// Sums by skill, track, agent and software, in the order in which they first come.
 pub fn sums<'t>(trials: impl IntoIterator<Item = &'t Trial>) -> Vec<SkillSum> {
-    let mut groups: Vec<((String, String, String), Vec<&Trial>)> = Vec::new();
+    let mut groups: Vec<(Key, Vec<&Trial>)> = Vec::new();
     for trial in trials {
         let agent = format!("{} {}", trial.agent.name, trial.agent.version);
-        let key = (trial.skill.clone(), trial.track.clone(), agent);
+        let key = (trial.skill.clone(), trial.track.clone(), agent, trial.software.clone());
         match groups.iter_mut().find(|(other, _)| *other == key) {
             Some((_, group)) => group.push(trial),
             None => groups.push((key, vec![trial])),
@@ -45,7 +48,10 @@ pub fn sums<'t>(trials: impl IntoIterator<Item = &'t Trial>) -> Vec<SkillSum> {
     groups.into_iter().map(|(key, group)| sum(key, &group)).collect()
 }
 
-fn sum((skill, track, agent): (String, String, String), trials: &[&Trial]) -> SkillSum {
+/// Skill, track, agent and software.
+type Key = (String, String, String, Software);
+
+fn sum((skill, track, agent, software): Key, trials: &[&Trial]) -> SkillSum {
     let successes = trials.iter().filter(|trial| trial.success).count();
     let mut times: Vec<f64> = trials.iter().map(|trial| trial.time).collect();
     times.sort_by(f64::total_cmp);
@@ -66,6 +72,7 @@ fn sum((skill, track, agent): (String, String, String), trials: &[&Trial]) -> Sk
         skill,
         track,
         agent,
+        software,
         trials: trials.len(),
         successes,
         interval: wilson(successes, trials.len()),

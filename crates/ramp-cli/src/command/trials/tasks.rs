@@ -40,8 +40,7 @@ impl Goal {
                     .rposition(|action| matches!(action, CoarseAction::PickUp { .. }))
                     .ok_or_else(|| miette!("{}: step {} needs nothing", assembly.name, index + 1))?,
             };
-            let mut table =
-                Replayer::new(&assembly, kit, domains, &State::default()).into_diagnostic()?;
+            let mut table = Replayer::new(&assembly, kit, domains, &State::default()).into_diagnostic()?;
             table.carry_out(&coarse[..begin]).into_diagnostic()?;
             let state = table.state();
             steps.push(Step {
