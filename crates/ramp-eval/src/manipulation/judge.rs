@@ -35,10 +35,10 @@ pub enum Aim {
         /// Index into [`Assembly::connections`].
         connection: usize,
     },
-    /// The joints of this beam are where a peg can pin them.
+    /// A peg can pin these connections.
     Placed {
-        /// Index into [`Assembly::beams`].
-        beam: usize,
+        /// Indices into [`Assembly::connections`].
+        connections: Vec<usize>,
     },
     /// This beam stands deeper than its place, by so much.
     Deep {

@@ -30,7 +30,7 @@ impl Goal {
         let coarse: Vec<CoarseAction> = plan.steps.iter().map(|step| step.coarse.clone()).collect();
         let mut steps = Vec::new();
         for (index, step) in plan.steps.iter().enumerate() {
-            let Some((skill, aim)) = aim(&assembly, &plan, step) else { continue };
+            let Some((skill, aim)) = aim(&assembly, &plan, index) else { continue };
             // What is needed is picked up where nothing is in the hand: there the piece begins.
             let begin = match &aim {
                 Aim::Held { .. } | Aim::Straight { .. } => index,
@@ -66,12 +66,13 @@ pub fn draw<T: Copy>(steps: &[T], seed: u64) -> Option<T> {
 }
 
 /// What a contact step's skill is called, and what it is to bring about; `None` for all other steps.
-fn aim(assembly: &Assembly, plan: &Plan, step: &CoarseStep) -> Option<(String, Aim)> {
-    let contact = step.fine.iter().find(|action| {
+fn aim(assembly: &Assembly, plan: &Plan, index: usize) -> Option<(String, Aim)> {
+    let contact = plan.steps[index].fine.iter().find(|action| {
         !matches!(action, FineAction::Move { .. } | FineAction::Regrasp { .. } | FineAction::PutDown { .. })
     })?;
     let beam = |name: &str| assembly.beam_index(name);
-    let placed = |name: &str| Some(Aim::Placed { beam: beam(name)? });
+    let placed =
+        |name: &str| Some(Aim::Placed { connections: closed(assembly, &plan.steps[index..], beam(name)?) });
     let (skill, aim) = match contact {
         FineAction::PickUp { item: Item::Peg(peg), .. } => ("pick-up-peg", Aim::Held { peg: peg.clone() }),
         FineAction::AssembleSquare { beam, .. } => ("assemble-square", placed(beam)?),
@@ -93,6 +94,34 @@ fn aim(assembly: &Assembly, plan: &Plan, step: &CoarseStep) -> Option<(String, A
         _ => return None,
     };
     Some((skill.to_string(), aim))
+}
+
+/// The connections of the beam that the first of some steps puts in, which pegs are then to pin as it has left them: the plan
+/// pushes neither beam before.
+fn closed(assembly: &Assembly, steps: &[CoarseStep], beam: usize) -> Vec<usize> {
+    let pushed = |steps: &[CoarseStep], name: &str| {
+        steps.iter().any(|step| matches!(&step.coarse, CoarseAction::Push { beam } if beam == name))
+    };
+    let brought = |steps: &[CoarseStep], name: &str| {
+        steps.iter().any(|step| {
+            matches!(
+                &step.coarse,
+                CoarseAction::Assemble { beam } | CoarseAction::AssembleDeep { beam }
+                | CoarseAction::LayDown { beam } | CoarseAction::Slide { beam } if beam == name
+            )
+        })
+    };
+    let closed = |index: &usize| {
+        let connection = &assembly.connections[*index];
+        let Some((_, theirs)) = assembly.sides(connection, beam) else { return false };
+        let pinned = steps.iter().position(
+            |step| matches!(&step.coarse, CoarseAction::Fasten { connection: name, .. } if *name == connection.name),
+        );
+        let Some(before) = pinned.map(|end| &steps[1..end]) else { return false };
+        let names = [beam, theirs.beam].map(|beam| assembly.beams[beam].beam.name.as_str());
+        !brought(before, names[1]) && names.iter().all(|name| !pushed(before, name))
+    };
+    (0..assembly.connections.len()).filter(closed).collect()
 }
 
 /// How far from its place a beam stands that was put in too deep: axes of the assembly frame, m.
