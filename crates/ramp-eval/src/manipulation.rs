@@ -66,7 +66,7 @@ pub struct Trial {
     pub success: bool,
     /// What the truth lacks when it is not.
     pub missing: Option<String>,
-    /// The last fault that the agent told, when the step is not done.
+    /// The fault with which the agent gave up, or what stopped the robot; `None` where it holds the step to be done.
     pub cause: Option<String>,
     /// How often the agent tried something again.
     pub retries: usize,
@@ -142,9 +142,10 @@ pub fn run_trial(
     let outcome = agent.run(&mut twin);
     let missing = judge::missing(setup, task, &places, &twin);
     let account = agent.account();
-    let told = |kind: &'static str| account.events.iter().filter(move |event| event.kind == kind);
-    let cause = told("fault").last().map(|event| event.what.clone());
-    let cause = cause.or_else(|| outcome.as_ref().err().map(RobotError::to_string));
+    // Faults that it mended are followed by what it did then.
+    let given_up =
+        account.events.last().filter(|event| event.kind == "fault").map(|event| event.what.clone());
+    let cause = given_up.or_else(|| outcome.as_ref().err().map(RobotError::to_string));
     let (name, version) = agent.name();
     Ok(Trial {
         schema: SCHEMA.to_string(),
@@ -166,7 +167,7 @@ pub fn run_trial(
         success: missing.is_none(),
         cause: cause.filter(|_| missing.is_some()),
         missing,
-        retries: told("retry").count(),
+        retries: account.events.iter().filter(|event| event.kind == "retry").count(),
         time: twin.time(),
         physics: Physics {
             deepest_penetration: twin.deepest_penetration(),

@@ -122,9 +122,11 @@ pub(super) fn missing(setup: &Setup, task: &Task, places: &[(String, Pose)], twi
             let name = &world.assembly.connections[*connection].name;
             seated[*connection].is_none().then(|| format!("no peg pins {name}"))
         }
-        Aim::Placed { beam } => open_joints(task, &world, *beam)
-            .into_iter()
-            .find_map(|(mine, theirs)| apart(&world, mine, &world.hole(mine), theirs, &world.hole(theirs))),
+        Aim::Placed { connections } => connections.iter().find_map(|index| {
+            let connection = &world.assembly.connections[*index];
+            let (male, female) = (connection.male, connection.female);
+            apart(&world, male, &world.hole(male), female, &world.hole(female))
+        }),
         Aim::Deep { beam, shift } => {
             let shift = world.x_wa.rotation * shift;
             let back = shift.normalize();
