@@ -60,7 +60,7 @@ enum Command {
     Report(command::report::Arguments),
     /// Make a site of the results of many, each run again from its log
     Leaderboard(command::leaderboard::Arguments),
-    /// Score a real robot's run from a stopwatch log, or print the form for it
+    /// Score a real robot's run from a stopwatch log or from poses, or print the form for it
     Score(command::score::Arguments),
     /// See a goal through the cameras: images, what is found in them, data sets
     See(command::see::Arguments),

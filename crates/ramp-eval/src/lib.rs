@@ -19,6 +19,7 @@ pub mod log;
 pub mod manipulation;
 pub mod perception;
 pub mod planning;
+pub mod poses;
 pub mod published;
 pub mod referee;
 pub mod replay;

@@ -115,8 +115,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     };
     let last = arguments.first_seed + u64::from(arguments.trials) - 1;
     let seeds = || arguments.first_seed..=last;
+    // All skills in turn, so that one that is stopped has something of each.
     let wanted: Vec<(&str, u64)> =
-        skills.iter().flat_map(|skill| seeds().map(move |seed| (skill.as_str(), seed))).collect();
+        seeds().flat_map(|seed| skills.iter().map(move |skill| (skill.as_str(), seed))).collect();
     let before: Vec<Option<Trial>> =
         wanted.iter().map(|(skill, seed)| trials.read(skill, *seed)).collect::<Result<_, Report>>()?;
     std::fs::create_dir_all(folder)
