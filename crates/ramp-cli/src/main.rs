@@ -1,7 +1,7 @@
 //! The `ramp` command: goals, checks, pictures, plans and runs.
 //!
 //! Results go to standard output, everything else to standard error. Exit status: 0 done; 1 the run ended without
-//! completing the goal, or a check failed; 2 bad usage or bad input; 130 a bench was stopped by Ctrl-C.
+//! completing the goal, or a check failed; 2 bad usage or bad input; 130 a bench or a fault suite was stopped by Ctrl-C.
 
 mod command;
 mod data;
@@ -54,6 +54,8 @@ enum Command {
     Bench(command::bench::Arguments),
     /// Try single skills from randomised starts, and count how often they succeed
     Trials(command::trials::Arguments),
+    /// Run goals under every fault, and tell who noticed and who mended it
+    Faults(command::faults::Arguments),
     /// Run an episode again from its log, and compare bit by bit
     Replay(command::replay::Arguments),
     /// Make a report of results: tables, curves, comparisons
@@ -87,6 +89,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => command::run::run(&data, &arguments),
         Command::Bench(arguments) => command::bench::run(&data, &arguments),
         Command::Trials(arguments) => command::trials::run(&data, &arguments),
+        Command::Faults(arguments) => command::faults::run(&data, &arguments),
         Command::Replay(arguments) => command::replay::run(&arguments),
         Command::Report(arguments) => command::report::run(&arguments),
         Command::Leaderboard(arguments) => command::leaderboard::run(&data, &arguments),

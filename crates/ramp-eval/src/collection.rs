@@ -128,6 +128,12 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
                     let file = read(path)?;
                     found |= !matches!(file, Found::Other);
                     match file {
+                        Found::Episode(file) if file.result.fault.is_some() => {
+                            notes.push(format!(
+                                "{} is of an episode with a fault and is left out",
+                                path.display()
+                            ));
+                        }
                         Found::Episode(file) => files.push(*file),
                         Found::Published(means) => published.push(means),
                         Found::Plan(verdict) => plans.push(verdict),

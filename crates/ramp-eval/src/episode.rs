@@ -11,8 +11,8 @@ use ramp_twin::{Setup, Twin, TwinError};
 use crate::log::{LogError, Recorder, Sources};
 use crate::referee::Referee;
 use crate::result::{
-    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PegResult, Physics, PlanInfo, RULES, SCHEMA, Software,
-    Time,
+    AgentInfo, Ended, EpisodeResult, EventInfo, FaultInfo, Host, PegResult, Physics, PlanInfo, RULES, SCHEMA,
+    Software, Time,
 };
 
 /// The referee looks once in so many steps (10 ms).
@@ -140,6 +140,11 @@ impl<'a, 'w> Judged<'a, 'w> {
                 })
             })
             .collect()
+    }
+
+    /// What became of the episode's fault.
+    pub(crate) fn fault(&self) -> Option<FaultInfo> {
+        self.twin.fault().map(FaultInfo::of)
     }
 
     pub(crate) fn physics(&self) -> Physics {
@@ -299,6 +304,7 @@ fn run(
             .map(|event| EventInfo { t: event.time, kind: event.kind.to_string(), what: event.what })
             .collect(),
         physics: Some(judged.physics()),
+        fault: judged.fault(),
         ended: Ended { reason },
         log: None,
     }

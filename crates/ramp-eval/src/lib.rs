@@ -5,13 +5,14 @@
 //! labels, and judges detectors on them. [`summary`] adds up the episodes of a goal or a class. [`log`] keeps all that an
 //! episode was, and [`mod@replay`] runs it again from there.
 //! [`collection`] reads folders of results, and [`report`] compares the agents in them, with [`statistics`] and with
-//! what the events tell of each [`activity`]; [`published`] holds means that others have given.
+//! what the events tell of each [`activity`]; [`faults`] judges episodes in which something went wrong on purpose; [`published`] holds means that others have given.
 
 pub mod activity;
 pub mod collection;
 pub mod curve;
 pub mod episode;
 pub mod external;
+pub mod faults;
 pub mod form;
 pub mod held_out;
 pub mod leaderboard;

@@ -8,11 +8,11 @@ pub mod judge;
 pub mod start;
 pub mod sums;
 
-use ramp_robot::{Agent, RobotError};
+use ramp_robot::Agent;
 use ramp_twin::Setup;
 use serde::{Deserialize, Serialize};
 
-use crate::result::{AgentInfo, Ended, EventInfo, Host, Physics, Software};
+use crate::result::{AgentInfo, EventInfo, Host, Physics, Software};
 pub use judge::Aim;
 pub use start::{Build, StartError};
 
@@ -76,8 +76,6 @@ pub struct Trial {
     pub events: Vec<EventInfo>,
     /// Figures of the physics.
     pub physics: Physics,
-    /// Why the trial ended.
-    pub ended: Ended,
 }
 
 /// A start that was drawn.
@@ -142,10 +140,7 @@ pub fn run_trial(
     let outcome = agent.run(&mut twin);
     let missing = judge::missing(setup, task, &places, &twin);
     let account = agent.account();
-    // Faults that it mended are followed by what it did then.
-    let given_up =
-        account.events.last().filter(|event| event.kind == "fault").map(|event| event.what.clone());
-    let cause = given_up.or_else(|| outcome.as_ref().err().map(RobotError::to_string));
+    let cause = agent.failure().or_else(|| outcome.err().map(|error| error.to_string()));
     let (name, version) = agent.name();
     Ok(Trial {
         schema: SCHEMA.to_string(),
@@ -165,7 +160,7 @@ pub fn run_trial(
         software: software.clone(),
         host: Host::here(),
         success: missing.is_none(),
-        cause: cause.filter(|_| missing.is_some()),
+        cause,
         missing,
         retries: account.events.iter().filter(|event| event.kind == "retry").count(),
         time: twin.time(),
@@ -174,7 +169,6 @@ pub fn run_trial(
             largest_force: twin.largest_force(),
             state: format!("{:016x}", twin.state_hash()),
         },
-        ended: Ended { reason: outcome.map_or_else(|error| error.to_string(), |()| "done".to_string()) },
         events: account
             .events
             .into_iter()

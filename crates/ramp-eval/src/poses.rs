@@ -386,6 +386,7 @@ impl Run<'_> {
             plan: PlanInfo { coarse: 0, fine: 0, replans: 0 },
             events: Vec::new(),
             physics: None,
+            fault: None,
             ended: Ended { reason: head.ended },
             log: Some(log.to_string()),
         })

@@ -7,7 +7,7 @@ use ramp_assembly::{Assembly, GoalError};
 use ramp_kit::{Kit, KitError};
 use ramp_robot::arm::{ArmError, ArmModel};
 use ramp_robot::{Robot, RobotError, Track};
-use ramp_twin::{Disturbance, Setup, Twin, TwinError};
+use ramp_twin::{Disturbance, Fault, Setup, Twin, TwinError};
 
 use crate::episode::{Judged, Watcher, completion};
 use crate::log::calls::{CallsError, Entry};
@@ -104,6 +104,7 @@ pub struct World {
     track: Track,
     seed: u64,
     disturbance: Disturbance,
+    fault: Option<Fault>,
 }
 
 impl World {
@@ -136,7 +137,13 @@ impl World {
                 return Err(ReplayError::Impossible { what: "disturbance", found: value.to_string() });
             }
         }
-        Ok(World { kit, assembly, arm, track, seed: header.seed, disturbance })
+        let fault = match &header.fault {
+            Some(fault) => Some(
+                fault.parse().map_err(|_| ReplayError::Impossible { what: "fault", found: short(fault) })?,
+            ),
+            None => None,
+        };
+        Ok(World { kit, assembly, arm, track, seed: header.seed, disturbance, fault })
     }
 
     /// As the twin is made from it.
@@ -148,6 +155,7 @@ impl World {
             track: self.track,
             seed: self.seed,
             disturbance: self.disturbance,
+            fault: self.fault,
         }
     }
 }
@@ -176,6 +184,7 @@ pub fn replay_watched(log: &Log, world: &World, watcher: &mut Watcher) -> Result
     let mut result = log.result.clone();
     result.pegs = judged.pegs(&setup);
     result.physics = Some(judged.physics());
+    result.fault = judged.fault();
     result.completion = completion(&result.pegs);
     result.time.robot = judged.twin.time();
     let end = result.time.robot;
@@ -264,6 +273,11 @@ fn compare(
         differ("largest force".into(), logged.largest_force.to_string(), replayed.largest_force.to_string());
         differ("final state of the physics".into(), logged.state.clone(), replayed.state.clone());
     }
+    let fault = |result: &EpisodeResult| match &result.fault {
+        Some(fault) => format!("{fault:?}"),
+        None => "none".to_string(),
+    };
+    differ("fault".into(), fault(logged), fault(replayed));
     if let Some(error) = stopped {
         differ("reason of the end".into(), logged.ended.reason.clone(), error.to_string());
     }
@@ -271,12 +285,18 @@ fn compare(
 
 /// What the start of the log and its result must both say.
 fn check_agreement(header: &Header, result: &EpisodeResult) -> Result<(), ReplayError> {
+    // In the header with its occasion, if one was asked for.
+    let kind = |fault: Option<&str>| match fault {
+        Some(fault) => fault.split('@').next().unwrap_or_default().to_string(),
+        None => "none".to_string(),
+    };
     let pairs = [
         ("rules", header.rules.clone(), result.rules.clone()),
         ("goal", header.goal.name.clone(), result.goal.clone()),
         ("track", header.track.clone(), result.track.clone()),
         ("seed", header.seed.to_string(), result.seed.to_string()),
         ("repeat", header.repeat.to_string(), result.repeat.to_string()),
+        ("fault", kind(header.fault.as_deref()), kind(result.fault.as_ref().map(|it| it.kind.as_str()))),
         ("software's version", header.software.version.clone(), result.software.version.clone()),
         ("software's commit", header.software.commit.clone(), result.software.commit.clone()),
     ];

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use ramp_twin::FaultReport;
 use serde::{Deserialize, Serialize};
 
 /// The version of the schema these files follow.
@@ -48,6 +49,9 @@ pub struct EpisodeResult {
     pub events: Vec<EventInfo>,
     /// Figures of the physics that a reader may want to check; `None` for a real run.
     pub physics: Option<Physics>,
+    /// What went wrong on purpose; `None` without a fault, and then not in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fault: Option<FaultInfo>,
     /// Why the episode ended.
     pub ended: Ended,
     /// SHA-256 of the episode's log, in hex; `None` when there is none.
@@ -168,6 +172,31 @@ pub struct Physics {
     pub largest_force: f64,
     /// Hash of the final physics state: two runs that share it share every bit.
     pub state: String,
+}
+
+/// What went wrong on purpose in an episode. The agent knows nothing of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FaultInfo {
+    /// The name of its kind.
+    pub kind: String,
+    /// At which of the kind's occasions it was to strike, or did, from 1.
+    pub occasion: u32,
+    /// Robot time at which it struck, s; `None` when its occasion did not come.
+    pub at: Option<f64>,
+    /// The part that it struck, where it struck one.
+    pub part: Option<String>,
+    /// How large it was, in the unit that the text names; `None` where it has no size.
+    pub size: Option<f64>,
+    /// For a person.
+    pub text: String,
+}
+
+impl FaultInfo {
+    /// From the twin's own report.
+    pub fn of(report: &FaultReport) -> FaultInfo {
+        let FaultReport { kind, occasion, at, part, size, text } = report.clone();
+        FaultInfo { kind: kind.name().to_string(), occasion, at, part, size, text }
+    }
 }
 
 /// Why an episode ended.

@@ -37,6 +37,7 @@ pub fn episode(goal: &str, seed: u64, since: &[f64], pegs: usize) -> EpisodeResu
         events: Vec::new(),
         log: None,
         physics: Some(Physics { deepest_penetration: 0.0, largest_force: 0.0, state: "0".repeat(16) }),
+        fault: None,
         ended: Ended { reason: "done".into() },
     }
 }

@@ -10,7 +10,7 @@ use nalgebra::Translation3;
 use ramp_assembly::Insertion;
 use ramp_motion::PathPlanner;
 use ramp_robot::random::Stream;
-use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
+use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError, Track};
 use ramp_skills::belief::Belief;
 use ramp_skills::hand::Hand;
 use ramp_skills::transport::{Way, Workcell};
@@ -71,6 +71,8 @@ fn cell<'a, 'r>(world: &'a World, planner: &'a PathPlanner, robot: &'r mut dyn R
         ways: world.assembly.insertions.iter().map(way).collect(),
         stream: Stream::new(1, "motion"),
         events: Vec::new(),
+        force_told: false,
+        stood: std::collections::BTreeMap::new(),
     }
 }
 
@@ -153,4 +155,32 @@ fn a_push_brings_a_swinging_beam_back() {
         cell.rise().unwrap();
         assert!(off(&cell) < 1e-3, "{:.2} mm off after the push", off(&cell) * 1e3);
     }
+}
+
+/// A beam taken by the wrong link is laid down where there is room, taken by the right one, and inserted, by what the
+/// cameras show.
+#[test]
+fn a_beam_is_regrasped_by_another_link_and_inserted() {
+    let world = World::new("easy-3");
+    let planner = PathPlanner::new(&world.arm);
+    let b4 = world.assembly.beam_index("b4").unwrap();
+    let mut setup = world.setup(6);
+    setup.track = Track::Tags;
+    let mut twin = Twin::new(&setup).unwrap();
+    let mut robot = Biased { twin: &mut twin, shift: [0.0; 2], beams: vec![] };
+    let mut cell = cell(&world, &planner, &mut robot);
+    cell.pick_up("b4", Some("b4l1")).unwrap();
+    let held_at = |cell: &Workcell| cell.hand.held.as_ref().unwrap().x_tp.translation.vector.norm();
+    let before = held_at(&cell);
+    cell.regrasp(b4, "b4l2").unwrap();
+    assert!((held_at(&cell) - before).abs() > 0.05, "the beam is held where it was");
+    cell.rise().unwrap();
+    cell.approach_beam(b4).unwrap();
+    cell.assemble(b4, false).unwrap();
+    drop(cell);
+    let truth = twin.truth();
+    let b4_at = truth.x_wp[twin.part_names().position(|part| part == "b4").unwrap()];
+    let place = world.kit.x_wa() * world.assembly.beams[b4].x_ab;
+    let off = (b4_at.translation.vector - place.translation.vector).norm();
+    assert!(off < 2.0e-3, "b4 stands {:.2} mm from its place", off * 1e3);
 }

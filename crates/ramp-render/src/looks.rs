@@ -181,6 +181,18 @@ impl Looks {
         Ok(looks)
     }
 
+    /// The same with the tag of that id covered with white, wherever it sticks on a part.
+    #[must_use]
+    pub fn with_covered_tag(&self, id: u32) -> Looks {
+        let mut looks = self.clone();
+        for sticker in looks.bodies.iter_mut().flat_map(|body| &mut body.tags) {
+            if sticker.place.id == id {
+                sticker.cells = sticker.cells.blank();
+            }
+        }
+        looks
+    }
+
     /// All bodies.
     pub fn bodies(&self) -> &[Body] {
         &self.bodies

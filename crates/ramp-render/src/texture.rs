@@ -225,6 +225,12 @@ impl Cells {
         Some(Cells { bright, per_metre: (tags::BLACK_CELLS as f64 / edge) as f32 })
     }
 
+    /// As many cells, all of them white.
+    #[must_use]
+    pub fn blank(&self) -> Cells {
+        Cells { bright: [u16::MAX; 16], per_metre: self.per_metre }
+    }
+
     /// The row or column at a place that many cells from the first one's beginning, less a half: the nearest one then. In a
     /// form that processors do four at a time; adding two to the power of 23 leaves the whole number in the lowest bits.
     #[inline]

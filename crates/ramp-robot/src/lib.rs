@@ -280,7 +280,8 @@ pub struct Event {
 
 impl Event {
     /// The kinds there are.
-    pub const KINDS: [&'static str; 7] = ["start", "done", "fault", "retry", "search", "replan", "seen"];
+    pub const KINDS: [&'static str; 8] =
+        ["start", "done", "fault", "retry", "search", "replan", "seen", "diagnosis"];
 }
 
 /// An agent: gets a robot and works until it is done or the robot stops it.

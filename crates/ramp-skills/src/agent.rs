@@ -38,6 +38,8 @@ pub struct Baseline<'a> {
     plan: Option<Plan>,
     /// The peg that is being fetched: one that cannot be gripped is not tried again.
     fetching: Option<String>,
+    /// Why it gave up.
+    failure: Option<String>,
     on_event: Box<dyn FnMut(&Event) + 'a>,
 }
 
@@ -59,6 +61,7 @@ impl<'a> Baseline<'a> {
             account: Account::default(),
             plan: None,
             fetching: None,
+            failure: None,
             on_event: Box::new(|_| {}),
         }
     }
@@ -100,6 +103,8 @@ impl<'a> Baseline<'a> {
             ways: BTreeMap::new(),
             stream: Stream::new(self.seed, "motion"),
             events: Vec::new(),
+            force_told: false,
+            stood: BTreeMap::new(),
         }
     }
 
@@ -111,8 +116,16 @@ impl<'a> Baseline<'a> {
         }
     }
 
+    /// Nothing more can be done.
+    fn give_up(&mut self, cell: &mut Workcell, why: String) {
+        cell.note("fault", why.clone());
+        self.report(cell);
+        self.failure = Some(why);
+    }
+
     fn work(&mut self, cell: &mut Workcell) -> Result<(), RobotError> {
         let mut lost: Vec<String> = Vec::new();
+        let mut last = String::new();
         for round in 0..=REPLANS {
             cell.belief.update(&mut cell.hand)?;
             let plan = self
@@ -122,8 +135,7 @@ impl<'a> Baseline<'a> {
             let plan = match plan {
                 Ok(plan) => plan,
                 Err(why) => {
-                    cell.note("fault", why);
-                    self.report(cell);
+                    self.give_up(cell, why);
                     return Ok(());
                 }
             };
@@ -141,14 +153,14 @@ impl<'a> Baseline<'a> {
                 Ok(()) => return Ok(()),
                 Err(SkillError::Robot(error)) => return Err(error),
                 Err(error) => {
-                    cell.note("fault", error.to_string());
+                    last = error.to_string();
+                    cell.note("fault", last.clone());
                     self.report(cell);
                     self.recover(cell, &mut lost)?;
                 }
             }
         }
-        cell.note("fault", format!("gave up after {REPLANS} new plans"));
-        self.report(cell);
+        self.give_up(cell, format!("gave up after {REPLANS} new plans: {last}"));
         Ok(())
     }
 
@@ -194,11 +206,32 @@ impl<'a> Baseline<'a> {
                     _ => None,
                 };
                 self.act(cell, action, rest)?;
+                cell.remember_standing(&self.touched(action));
                 cell.note("done", action.to_string());
                 self.report(cell);
             }
         }
         Ok(())
+    }
+
+    /// The beams of the assembly that an action works on, by index.
+    fn touched(&self, action: &FineAction) -> Vec<usize> {
+        match action {
+            FineAction::AssembleSquare { beam, .. }
+            | FineAction::AssembleAngled { beam, .. }
+            | FineAction::AssembleThrough { beam, .. }
+            | FineAction::AssembleDeep { beam, .. }
+            | FineAction::AssembleCap { beam, .. }
+            | FineAction::LayDown { beam }
+            | FineAction::Slide { beam, .. }
+            | FineAction::Push { beam, .. } => self.assembly.beam_index(beam).into_iter().collect(),
+            FineAction::Fasten { connection, .. } => {
+                let index = self.assembly.connection_index(connection);
+                let sides = index.map(|index| &self.assembly.connections[index]);
+                sides.map(|sides| vec![sides.female.beam, sides.male.beam]).unwrap_or_default()
+            }
+            _ => Vec::new(),
+        }
     }
 
     /// Before a peg is fetched: would it go in? A peg pulls two holes together that are up to 1.7 mm apart, and
@@ -212,6 +245,7 @@ impl<'a> Baseline<'a> {
         let connection = &self.assembly.connections[index];
         let holes = [cell.hole(connection.female), cell.hole(connection.male)];
         cell.see(&holes, KNOWN)?;
+        cell.diagnose_standing();
         let offset = cell.belief.offset(self.assembly, connection)?;
         if offset <= PEGGABLE {
             return Ok(());
@@ -229,6 +263,7 @@ impl<'a> Baseline<'a> {
             cell.rise()?;
             cell.push_by_nearest_link(beam)?;
             cell.rise()?;
+            cell.remember_standing(&[beam]);
             if cell.belief.offset(self.assembly, connection)? <= PEGGABLE {
                 return Ok(());
             }
@@ -274,7 +309,7 @@ impl<'a> Baseline<'a> {
                 cell.rise()?;
                 cell.slide(beam(name)?, link)
             }
-            FineAction::Regrasp { .. } => Err(no_skill().into()),
+            FineAction::Regrasp { beam: name, link } => cell.regrasp(beam(name)?, link),
             FineAction::AssembleCap { beam: name, .. } => cell.assemble(beam(name)?, true),
             FineAction::Fasten { connection: name, .. } => cell.fasten(connection(name)?),
             FineAction::Push { beam: name, link } => {
@@ -291,6 +326,7 @@ impl<'a> Baseline<'a> {
             cell.rise()?;
             cell.push_by_nearest_link(beam)?;
             cell.rise()?;
+            cell.remember_standing(&[beam]);
         }
         Ok(())
     }
@@ -346,6 +382,10 @@ impl Agent for Baseline<'_> {
 
     fn account(&self) -> Account {
         self.account.clone()
+    }
+
+    fn failure(&self) -> Option<String> {
+        self.failure.clone()
     }
 
     fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {

@@ -43,6 +43,9 @@ impl Workcell<'_, '_> {
         let far = self.far_end(beam);
         for attempt in 0..TRIES {
             self.see_ends(beam)?;
+            if attempt == 0 {
+                self.diagnose_standing();
+            }
             let (goal, off) = self.straightened(beam)?;
             if off < GOOD {
                 return Ok(());

@@ -52,8 +52,10 @@ const DOUBTS: u32 = 3;
 const LEVEL: f64 = 0.9999;
 /// Above this standard deviation of its tilt nothing is known of how a part lies, rad.
 const TILTED: f64 = 1.0 * DEGREE;
+/// A part whose place is known no better than this is in nobody's way, m.
+const ANYWHERE: f64 = 30.0 * MM;
 /// A part found further than this from where it was believed is worth telling, m.
-const ASTRAY: f64 = 5.0 * MM;
+const ASTRAY: f64 = 2.5 * MM;
 
 /// Where a part is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -178,11 +180,13 @@ impl Belief {
 
     /// A part was seen, but not lying as it is believed to: after some times it may lie anyhow.
     fn doubt(&mut self, name: &str) {
-        let Some(part) = self.parts.get_mut(name).filter(|part| part.frame == Frame::World) else { return };
+        let Some(part) = self.parts.get_mut(name).filter(|part| part.frame != Frame::Clamped) else { return };
         part.doubts += 1;
         if part.doubts >= DOUBTS {
             part.doubts = 0;
-            part.estimate.spread([30.0 * MM; 3], [30.0 * DEGREE; 3]);
+            // In the hand it may have tilted, but not gone far.
+            let (way, turn) = if part.frame == Frame::Tip { (3.0, 15.0) } else { (30.0, 30.0) };
+            part.estimate.spread([way * MM; 3], [turn * DEGREE; 3]);
         }
     }
 
@@ -289,6 +293,14 @@ impl Belief {
         }
     }
 
+    /// A part between the fingers must be at `x_wp` (world), to about a millimetre and a few degrees.
+    pub fn reckoned(&mut self, part: &str, x_wp: &Pose) {
+        let x_wt = self.x_wt;
+        let Some(part) = self.parts.get_mut(part).filter(|part| part.frame == Frame::Tip) else { return };
+        let covariance = covariance([1.0 * MM; 3], [3.0 * DEGREE; 3]);
+        part.rebase(Frame::Tip, Estimate { x: x_wt.inverse() * x_wp, covariance });
+    }
+
     /// The fingers have let go of a part where it is now.
     pub fn released(&mut self, part: &str) {
         self.freed(part, RELEASED);
@@ -378,7 +390,11 @@ impl Belief {
     /// Everything that stands around, as boxes in the world, without the parts named in `without`.
     pub fn obstacles(&self, kit: &Kit, without: &[&str]) -> Vec<Obstacle> {
         let mut obstacles = Vec::new();
-        let left_out = |name: &str| without.contains(&name);
+        // What was lost may be anywhere but where it was.
+        let lost = |name: &str| {
+            self.parts.get(name).is_some_and(|part| part.estimate.covariance[(0, 0)] > ANYWHERE.powi(2))
+        };
+        let left_out = |name: &str| without.contains(&name) || lost(name);
         for beam in kit.beams.iter().filter(|beam| !left_out(&beam.name)) {
             if let Some(x_wb) = self.find(&beam.name) {
                 let cuboids = beam_shapes(beam).into_iter().map(cuboid_of);

@@ -4,10 +4,11 @@
 //! the camera's place is known, and that is found out on the way, from the tags of the clamped beam and of the sheet,
 //! whose places are known.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::{Matrix6, Point3, Rotation3, SMatrix};
+use nalgebra::{Matrix6, Point3, Rotation3, SMatrix, Vector3};
 use ramp_kit::Kit;
+use ramp_kit::tags::TagPlace;
 use ramp_robot::{Camera, CameraModel, Image, RobotError};
 use ramp_vision::{Calibration, Lying, Oddity, PartFinder, SeenPart};
 
@@ -26,6 +27,19 @@ const ENOUGH: usize = 240;
 const COMMON: f64 = 4.0;
 /// Standard deviation of an exact reading, m and rad: nothing is known better than a double can tell.
 const EXACT: f64 = 1.0e-9;
+/// A tag that was never found in so many images in which it should have been in sight is covered or gone.
+const MISSED: u32 = 16;
+/// In sight is a tag this far from the border of the image, pixels, whose edges are this long, pixels, and that faces
+/// the camera this much: the cosine of the angle.
+const BORDER: f64 = 40.0;
+/// See [`BORDER`].
+const LEGIBLE: f64 = 10.0;
+/// See [`BORDER`].
+const FACING: f64 = 0.6;
+/// How long a camera that repeats its image is waited for, and how often it is asked meanwhile, s.
+const PATIENCE: f64 = 10.0;
+/// See [`PATIENCE`].
+const PAUSE: f64 = 0.25;
 /// So many images in a row that show nothing at all, and a camera counts as broken.
 const BROKEN: u32 = 10;
 
@@ -49,13 +63,15 @@ struct Eye {
     covariance: Matrix6<f64>,
     /// Images in a row that were of no use.
     bad: u32,
+    /// The last image.
+    last: Vec<u8>,
 }
 
 impl Eye {
     fn new(camera: Camera) -> Eye {
         let [position, angle] = CALIBRATION;
         let covariance = covariance([position; 3], [angle; 3]);
-        Eye { camera, model: None, calibration: None, covariance, bad: 0 }
+        Eye { camera, model: None, calibration: None, covariance, bad: 0, last: Vec::new() }
     }
 
     fn broken(&self) -> bool {
@@ -79,6 +95,8 @@ pub struct Eyes {
     told: BTreeSet<String>,
     /// Parts that were seen not to lie as they were believed to.
     upset: Vec<String>,
+    /// By tag: in how many images it was found, and in how many it was not where it should have been in sight.
+    tags: BTreeMap<u32, (u32, u32)>,
 }
 
 impl Eyes {
@@ -94,6 +112,7 @@ impl Eyes {
             complaints: Vec::new(),
             told: BTreeSet::new(),
             upset: Vec::new(),
+            tags: BTreeMap::new(),
         }
     }
 
@@ -173,8 +192,7 @@ impl Eyes {
             if self.eyes[index].broken() {
                 continue;
             }
-            let camera = self.eyes[index].camera;
-            let why = match hand.look(camera) {
+            let why = match self.fresh(index, hand) {
                 Ok(image) => match self.read(index, hand, &image, lying) {
                     Ok(found) => {
                         self.eyes[index].bad = 0;
@@ -201,6 +219,28 @@ impl Eyes {
         }
     }
 
+    /// A new image. Noise makes any two of them differ: a camera that repeats its last one, of a hand that may have gone
+    /// on, is waited for.
+    fn fresh(&mut self, index: usize, hand: &mut Hand) -> Result<Image, RobotError> {
+        let camera = self.eyes[index].camera;
+        let begin = hand.time();
+        loop {
+            let image = hand.look(camera)?;
+            if image.pixels != self.eyes[index].last {
+                self.eyes[index].last.clone_from(&image.pixels);
+                return Ok(image);
+            }
+            let told = format!("the {} camera repeats its image", camera.name());
+            if self.told.insert(told.clone()) {
+                self.complaints.push(told);
+            }
+            if hand.time() - begin > PATIENCE {
+                return Err(RobotError::CameraStopped { camera });
+            }
+            hand.hold(PAUSE)?;
+        }
+    }
+
     /// Finds the parts in an image.
     fn read(
         &mut self,
@@ -217,6 +257,20 @@ impl Eyes {
         let nominal = hand.camera(eye.camera);
         let model = eye.model.get_or_insert_with(|| nominal.clone());
         let seen = finder.find(image, model, lying).map_err(|error| error.to_string())?;
+        for part in &seen.parts {
+            for place in finder.places().values().filter(|place| place.part == part.part) {
+                let (found, missed) = self.tags.entry(place.id).or_default();
+                if part.tags.contains(&place.id) {
+                    *found += 1;
+                } else if in_sight(model, &model.x_wc(&image.x_wt), part, place) {
+                    *missed += 1;
+                    if *found == 0 && *missed == MISSED {
+                        let part = &part.part;
+                        self.complaints.push(format!("tag {} of {part} is not to be seen", place.id));
+                    }
+                }
+            }
+        }
         let x_wc_before = model.x_wc(&image.x_wt);
         // What is known to be where it is tells where the camera is.
         let calibration = eye.calibration.get_or_insert_with(|| Calibration::new(&nominal, CALIBRATION));
@@ -250,6 +304,24 @@ impl Eyes {
         }
         Ok(sightings)
     }
+}
+
+/// Should a tag of a part that was seen in an image have been seen, too, with nothing in between?
+fn in_sight(model: &CameraModel, x_wc: &Pose, part: &SeenPart, place: &TagPlace) -> bool {
+    let x_cg = x_wc.inverse() * part.x_wp * place.x_pg;
+    let towards = -x_cg.translation.vector.normalize();
+    let half = place.edge / 2.0;
+    let corners = [[-half, -half], [half, -half], [half, half], [-half, half]]
+        .map(|[x, y]| model.project(&(x_cg * Point3::new(x, y, 0.0))));
+    let [Some(a), Some(b), Some(c), Some(d)] = corners else { return false };
+    let inside = |[x, y]: [f64; 2]| {
+        let [width, height] = [model.width, model.height].map(|size| size as f64);
+        (BORDER..width - BORDER).contains(&x) && (BORDER..height - BORDER).contains(&y)
+    };
+    let edge = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
+    (x_cg.rotation * Vector3::z()).dot(&towards) > FACING
+        && [a, b, c, d].into_iter().all(inside)
+        && [edge(a, b), edge(b, c), edge(c, d), edge(d, a)].into_iter().all(|edge| edge > LEGIBLE)
 }
 
 /// A part that was seen by a camera at `x_wc` whose place has the covariance `error` in its own axes.

@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Translation3, Vector3};
-use ramp_kit::joint::{FEMALE_HEIGHT, STEM_LENGTH};
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
+use ramp_kit::joint::{FEMALE_HEIGHT, HEAD_HEIGHT, STEM_LENGTH};
 
 use crate::Pose;
+use crate::diagnosis::Cause;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{PEG_HEIGHT, PEG_OPEN, PEG_WIDTH, hand_down, peg_grasp};
 use crate::hand::PERIOD;
@@ -23,6 +24,14 @@ const SEARCH_FORCE: f64 = 9.0;
 const PITCH: f64 = 0.7e-3;
 /// Speed along the spiral, m/s.
 const SEARCH_SPEED: f64 = 8.0e-3;
+/// How long a hole is searched near where it was seen, s: up to 3 mm.
+const NEAR_TIME: f64 = 5.0;
+/// How far (m), how fast (m/s) and with what swing (m) it is searched for a peg that stands aslant: up to 15°.
+const ASLANT_REACH: f64 = 13.0e-3;
+/// See [`ASLANT_REACH`].
+const ASLANT_SPEED: f64 = 4.0e-3;
+/// See [`ASLANT_REACH`].
+const ASLANT_SWAY: f64 = 0.7e-3;
 /// Longest search, s.
 const SEARCH_TIME: f64 = 20.0;
 /// Largest force of pressing, N.
@@ -31,6 +40,8 @@ const PRESS: f64 = 25.0;
 const PRESS_RATE: f64 = 40.0;
 /// Radius (m) and frequency (Hz) of the circle that keeps a peg from jamming.
 const WIGGLE: (f64, f64) = (0.5e-3, 2.0);
+/// A peg that takes so long, s, is held up by something.
+const PRESS_LONG: f64 = 3.0;
 /// Longest pressing, s.
 const PRESS_TIME: f64 = 6.0;
 /// A head this near to the plate is home, m. The referee asks for 0.5 mm.
@@ -57,6 +68,7 @@ impl Workcell<'_, '_> {
     /// When there is no way, or the robot stops.
     pub fn approach_hole(&mut self, connection: usize) -> Result<(), SkillError> {
         self.see(&[self.hole(self.assembly.connections[connection].female)], KNOWN[1])?;
+        self.diagnose_standing();
         let mouth = self.mouth(connection)?;
         let Some(part) = self.hand.held.as_ref().map(|held| held.part.clone()) else {
             return Err(Fault::NotHeld { part: "the peg".into() }.into());
@@ -96,7 +108,7 @@ impl Workcell<'_, '_> {
             match self.fasten_once(connection, &peg) {
                 Err(SkillError::Fault(fault @ Fault::NotHeld { .. })) => return Err(fault.into()),
                 Err(SkillError::Fault(fault)) => {
-                    self.note("fault", fault.to_string());
+                    self.diagnose(Cause::Jam, &fault);
                     last = Some(fault);
                 }
                 Err(error) => return Err(error),
@@ -167,12 +179,13 @@ impl Workcell<'_, '_> {
         // Upright over the hole, as exactly as the eyes allow.
         self.see(&[self.hole(self.assembly.connections[connection].female)], KNOWN[1])?;
         self.see(&[self.middle(peg)], KNOWN[0])?;
+        self.diagnose_standing();
         for _ in 0..3 {
             self.glance()?;
             let x_wp = self.belief.pose(peg)?;
             let mouth = self.mouth(connection)?;
             let x = x_wp.rotation * Vector3::x();
-            let yaw = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::z_axis(), x.y.atan2(x.x));
+            let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), x.y.atan2(x.x));
             let goal =
                 Pose::from_parts(Translation3::new(mouth.x, mouth.y, mouth.z + OVER + STEM_LENGTH), yaw);
             let off = (goal.translation.vector - x_wp.translation.vector).norm();
@@ -188,15 +201,24 @@ impl Workcell<'_, '_> {
         // Touch.
         let mut down = self.hand.setpoint;
         down.translation.z -= OVER + 2.0 * FOUND;
-        let tip = |x_wp: &Pose| (x_wp * nalgebra::Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate;
+        let tip = |x_wp: &Pose| (x_wp * Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate;
         self.hand.drive(&down, 0.02, |hand| {
             -hand.force().z > TOUCH || hand.x_wp_held().is_some_and(|x| tip(&x) < -FOUND)
         })?;
         if !self.hand.x_wp_held().is_some_and(|x| tip(&x) < -FOUND) {
-            let begin = self.hand.time();
-            self.spiral(plate)?;
+            let (begin, mut upright) = (self.hand.time(), false);
+            self.spiral(plate, NEAR_TIME)?;
+            if !self.is_in(plate) {
+                upright = self.search_aslant(connection, peg, plate)?;
+            }
+            if !self.is_in(plate) {
+                self.spiral(plate, SEARCH_TIME)?;
+            }
             let seconds = self.hand.time() - begin;
             self.note("search", format!("spiral at {name}, {seconds:.1} s"));
+            if seconds > NEAR_TIME && self.is_in(plate) && !upright {
+                self.diagnose(Cause::Jam, format!("{peg} went into {name} only after {seconds:.0} s"));
+            }
         }
         if !self.hand.x_wp_held().is_some_and(|x| tip(&x) < -0.5 * FOUND) {
             return Err(Fault::HoleNotFound { peg: peg.to_string(), connection: name }.into());
@@ -217,26 +239,81 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Searches for the hole along an Archimedean spiral with constant force down, until the tip drops in.
-    fn spiral(&mut self, plate: f64) -> Result<(), SkillError> {
+    /// Is the tip of the held peg so far below the plate (m, in the world) that it must be in the hole?
+    fn is_in(&self, plate: f64) -> bool {
+        let tip = self.hand.x_wp_held().map(|x| (x * Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate);
+        tip.is_some_and(|tip| tip < -FOUND)
+    }
+
+    /// Searches for the hole along an Archimedean spiral with constant force down, until the tip drops in, for so many
+    /// seconds at most.
+    fn spiral(&mut self, plate: f64, longest: f64) -> Result<(), SkillError> {
         let centre = self.hand.seen.x_wt.translation.vector;
         let begin = self.hand.time();
         let mut angle: f64 = 0.0;
-        while self.hand.time() - begin < SEARCH_TIME {
+        while self.hand.time() - begin < longest {
             let radius = PITCH * angle / TAU;
             angle += SEARCH_SPEED * PERIOD / radius.max(0.5e-3);
-            let stiffness = self.hand.stiffness.z;
-            let z = self.hand.seen.x_wt.translation.z - SEARCH_FORCE / stiffness;
-            let setpoint = &mut self.hand.setpoint.translation;
-            setpoint.x = centre.x + radius * angle.cos();
-            setpoint.y = centre.y + radius * angle.sin();
-            setpoint.z = setpoint.z.min(z);
-            self.hand.tick()?;
-            let tip =
-                self.hand.x_wp_held().map(|x| (x * nalgebra::Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate);
-            if tip.is_some_and(|tip| tip < -FOUND) {
+            self.slide_to(centre.x + radius * angle.cos(), centre.y + radius * angle.sin())?;
+            if self.is_in(plate) {
                 break;
             }
+        }
+        Ok(())
+    }
+
+    /// One control period of sliding over the plate with constant force down, m in the world.
+    fn slide_to(&mut self, x: f64, y: f64) -> Result<(), SkillError> {
+        let z = self.hand.seen.x_wt.translation.z - SEARCH_FORCE / self.hand.stiffness.z;
+        let setpoint = &mut self.hand.setpoint.translation;
+        setpoint.x = x;
+        setpoint.y = y;
+        setpoint.z = setpoint.z.min(z);
+        self.hand.tick()?;
+        Ok(())
+    }
+
+    /// A hole that is not where it was seen: the peg may have turned between the fingers, about the axis on which they
+    /// close, where no camera sees it. Its tip is then beside the hand, along the fingers' other axis: searches there,
+    /// and where the tip drops in turns the hand until the peg stands upright. Returns whether it did.
+    fn search_aslant(&mut self, connection: usize, peg: &str, plate: f64) -> Result<bool, SkillError> {
+        let mouth = self.mouth(connection)?;
+        let x = self.hand.seen.x_wt.rotation * Vector3::x();
+        let axis = Vector3::new(x.x, x.y, 0.0).normalize();
+        let aside = Vector3::z().cross(&axis);
+        for direction in [1.0, -1.0] {
+            let periods = (ASLANT_REACH / ASLANT_SPEED / PERIOD) as usize;
+            for period in (0..periods).chain((0..periods).rev()) {
+                let way = ASLANT_SPEED * period as f64 * PERIOD;
+                let sway = ASLANT_SWAY * (TAU * way / PITCH).sin();
+                let p = mouth + axis * (direction * way) + aside * sway;
+                self.slide_to(p.x, p.y)?;
+                if self.is_in(plate) {
+                    self.set_upright(peg, &mouth, &(axis * (direction * way)))?;
+                    return Ok(true);
+                }
+            }
+        }
+        Ok(false)
+    }
+
+    /// The tip of a peg is in the hole at `mouth` while the hand is `off` beside it, all m in the world: turns the hand
+    /// about the hole until the peg is upright.
+    fn set_upright(&mut self, peg: &str, mouth: &Vector3<f64>, off: &Vector3<f64>) -> Result<(), SkillError> {
+        let lean = off + Vector3::new(0.0, 0.0, STEM_LENGTH + HEAD_HEIGHT / 2.0);
+        let Some(turn) = UnitQuaternion::rotation_between(&lean, &Vector3::z()) else { return Ok(()) };
+        let words = format!("{peg} stands aslant in the hand by {:.0}°", turn.angle().to_degrees());
+        self.diagnose(Cause::GripMoved, words);
+        self.hand.relax();
+        let about = Translation3::from(Vector3::new(mouth.x, mouth.y, mouth.z - FOUND));
+        let upright = about * turn * about.inverse() * self.hand.seen.x_wt;
+        self.hand.go(&upright, 0.03)?;
+        let head = self.hand.seen.x_wt * Point3::new(0.0, 0.0, PEG_HEIGHT - HEAD_HEIGHT / 2.0);
+        let x_wp = Pose::translation(mouth.x, mouth.y, head.z - HEAD_HEIGHT / 2.0);
+        self.belief.follow(&self.hand);
+        self.belief.reckoned(peg, &x_wp);
+        if let Some(held) = &mut self.hand.held {
+            held.x_tp = self.hand.seen.x_wt.inverse() * x_wp;
         }
         Ok(())
     }
@@ -274,6 +351,10 @@ impl Workcell<'_, '_> {
                     break;
                 }
             }
+        }
+        let seconds = self.hand.time() - begin;
+        if seconds > PRESS_LONG {
+            self.diagnose(Cause::Jam, format!("{peg} was pressed for {seconds:.1} s"));
         }
         Ok(())
     }

@@ -51,6 +51,7 @@ pub struct Hand<'r> {
     pub held: Option<Held>,
     posture: Joints,
     tare: Vector6<f64>,
+    last: Option<Command>,
 }
 
 impl<'r> Hand<'r> {
@@ -64,6 +65,7 @@ impl<'r> Hand<'r> {
             held: None,
             posture: Joints::from(seen.positions),
             tare: Vector6::zeros(),
+            last: None,
             robot,
             seen,
         }
@@ -129,8 +131,26 @@ impl<'r> Hand<'r> {
     }
 
     fn joint_step(&mut self, q: Joints) -> Result<(), RobotError> {
-        let command = Command { arm: ArmCommand::JointPositions(q.into()), gripper: self.gripper };
+        self.command(Command { arm: ArmCommand::JointPositions(q.into()), gripper: self.gripper })
+    }
+
+    fn command(&mut self, command: Command) -> Result<(), RobotError> {
         self.seen = self.robot.step(&command)?;
+        self.last = Some(command);
+        Ok(())
+    }
+
+    /// Goes on with the last command, s.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn hold(&mut self, seconds: f64) -> Result<(), RobotError> {
+        for _ in 0..(seconds / PERIOD).round() as usize {
+            match self.last.clone() {
+                Some(command) => self.command(command)?,
+                None => self.joint_step(self.joints())?,
+            }
+        }
         Ok(())
     }
 
@@ -153,9 +173,7 @@ impl<'r> Hand<'r> {
             feed_forward: self.weight(),
             posture: self.posture.into(),
         };
-        let command = Command { arm: ArmCommand::CartesianImpedance(impedance), gripper: self.gripper };
-        self.seen = self.robot.step(&command)?;
-        Ok(())
+        self.command(Command { arm: ArmCommand::CartesianImpedance(impedance), gripper: self.gripper })
     }
 
     /// The wrench at the tip that carries the held part.

@@ -5,6 +5,7 @@ use ramp_assembly::JointRef;
 use ramp_kit::joint::{self, BODY_WIDTH, EXTRUSION, FEMALE_HEIGHT};
 
 use crate::Pose;
+use crate::diagnosis::Cause;
 use crate::fault::{Fault, SkillError};
 use crate::look::Point;
 use crate::transport::{Way, Workcell};
@@ -156,7 +157,17 @@ impl Workcell<'_, '_> {
     pub fn approach_beam(&mut self, beam: usize) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
         self.regrip(&name)?;
+        self.level(beam)?;
         let start = self.beside(beam, 1.0, CLEAR)?;
+        let Some(held) = &self.hand.held else { return Err(Fault::NotHeld { part: name }.into()) };
+        let x_wt = start * held.x_tp.inverse();
+        self.travel(&x_wt)?;
+        // A beam that turned in the hand on the way does not go in as it is.
+        self.regrip(&name)?;
+        if !self.is_aslant() {
+            return Ok(());
+        }
+        self.level(beam)?;
         let Some(held) = &self.hand.held else { return Err(Fault::NotHeld { part: name }.into()) };
         let x_wt = start * held.x_tp.inverse();
         self.travel(&x_wt)
@@ -302,6 +313,9 @@ impl Workcell<'_, '_> {
     fn insert_once(&mut self, beam: usize, cap: bool, attempt: usize) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
         self.see(&self.meeting(beam), KNOWN)?;
+        if attempt == 0 {
+            self.diagnose_standing();
+        }
         self.regrip(&name)?;
         let place = self.target(beam)?;
         let direction = self.way_in(beam, &place)?;
@@ -341,6 +355,10 @@ impl Workcell<'_, '_> {
         self.glance()?;
         if stopped {
             let mut remaining = self.remaining(&name, &goal, &direction)?;
+            if remaining > HOME {
+                let met = format!("{name} meets {force:.0} N {:.1} mm before its place", remaining * 1e3);
+                self.diagnose(Cause::Jam, met);
+            }
             if remaining > HOME && !cap {
                 let sleeve = self.sleeves(beam).next();
                 if let Some(sleeve) = sleeve {

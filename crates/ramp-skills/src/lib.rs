@@ -1,14 +1,16 @@
 //! Action execution (section IV-B of the paper): the baseline agent.
 //!
 //! Data passes one way: [`agent`] asks the planner for a plan and runs it action by action; each action is a skill
-//! ([`transport`], [`insert`], [`slide`], [`fasten`], [`align`]); skills move the [`hand`], which is the only one to
+//! ([`transport`], [`insert`], [`slide`], [`fasten`], [`align`], [`regrasp`]); skills move the [`hand`], which is the only one to
 //! talk to the robot. What a skill knows of the parts is a [`belief`], which what its [`eyes`] see corrects
-//! ([`estimate`]) and which it improves by looking ([`look`]); where a hand can grip is in [`grasp`].
+//! ([`estimate`]) and which it improves by looking ([`look`]); where a hand can grip is in [`grasp`]. What goes wrong is put down to a cause
+//! in [`diagnosis`].
 //! [`piece`] is the same agent at a single piece of a plan, in a build that others have begun.
 
 pub mod agent;
 pub mod align;
 pub mod belief;
+pub mod diagnosis;
 pub mod estimate;
 pub mod eyes;
 pub mod fasten;
@@ -18,6 +20,7 @@ pub mod hand;
 pub mod insert;
 pub mod look;
 pub mod piece;
+pub mod regrasp;
 pub mod slide;
 pub mod transport;
 

@@ -9,6 +9,7 @@ use ramp_robot::camera::Mount;
 
 use crate::Pose;
 use crate::belief::Belief;
+use crate::diagnosis::Cause;
 use crate::fault::SkillError;
 use crate::grasp::hand_down;
 use crate::transport::{TRAVEL, Workcell};
@@ -86,9 +87,10 @@ impl Workcell<'_, '_> {
         self.belief.update(&mut self.hand)?;
         for (part, off) in self.belief.astray() {
             self.note("seen", format!("{part} is {:.1} mm from where it was believed", off * 1e3));
+            self.diagnose_astray(&part, off);
         }
         for complaint in self.belief.eyes.complaints() {
-            self.note("fault", complaint);
+            self.diagnose(Cause::Sight, complaint);
         }
         Ok(())
     }

@@ -24,13 +24,15 @@ pub struct Piece<'a> {
     baseline: Baseline<'a>,
     state: State,
     plan: Plan,
+    /// Why it gave up.
+    failure: Option<String>,
 }
 
 impl<'a> Piece<'a> {
     /// `state` is what stands when the work begins, with nothing in the hand; `plan` has the steps that are to be carried
     /// out, and the ways of all beams, those that stand included.
     pub fn new(baseline: Baseline<'a>, state: State, plan: Plan) -> Piece<'a> {
-        Piece { baseline, state, plan }
+        Piece { baseline, state, plan, failure: None }
     }
 
     fn work(&mut self, cell: &mut Workcell) -> Result<(), SkillError> {
@@ -50,12 +52,17 @@ impl Agent for Piece<'_> {
         self.baseline.account()
     }
 
+    fn failure(&self) -> Option<String> {
+        self.failure.clone()
+    }
+
     fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {
         let planner = PathPlanner::new(self.baseline.arm);
         let mut cell = self.baseline.cell(&planner, robot);
         let result = self.work(&mut cell);
         if let Err(error) = &result {
             cell.note("fault", error.to_string());
+            self.failure = Some(error.to_string());
         }
         self.baseline.report(&mut cell);
         match result {

@@ -12,6 +12,7 @@ use ramp_robot::random::Stream;
 
 use crate::Pose;
 use crate::belief::{Belief, held_boxes};
+use crate::diagnosis::{Cause, Stand};
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{
     self, BEAM_OPEN, BEAM_RELEASE, BEAM_WIDTH, GRIP_FORCE, PEG_OPEN, PEG_WIDTH, SQUEEZE, beam_grasp,
@@ -27,6 +28,8 @@ const MARGIN: f64 = 0.5e-3;
 const SHARE: f64 = 0.6;
 /// A part that has moved further than this in the hand has slipped out of it, m.
 const STRAYED: f64 = 10.0e-3;
+/// The same for a beam along its own axis, m.
+const SLIPPED: f64 = 30.0e-3;
 /// Force on the table or the holder at which a part counts as put down, N.
 const PUT_DOWN_LIMIT: f64 = 8.0;
 /// How well the joints that a beam is to meet must be known before it is fetched, m.
@@ -35,6 +38,10 @@ const KNOWN: f64 = 0.25e-3;
 const LIFT: f64 = 0.02;
 /// Distance between what the fingers hold and what they should, m, beyond which the part is not held.
 const WIDTH_TOLERANCE: f64 = 2.0e-3;
+/// Fingers that stop this far before a part do not hold it, m; and how often they are closed then.
+const GRIP_SHORT: f64 = 1.0e-3;
+/// See [`GRIP_SHORT`].
+const GRIPS: usize = 3;
 /// Distance from the ends of the joints' ranges beyond which more is no better, rad.
 const GOOD_MARGIN: f64 = 0.3;
 /// What a radian of turning the hand counts against a radian of that distance.
@@ -77,6 +84,10 @@ pub struct Workcell<'a, 'r> {
     pub stream: Stream,
     /// What happened.
     pub events: Vec<Event>,
+    /// It has been told that the wrist sensor is off.
+    pub force_told: bool,
+    /// How the beams of the assembly stood when the hand last left them, by index.
+    pub stood: BTreeMap<usize, Stand>,
 }
 
 impl Workcell<'_, '_> {
@@ -186,7 +197,7 @@ impl Workcell<'_, '_> {
     }
 
     /// Does the hand, opened to `open` (m), touch nothing but `part` at a pose of the tip that it can reach?
-    fn has_room(&self, x_wt: &Pose, open: f64, part: &str) -> bool {
+    pub fn has_room(&self, x_wt: &Pose, open: f64, part: &str) -> bool {
         let around = self.belief.obstacles(self.kit, &[part]);
         let checker = Checker::new(self.arm, open, Vec::new(), &around, MARGIN);
         self.planner
@@ -226,10 +237,19 @@ impl Workcell<'_, '_> {
             }
         }
         self.see_to_grip(part)?;
+        self.diagnose_standing();
+        if self.kit.beam(part).is_none() {
+            if self.belief.pose(part).is_err() {
+                self.diagnose(Cause::PartMissing, format!("{part} is not in its holder"));
+            }
+            self.diagnose_holder(part);
+        }
         let (mut x_wt, open, _) = self.grasp_of(part, link)?;
         self.hand.gripper.width = open;
         x_wt.translation.z = TRAVEL;
-        self.travel(&x_wt)
+        self.travel(&x_wt)?;
+        self.diagnose_force();
+        Ok(())
     }
 
     /// Grips a part where it stands: the hand comes from above, closes and checks that it holds something of the
@@ -241,8 +261,21 @@ impl Workcell<'_, '_> {
         self.hand.gripper.width = open;
         self.descend(x_wt, part)?;
         self.hand.relax();
-        self.hand.grip(width - SQUEEZE, GRIP_FORCE)?;
+        for attempt in 0..GRIPS {
+            self.hand.grip(width - SQUEEZE, GRIP_FORCE)?;
+            let short = self.hand.seen.width - width;
+            if short < GRIP_SHORT {
+                break;
+            }
+            self.diagnose(Cause::GripWeak, format!("the fingers stop {:.1} mm before {part}", short * 1e3));
+            if attempt + 1 < GRIPS {
+                self.hand.grip(open, 20.0)?;
+            }
+        }
         if (self.hand.seen.width - width).abs() > WIDTH_TOLERANCE {
+            if self.hand.seen.width < width {
+                self.diagnose(Cause::PartLost, format!("{part} is not between the fingers"));
+            }
             return Err(Fault::NotHeld { part: part.to_string() }.into());
         }
         self.belief.follow(&self.hand);
@@ -284,15 +317,24 @@ impl Workcell<'_, '_> {
         let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
         let width = if self.kit.beam(part).is_some() { BEAM_WIDTH } else { PEG_WIDTH };
         let closed = (self.hand.seen.width - width).abs() > WIDTH_TOLERANCE;
+        let mut slip = None;
         let here = self.hand.held.as_mut().filter(|held| held.part == part).is_some_and(|held| {
-            let moved = (x_tp.translation.vector - held.x_tp.translation.vector).norm();
+            let moved = x_tp.translation.vector - held.x_tp.translation.vector;
+            let turned = x_tp.rotation.angle_to(&held.x_tp.rotation);
+            slip = Some((moved.norm(), turned));
             held.x_tp = x_tp;
-            moved < STRAYED
+            // A beam may slip along the fingers and still be held.
+            let along = if self.kit.beam(part).is_some() { SLIPPED } else { STRAYED };
+            moved.x.abs() < along && moved.yz().norm() < STRAYED
         });
         if closed || !here {
+            self.diagnose(Cause::PartLost, format!("{part} has left the hand"));
             self.hand.held = None;
             self.belief.lost(part);
             return Err(Fault::NotHeld { part: part.to_string() }.into());
+        }
+        if let Some((moved, turned)) = slip {
+            self.diagnose_grip(part, moved, turned);
         }
         Ok(())
     }

@@ -38,6 +38,8 @@ pub(crate) struct Cameras {
     kit: Kit,
     arm: ArmModel,
     seed: u64,
+    /// A tag that is covered.
+    covered: Option<u32>,
     looks: Option<Arc<Looks>>,
     eyes: [Option<Eye>; 2],
 }
@@ -46,11 +48,13 @@ struct Eye {
     model: CameraModel,
     renderer: Renderer,
     sensor: Sensor,
+    /// The image that it took last.
+    last: Vec<u8>,
 }
 
 impl Cameras {
-    pub fn new(kit: &Kit, arm: &ArmModel, seed: u64) -> Cameras {
-        Cameras { kit: kit.clone(), arm: arm.clone(), seed, looks: None, eyes: [None, None] }
+    pub fn new(kit: &Kit, arm: &ArmModel, seed: u64, covered: Option<u32>) -> Cameras {
+        Cameras { kit: kit.clone(), arm: arm.clone(), seed, covered, looks: None, eyes: [None, None] }
     }
 
     /// What everything looks like; made when it is first asked for.
@@ -58,7 +62,10 @@ impl Cameras {
         if let Some(looks) = &self.looks {
             return Ok(Arc::clone(looks));
         }
-        let looks = Looks::shared(&self.kit, &self.arm)?;
+        let mut looks = Looks::shared(&self.kit, &self.arm)?;
+        if let Some(tag) = self.covered {
+            looks = Arc::new(looks.with_covered_tag(tag));
+        }
         self.looks = Some(Arc::clone(&looks));
         Ok(looks)
     }
@@ -67,12 +74,14 @@ impl Cameras {
         true_camera(camera, &self.arm, self.seed)
     }
 
-    /// Takes an image: its width, its height, and red, green and blue of each pixel.
+    /// Takes an image: its width, its height, and red, green and blue of each pixel. A frozen camera gives its last
+    /// image again, if it has taken one.
     pub fn expose(
         &mut self,
         camera: Camera,
         mut scene: Scene,
         x_wt: &Pose,
+        frozen: bool,
     ) -> Result<(usize, usize, Vec<u8>), LooksError> {
         let looks = self.looks()?;
         // The wrist camera sits inside its own housing.
@@ -86,8 +95,11 @@ impl Cameras {
             renderer: Renderer::new(looks, &model),
             sensor: Sensor::new(seed, camera.name()),
             model,
+            last: Vec::new(),
         });
-        let pixels = eye.renderer.render(&scene, &eye.model.x_wc(x_wt), &mut eye.sensor);
-        Ok((eye.model.width, eye.model.height, pixels))
+        if !frozen || eye.last.is_empty() {
+            eye.last = eye.renderer.render(&scene, &eye.model.x_wc(x_wt), &mut eye.sensor);
+        }
+        Ok((eye.model.width, eye.model.height, eye.last.clone()))
     }
 }

@@ -3,10 +3,12 @@
 //!
 //! Data passes one way: [`layout`] disturbs the start poses from the seed; [`scene`] writes the MJCF; MuJoCo
 //! compiles it; [`twin`] steps it, with the arm's inner loop from [`control`] once each millisecond. After the
-//! start nothing writes to a part: contact alone moves and holds it.
+//! start nothing writes to a part: contact alone moves and holds it, and in an episode with a [`fault`] the force
+//! of that fault.
 
 pub mod cameras;
 pub mod control;
+pub mod fault;
 pub mod layout;
 mod looks;
 pub mod scene;
@@ -14,5 +16,6 @@ pub mod twin;
 #[cfg(feature = "view")]
 pub mod view;
 
+pub use fault::{Fault, FaultError, FaultKind, FaultReport};
 pub use layout::{Disturbance, Layout};
 pub use twin::{Setup, Truth, Twin, TwinError};

@@ -34,8 +34,14 @@ pub const PEG_MASS: f64 = 26.9e-3;
 /// Contact stiffness and friction that hold a 27 g peg without walls going soft.
 const CONTACT: &str = r#"solref="0.004 1" solimp="0.95 0.999 0.0002 0.5 2""#;
 
-/// The MJCF text of a scene. `base` names the beam that is clamped to the table.
-pub fn scene_xml(kit: &Kit, arm: &ArmModel, layout: &Layout, base: &str) -> String {
+/// Dry friction of a holder that can be pushed over the table, N along each axis, and its mass, kg.
+const HOLDER_FRICTION: f64 = 20.0;
+/// See [`HOLDER_FRICTION`].
+const HOLDER_MASS: f64 = 0.1;
+
+/// The MJCF text of a scene. `base` names the beam that is clamped to the table. Holders are fixed to it, or with
+/// `loose_holders` slide on it when they are pushed hard.
+pub fn scene_xml(kit: &Kit, arm: &ArmModel, layout: &Layout, base: &str, loose_holders: bool) -> String {
     let mut xml = String::with_capacity(512 * 1024);
     header(&mut xml, arm);
     table(&mut xml, kit);
@@ -46,7 +52,7 @@ pub fn scene_xml(kit: &Kit, arm: &ArmModel, layout: &Layout, base: &str) -> Stri
         }
     }
     for (name, x_wh) in &layout.holders {
-        holder_body(&mut xml, name, x_wh);
+        holder_body(&mut xml, name, x_wh, loose_holders);
     }
     for (name, x_wp) in &layout.pegs {
         peg_body(&mut xml, name, x_wp);
@@ -391,8 +397,17 @@ fn beam_inertia(beam: &Beam) -> (f64, [f64; 3], [f64; 3]) {
     (mass, [centre, 0.0, 0.0], [along, across, across])
 }
 
-fn holder_body(xml: &mut String, name: &str, x_wh: &Pose) {
+fn holder_body(xml: &mut String, name: &str, x_wh: &Pose, loose: bool) {
     let _ = write!(xml, "<body name=\"{name}\" {}>", placed(x_wh));
+    if loose {
+        inertial(xml, HOLDER_MASS, &[0.0, 0.0, Holder::HEIGHT / 2.0], &[1e-4, 1e-4, 1e-4, 0.0, 0.0, 0.0]);
+        for (axis, along) in [("x", "1 0 0"), ("y", "0 1 0")] {
+            let _ = write!(
+                xml,
+                r#"<joint name="{name}{axis}" type="slide" axis="{along}" frictionloss="{HOLDER_FRICTION}"/>"#
+            );
+        }
+    }
     let top = Holder::HEIGHT;
     for slot in [-1.0, 0.0, 1.0] {
         let x = slot * Holder::PITCH;

@@ -21,6 +21,7 @@ use crate::control::{
     ArmState, GripperLoop, Jacobian, JointVector, impedance, limit_torques, pose_impedance,
     rotation_from_rows, track_joints, track_velocities,
 };
+use crate::fault::{Fault, FaultReport, Injector, Start};
 use crate::layout::{Disturbance, Layout};
 use crate::scene::scene_xml;
 
@@ -63,6 +64,8 @@ pub struct Setup<'a> {
     pub seed: u64,
     /// How far the start differs from the sheet's outlines.
     pub disturbance: Disturbance,
+    /// What goes wrong on purpose.
+    pub fault: Option<Fault>,
 }
 
 /// Why a twin could not be made.
@@ -121,6 +124,7 @@ pub struct Twin {
     /// Noise of the readings of parts.
     reading_noise: Stream,
     cameras: Cameras,
+    fault: Option<Injector>,
     failed: Option<RobotError>,
     deepest: f64,
     /// Force of the hand on the world through the sensor's filter, without its noise, N.
@@ -137,16 +141,18 @@ impl Twin {
     /// # Errors
     /// When MuJoCo refuses the scene.
     pub fn new(setup: &Setup) -> Result<Twin, TwinError> {
-        Twin::with_layout(setup, &Layout::new(setup.kit, setup.assembly, setup.disturbance, setup.seed))
+        Twin::with_layout(setup, Layout::new(setup.kit, setup.assembly, setup.disturbance, setup.seed))
     }
 
     /// Builds the scene with every part where `layout` says.
     ///
     /// # Errors
     /// When MuJoCo refuses the scene.
-    pub fn with_layout(setup: &Setup, layout: &Layout) -> Result<Twin, TwinError> {
+    pub fn with_layout(setup: &Setup, mut layout: Layout) -> Result<Twin, TwinError> {
+        let start = Start::new(setup);
+        layout.pegs.retain(|(name, _)| Some(name) != start.missing.as_ref());
         let base = &setup.assembly.beams[setup.assembly.base].beam.name;
-        let xml = scene_xml(setup.kit, setup.arm, layout, base);
+        let xml = scene_xml(setup.kit, setup.arm, &layout, base, start.loose_holders);
         let model = MjModel::from_xml_string(&xml).map_err(|error| TwinError::Scene(error.to_string()))?;
         let find = |kind, name: &str| {
             model.name_to_id(kind, name).ok_or_else(|| TwinError::Missing(name.to_string()))
@@ -157,13 +163,17 @@ impl Twin {
             parts.push((name.clone(), body(name)?));
         }
         let mut part_bodies: Vec<usize> = parts.iter().map(|(_, id)| *id).collect();
+        let mut holders = Vec::new();
         for (name, _) in &layout.holders {
-            part_bodies.push(body(name)?);
+            holders.push((name.clone(), body(name)?));
         }
+        part_bodies.extend(holders.iter().map(|(_, id)| *id));
         let is_part = model.geom_bodyid().iter().map(|id| part_bodies.contains(&(*id as usize))).collect();
         let wrist_site = find(MjtObjBase::mjOBJ_SITE, "wrist")?;
         let tip_site = find(MjtObjBase::mjOBJ_SITE, "tip")?;
         let hand_bodies = [body("hand")?, body("finger1")?, body("finger2")?];
+        let fingers = [hand_bodies[1], hand_bodies[2]];
+        let fault = Injector::new(setup, &start, &model, &parts, holders, fingers);
         let mut data = MjData::new(Arc::new(model));
         data.qpos_mut()[..DOF].copy_from_slice(&setup.arm.home);
         data.qpos_mut()[DOF..DOF + 2].copy_from_slice(&[START_WIDTH / 2.0; 2]);
@@ -194,7 +204,8 @@ impl Twin {
             wrench: Vector6::zeros(),
             noise: Stream::new(setup.seed, "wrist"),
             reading_noise: Stream::new(setup.seed, "readings"),
-            cameras: Cameras::new(setup.kit, setup.arm, setup.seed),
+            cameras: Cameras::new(setup.kit, setup.arm, setup.seed, start.covered.map(|(tag, _)| tag)),
+            fault,
             failed: None,
             deepest: 0.0,
             pressed: Vector3::zeros(),
@@ -318,6 +329,11 @@ impl Twin {
         self.largest_force
     }
 
+    /// What became of the episode's fault so far; `None` without one.
+    pub fn fault(&self) -> Option<&FaultReport> {
+        self.fault.as_ref().map(Injector::report)
+    }
+
     /// Robot time, s: counted in steps, so that it carries no rounding.
     pub fn time(&self) -> f64 {
         self.steps as f64 * PERIOD
@@ -386,6 +402,13 @@ impl Twin {
         }
         // Carried from outside with +f, the hand presses on the outside with −f.
         Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
+    }
+
+    /// By how much a fault has the wrist sensor's force off, N and N·m, axes of the world.
+    fn wrist_bias(&self) -> Vector6<f64> {
+        let Some(fault) = &self.fault else { return Vector6::zeros() };
+        let force = rotation_from_rows(&self.data.site_xmat()[self.wrist_site]) * fault.bias();
+        Vector6::new(force.x, force.y, force.z, 0.0, 0.0, 0.0)
     }
 
     fn sense(&mut self) {
@@ -498,7 +521,9 @@ impl Twin {
         let Ok(looks) = self.cameras.looks() else { return Err(stopped) };
         let scene = self.picture(&looks);
         let x_wt = self.state.x_wt;
-        let (width, height, pixels) = self.cameras.expose(camera, scene, &x_wt).map_err(|_| stopped)?;
+        let frozen = self.fault.as_ref().is_some_and(Injector::freezes_cameras);
+        let (width, height, pixels) =
+            self.cameras.expose(camera, scene, &x_wt, frozen).map_err(|_| stopped)?;
         Ok(Image { camera, time: self.time(), x_wt, width, height, pixels })
     }
 
@@ -512,7 +537,12 @@ impl Twin {
         self.torques = limit_torques(&self.arm, wanted);
         let q = [self.data.qpos()[DOF], self.data.qpos()[DOF + 1]];
         let v = [self.data.qvel()[DOF], self.data.qvel()[DOF + 1]];
-        let fingers = self.gripper.forces(command.gripper.width, command.gripper.force, q, v, PERIOD);
+        let mut gripper = command.gripper;
+        if let Some(fault) = &mut self.fault {
+            let fingers = [q[0] + q[1], v[0] + v[1]];
+            gripper = fault.step(&mut self.data, &before.x_wt, self.steps, fingers, gripper);
+        }
+        let fingers = self.gripper.forces(gripper.width, gripper.force, q, v, PERIOD);
         let ctrl = self.data.ctrl_mut();
         ctrl[..DOF].copy_from_slice(self.torques.as_slice());
         ctrl[DOF..DOF + 2].copy_from_slice(&fingers);
@@ -523,7 +553,7 @@ impl Twin {
         let reading = self.read_wrist();
         let noise =
             Vector6::from_fn(|axis, _| self.noise.normal(if axis < 3 { FORCE_NOISE } else { TORQUE_NOISE }));
-        self.wrench += (reading + noise - self.wrench) * WRENCH_FILTER;
+        self.wrench += (reading + self.wrist_bias() + noise - self.wrench) * WRENCH_FILTER;
         self.pressed += (reading.fixed_rows::<3>(0) - self.pressed) * WRENCH_FILTER;
         self.largest_force = self.largest_force.max(self.pressed.norm());
         self.state = self.arm_state();
@@ -533,7 +563,7 @@ impl Twin {
 }
 
 /// Pose in the world of a body of the scene.
-fn body_pose(data: &MjData<Arc<MjModel>>, id: usize) -> Pose {
+pub(crate) fn body_pose(data: &MjData<Arc<MjModel>>, id: usize) -> Pose {
     let p = data.xpos()[id];
     let [w, x, y, z] = data.xquat()[id];
     let rotation = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));

@@ -35,6 +35,7 @@ impl World {
             track,
             seed,
             disturbance: Disturbance::default(),
+            fault: None,
         })
         .unwrap()
     }

@@ -16,8 +16,15 @@ fn a_beam_of_the_kit_s_own_lies_still_on_the_sheet() {
     let assembly = ramp_assembly::read_goal(&data.join("examples/corner-45.xml"), &kit).unwrap();
     let arm = ArmModel::read(&data.join("arms/panda.json")).unwrap();
     let disturbance = Disturbance { position: 0.0, angle: 0.0 };
-    let setup =
-        Setup { kit: &kit, assembly: &assembly, arm: &arm, track: Track::State, seed: 1, disturbance };
+    let setup = Setup {
+        kit: &kit,
+        assembly: &assembly,
+        arm: &arm,
+        track: Track::State,
+        seed: 1,
+        disturbance,
+        fault: None,
+    };
     let mut twin = Twin::new(&setup).unwrap();
     let pose = |twin: &Twin| {
         let index = twin.part_names().position(|name| name == "b10").unwrap();

@@ -30,7 +30,16 @@ impl World {
 
     fn twin(&self, track: Track, seed: u64) -> Twin {
         let (kit, assembly, arm) = (&self.kit, &self.assembly, &self.arm);
-        Twin::new(&Setup { kit, assembly, arm, track, seed, disturbance: Disturbance::default() }).unwrap()
+        Twin::new(&Setup {
+            kit,
+            assembly,
+            arm,
+            track,
+            seed,
+            disturbance: Disturbance::default(),
+            fault: None,
+        })
+        .unwrap()
     }
 }
 

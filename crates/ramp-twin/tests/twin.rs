@@ -35,6 +35,7 @@ impl World {
             track: Track::State,
             seed,
             disturbance: Disturbance::default(),
+            fault: None,
         })
         .unwrap()
     }
@@ -82,6 +83,26 @@ fn the_code_writes_only_commands_after_the_start() {
     }
     for word in ["xfrc_applied", "qfrc_applied", "mocap", "set_state", "reset", "ffi_mut", "unsafe"] {
         assert!(!source.contains(word), "{word} in twin.rs");
+    }
+}
+
+/// A fault acts by forces alone.
+#[test]
+fn the_code_of_faults_writes_only_forces() {
+    let files = [
+        include_str!("../src/fault/act.rs"),
+        include_str!("../src/fault/injector/mod.rs"),
+        include_str!("../src/fault/injector/strike.rs"),
+        include_str!("../src/fault/occasion.rs"),
+    ];
+    for source in files {
+        for (at, _) in source.match_indices("_mut()[") {
+            let call = source[..at].rsplit('.').next().unwrap();
+            assert_eq!(call, "xfrc_applied", "a fault writes to {call}");
+        }
+        for word in ["qpos_mut", "qvel_mut", "mocap", "set_state", "reset", "ffi_mut", "unsafe"] {
+            assert!(!source.contains(word), "{word} in a fault");
+        }
     }
 }
 

@@ -3,6 +3,8 @@
 pub mod agent;
 pub mod bench;
 pub mod check;
+pub mod episodes;
+pub mod faults;
 pub mod generate;
 pub mod goals;
 pub mod held_out;

@@ -12,7 +12,7 @@ use ramp_eval::curve::completion_svg;
 use ramp_eval::result::{EpisodeResult, Software, write_whole};
 use ramp_eval::{Progress, log, record_episode};
 use ramp_robot::{Event, Track};
-use ramp_twin::{Disturbance, Setup, Twin};
+use ramp_twin::{Disturbance, Fault, Setup, Twin};
 
 use super::agent;
 use crate::data::{Data, check_writable, print};
@@ -34,6 +34,10 @@ pub struct Arguments {
     seed: u64,
     #[command(flatten)]
     agent: agent::Arguments,
+    /// What goes wrong on purpose, at its Nth occasion or one drawn from the seed: peg-dropped, peg-tilted, beam-slipped,
+    /// beam-turned, beam-bumped, holder-shifted, jam, peg-missing, tag-covered, camera-frozen, gripper-weak, force-drift
+    #[arg(long, value_name = "KIND[@N]")]
+    fault: Option<Fault>,
     /// Show the twin in a window while it works
     #[arg(long)]
     view: bool,
@@ -142,6 +146,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         track: arguments.track.into(),
         seed: arguments.seed,
         disturbance: Disturbance::default(),
+        fault: arguments.fault,
     };
     if let Some(path) = &arguments.video {
         check_writable(path)?;
@@ -235,6 +240,10 @@ fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
     );
     if result.ended.reason != "done" {
         let _ = writeln!(text, "ended early: {}", result.ended.reason);
+    }
+    if let Some(fault) = &result.fault {
+        let struck = fault.at.map_or_else(|| "never".to_string(), |at| format!("{at:.1} s"));
+        let _ = writeln!(text, "fault {}@{}, struck {struck}: {}", fault.kind, fault.occasion, fault.text);
     }
     if let Some(physics) = &result.physics {
         let _ = writeln!(

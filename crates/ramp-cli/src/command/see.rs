@@ -83,6 +83,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         track: Track::Tags,
         seed: arguments.seed,
         disturbance: Disturbance::default(),
+        fault: None,
     };
     let mut twin = Twin::new(&setup).into_diagnostic()?;
     let mut finder = PartFinder::new(&kit).into_diagnostic()?;

@@ -239,6 +239,7 @@ impl Trials<'_> {
             track: self.track,
             seed,
             disturbance: Disturbance::default(),
+            fault: None,
         };
         let baseline = Baseline::new(&self.kit, &goal.assembly, &self.arm, &self.domains, seed);
         let mut agent = Piece::new(baseline, step.state.clone(), step.plan.clone());

@@ -45,6 +45,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         track: Track::State,
         seed: *seed,
         disturbance: Disturbance::default(),
+        fault: None,
     };
     let twin = Twin::new(&setup).into_diagnostic()?;
     match output {

@@ -58,6 +58,9 @@ pub struct Header {
     pub repeat: u32,
     /// How far the start differs from the sheet's outlines.
     pub disturbance: DisturbanceText,
+    /// What went wrong on purpose, as on the command line; `None` without a fault, and then not in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fault: Option<String>,
     /// With what the episode was run.
     pub software: Software,
 }

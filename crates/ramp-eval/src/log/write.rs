@@ -139,6 +139,7 @@ impl Recorder {
                 position: setup.disturbance.position,
                 angle: setup.disturbance.angle,
             },
+            fault: setup.fault.map(|fault| fault.to_string()),
             software: software.clone(),
         };
         if let Some(file) = &mut self.file {

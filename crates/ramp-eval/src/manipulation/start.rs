@@ -102,7 +102,7 @@ pub(super) fn draw(setup: &Setup, task: &Task) -> Result<Start, StartError> {
     let mut why = String::new();
     for drawn in 1..=DRAWS {
         let layout = layout(setup, task, &mut stream);
-        let mut twin = Twin::with_layout(setup, &layout)?;
+        let mut twin = Twin::with_layout(setup, layout.clone())?;
         let knocks = knocks(setup, task, &mut stream);
         let settled = settle(&mut twin, &knocks);
         why = match settled {

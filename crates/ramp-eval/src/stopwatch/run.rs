@@ -86,6 +86,7 @@ impl<'a> Run<'a> {
             plan: PlanInfo { coarse: 0, fine: 0, replans: 0 },
             events: self.faults.into_iter().map(event).collect(),
             physics: None,
+            fault: None,
             log: None,
             ended: Ended { reason: self.ended.unwrap_or_default() },
         }

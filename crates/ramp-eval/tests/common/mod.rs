@@ -49,6 +49,7 @@ impl World {
             track,
             seed,
             disturbance: Disturbance::default(),
+            fault: None,
         }
     }
 

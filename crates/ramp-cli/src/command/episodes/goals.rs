@@ -1,0 +1,112 @@
+//! The goals of many episodes, by name, by class, or all of them.
+
+use std::path::Path;
+
+use miette::{Diagnostic, Report, miette};
+use ramp_assembly::Class;
+use ramp_kit::source::{nearest, shorten};
+
+use crate::data::Data;
+
+/// The name that stands for every goal.
+const ALL: &str = "all";
+
+/// Why episodes are not begun.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+pub enum BatchError {
+    #[error("there is no goal and no class `{name}`")]
+    Unknown {
+        name: String,
+        #[help]
+        help: String,
+    },
+    #[error("{first} and {second} are two goals of the name `{name}`")]
+    #[diagnostic(help("rename one of the files: results are told apart by the goal's name"))]
+    SameName { name: String, first: String, second: String },
+    #[error("no goal in {folder} is of the class `{class}`")]
+    EmptyClass { class: String, folder: String },
+    #[error("the seeds go past the largest number there is")]
+    #[diagnostic(help("take a smaller --first-seed or fewer {repeats}"))]
+    Seeds { repeats: &'static str },
+    #[error("{file} was made by {theirs}, and this is {ours}")]
+    #[diagnostic(help(
+        "results of different versions are not added up: name another folder with -o, or move these away"
+    ))]
+    OtherVersion { file: String, theirs: String, ours: String },
+    #[error("{file} is of the agent {theirs}, and the folder would become one of two agents")]
+    #[diagnostic(help(
+        "a class is run with one unchanged agent: name another folder with -o, or move these away"
+    ))]
+    OtherAgent { file: String, theirs: String },
+    #[error("another bench is at work in {folder}")]
+    #[diagnostic(help("wait for it, or name another folder with -o"))]
+    Busy { folder: String },
+}
+
+/// A goal to be run.
+pub struct Goal {
+    pub name: String,
+    /// As `ramp run` is told it.
+    pub argument: String,
+    pub class: Option<Class>,
+    pub pegs: usize,
+}
+
+/// The goals that are meant, each once, in the order they were named.
+pub fn find(data: &Data, words: &[String]) -> Result<Vec<Goal>, Report> {
+    let kit = data.kit()?;
+    let folder = data.goals();
+    let names = ramp_assembly::goal_names(&folder)
+        .map_err(|error| miette!("the folder {} cannot be read: {error}", folder.display()))?;
+    let mut goals: Vec<Goal> = Vec::new();
+    for word in words {
+        let class = Class::ALL.into_iter().find(|class| class.name() == word);
+        let is_file = word.ends_with(".xml") || Path::new(word).components().count() > 1;
+        let meant: Vec<&str> = if class.is_some() || word == ALL {
+            names.iter().map(String::as_str).collect()
+        } else if is_file || names.contains(word) {
+            vec![word]
+        } else {
+            let mut known: Vec<&str> = names.iter().map(String::as_str).collect();
+            known.extend(Class::ALL.map(Class::name));
+            known.push(ALL);
+            let near = nearest(word, known);
+            let help = near.map_or_else(
+                || format!("the goals are {}; the classes easy, medium, hard and all", names.join(", ")),
+                |near| format!("did you mean `{near}`?"),
+            );
+            return Err(BatchError::Unknown { name: shorten(word), help }.into());
+        };
+        let mut found = false;
+        for argument in meant {
+            let assembly = data.goal(argument, &kit)?;
+            if class.is_some() && assembly.class != class {
+                continue;
+            }
+            found = true;
+            match goals.iter().find(|goal| goal.name == assembly.name) {
+                None => goals.push(Goal {
+                    name: assembly.name.clone(),
+                    argument: argument.to_string(),
+                    class: assembly.class,
+                    pegs: assembly.connections.len(),
+                }),
+                Some(known) if known.argument == argument => {}
+                Some(known) => {
+                    return Err(BatchError::SameName {
+                        name: assembly.name.clone(),
+                        first: known.argument.clone(),
+                        second: argument.to_string(),
+                    }
+                    .into());
+                }
+            }
+        }
+        if !found {
+            return Err(
+                BatchError::EmptyClass { class: word.clone(), folder: folder.display().to_string() }.into()
+            );
+        }
+    }
+    Ok(goals)
+}

@@ -1,0 +1,239 @@
+//! `ramp faults`: goals under every fault, from many seeds: how often the agent tells what went wrong, and how often it
+//! builds the goal all the same.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use miette::{IntoDiagnostic, Report};
+use ramp_eval::faults::{Share, Tally, judge};
+use ramp_eval::result::EpisodeResult;
+use ramp_robot::Track;
+use ramp_twin::{Fault, FaultKind};
+use serde_json::{Value, json};
+
+use super::agent;
+use super::episodes::{self, Batch, BatchError, Episode, Outcome, STOPPED};
+use super::run::{TrackName, software};
+use crate::data::{Data, print};
+use crate::{DONE, INCOMPLETE};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Goals, classes (easy, medium, hard) or `all`
+    #[arg(value_name = "CLASS|GOAL", default_values = ["easy-3", "medium-3", "hard-2"])]
+    goals: Vec<String>,
+    /// Only these faults, each at its Nth occasion or one drawn from the seed [default: every kind]
+    #[arg(long = "fault", value_name = "KIND[@N]")]
+    faults: Vec<Fault>,
+    /// What the agent may see of the parts
+    #[arg(long, value_enum, default_value_t = TrackName::Tags)]
+    track: TrackName,
+    #[command(flatten)]
+    agent: agent::Arguments,
+    /// Episodes of each goal under each fault, with seeds in a row
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    seeds: u32,
+    /// Seed of the first of them
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    first_seed: u64,
+    /// Episodes at a time; more than one makes the agent's own time longer
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    jobs: u32,
+    /// Time on the wall after which an episode is lost
+    #[arg(long, value_name = "SECONDS", default_value_t = 1800, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    limit: u64,
+    /// Print the table as JSON
+    #[arg(long)]
+    json: bool,
+    /// Folder for the results; made if it is not there, continued if it is
+    #[arg(short, long, value_name = "DIR", default_value = "results/faults")]
+    output: PathBuf,
+}
+
+/// One line of the table: a fault and a goal, or all goals.
+struct Row<'a> {
+    fault: Fault,
+    goal: Option<&'a str>,
+    tally: Tally,
+}
+
+pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    let goals = episodes::find(data, &arguments.goals)?;
+    if arguments.first_seed.checked_add(u64::from(arguments.seeds) - 1).is_none() {
+        return Err(BatchError::Seeds { repeats: "--seeds" }.into());
+    }
+    let mut faults = Vec::new();
+    let every = FaultKind::ALL.map(|kind| Fault { kind, occasion: None });
+    for fault in if arguments.faults.is_empty() { &every[..] } else { &arguments.faults } {
+        if !faults.contains(fault) {
+            faults.push(*fault);
+        }
+    }
+    let batch = Batch {
+        data,
+        folder: &arguments.output,
+        track: Track::from(arguments.track).name(),
+        limit: Duration::from_secs(arguments.limit),
+        agent: arguments.agent.file()?,
+        agent_limit: arguments.agent.agent_limit,
+        goals,
+        software: software(),
+    };
+    let mut episodes = plan(&batch, &faults, arguments);
+    if !batch.run(&mut episodes, arguments.jobs as usize)? {
+        return Ok(STOPPED);
+    }
+    let rows = rows(&batch, &faults, &episodes);
+    print(&if arguments.json {
+        as_json(&batch, arguments, &rows, &episodes)?
+    } else {
+        as_text(&batch, arguments, &rows, &episodes)
+    })?;
+    let lost = episodes.iter().any(|episode| matches!(episode.outcome, Outcome::Lost(_)));
+    Ok(if lost { INCOMPLETE } else { DONE })
+}
+
+/// All episodes that are asked for: every fault and goal from the first seed before the second, so that a suite that is
+/// stopped has seen something of each.
+fn plan(batch: &Batch, faults: &[Fault], arguments: &Arguments) -> Vec<Episode> {
+    let mut episodes = Vec::new();
+    for repeat in 1..=arguments.seeds {
+        let seed = arguments.first_seed + u64::from(repeat - 1);
+        for (goal, it) in batch.goals.iter().enumerate() {
+            for fault in faults {
+                let stem = format!("{}-{}-{fault}-{seed}", it.name, batch.track);
+                let (fault, outcome) = (Some(*fault), Outcome::Open);
+                episodes.push(Episode { goal, seed, repeat, fault, stem, outcome });
+            }
+        }
+    }
+    episodes
+}
+
+fn result_of(episode: &Episode) -> Option<&EpisodeResult> {
+    match &episode.outcome {
+        Outcome::Finished(result) => Some(result),
+        Outcome::Open | Outcome::Lost(_) => None,
+    }
+}
+
+fn rows<'a>(batch: &'a Batch, faults: &[Fault], episodes: &[Episode]) -> Vec<Row<'a>> {
+    let mut rows = Vec::new();
+    for fault in faults {
+        let of = |wanted: Option<usize>| {
+            let those = episodes.iter().filter(|it| it.fault == Some(*fault));
+            Tally::of(those.filter(|it| wanted.is_none_or(|goal| it.goal == goal)).map(result_of))
+        };
+        for (index, goal) in batch.goals.iter().enumerate() {
+            rows.push(Row { fault: *fault, goal: Some(&goal.name), tally: of(Some(index)) });
+        }
+        if batch.goals.len() > 1 {
+            rows.push(Row { fault: *fault, goal: None, tally: of(None) });
+        }
+    }
+    rows
+}
+
+/// Each episode that fell short: which, what is known of it, and why.
+fn shortfalls(episodes: &[Episode]) -> impl Iterator<Item = (&Episode, String)> {
+    episodes.iter().filter_map(|episode| {
+        let why = match &episode.outcome {
+            Outcome::Lost(reason) => format!("lost: {reason}"),
+            Outcome::Open => "not run".to_string(),
+            Outcome::Finished(result) => {
+                let judgement = judge(result)?;
+                let short = result.pegs.len() - result.counted();
+                let pegs = if short > 0 { format!("{short} pegs short, ") } else { String::new() };
+                match judgement.told {
+                    _ if judgement.harmless() || (judgement.diagnosed && short == 0) => return None,
+                    None => format!("{pegs}nothing diagnosed"),
+                    Some(Some(cause)) => format!("{pegs}diagnosed {}", cause.name()),
+                    Some(None) => format!("{pegs}diagnosed what is no cause"),
+                }
+            }
+        };
+        Some((episode, why))
+    })
+}
+
+fn as_text(batch: &Batch, arguments: &Arguments, rows: &[Row], episodes: &[Episode]) -> String {
+    let last = arguments.first_seed + u64::from(arguments.seeds) - 1;
+    let mut text = format!("track {}, seeds {} to {last}\n", batch.track, arguments.first_seed);
+    let width = batch.goals.iter().map(|goal| goal.name.chars().count()).max().unwrap_or(0).max(9);
+    let _ = writeln!(
+        text,
+        "{:<16}  {:<width$}  {:>6}  {:>8}  {:<26}  recovered",
+        "fault", "goal", "struck", "harmless", "diagnosed"
+    );
+    for Row { fault, goal, tally } in rows {
+        let _ = writeln!(
+            text,
+            "{:<16}  {:<width$}  {:>6}  {:>8}  {:<26}  {}",
+            fault.to_string(),
+            goal.unwrap_or("all goals"),
+            format!("{}/{}", tally.struck, tally.episodes),
+            tally.harmless,
+            share(&tally.diagnosed),
+            share(&tally.recovered),
+        );
+    }
+    let mut heading = "not diagnosed, or not complete:\n";
+    for (episode, why) in shortfalls(episodes) {
+        text.push_str(heading);
+        heading = "";
+        let goal = &batch.goals[episode.goal].name;
+        let fault = episode.fault.map(|fault| fault.to_string()).unwrap_or_default();
+        let _ = writeln!(text, "  {fault} on {goal}, seed {}: {why}", episode.seed);
+    }
+    let _ = writeln!(text, "results: {}", batch.folder.display());
+    text
+}
+
+/// Hits of all, per cent, and the interval.
+fn share(share: &Share) -> String {
+    if share.count == 0 {
+        return "-".to_string();
+    }
+    let percent = |share: f64| format!("{:.0}", 100.0 * share);
+    let Share { hits, count, interval } = share;
+    format!(
+        "{hits}/{count}  {} % ({} to {})",
+        percent(*hits as f64 / *count as f64),
+        percent(interval.low),
+        percent(interval.high)
+    )
+}
+
+fn as_json(
+    batch: &Batch,
+    arguments: &Arguments,
+    rows: &[Row],
+    episodes: &[Episode],
+) -> Result<String, Report> {
+    let rows: Vec<Value> = rows
+        .iter()
+        .map(|row| json!({"fault": row.fault.to_string(), "goal": row.goal, "tally": row.tally}))
+        .collect();
+    let shortfalls: Vec<Value> = shortfalls(episodes)
+        .map(|(episode, why)| {
+            json!({
+                "fault": episode.fault.map(|fault| fault.to_string()),
+                "goal": batch.goals[episode.goal].name,
+                "seed": episode.seed,
+                "why": why,
+            })
+        })
+        .collect();
+    let mut text = serde_json::to_string_pretty(&json!({
+        "track": batch.track,
+        "first_seed": arguments.first_seed,
+        "seeds": arguments.seeds,
+        "software": batch.software,
+        "rows": rows,
+        "shortfalls": shortfalls,
+    }))
+    .into_diagnostic()?;
+    text.push('\n');
+    Ok(text)
+}

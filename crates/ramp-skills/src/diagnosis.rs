@@ -1,0 +1,192 @@
+//! Putting what skills feel and see down to a cause.
+//!
+//! Every skill works on when it can; what it noticed goes into the events, as `CAUSE: what tells so`, for people and for
+//! whoever judges how well the agent knows what is happening to it.
+
+use std::fmt;
+
+use nalgebra::{Point2, Point3, Vector3};
+
+use crate::transport::Workcell;
+
+/// A peg is this far from its outline at most when nobody has touched its holder, m: the start is disturbed by 1 mm and
+/// 1° about the holder's middle, and a peg has a millimetre of room in its hole.
+const IN_PLACE: f64 = 3.0e-3;
+/// When pegs of one holder are on average this far off, it is the holder that has moved, m.
+const HOLDER_OFF: f64 = 2.2e-3;
+/// A part that turns in the hand by more than this, rad, or moves in it by more than this, m, has slipped.
+const SLIPPED: (f64, f64) = (1.5 / 180.0 * std::f64::consts::PI, 3.0e-3);
+/// A beam that stands has moved when one of its ends is further than this from where it was, m.
+const MOVED: f64 = 2.0e-3;
+/// So many standard deviations are no chance.
+const SURE: f64 = 4.0;
+/// A force in free space that is further than this from what the held part weighs tells of a sensor that is off, N:
+/// twelve times the noise of its filtered reading.
+const BIASED: f64 = 0.8;
+/// Standard gravity, m/s².
+const GRAVITY: f64 = 9.81;
+
+/// What an agent can tell apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// A part has left the grip, or is not where it was put.
+    PartLost,
+    /// A part sits in the grip otherwise than it should.
+    GripMoved,
+    /// A beam that stood has moved.
+    BeamMoved,
+    /// A holder has moved with its pegs.
+    HolderMoved,
+    /// Something does not go in that should.
+    Jam,
+    /// A part is not there at all.
+    PartMissing,
+    /// A camera, or a tag that should be seen, fails.
+    Sight,
+    /// The fingers do not close as they should.
+    GripWeak,
+    /// The wrist sensor is off.
+    ForceBias,
+}
+
+/// How a beam stands in the assembly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stand {
+    /// Where its ends are on the table, m in the world.
+    pub ends: [Point2<f64>; 2],
+    /// How well that is known: standard deviation, m.
+    pub deviation: f64,
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Cause::PartLost => "part-lost",
+            Cause::GripMoved => "grip-moved",
+            Cause::BeamMoved => "beam-moved",
+            Cause::HolderMoved => "holder-moved",
+            Cause::Jam => "jam",
+            Cause::PartMissing => "part-missing",
+            Cause::Sight => "sight",
+            Cause::GripWeak => "grip-weak",
+            Cause::ForceBias => "force-bias",
+        })
+    }
+}
+
+impl Workcell<'_, '_> {
+    /// Notes a cause and what tells so.
+    pub fn diagnose(&mut self, cause: Cause, why: impl fmt::Display) {
+        self.note("diagnosis", format!("{cause}: {why}"));
+    }
+
+    /// Says why a part is not where it was believed to be, `off` metres away.
+    pub fn diagnose_astray(&mut self, part: &str, off: f64) {
+        if self.hand.held.as_ref().is_some_and(|held| held.part == part) {
+            return;
+        }
+        let words = format!("{part} is {:.1} mm from where it was", off * 1e3);
+        match self.assembly.beam_index(part) {
+            Some(beam) if self.standing.contains(&beam) => self.diagnose(Cause::BeamMoved, words),
+            Some(_) => self.diagnose(Cause::PartLost, words),
+            None => self.diagnose_holder(part),
+        }
+    }
+
+    /// Keeps in mind how the beams of the assembly stand, after the hand has worked on those given and on what they meet:
+    /// of the others what was known before stays.
+    pub fn remember_standing(&mut self, touched: &[usize]) {
+        let meets = |beam: usize| {
+            touched.contains(&beam)
+                || self.assembly.connections.iter().any(|connection| {
+                    let sides = self.assembly.sides(connection, beam);
+                    sides.is_some_and(|(_, theirs)| touched.contains(&theirs.beam))
+                })
+        };
+        let seen = self.seen_standing();
+        for (beam, stand) in seen {
+            if meets(beam) || !self.stood.contains_key(&beam) {
+                self.stood.insert(beam, stand);
+            }
+        }
+    }
+
+    /// Says which beams stand otherwise than they did when the hand left them.
+    pub fn diagnose_standing(&mut self) {
+        for (beam, now) in self.seen_standing() {
+            let Some(before) = self.stood.get(&beam) else { continue };
+            let moved = now.ends.iter().zip(before.ends).map(|(now, before)| (now - before).norm());
+            let moved = moved.fold(0.0, f64::max);
+            if moved > MOVED.max(SURE * now.deviation.hypot(before.deviation)) {
+                let name = &self.assembly.beams[beam].beam.name;
+                let words = format!("{name} is {:.1} mm from where it stood", moved * 1e3);
+                self.diagnose(Cause::BeamMoved, words);
+                self.stood.insert(beam, now);
+            }
+        }
+    }
+
+    /// The beams of the assembly that can be seen, the clamped one aside.
+    fn seen_standing(&self) -> Vec<(usize, Stand)> {
+        let stand = |beam: usize| {
+            let placed = &self.assembly.beams[beam].beam;
+            let x_wb = self.belief.pose(&placed.name).ok()?;
+            let ends = [0.0, placed.span()].map(|x| Point3::new(x, 0.0, 0.0));
+            let deviation = ends.map(|end| self.belief.deviation(&placed.name, &end)[0]);
+            let deviation = deviation[0].max(deviation[1]);
+            Some((beam, Stand { ends: ends.map(|end| (x_wb * end).xy()), deviation }))
+        };
+        let standing = self.standing.iter().copied().filter(|beam| *beam != self.assembly.base);
+        standing.filter_map(stand).filter(|(_, stand)| stand.deviation.is_finite()).collect()
+    }
+
+    /// Looks whether a peg that is to be fetched has moved with its holder.
+    pub fn diagnose_holder(&mut self, peg: &str) {
+        let Some(holder) = self.kit.peg(peg).map(|peg| peg.holder.clone()) else { return };
+        let Some(off) = self.off_outline(peg).filter(|off| off.norm() < 10.0 * IN_PLACE) else { return };
+        let in_holder = |name: &str| !self.pinned.iter().any(|(_, pinned)| pinned == name);
+        let mates = self.kit.pegs.iter().filter(|mate| mate.holder == holder && in_holder(&mate.name));
+        let shifts: Vec<Vector3<f64>> = mates.filter_map(|mate| self.off_outline(&mate.name)).collect();
+        let mean = shifts.iter().sum::<Vector3<f64>>() / shifts.len().max(1) as f64;
+        if shifts.len() > 1 && mean.norm() > HOLDER_OFF || shifts.len() == 1 && off.norm() > IN_PLACE {
+            let words = format!("the pegs of {holder} are {:.1} mm from their outlines", mean.norm() * 1e3);
+            self.diagnose(Cause::HolderMoved, words);
+        }
+    }
+
+    /// How far a peg that stands upright is from its outline, along the table, m.
+    fn off_outline(&self, peg: &str) -> Option<Vector3<f64>> {
+        let start = self.kit.x_wp_start(self.kit.peg(peg)?)?;
+        let x_wp = self.belief.pose(peg).ok()?;
+        let known = self.belief.deviation(peg, &Point3::origin())[0] < HOLDER_OFF / 3.0;
+        let mut off = x_wp.translation.vector - start.translation.vector;
+        let upright = (x_wp.rotation * Vector3::z()).z > 0.99 && off.z.abs() < IN_PLACE;
+        off.z = 0.0;
+        (known && upright).then_some(off)
+    }
+
+    /// Says so when a part has moved in the hand by `moved` (m) and `turned` (rad).
+    pub fn diagnose_grip(&mut self, part: &str, moved: f64, turned: f64) {
+        if turned > SLIPPED.0 {
+            self.diagnose(
+                Cause::GripMoved,
+                format!("{part} has turned by {:.1}° in the hand", turned.to_degrees()),
+            );
+        } else if moved > SLIPPED.1 {
+            self.diagnose(
+                Cause::GripMoved,
+                format!("{part} has slipped by {:.1} mm in the hand", moved * 1e3),
+            );
+        }
+    }
+
+    /// In free space and at rest: does the wrist feel more than the weight of what is held? Told once.
+    pub fn diagnose_force(&mut self) {
+        let mass = self.hand.held.as_ref().map_or(0.0, |held| held.mass);
+        let felt = self.hand.seen.wrench.fixed_rows::<3>(0) - Vector3::new(0.0, 0.0, mass * GRAVITY);
+        if felt.norm() > BIASED && !self.force_told {
+            self.force_told = true;
+            self.diagnose(Cause::ForceBias, format!("the wrist feels {:.1} N in free space", felt.norm()));
+        }
+    }
+}

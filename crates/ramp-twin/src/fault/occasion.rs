@@ -1,0 +1,345 @@
+//! The moments at which a fault may strike, seen in the truth: what is gripped, lifted, closed on and inserted, and
+//! when the hand leaves the assembly.
+
+use std::sync::Arc;
+
+use mujoco_rs::prelude::*;
+use nalgebra::{Point3, Vector3};
+use ramp_kit::Pose;
+
+use super::FaultKind;
+use crate::twin::{PERIOD, Setup, body_pose};
+
+/// A beam is in its place up to this, m and rad.
+const IN_PLACE: (f64, f64) = (15.0e-3, 6.0 / 180.0 * std::f64::consts::PI);
+/// A held part is lifted when it has risen so far since it was gripped, m.
+const LIFTED: f64 = 15.0e-3;
+/// A part is gripped when both fingers have touched it for so long, s, and let go when they have not for so long.
+const GRIPPED: f64 = 0.1;
+/// See [`GRIPPED`].
+const LET_GO: f64 = 0.2;
+/// Least speed of what is inserted, m/s.
+const INSERTING: f64 = 5.0e-3;
+/// The hand works at a beam below this height of the tip, m, and is away above the other.
+const HEIGHTS: [f64; 2] = [0.10, 0.12];
+/// Horizontal distance from the joints of a beam within which the hand works at it, m, and is not away from it.
+const NEAR: f64 = 0.10;
+/// Speed at which the fingers are closing, m/s.
+const CLOSING: f64 = 1.0e-3;
+
+type Data = MjData<Arc<MjModel>>;
+
+/// A part of the twin as a fault sees it.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    pub name: String,
+    pub body: usize,
+    pub is_peg: bool,
+    /// The holder a peg starts in.
+    pub holder: Option<String>,
+}
+
+/// A beam of the goal.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    /// Index into the parts.
+    pub part: usize,
+    pub clamped: bool,
+    /// Where it belongs in the world.
+    pub x_wb: Pose,
+    /// Its holes, and the middles of its links, in its own frame.
+    pub holes: Vec<Point3<f64>>,
+    pub links: Vec<Point3<f64>>,
+}
+
+/// What never changes: who is who among MuJoCo's bodies.
+#[derive(Clone, Debug)]
+pub(super) struct Cell {
+    pub parts: Vec<Part>,
+    pub placed: Vec<Placed>,
+    pub holders: Vec<(String, usize)>,
+    pub fingers: [usize; 2],
+    /// Body of each geom, and part of each body.
+    geom_body: Vec<usize>,
+    body_part: Vec<Option<usize>>,
+}
+
+impl Cell {
+    pub fn new(
+        setup: &Setup,
+        model: &MjModel,
+        names: &[(String, usize)],
+        holders: Vec<(String, usize)>,
+        fingers: [usize; 2],
+    ) -> Cell {
+        let parts: Vec<Part> = names
+            .iter()
+            .map(|(name, body)| Part {
+                name: name.clone(),
+                body: *body,
+                is_peg: setup.kit.peg(name).is_some(),
+                holder: setup.kit.peg(name).map(|peg| peg.holder.clone()),
+            })
+            .collect();
+        let geom_body: Vec<usize> = model.geom_bodyid().iter().map(|id| *id as usize).collect();
+        let mut body_part = vec![None; geom_body.iter().max().map_or(0, |last| last + 1)];
+        for (index, part) in parts.iter().enumerate() {
+            if let Some(slot) = body_part.get_mut(part.body) {
+                *slot = Some(index);
+            }
+        }
+        let placed = setup
+            .assembly
+            .beams
+            .iter()
+            .enumerate()
+            .filter_map(|(index, placed)| {
+                let beam = &placed.beam;
+                Some(Placed {
+                    part: parts.iter().position(|part| part.name == beam.name)?,
+                    clamped: index == setup.assembly.base,
+                    x_wb: setup.kit.x_wa() * placed.x_ab,
+                    holes: (0..beam.joints.len()).map(|joint| beam.p_b_hole(joint)).collect(),
+                    links: beam
+                        .links
+                        .iter()
+                        .map(|link| Point3::new((link.grasp[0] + link.grasp[1]) / 2.0, 0.0, 0.0))
+                        .collect(),
+                })
+            })
+            .collect();
+        Cell { parts, placed, holders, fingers, geom_body, body_part }
+    }
+
+    /// Where a part is.
+    pub fn pose(&self, data: &Data, part: usize) -> Pose {
+        body_pose(data, self.parts[part].body)
+    }
+
+    /// Whether a beam of the goal stands in its place.
+    pub fn in_place(&self, data: &Data, placed: &Placed) -> bool {
+        let x_wb = self.pose(data, placed.part);
+        (x_wb.translation.vector - placed.x_wb.translation.vector).norm() < IN_PLACE.0
+            && x_wb.rotation.angle_to(&placed.x_wb.rotation) < IN_PLACE.1
+    }
+
+    /// The beams that stand in the assembly and are neither clamped nor held, as indices into [`Cell::placed`].
+    pub fn standing(&self, data: &Data, held: Option<usize>) -> Vec<usize> {
+        (0..self.placed.len())
+            .filter(|&index| {
+                let placed = &self.placed[index];
+                !placed.clamped && Some(placed.part) != held && self.in_place(data, placed)
+            })
+            .collect()
+    }
+
+    /// How many pegs are in the holes of a beam.
+    pub fn pins(&self, data: &Data, placed: &Placed) -> Vec<Point3<f64>> {
+        let x_wb = self.pose(data, placed.part);
+        let pegs: Vec<Vector3<f64>> = (0..self.parts.len())
+            .filter(|&part| self.parts[part].is_peg)
+            .map(|part| self.pose(data, part).translation.vector)
+            .collect();
+        placed
+            .holes
+            .iter()
+            .filter(|hole| {
+                let p = (x_wb * **hole).coords;
+                pegs.iter().any(|peg| (peg - p).xy().norm() < 6.0e-3 && (peg - p).z.abs() < 25.0e-3)
+            })
+            .copied()
+            .collect()
+    }
+
+    /// Horizontal distance of a point from a beam's joints and links, m.
+    fn distance(&self, data: &Data, placed: &Placed, p_w: &Vector3<f64>) -> f64 {
+        let x_wb = self.pose(data, placed.part);
+        let away = |p_b: &Point3<f64>| ((x_wb * p_b).coords - p_w).xy().norm();
+        placed.holes.iter().chain(&placed.links).map(away).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// What the fingers hold.
+#[derive(Clone, Debug)]
+struct Grip {
+    part: usize,
+    /// Height at which it was gripped, m.
+    height: f64,
+    /// How long both fingers have touched it, and how long since they have not, s.
+    held: f64,
+    missed: f64,
+    lifted: bool,
+    inserted: bool,
+    before: Vector3<f64>,
+}
+
+/// A moment at which a fault may strike.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Occasion {
+    /// A part was gripped, lifted, or the fingers closed on it.
+    Part(usize),
+    /// The hand left the assembly, in which beams stand.
+    Left,
+    /// A held part moves into a beam: where it touches it, and the direction of its motion, both in the world.
+    Inserted { part: usize, p_w: Point3<f64>, direction: Vector3<f64> },
+}
+
+/// Watches for the occasions of one kind of fault.
+#[derive(Clone, Debug)]
+pub(super) struct Watch {
+    kind: FaultKind,
+    grip: Option<Grip>,
+    /// How long no finger has touched a part, s.
+    untouched: f64,
+    /// Whether the hand has worked at the assembly since it was last away.
+    worked: bool,
+}
+
+impl Watch {
+    pub fn new(kind: FaultKind) -> Watch {
+        Watch { kind, grip: None, untouched: LET_GO, worked: false }
+    }
+
+    /// Once in so many periods it is looked: where a moment matters, in each.
+    pub fn every(&self) -> u64 {
+        if self.kind == FaultKind::GripperWeak { 1 } else { 10 }
+    }
+
+    /// The part between the fingers.
+    pub fn held(&self) -> Option<usize> {
+        self.grip.as_ref().map(|grip| grip.part)
+    }
+
+    /// Looks at the world; tells an occasion when there is one. `fingers` is the speed at which they open, m/s.
+    pub fn look(&mut self, cell: &Cell, data: &Data, x_wt: &Pose, fingers: f64) -> Option<Occasion> {
+        let passed = self.every() as f64 * PERIOD;
+        // Which parts each finger touches, and where the held part touches beams.
+        let mut touched: [Vec<usize>; 2] = [Vec::new(), Vec::new()];
+        let mut met: Option<(usize, Point3<f64>)> = None;
+        for contact in data.contact() {
+            let bodies = contact.geom.map(|geom| {
+                usize::try_from(geom).ok().and_then(|geom| cell.geom_body.get(geom)).copied().unwrap_or(0)
+            });
+            for (one, other) in [(bodies[0], bodies[1]), (bodies[1], bodies[0])] {
+                let Some(part) = cell.body_part.get(other).copied().flatten() else { continue };
+                if let Some(finger) = cell.fingers.iter().position(|finger| *finger == one) {
+                    touched[finger].push(part);
+                }
+                let held = self.held().map(|held| cell.parts[held].body);
+                if Some(one) == held && contact.dist < 0.0 && met.is_none() {
+                    met = cell
+                        .placed
+                        .iter()
+                        .any(|placed| placed.part == part)
+                        .then(|| (part, contact.pos.into()));
+                }
+            }
+        }
+        let closed = self.closing(&touched, fingers, passed);
+        let gripped = self.grip(cell, data, &touched, passed);
+        let lifted = self.lifted(cell, data);
+        let inserted = self.inserted(cell, data, met, passed);
+        match self.kind {
+            FaultKind::PegDropped | FaultKind::PegTilted | FaultKind::HolderShifted => {
+                lifted.filter(|part| cell.parts[*part].is_peg).map(Occasion::Part)
+            }
+            FaultKind::BeamSlipped | FaultKind::BeamTurned => {
+                lifted.filter(|part| !cell.parts[*part].is_peg).map(Occasion::Part)
+            }
+            FaultKind::BeamBumped => self.left(cell, data, x_wt).then_some(Occasion::Left),
+            FaultKind::Jam => inserted,
+            FaultKind::GripperWeak => closed.map(Occasion::Part),
+            FaultKind::CameraFrozen | FaultKind::ForceDrift => gripped.map(Occasion::Part),
+            FaultKind::PegMissing | FaultKind::TagCovered => None,
+        }
+    }
+
+    /// The part that a closing finger touches first.
+    fn closing(&mut self, touched: &[Vec<usize>; 2], fingers: f64, passed: f64) -> Option<usize> {
+        let part = touched.iter().flatten().next().copied();
+        let before = self.untouched;
+        self.untouched = if part.is_some() { 0.0 } else { self.untouched + passed };
+        part.filter(|_| before >= LET_GO && fingers < -CLOSING)
+    }
+
+    /// Follows what both fingers touch; the part in the look in which it counts as gripped.
+    fn grip(&mut self, cell: &Cell, data: &Data, touched: &[Vec<usize>; 2], passed: f64) -> Option<usize> {
+        let both = |part: usize| touched.iter().all(|one| one.contains(&part));
+        let mut gripped = None;
+        if let Some(grip) = &mut self.grip {
+            if both(grip.part) {
+                let before = grip.held;
+                grip.held += passed;
+                grip.missed = 0.0;
+                gripped = (before < GRIPPED && grip.held >= GRIPPED).then_some(grip.part);
+            } else {
+                grip.missed += passed;
+                if grip.missed > LET_GO {
+                    self.grip = None;
+                }
+            }
+        } else if let Some(part) = touched[0].iter().copied().find(|part| both(*part)) {
+            let p_w = cell.pose(data, part).translation.vector;
+            self.grip = Some(Grip {
+                part,
+                height: p_w.z,
+                held: passed,
+                missed: 0.0,
+                lifted: false,
+                inserted: false,
+                before: p_w,
+            });
+        }
+        gripped
+    }
+
+    /// The held part in the look in which it counts as lifted.
+    fn lifted(&mut self, cell: &Cell, data: &Data) -> Option<usize> {
+        let grip =
+            self.grip.as_mut().filter(|grip| grip.held >= GRIPPED && grip.missed == 0.0 && !grip.lifted)?;
+        grip.lifted = cell.pose(data, grip.part).translation.z - grip.height > LIFTED;
+        grip.lifted.then_some(grip.part)
+    }
+
+    /// The held part in the look in which it first moves into a beam of the assembly.
+    fn inserted(
+        &mut self,
+        cell: &Cell,
+        data: &Data,
+        met: Option<(usize, Point3<f64>)>,
+        passed: f64,
+    ) -> Option<Occasion> {
+        let grip = self.grip.as_mut()?;
+        let p_w = cell.pose(data, grip.part).translation.vector;
+        let velocity = (p_w - grip.before) / passed;
+        grip.before = p_w;
+        let (other, at) = met.filter(|_| grip.lifted && !grip.inserted)?;
+        let placed = cell.placed.iter().find(|placed| placed.part == other)?;
+        let direction = velocity.try_normalize(INSERTING)?;
+        grip.inserted = placed.clamped || cell.in_place(data, placed);
+        grip.inserted.then_some(Occasion::Inserted { part: grip.part, p_w: at, direction })
+    }
+
+    /// Whether the hand works at a beam.
+    pub fn is_back(&self, cell: &Cell, data: &Data, beam: usize, x_wt: &Pose) -> bool {
+        let p_w = x_wt.translation.vector;
+        let placed = cell.placed.iter().find(|placed| placed.part == beam);
+        p_w.z < HEIGHTS[0] && placed.is_some_and(|placed| cell.distance(data, placed, &p_w) < NEAR)
+    }
+
+    /// Whether the hand has just left an assembly in which beams stand.
+    fn left(&mut self, cell: &Cell, data: &Data, x_wt: &Pose) -> bool {
+        let p_w = x_wt.translation.vector;
+        let standing = cell.standing(data, self.held());
+        let nearest = standing
+            .iter()
+            .map(|&index| cell.distance(data, &cell.placed[index], &p_w))
+            .fold(f64::INFINITY, f64::min);
+        if p_w.z < HEIGHTS[0] && nearest < NEAR {
+            self.worked = true;
+        }
+        let left = self.worked && p_w.z > HEIGHTS[1] && nearest > NEAR && !standing.is_empty();
+        self.worked &= !left;
+        left
+    }
+}
