@@ -15,9 +15,9 @@ use crate::fault::{Fault, SkillError};
 use crate::transport::Workcell;
 
 /// How far a beam that others have put in may be from its place: along the table and in height, m; tilt and turn, rad.
-const BUILT: ([f64; 3], [f64; 3]) = ([5.0e-3, 5.0e-3, 1.5e-3], [0.007, 0.007, 0.05]);
+const BUILT: ([f64; 3], [f64; 3]) = ([5.0e-3, 5.0e-3, 1.5e-3], [0.002, 0.002, 0.05]);
 /// The same for a peg, whose turn in its hole is anyone's guess.
-const PINNED: ([f64; 3], [f64; 3]) = ([5.0e-3, 5.0e-3, 0.5e-3], [0.007, 0.007, 0.8]);
+const PINNED: ([f64; 3], [f64; 3]) = ([5.0e-3, 5.0e-3, 0.5e-3], [0.002, 0.002, 0.8]);
 
 /// The baseline, told to carry out a piece of a plan.
 pub struct Piece<'a> {
