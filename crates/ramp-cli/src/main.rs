@@ -52,6 +52,8 @@ enum Command {
     Run(command::run::Arguments),
     /// Run goals and classes by the protocol, and sum up
     Bench(command::bench::Arguments),
+    /// Try single skills from randomised starts, and count how often they succeed
+    Trials(command::trials::Arguments),
     /// Run goals under every fault, and tell who noticed and who mended it
     Faults(command::faults::Arguments),
     /// Run an episode again from its log, and compare bit by bit
@@ -60,7 +62,7 @@ enum Command {
     Report(command::report::Arguments),
     /// Make a site of the results of many, each run again from its log
     Leaderboard(command::leaderboard::Arguments),
-    /// Score a real robot's run from a stopwatch log, or print the form for it
+    /// Score a real robot's run from a stopwatch log or from poses, or print the form for it
     Score(command::score::Arguments),
     /// See a goal through the cameras: images, what is found in them, data sets
     See(command::see::Arguments),
@@ -86,6 +88,7 @@ fn main() -> ExitCode {
         Command::Plan(arguments) => command::plan::run(&data, &arguments),
         Command::Run(arguments) => command::run::run(&data, &arguments),
         Command::Bench(arguments) => command::bench::run(&data, &arguments),
+        Command::Trials(arguments) => command::trials::run(&data, &arguments),
         Command::Faults(arguments) => command::faults::run(&data, &arguments),
         Command::Replay(arguments) => command::replay::run(&arguments),
         Command::Report(arguments) => command::report::run(&arguments),

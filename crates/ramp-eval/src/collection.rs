@@ -10,6 +10,8 @@ use ramp_assembly::Class;
 use ramp_robot::Track;
 use serde::Serialize;
 
+use crate::manipulation::Trial;
+use crate::perception::PerceptionVerdict;
 use crate::planning::PlanVerdict;
 use crate::published::Published;
 use crate::result::{AgentInfo, EpisodeResult, RealRun, Software};
@@ -90,6 +92,10 @@ pub struct Collection {
     pub published: Vec<Published>,
     /// Plans that were judged alone, by goal and planner.
     pub plans: Vec<PlanVerdict>,
+    /// Detectors that were judged alone, by name.
+    pub perception: Vec<PerceptionVerdict>,
+    /// Trials of single skills, by skill and seed.
+    pub trials: Vec<Trial>,
     /// What a reader must know of what was read.
     pub notes: Vec<String>,
 }
@@ -103,6 +109,8 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
     let mut files: Vec<ResultFile> = Vec::new();
     let mut published: Vec<Published> = Vec::new();
     let mut plans: Vec<PlanVerdict> = Vec::new();
+    let mut perception: Vec<PerceptionVerdict> = Vec::new();
+    let mut trials: Vec<(PathBuf, Trial)> = Vec::new();
     let mut notes = Vec::new();
     let mut lost: Vec<(PathBuf, String)> = Vec::new();
     let mut seen = Vec::new();
@@ -113,21 +121,29 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
         }
         seen.push(place);
         let paths = list(folder)?;
-        let before = files.len() + published.len() + plans.len();
+        let mut found = false;
         for path in &paths {
             match path.extension().and_then(|ending| ending.to_str()) {
-                Some("json") => match read(path)? {
-                    Found::Episode(file) if file.result.fault.is_some() => {
-                        notes.push(format!(
-                            "{} is of an episode with a fault and is left out",
-                            path.display()
-                        ));
+                Some("json") => {
+                    let file = read(path)?;
+                    found |= !matches!(file, Found::Other);
+                    match file {
+                        Found::Episode(file) if file.result.fault.is_some() => {
+                            notes.push(format!(
+                                "{} is of an episode with a fault and is left out",
+                                path.display()
+                            ));
+                        }
+                        Found::Episode(file) => files.push(*file),
+                        Found::Published(means) => published.push(means),
+                        Found::Plan(verdict) => plans.push(verdict),
+                        Found::Perception(verdict) => perception.push(verdict),
+                        Found::Trial(trial) => trials.push((path.clone(), *trial)),
+                        Found::Other => {
+                            notes.push(format!("{} is no result and is left out", path.display()));
+                        }
                     }
-                    Found::Episode(file) => files.push(*file),
-                    Found::Published(means) => published.push(means),
-                    Found::Plan(verdict) => plans.push(verdict),
-                    Found::Other => notes.push(format!("{} is no result and is left out", path.display())),
-                },
+                }
                 Some("log") if !path.with_extension("json").exists() => {
                     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
                     lost.push((folder.clone(), stem));
@@ -135,7 +151,7 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
                 _ => {}
             }
         }
-        if files.len() + published.len() + plans.len() == before {
+        if !found {
             return Err(CollectError::Empty { folder: folder.display().to_string() });
         }
     }
@@ -169,7 +185,25 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
     published.sort_by(|a, b| a.name.cmp(&b.name).then(a.class.cmp(&b.class)));
     published.dedup();
     plans.sort_by(|a, b| (&a.planner, &a.goal).cmp(&(&b.planner, &b.goal)));
-    Ok(Collection { entrants, goals, published, plans, notes })
+    perception.sort_by(|a, b| (&a.labels, &a.detector).cmp(&(&b.labels, &b.detector)));
+    let trials = once(trials)?;
+    Ok(Collection { entrants, goals, published, plans, perception, trials, notes })
+}
+
+/// Trials in order; each counts once.
+fn once(mut trials: Vec<(PathBuf, Trial)>) -> Result<Vec<Trial>, CollectError> {
+    let own = |trial: &Trial| {
+        let (agent, software) = (&trial.agent, &trial.software);
+        let agent = (agent.name.clone(), agent.version.clone(), agent.sha256.clone());
+        let software = (software.version.clone(), software.commit.clone());
+        (trial.track.clone(), agent, software, trial.skill.clone(), trial.seed)
+    };
+    trials.sort_by_cached_key(|(_, trial)| own(trial));
+    if let Some(pair) = trials.windows(2).find(|pair| own(&pair[0].1) == own(&pair[1].1)) {
+        let name = |(path, _): &(PathBuf, Trial)| path.display().to_string();
+        return Err(CollectError::Twice { first: name(&pair[0]), second: name(&pair[1]) });
+    }
+    Ok(trials.into_iter().map(|(_, trial)| trial).collect())
 }
 
 /// The files of a folder, by name.

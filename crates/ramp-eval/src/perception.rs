@@ -4,6 +4,8 @@
 //! its own error of calibration. Labels say where each part is in the camera's optical frame C, so that errors are
 //! those of perception alone.
 
+mod result;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -19,6 +21,8 @@ use ramp_robot::random::Stream;
 use ramp_robot::{Camera, CameraModel, Image, Pose};
 use ramp_twin::{Disturbance, Layout, cameras};
 use serde::{Deserialize, Serialize};
+
+pub use result::{Cell, FalsePose, PerceptionVerdict, SCHEMA as VERDICT_SCHEMA};
 
 /// Name and version of the form of the labels.
 pub const SCHEMA: &str = "ramp-views/1";
@@ -379,8 +383,8 @@ pub fn judge(labels: &Labels, estimates: &[Estimate]) -> Verdict {
         said.insert((&estimate.file, &estimate.part), estimate);
     }
     /// Parts, position errors and turns.
-    type Cell = (usize, Vec<f64>, Vec<f64>);
-    let mut cells: BTreeMap<(String, usize, usize), Cell> = BTreeMap::new();
+    type Errors = (usize, Vec<f64>, Vec<f64>);
+    let mut cells: BTreeMap<(String, usize, usize), Errors> = BTreeMap::new();
     let mut false_poses = Vec::new();
     for view in &labels.views {
         for part in &view.parts {

@@ -3,6 +3,7 @@
 //! [`Report`] holds all numbers; [`page`] writes them as one HTML file that needs nothing else, [`table`] as CSV,
 //! [`paper`] as a LaTeX table. Agents of different tracks are never compared.
 
+mod alone;
 pub mod curves;
 pub mod page;
 pub mod paper;

@@ -87,7 +87,7 @@ pub fn completion_interval(groups: &[Vec<f64>], name: &str) -> Option<Interval> 
 }
 
 /// Of sorted values, between neighbours in a straight line.
-fn quantile(sorted: &[f64], share: f64) -> f64 {
+pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
     let at = share * (sorted.len() - 1) as f64;
     let below = at.floor() as usize;
     let above = (below + 1).min(sorted.len() - 1);

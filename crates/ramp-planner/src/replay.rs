@@ -100,6 +100,15 @@ impl<'a> Replayer<'a> {
     /// # Errors
     /// As [`Replayer::run`].
     pub fn run_coarse(&mut self, actions: &[CoarseAction]) -> Result<(), Refused> {
+        self.carry_out(actions)?;
+        self.end(actions.len())
+    }
+
+    /// Carries out coarse actions that need not reach the goal: a plan's beginning, up to where nothing is in the hand.
+    ///
+    /// # Errors
+    /// At the first one that is not possible.
+    pub fn carry_out(&mut self, actions: &[CoarseAction]) -> Result<(), Refused> {
         let steps: Vec<CoarseStep> =
             actions.iter().map(|coarse| CoarseStep { coarse: coarse.clone(), fine: Vec::new() }).collect();
         self.expect_regrasps(actions.iter())?;
@@ -110,7 +119,7 @@ impl<'a> Replayer<'a> {
                 why,
             })?;
         }
-        self.end(steps.len())
+        Ok(())
     }
 
     /// A plan may regrasp any beam; the rules then hold it to what that means.

@@ -31,7 +31,7 @@ const STRAYED: f64 = 6.0e-3;
 pub struct Baseline<'a> {
     kit: &'a Kit,
     assembly: &'a Assembly,
-    arm: &'a ArmModel,
+    pub(crate) arm: &'a ArmModel,
     domains: &'a Domains,
     seed: u64,
     account: Account,
@@ -85,8 +85,31 @@ impl<'a> Baseline<'a> {
         plan
     }
 
+    /// A work cell with nothing built in it.
+    pub(crate) fn cell<'p, 'r>(&self, planner: &'p PathPlanner, robot: &'r mut dyn Robot) -> Workcell<'p, 'r>
+    where
+        'a: 'p,
+    {
+        Workcell {
+            kit: self.kit,
+            assembly: self.assembly,
+            arm: self.arm,
+            planner,
+            hand: Hand::new(robot),
+            belief: Belief::new(self.kit, self.assembly),
+            standing: vec![self.assembly.base],
+            deep: Vec::new(),
+            pinned: Vec::new(),
+            ways: BTreeMap::new(),
+            stream: Stream::new(self.seed, "motion"),
+            events: Vec::new(),
+            force_told: false,
+            stood: BTreeMap::new(),
+        }
+    }
+
     /// Hands new events on to the listener and into the account.
-    fn report(&mut self, cell: &mut Workcell) {
+    pub(crate) fn report(&mut self, cell: &mut Workcell) {
         for event in cell.events.drain(..) {
             (self.on_event)(&event);
             self.account.events.push(event);
@@ -125,12 +148,7 @@ impl<'a> Baseline<'a> {
                 cell.note("replan", format!("{} coarse actions", plan.steps.len()));
             }
             // Of beams that stand already the new plan says nothing: for them the old one holds.
-            for entry in &plan.entries {
-                if let Some(beam) = self.assembly.beam_index(&entry.beam) {
-                    let (direction, distance, depth) = (entry.direction.into(), entry.distance, entry.depth);
-                    cell.ways.insert(beam, Way { direction, distance, depth });
-                }
-            }
+            self.learn_ways(cell, &plan);
             match self.run_plan(cell, &plan) {
                 Ok(()) => return Ok(()),
                 Err(SkillError::Robot(error)) => return Err(error),
@@ -144,6 +162,16 @@ impl<'a> Baseline<'a> {
         }
         self.give_up(cell, format!("gave up after {REPLANS} new plans: {last}"));
         Ok(())
+    }
+
+    /// Takes over how a plan brings beams to their places.
+    pub(crate) fn learn_ways(&self, cell: &mut Workcell, plan: &Plan) {
+        for entry in &plan.entries {
+            if let Some(beam) = self.assembly.beam_index(&entry.beam) {
+                let (direction, distance, depth) = (entry.direction.into(), entry.distance, entry.depth);
+                cell.ways.insert(beam, Way { direction, distance, depth });
+            }
+        }
     }
 
     /// What the planner is told about the world.
@@ -164,7 +192,7 @@ impl<'a> Baseline<'a> {
         })
     }
 
-    fn run_plan(&mut self, cell: &mut Workcell, plan: &Plan) -> Result<(), SkillError> {
+    pub(crate) fn run_plan(&mut self, cell: &mut Workcell, plan: &Plan) -> Result<(), SkillError> {
         for (index, step) in plan.steps.iter().enumerate() {
             let rest = &plan.steps[index..];
             if let CoarseAction::PickUp { item: Item::Peg(_) } = &step.coarse {
@@ -362,22 +390,7 @@ impl Agent for Baseline<'_> {
 
     fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {
         let planner = PathPlanner::new(self.arm);
-        let mut cell = Workcell {
-            kit: self.kit,
-            assembly: self.assembly,
-            arm: self.arm,
-            planner: &planner,
-            hand: Hand::new(robot),
-            belief: Belief::new(self.kit, self.assembly),
-            standing: vec![self.assembly.base],
-            deep: Vec::new(),
-            pinned: Vec::new(),
-            ways: BTreeMap::new(),
-            stream: Stream::new(self.seed, "motion"),
-            events: Vec::new(),
-            force_told: false,
-            stood: BTreeMap::new(),
-        };
+        let mut cell = self.cell(&planner, robot);
         let result = self.work(&mut cell);
         self.report(&mut cell);
         result

@@ -286,6 +286,13 @@ impl Belief {
         part.rebase(Frame::Tip, estimate);
     }
 
+    /// Others have put a part at `x_wp` in the world, to within so much (m, rad); where it really is, sight will tell.
+    pub fn expect(&mut self, part: &str, x_wp: Pose, (position, rotation): ([f64; 3], [f64; 3])) {
+        if let Some(part) = self.parts.get_mut(part).filter(|part| part.frame != Frame::Clamped) {
+            part.rebase(Frame::World, Estimate { x: x_wp, covariance: covariance(position, rotation) });
+        }
+    }
+
     /// A part between the fingers must be at `x_wp` (world), to about a millimetre and a few degrees.
     pub fn reckoned(&mut self, part: &str, x_wp: &Pose) {
         let x_wt = self.x_wt;

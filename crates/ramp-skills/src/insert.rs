@@ -125,17 +125,22 @@ impl Workcell<'_, '_> {
         Some((joint, (drop / reach).asin() * (far - pivot).signum()))
     }
 
+    /// Where a beam at `x_wb` comes to lie when it droops about the joint that holds it; `None` when it stands level.
+    pub(crate) fn drooped(&self, beam: usize, x_wb: &Pose) -> Option<Pose> {
+        let (joint, angle) = self.drooping(beam)?;
+        let pivot = Translation3::from((x_wb * self.assembly.beams[beam].beam.p_b_hole(joint.joint)).coords);
+        let across = Vector3::z().cross(&(x_wb.rotation * Vector3::x()));
+        let turn = UnitQuaternion::from_scaled_axis(across.normalize() * angle);
+        Some(pivot * turn * pivot.inverse() * x_wb)
+    }
+
     /// Lets the free end of a held beam down on the table before the fingers open: one that fell would hang on them,
     /// and follow them.
     fn settle(&mut self, beam: usize) -> Result<(), SkillError> {
-        let Some((joint, angle)) = self.drooping(beam) else { return Ok(()) };
         let name = self.assembly.beams[beam].beam.name.clone();
         let x_wb = self.belief.pose(&name)?;
-        let pivot = Translation3::from((x_wb * self.assembly.beams[beam].beam.p_b_hole(joint.joint)).coords);
-        let across = x_wb.rotation * Vector3::x();
-        let across = Vector3::z().cross(&across);
-        let turn = UnitQuaternion::from_scaled_axis(across.normalize() * angle);
-        let down = self.hand.corrected(&x_wb, &(pivot * turn * pivot.inverse() * x_wb));
+        let Some(drooped) = self.drooped(beam, &x_wb) else { return Ok(()) };
+        let down = self.hand.corrected(&x_wb, &drooped);
         self.hand.zero()?;
         self.hand.drive(&down, 0.02, |hand| -hand.force().z > TABLE_LIMIT)?;
         self.hand.wait(0.1)?;
@@ -177,7 +182,8 @@ impl Workcell<'_, '_> {
         } else {
             let sides = self.assembly.connections.iter();
             let sides = sides.filter_map(|connection| self.assembly.sides(connection, beam));
-            let met = sides.filter(|(_, theirs)| self.standing.contains(&theirs.beam));
+            let short = |mine: JointRef| self.deep.contains(&beam) && self.leads(mine);
+            let met = sides.filter(|(mine, theirs)| self.standing.contains(&theirs.beam) && !short(*mine));
             met.map(|(mine, _)| mine.joint).collect()
         };
         let hang = if placed.beam.stands_at_assembled_height() { 0.0 } else { joint::CLEARANCE };

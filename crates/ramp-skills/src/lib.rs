@@ -5,7 +5,7 @@
 //! only one to talk to the robot. What a skill knows of the parts is a [`belief`], which what its [`eyes`] see corrects
 //! ([`estimate`]) and which it improves by looking ([`look`]); from it follow where a beam is to stand ([`target`]) and
 //! where a hand can grip ([`grasp`]). Beams that stall are felt in ([`feel`]). What goes wrong is put down to a cause in
-//! [`diagnosis`].
+//! [`diagnosis`]. [`piece`] is the same agent at a single piece of a plan, in a build that others have begun.
 
 pub mod agent;
 pub mod align;
@@ -20,6 +20,7 @@ pub mod grasp;
 pub mod hand;
 pub mod insert;
 pub mod look;
+pub mod piece;
 pub mod regrasp;
 pub mod slide;
 pub mod target;
@@ -27,6 +28,7 @@ pub mod transport;
 
 pub use agent::Baseline;
 pub use fault::{Fault, SkillError};
+pub use piece::Piece;
 
 /// A rigid pose.
 pub type Pose = nalgebra::Isometry3<f64>;

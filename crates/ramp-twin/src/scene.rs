@@ -89,7 +89,7 @@ fn header(xml: &mut String, arm: &ArmModel) {
         r#"<mujoco model="ramp">
 <compiler angle="radian" autolimits="true" boundmass="1e-6"/>
 <option timestep="0.001" integrator="discrete" cone="elliptic" impratio="10" noslip_iterations="3" iterations="100" tolerance="1e-8"><flag sleep="enable"/></option>
-<size memory="128M"/>
+<size memory="512M"/>
 <visual><global offwidth="1280" offheight="800" fovy="40"/><headlight ambient="0.35 0.35 0.35" diffuse="0.4 0.4 0.4"/><map znear="0.005"/></visual>
 <default>
 <default class="part"><geom mass="0" friction="0.3 0.005 0.0001" condim="3" {CONTACT} contype="2" conaffinity="3" rgba="0.93 0.53 0.18 1"/></default>

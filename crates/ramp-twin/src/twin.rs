@@ -141,8 +141,15 @@ impl Twin {
     /// # Errors
     /// When MuJoCo refuses the scene.
     pub fn new(setup: &Setup) -> Result<Twin, TwinError> {
+        Twin::with_layout(setup, Layout::new(setup.kit, setup.assembly, setup.disturbance, setup.seed))
+    }
+
+    /// Builds the scene with every part where `layout` says.
+    ///
+    /// # Errors
+    /// When MuJoCo refuses the scene.
+    pub fn with_layout(setup: &Setup, mut layout: Layout) -> Result<Twin, TwinError> {
         let start = Start::new(setup);
-        let mut layout = Layout::new(setup.kit, setup.assembly, setup.disturbance, setup.seed);
         layout.pegs.retain(|(name, _)| Some(name) != start.missing.as_ref());
         let base = &setup.assembly.beams[setup.assembly.base].beam.name;
         let xml = scene_xml(setup.kit, setup.arm, &layout, base, start.loose_holders);
@@ -221,6 +228,34 @@ impl Twin {
         twin.wrench = twin.read_wrist();
         twin.sense();
         Ok(twin)
+    }
+
+    /// Gives a part that nothing clamps a velocity: of its frame's origin, m/s, and about it, rad/s, axes of the world.
+    /// For starts that are not the sheet's, before [`Twin::begin`].
+    pub fn knock(&mut self, part: &str, linear: &Vector3<f64>, angular: &Vector3<f64>) {
+        let Some((_, body)) = self.parts.iter().find(|(name, _)| name == part) else { return };
+        let Ok(from) = usize::try_from(self.data.model().body_dofadr()[*body]) else { return };
+        // MuJoCo counts the turn of a free body in its own axes.
+        let turn = body_pose(&self.data, *body).rotation.inverse() * angular;
+        let velocity = &mut self.data.qvel_mut()[from..from + 6];
+        velocity[..3].copy_from_slice(linear.as_slice());
+        velocity[3..].copy_from_slice(turn.as_slice());
+    }
+
+    /// Lets so many periods pass with the arm at home.
+    ///
+    /// # Errors
+    /// When the physics diverge.
+    pub fn settle(&mut self, periods: u32) -> Result<(), RobotError> {
+        self.hold(periods)
+    }
+
+    /// The episode's time begins now, and what was so far does not count.
+    pub fn begin(&mut self) {
+        self.steps = 0;
+        self.deepest = 0.0;
+        self.largest_force = 0.0;
+        self.sense();
     }
 
     /// The scene as MJCF.

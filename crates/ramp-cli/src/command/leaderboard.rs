@@ -130,6 +130,8 @@ fn write_site(collection: Collection, folder: &Path) -> Result<usize, Failure> {
             entrants,
             published: Vec::new(),
             plans: Vec::new(),
+            perception: Vec::new(),
+            trials: Vec::new(),
             notes: Vec::new(),
             ..collection.clone()
         };

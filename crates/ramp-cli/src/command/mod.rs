@@ -17,4 +17,5 @@ pub mod run;
 pub mod score;
 pub mod see;
 pub mod show;
+pub mod trials;
 pub mod twin;

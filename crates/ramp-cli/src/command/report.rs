@@ -81,6 +81,23 @@ fn summary(report: &Report, written: &[String]) -> String {
             }
         }
     }
+    for it in &report.collection.perception {
+        let [parts, found] = it.found();
+        let _ = writeln!(
+            text,
+            "{}: {found} of {parts} parts found, {} of {} poses false",
+            it.detector,
+            it.false_poses.len(),
+            it.poses
+        );
+    }
+    for it in ramp_eval::manipulation::sums::sums(&report.collection.trials) {
+        let _ = writeln!(
+            text,
+            "{}, track {}, {}: {} of {} trials done",
+            it.agent, it.track, it.skill, it.successes, it.trials
+        );
+    }
     let _ = writeln!(text, "report: {}", written.join(", "));
     text
 }

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
 use ramp_eval::form::form;
+use ramp_eval::log::ENDING;
+use ramp_eval::poses;
 use ramp_eval::result::write_whole;
 use ramp_eval::stopwatch::{Log, read_log};
 use ramp_kit::Kit;
@@ -17,7 +19,7 @@ use crate::data::{Data, check_writable, print};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The log, as CSV
+    /// The log: a stopwatch's as CSV, or poses that cameras saw as MCAP
     #[arg(required_unless_present = "form")]
     log: Option<PathBuf>,
     /// Write the form for the person with the stopwatch, to be printed on A4
@@ -41,7 +43,13 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let names = ramp_assembly::goal_names(&data.goals()).into_diagnostic()?;
     let goals: Vec<Assembly> =
         names.iter().map(|name| data.goal(name, &kit)).collect::<Result<_, Report>>()?;
-    let log = read_log(path, &kit, &goals, &software())?;
+    let software = software();
+    let log = if path.extension().is_some_and(|ending| ending == ENDING) {
+        let reader = poses::Reader { kit: &kit, goals: &goals, software: &software };
+        Log::Episodes(vec![reader.read(path).into_diagnostic()?])
+    } else {
+        read_log(path, &kit, &goals, &software)?
+    };
     let mut text = String::new();
     let mut files = Vec::new();
     match log {

@@ -5,16 +5,19 @@ use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
 use miette::{IntoDiagnostic, Report, miette};
+use ramp_eval::log::sha256;
 use ramp_eval::perception::{
-    Estimate, FALSE, Labels, Photographer, PoseLabel, SCHEMA, Verdict, areas, coco, judge,
+    Estimate, FALSE, Labels, PerceptionVerdict, Photographer, PoseLabel, SCHEMA, Verdict, areas, coco, judge,
 };
+use ramp_eval::result::write_whole;
 use ramp_kit::strokes::{self, Align};
 use ramp_robot::{Camera, CameraModel, Image, Pose, Robot, Track};
 use ramp_twin::{Disturbance, Setup, Twin};
 use ramp_vision::{Lying, PartFinder, Sighting};
 use resvg::{tiny_skia, usvg};
 
-use crate::data::{Data, print};
+use super::run::software;
+use crate::data::{Data, check_writable, print};
 use crate::{DONE, INCOMPLETE};
 
 #[derive(clap::Args)]
@@ -25,14 +28,14 @@ pub struct Arguments {
     /// Seed of the layout, the cameras' errors and the noise
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Folder to write to; made if it is not there
-    #[arg(short, long, value_name = "DIR", required_unless_present = "judge")]
+    /// Folder to write to, made if it is not there; with --judge, the file for the verdict, for `ramp report`
+    #[arg(short, long, value_name = "DIR|FILE", required_unless_present = "judge")]
     output: Option<PathBuf>,
     /// Write a data set of so many images with labels, and what the baseline makes of them
     #[arg(long, value_name = "N")]
     count: Option<u32>,
     /// Judge a detector's poses (a file like estimates.json) on the labels of a data set (its folder)
-    #[arg(long, num_args = 2, value_names = ["FILE", "DIR"], conflicts_with_all = ["goal", "count", "output"])]
+    #[arg(long, num_args = 2, value_names = ["FILE", "DIR"], conflicts_with_all = ["goal", "count"])]
     judge: Option<Vec<PathBuf>>,
     /// Also write the depth of each image of a data set: 16 bits, tenths of a millimetre along the optical axis, 0 beyond
     /// 6.5 m
@@ -45,8 +48,20 @@ pub struct Arguments {
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     if let Some([file, folder]) = arguments.judge.as_deref() {
+        if let Some(path) = &arguments.output {
+            check_writable(path)?;
+        }
         let estimates: Vec<Estimate> = read(file)?;
-        let verdict = judge(&read(&folder.join(LABELS))?, &estimates);
+        let path = folder.join(LABELS);
+        let labels: Labels = read(&path)?;
+        let verdict = judge(&labels, &estimates);
+        if let Some(output) = &arguments.output {
+            let detector = file.file_stem().unwrap_or_default().to_string_lossy();
+            let hash = sha256(&std::fs::read(&path).into_diagnostic()?);
+            let result = PerceptionVerdict::new(&detector, &hash, labels.views.len(), &verdict, &software());
+            let text = serde_json::to_string_pretty(&result).into_diagnostic()? + "\n";
+            write_whole(output, &text).into_diagnostic()?;
+        }
         print(&table(&verdict))?;
         return Ok(if verdict.false_poses.is_empty() { DONE } else { INCOMPLETE });
     }

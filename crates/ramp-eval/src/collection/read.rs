@@ -8,6 +8,8 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use super::{ResultFile, hex, unreadable};
+use crate::manipulation::{self, Trial};
+use crate::perception::{PerceptionVerdict, VERDICT_SCHEMA};
 use crate::planning::{self, PlanVerdict};
 use crate::published::{self, Published};
 use crate::result::{EpisodeResult, RULES, SCHEMA};
@@ -102,6 +104,8 @@ pub(super) enum Found {
     Episode(Box<ResultFile>),
     Published(Published),
     Plan(PlanVerdict),
+    Perception(PerceptionVerdict),
+    Trial(Box<Trial>),
     /// Not ours.
     Other,
 }
@@ -122,6 +126,8 @@ pub(super) fn read(path: &Path) -> Result<Found, CollectError> {
         })),
         Parsed::Published(means) => Found::Published(means),
         Parsed::Plan(verdict) => Found::Plan(verdict),
+        Parsed::Perception(verdict) => Found::Perception(verdict),
+        Parsed::Trial(trial) => Found::Trial(trial),
     })
 }
 
@@ -134,6 +140,10 @@ pub enum Parsed {
     Published(Published),
     /// The verdict on a plan.
     Plan(PlanVerdict),
+    /// The verdict on a detector.
+    Perception(PerceptionVerdict),
+    /// A trial of a single skill.
+    Trial(Box<Trial>),
 }
 
 /// Reads one result; `None` for JSON that does not say that it is one. `name` is what messages call it.
@@ -149,17 +159,26 @@ pub fn parse(name: &str, bytes: &[u8]) -> Result<Option<Parsed>, CollectError> {
     // Twice, so that a wrong schema is told before everything that follows from it.
     let value: Value = serde_json::from_slice(bytes).map_err(bad)?;
     let schema = value["schema"].as_str().unwrap_or_default();
+    let impossible = |why| CollectError::Impossible { file: name.to_string(), why };
     if schema == published::SCHEMA {
         let means: Published = serde_json::from_slice(bytes).map_err(bad)?;
-        let impossible = |why| CollectError::Impossible { file: name.to_string(), why };
         means.check().map_err(impossible)?;
         return Ok(Some(Parsed::Published(means)));
     }
     if schema == planning::SCHEMA {
         let verdict: PlanVerdict = serde_json::from_slice(bytes).map_err(bad)?;
-        let impossible = |why| CollectError::Impossible { file: name.to_string(), why };
         verdict.check().map_err(impossible)?;
         return Ok(Some(Parsed::Plan(verdict)));
+    }
+    if schema == VERDICT_SCHEMA {
+        let verdict: PerceptionVerdict = serde_json::from_slice(bytes).map_err(bad)?;
+        verdict.check().map_err(impossible)?;
+        return Ok(Some(Parsed::Perception(verdict)));
+    }
+    if schema == manipulation::SCHEMA {
+        let trial: Trial = serde_json::from_slice(bytes).map_err(bad)?;
+        trial.check().map_err(impossible)?;
+        return Ok(Some(Parsed::Trial(Box::new(trial))));
     }
     if !schema.starts_with("ramp-episode-") {
         return Ok(None);
@@ -175,7 +194,7 @@ pub fn parse(name: &str, bytes: &[u8]) -> Result<Option<Parsed>, CollectError> {
         return Err(CollectError::Rules { file: name.to_string(), found });
     }
     let result: EpisodeResult = serde_json::from_slice(bytes).map_err(bad)?;
-    check(&result).map_err(|why| CollectError::Impossible { file: name.to_string(), why })?;
+    check(&result).map_err(impossible)?;
     Ok(Some(Parsed::Episode(Box::new(result))))
 }
 

@@ -35,15 +35,7 @@ impl Log {
     /// # Errors
     /// When it cannot be read or is no log.
     pub fn read(path: &Path) -> Result<Log, LogError> {
-        let io = |source| LogError::Io { path: path.to_path_buf(), source };
-        let file = std::fs::File::open(path).map_err(io)?;
-        let mut bytes = Vec::new();
-        file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(io)?;
-        if bytes.len() as u64 > LARGEST {
-            let what = format!("it is larger than {} MiB", LARGEST >> 20);
-            return Err(LogError::Other { path: path.to_path_buf(), what });
-        }
-        Log::from_bytes(path, &bytes)
+        Log::from_bytes(path, &bytes_of(path)?)
     }
 
     /// From a file's bytes; `path` is what messages call it.
@@ -52,10 +44,7 @@ impl Log {
     /// When they are no log.
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
         let mut parts = Parts::default();
-        parts.collect(bytes).map_err(|error| match error {
-            Wrong::File(error) => LogError::Broken { path: path.to_path_buf(), what: in_words(&error) },
-            Wrong::Content(what) => LogError::Other { path: path.to_path_buf(), what },
-        })?;
+        parts.collect(bytes).map_err(|wrong| wrong.at(path))?;
         parts.log(sha256(bytes)).map_err(|what| LogError::Other { path: path.to_path_buf(), what })
     }
 
@@ -65,9 +54,33 @@ impl Log {
     }
 }
 
-enum Wrong {
+/// The bytes of a file, if they are not too many.
+pub(crate) fn bytes_of(path: &Path) -> Result<Vec<u8>, LogError> {
+    let io = |source| LogError::Io { path: path.to_path_buf(), source };
+    let file = std::fs::File::open(path).map_err(io)?;
+    let mut bytes = Vec::new();
+    file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(io)?;
+    if bytes.len() as u64 > LARGEST {
+        let what = format!("it is larger than {} MiB", LARGEST >> 20);
+        return Err(LogError::Other { path: path.to_path_buf(), what });
+    }
+    Ok(bytes)
+}
+
+/// What is wrong with a file.
+pub(crate) enum Wrong {
     File(mcap::McapError),
     Content(String),
+}
+
+impl Wrong {
+    /// The error that tells the file, too.
+    pub(crate) fn at(self, path: &Path) -> LogError {
+        match self {
+            Wrong::File(error) => LogError::Broken { path: path.to_path_buf(), what: in_words(&error) },
+            Wrong::Content(what) => LogError::Other { path: path.to_path_buf(), what },
+        }
+    }
 }
 
 impl From<mcap::McapError> for Wrong {
@@ -85,10 +98,10 @@ fn in_words(error: &mcap::McapError) -> String {
 
 /// A channel, as far as it matters here. The library's own reader believes the lengths that the record tells, and asks
 /// for as much memory.
-struct Channel<'d> {
-    id: u16,
-    topic: &'d [u8],
-    encoding: &'d [u8],
+pub(crate) struct Channel<'d> {
+    pub id: u16,
+    pub topic: &'d [u8],
+    pub encoding: &'d [u8],
 }
 
 impl<'d> Channel<'d> {
@@ -111,6 +124,51 @@ fn text(data: &[u8]) -> Option<(&[u8], &[u8])> {
     rest.split_at_checked(u32::from_le_bytes(*length) as usize)
 }
 
+/// What of a file matters here.
+pub(crate) enum Record<'d> {
+    Channel(Channel<'d>),
+    Message {
+        /// Number of its channel.
+        channel: u16,
+        data: &'d [u8],
+    },
+}
+
+/// Goes through an MCAP file, every checksum in it looked at.
+pub(crate) fn walk(bytes: &[u8], mut visit: impl FnMut(Record) -> Result<(), String>) -> Result<(), Wrong> {
+    let options = LinearReaderOptions::default()
+        .with_check_finishes_after_end_magic(true)
+        .with_prevalidate_chunk_crcs(true)
+        .with_validate_data_section_crc(true)
+        .with_validate_summary_section_crc(true)
+        .with_record_length_limit(LARGEST_RECORD);
+    let mut reader = LinearReader::new_with_options(options);
+    let mut rest = bytes;
+    while let Some(event) = reader.next_event() {
+        match event? {
+            LinearReadEvent::ReadRequest(wanted) => {
+                let (next, after) = rest.split_at(wanted.min(rest.len()));
+                reader.insert(next.len()).copy_from_slice(next);
+                reader.notify_read(next.len());
+                rest = after;
+            }
+            LinearReadEvent::Record { data, opcode: op::CHANNEL } => {
+                let channel = Channel::parse(data).ok_or(mcap::McapError::UnexpectedEoc)?;
+                visit(Record::Channel(channel)).map_err(Wrong::Content)?;
+            }
+            LinearReadEvent::Record { data, opcode: op::MESSAGE } => {
+                // The channel's number, a sequence number and two times come first.
+                let (Some(channel), Some(data)) = (number16(data), data.get(2 + 4 + 8 + 8..)) else {
+                    return Err(mcap::McapError::UnexpectedEoc.into());
+                };
+                visit(Record::Message { channel, data }).map_err(Wrong::Content)?;
+            }
+            LinearReadEvent::Record { .. } => {}
+        }
+    }
+    Ok(())
+}
+
 /// What is found in the file.
 #[derive(Default)]
 struct Parts {
@@ -130,39 +188,13 @@ enum Topic {
 
 impl Parts {
     fn collect(&mut self, bytes: &[u8]) -> Result<(), Wrong> {
-        let options = LinearReaderOptions::default()
-            .with_check_finishes_after_end_magic(true)
-            .with_prevalidate_chunk_crcs(true)
-            .with_validate_data_section_crc(true)
-            .with_validate_summary_section_crc(true)
-            .with_record_length_limit(LARGEST_RECORD);
-        let mut reader = LinearReader::new_with_options(options);
-        let mut rest = bytes;
-        while let Some(event) = reader.next_event() {
-            match event? {
-                LinearReadEvent::ReadRequest(wanted) => {
-                    let (next, after) = rest.split_at(wanted.min(rest.len()));
-                    reader.insert(next.len()).copy_from_slice(next);
-                    reader.notify_read(next.len());
-                    rest = after;
-                }
-                LinearReadEvent::Record { data, opcode: op::CHANNEL } => {
-                    let channel = Channel::parse(data).ok_or(mcap::McapError::UnexpectedEoc)?;
-                    self.channel(&channel).map_err(Wrong::Content)?;
-                }
-                LinearReadEvent::Record { data, opcode: op::MESSAGE } => {
-                    // The channel's number, a sequence number and two times come first.
-                    let (Some(id), Some(content)) = (number16(data), data.get(2 + 4 + 8 + 8..)) else {
-                        return Err(mcap::McapError::UnexpectedEoc.into());
-                    };
-                    if let Some((_, topic)) = self.channels.iter().find(|(channel, _)| *channel == id) {
-                        self.message(*topic, content).map_err(Wrong::Content)?;
-                    }
-                }
-                LinearReadEvent::Record { .. } => {}
-            }
-        }
-        Ok(())
+        walk(bytes, |record| match record {
+            Record::Channel(channel) => self.channel(&channel),
+            Record::Message { channel, data } => match self.channels.iter().find(|(id, _)| *id == channel) {
+                Some((_, topic)) => self.message(*topic, data),
+                None => Ok(()),
+            },
+        })
     }
 
     fn channel(&mut self, channel: &Channel) -> Result<(), String> {

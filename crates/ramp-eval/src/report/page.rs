@@ -5,13 +5,14 @@ use std::fmt::Write;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+use super::alone;
 use super::plot::{self, COLOURS};
 use super::sums::{self, Comparison, Difference, Line, Scope};
 use super::{ClassPart, Report, TrackPart};
 use crate::statistics::{DRAWS, FLIPS, Interval, SEED};
 
 /// Where nothing can be said.
-const NONE: &str = "–";
+pub(super) const NONE: &str = "–";
 
 /// The page.
 pub fn html(report: &Report) -> String {
@@ -21,7 +22,7 @@ pub fn html(report: &Report) -> String {
         @for part in &report.tracks {
             (track(report, part))
         }
-        @if !report.collection.plans.is_empty() { (plans(report)) }
+        (alone::sections(&report.collection))
         @if !report.collection.entrants.is_empty() { (failures(report)) }
         @if !report.collection.entrants.is_empty() { (episodes_over_time(report)) }
         (method())
@@ -81,12 +82,12 @@ fn percent(share: f64) -> String {
 }
 
 /// A share as per cent, without the sign.
-fn share(share: f64) -> String {
+pub(super) fn share(share: f64) -> String {
     format!("{:.1}", 100.0 * share)
 }
 
 /// Seconds without the unit.
-fn time(time: f64) -> String {
+pub(super) fn time(time: f64) -> String {
     format!("{time:.1}")
 }
 
@@ -95,7 +96,7 @@ fn seconds(time: f64) -> String {
 }
 
 /// An interval in small letters.
-fn small(interval: Option<Interval>, say: fn(f64) -> String) -> Markup {
+pub(super) fn small(interval: Option<Interval>, say: fn(f64) -> String) -> Markup {
     html! {
         @if let Some(interval) = interval {
             small { (say(interval.low)) " to " (say(interval.high)) }
@@ -328,37 +329,6 @@ fn difference(
                 td { "0" }
                 @for _ in 0..3 { td { (NONE) } }
                 td.name { "never both complete" }
-            }
-        }
-    }
-}
-
-/// Plans that were judged without a robot.
-fn plans(report: &Report) -> Markup {
-    html! {
-        h2 { "Planning alone" }
-        p.soft {
-            "Plans judged by the planner's replayer, without a robot: every action must be possible and do what it says, and \
-             the end must be the goal. The time is the planner's own account."
-        }
-        div.wide {
-            table {
-                thead { tr {
-                    th.name { "planner" } th.name { "goal" } th.name { "verdict" } th { "coarse actions" }
-                    th { "planning" small { "s" } } th.name { "refused at" }
-                } }
-                tbody {
-                    @for it in &report.collection.plans {
-                        tr {
-                            td.name { (it.planner) }
-                            td.name { (it.goal) }
-                            td.name.bad[!it.accepted] { (if it.accepted { "accepted" } else { "refused" }) }
-                            td { (it.coarse) }
-                            td { (it.seconds.map_or_else(|| NONE.to_string(), |it| format!("{it:.3}"))) }
-                            td.long { (it.refused.as_deref().unwrap_or_default()) }
-                        }
-                    }
-                }
             }
         }
     }

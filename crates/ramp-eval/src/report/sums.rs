@@ -257,7 +257,7 @@ pub fn failures(entrant: &Entrant) -> Vec<Failure> {
 }
 
 /// A reason without what differs from episode to episode: words with digits in them become `…`.
-fn cause(reason: &str) -> String {
+pub(crate) fn cause(reason: &str) -> String {
     let words = reason
         .split_whitespace()
         .map(|word| if word.bytes().any(|byte| byte.is_ascii_digit()) { "…" } else { word });

@@ -3,6 +3,7 @@
 use super::sums::{self, Line, Scope};
 use super::{Named, Report};
 use crate::activity::Activity;
+use crate::manipulation::{self, sums::SkillSum};
 
 /// All tables.
 pub fn tables(report: &Report) -> Vec<Named> {
@@ -11,6 +12,8 @@ pub fn tables(report: &Report) -> Vec<Named> {
         Named { name: "curves".into(), text: curves(report) },
         Named { name: "episodes".into(), text: episodes(report) },
         Named { name: "comparisons".into(), text: comparisons(report) },
+        Named { name: "skills".into(), text: skills(report) },
+        Named { name: "perception".into(), text: perception(report) },
     ]
 }
 
@@ -212,4 +215,61 @@ fn comparisons(report: &Report) -> String {
         }
     }
     write(rows)
+}
+
+/// Single skills.
+fn skills(report: &Report) -> String {
+    let head = row([
+        "track",
+        "agent",
+        "skill",
+        "trials",
+        "successes",
+        "low",
+        "high",
+        "retried",
+        "time_median",
+        "time_95",
+        "largest_force",
+    ]);
+    let line = |sum: &SkillSum| {
+        let mut row = vec![sum.track.clone(), sum.agent.clone(), sum.skill.clone()];
+        row.extend([sum.trials, sum.successes].map(|it| it.to_string()));
+        row.extend([sum.interval.low, sum.interval.high].map(|it| format!("{it:.6}")));
+        row.push(sum.retried.to_string());
+        row.extend([sum.time[0], sum.time[1], sum.largest_force].map(|it| format!("{it:.6}")));
+        row
+    };
+    write(std::iter::once(head).chain(manipulation::sums::sums(&report.collection.trials).iter().map(line)))
+}
+
+/// Detectors.
+fn perception(report: &Report) -> String {
+    let head = row([
+        "detector",
+        "labels",
+        "camera",
+        "distance_from",
+        "distance_to",
+        "angle_from",
+        "angle_to",
+        "parts",
+        "found",
+        "position_median",
+        "position_95",
+        "turn_median",
+        "turn_95",
+    ]);
+    let lines = report.collection.perception.iter().flat_map(|it| {
+        it.cells.iter().map(|cell| {
+            let mut row = vec![it.detector.clone(), it.labels.clone(), cell.camera.clone()];
+            row.extend(cell.distance.iter().chain(&cell.angle).map(|edge| optional(*edge)));
+            row.extend([cell.parts, cell.found].map(|it| it.to_string()));
+            for errors in [cell.position, cell.turn] {
+                row.extend([0, 1].map(|index| optional(errors.map(|errors| errors[index]))));
+            }
+            row
+        })
+    });
+    write(std::iter::once(head).chain(lines))
 }

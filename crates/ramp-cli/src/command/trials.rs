@@ -1,0 +1,331 @@
+//! `ramp trials`: single contact skills of the baseline from randomised starts, and how often they succeed.
+
+mod tasks;
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use miette::{Diagnostic, IntoDiagnostic, Report, miette};
+use ramp_eval::manipulation::sums::{SkillSum, sums};
+use ramp_eval::manipulation::{SCHEMA, Trial, run_trial};
+use ramp_eval::result::{Software, write_whole};
+use ramp_kit::Kit;
+use ramp_kit::source::{nearest, shorten};
+use ramp_planner::Domains;
+use ramp_robot::Track;
+use ramp_robot::arm::ArmModel;
+use ramp_skills::{Baseline, Piece};
+use ramp_twin::{Disturbance, Setup};
+use tasks::{Goal, Step};
+
+use super::run::{TrackName, software};
+use crate::DONE;
+use crate::data::{Data, print};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Skills to try [default: all that the nine goals need]
+    #[arg(value_name = "SKILL")]
+    skills: Vec<String>,
+    /// Trials of each skill, with seeds in a row
+    #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    trials: u32,
+    /// Seed of the first trial of each skill
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    first_seed: u64,
+    /// What the agent may see of the parts
+    #[arg(long, value_enum, default_value_t = TrackName::Tags)]
+    track: TrackName,
+    /// Trials at a time
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    jobs: u32,
+    /// Folder for the results; made if it is not there, continued if it is
+    #[arg(short, long, value_name = "DIR", default_value = "results/trials")]
+    output: PathBuf,
+}
+
+/// Why no trial is made.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+enum TrialsError {
+    #[error("no goal has a step of the skill `{name}`")]
+    Unknown {
+        name: String,
+        #[help]
+        help: String,
+    },
+    #[error("the seeds go past the largest number there is")]
+    #[diagnostic(help("take a smaller --first-seed or fewer --trials"))]
+    Seeds,
+    #[error("{file} was made by {theirs}, and this is {ours}")]
+    #[diagnostic(help(
+        "results of different versions are not added up: name another folder with -o, or move these away"
+    ))]
+    OtherVersion { file: String, theirs: String, ours: String },
+}
+
+/// What all trials share.
+struct Trials<'a> {
+    kit: Kit,
+    arm: ArmModel,
+    domains: Domains,
+    goals: Vec<Goal>,
+    /// The steps of each skill, as indices of a goal and of a step of it.
+    steps: BTreeMap<String, Vec<(usize, usize)>>,
+    track: Track,
+    software: Software,
+    folder: &'a Path,
+}
+
+pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    if arguments.first_seed.checked_add(u64::from(arguments.trials) - 1).is_none() {
+        return Err(TrialsError::Seeds.into());
+    }
+    let folder = &arguments.output;
+    if folder.exists() && !folder.is_dir() {
+        return Err(miette!(help = "name a folder with -o", "{} is not a folder", folder.display()));
+    }
+    let kit = data.kit()?;
+    let domains = data.domains()?;
+    let names = ramp_assembly::goal_names(&data.goals()).into_diagnostic()?;
+    let goals: Vec<Goal> = names
+        .iter()
+        .map(|name| Goal::new(data.goal(name, &kit)?, &kit, &domains))
+        .collect::<Result<_, Report>>()?;
+    let mut steps: BTreeMap<String, Vec<(usize, usize)>> = BTreeMap::new();
+    for (index, goal) in goals.iter().enumerate() {
+        for (step, Step { task, .. }) in goal.steps.iter().enumerate() {
+            steps.entry(task.skill.clone()).or_default().push((index, step));
+        }
+    }
+    let skills = chosen(&arguments.skills, &steps)?;
+    let trials = Trials {
+        kit,
+        arm: data.arm()?,
+        domains,
+        goals,
+        steps,
+        track: arguments.track.into(),
+        software: software(),
+        folder,
+    };
+    let last = arguments.first_seed + u64::from(arguments.trials) - 1;
+    let seeds = || arguments.first_seed..=last;
+    // All skills in turn, so that one that is stopped has something of each.
+    let wanted: Vec<(&str, u64)> =
+        seeds().flat_map(|seed| skills.iter().map(move |skill| (skill.as_str(), seed))).collect();
+    let before: Vec<Option<Trial>> =
+        wanted.iter().map(|(skill, seed)| trials.read(skill, *seed)).collect::<Result<_, Report>>()?;
+    std::fs::create_dir_all(folder)
+        .map_err(|error| miette!("cannot make the folder {}: {error}", folder.display()))?;
+    let done = trials.work(&wanted, before, arguments.jobs as usize)?;
+    let mut text = format!("track {}, seeds {} to {last}\n", trials.track.name(), arguments.first_seed);
+    table(&mut text, &sums(&done));
+    let _ = writeln!(text, "results: {}", folder.display());
+    print(&text)?;
+    Ok(DONE)
+}
+
+/// The skills that are asked for, each once.
+fn chosen(words: &[String], steps: &BTreeMap<String, Vec<(usize, usize)>>) -> Result<Vec<String>, Report> {
+    if words.is_empty() {
+        return Ok(steps.keys().cloned().collect());
+    }
+    let mut skills: Vec<String> = Vec::new();
+    for word in words {
+        if !steps.contains_key(word) {
+            let known = || steps.keys().map(String::as_str);
+            let help = match nearest(word, known()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("the skills are {}", known().collect::<Vec<_>>().join(", ")),
+            };
+            return Err(TrialsError::Unknown { name: shorten(word), help }.into());
+        }
+        if !skills.contains(word) {
+            skills.push(word.clone());
+        }
+    }
+    Ok(skills)
+}
+
+impl Trials<'_> {
+    fn path(&self, skill: &str, seed: u64) -> PathBuf {
+        self.folder.join(format!("{}.json", Trial::stem(skill, self.track.name(), seed)))
+    }
+
+    /// The result that is there already; `None` when there is none, or something that is no trial.
+    fn read(&self, skill: &str, seed: u64) -> Result<Option<Trial>, Report> {
+        let path = self.path(skill, seed);
+        let Ok(text) = std::fs::read_to_string(&path) else { return Ok(None) };
+        let trial = serde_json::from_str::<Trial>(&text).ok();
+        let fits = |trial: &Trial| {
+            let own = (trial.skill.as_str(), trial.seed, trial.track.as_str());
+            trial.schema == SCHEMA && own == (skill, seed, self.track.name()) && trial.check().is_ok()
+        };
+        let Some(trial) = trial.filter(fits) else {
+            eprintln!("{} is no result of this trial: it is run again and replaced", path.display());
+            return Ok(None);
+        };
+        if trial.software != self.software {
+            let say = |it: &Software| format!("ramp {} ({})", it.version, it.commit);
+            return Err(TrialsError::OtherVersion {
+                file: path.display().to_string(),
+                theirs: say(&trial.software),
+                ours: say(&self.software),
+            }
+            .into());
+        }
+        Ok(Some(trial))
+    }
+
+    /// Makes the trials that are not there yet, each written the moment it has ended.
+    fn work(
+        &self,
+        wanted: &[(&str, u64)],
+        before: Vec<Option<Trial>>,
+        jobs: usize,
+    ) -> Result<Vec<Trial>, Report> {
+        let open: Vec<usize> = (0..wanted.len()).filter(|index| before[*index].is_none()).collect();
+        let display = Display::new(open.len(), wanted.len());
+        let next = AtomicUsize::new(0);
+        let ended: Mutex<(Vec<Option<Trial>>, Option<Report>)> = Mutex::new((before, None));
+        let lock = || ended.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        std::thread::scope(|scope| {
+            for _ in 0..jobs.min(open.len()) {
+                scope.spawn(|| {
+                    while let Some(&index) = open.get(next.fetch_add(1, Ordering::Relaxed)) {
+                        let (skill, seed) = wanted[index];
+                        let result = self.trial(skill, seed);
+                        let mut ended = lock();
+                        match result {
+                            Ok(trial) => {
+                                display.ended(&trial);
+                                ended.0[index] = Some(trial);
+                            }
+                            Err(error) => {
+                                ended.1.get_or_insert(error);
+                            }
+                        }
+                        if ended.1.is_some() {
+                            return;
+                        }
+                    }
+                });
+            }
+        });
+        display.finish();
+        let (trials, failure) = ended.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+        match failure {
+            Some(error) => Err(error),
+            None => Ok(trials.into_iter().flatten().collect()),
+        }
+    }
+
+    /// One trial, written to its file.
+    fn trial(&self, skill: &str, seed: u64) -> Result<Trial, Report> {
+        let none = || miette!("no goal has a step of the skill `{skill}`");
+        let steps = self.steps.get(skill).ok_or_else(none)?;
+        let (goal, step) = tasks::draw(steps, seed).ok_or_else(none)?;
+        let goal = &self.goals[goal];
+        let step = &goal.steps[step];
+        let setup = Setup {
+            kit: &self.kit,
+            assembly: &goal.assembly,
+            arm: &self.arm,
+            track: self.track,
+            seed,
+            disturbance: Disturbance::default(),
+            fault: None,
+        };
+        let baseline = Baseline::new(&self.kit, &goal.assembly, &self.arm, &self.domains, seed);
+        let mut agent = Piece::new(baseline, step.state.clone(), step.plan.clone());
+        let trial = run_trial(&setup, &step.task, &mut agent, &self.software).into_diagnostic()?;
+        write_whole(&self.path(skill, seed), &trial.to_json()).into_diagnostic()?;
+        Ok(trial)
+    }
+}
+
+/// The table of all skills, and why trials failed.
+fn table(text: &mut String, sums: &[SkillSum]) {
+    let width = sums.iter().map(|sum| sum.skill.len()).max().unwrap_or(0).max(5);
+    let _ = writeln!(
+        text,
+        "{:<width$}  trials  done    share  95 % interval      retried  time, median / 95 %  largest force",
+        "skill"
+    );
+    for sum in sums {
+        let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+        let _ = writeln!(
+            text,
+            "{:<width$}  {:>6}  {:>4}  {:>7}  {:>7} – {:<7}  {:>7}  {:>8.1} s / {:>5.1} s  {:>11.0} N",
+            sum.skill,
+            sum.trials,
+            sum.successes,
+            percent(sum.successes as f64 / sum.trials as f64),
+            percent(sum.interval.low),
+            percent(sum.interval.high),
+            sum.retried,
+            sum.time[0],
+            sum.time[1],
+            sum.largest_force
+        );
+    }
+    for sum in sums {
+        for (cause, count, seed) in &sum.failures {
+            let _ = writeln!(text, "  {}: {count} × {cause} (first with seed {seed})", sum.skill);
+        }
+    }
+}
+
+/// Progress on standard error: a bar on a terminal, a line for each trial elsewhere.
+struct Display {
+    bar: Option<ProgressBar>,
+    count: usize,
+    ended: AtomicUsize,
+}
+
+impl Display {
+    fn new(count: usize, all: usize) -> Display {
+        if count < all {
+            eprintln!("{} of {all} trials are finished already", all - count);
+        }
+        let bar = (std::io::stderr().is_terminal() && count > 0).then(|| {
+            let bar = ProgressBar::new(count as u64);
+            if let Ok(style) =
+                ProgressStyle::with_template("{bar:24} {pos}/{len} trials  {elapsed}, {eta} left")
+            {
+                bar.set_style(style);
+            }
+            bar
+        });
+        Display { bar, count, ended: AtomicUsize::new(0) }
+    }
+
+    fn ended(&self, trial: &Trial) {
+        let number = self.ended.fetch_add(1, Ordering::Relaxed) + 1;
+        let what = match trial.cause.as_ref().or(trial.missing.as_ref()) {
+            Some(why) => format!("not done: {why}"),
+            None => format!("done in {:.1} s", trial.time),
+        };
+        let line = format!("{} {}, {}: {what}", trial.skill, trial.seed, trial.goal);
+        match &self.bar {
+            Some(bar) => {
+                bar.inc(1);
+                if !trial.success {
+                    bar.println(line);
+                }
+            }
+            None => eprintln!("{number}/{}  {line}", self.count),
+        }
+    }
+
+    fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! The baseline at a single piece of a plan, in a build that others have begun: for judging single skills.
+//!
+//! What stands is told to it as it is to the planner: which beams, and which connections are pinned. Where all of it
+//! really is, it has to see.
+
+use nalgebra::Translation3;
+use ramp_kit::joint::FEMALE_HEIGHT;
+use ramp_motion::PathPlanner;
+use ramp_planner::{Plan, State};
+use ramp_robot::{Account, Agent, Robot, RobotError};
+
+use crate::Pose;
+use crate::agent::Baseline;
+use crate::fault::{Fault, SkillError};
+use crate::transport::Workcell;
+
+/// How far a beam that others have put in may be from its place: along the table and in height, m; tilt and turn, rad.
+const BUILT: ([f64; 3], [f64; 3]) = ([5.0e-3, 5.0e-3, 1.5e-3], [0.002, 0.002, 0.05]);
+/// The same for a peg, whose turn in its hole is anyone's guess.
+const PINNED: ([f64; 3], [f64; 3]) = ([5.0e-3, 5.0e-3, 0.5e-3], [0.002, 0.002, 0.8]);
+
+/// The baseline, told to carry out a piece of a plan.
+pub struct Piece<'a> {
+    baseline: Baseline<'a>,
+    state: State,
+    plan: Plan,
+    /// Why it gave up.
+    failure: Option<String>,
+}
+
+impl<'a> Piece<'a> {
+    /// `state` is what stands when the work begins, with nothing in the hand; `plan` has the steps that are to be carried
+    /// out, and the ways of all beams, those that stand included.
+    pub fn new(baseline: Baseline<'a>, state: State, plan: Plan) -> Piece<'a> {
+        Piece { baseline, state, plan, failure: None }
+    }
+
+    fn work(&mut self, cell: &mut Workcell) -> Result<(), SkillError> {
+        self.baseline.learn_ways(cell, &self.plan);
+        take_over(cell, &self.state)?;
+        cell.belief.update(&mut cell.hand)?;
+        self.baseline.run_plan(cell, &self.plan)
+    }
+}
+
+impl Agent for Piece<'_> {
+    fn name(&self) -> (&str, &str) {
+        self.baseline.name()
+    }
+
+    fn account(&self) -> Account {
+        self.baseline.account()
+    }
+
+    fn failure(&self) -> Option<String> {
+        self.failure.clone()
+    }
+
+    fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {
+        let planner = PathPlanner::new(self.baseline.arm);
+        let mut cell = self.baseline.cell(&planner, robot);
+        let result = self.work(&mut cell);
+        if let Err(error) = &result {
+            cell.note("fault", error.to_string());
+            self.failure = Some(error.to_string());
+        }
+        self.baseline.report(&mut cell);
+        match result {
+            Err(SkillError::Robot(error)) => Err(error),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Takes over what stands, without having seen it.
+fn take_over(cell: &mut Workcell, state: &State) -> Result<(), SkillError> {
+    let unknown = |name: &str| Fault::Unseen { part: name.to_string() };
+    let assembly = cell.assembly;
+    for name in &state.in_assembly {
+        cell.standing.push(assembly.beam_index(name).ok_or_else(|| unknown(name))?);
+    }
+    for name in &state.deep {
+        cell.deep.push(assembly.beam_index(name).ok_or_else(|| unknown(name))?);
+    }
+    for (name, peg) in &state.fastened {
+        let connection = assembly.connection_index(name).ok_or_else(|| unknown(name))?;
+        cell.pinned.push((connection, peg.clone()));
+        let hole = cell.kit.x_wa() * assembly.p_a_hole(assembly.connections[connection].female);
+        let x_wp = Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0);
+        cell.belief.expect(peg, x_wp, PINNED);
+    }
+    let beams: Vec<usize> = cell.standing.iter().copied().filter(|beam| *beam != assembly.base).collect();
+    for &beam in &beams {
+        let mut x_wb = cell.kit.x_wa() * assembly.beams[beam].x_ab;
+        if cell.deep.contains(&beam) {
+            let way = cell.way(beam)?;
+            x_wb = Translation3::from(cell.kit.x_wa().rotation * way.direction * way.depth) * x_wb;
+        }
+        let x_wb = cell.drooped(beam, &x_wb).unwrap_or(x_wb);
+        cell.belief.expect(&assembly.beams[beam].beam.name, x_wb, BUILT);
+    }
+    for beam in beams {
+        cell.reckon_heights(beam);
+    }
+    Ok(())
+}
