@@ -347,6 +347,19 @@ impl<'a> Baseline<'a> {
             Err(error) => cell.note("fault", error.to_string()),
             Ok(()) => {}
         }
+        for peg in &self.kit.pegs {
+            if cell.pinned.iter().any(|(_, name)| *name == peg.name) {
+                continue;
+            }
+            let Ok(Some(connection)) = cell.fallen_into(&peg.name) else { continue };
+            let name = &self.assembly.connections[connection].name;
+            cell.note("retry", format!("{} has fallen into the hole of {name}", peg.name));
+            match cell.press_home(connection, &peg.name) {
+                Err(SkillError::Robot(error)) => return Err(error),
+                Err(error) => cell.note("fault", error.to_string()),
+                Ok(()) => {}
+            }
+        }
         let refused = self.fetching.take();
         for peg in &self.kit.pegs {
             let pinned = cell.pinned.iter().any(|(_, name)| *name == peg.name);

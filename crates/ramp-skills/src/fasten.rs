@@ -48,6 +48,8 @@ const PRESS_TIME: f64 = 6.0;
 const SEATED: f64 = 0.25e-3;
 /// How well peg and hole must be known before the peg is let down, m: a hole that is missed by little is felt.
 const KNOWN: [f64; 2] = [0.2e-3, 0.4e-3];
+/// A peg upright and this near to a hole, m along the table, stands in it.
+const FALLEN: f64 = 3.0e-3;
 /// How well their heights must be known to tell whether a peg is home, m.
 const KNOWN_HEIGHT: f64 = 0.1e-3;
 /// How far pressing a peg home may move the two beams, m and rad.
@@ -132,26 +134,56 @@ impl Workcell<'_, '_> {
             return Err(fault.into());
         }
         self.release()?;
-        // Letting go may draw a peg up a little: press it home once more, by its head.
+        // Letting go may draw a peg up a little.
+        self.press_home(connection, &peg)
+    }
+
+    /// The connection, if any, in whose hole a peg stands that nobody put there: one that fell.
+    ///
+    /// # Errors
+    /// [`Fault::Unseen`].
+    pub fn fallen_into(&self, peg: &str) -> Result<Option<usize>, SkillError> {
+        let x_wp = self.belief.pose(peg)?;
+        if (x_wp.rotation * Vector3::z()).z < 0.99 {
+            return Ok(None);
+        }
+        for (index, connection) in self.assembly.connections.iter().enumerate() {
+            let stands = [connection.female, connection.male].iter().all(|it| self.standing.contains(&it.beam));
+            if !stands || self.pinned.iter().any(|(pinned, _)| *pinned == index) {
+                continue;
+            }
+            let off = x_wp.translation.vector - self.mouth(index)?;
+            if off.xy().norm() < FALLEN && off.z < STEM_LENGTH / 2.0 {
+                return Ok(Some(index));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Presses a peg that stands in its hole home by its head, as often as it takes.
+    ///
+    /// # Errors
+    /// [`Fault::NotSeated`] after the last try.
+    pub fn press_home(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
         for attempt in 0.. {
-            self.see_gap(connection, &peg)?;
-            let gap = self.gap(connection, &peg)?;
+            self.see_gap(connection, peg)?;
+            let gap = self.gap(connection, peg)?;
             if gap <= 2.0 * SEATED {
                 break;
             }
             let name = self.assembly.connections[connection].name.clone();
-            let proud = Fault::NotSeated { peg: peg.clone(), connection: name, gap_mm: gap * 1e3 };
+            let proud = Fault::NotSeated { peg: peg.to_string(), connection: name, gap_mm: gap * 1e3 };
             if attempt == TRIES {
                 return Err(proud.into());
             }
             self.note("retry", proud.to_string());
-            let x_wt = peg_grasp(&self.belief.pose(&peg)?, 0);
-            self.seize(&peg, &x_wt, PEG_OPEN, PEG_WIDTH)?;
+            let x_wt = peg_grasp(&self.belief.pose(peg)?, 0);
+            self.seize(peg, &x_wt, PEG_OPEN, PEG_WIDTH)?;
             self.hand.zero()?;
-            self.press(connection, &peg)?;
+            self.press(connection, peg)?;
             self.release()?;
         }
-        self.pinned.push((connection, peg));
+        self.pinned.push((connection, peg.to_string()));
         Ok(())
     }
 
