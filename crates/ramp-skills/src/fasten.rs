@@ -321,7 +321,7 @@ impl Workcell<'_, '_> {
                 let p = mouth + axis * (direction * way) + aside * sway;
                 self.slide_to(p.x, p.y)?;
                 if self.is_in(plate) {
-                    self.set_upright(peg, &mouth, &(axis * (direction * way)))?;
+                    self.set_upright(peg, &mouth)?;
                     return Ok(true);
                 }
             }
@@ -329,10 +329,11 @@ impl Workcell<'_, '_> {
         Ok(false)
     }
 
-    /// The tip of a peg is in the hole at `mouth` while the hand is `off` beside it, all m in the world: turns the hand
-    /// about the hole until the peg is upright.
-    fn set_upright(&mut self, peg: &str, mouth: &Vector3<f64>, off: &Vector3<f64>) -> Result<(), SkillError> {
-        let lean = off + Vector3::new(0.0, 0.0, STEM_LENGTH + HEAD_HEIGHT / 2.0);
+    /// The tip of a peg is in the hole at `mouth` (m, in the world) while the hand is beside it: turns the hand about the
+    /// hole until the peg is upright.
+    fn set_upright(&mut self, peg: &str, mouth: &Vector3<f64>) -> Result<(), SkillError> {
+        let off = self.hand.seen.x_wt.translation.vector - mouth;
+        let lean = Vector3::new(off.x, off.y, STEM_LENGTH + HEAD_HEIGHT / 2.0);
         let Some(turn) = UnitQuaternion::rotation_between(&lean, &Vector3::z()) else { return Ok(()) };
         let words = format!("{peg} stands aslant in the hand by {:.0}°", turn.angle().to_degrees());
         self.diagnose(Cause::GripMoved, words);
