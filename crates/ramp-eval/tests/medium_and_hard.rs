@@ -9,13 +9,18 @@
 mod common;
 
 use common::World;
+use ramp_assembly::{Class, Request, generate_many};
 
 /// What arm and parts bear, at the tip, N.
 const LIMIT: f64 = 80.0;
 
 fn completes(goal: &str, seed: u64) {
+    builds(&World::new(goal), seed);
+}
+
+fn builds(world: &World, seed: u64) {
+    let goal = &world.assembly.name;
     let seeds = std::env::var("RAMP_SEEDS").unwrap_or_else(|_| seed.to_string());
-    let world = World::new(goal);
     for seed in seeds.split_whitespace().map(|word| word.parse().unwrap()) {
         let result = world.run(seed);
         let faults: Vec<_> = result.events.iter().filter(|event| event.kind == "fault").collect();
@@ -34,4 +39,17 @@ fn medium_2_is_built() {
 #[test]
 fn hard_3_is_built() {
     completes("hard-3", 3);
+}
+
+/// Goals that no skill was made for, one of each class. Not every one is built yet: a beam whose sleeve holds another
+/// one that no peg holds drags it along when it is pushed.
+#[test]
+fn generated_goals_are_built() {
+    for (beams, class) in [(4, Class::Easy), (5, Class::Medium), (5, Class::Hard)] {
+        let mut world = World::new("easy-1");
+        let request = Request { beams, seed: 202, class: Some(class) };
+        let made = generate_many(&world.kit, request, 1).unwrap().remove(0);
+        world.assembly = made.assembly;
+        builds(&world, 1);
+    }
 }

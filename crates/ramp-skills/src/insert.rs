@@ -1,14 +1,13 @@
 //! Inserting a beam: a male of it into the assembly (square), or males of the assembly into it (cap).
 
-use nalgebra::{Point2, Point3, Translation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::JointRef;
-use ramp_kit::joint::{self, BODY_WIDTH, EXTRUSION, FEMALE_HEIGHT};
+use ramp_kit::joint::{self, BODY_WIDTH, FEMALE_HEIGHT};
 
 use crate::Pose;
 use crate::diagnosis::Cause;
 use crate::fault::{Fault, SkillError};
-use crate::look::Point;
-use crate::transport::{Way, Workcell};
+use crate::transport::Workcell;
 
 /// How high over its way a beam is brought to where its insertion begins, m.
 const CLEAR: f64 = 4.0e-3;
@@ -25,45 +24,11 @@ const CAP_OVERDRIVE: f64 = 3.0e-3;
 /// Turn to and fro at the end of a cap, rad.
 const CAP_SWEEP: f64 = 2.0 / 180.0 * std::f64::consts::PI;
 /// Distance from its place at which an insertion counts as home, m.
-const HOME: f64 = 0.8e-3;
-/// Horizontal distance between two holes that a peg still pulls together, m.
-pub const PEGGABLE: f64 = 1.6e-3;
-/// Force along the way while a stalled beam is felt in, N, and the longest search, s: with more force, friction holds
-/// the edge against the search.
-const FEEL: (f64, f64) = (4.0, 60.0);
-/// The same through a sleeve that little holds: a beam on the table slides at 1.4 N, and turns at 0.7 N at its end.
-const LOOSE_FEEL: (f64, f64) = (0.7, 60.0);
+pub(crate) const HOME: f64 = 0.8e-3;
 /// Force against the motion at which a beam stops that goes through a sleeve that little holds, N.
 const LOOSE_LIMIT: f64 = 0.6;
 /// How far such a sleeve may be moved, m and rad.
 const LOOSE_BUMP: (f64, f64) = (3.0e-3, 1.0 / 180.0 * std::f64::consts::PI);
-/// Smallest and largest swing across the way, m.
-const FEEL_SIZE: [f64; 2] = [0.8e-3, 2.0e-3];
-/// Swing about the vertical and about the horizontal across the way, rad.
-const FEEL_TURN: [f64; 2] = [0.014, 0.007];
-/// A height known this well needs no touch, m.
-const TRUSTED: f64 = 0.05e-3;
-/// How far a beam backs off from an edge before it touches the floor of the sleeve, m.
-const TOUCH_BACK: f64 = 10.0e-3;
-/// How far below the beam the floor is, about, m.
-const TOUCH_DEPTH: f64 = 3.6e-3;
-/// Force of the touch, N, and its speed, m/s.
-const TOUCH_FORCE: f64 = 1.5;
-/// See [`TOUCH_FORCE`].
-const TOUCH_SPEED: f64 = 5.0e-3;
-/// How long a beam may stand still before the search begins, how long the swing grows, and after what time it begins
-/// anew, s.
-const FEEL_PATIENCE: f64 = 0.5;
-/// See [`FEEL_PATIENCE`].
-const FEEL_GROWTH: f64 = 4.0;
-/// See [`FEEL_PATIENCE`].
-const FEEL_CYCLE: f64 = 8.0;
-/// A beam that in so long, s, comes on by no more than this, m, is not felt in any further.
-const FEEL_PACE: (f64, f64) = (15.0, 3.0e-3);
-/// How often a part that does not move is looked at, s.
-const LOOK_EVERY: f64 = 3.0;
-/// Progress that counts as having moved, m.
-const FEEL_PROGRESS: f64 = 0.3e-3;
 /// How well the joints that are to meet must be known before an insertion, m.
 const KNOWN: f64 = 0.15e-3;
 /// How well the height of a beam that stands is known, m.
@@ -72,84 +37,10 @@ const LEVEL: f64 = 0.1e-3;
 const BUMP: (f64, f64) = (0.3e-3, 0.06 / 180.0 * std::f64::consts::PI);
 /// How often an insertion that jams is tried again.
 const TRIES: usize = 4;
+/// Horizontal distance between two holes that a peg still pulls together, m.
+pub const PEGGABLE: f64 = 1.6e-3;
 
 impl Workcell<'_, '_> {
-    /// Where a beam of the assembly is to stand, in the world: its nominal place, moved to where the joints it
-    /// meets really are.
-    ///
-    /// # Errors
-    /// [`Fault::Unseen`].
-    pub fn target(&self, beam: usize) -> Result<Pose, SkillError> {
-        let placed = &self.assembly.beams[beam];
-        let nominal = self.kit.x_wa() * placed.x_ab;
-        // Pairs of horizontal hole positions: nominal on this beam, real on the standing one.
-        let mut pairs: Vec<(Point2<f64>, Point2<f64>)> = Vec::new();
-        // A sleeve that nothing holds comes along; what counts is what does not.
-        let loose = self.loose_sleeves(beam, 0);
-        let loose =
-            if self.meeting(beam).iter().all(|(met, _)| loose.contains(met) || *met == placed.beam.name) {
-                &[]
-            } else {
-                &loose[..]
-            };
-        for connection in &self.assembly.connections {
-            if let Some((mine, theirs)) = self.assembly.sides(connection, beam)
-                && self.meets(theirs, beam)
-                && !loose.contains(&self.assembly.beams[theirs.beam].beam.name)
-            {
-                let here = nominal * placed.beam.p_b_hole(mine.joint);
-                pairs.push((here.xy(), self.belief.hole(self.assembly, theirs)?.xy()));
-            }
-        }
-        Ok(moved_onto(&nominal, &pairs))
-    }
-
-    /// The holes of this beam and of the beams that it meets where it is to stand.
-    pub fn meeting(&self, beam: usize) -> Vec<Point> {
-        let sides = self.assembly.connections.iter().filter_map(|connection| {
-            let (mine, theirs) = self.assembly.sides(connection, beam)?;
-            self.meets(theirs, beam).then_some([mine, theirs])
-        });
-        sides.flatten().map(|joint| self.hole(joint)).collect()
-    }
-
-    /// The beams, by name, that this beam passes through, that lie on the table, and that at most `pegs` hold: a beam
-    /// that was inserted is held by its joint as well.
-    fn loose_sleeves(&self, beam: usize, pegs: usize) -> Vec<String> {
-        let pins = |beam: usize| {
-            let pinned = self.pinned.iter().map(|(index, _)| &self.assembly.connections[*index]);
-            pinned.filter(|connection| self.assembly.sides(connection, beam).is_some()).count()
-        };
-        let loose = self.sleeves(beam).map(|sleeve| sleeve.beam);
-        let loose = loose.filter(|&sleeve| self.lies(sleeve) && pins(sleeve) <= pegs);
-        loose.map(|sleeve| self.assembly.beams[sleeve].beam.name.clone()).collect()
-    }
-
-    /// Was a beam laid down, rather than inserted?
-    pub fn lies(&self, beam: usize) -> bool {
-        self.ways.get(&beam).is_some_and(|way| way.direction.z < -0.5)
-    }
-
-    /// Is a joint of another beam where `beam` meets it? One of a deep beam is not, yet.
-    pub fn meets(&self, theirs: JointRef, beam: usize) -> bool {
-        theirs.beam != beam && self.standing.contains(&theirs.beam) && !self.deep.contains(&theirs.beam)
-    }
-
-    /// How this beam is put in.
-    pub fn way(&self, beam: usize) -> Result<&Way, SkillError> {
-        let name = || self.assembly.beams[beam].beam.name.clone();
-        self.ways.get(&beam).ok_or_else(|| Fault::NoWay { part: name() }.into())
-    }
-
-    /// The direction in which a beam is put in so that it ends at `goal`: the nominal one, turned as the goal is
-    /// turned from the nominal place. Axes of the world.
-    pub fn way_in(&self, beam: usize, goal: &Pose) -> Result<Vector3<f64>, SkillError> {
-        let x_wa = self.kit.x_wa();
-        let nominal = x_wa * self.assembly.beams[beam].x_ab;
-        let turn = goal.rotation * nominal.rotation.inverse();
-        Ok(turn * x_wa.rotation * self.way(beam)?.direction)
-    }
-
     /// Carries the held beam to where its insertion begins, a little higher than its way.
     ///
     /// # Errors
@@ -171,14 +62,6 @@ impl Workcell<'_, '_> {
         let Some(held) = &self.hand.held else { return Err(Fault::NotHeld { part: name }.into()) };
         let x_wt = start * held.x_tp.inverse();
         self.travel(&x_wt)
-    }
-
-    /// The pose of a beam on its way in: `share` of the insertion still to go, `height` over its place (m).
-    fn beside(&self, beam: usize, share: f64, height: f64) -> Result<Pose, SkillError> {
-        let way = self.way(beam)?;
-        let back = self.kit.x_wa().rotation * way.direction * (-share * way.distance);
-        let goal = self.target(beam)?;
-        Ok(Translation3::new(back.x, back.y, back.z + height) * goal)
     }
 
     /// Inserts the held beam, which is where its insertion begins, and lets go of it.
@@ -440,127 +323,13 @@ impl Workcell<'_, '_> {
         seated
     }
 
-    /// How much higher than believed a beam is to go through a sleeve, m: backs off from the edge that it stands on,
-    /// lowers the beam on the sleeve's floor, and compares. 0 when that tells nothing.
-    fn touch_floor(
-        &mut self,
-        part: &str,
-        sleeve: JointRef,
-        direction: &Vector3<f64>,
-    ) -> Result<f64, SkillError> {
-        let hole = self.belief.hole(self.assembly, sleeve)?;
-        let inside = |x_wp: &Pose| Point3::new(x_wp.inverse_transform_point(&hole).x, 0.0, 0.0);
-        if self.belief.deviation(part, &inside(&self.belief.pose(part)?))[1] < TRUSTED {
-            return Ok(0.0);
-        }
-        let mut back = self.hand.setpoint;
-        back.translation.vector = self.hand.seen.x_wt.translation.vector - direction * TOUCH_BACK;
-        self.hand.go(&back, SPEED)?;
-        self.hand.wait(0.1)?;
-        self.hand.zero()?;
-        let mut down = self.hand.setpoint;
-        down.translation.z -= 2.0 * TOUCH_DEPTH;
-        let touched = self.hand.drive(&down, TOUCH_SPEED, |hand| -hand.force().z > TOUCH_FORCE)?;
-        self.glance()?;
-        let x_wp = self.belief.pose(part)?;
-        let believed = (x_wp * inside(&x_wp)).z;
-        self.hand.go(&back, SPEED)?;
-        self.hand.wait(0.1)?;
-        // On the floor lies the extrusion, or a joint's body.
-        let floor = (FEMALE_HEIGHT - BODY_WIDTH) / 2.0 - joint::CLEARANCE;
-        let off = [EXTRUSION, BODY_WIDTH].map(|width| believed - (floor + width / 2.0));
-        let off = off.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or_default();
-        if !touched || off.abs() > TOUCH_DEPTH / 2.0 {
-            return Ok(0.0);
-        }
-        self.note("search", format!("{part} touched the floor {:.2} mm off", off * 1e3));
-        Ok(off)
-    }
-
-    /// The sleeves of other beams that this beam goes through.
-    fn sleeves(&self, beam: usize) -> impl Iterator<Item = JointRef> {
-        let through = self.assembly.connections.iter().filter(move |connection| {
-            let male = &self.assembly.beams[connection.male.beam].beam.joints[connection.male.joint];
-            connection.male.beam == beam && !male.kind.is_end() && self.meets(connection.female, beam)
-        });
-        through.map(|connection| connection.female)
-    }
-
-    /// Feels a stalled beam in: a light push along its way, and a slow swing of growing size across it, up and down,
-    /// and about both, until the edge that it stands on gives way. An unchamfered edge (thru-m) stops dead unless it
-    /// meets its female within 0.3 mm.
-    fn feel_in(
-        &mut self,
+    /// How far a part still is from its place along `direction`, m.
+    pub(crate) fn remaining(
+        &self,
         part: &str,
         goal: &Pose,
         direction: &Vector3<f64>,
-        loose: bool,
-    ) -> Result<(), SkillError> {
-        let (force, longest) = if loose { LOOSE_FEEL } else { FEEL };
-        let begin = self.hand.time();
-        let across = Vector3::z().cross(direction);
-        let mut stalled_since = begin;
-        let mut looked = begin;
-        let mut best = self.remaining(part, goal, direction)?;
-        let mut paced = (begin, best);
-        // The line of the way in, as a correction of the setpoint taken anew at every look.
-        let mut line = self.hand.setpoint;
-        let mut ticks = 0u32;
-        while self.hand.time() - begin < longest {
-            if ticks.is_multiple_of(20) {
-                // A part that does not move may have moved in the hand.
-                if stalled_since.max(looked) + LOOK_EVERY < self.hand.time() {
-                    self.belief.update(&mut self.hand)?;
-                    looked = self.hand.time();
-                } else {
-                    self.glance()?;
-                }
-                let x_wp = self.belief.pose(part)?;
-                let remaining = self.remaining(part, goal, direction)?;
-                if remaining < 0.5 * HOME {
-                    break;
-                }
-                if self.hand.time() - paced.0 > FEEL_PACE.0 {
-                    if paced.1 - remaining < FEEL_PACE.1 {
-                        break;
-                    }
-                    paced = (self.hand.time(), remaining);
-                }
-                if remaining < best - FEEL_PROGRESS {
-                    best = remaining;
-                    stalled_since = self.hand.time();
-                }
-                // Where the tip would be with the part on the line, as far along as it is now.
-                let on_line = Translation3::from(direction * -remaining) * goal;
-                line = on_line * x_wp.inverse() * self.hand.seen.x_wt;
-            }
-            ticks += 1;
-            let time = self.hand.time() - begin;
-            let stalled = self.hand.time() - stalled_since;
-            // Straight on while it moves; then a swing that grows, and begins small again.
-            let grown = ((stalled - FEEL_PATIENCE).max(0.0) % FEEL_CYCLE / FEEL_GROWTH).min(1.0);
-            let size = if stalled < FEEL_PATIENCE {
-                0.0
-            } else {
-                FEEL_SIZE[0] + (FEEL_SIZE[1] - FEEL_SIZE[0]) * grown
-            };
-            let wave = |hertz: f64| (std::f64::consts::TAU * hertz * time).sin();
-            let turn = FEEL_TURN.map(|turn| turn * grown);
-            let lead = force / self.hand.stiffness.x;
-            let shift = direction * lead + across * (size * wave(1.3)) + Vector3::z() * (size * wave(2.1));
-            let swing = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn[0] * wave(0.9))
-                * UnitQuaternion::from_scaled_axis(across * (turn[1] * wave(0.6)));
-            self.hand.setpoint =
-                Pose::from_parts(Translation3::from(line.translation.vector + shift), swing * line.rotation);
-            self.hand.tick()?;
-        }
-        let seconds = self.hand.time() - begin;
-        self.note("search", format!("{part} felt its way in for {seconds:.1} s"));
-        Ok(())
-    }
-
-    /// How far a part still is from its place along `direction`, m.
-    fn remaining(&self, part: &str, goal: &Pose, direction: &Vector3<f64>) -> Result<f64, SkillError> {
+    ) -> Result<f64, SkillError> {
         let x_wp = self.belief.pose(part)?;
         Ok((goal.translation.vector - x_wp.translation.vector).dot(direction))
     }
@@ -591,27 +360,4 @@ impl Workcell<'_, '_> {
         }
         Ok(())
     }
-}
-
-/// The pose moved in the plane so that points of it fall on given points as well as they can: by their mean
-/// shift, and by the turn that fits best where they are far enough apart to tell.
-fn moved_onto(nominal: &Pose, pairs: &[(Point2<f64>, Point2<f64>)]) -> Pose {
-    if pairs.is_empty() {
-        return *nominal;
-    }
-    let n = pairs.len() as f64;
-    let from: Vector2<f64> = pairs.iter().map(|(a, _)| a.coords).sum::<Vector2<f64>>() / n;
-    let to: Vector2<f64> = pairs.iter().map(|(_, b)| b.coords).sum::<Vector2<f64>>() / n;
-    let (mut sine, mut cosine) = (0.0, 0.0);
-    for (a, b) in pairs {
-        let (a, b) = (a.coords - from, b.coords - to);
-        sine += a.perp(&b);
-        cosine += a.dot(&b);
-    }
-    // Nearer together than 50 mm the points say more about noise than about the turn.
-    let angle = if cosine > 0.05_f64.powi(2) { sine.atan2(cosine) } else { 0.0 };
-    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
-    let pivot = Translation3::new(from.x, from.y, 0.0);
-    let moved = Translation3::new(to.x, to.y, 0.0);
-    moved * turn * pivot.inverse() * nominal
 }

@@ -91,7 +91,9 @@ pub enum CollectError {
     },
     /// Nothing there.
     #[error("there is no result in {folder}")]
-    #[diagnostic(help("make some with `ramp bench easy -o {folder}`"))]
+    #[diagnostic(help(
+        "make some with `ramp bench easy -o {folder}`; those with a fault on purpose are left out"
+    ))]
     Empty {
         /// The folder.
         folder: String,

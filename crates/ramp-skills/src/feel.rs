@@ -1,0 +1,181 @@
+//! Feeling a beam in: what an insertion does when it stalls on an edge.
+//!
+//! The sleeve's floor tells the height; then the beam goes straight on while it moves, and swings across its way, more and
+//! more, while it does not. Through sleeves that little holds it goes softly.
+
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
+use ramp_assembly::JointRef;
+use ramp_kit::joint::{self, BODY_WIDTH, EXTRUSION, FEMALE_HEIGHT};
+
+use crate::Pose;
+use crate::fault::SkillError;
+use crate::insert::HOME;
+use crate::transport::Workcell;
+
+/// Speed with which a beam backs off and goes on, m/s.
+const SPEED: f64 = 0.03;
+/// Force along the way while a stalled beam is felt in, N, and the longest search, s: with more force, friction holds
+/// the edge against the search.
+const FEEL: (f64, f64) = (4.0, 60.0);
+/// The same through a sleeve that little holds: a beam on the table slides at 1.4 N, and turns at 0.7 N at its end.
+const LOOSE_FEEL: (f64, f64) = (0.7, 60.0);
+/// Smallest and largest swing across the way, m.
+const FEEL_SIZE: [f64; 2] = [0.8e-3, 2.0e-3];
+/// Swing about the vertical and about the horizontal across the way, rad.
+const FEEL_TURN: [f64; 2] = [0.014, 0.007];
+/// A height known this well needs no touch, m.
+const TRUSTED: f64 = 0.05e-3;
+/// How far a beam backs off from an edge before it touches the floor of the sleeve, m.
+const TOUCH_BACK: f64 = 10.0e-3;
+/// How far below the beam the floor is, about, m.
+const TOUCH_DEPTH: f64 = 3.6e-3;
+/// Force of the touch, N, and its speed, m/s.
+const TOUCH_FORCE: f64 = 1.5;
+/// See [`TOUCH_FORCE`].
+const TOUCH_SPEED: f64 = 5.0e-3;
+/// How long a beam may stand still before the search begins, how long the swing grows, and after what time it begins
+/// anew, s.
+const FEEL_PATIENCE: f64 = 0.5;
+/// See [`FEEL_PATIENCE`].
+const FEEL_GROWTH: f64 = 4.0;
+/// See [`FEEL_PATIENCE`].
+const FEEL_CYCLE: f64 = 8.0;
+/// A beam that in so long, s, comes on by no more than this, m, is not felt in any further.
+const FEEL_PACE: (f64, f64) = (15.0, 3.0e-3);
+/// How often a part that does not move is looked at, s.
+const LOOK_EVERY: f64 = 3.0;
+/// Progress that counts as having moved, m.
+const FEEL_PROGRESS: f64 = 0.3e-3;
+
+impl Workcell<'_, '_> {
+    /// The beams, by name, that this beam passes through, that lie on the table, and that at most `pegs` hold: a beam
+    /// that was inserted is held by its joint as well.
+    pub(crate) fn loose_sleeves(&self, beam: usize, pegs: usize) -> Vec<String> {
+        let pins = |beam: usize| {
+            let pinned = self.pinned.iter().map(|(index, _)| &self.assembly.connections[*index]);
+            pinned.filter(|connection| self.assembly.sides(connection, beam).is_some()).count()
+        };
+        let loose = self.sleeves(beam).map(|sleeve| sleeve.beam);
+        let loose = loose.filter(|&sleeve| self.lies(sleeve) && pins(sleeve) <= pegs);
+        loose.map(|sleeve| self.assembly.beams[sleeve].beam.name.clone()).collect()
+    }
+
+    /// The sleeves of other beams that this beam goes through.
+    pub(crate) fn sleeves(&self, beam: usize) -> impl Iterator<Item = JointRef> {
+        let through = self.assembly.connections.iter().filter(move |connection| {
+            let male = &self.assembly.beams[connection.male.beam].beam.joints[connection.male.joint];
+            connection.male.beam == beam && !male.kind.is_end() && self.meets(connection.female, beam)
+        });
+        through.map(|connection| connection.female)
+    }
+
+    /// How much higher than believed a beam is to go through a sleeve, m: backs off from the edge that it stands on,
+    /// lowers the beam on the sleeve's floor, and compares. 0 when that tells nothing.
+    pub(crate) fn touch_floor(
+        &mut self,
+        part: &str,
+        sleeve: JointRef,
+        direction: &Vector3<f64>,
+    ) -> Result<f64, SkillError> {
+        let hole = self.belief.hole(self.assembly, sleeve)?;
+        let inside = |x_wp: &Pose| Point3::new(x_wp.inverse_transform_point(&hole).x, 0.0, 0.0);
+        if self.belief.deviation(part, &inside(&self.belief.pose(part)?))[1] < TRUSTED {
+            return Ok(0.0);
+        }
+        let mut back = self.hand.setpoint;
+        back.translation.vector = self.hand.seen.x_wt.translation.vector - direction * TOUCH_BACK;
+        self.hand.go(&back, SPEED)?;
+        self.hand.wait(0.1)?;
+        self.hand.zero()?;
+        let mut down = self.hand.setpoint;
+        down.translation.z -= 2.0 * TOUCH_DEPTH;
+        let touched = self.hand.drive(&down, TOUCH_SPEED, |hand| -hand.force().z > TOUCH_FORCE)?;
+        self.glance()?;
+        let x_wp = self.belief.pose(part)?;
+        let believed = (x_wp * inside(&x_wp)).z;
+        self.hand.go(&back, SPEED)?;
+        self.hand.wait(0.1)?;
+        // On the floor lies the extrusion, or a joint's body.
+        let floor = (FEMALE_HEIGHT - BODY_WIDTH) / 2.0 - joint::CLEARANCE;
+        let off = [EXTRUSION, BODY_WIDTH].map(|width| believed - (floor + width / 2.0));
+        let off = off.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or_default();
+        if !touched || off.abs() > TOUCH_DEPTH / 2.0 {
+            return Ok(0.0);
+        }
+        self.note("search", format!("{part} touched the floor {:.2} mm off", off * 1e3));
+        Ok(off)
+    }
+
+    /// Feels a stalled beam in: a light push along its way, and a slow swing of growing size across it, up and down,
+    /// and about both, until the edge that it stands on gives way. An unchamfered edge (thru-m) stops dead unless it
+    /// meets its female within 0.3 mm.
+    pub(crate) fn feel_in(
+        &mut self,
+        part: &str,
+        goal: &Pose,
+        direction: &Vector3<f64>,
+        loose: bool,
+    ) -> Result<(), SkillError> {
+        let (force, longest) = if loose { LOOSE_FEEL } else { FEEL };
+        let begin = self.hand.time();
+        let across = Vector3::z().cross(direction);
+        let mut stalled_since = begin;
+        let mut looked = begin;
+        let mut best = self.remaining(part, goal, direction)?;
+        let mut paced = (begin, best);
+        // The line of the way in, as a correction of the setpoint taken anew at every look.
+        let mut line = self.hand.setpoint;
+        let mut ticks = 0u32;
+        while self.hand.time() - begin < longest {
+            if ticks.is_multiple_of(20) {
+                // A part that does not move may have moved in the hand.
+                if stalled_since.max(looked) + LOOK_EVERY < self.hand.time() {
+                    self.belief.update(&mut self.hand)?;
+                    looked = self.hand.time();
+                } else {
+                    self.glance()?;
+                }
+                let x_wp = self.belief.pose(part)?;
+                let remaining = self.remaining(part, goal, direction)?;
+                if remaining < 0.5 * HOME {
+                    break;
+                }
+                if self.hand.time() - paced.0 > FEEL_PACE.0 {
+                    if paced.1 - remaining < FEEL_PACE.1 {
+                        break;
+                    }
+                    paced = (self.hand.time(), remaining);
+                }
+                if remaining < best - FEEL_PROGRESS {
+                    best = remaining;
+                    stalled_since = self.hand.time();
+                }
+                // Where the tip would be with the part on the line, as far along as it is now.
+                let on_line = Translation3::from(direction * -remaining) * goal;
+                line = on_line * x_wp.inverse() * self.hand.seen.x_wt;
+            }
+            ticks += 1;
+            let time = self.hand.time() - begin;
+            let stalled = self.hand.time() - stalled_since;
+            // Straight on while it moves; then a swing that grows, and begins small again.
+            let grown = ((stalled - FEEL_PATIENCE).max(0.0) % FEEL_CYCLE / FEEL_GROWTH).min(1.0);
+            let size = if stalled < FEEL_PATIENCE {
+                0.0
+            } else {
+                FEEL_SIZE[0] + (FEEL_SIZE[1] - FEEL_SIZE[0]) * grown
+            };
+            let wave = |hertz: f64| (std::f64::consts::TAU * hertz * time).sin();
+            let turn = FEEL_TURN.map(|turn| turn * grown);
+            let lead = force / self.hand.stiffness.x;
+            let shift = direction * lead + across * (size * wave(1.3)) + Vector3::z() * (size * wave(2.1));
+            let swing = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn[0] * wave(0.9))
+                * UnitQuaternion::from_scaled_axis(across * (turn[1] * wave(0.6)));
+            self.hand.setpoint =
+                Pose::from_parts(Translation3::from(line.translation.vector + shift), swing * line.rotation);
+            self.hand.tick()?;
+        }
+        let seconds = self.hand.time() - begin;
+        self.note("search", format!("{part} felt its way in for {seconds:.1} s"));
+        Ok(())
+    }
+}

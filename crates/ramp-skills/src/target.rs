@@ -1,0 +1,106 @@
+//! Where a beam is to stand, and how it gets there: the plan's way, aimed at where the joints that it meets are seen.
+
+use nalgebra::{Point2, Translation3, UnitQuaternion, Vector2, Vector3};
+use ramp_assembly::JointRef;
+
+use crate::Pose;
+use crate::fault::{Fault, SkillError};
+use crate::look::Point;
+use crate::transport::{Way, Workcell};
+
+impl Workcell<'_, '_> {
+    /// Where a beam of the assembly is to stand, in the world: its nominal place, moved to where the joints it
+    /// meets really are.
+    ///
+    /// # Errors
+    /// [`Fault::Unseen`].
+    pub fn target(&self, beam: usize) -> Result<Pose, SkillError> {
+        let placed = &self.assembly.beams[beam];
+        let nominal = self.kit.x_wa() * placed.x_ab;
+        // Pairs of horizontal hole positions: nominal on this beam, real on the standing one.
+        let mut pairs: Vec<(Point2<f64>, Point2<f64>)> = Vec::new();
+        // A sleeve that nothing holds comes along; what counts is what does not.
+        let loose = self.loose_sleeves(beam, 0);
+        let loose =
+            if self.meeting(beam).iter().all(|(met, _)| loose.contains(met) || *met == placed.beam.name) {
+                &[]
+            } else {
+                &loose[..]
+            };
+        for connection in &self.assembly.connections {
+            if let Some((mine, theirs)) = self.assembly.sides(connection, beam)
+                && self.meets(theirs, beam)
+                && !loose.contains(&self.assembly.beams[theirs.beam].beam.name)
+            {
+                let here = nominal * placed.beam.p_b_hole(mine.joint);
+                pairs.push((here.xy(), self.belief.hole(self.assembly, theirs)?.xy()));
+            }
+        }
+        Ok(moved_onto(&nominal, &pairs))
+    }
+
+    /// The holes of this beam and of the beams that it meets where it is to stand.
+    pub fn meeting(&self, beam: usize) -> Vec<Point> {
+        let sides = self.assembly.connections.iter().filter_map(|connection| {
+            let (mine, theirs) = self.assembly.sides(connection, beam)?;
+            self.meets(theirs, beam).then_some([mine, theirs])
+        });
+        sides.flatten().map(|joint| self.hole(joint)).collect()
+    }
+
+    /// Was a beam laid down, rather than inserted?
+    pub fn lies(&self, beam: usize) -> bool {
+        self.ways.get(&beam).is_some_and(|way| way.direction.z < -0.5)
+    }
+
+    /// Is a joint of another beam where `beam` meets it? One of a deep beam is not, yet.
+    pub fn meets(&self, theirs: JointRef, beam: usize) -> bool {
+        theirs.beam != beam && self.standing.contains(&theirs.beam) && !self.deep.contains(&theirs.beam)
+    }
+
+    /// How this beam is put in.
+    pub fn way(&self, beam: usize) -> Result<&Way, SkillError> {
+        let name = || self.assembly.beams[beam].beam.name.clone();
+        self.ways.get(&beam).ok_or_else(|| Fault::NoWay { part: name() }.into())
+    }
+
+    /// The direction in which a beam is put in so that it ends at `goal`: the nominal one, turned as the goal is
+    /// turned from the nominal place. Axes of the world.
+    pub fn way_in(&self, beam: usize, goal: &Pose) -> Result<Vector3<f64>, SkillError> {
+        let x_wa = self.kit.x_wa();
+        let nominal = x_wa * self.assembly.beams[beam].x_ab;
+        let turn = goal.rotation * nominal.rotation.inverse();
+        Ok(turn * x_wa.rotation * self.way(beam)?.direction)
+    }
+
+    /// The pose of a beam on its way in: `share` of the insertion still to go, `height` over its place (m).
+    pub(crate) fn beside(&self, beam: usize, share: f64, height: f64) -> Result<Pose, SkillError> {
+        let way = self.way(beam)?;
+        let back = self.kit.x_wa().rotation * way.direction * (-share * way.distance);
+        let goal = self.target(beam)?;
+        Ok(Translation3::new(back.x, back.y, back.z + height) * goal)
+    }
+}
+
+/// The pose moved in the plane so that points of it fall on given points as well as they can: by their mean
+/// shift, and by the turn that fits best where they are far enough apart to tell.
+fn moved_onto(nominal: &Pose, pairs: &[(Point2<f64>, Point2<f64>)]) -> Pose {
+    if pairs.is_empty() {
+        return *nominal;
+    }
+    let n = pairs.len() as f64;
+    let from: Vector2<f64> = pairs.iter().map(|(a, _)| a.coords).sum::<Vector2<f64>>() / n;
+    let to: Vector2<f64> = pairs.iter().map(|(_, b)| b.coords).sum::<Vector2<f64>>() / n;
+    let (mut sine, mut cosine) = (0.0, 0.0);
+    for (a, b) in pairs {
+        let (a, b) = (a.coords - from, b.coords - to);
+        sine += a.perp(&b);
+        cosine += a.dot(&b);
+    }
+    // Nearer together than 50 mm the points say more about noise than about the turn.
+    let angle = if cosine > 0.05_f64.powi(2) { sine.atan2(cosine) } else { 0.0 };
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+    let pivot = Translation3::new(from.x, from.y, 0.0);
+    let moved = Translation3::new(to.x, to.y, 0.0);
+    moved * turn * pivot.inverse() * nominal
+}
