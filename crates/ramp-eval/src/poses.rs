@@ -1,7 +1,7 @@
 //! Logs of the poses of parts that cameras saw of a real robot's run, judged by the referee of the twin.
 //!
 //! A log is an MCAP file with two channels of JSON messages: `/run`, one message that tells whose run it is
-//! (`data/schema/log/run.schema.json`), and `/parts`, where parts were seen over time, in the form of the logs of the twin
+//! (`data/schema/real-run.schema.json`), and `/parts`, where parts were seen over time, in the form of the logs of the twin
 //! (`foxglove.FrameTransforms`, `data/schema/log/parts.schema.json`). The page `docs/src/real.md` tells the form; what cannot
 //! have happened is refused with the number of its message and its time.
 

@@ -104,7 +104,7 @@ fn the_referee_judges_what_cameras_saw() {
     follows("episode", &serde_json::from_str(&result.to_json()).unwrap());
     ramp_eval::collection::parse("it", result.to_json().as_bytes()).unwrap();
     for (topic, value) in bench.messages() {
-        follows(if topic == "/run" { "log/run" } else { "log/parts" }, &value);
+        follows(if topic == "/run" { "real-run" } else { "log/parts" }, &value);
     }
 }
 

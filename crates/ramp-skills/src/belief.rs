@@ -290,6 +290,8 @@ impl Belief {
     pub fn expect(&mut self, part: &str, x_wp: Pose, (position, rotation): ([f64; 3], [f64; 3])) {
         if let Some(part) = self.parts.get_mut(part).filter(|part| part.frame != Frame::Clamped) {
             part.rebase(Frame::World, Estimate { x: x_wp, covariance: covariance(position, rotation) });
+            // Known well enough to be looked at from near.
+            part.seen = true;
         }
     }
 
