@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_kit::joint::{FEMALE_HEIGHT, HEAD_HEIGHT, STEM_LENGTH};
 
 use crate::Pose;
@@ -26,12 +26,17 @@ const PITCH: f64 = 0.7e-3;
 const SEARCH_SPEED: f64 = 8.0e-3;
 /// How long a hole is searched near where it was seen, s: up to 3 mm.
 const NEAR_TIME: f64 = 5.0;
-/// How far (m), how fast (m/s) and with what swing (m) it is searched for a peg that stands aslant: up to 15°.
-const ASLANT_REACH: f64 = 13.0e-3;
-/// See [`ASLANT_REACH`].
+/// A peg whose tip is this far beside the hand stands aslant, m: up to 16°.
+const ASLANT: [f64; 2] = [2.5e-3, 13.0e-3];
+/// How far around the place where its tip should meet the hole it is searched for (m), how fast (m/s), and with what
+/// swing (m).
+const ASLANT_AROUND: f64 = 4.0e-3;
+/// See [`ASLANT_AROUND`].
 const ASLANT_SPEED: f64 = 4.0e-3;
-/// See [`ASLANT_REACH`].
+/// See [`ASLANT_AROUND`].
 const ASLANT_SWAY: f64 = 0.7e-3;
+/// How long the tip is felt, control periods.
+const FEEL_PERIODS: usize = 600;
 /// Longest search, s.
 const SEARCH_TIME: f64 = 20.0;
 /// Largest force of pressing, N.
@@ -148,7 +153,8 @@ impl Workcell<'_, '_> {
             return Ok(None);
         }
         for (index, connection) in self.assembly.connections.iter().enumerate() {
-            let stands = [connection.female, connection.male].iter().all(|it| self.standing.contains(&it.beam));
+            let stands =
+                [connection.female, connection.male].iter().all(|it| self.standing.contains(&it.beam));
             if !stands || self.pinned.iter().any(|(pinned, _)| *pinned == index) {
                 continue;
             }
@@ -306,27 +312,66 @@ impl Workcell<'_, '_> {
     }
 
     /// A hole that is not where it was seen: the peg may have turned between the fingers, about the axis on which they
-    /// close, where no camera sees it. Its tip is then beside the hand, along the fingers' other axis: searches there,
-    /// and where the tip drops in turns the hand until the peg stands upright. Returns whether it did.
+    /// close, where no camera sees it. Its tip is then beside the hand, along the fingers' other axis, and presses on the
+    /// plate there, which the wrist feels: takes the tip to the hole, and turns the hand until the peg stands upright.
+    /// Returns whether it did.
     fn search_aslant(&mut self, connection: usize, peg: &str, plate: f64) -> Result<bool, SkillError> {
         let mouth = self.mouth(connection)?;
         let x = self.hand.seen.x_wt.rotation * Vector3::x();
         let axis = Vector3::new(x.x, x.y, 0.0).normalize();
         let aside = Vector3::z().cross(&axis);
-        for direction in [1.0, -1.0] {
-            let periods = (ASLANT_REACH / ASLANT_SPEED / PERIOD) as usize;
-            for period in (0..periods).chain((0..periods).rev()) {
-                let way = ASLANT_SPEED * period as f64 * PERIOD;
-                let sway = ASLANT_SWAY * (TAU * way / PITCH).sin();
-                let p = mouth + axis * (direction * way) + aside * sway;
+        // A tip on the edge of the hole does not press straight down: then felt beside it.
+        let mut beside = self.feel_tip(plate)?.dot(&axis);
+        if beside.abs() > ASLANT[1] {
+            let p = mouth + aside * ASLANT_AROUND;
+            for _ in 0..FEEL_PERIODS {
                 self.slide_to(p.x, p.y)?;
-                if self.is_in(plate) {
-                    self.set_upright(peg, &mouth)?;
-                    return Ok(true);
-                }
+            }
+            beside = self.feel_tip(plate)?.dot(&axis);
+        }
+        if !(ASLANT[0]..ASLANT[1]).contains(&beside.abs()) {
+            return Ok(false);
+        }
+        let lean = beside.abs().atan2(STEM_LENGTH + HEAD_HEIGHT / 2.0).to_degrees();
+        self.diagnose(Cause::GripMoved, format!("{peg} stands aslant in the hand by {lean:.0}°"));
+        let start = self.hand.seen.x_wt.translation.vector;
+        let over = mouth - axis * beside;
+        let way = |from: Vector3<f64>, to: Vector3<f64>| {
+            let periods = ((to - from).xy().norm() / ASLANT_SPEED / PERIOD).ceil().max(1.0);
+            (0..periods as usize).map(move |period| from.lerp(&to, period as f64 / periods))
+        };
+        let ends = [start, over, over + axis * ASLANT_AROUND, over - axis * ASLANT_AROUND];
+        for p in ends.windows(2).flat_map(|ends| way(ends[0], ends[1])) {
+            let sway = ASLANT_SWAY * (TAU * (p - over).dot(&axis) / PITCH).sin();
+            let p = p + aside * sway;
+            self.slide_to(p.x, p.y)?;
+            if self.is_in(plate) {
+                self.set_upright(peg, &mouth)?;
+                return Ok(true);
             }
         }
         Ok(false)
+    }
+
+    /// Where the tip of the held peg, which is pressed on the plate at a height (m), is beside the hand: along the table,
+    /// m in the world. From force and moment at the wrist, taken over some time.
+    fn feel_tip(&mut self, plate: f64) -> Result<Vector3<f64>, SkillError> {
+        let here = self.hand.setpoint.translation.vector;
+        let mut felt = Vector6::zeros();
+        for period in 0..FEEL_PERIODS {
+            self.slide_to(here.x, here.y)?;
+            if period >= FEEL_PERIODS / 3 {
+                felt += self.hand.felt();
+            }
+        }
+        let x_wt = self.hand.seen.x_wt;
+        let wrist = x_wt * Point3::new(0.0, 0.0, -self.arm.hand.tip);
+        let (force, moment) = (felt.fixed_rows::<3>(0), felt.fixed_rows::<3>(3));
+        // The moment about the wrist is r × F, and the height of r is known.
+        let height = plate - wrist.z;
+        let x = (height * force.x - moment.y) / force.z;
+        let y = (moment.x + height * force.y) / force.z;
+        Ok(Vector3::new(wrist.x + x - x_wt.translation.x, wrist.y + y - x_wt.translation.y, 0.0))
     }
 
     /// The tip of a peg is in the hole at `mouth` (m, in the world) while the hand is beside it: turns the hand about the
@@ -335,8 +380,6 @@ impl Workcell<'_, '_> {
         let off = self.hand.seen.x_wt.translation.vector - mouth;
         let lean = Vector3::new(off.x, off.y, STEM_LENGTH + HEAD_HEIGHT / 2.0);
         let Some(turn) = UnitQuaternion::rotation_between(&lean, &Vector3::z()) else { return Ok(()) };
-        let words = format!("{peg} stands aslant in the hand by {:.0}°", turn.angle().to_degrees());
-        self.diagnose(Cause::GripMoved, words);
         self.hand.relax();
         let about = Translation3::from(Vector3::new(mouth.x, mouth.y, mouth.z - FOUND));
         let upright = about * turn * about.inverse() * self.hand.seen.x_wt;

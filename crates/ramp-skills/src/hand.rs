@@ -273,6 +273,11 @@ impl<'r> Hand<'r> {
         (self.seen.wrench - self.tare).fixed_rows::<3>(0).into_owned()
     }
 
+    /// Wrench of the hand on the world at the wrist since [`Hand::zero`], axes of the world: N, N·m.
+    pub fn felt(&self) -> Vector6<f64> {
+        self.seen.wrench - self.tare
+    }
+
     /// Shifts the setpoint so that what the hand holds, now at `x_wp`, comes to `x_wp_goal`, and moves there at
     /// `speed` (m/s). Keeps whatever lead the setpoint has over the tip.
     ///
