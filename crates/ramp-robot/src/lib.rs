@@ -6,12 +6,14 @@
 
 pub mod arm;
 pub mod camera;
+pub mod cause;
 pub mod limits;
 pub mod random;
 
 use nalgebra::{Isometry3, Vector6};
 
 pub use camera::{Camera, CameraModel, Image};
+pub use cause::Cause;
 
 /// A rigid pose; `x_wt` is the pose of the tip T in the world W.
 pub type Pose = Isometry3<f64>;

@@ -6,6 +6,7 @@
 use std::fmt;
 
 use nalgebra::{Point2, Point3, Vector3};
+use ramp_robot::Cause;
 
 use crate::transport::Workcell;
 
@@ -26,29 +27,6 @@ const BIASED: f64 = 0.8;
 /// Standard gravity, m/s².
 const GRAVITY: f64 = 9.81;
 
-/// What an agent can tell apart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// A part has left the grip, or is not where it was put.
-    PartLost,
-    /// A part sits in the grip otherwise than it should.
-    GripMoved,
-    /// A beam that stood has moved.
-    BeamMoved,
-    /// A holder has moved with its pegs.
-    HolderMoved,
-    /// Something does not go in that should.
-    Jam,
-    /// A part is not there at all.
-    PartMissing,
-    /// A camera, or a tag that should be seen, fails.
-    Sight,
-    /// The fingers do not close as they should.
-    GripWeak,
-    /// The wrist sensor is off.
-    ForceBias,
-}
-
 /// How a beam stands in the assembly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stand {
@@ -56,22 +34,6 @@ pub struct Stand {
     pub ends: [Point2<f64>; 2],
     /// How well that is known: standard deviation, m.
     pub deviation: f64,
-}
-
-impl fmt::Display for Cause {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(match self {
-            Cause::PartLost => "part-lost",
-            Cause::GripMoved => "grip-moved",
-            Cause::BeamMoved => "beam-moved",
-            Cause::HolderMoved => "holder-moved",
-            Cause::Jam => "jam",
-            Cause::PartMissing => "part-missing",
-            Cause::Sight => "sight",
-            Cause::GripWeak => "grip-weak",
-            Cause::ForceBias => "force-bias",
-        })
-    }
 }
 
 impl Workcell<'_, '_> {

@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_kit::joint::{FEMALE_HEIGHT, HEAD_HEIGHT, STEM_LENGTH};
+use ramp_robot::Cause;
 
 use crate::Pose;
-use crate::diagnosis::Cause;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{PEG_HEIGHT, PEG_OPEN, PEG_WIDTH, hand_down, peg_grasp};
 use crate::hand::PERIOD;

@@ -3,9 +3,9 @@
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::JointRef;
 use ramp_kit::joint::{self, BODY_WIDTH, FEMALE_HEIGHT};
+use ramp_robot::Cause;
 
 use crate::Pose;
-use crate::diagnosis::Cause;
 use crate::fault::{Fault, SkillError};
 use crate::transport::Workcell;
 

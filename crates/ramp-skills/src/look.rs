@@ -4,12 +4,11 @@ use std::f64::consts::FRAC_PI_4;
 
 use nalgebra::{Point3, Translation3, Vector3};
 use ramp_assembly::JointRef;
-use ramp_robot::Camera;
 use ramp_robot::camera::Mount;
+use ramp_robot::{Camera, Cause};
 
 use crate::Pose;
 use crate::belief::Belief;
-use crate::diagnosis::Cause;
 use crate::fault::SkillError;
 use crate::grasp::hand_down;
 use crate::transport::{TRAVEL, Workcell};

@@ -6,13 +6,13 @@ use nalgebra::Vector3;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_motion::{Checker, MotionError, PathPlanner, Trajectory};
-use ramp_robot::Event;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
+use ramp_robot::{Cause, Event};
 
 use crate::Pose;
 use crate::belief::{Belief, held_boxes};
-use crate::diagnosis::{Cause, Stand};
+use crate::diagnosis::Stand;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{
     self, BEAM_OPEN, BEAM_RELEASE, BEAM_WIDTH, GRIP_FORCE, PEG_OPEN, PEG_WIDTH, SQUEEZE, beam_grasp,
