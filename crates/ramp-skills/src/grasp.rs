@@ -24,8 +24,9 @@ pub const PEG_WIDTH: f64 = 49.0e-3;
 pub const SQUEEZE: f64 = 10.0e-3;
 /// Force of each finger on a part, N.
 pub const GRIP_FORCE: f64 = 60.0;
-/// How near a finger may come to the end of a bare extrusion, m: half its width and a millimetre.
-const FINGER_ROOM: f64 = 11.0e-3;
+/// How near the middle of a finger may come to the end of a bare extrusion, m: half its width, and what sight and the arm
+/// may be off. With a millimetre less one in forty grasps beside a joint landed on it.
+const FINGER_ROOM: f64 = 12.5e-3;
 
 /// Distance between places at which a grasp is tried along a link, m.
 const STEP: f64 = 5.0e-3;
