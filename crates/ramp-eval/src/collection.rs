@@ -126,7 +126,10 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
             match path.extension().and_then(|ending| ending.to_str()) {
                 Some("json") => {
                     let file = read(path)?;
-                    found |= !matches!(file, Found::Other);
+                    found |= match &file {
+                        Found::Episode(file) => file.result.fault.is_none(),
+                        other => !matches!(other, Found::Other),
+                    };
                     match file {
                         Found::Episode(file) if file.result.fault.is_some() => {
                             notes.push(format!(
