@@ -115,6 +115,7 @@ impl Workcell<'_, '_> {
             match self.fasten_once(connection, &peg) {
                 Err(SkillError::Fault(fault @ Fault::NotHeld { .. })) => return Err(fault.into()),
                 Err(SkillError::Fault(fault)) => {
+                    self.note("fault", fault.to_string());
                     self.diagnose(Cause::Jam, &fault);
                     last = Some(fault);
                 }

@@ -89,6 +89,7 @@ impl Workcell<'_, '_> {
             self.diagnose_astray(&part, off);
         }
         for complaint in self.belief.eyes.complaints() {
+            self.note("fault", complaint.clone());
             self.diagnose(Cause::Sight, complaint);
         }
         Ok(())
