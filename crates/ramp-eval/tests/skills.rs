@@ -163,24 +163,24 @@ fn a_push_brings_a_swinging_beam_back() {
 fn a_beam_is_regrasped_by_another_link_and_inserted() {
     let world = World::new("easy-3");
     let planner = PathPlanner::new(&world.arm);
-    let b4 = world.assembly.beam_index("b4").unwrap();
+    let b5 = world.assembly.beam_index("b5").unwrap();
     let mut setup = world.setup(6);
     setup.track = Track::Tags;
     let mut twin = Twin::new(&setup).unwrap();
     let mut robot = Biased { twin: &mut twin, shift: [0.0; 2], beams: vec![] };
     let mut cell = cell(&world, &planner, &mut robot);
-    cell.pick_up("b4", Some("b4l1")).unwrap();
+    cell.pick_up("b5", Some("b5l1")).unwrap();
     let held_at = |cell: &Workcell| cell.hand.held.as_ref().unwrap().x_tp.translation.vector.norm();
     let before = held_at(&cell);
-    cell.regrasp(b4, "b4l2").unwrap();
+    cell.regrasp(b5, "b5l2").unwrap();
     assert!((held_at(&cell) - before).abs() > 0.05, "the beam is held where it was");
     cell.rise().unwrap();
-    cell.approach_beam(b4).unwrap();
-    cell.assemble(b4, false).unwrap();
+    cell.approach_beam(b5).unwrap();
+    cell.assemble(b5, false).unwrap();
     drop(cell);
     let truth = twin.truth();
-    let b4_at = truth.x_wp[twin.part_names().position(|part| part == "b4").unwrap()];
-    let place = world.kit.x_wa() * world.assembly.beams[b4].x_ab;
-    let off = (b4_at.translation.vector - place.translation.vector).norm();
-    assert!(off < 2.0e-3, "b4 stands {:.2} mm from its place", off * 1e3);
+    let b5_at = truth.x_wp[twin.part_names().position(|part| part == "b5").unwrap()];
+    let place = world.kit.x_wa() * world.assembly.beams[b5].x_ab;
+    let off = (b5_at.translation.vector - place.translation.vector).norm();
+    assert!(off < 2.0e-3, "b5 stands {:.2} mm from its place", off * 1e3);
 }
