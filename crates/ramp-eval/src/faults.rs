@@ -1,6 +1,6 @@
 //! Episodes in which something went wrong on purpose: did the agent tell what, and did it build the goal all the same?
 //!
-//! An agent tells what it takes to be the cause by an event of the kind `diagnosis`, whose text is a [`Cause`](ramp_robot::Cause), a colon and
+//! An agent tells what it takes to be the cause by an event of the kind `diagnosis`, whose text is a [`Cause`], a colon and
 //! free words. What it may have been told apart from is in [`accepted`].
 
 use ramp_robot::Cause;
