@@ -63,7 +63,7 @@ struct Eye {
     covariance: Matrix6<f64>,
     /// Images in a row that were of no use.
     bad: u32,
-    /// The last image.
+    /// The last image that was of use: one black image is like another, and no camera repeats it.
     last: Vec<u8>,
 }
 
@@ -196,6 +196,7 @@ impl Eyes {
                 Ok(image) => match self.read(index, hand, &image, lying) {
                     Ok(found) => {
                         self.eyes[index].bad = 0;
+                        self.eyes[index].last = image.pixels;
                         sightings.extend(found);
                         continue;
                     }
@@ -227,7 +228,6 @@ impl Eyes {
         loop {
             let image = hand.look(camera)?;
             if image.pixels != self.eyes[index].last {
-                self.eyes[index].last.clone_from(&image.pixels);
                 return Ok(image);
             }
             let told = format!("the {} camera repeats its image", camera.name());
