@@ -241,7 +241,11 @@ impl<'a> Baseline<'a> {
             CoarseAction::Fasten { connection, .. } => self.assembly.connection_index(connection),
             _ => None,
         });
-        let Some(index) = next else { return Ok(()) };
+        next.map_or(Ok(()), |index| self.check(cell, index))
+    }
+
+    /// Looks at the holes of a connection, and pushes its beams until a peg would go in.
+    pub(crate) fn check(&mut self, cell: &mut Workcell, index: usize) -> Result<(), SkillError> {
         let connection = &self.assembly.connections[index];
         let holes = [cell.hole(connection.female), cell.hole(connection.male)];
         cell.see(&holes, KNOWN)?;

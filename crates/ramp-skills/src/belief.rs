@@ -48,8 +48,8 @@ const GATE: f64 = 40.0;
 const DRIFT: f64 = 1.0 / 16.0;
 /// So many images in a row that show a part lying otherwise, and it is believed that it does.
 const DOUBTS: u32 = 3;
-/// A part whose z axis is this upright counts as level: within 0.8°.
-const LEVEL: f64 = 0.9999;
+/// A part whose z axis is this upright counts as level: within 0.25°. A beam that one female alone holds hangs by more.
+const LEVEL: f64 = 0.99999;
 /// Above this standard deviation of its tilt nothing is known of how a part lies, rad.
 const TILTED: f64 = 1.0 * DEGREE;
 /// A part whose place is known no better than this is in nobody's way, m.

@@ -289,7 +289,7 @@ impl Workcell<'_, '_> {
             self.hand.wait(0.15)?;
             self.see(&[self.middle(&name)], KNOWN)?;
             let remaining = self.remaining(&name, goal, &direction)?;
-            if remaining < 2.0 * HOME {
+            if remaining < HOME {
                 return Ok(());
             }
             self.note("retry", format!("insert {name}, {:.1} mm short", remaining * 1e3));

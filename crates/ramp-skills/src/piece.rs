@@ -12,34 +12,52 @@ use ramp_robot::{Account, Agent, Robot, RobotError};
 use crate::Pose;
 use crate::agent::Baseline;
 use crate::fault::{Fault, SkillError};
+use crate::insert::PEGGABLE;
 use crate::transport::Workcell;
 
 /// How far a beam that others have put in may be from its place: along the table and in height, m; tilt and turn, rad.
 const BUILT: ([f64; 3], [f64; 3]) = ([5.0e-3, 5.0e-3, 1.5e-3], [0.002, 0.002, 0.05]);
 /// The same for a peg, whose turn in its hole is anyone's guess.
 const PINNED: ([f64; 3], [f64; 3]) = ([5.0e-3, 5.0e-3, 0.5e-3], [0.002, 0.002, 0.8]);
+/// How often all holes that are to be pinned next are looked at, and beams pushed.
+const ROUNDS: usize = 3;
 
 /// The baseline, told to carry out a piece of a plan.
 pub struct Piece<'a> {
     baseline: Baseline<'a>,
     state: State,
     plan: Plan,
+    next: Vec<usize>,
     /// Why it gave up.
     failure: Option<String>,
 }
 
 impl<'a> Piece<'a> {
     /// `state` is what stands when the work begins, with nothing in the hand; `plan` has the steps that are to be carried
-    /// out, and the ways of all beams, those that stand included.
-    pub fn new(baseline: Baseline<'a>, state: State, plan: Plan) -> Piece<'a> {
-        Piece { baseline, state, plan, failure: None }
+    /// out, and the ways of all beams, those that stand included; `next` are the connections (indices into
+    /// [`ramp_assembly::Assembly::connections`]) that pegs are to pin afterwards as they are then.
+    pub fn new(baseline: Baseline<'a>, state: State, plan: Plan, next: Vec<usize>) -> Piece<'a> {
+        Piece { baseline, state, plan, next, failure: None }
     }
 
     fn work(&mut self, cell: &mut Workcell) -> Result<(), SkillError> {
         self.baseline.learn_ways(cell, &self.plan);
         take_over(cell, &self.state)?;
         cell.belief.update(&mut cell.hand)?;
-        self.baseline.run_plan(cell, &self.plan)
+        self.baseline.run_plan(cell, &self.plan)?;
+        // What a build does before it fetches each of the next pegs, which is no longer part of the piece. To push for one
+        // may spoil another.
+        for _ in 0..ROUNDS {
+            for &connection in &self.next {
+                self.baseline.check(cell, connection)?;
+            }
+            let connections = self.next.iter().map(|index| &cell.assembly.connections[*index]);
+            let offsets = connections.map(|connection| cell.belief.offset(cell.assembly, connection));
+            if offsets.collect::<Result<Vec<f64>, _>>()?.into_iter().all(|offset| offset <= PEGGABLE) {
+                break;
+            }
+        }
+        Ok(())
     }
 }
 

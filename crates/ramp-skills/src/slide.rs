@@ -95,7 +95,12 @@ impl Workcell<'_, '_> {
         let fine = self.hand.corrected(&self.belief.pose(&name)?, &goal);
         self.hand.drive(&fine, 0.01, |hand| hand.force().norm() > LIMIT)?;
         self.hand.wait(0.15)?;
-        self.belief.update(&mut self.hand)?;
+        self.see(&[(name.clone(), end)], KNOWN)?;
+        let remaining = self.remaining(&name, &goal, &out)?;
+        if remaining > HOME {
+            self.note("retry", format!("slide {name}, {:.1} mm short", remaining * 1e3));
+            self.feel_in(&name, &goal, &out, false)?;
+        }
         Ok(None)
     }
 

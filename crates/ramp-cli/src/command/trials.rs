@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Diagnostic, IntoDiagnostic, Report, miette};
 use ramp_eval::manipulation::sums::{SkillSum, sums};
-use ramp_eval::manipulation::{SCHEMA, Trial, run_trial};
+use ramp_eval::manipulation::{Aim, SCHEMA, Trial, run_trial};
 use ramp_eval::result::{Software, write_whole};
 use ramp_kit::Kit;
 use ramp_kit::source::{nearest, shorten};
@@ -242,7 +242,11 @@ impl Trials<'_> {
             fault: None,
         };
         let baseline = Baseline::new(&self.kit, &goal.assembly, &self.arm, &self.domains, seed);
-        let mut agent = Piece::new(baseline, step.state.clone(), step.plan.clone());
+        let next = match &step.task.aim {
+            Aim::Placed { connections } => connections.clone(),
+            _ => Vec::new(),
+        };
+        let mut agent = Piece::new(baseline, step.state.clone(), step.plan.clone(), next);
         let trial = run_trial(&setup, &step.task, &mut agent, &self.software).into_diagnostic()?;
         write_whole(&self.path(skill, seed), &trial.to_json()).into_diagnostic()?;
         Ok(trial)
