@@ -267,6 +267,7 @@ impl<'a> Baseline<'a> {
             cell.rise()?;
             cell.push_by_nearest_link(beam)?;
             cell.rise()?;
+            cell.see(&holes, KNOWN)?;
             cell.remember_standing(&[beam]);
             if cell.belief.offset(self.assembly, connection)? <= PEGGABLE {
                 return Ok(());

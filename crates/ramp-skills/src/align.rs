@@ -26,6 +26,8 @@ const SHORT: f64 = 0.05;
 const CARRIED_OFF: f64 = 4.0e-3;
 /// A beam that stands this far short of its place is inserted further, m.
 const SHORT_OF: f64 = 3.0e-3;
+/// How far a push may move the beams that are joined with the one that is pushed, m and rad.
+const DRAGGED: (f64, f64) = (1.0e-3, 0.3 / 180.0 * std::f64::consts::PI);
 /// Tries.
 const TRIES: usize = 3;
 
@@ -72,6 +74,7 @@ impl Workcell<'_, '_> {
                 self.hand.wait(0.1)?;
             }
             self.release()?;
+            self.drag(beam);
         }
         self.see_ends(beam)?;
         let (_, off) = self.straightened(beam)?;
@@ -80,6 +83,16 @@ impl Workcell<'_, '_> {
             return Ok(());
         }
         Err(Fault::Misaligned { connection: name, offset_mm: off * 1e3 }.into())
+    }
+
+    /// A beam was pushed: what it is joined with may have come along.
+    fn drag(&mut self, beam: usize) {
+        let sides = self.assembly.connections.iter();
+        let joined = sides.filter_map(|connection| Some(self.assembly.sides(connection, beam)?.1.beam));
+        let joined: Vec<usize> = joined.filter(|other| self.standing.contains(other)).collect();
+        for other in joined {
+            self.belief.bumped(&self.assembly.beams[other].beam.name, DRAGGED);
+        }
     }
 
     /// Grips a beam that stands, where it stands, at `s` metres from its j1 hole.

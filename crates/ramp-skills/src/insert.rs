@@ -29,6 +29,8 @@ pub(crate) const HOME: f64 = 0.8e-3;
 const LOOSE_LIMIT: f64 = 0.6;
 /// How far such a sleeve may be moved, m and rad.
 const LOOSE_BUMP: (f64, f64) = (3.0e-3, 1.0 / 180.0 * std::f64::consts::PI);
+/// How far friction may move a sleeve that pegs hold, m and rad.
+const SLEEVE_BUMP: (f64, f64) = (1.0e-3, 0.2 / 180.0 * std::f64::consts::PI);
 /// How well the joints that are to meet must be known before an insertion, m.
 const KNOWN: f64 = 0.15e-3;
 /// How well the height of a beam that stands is known, m.
@@ -232,8 +234,17 @@ impl Workcell<'_, '_> {
         let stopped = self.hand.drive(&target, SPEED, |hand| hand.force().dot(&direction) > limit)?;
         let force = self.hand.force().dot(&direction);
         self.hand.wait(0.15)?;
+        // What meets an edge carries the sleeve along: it may turn about two pegs that are near each other.
+        let sleeves = self.sleeves(beam).map(|sleeve| self.assembly.beams[sleeve.beam].beam.name.clone());
+        let sleeves: Vec<String> = sleeves.collect();
         for (met, _) in self.meeting(beam) {
-            self.belief.bumped(&met, if loose.contains(&met) { LOOSE_BUMP } else { BUMP });
+            let carried = loose.contains(&met) || (stopped && sleeves.contains(&met));
+            let bump = match sleeves.contains(&met) {
+                _ if carried => LOOSE_BUMP,
+                true => SLEEVE_BUMP,
+                false => BUMP,
+            };
+            self.belief.bumped(&met, bump);
         }
         self.glance()?;
         if stopped {
