@@ -6,6 +6,8 @@
 mod command;
 mod data;
 mod film;
+mod pictures;
+mod recording;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

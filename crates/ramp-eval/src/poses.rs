@@ -2,14 +2,16 @@
 //!
 //! A log is an MCAP file with two channels of JSON messages: `/run`, one message that tells whose run it is
 //! (`data/schema/real-run.schema.json`), and `/parts`, where parts were seen over time, in the form of the logs of the twin
-//! (`foxglove.FrameTransforms`, `data/schema/log/parts.schema.json`). The page `docs/src/real.md` tells the form; what cannot
+//! (`foxglove.FrameTransforms`, `data/schema/log/parts.schema.json`); a tag on a part tells where the part is as well. The page `docs/src/real.md` tells the form; what cannot
 //! have happened is refused with the number of its message and its time.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use ramp_assembly::Assembly;
 use ramp_kit::source::{nearest, shorten};
+use ramp_kit::tags::{self, SHEET_ID, TagPlace};
 use ramp_kit::{Kit, Pose};
 use ramp_robot::Track;
 use ramp_twin::Truth;
@@ -253,7 +255,9 @@ impl Reader<'_> {
             x_wp[index] = self.kit.x_wa() * base.x_ab;
         }
         let referee = Referee::new(self.kit, goal, parts.iter().map(String::as_str));
-        Ok(Run { kit: self.kit, goal, head, parts, truth: Truth { time: 0.0, x_wp }, referee, seen: None })
+        let truth = Truth { time: 0.0, x_wp };
+        let tags = tags::places(self.kit);
+        Ok(Run { kit: self.kit, goal, head, parts, tags, truth, referee, seen: None })
     }
 }
 
@@ -263,6 +267,8 @@ struct Run<'a> {
     goal: &'a Assembly,
     head: Head,
     parts: Vec<String>,
+    /// Where the tags stick on them.
+    tags: Vec<TagPlace>,
     /// Where each part was seen last.
     truth: Truth,
     referee: Referee,
@@ -274,10 +280,12 @@ impl Run<'_> {
     /// Takes in one message, and lets the referee look.
     fn see(&mut self, data: &[u8]) -> Result<(), String> {
         let sight: Sight = serde_json::from_slice(data).map_err(|error| error.to_string())?;
+        // How many tags have told of each part, by its index.
+        let mut tags = BTreeMap::new();
         for transform in &sight.transforms {
             let stamp = transform.timestamp;
             let time = stamp.since(self.head.begin);
-            self.take(transform, time).map_err(|why| format!("at {time:.3} s, {why}"))?;
+            self.take(transform, time, &mut tags).map_err(|why| format!("at {time:.3} s, {why}"))?;
             self.seen = Some(stamp);
             self.truth.time = time;
         }
@@ -287,7 +295,12 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn take(&mut self, transform: &Transform, time: f64) -> Result<(), String> {
+    fn take(
+        &mut self,
+        transform: &Transform,
+        time: f64,
+        tags: &mut BTreeMap<usize, f64>,
+    ) -> Result<(), String> {
         if transform.timestamp.nsec > 999_999_999 {
             return Err("a second has more than 999999999 nanoseconds".to_string());
         }
@@ -304,11 +317,16 @@ impl Run<'_> {
             ));
         }
         let name = &transform.child_frame_id;
-        let Some(index) = self.parts.iter().position(|part| part == name) else {
+        // A tag is `tag` and its id.
+        let tag = name.strip_prefix("tag").and_then(|id| id.parse::<u32>().ok());
+        let place = tag.and_then(|id| self.tags.iter().find(|place| place.id == id));
+        let part = place.map_or(name, |place| &place.part);
+        let index = self.parts.iter().position(|known| known == part);
+        if index.is_none() && tag != Some(SHEET_ID) {
             let near = nearest(name, self.parts.iter().map(String::as_str));
             let near = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
-            return Err(format!("the kit has no part `{}`{near}", shorten(name)));
-        };
+            return Err(format!("the kit has no part or tag `{}`{near}", shorten(name)));
+        }
         if transform.parent_frame_id != WORLD {
             let found = shorten(&transform.parent_frame_id);
             return Err(format!("{name} is given in the frame `{found}`, expected `{WORLD}`"));
@@ -325,14 +343,33 @@ impl Run<'_> {
                 quaternion.norm()
             ));
         }
-        let x_wp = Pose::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_quaternion(quaternion));
+        let seen = Pose::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_quaternion(quaternion));
+        // The sheet's own tag tells of no part.
+        let Some(index) = index else { return Ok(()) };
+        let x_wp = match place {
+            None => seen,
+            Some(place) => {
+                // The mean of all tags on a part that one message has.
+                let x_wp = seen * place.x_pg.inverse();
+                let count = tags.entry(index).or_insert(0.0);
+                *count += 1.0;
+                if *count > 1.0 {
+                    let mean = self.truth.x_wp[index].try_lerp_slerp(&x_wp, 1.0 / *count, UNIT);
+                    mean.ok_or_else(|| {
+                        format!("{name} shows {part} the other way around than its other tags do")
+                    })?
+                } else {
+                    x_wp
+                }
+            }
+        };
         let base = &self.goal.beams[self.goal.base];
-        if *name == base.beam.name {
+        if *part == base.beam.name {
             let nominal = self.kit.x_wa() * base.x_ab;
             let off = (x_wp.translation.vector - nominal.translation.vector).norm();
             if off > CLAMPED {
                 return Err(format!(
-                    "{name}, which is clamped, is {:.0} mm from its place: are the poses in the frame of the robot's base?",
+                    "{part}, which is clamped, is {:.0} mm from its place: are the poses in the frame of the robot's base?",
                     off * 1e3
                 ));
             }

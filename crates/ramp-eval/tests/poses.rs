@@ -8,6 +8,7 @@ mod common;
 use std::path::Path;
 
 use common::{World, as_log, data};
+use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use ramp_eval::EpisodeResult;
 use ramp_eval::poses::Reader;
 use ramp_eval::result::Software;
@@ -108,6 +109,44 @@ fn the_referee_judges_what_cameras_saw() {
     }
 }
 
+/// The same run told by the tags on the parts comes to the same result.
+#[test]
+fn tags_tell_where_parts_are() {
+    let bench = Bench(World::new("easy-1"));
+    let places = ramp_kit::tags::places(&bench.0.kit);
+    let mut messages = bench.messages();
+    for (topic, message) in &mut messages {
+        if topic == "/run" {
+            continue;
+        }
+        let mut of_tags = Vec::new();
+        for transform in message["transforms"].as_array().unwrap() {
+            let number = |it: &str, axis: &str| transform[it][axis].as_f64().unwrap();
+            let [x, y, z] = ["x", "y", "z"].map(|axis| number("translation", axis));
+            let [i, j, k, w] = ["x", "y", "z", "w"].map(|axis| number("rotation", axis));
+            let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, i, j, k));
+            let x_wp = Pose::from_parts(Translation3::new(x, y, z), turn);
+            let part = transform["child_frame_id"].as_str().unwrap();
+            for place in places.iter().filter(|place| place.part == part) {
+                of_tags.push((format!("tag{}", place.id), x_wp * place.x_pg));
+            }
+        }
+        of_tags.push(("tag0".to_string(), ramp_kit::tags::x_wg_sheet(&bench.0.kit)));
+        let time = &message["transforms"][0]["timestamp"];
+        let time = (time["sec"].as_u64().unwrap() - BEGIN) as f64 + time["nsec"].as_f64().unwrap() * 1e-9;
+        let of_tags: Vec<(&str, Pose)> = of_tags.iter().map(|(name, x)| (name.as_str(), *x)).collect();
+        assert!(of_tags.len() > 1);
+        *message = sight(time, &of_tags);
+    }
+    let by_parts = bench.judge(&bench.bytes(&bench.messages())).unwrap();
+    let by_tags = bench.judge(&bench.bytes(&messages)).unwrap();
+    assert_eq!(by_tags.pegs, by_parts.pegs);
+    // The tag of another kit.
+    let mut wrong = messages.clone();
+    wrong[2].1["transforms"][0]["child_frame_id"] = json!("tag999");
+    assert!(bench.judge(&bench.bytes(&wrong)).unwrap_err().contains("no part or tag `tag999`"));
+}
+
 #[test]
 fn what_cannot_have_happened_is_refused_with_its_place() {
     let bench = Bench(World::new("easy-1"));
@@ -135,7 +174,10 @@ fn what_cannot_have_happened_is_refused_with_its_place() {
         &["message 7", "after the end, 200.000 s"],
     );
     refused(&with(2, &first("timestamp/nsec"), 1_500_000_000.into()), &["more than 999999999 nanoseconds"]);
-    refused(&with(2, &first("child_frame_id"), "b77".into()), &["no part `b77`", "did you mean `b7`?"]);
+    refused(
+        &with(2, &first("child_frame_id"), "b77".into()),
+        &["no part or tag `b77`", "did you mean `b7`?"],
+    );
     refused(&with(2, &first("parent_frame_id"), "camera".into()), &["20.000 s", "`camera`", "`world`"]);
     refused(&with(2, &first("translation/x"), 40.0.into()), &["p1 is at (40, "]);
     refused(&with(2, &first("rotation/w"), 0.5.into()), &["unit quaternion"]);

@@ -14,8 +14,8 @@ use ramp_twin::Twin;
 use serde_json::json;
 
 use super::run::software;
-use crate::data::{check_writable, print};
-use crate::film::{self, Film};
+use crate::data::print;
+use crate::pictures::{self, Pictures};
 use crate::{DONE, INCOMPLETE};
 
 #[derive(clap::Args)]
@@ -25,25 +25,14 @@ pub struct Arguments {
     /// Print the comparison as JSON
     #[arg(long)]
     json: bool,
-    /// Also make a film of the work, as GIF or with ffmpeg as MP4, eight times as fast
-    #[arg(long, value_name = "FILE")]
-    video: Option<PathBuf>,
-    /// Whose eyes the film is seen through
-    #[arg(long, value_enum, default_value_t = film::From::Free, requires = "video")]
-    video_from: film::From,
+    #[command(flatten)]
+    pictures: pictures::Arguments,
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8, Report> {
     let log = Log::read(&arguments.log).into_diagnostic()?;
     let world = World::of(&log).into_diagnostic()?;
-    if let Some(path) = &arguments.video {
-        check_writable(path)?;
-    }
-    let mut film = match &arguments.video {
-        Some(path) => Some(Film::new(path, &world.setup(), arguments.video_from)?),
-        None => None,
-    };
-    let mut film_error = None;
+    let mut pictures = Pictures::new(&arguments.pictures, &world.setup())?;
     let bar = std::io::stderr().is_terminal().then(|| {
         let bar = ProgressBar::new(log.result.time.robot.clamp(0.0, 1e6) as u64);
         if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} s") {
@@ -56,24 +45,13 @@ pub fn run(arguments: &Arguments) -> Result<u8, Report> {
         if let Some(bar) = &bar {
             bar.set_position(progress.time as u64);
         }
-        if let Some(film) = &mut film
-            && film_error.is_none()
-        {
-            let action = actions.at(progress.time);
-            let caption = format!("{action}   {} of {} pegs", progress.seated, progress.pegs);
-            film_error = film.show(twin, &caption).err();
-        }
+        pictures.show(twin, actions.at(progress.time), progress);
     };
     let replayed = replay_watched(&log, &world, &mut watcher).into_diagnostic()?;
     if let Some(bar) = &bar {
         bar.finish_and_clear();
     }
-    if let Some(error) = film_error {
-        return Err(error);
-    }
-    if let Some(film) = film {
-        film.end()?;
-    }
+    pictures.end()?;
     print(&if arguments.json { as_json(&log, &replayed)? } else { as_text(&log, &replayed) })?;
     Ok(if replayed.is_equal() { DONE } else { INCOMPLETE })
 }

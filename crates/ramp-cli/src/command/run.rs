@@ -16,7 +16,7 @@ use ramp_twin::{Disturbance, Fault, Setup, Twin};
 
 use super::agent;
 use crate::data::{Data, check_writable, print};
-use crate::film::{self, Film};
+use crate::pictures::{self, Pictures};
 use crate::{DONE, INCOMPLETE};
 
 /// Folder for results that are given no name.
@@ -47,12 +47,8 @@ pub struct Arguments {
     /// Also write the scene as MJCF, with keyframes `start` and `end`, for any MuJoCo viewer
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
-    /// Also make a film of the work, as GIF or with ffmpeg as MP4, eight times as fast
-    #[arg(long, value_name = "FILE")]
-    video: Option<PathBuf>,
-    /// Whose eyes the film is seen through
-    #[arg(long, value_enum, default_value_t = film::From::Free, requires = "video")]
-    video_from: film::From,
+    #[command(flatten)]
+    pictures: pictures::Arguments,
     /// File for the result [default: results/GOAL-SEED.json]; the curve goes beside it as .svg, the log as .mcap
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -148,14 +144,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         disturbance: Disturbance::default(),
         fault: arguments.fault,
     };
-    if let Some(path) = &arguments.video {
-        check_writable(path)?;
-    }
-    let mut film = match &arguments.video {
-        Some(path) => Some(Film::new(path, &setup, arguments.video_from)?),
-        None => None,
-    };
-    let mut film_error = None;
+    let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
     let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
     if arguments.output.is_none() {
         std::fs::create_dir_all(RESULTS).into_diagnostic()?;
@@ -183,24 +172,14 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         if let Some(window) = &mut window {
             window.show(twin);
         }
-        if let Some(film) = &mut film
-            && film_error.is_none()
-        {
-            let caption = format!("{}   {} of {} pegs", display.action(), progress.seated, progress.pegs);
-            film_error = film.show(twin, &caption).err();
-        }
+        pictures.show(twin, &display.action(), progress);
     };
     let (sources, software) = (texts.sources(), software());
     let result =
         record_episode(&setup, &sources, agent.as_mut(), &software, arguments.repeat, &log, &mut watcher)
             .into_diagnostic()?;
     display.finish();
-    if let Some(error) = film_error {
-        return Err(error);
-    }
-    if let Some(film) = film {
-        film.end()?;
-    }
+    pictures.end()?;
     write_whole(&output, &result.to_json()).into_diagnostic()?;
     write_whole(&curve, &completion_svg(&result)).into_diagnostic()?;
     if let Some(path) = &arguments.scene {

@@ -1,0 +1,78 @@
+//! What a run or a replay is also shown as: a film, a recording for the Rerun viewer.
+
+use std::path::PathBuf;
+
+use miette::Report;
+use ramp_eval::Progress;
+use ramp_twin::{Setup, Twin};
+
+use crate::data::check_writable;
+use crate::film::{self, Film};
+use crate::recording::Recording;
+
+/// What is to be made.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Also make a film of the work, as GIF or with ffmpeg as MP4, eight times as fast
+    #[arg(long, value_name = "FILE")]
+    video: Option<PathBuf>,
+    /// Whose eyes the film is seen through
+    #[arg(long, value_enum, default_value_t = film::From::Free, requires = "video")]
+    video_from: film::From,
+    /// Also record scene, forces and actions for the Rerun viewer (.rrd); needs a program built with the feature `rerun`
+    #[arg(long, value_name = "FILE")]
+    rerun: Option<PathBuf>,
+}
+
+/// What is being made.
+pub struct Pictures {
+    film: Option<Film>,
+    recording: Option<Recording>,
+    error: Option<Report>,
+}
+
+impl Pictures {
+    /// Begins the files.
+    ///
+    /// # Errors
+    /// Files that cannot be written, and what cannot be drawn.
+    pub fn new(arguments: &Arguments, setup: &Setup) -> Result<Pictures, Report> {
+        for path in [&arguments.video, &arguments.rerun].into_iter().flatten() {
+            check_writable(path)?;
+        }
+        let film = arguments.video.as_ref().map(|path| Film::new(path, setup, arguments.video_from));
+        let recording = arguments.rerun.as_ref().map(|path| Recording::new(path, setup));
+        Ok(Pictures { film: film.transpose()?, recording: recording.transpose()?, error: None })
+    }
+
+    /// Shows a moment. What goes wrong is told at the end, and the work goes on.
+    pub fn show(&mut self, twin: &Twin, action: &str, progress: &Progress) {
+        if self.error.is_none() {
+            self.error = self.try_to_show(twin, action, progress).err();
+        }
+    }
+
+    fn try_to_show(&mut self, twin: &Twin, action: &str, progress: &Progress) -> Result<(), Report> {
+        if let Some(film) = &mut self.film {
+            film.show(twin, &format!("{action}   {} of {} pegs", progress.seated, progress.pegs))?;
+        }
+        if let Some(recording) = &mut self.recording {
+            recording.show(twin, action, progress.seated)?;
+        }
+        Ok(())
+    }
+
+    /// Ends the files.
+    ///
+    /// # Errors
+    /// The first thing that went wrong.
+    pub fn end(self) -> Result<(), Report> {
+        if let Some(error) = self.error {
+            return Err(error);
+        }
+        if let Some(film) = self.film {
+            film.end()?;
+        }
+        self.recording.map_or(Ok(()), Recording::end)
+    }
+}
