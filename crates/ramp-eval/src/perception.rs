@@ -356,6 +356,8 @@ pub struct Line {
 pub struct Verdict {
     /// By camera, distance and angle.
     pub lines: Vec<Line>,
+    /// By camera and distance, all angles of the table together.
+    pub distances: Vec<Line>,
     /// Poses given.
     pub poses: usize,
     /// Poses more than [`FALSE`] off, or of parts that show no tag: file, part and error (m) where there is one.
@@ -384,6 +386,8 @@ pub fn judge(labels: &Labels, estimates: &[Estimate]) -> Verdict {
     }
     /// Parts, position errors and turns.
     type Errors = (usize, Vec<f64>, Vec<f64>);
+    // By camera, distance and angle; the one behind the last angle has them all.
+    let all = ANGLES.len();
     let mut cells: BTreeMap<(String, usize, usize), Errors> = BTreeMap::new();
     let mut false_poses = Vec::new();
     for view in &labels.views {
@@ -407,36 +411,39 @@ pub fn judge(labels: &Labels, estimates: &[Estimate]) -> Verdict {
             let bin = |edges: &[f64], value: f64| edges.iter().skip(1).filter(|edge| value >= **edge).count();
             let wrist = view.camera == Camera::Wrist.name();
             let distance = if wrist { bin(&WRIST_DISTANCES, tag.distance) } else { 0 };
-            let cell = cells.entry((view.camera.clone(), distance, bin(&ANGLES, tag.angle))).or_default();
-            cell.0 += 1;
-            if let Some((error, turn)) = found {
-                cell.1.push(error);
-                cell.2.push(turn);
+            let angle = bin(&ANGLES, tag.angle);
+            let both = [Some(angle), (angle + 1 < ANGLES.len()).then_some(all)];
+            for angle in both.into_iter().flatten() {
+                let cell = cells.entry((view.camera.clone(), distance, angle)).or_default();
+                cell.0 += 1;
+                if let Some((error, turn)) = found {
+                    cell.1.push(error);
+                    cell.2.push(turn);
+                }
             }
         }
     }
     // What is left was said of parts that show no tag at all.
     let ghost = |(file, part): (&str, &str)| (file.to_string(), part.to_string(), None);
     false_poses.extend(said.into_keys().map(ghost));
-    let lines = cells
-        .into_iter()
-        .map(|((camera, distance, angle), (parts, mut errors, mut turns))| {
-            let edges = |edges: &[f64], bin: usize| {
-                [edges[bin], edges.get(bin + 1).copied().unwrap_or(f64::INFINITY)]
-            };
-            let wrist = camera == Camera::Wrist.name();
-            Line {
-                camera,
-                distance: if wrist { edges(&WRIST_DISTANCES, distance) } else { [2.3, 2.6] },
-                angle: edges(&ANGLES, angle),
-                parts,
-                found: errors.len(),
-                position: [quantile(&mut errors, 0.5), quantile(&mut errors, 0.95)],
-                turn: [quantile(&mut turns, 0.5), quantile(&mut turns, 0.95)],
-            }
-        })
-        .collect();
-    Verdict { lines, poses: estimates.len(), false_poses }
+    let (mut lines, mut distances) = (Vec::new(), Vec::new());
+    for ((camera, distance, angle), (parts, mut errors, mut turns)) in cells {
+        let edges =
+            |edges: &[f64], bin: usize| [edges[bin], edges.get(bin + 1).copied().unwrap_or(f64::INFINITY)];
+        let wrist = camera == Camera::Wrist.name();
+        let line = Line {
+            camera,
+            distance: if wrist { edges(&WRIST_DISTANCES, distance) } else { [2.3, 2.6] },
+            angle: if angle == all { [ANGLES[0], ANGLES[all - 1]] } else { edges(&ANGLES, angle) },
+            parts,
+            found: errors.len(),
+            position: [quantile(&mut errors, 0.5), quantile(&mut errors, 0.95)],
+            turn: [quantile(&mut turns, 0.5), quantile(&mut turns, 0.95)],
+        };
+        let table = if angle == all { &mut distances } else { &mut lines };
+        table.push(line);
+    }
+    Verdict { lines, distances, poses: estimates.len(), false_poses }
 }
 
 /// COCO's form of the same labels: boxes around what is seen of each part, and which pixels that is.

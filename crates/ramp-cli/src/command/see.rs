@@ -233,7 +233,7 @@ fn table(verdict: &Verdict) -> String {
     let mut text = String::from(
         "camera     distance m   angle °  parts  found   position mm      turn °\n                                               median   95 %   median   95 %\n",
     );
-    for line in &verdict.lines {
+    for line in verdict.lines.iter().chain(&verdict.distances) {
         let _ = writeln!(
             text,
             "{:<9}  {:.2} – {:.2}  {:>2.0} – {:<2.0}  {:>5}  {:>4.0} %  {:>6.3} {:>6.3}   {:>6.3} {:>6.3}",
