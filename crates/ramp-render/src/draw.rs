@@ -32,6 +32,8 @@ const WALL_COLOUR: [f32; 3] = [0.55, 0.57, 0.60];
 /// Cells of the shadow map per metre, and how much of the light a shadow leaves.
 const SHADOW_SCALE: f32 = 300.0;
 const SHADOW_LEFT: f32 = 0.55;
+/// Shadows are cast up to so far beyond what a camera sees of the table, m: more than their edges are wide.
+const SHADOW_EDGE: f32 = 0.1;
 /// Cells over which a shadow's edge is spread.
 const WIDE: u16 = 5;
 /// What a cell of the table shows: something to be looked at closely, nothing but table, or nothing but paper.
@@ -177,7 +179,7 @@ impl Renderer {
             self.body(&looks, *index, x_wb, &(x_cw * x_wb));
         }
         self.tag(&looks.sheet_tag, &Pose::identity(), &x_cw, NOTHING);
-        self.cast_shadows(&looks, scene);
+        self.cast_shadows(&looks, scene, &Rigid::new(&x_cw));
         self.expose(&looks, x_wc, sensor)
     }
 
@@ -392,13 +394,20 @@ impl Renderer {
         });
     }
 
-    /// Marks on a map of the table what the lamp does not reach.
-    fn cast_shadows(&mut self, looks: &Looks, scene: &Scene) {
+    /// Marks on a map of the table what the lamp does not reach, where `camera` (the world's pose in it) may see it.
+    fn cast_shadows(&mut self, looks: &Looks, scene: &Scene, camera: &Rigid) {
         let [columns, rows] = shadow_size();
         self.shadow.fill(0);
         for (index, x_wb) in &scene.bodies {
             let Some(body) = looks.bodies().get(*index) else { continue };
             let world = Rigid::new(x_wb);
+            let (centre, radius) = body.ball;
+            let [x, y, z] = world.moved(&centre);
+            let down = z / LIGHT[2];
+            let middle = [x - LIGHT[0] * down, y - LIGHT[1] * down, 0.0];
+            if !self.in_view(camera, (middle, radius / LIGHT[2] + SHADOW_EDGE)) {
+                continue;
+            }
             self.screen.clear();
             for point in &body.shadow.points {
                 let [x, y, z] = world.moved(point);
