@@ -8,12 +8,13 @@ mod common;
 use common::World;
 use nalgebra::Translation3;
 use ramp_assembly::Insertion;
-use ramp_motion::PathPlanner;
+use ramp_motion::{PathPlanner, Trajectory};
 use ramp_robot::random::Stream;
 use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError, Track};
 use ramp_skills::belief::Belief;
 use ramp_skills::hand::Hand;
 use ramp_skills::transport::{Way, Workcell};
+use ramp_skills::{Fault, SkillError};
 use ramp_twin::Twin;
 
 /// The way in that the goal's own order of insertions gives a beam.
@@ -183,4 +184,40 @@ fn a_beam_is_regrasped_by_another_link_and_inserted() {
     let place = world.kit.x_wa() * world.assembly.beams[b5].x_ab;
     let off = (b5_at.translation.vector - place.translation.vector).norm();
     assert!(off < 2.0e-3, "b5 stands {:.2} mm from its place", off * 1e3);
+}
+
+/// A hand that is led into the table, fast through what it holds to be free space or slowly under impedance, breaks off,
+/// yields and can be led away; what breaks grippers is never met.
+#[test]
+fn a_hand_that_meets_the_table_yields() {
+    let world = World::new("easy-1");
+    let planner = PathPlanner::new(&world.arm);
+    for free in [true, false] {
+        let mut twin = Twin::new(&world.setup(3)).unwrap();
+        {
+            let mut cell = cell(&world, &planner, &mut twin);
+            let mut over = cell.hand.seen.x_wt;
+            over.translation.z = 0.15;
+            over.rotation = ramp_skills::grasp::hand_down(0.0);
+            cell.travel(&over).unwrap();
+            // Its fingers end 19 mm below the tip.
+            let table = Translation3::new(0.0, 0.0, -0.143) * over;
+            let met = if free {
+                let path = planner.straight(&cell.hand.joints(), &table).unwrap();
+                cell.hand.follow(&Trajectory::new(&world.arm, path, 0.3)).unwrap_err()
+            } else {
+                cell.hand.relax();
+                cell.hand.go(&table, 0.2).unwrap_err()
+            };
+            assert!(matches!(met, SkillError::Fault(Fault::Overload { .. })), "{met}");
+            cell.hand.wait(0.5).unwrap();
+            let left = cell.hand.seen.wrench.fixed_rows::<3>(0).norm();
+            assert!(left < 10.0, "{left:.0} N are left");
+            let mut up = cell.hand.setpoint;
+            up.translation.z = 0.15;
+            cell.hand.go(&up, 0.2).unwrap();
+            assert!((cell.hand.seen.x_wt.translation.z - 0.15).abs() < 5.0e-3);
+        }
+        assert!(twin.largest_force() < 80.0, "free: {free}, {:.0} N", twin.largest_force());
+    }
 }

@@ -22,6 +22,12 @@ pub enum Fault {
         /// N.
         force: f64,
     },
+    /// A motion met more force than it ever should, and was broken off.
+    #[error("the hand meets {force:.0} N, and yields")]
+    Overload {
+        /// N.
+        force: f64,
+    },
     /// Two holes that should coincide do not.
     #[error("the holes of {connection} are {offset_mm:.2} mm apart")]
     Misaligned {

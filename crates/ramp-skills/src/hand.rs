@@ -1,5 +1,6 @@
 //! The hand: the only place that talks to the robot. Follows trajectories, moves in straight lines under
-//! impedance, opens and closes, and feels.
+//! impedance, opens and closes, and feels. Every motion is guarded: one that meets more force than any skill needs is
+//! broken off, and the hand yields.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_motion::{Joints, Trajectory};
@@ -9,6 +10,7 @@ use ramp_robot::{
 };
 
 use crate::Pose;
+use crate::fault::{Fault, SkillError};
 
 /// Length of a control period, s.
 pub const PERIOD: f64 = 0.001;
@@ -20,6 +22,14 @@ const STIFFNESS: [f64; 6] = [1500.0, 1500.0, 1500.0, 60.0, 60.0, 60.0];
 const OPENED: f64 = 1.0e-3;
 /// Fastest turn of a straight motion, rad/s.
 const TURN_SPEED: f64 = 0.5;
+
+/// Force on the wrist at which a motion through free space is broken off, N, more or less than where it began: to speed
+/// up what is held takes 3 N.
+const FREE_GUARD: f64 = 10.0;
+/// Force at which a motion in contact is broken off, N: a cap is swept to and fro with up to 38 N.
+const CONTACT_GUARD: f64 = 50.0;
+/// How long the hand yields after that, s.
+const YIELD: f64 = 0.1;
 
 /// A part between the fingers.
 #[derive(Clone, Debug)]
@@ -52,6 +62,8 @@ pub struct Hand<'r> {
     posture: Joints,
     tare: Vector6<f64>,
     last: Option<Command>,
+    /// The guard has struck, and the force has not fallen since.
+    struck: bool,
 }
 
 impl<'r> Hand<'r> {
@@ -66,6 +78,7 @@ impl<'r> Hand<'r> {
             posture: Joints::from(seen.positions),
             tare: Vector6::zeros(),
             last: None,
+            struck: false,
             robot,
             seen,
         }
@@ -114,15 +127,18 @@ impl<'r> Hand<'r> {
     /// Runs a timed joint path and waits until the arm has come to rest at its end.
     ///
     /// # Errors
-    /// The robot's.
-    pub fn follow(&mut self, trajectory: &Trajectory) -> Result<(), RobotError> {
+    /// [`Fault::Overload`], and the robot's.
+    pub fn follow(&mut self, trajectory: &Trajectory) -> Result<(), SkillError> {
         let periods = (trajectory.duration() / PERIOD).ceil() as usize;
+        let free = self.seen.wrench;
         for period in 1..=periods {
             self.joint_step(trajectory.at(period as f64 * PERIOD))?;
+            self.guard(&free, FREE_GUARD)?;
         }
         let end = trajectory.at(trajectory.duration());
         for _ in 0..300 {
             self.joint_step(end)?;
+            self.guard(&free, FREE_GUARD)?;
             if Joints::from(self.seen.velocities).amax() < 0.002 && (self.joints() - end).amax() < 0.004 {
                 break;
             }
@@ -164,8 +180,31 @@ impl<'r> Hand<'r> {
     /// One control period under impedance at the present setpoint.
     ///
     /// # Errors
-    /// The robot's.
-    pub fn tick(&mut self) -> Result<(), RobotError> {
+    /// [`Fault::Overload`], and the robot's.
+    pub fn tick(&mut self) -> Result<(), SkillError> {
+        self.impedance_step()?;
+        self.guard(&Vector6::zeros(), CONTACT_GUARD)
+    }
+
+    /// Breaks a motion off whose wrench differs from another one by more force than `limit`, N: the hand yields to where
+    /// it is. It does so once until the force has fallen to half of that, so that it can be led away.
+    fn guard(&mut self, from: &Vector6<f64>, limit: f64) -> Result<(), SkillError> {
+        let force = (self.seen.wrench - from).fixed_rows::<3>(0).norm();
+        if force < 0.5 * limit {
+            self.struck = false;
+        }
+        if force < limit || self.struck {
+            return Ok(());
+        }
+        self.struck = true;
+        self.relax();
+        for _ in 0..(YIELD / PERIOD).round() as usize {
+            self.impedance_step()?;
+        }
+        Err(Fault::Overload { force }.into())
+    }
+
+    fn impedance_step(&mut self) -> Result<(), RobotError> {
         let impedance = Impedance {
             x_wt: self.setpoint,
             stiffness: self.stiffness,
@@ -188,8 +227,8 @@ impl<'r> Hand<'r> {
     /// Waits under impedance, s.
     ///
     /// # Errors
-    /// The robot's.
-    pub fn wait(&mut self, seconds: f64) -> Result<(), RobotError> {
+    /// [`Fault::Overload`], and the robot's.
+    pub fn wait(&mut self, seconds: f64) -> Result<(), SkillError> {
         for _ in 0..(seconds / PERIOD).round() as usize {
             self.tick()?;
         }
@@ -200,13 +239,13 @@ impl<'r> Hand<'r> {
     /// or `stop` says so. Returns whether it was stopped; the setpoint then stays where it was.
     ///
     /// # Errors
-    /// The robot's.
+    /// [`Fault::Overload`], and the robot's.
     pub fn drive(
         &mut self,
         x_wt: &Pose,
         speed: f64,
         mut stop: impl FnMut(&Hand) -> bool,
-    ) -> Result<bool, RobotError> {
+    ) -> Result<bool, SkillError> {
         let from = self.setpoint;
         let distance = (x_wt.translation.vector - from.translation.vector).norm();
         let angle = from.rotation.angle_to(&x_wt.rotation);
@@ -230,16 +269,16 @@ impl<'r> Hand<'r> {
     /// Moves without a condition to stop.
     ///
     /// # Errors
-    /// The robot's.
-    pub fn go(&mut self, x_wt: &Pose, speed: f64) -> Result<(), RobotError> {
+    /// [`Fault::Overload`], and the robot's.
+    pub fn go(&mut self, x_wt: &Pose, speed: f64) -> Result<(), SkillError> {
         self.drive(x_wt, speed, |_| false).map(|_| ())
     }
 
     /// Opens or closes to `width` (m) with at most `force` (N) and waits until the fingers are still.
     ///
     /// # Errors
-    /// The robot's.
-    pub fn grip(&mut self, width: f64, force: f64) -> Result<(), RobotError> {
+    /// [`Fault::Overload`], and the robot's.
+    pub fn grip(&mut self, width: f64, force: f64) -> Result<(), SkillError> {
         self.gripper = GripperCommand { width, force };
         let opens = width > self.seen.width;
         let mut still = 0;
@@ -260,8 +299,8 @@ impl<'r> Hand<'r> {
     /// Takes the present reading of the wrist as zero.
     ///
     /// # Errors
-    /// The robot's.
-    pub fn zero(&mut self) -> Result<(), RobotError> {
+    /// [`Fault::Overload`], and the robot's.
+    pub fn zero(&mut self) -> Result<(), SkillError> {
         // The sensor's filter has a time constant of 20 ms: let the last motion fade out of it.
         self.wait(0.1)?;
         self.tare = self.seen.wrench;
@@ -282,8 +321,8 @@ impl<'r> Hand<'r> {
     /// `speed` (m/s). Keeps whatever lead the setpoint has over the tip.
     ///
     /// # Errors
-    /// The robot's.
-    pub fn correct(&mut self, x_wp: &Pose, x_wp_goal: &Pose, speed: f64) -> Result<(), RobotError> {
+    /// [`Fault::Overload`], and the robot's.
+    pub fn correct(&mut self, x_wp: &Pose, x_wp_goal: &Pose, speed: f64) -> Result<(), SkillError> {
         let target = self.corrected(x_wp, x_wp_goal);
         self.go(&target, speed)
     }
