@@ -24,8 +24,8 @@ const OPENED: f64 = 1.0e-3;
 const TURN_SPEED: f64 = 0.5;
 
 /// Force on the wrist at which a motion through free space is broken off, N, more or less than where it began: to speed
-/// up what is held takes 3 N.
-const FREE_GUARD: f64 = 10.0;
+/// up what is held takes 3 N, and fingers that come down around a beam brush along it with 11 N.
+const FREE_GUARD: f64 = 25.0;
 /// Force at which a motion in contact is broken off, N: a cap is swept to and fro with up to 38 N.
 const CONTACT_GUARD: f64 = 50.0;
 /// How long the hand yields after that, s.
