@@ -23,11 +23,9 @@ const OPENED: f64 = 1.0e-3;
 /// Fastest turn of a straight motion, rad/s.
 const TURN_SPEED: f64 = 0.5;
 
-/// Force on the wrist at which a motion through free space is broken off, N, more or less than where it began: to speed
-/// up what is held takes 3 N, and fingers that come down around a beam brush along it with 11 N.
-const FREE_GUARD: f64 = 25.0;
-/// Force at which a motion in contact is broken off, N: a cap is swept to and fro with up to 38 N.
-const CONTACT_GUARD: f64 = 50.0;
+/// Force on the wrist at which a motion is broken off, N. A cap is swept to and fro with up to 38 N, and fingers that come
+/// down around a beam may brush along it with 30 N.
+const GUARD: f64 = 50.0;
 /// How long the hand yields after that, s.
 const YIELD: f64 = 0.1;
 
@@ -130,15 +128,14 @@ impl<'r> Hand<'r> {
     /// [`Fault::Overload`], and the robot's.
     pub fn follow(&mut self, trajectory: &Trajectory) -> Result<(), SkillError> {
         let periods = (trajectory.duration() / PERIOD).ceil() as usize;
-        let free = self.seen.wrench;
         for period in 1..=periods {
             self.joint_step(trajectory.at(period as f64 * PERIOD))?;
-            self.guard(&free, FREE_GUARD)?;
+            self.guard()?;
         }
         let end = trajectory.at(trajectory.duration());
         for _ in 0..300 {
             self.joint_step(end)?;
-            self.guard(&free, FREE_GUARD)?;
+            self.guard()?;
             if Joints::from(self.seen.velocities).amax() < 0.002 && (self.joints() - end).amax() < 0.004 {
                 break;
             }
@@ -183,17 +180,17 @@ impl<'r> Hand<'r> {
     /// [`Fault::Overload`], and the robot's.
     pub fn tick(&mut self) -> Result<(), SkillError> {
         self.impedance_step()?;
-        self.guard(&Vector6::zeros(), CONTACT_GUARD)
+        self.guard()
     }
 
-    /// Breaks a motion off whose wrench differs from another one by more force than `limit`, N: the hand yields to where
-    /// it is. It does so once until the force has fallen to half of that, so that it can be led away.
-    fn guard(&mut self, from: &Vector6<f64>, limit: f64) -> Result<(), SkillError> {
-        let force = (self.seen.wrench - from).fixed_rows::<3>(0).norm();
-        if force < 0.5 * limit {
+    /// Breaks a motion off that meets more force than any skill needs: the hand yields to where it is. It does so once
+    /// until the force has fallen to half of that, so that it can be led away.
+    fn guard(&mut self) -> Result<(), SkillError> {
+        let force = self.seen.wrench.fixed_rows::<3>(0).norm();
+        if force < 0.5 * GUARD {
             self.struck = false;
         }
-        if force < limit || self.struck {
+        if force < GUARD || self.struck {
             return Ok(());
         }
         self.struck = true;
