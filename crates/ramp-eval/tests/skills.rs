@@ -186,6 +186,31 @@ fn a_beam_is_regrasped_by_another_link_and_inserted() {
     assert!(off < 2.0e-3, "b5 stands {:.2} mm from its place", off * 1e3);
 }
 
+/// A beam that turned in the hand is made level by a hand that leans. Its ribs must not take the beam along when they open.
+#[test]
+fn a_beam_that_turned_in_the_hand_stays_where_it_is_let_go() {
+    let world = World::new("easy-3");
+    let planner = PathPlanner::new(&world.arm);
+    let b4 = world.assembly.beam_index("b4").unwrap();
+    let mut setup = world.setup(5);
+    setup.track = Track::Tags;
+    setup.fault = Some("beam-turned@1".parse().unwrap());
+    let mut twin = Twin::new(&setup).unwrap();
+    {
+        let mut cell = cell(&world, &planner, &mut twin);
+        cell.pick_up("b4", Some("b4l2")).unwrap();
+        cell.rise().unwrap();
+        cell.approach_beam(b4).unwrap();
+        cell.assemble(b4, false).unwrap();
+    }
+    let truth = twin.truth();
+    let b4_at = truth.x_wp[twin.part_names().position(|part| part == "b4").unwrap()];
+    let place = world.kit.x_wa() * world.assembly.beams[b4].x_ab;
+    let off = (b4_at.translation.vector - place.translation.vector).norm();
+    assert!(off < 2.0e-3, "b4 stands {:.2} mm from its place", off * 1e3);
+    assert!(twin.largest_force() < 35.0, "{:.0} N", twin.largest_force());
+}
+
 /// A hand that is led into the table, fast through what it holds to be free space or slowly under impedance, breaks off,
 /// yields and can be led away; what breaks grippers is never met.
 #[test]

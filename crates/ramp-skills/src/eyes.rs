@@ -140,6 +140,8 @@ impl Eyes {
     fn tell(&mut self, oddity: Oddity) {
         let told = match oddity {
             Oddity::NotLying { part } => return self.upset.push(part),
+            // What was read once may have been misread; a tag that is there is read again.
+            Oddity::UnknownTag { id } if self.told.insert(format!("once {id}")) => return,
             Oddity::UnknownTag { id } => format!("unknown {id}"),
             Oddity::SameTagTwice { id, .. } => format!("twice {id}"),
             Oddity::TagsDisagree { ref part, .. } => format!("disagree {part}"),

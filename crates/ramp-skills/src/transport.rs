@@ -16,7 +16,7 @@ use crate::diagnosis::Stand;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{
     self, BEAM_OPEN, BEAM_RELEASE, BEAM_WIDTH, GRIP_FORCE, PEG_OPEN, PEG_WIDTH, SQUEEZE, beam_grasp,
-    peg_grasp,
+    hand_down, peg_grasp,
 };
 use crate::hand::{Hand, Held};
 
@@ -32,6 +32,8 @@ const STRAYED: f64 = 10.0e-3;
 const SLIPPED: f64 = 30.0e-3;
 /// Force on the table or the holder at which a part counts as put down, N.
 const PUT_DOWN_LIMIT: f64 = 8.0;
+/// By how much a hand may lean when it lets go of a beam, rad.
+const ASLANT: f64 = 0.02;
 /// How well the joints that a beam is to meet must be known before it is fetched, m.
 const KNOWN: f64 = 0.25e-3;
 /// How far a fresh grasp is lifted before anything else, m.
@@ -359,13 +361,29 @@ impl Workcell<'_, '_> {
         self.release()
     }
 
+    /// Turns a hand that leans straight down again: it leans when the beam in it has turned and was made level, and then its
+    /// ribs stand aslant in the beam's slots, which follow a finger that opens.
+    fn straighten(&mut self) -> Result<(), SkillError> {
+        let rotation = self.hand.setpoint.rotation;
+        if (rotation * Vector3::z()).angle(&-Vector3::z()) < ASLANT {
+            return Ok(());
+        }
+        let across = rotation * Vector3::x();
+        let mut straight = self.hand.setpoint;
+        straight.rotation = hand_down(across.y.atan2(across.x));
+        self.hand.go(&straight, 0.02)
+    }
+
     /// Lets go of what is held and retreats straight up.
     ///
     /// # Errors
     /// The robot's.
     pub fn release(&mut self) -> Result<(), SkillError> {
-        let held = self.hand.held.take();
         self.hand.relax();
+        if self.hand.held.as_ref().is_some_and(|held| self.kit.beam(&held.part).is_some()) {
+            self.straighten()?;
+        }
+        let held = self.hand.held.take();
         self.belief.update(&mut self.hand)?;
         if let Some(held) = &held {
             self.belief.released(&held.part);
