@@ -91,7 +91,7 @@ pub struct Eyes {
     /// Robot time that the last look took, s.
     cost: f64,
     complaints: Vec<String>,
-    /// Oddities that have been told.
+    /// Oddities that have been told, and tags of no part that were read once.
     told: BTreeSet<String>,
     /// Parts that were seen not to lie as they were believed to.
     upset: Vec<String>,
@@ -140,9 +140,13 @@ impl Eyes {
     fn tell(&mut self, oddity: Oddity) {
         let told = match oddity {
             Oddity::NotLying { part } => return self.upset.push(part),
-            // What was read once may have been misread; a tag that is there is read again.
-            Oddity::UnknownTag { id } if self.told.insert(format!("once {id}")) => return,
-            Oddity::UnknownTag { id } => format!("unknown {id}"),
+            Oddity::UnknownTag { id } => {
+                // What was read once may have been misread; a tag that is there is read again.
+                if self.told.insert(format!("once {id}")) {
+                    return;
+                }
+                format!("unknown {id}")
+            }
             Oddity::SameTagTwice { id, .. } => format!("twice {id}"),
             Oddity::TagsDisagree { ref part, .. } => format!("disagree {part}"),
             _ => return,

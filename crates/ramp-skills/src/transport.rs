@@ -34,6 +34,8 @@ const SLIPPED: f64 = 30.0e-3;
 const PUT_DOWN_LIMIT: f64 = 8.0;
 /// By how much a hand may lean when it lets go of a beam, rad.
 const ASLANT: f64 = 0.02;
+/// Force at which it stops turning straight, N: well below that which breaks every motion off.
+const STRAIGHTEN_LIMIT: f64 = 25.0;
 /// How well the joints that a beam is to meet must be known before it is fetched, m.
 const KNOWN: f64 = 0.25e-3;
 /// How far a fresh grasp is lifted before anything else, m.
@@ -362,7 +364,7 @@ impl Workcell<'_, '_> {
     }
 
     /// Turns a hand that leans straight down again: it leans when the beam in it has turned and was made level, and then its
-    /// ribs stand aslant in the beam's slots, which follow a finger that opens.
+    /// ribs stand aslant in the beam's slots, which follow a finger that opens. What resists stops it: the fingers open anyway.
     fn straighten(&mut self) -> Result<(), SkillError> {
         let rotation = self.hand.setpoint.rotation;
         if (rotation * Vector3::z()).angle(&-Vector3::z()) < ASLANT {
@@ -371,13 +373,15 @@ impl Workcell<'_, '_> {
         let across = rotation * Vector3::x();
         let mut straight = self.hand.setpoint;
         straight.rotation = hand_down(across.y.atan2(across.x));
-        self.hand.go(&straight, 0.02)
+        self.hand.drive(&straight, 0.02, |hand| hand.force().norm() > STRAIGHTEN_LIMIT)?;
+        self.hand.relax();
+        Ok(())
     }
 
     /// Lets go of what is held and retreats straight up.
     ///
     /// # Errors
-    /// The robot's.
+    /// [`Fault::Overload`], and the robot's.
     pub fn release(&mut self) -> Result<(), SkillError> {
         self.hand.relax();
         if self.hand.held.as_ref().is_some_and(|held| self.kit.beam(&held.part).is_some()) {
