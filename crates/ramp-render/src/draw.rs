@@ -30,20 +30,23 @@ const FLOOR_COLOUR: [f32; 3] = [0.13, 0.13, 0.13];
 /// What is seen where nothing is.
 const WALL_COLOUR: [f32; 3] = [0.55, 0.57, 0.60];
 /// Cells of the shadow map per metre, and how much of the light a shadow leaves.
-const SHADOW_SCALE: f32 = 300.0;
+const SHADOW_SCALE: f32 = 200.0;
 const SHADOW_LEFT: f32 = 0.55;
 /// Shadows are cast up to so far beyond what a camera sees of the table, m: more than their edges are wide.
 const SHADOW_EDGE: f32 = 0.1;
 /// Cells over which a shadow's edge is spread.
 const WIDE: u16 = 5;
-/// What a cell of the table shows: something to be looked at closely, nothing but table, or nothing but paper.
+/// What is at a place: something to be looked at closely, nothing but table, nothing but paper, the floor beside the table,
+/// or, where one does not look down at all, the wall.
 const DETAIL: u8 = 0;
 const TABLE_TOP: u8 = 1;
 const PAPER: u8 = 2;
-/// Pixels along a row that are coloured at once where there is nothing to be seen, and how far apart on the table their
-/// ends may be, m: twice what is known to be bare around a cell.
-const STRIDE: usize = 8;
-const BARE: f32 = 13.0e-3;
+const FLOOR: u8 = 3;
+const WALL: u8 = 4;
+/// Pixels along a row between two whose places on the table are worked out, from near and from far, and how far apart those
+/// may be, m: twice what is known to be bare around a cell, and less than the width of any shadow.
+const STRIDES: [usize; 2] = [16, 8];
+const BARE: f32 = 20.0e-3;
 /// A body of which a pixel covers more than this is drawn with less detail, m.
 const FAR_PIXEL: f32 = 0.8e-3;
 /// Marks a pixel that shows a tag.
@@ -86,10 +89,8 @@ pub struct Renderer {
     shadow: Vec<u8>,
     /// Sums while shadows' edges are made soft.
     sums: [Vec<u16>; 2],
-    /// For each cell of the map what is there without shadows, and in this picture: [`TABLE_TOP`], [`PAPER`] or
-    /// [`DETAIL`].
+    /// For each cell of the map what is there: [`TABLE_TOP`], [`PAPER`] or [`DETAIL`].
     bare: Vec<u8>,
-    plain: Vec<u8>,
     /// For each cell of the map the shadow on it, on its right neighbour, and on the two below, a byte each.
     soft: Vec<u32>,
 }
@@ -151,7 +152,6 @@ impl Renderer {
             screen: Vec::new(),
             shadow: vec![0; cells[0] * cells[1]],
             sums: [0, 1].map(|_| vec![0; cells[0] * cells[1]]),
-            plain: vec![DETAIL; cells[0] * cells[1]],
             soft: vec![0; cells[0] * cells[1]],
         }
     }
@@ -438,28 +438,22 @@ impl Renderer {
         for ((((soft, a), b), c), d) in self.soft.iter_mut().zip(a).zip(b).zip(c).zip(d) {
             *soft = u32::from(*a) | u32::from(*b) << 8 | u32::from(*c) << 16 | u32::from(*d) << 24;
         }
-        for sum in sums.iter_mut() {
-            *sum = u16::from(*sum > 0);
-        }
-        spread(sums, marks, columns);
-        for ((plain, bare), sum) in self.plain.iter_mut().zip(&self.bare).zip(&*sums) {
-            *plain = if *sum == 0 { *bare } else { DETAIL };
-        }
     }
 
     /// Colours every pixel, blurs as the lens does, and lets the sensor count the light.
     fn expose(&mut self, looks: &Looks, x_wc: &Pose, sensor: &mut Sensor) -> Vec<u8> {
         let (width, height) = (self.lens.model.width, self.lens.model.height);
         sensor.begin();
-        let mut image = vec![0u8; width * height * 3];
+        let mut image = Vec::with_capacity(width * height * 3);
         // A row of linear light with its first and last pixel repeated, and the last three rows, blurred.
         let mut light = vec![0u16; 3 * (width + 2)];
         let mut rows = vec![vec![0u16; 3 * width]; 3];
         let mut mixed = vec![0u16; 3 * width];
         let table = Table::new(looks, x_wc, &self.lens.model);
+        let mut nodes = vec![[0.0; 2]; width.div_ceil(table.stride) + 1];
         for y in 0..=height {
             if y < height {
-                self.colour_row(looks, &table, y, &mut light[3..3 * (width + 1)]);
+                self.colour_row(looks, &table, y, &mut nodes, &mut light[3..3 * (width + 1)]);
                 light.copy_within(3..6, 0);
                 light.copy_within(3 * width..3 * (width + 1), 3 * (width + 1));
                 blur(&mut rows[y % 3], &light, &light[3..], &light[6..]);
@@ -471,25 +465,38 @@ impl Renderer {
             let here = &rows[(y - 1) % 3];
             let below = &rows[y.min(height - 1) % 3];
             blur(&mut mixed, above, here, below);
-            sensor.expose(&mixed, &mut image[(y - 1) * width * 3..y * width * 3]);
+            sensor.expose(&mixed, &mut image);
         }
         image
     }
 
-    fn colour_row(&self, looks: &Looks, table: &Table<'_>, y: usize, light: &mut [u16]) {
+    fn colour_row(
+        &self,
+        looks: &Looks,
+        table: &Table<'_>,
+        y: usize,
+        nodes: &mut [[f32; 2]],
+        light: &mut [u16],
+    ) {
         let width = self.lens.model.width;
         let [dx, dy] = self.lens.row(y);
+        for (index, node) in nodes.iter_mut().enumerate() {
+            let x = (index * table.stride).min(width - 1);
+            *node = table.place(dx[x], dy[x]);
+        }
         let shown = &self.shown[y * width..][..width];
         let mut x = 0;
         while x < width {
             // A run of pixels that show one thing.
             let what = shown[x];
-            let end = shown[x..].iter().position(|next| *next != what).map_or(width, |length| x + length);
+            let end = x + run(&shown[x..]);
             if what == 0 {
-                let stretches = light[3 * x..3 * end].chunks_mut(3 * STRIDE);
-                for (light, from) in stretches.zip((x..end).step_by(STRIDE)) {
-                    let to = from + light.len() / 3;
-                    table.stretch(looks, &self.plain, &self.soft, [&dx[from..to], &dy[from..to]], light);
+                let mut from = x;
+                while from < end {
+                    let to = end.min((from / table.stride + 1) * table.stride);
+                    let light = &mut light[3 * from..3 * to];
+                    table.stretch(looks, (&self.bare, &self.soft), [dx, dy], nodes, from, light);
+                    from = to;
                 }
             } else if what & TAG == 0 {
                 let colour = self.palette[what as usize];
@@ -507,6 +514,16 @@ impl Renderer {
             x = end;
         }
     }
+}
+
+/// How many show the same as the first: several at once as long as that is so.
+#[inline]
+fn run(shown: &[u32]) -> usize {
+    const MANY: usize = 8;
+    let what = shown.first().copied().unwrap_or_default();
+    let same = |many: &[u32; MANY]| many.iter().fold(0, |others, next| others | next ^ what) == 0;
+    let whole = MANY * shown.as_chunks().0.iter().take_while(|many| same(many)).count();
+    whole + shown[whole..].iter().take_while(|next| **next == what).count()
 }
 
 /// Pixels along a row for which the way to the next direction is taken to be the same.
@@ -620,12 +637,14 @@ fn blur(mixed: &mut [u16], before: &[u16], here: &[u16], after: &[u16]) {
 struct Table<'a> {
     turn: [[f32; 3]; 3],
     eye: [f32; 3],
+    /// One of [`STRIDES`].
+    stride: usize,
     /// The sheet's picture, about as fine as the image.
     sheet: Level<'a>,
     /// The sheet's colours by their numbers where no shadow falls.
     ink: [[u16; 3]; 256],
-    plain: [[u16; 3]; 3],
-    paper: [u16; 3],
+    /// Colours without shadows by what is there, [`TABLE_TOP`] to [`WALL`].
+    plain: [[u16; 3]; WALL as usize + 1],
 }
 
 /// A colour of which the bytes are red, green and blue, lowest first, in light of which `lit` is 256 times what a
@@ -644,14 +663,21 @@ impl<'a> Table<'a> {
         // What a pixel covers where the optical axis meets the table, or straight below.
         let down = -rigid.turn[2][2];
         let distance = if down > 0.3 { rigid.shift[2] / down } else { rigid.shift[2] };
-        let sheet = looks.sheet.on(looks.sheet.level(distance.max(0.01) / model.focal[0] as f32));
+        let pixel = distance.max(0.01) / model.focal[0] as f32;
+        // A little room for what is further away than the middle.
+        let [near, far] = STRIDES;
+        let stride = if 1.5 * pixel * (near as f32) < BARE { near } else { far };
+        let sheet = looks.sheet.on(looks.sheet.level(pixel));
         let lit = light_on(&[0.0, 0.0, 1.0]);
         let colour = |colour: [f32; 3], light: f32| colour.map(|share| linear(share * light));
-        let plain = [colour(TABLE_COLOUR, lit), colour(FLOOR_COLOUR, 0.8 * lit), colour(WALL_COLOUR, 1.0)];
-        let lit = (lit * f32::from(FULL) / 255.0 * 256.0) as u32;
-        let paper = shine(looks.sheet.paper(), lit);
-        let ink = std::array::from_fn(|number| shine(sheet.colour(number as u8), lit));
-        Table { turn: rigid.turn, eye: rigid.shift, sheet, ink, plain, paper }
+        let of_255 = (lit * f32::from(FULL) / 255.0 * 256.0) as u32;
+        let ink = std::array::from_fn(|number| shine(sheet.colour(number as u8), of_255));
+        let mut plain = [[0; 3]; WALL as usize + 1];
+        plain[usize::from(TABLE_TOP)] = colour(TABLE_COLOUR, lit);
+        plain[usize::from(PAPER)] = shine(looks.sheet.paper(), of_255);
+        plain[usize::from(FLOOR)] = colour(FLOOR_COLOUR, 0.8 * lit);
+        plain[usize::from(WALL)] = colour(WALL_COLOUR, 1.0);
+        Table { turn: rigid.turn, eye: rigid.shift, stride, sheet, ink, plain }
     }
 
     /// Where a pixel looks on the table, m in the world.
@@ -659,76 +685,84 @@ impl<'a> Table<'a> {
     fn place(&self, dx: f32, dy: f32) -> [f32; 2] {
         let [tx, ty, tz] = self.turn;
         let fall = tz[0] * dx + tz[1] * dy + tz[2];
-        if fall > -1e-3 {
-            return [ABOVE; 2];
-        }
         let t = -self.eye[2] / fall;
         let (x, y) = (tx[0] * dx + tx[1] * dy + tx[2], ty[0] * dx + ty[1] * dy + ty[2]);
-        [self.eye[0] + t * x, self.eye[1] + t * y]
+        let down = fall <= -1e-3;
+        [(self.eye[0], x), (self.eye[1], y)].map(|(eye, way)| if down { eye + t * way } else { ABOVE })
     }
 
-    /// Colours a few neighbouring pixels.
-    fn stretch(&self, looks: &Looks, plain: &[u8], soft: &[u32], [dx, dy]: [&[f32]; 2], light: &mut [u16]) {
+    /// Colours the pixels from `x` on, which all show the table. `nodes` are the places of each `stride`th pixel of the row
+    /// and of its last: between two that are close to each other, places and shadows go straight.
+    fn stretch(
+        &self,
+        looks: &Looks,
+        (bare, soft): (&[u8], &[u32]),
+        [dx, dy]: [&[f32]; 2],
+        nodes: &[[f32; 2]],
+        x: usize,
+        light: &mut [u16],
+    ) {
+        let (index, skip) = (x / self.stride, x % self.stride);
+        let (from, to) = (nodes[index], nodes[index + 1]);
         let pixels = light.chunks_exact_mut(3);
-        if let ([first_x, .., last_x], [first_y, .., last_y]) = (dx, dy) {
-            let (from, to) = (self.place(*first_x, *first_y), self.place(*last_x, *last_y));
-            let close = (to[0] - from[0]).abs().max((to[1] - from[1]).abs()) < BARE;
-            let kinds = (kind(plain, from), kind(plain, to));
-            let whole = match kinds {
-                (TABLE_TOP, TABLE_TOP) => Some(self.plain[0]),
-                (PAPER, PAPER) => Some(self.paper),
-                _ => None,
-            };
-            if let Some(colour) = whole.filter(|_| close) {
-                return pixels.for_each(|light| light.copy_from_slice(&colour));
-            }
-            if close && on_sheet(looks, from) && on_sheet(looks, to) {
-                // Places and shadow between the two ends: straight.
-                let share = 1.0 / (dx.len() - 1) as f32;
-                let (step_x, step_y) = ((to[0] - from[0]) * share, (to[1] - from[1]) * share);
-                let numbers = self.sheet.along(
-                    [from[0] - looks.sheet_corner[0], looks.sheet_corner[1] - from[1]],
-                    [step_x, -step_y],
-                );
-                let [first, last] = [from, to].map(|at| shade_at(soft, at));
-                if first == 256 && last == 256 {
-                    for (light, number) in pixels.zip(numbers) {
-                        light.copy_from_slice(&self.ink[usize::from(number)]);
-                    }
-                    return;
-                }
-                let [first, last] = [first, last].map(|left| left as f32);
-                let fade = (last - first) * share;
-                for ((light, number), index) in pixels.zip(numbers).zip(0i32..) {
-                    let left = (first + index as f32 * fade) as u32;
+        let close = (to[0] - from[0]).abs().max((to[1] - from[1]).abs()) < BARE;
+        let (what, other) = (kind(bare, from), kind(bare, to));
+        let plain = what == other && what != DETAIL;
+        if close && (plain || on_sheet(looks, from) && on_sheet(looks, to)) {
+            let share = 1.0 / (dx.len() - 1 - index * self.stride).clamp(1, self.stride) as f32;
+            let [left, last] = if what < FLOOR { [from, to].map(|at| shade_at(soft, at)) } else { [256; 2] };
+            // In 65536th parts.
+            let fade = ((last as f32 - left as f32) * 65536.0 * share) as i32;
+            let begin = ((left as i32) << 16) + skip as i32 * fade;
+            let lefts = (0..).map(|step| ((begin + step * fade) >> 16) as u32);
+            if plain && fade == 0 {
+                let colour = dimmed(self.plain[usize::from(what)], left);
+                pixels.for_each(|light| light.copy_from_slice(&colour));
+            } else if plain {
+                let colour = self.plain[usize::from(what)];
+                pixels.zip(lefts).for_each(|(light, left)| light.copy_from_slice(&dimmed(colour, left)));
+            } else {
+                let step = [(to[0] - from[0]) * share, (from[1] - to[1]) * share];
+                let skip = skip as f32;
+                let at = [
+                    from[0] - looks.sheet_corner[0] + skip * step[0],
+                    looks.sheet_corner[1] - from[1] + skip * step[1],
+                ];
+                for ((light, number), left) in pixels.zip(self.sheet.along(at, step)).zip(lefts) {
                     light.copy_from_slice(&self.faded(number, left));
                 }
-                return;
             }
+            return;
         }
-        for ((light, dx), dy) in pixels.zip(dx).zip(dy) {
-            light.copy_from_slice(&self.colour(looks, soft, self.place(*dx, *dy)));
+        for ((light, dx), dy) in pixels.zip(&dx[x..]).zip(&dy[x..]) {
+            light.copy_from_slice(&self.colour(looks, (bare, soft), self.place(*dx, *dy)));
         }
     }
 
     /// The colour of that number on the sheet, of which shadows leave `left` of 256.
     #[inline]
     fn faded(&self, number: u8, left: u32) -> [u16; 3] {
-        self.ink[usize::from(number)].map(|value| ((u32::from(value) * left) >> 8) as u16)
+        dimmed(self.ink[usize::from(number)], left)
     }
 
-    fn colour(&self, looks: &Looks, soft: &[u32], at: [f32; 2]) -> [u16; 3] {
-        let inside = |axis: usize| at[axis] > TABLE[axis][0] && at[axis] < TABLE[axis][1];
-        if !(inside(0) && inside(1)) {
-            return self.plain[if at[0] == ABOVE { 2 } else { 1 }];
+    fn colour(&self, looks: &Looks, (bare, soft): (&[u8], &[u32]), at: [f32; 2]) -> [u16; 3] {
+        let what = kind(bare, at);
+        if what >= FLOOR {
+            return self.plain[usize::from(what)];
         }
         let left = shade_at(soft, at);
         if on_sheet(looks, at) {
             let number = self.sheet.at(at[0] - looks.sheet_corner[0], looks.sheet_corner[1] - at[1]);
             return self.faded(number, left);
         }
-        self.plain[0].map(|value| ((u32::from(value) * left) >> 8) as u16)
+        dimmed(self.plain[usize::from(TABLE_TOP)], left)
     }
+}
+
+/// A colour of which shadows leave `left` of 256.
+#[inline]
+fn dimmed(colour: [u16; 3], left: u32) -> [u16; 3] {
+    colour.map(|value| ((u32::from(value) * left) >> 8) as u16)
 }
 
 #[inline]
@@ -737,13 +771,18 @@ fn on_sheet(looks: &Looks, [x, y]: [f32; 2]) -> bool {
     u > 0.0 && v > 0.0 && u < looks.sheet_size[0] && v < looks.sheet_size[1]
 }
 
-/// What is known of a place's cell: see [`Renderer::plain`].
+/// What is at a place or near it.
 #[inline]
-fn kind(plain: &[u8], [x, y]: [f32; 2]) -> u8 {
+fn kind(bare: &[u8], [x, y]: [f32; 2]) -> u8 {
     let (column, row) = ((x - TABLE[0][0]) * SHADOW_SCALE, (y - TABLE[1][0]) * SHADOW_SCALE);
     let [columns, rows] = shadow_size();
-    let inside = column >= 0.0 && row >= 0.0 && column < columns as f32 && row < rows as f32;
-    if inside { plain[row as usize * columns + column as usize] } else { DETAIL }
+    if column >= 0.0 && row >= 0.0 && column < columns as f32 && row < rows as f32 {
+        bare[row as usize * columns + column as usize]
+    } else if x == ABOVE {
+        WALL
+    } else {
+        FLOOR
+    }
 }
 
 /// How much light reaches a place on the table, of 256.

@@ -60,15 +60,15 @@ impl Sensor {
         }
     }
 
-    /// Writes a row of pixels from linear light: red, green and blue.
-    pub(crate) fn expose(&mut self, light: &[u16], row: &mut [u8]) {
+    /// Adds a row of pixels to an image from linear light: red, green and blue.
+    pub(crate) fn expose(&mut self, light: &[u16], image: &mut Vec<u8>) {
         let room = self.noise.len().saturating_sub(light.len());
         let at = (self.stream.uniform() * room as f64) as usize;
         // First what cannot be done several at once, then what can.
         self.row.clear();
         self.row.extend(light.iter().map(|light| self.tone[usize::from(light & FULL)]));
-        for ((tone, noise), out) in self.row.iter().zip(&self.noise[at..]).zip(row) {
-            *out = ((tone + noise) >> FINE.trailing_zeros()).clamp(0, 255) as u8;
-        }
+        let grey =
+            |(tone, noise): (&i16, &i16)| ((tone + noise) >> FINE.trailing_zeros()).clamp(0, 255) as u8;
+        image.extend(self.row.iter().zip(&self.noise[at..]).map(grey));
     }
 }

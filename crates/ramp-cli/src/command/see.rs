@@ -228,6 +228,11 @@ fn write_depth(path: &Path, image: &Image, depth: &[f32]) -> Result<(), Report> 
     write_pixels(path, image, &bytes, png::ColorType::Grayscale, png::BitDepth::Sixteen)
 }
 
+/// An error's figures, or a dash where there are none because nothing was found.
+fn error(value: f64) -> String {
+    if value.is_finite() { format!("{value:>6.3}") } else { format!("{:>6}", "–") }
+}
+
 /// The table of a verdict.
 fn table(verdict: &Verdict) -> String {
     let mut text = String::from(
@@ -236,7 +241,7 @@ fn table(verdict: &Verdict) -> String {
     for line in verdict.lines.iter().chain(&verdict.distances) {
         let _ = writeln!(
             text,
-            "{:<9}  {:.2} – {:.2}  {:>2.0} – {:<2.0}  {:>5}  {:>4.0} %  {:>6.3} {:>6.3}   {:>6.3} {:>6.3}",
+            "{:<9}  {:.2} – {:.2}  {:>2.0} – {:<2.0}  {:>5}  {:>4.0} %  {} {}   {} {}",
             line.camera,
             line.distance[0],
             line.distance[1],
@@ -244,10 +249,10 @@ fn table(verdict: &Verdict) -> String {
             line.angle[1],
             line.parts,
             100.0 * line.found as f64 / line.parts.max(1) as f64,
-            line.position[0] * 1e3,
-            line.position[1] * 1e3,
-            line.turn[0].to_degrees(),
-            line.turn[1].to_degrees(),
+            error(line.position[0] * 1e3),
+            error(line.position[1] * 1e3),
+            error(line.turn[0].to_degrees()),
+            error(line.turn[1].to_degrees()),
         );
     }
     let _ = writeln!(
