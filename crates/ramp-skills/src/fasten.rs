@@ -116,7 +116,9 @@ impl Workcell<'_, '_> {
                 Err(SkillError::Fault(fault @ Fault::NotHeld { .. })) => return Err(fault.into()),
                 Err(SkillError::Fault(fault)) => {
                     self.note("fault", fault.to_string());
-                    self.diagnose(Cause::Jam, &fault);
+                    // The hole is where it was seen, so the tip cannot be where it is believed to be.
+                    let lost = matches!(fault, Fault::HoleNotFound { .. });
+                    self.diagnose(if lost { Cause::GripMoved } else { Cause::Jam }, &fault);
                     last = Some(fault);
                 }
                 Err(error) => return Err(error),
@@ -244,7 +246,7 @@ impl Workcell<'_, '_> {
         self.hand.drive(&down, 0.02, |hand| {
             -hand.force().z > TOUCH || hand.x_wp_held().is_some_and(|x| tip(&x) < -FOUND)
         })?;
-        if !self.hand.x_wp_held().is_some_and(|x| tip(&x) < -FOUND) {
+        if !self.is_in(plate) {
             let (begin, mut upright) = (self.hand.time(), false);
             self.spiral(plate, NEAR_TIME)?;
             if !self.is_in(plate) {
@@ -255,11 +257,12 @@ impl Workcell<'_, '_> {
             }
             let seconds = self.hand.time() - begin;
             self.note("search", format!("spiral at {name}, {seconds:.1} s"));
-            if seconds > NEAR_TIME && self.is_in(plate) && !upright {
-                self.diagnose(Cause::Jam, format!("{peg} went into {name} only after {seconds:.0} s"));
+            if seconds > NEAR_TIME && self.is_deeper(plate, 0.5 * FOUND) && !upright {
+                let words = format!("{peg} went into {name} only after {seconds:.0} s");
+                self.diagnose(Cause::GripMoved, words);
             }
         }
-        if !self.hand.x_wp_held().is_some_and(|x| tip(&x) < -0.5 * FOUND) {
+        if !self.is_deeper(plate, 0.5 * FOUND) {
             return Err(Fault::HoleNotFound { peg: peg.to_string(), connection: name }.into());
         }
         self.press(connection, peg)?;
@@ -280,8 +283,13 @@ impl Workcell<'_, '_> {
 
     /// Is the tip of the held peg so far below the plate (m, in the world) that it must be in the hole?
     fn is_in(&self, plate: f64) -> bool {
+        self.is_deeper(plate, FOUND)
+    }
+
+    /// Is the tip of the held peg that far (m) below the plate (m, in the world)?
+    fn is_deeper(&self, plate: f64, depth: f64) -> bool {
         let tip = self.hand.x_wp_held().map(|x| (x * Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate);
-        tip.is_some_and(|tip| tip < -FOUND)
+        tip.is_some_and(|tip| tip < -depth)
     }
 
     /// Searches for the hole along an Archimedean spiral with constant force down, until the tip drops in, for so many

@@ -37,6 +37,8 @@ const KNOWN: f64 = 0.15e-3;
 const LEVEL: f64 = 0.1e-3;
 /// How far an insertion may move the beams that it meets, m and rad.
 const BUMP: (f64, f64) = (0.3e-3, 0.06 / 180.0 * std::f64::consts::PI);
+/// Standing still for so long while it is felt in, a beam has met more than an edge, s.
+const STUCK: f64 = 2.5;
 /// How often an insertion that jams is tried again.
 const TRIES: usize = 4;
 /// Horizontal distance between two holes that a peg still pulls together, m.
@@ -249,17 +251,20 @@ impl Workcell<'_, '_> {
         self.glance()?;
         if stopped {
             let mut remaining = self.remaining(&name, &goal, &direction)?;
-            if remaining > HOME {
-                let met = format!("{name} meets {force:.0} N {:.1} mm before its place", remaining * 1e3);
-                self.diagnose(Cause::Jam, met);
-            }
+            let met = format!("{name} meets {force:.0} N {:.1} mm before its place", remaining * 1e3);
+            let mut stuck = remaining > HOME;
             if remaining > HOME && !cap {
                 let sleeve = self.sleeves(beam).next();
                 if let Some(sleeve) = sleeve {
                     goal.translation.z += self.touch_floor(&name, sleeve, &direction)?;
                 }
-                self.feel_in(&name, &goal, &direction, !loose.is_empty())?;
+                let stood = self.feel_in(&name, &goal, &direction, !loose.is_empty())?;
                 remaining = self.remaining(&name, &goal, &direction)?;
+                // Edges are met, and felt past; what holds a beam for longer is in its way.
+                stuck = stood > STUCK || remaining > HOME;
+            }
+            if stuck {
+                self.diagnose(Cause::Jam, met);
             }
             if remaining > HOME {
                 let jam = Fault::Jammed { part: name.clone(), remaining_mm: remaining * 1e3, force };

@@ -51,6 +51,9 @@ pub struct Arguments {
     output: PathBuf,
 }
 
+/// In the names of the files of controls, where those of others have their fault.
+const CONTROL: &str = "no-fault";
+
 /// One line of the table: a fault and a goal, or all goals.
 struct Row<'a> {
     fault: Fault,
@@ -94,17 +97,17 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     Ok(if lost { INCOMPLETE } else { DONE })
 }
 
-/// All episodes that are asked for: every fault and goal from the first seed before the second, so that a suite that is
-/// stopped has seen something of each.
+/// All episodes that are asked for, and their controls: every fault and goal from the first seed before the second, so
+/// that a suite that is stopped has seen something of each.
 fn plan(batch: &Batch, faults: &[Fault], arguments: &Arguments) -> Vec<Episode> {
     let mut episodes = Vec::new();
     for repeat in 1..=arguments.seeds {
         let seed = arguments.first_seed + u64::from(repeat - 1);
         for (goal, it) in batch.goals.iter().enumerate() {
-            for fault in faults {
-                let stem = format!("{}-{}-{fault}-{seed}", it.name, batch.track);
-                let (fault, outcome) = (Some(*fault), Outcome::Open);
-                episodes.push(Episode { goal, seed, repeat, fault, stem, outcome });
+            for fault in [None].into_iter().chain(faults.iter().copied().map(Some)) {
+                let name = fault.map_or_else(|| CONTROL.to_string(), |fault| fault.to_string());
+                let stem = format!("{}-{}-{name}-{seed}", it.name, batch.track);
+                episodes.push(Episode { goal, seed, repeat, fault, stem, outcome: Outcome::Open });
             }
         }
     }
@@ -118,12 +121,19 @@ fn result_of(episode: &Episode) -> Option<&EpisodeResult> {
     }
 }
 
+/// The result of the same goal and seed without a fault.
+fn control<'e>(episodes: &'e [Episode], episode: &Episode) -> Option<&'e EpisodeResult> {
+    let same = |it: &&Episode| it.fault.is_none() && (it.goal, it.seed) == (episode.goal, episode.seed);
+    episodes.iter().find(same).and_then(result_of)
+}
+
 fn rows<'a>(batch: &'a Batch, faults: &[Fault], episodes: &[Episode]) -> Vec<Row<'a>> {
     let mut rows = Vec::new();
     for fault in faults {
         let of = |wanted: Option<usize>| {
             let those = episodes.iter().filter(|it| it.fault == Some(*fault));
-            Tally::of(those.filter(|it| wanted.is_none_or(|goal| it.goal == goal)).map(result_of))
+            let those = those.filter(|it| wanted.is_none_or(|goal| it.goal == goal));
+            Tally::of(those.map(|it| [result_of(it), control(episodes, it)]))
         };
         for (index, goal) in batch.goals.iter().enumerate() {
             rows.push(Row { fault: *fault, goal: Some(&goal.name), tally: of(Some(index)) });
@@ -142,7 +152,7 @@ fn shortfalls(episodes: &[Episode]) -> impl Iterator<Item = (&Episode, String)> 
             Outcome::Lost(reason) => format!("lost: {reason}"),
             Outcome::Open => "not run".to_string(),
             Outcome::Finished(result) => {
-                let judgement = judge(result)?;
+                let judgement = judge(result, control(episodes, episode))?;
                 let short = result.pegs.len() - result.counted();
                 let pegs = if short > 0 { format!("{short} pegs short, ") } else { String::new() };
                 match judgement.told {
