@@ -208,7 +208,25 @@ fn a_beam_that_turned_in_the_hand_stays_where_it_is_let_go() {
     let place = world.kit.x_wa() * world.assembly.beams[b4].x_ab;
     let off = (b4_at.translation.vector - place.translation.vector).norm();
     assert!(off < 2.0e-3, "b4 stands {:.2} mm from its place", off * 1e3);
-    assert!(twin.largest_force() < 35.0, "{:.0} N", twin.largest_force());
+    assert!(twin.largest_force() < 50.0, "{:.0} N", twin.largest_force());
+}
+
+/// Five degrees about the fingers are two centimetres at the end of a long beam, which is held all the same.
+#[test]
+fn a_long_beam_that_turned_in_the_hand_is_not_lost() {
+    let world = World::new("medium-3");
+    let planner = PathPlanner::new(&world.arm);
+    let mut setup = world.setup(4);
+    setup.fault = Some("beam-turned@1".parse().unwrap());
+    let mut twin = Twin::new(&setup).unwrap();
+    let mut cell = cell(&world, &planner, &mut twin);
+    cell.pick_up("b1", Some("b1l2")).unwrap();
+    let before = cell.belief.pose("b1").unwrap().rotation;
+    cell.rise().unwrap();
+    cell.hand.wait(4.0).unwrap();
+    cell.regrip("b1").unwrap();
+    let turned = cell.belief.pose("b1").unwrap().rotation.angle_to(&before).to_degrees();
+    assert!(turned > 4.0, "it turned by {turned:.1}°");
 }
 
 /// A hand that is led into the table, fast through what it holds to be free space or slowly under impedance, breaks off,

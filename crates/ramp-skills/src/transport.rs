@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_motion::{Checker, MotionError, PathPlanner, Trajectory};
@@ -34,6 +34,12 @@ const SLIPPED: f64 = 30.0e-3;
 const PUT_DOWN_LIMIT: f64 = 8.0;
 /// By how much a hand may lean when it lets go of a beam, rad.
 const ASLANT: f64 = 0.02;
+/// Force of each finger while it turns straight, N.
+const LOOSE_GRIP: f64 = 5.0;
+/// By how much it may lean when it has turned straight, rad; and how often it turns for that.
+const STRAIGHT: f64 = 0.004;
+/// See [`STRAIGHT`].
+const STRAIGHTENINGS: usize = 5;
 /// Force at which it stops turning straight, N: well below that which breaks every motion off.
 const STRAIGHTEN_LIMIT: f64 = 25.0;
 /// How well the joints that a beam is to meet must be known before it is fetched, m.
@@ -326,6 +332,9 @@ impl Workcell<'_, '_> {
             let moved = x_tp.translation.vector - held.x_tp.translation.vector;
             let turned = x_tp.rotation.angle_to(&held.x_tp.rotation);
             slip = Some((moved.norm(), turned));
+            // What was between the fingers: far from there, a part that has turned in them is off by more.
+            let gripped = held.x_tp.inverse() * Point3::origin();
+            let moved = (x_tp * gripped).coords;
             held.x_tp = x_tp;
             // A beam may slip along the fingers and still be held.
             let along = if self.kit.beam(part).is_some() { SLIPPED } else { STRAYED };
@@ -366,14 +375,26 @@ impl Workcell<'_, '_> {
     /// Turns a hand that leans straight down again: it leans when the beam in it has turned and was made level, and then its
     /// ribs stand aslant in the beam's slots, which follow a finger that opens. What resists stops it: the fingers open anyway.
     fn straighten(&mut self) -> Result<(), SkillError> {
-        let rotation = self.hand.setpoint.rotation;
-        if (rotation * Vector3::z()).angle(&-Vector3::z()) < ASLANT {
+        let lean = |x_wt: &Pose| (x_wt.rotation * Vector3::z()).angle(&-Vector3::z());
+        if lean(&self.hand.setpoint) < ASLANT {
             return Ok(());
         }
-        let across = rotation * Vector3::x();
-        let mut straight = self.hand.setpoint;
-        straight.rotation = hand_down(across.y.atan2(across.x));
-        self.hand.drive(&straight, 0.02, |hand| hand.force().norm() > STRAIGHTEN_LIMIT)?;
+        // A beam that is held firmly turns along with the hand.
+        self.hand.grip(BEAM_WIDTH - SQUEEZE, LOOSE_GRIP)?;
+        // What is left holds against it: turned further until the hand is straight, not only where it is told to be.
+        for _ in 0..STRAIGHTENINGS {
+            let seen = self.hand.seen.x_wt;
+            if lean(&seen) < STRAIGHT {
+                break;
+            }
+            let across = seen.rotation * Vector3::x();
+            let straight = Pose::from_parts(seen.translation, hand_down(across.y.atan2(across.x)));
+            let target = self.hand.corrected(&seen, &straight);
+            if self.hand.drive(&target, 0.02, |hand| hand.force().norm() > STRAIGHTEN_LIMIT)? {
+                break;
+            }
+            self.hand.wait(0.1)?;
+        }
         self.hand.relax();
         Ok(())
     }
