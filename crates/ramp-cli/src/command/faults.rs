@@ -31,7 +31,7 @@ pub struct Arguments {
     track: TrackName,
     #[command(flatten)]
     agent: agent::Arguments,
-    /// Episodes of each goal under each fault, with seeds in a row
+    /// Episodes of each goal under each fault, and without any for comparison, with seeds in a row
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     seeds: u32,
     /// Seed of the first of them
