@@ -30,6 +30,8 @@ const SHORT_OF: f64 = 3.0e-3;
 const DRAGGED: (f64, f64) = (1.0e-3, 0.3 / 180.0 * std::f64::consts::PI);
 /// Tries.
 const TRIES: usize = 3;
+/// Motions of one push at most: friction on the table stops each of them a little short.
+const MOTIONS: usize = 6;
 
 impl Workcell<'_, '_> {
     /// Puts a standing beam right, holding it by `link`, and lets go.
@@ -66,9 +68,12 @@ impl Workcell<'_, '_> {
                 held.mass = 0.0;
             }
             self.hand.zero()?;
-            for _ in 0..2 {
+            for motion in 0..MOTIONS {
                 self.glance()?;
                 let x_wb = self.belief.pose(&name)?;
+                if motion > 1 && self.off(beam, &x_wb, &goal) < 0.5 * GOOD {
+                    break;
+                }
                 let target = self.hand.corrected(&x_wb, &goal);
                 self.hand.drive(&target, SPEED, |hand| hand.force().norm() > LIMIT)?;
                 self.hand.wait(0.1)?;
@@ -204,6 +209,12 @@ impl Workcell<'_, '_> {
         open.max_by(|(a, _), (b, _)| lever(*a).total_cmp(&lever(*b)))
     }
 
+    /// How far along the table the far end of a beam at `x_wb` is from where it is at `goal`, m.
+    fn off(&self, beam: usize, x_wb: &Pose, goal: &Pose) -> f64 {
+        let far = nalgebra::Point3::new(self.far_end(beam), 0.0, 0.0);
+        ((goal * far).xy() - (x_wb * far).xy()).norm()
+    }
+
     /// Distance from j1, m, of the end of a beam that is further from its pinned joint.
     fn far_end(&self, beam: usize) -> f64 {
         let placed = &self.assembly.beams[beam].beam;
@@ -221,7 +232,7 @@ impl Workcell<'_, '_> {
         let Some(anchor) = self.anchor(beam) else {
             let mut goal = self.target(beam)?;
             goal.translation.z = x_wb.translation.z;
-            return Ok((goal, ((goal * far).xy() - (x_wb * far).xy()).norm()));
+            return Ok((goal, self.off(beam, &x_wb, &goal)));
         };
         let pivot = x_wb * placed.beam.p_b_hole(anchor.joint);
         // Where it is to be pinned next to a beam that stands, that hole is what counts; else its far end.

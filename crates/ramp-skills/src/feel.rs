@@ -14,11 +14,14 @@ use crate::transport::Workcell;
 
 /// Speed with which a beam backs off and goes on, m/s.
 const SPEED: f64 = 0.03;
-/// Force along the way while a stalled beam is felt in, N, and the longest search, s: with more force, friction holds
-/// the edge against the search.
-const FEEL: (f64, f64) = (4.0, 60.0);
+/// Force along the way while a stalled beam is felt in, N: with more, friction holds the edge against the search.
+const FEEL: f64 = 4.0;
 /// The same through a sleeve that little holds: a beam on the table slides at 1.4 N, and turns at 0.7 N at its end.
-const LOOSE_FEEL: (f64, f64) = (0.7, 60.0);
+const LOOSE_FEEL: f64 = 0.7;
+/// The same for a cap, whose beam is pressed on the table and rubs there with 3 N.
+pub(crate) const CAP_FEEL: f64 = 8.0;
+/// The longest search, s.
+const LONGEST: f64 = 60.0;
 /// Smallest and largest swing across the way, m.
 const FEEL_SIZE: [f64; 2] = [0.8e-3, 2.0e-3];
 /// Swing about the vertical and about the horizontal across the way, rad.
@@ -44,8 +47,13 @@ const FEEL_CYCLE: f64 = 8.0;
 const FEEL_PACE: (f64, f64) = (15.0, 3.0e-3);
 /// How often a part that does not move is looked at, s.
 const LOOK_EVERY: f64 = 3.0;
-/// Progress that counts as having moved, m.
-const FEEL_PROGRESS: f64 = 0.3e-3;
+/// Progress that counts as having moved, m: so much within [`FEEL_PATIENCE`] a beam makes that nothing wedges.
+const FEEL_PROGRESS: f64 = 1.0e-3;
+
+/// Force along the way with which a beam is felt in, N, through sleeves that little holds or through others.
+pub(crate) fn feel_force(loose: bool) -> f64 {
+    if loose { LOOSE_FEEL } else { FEEL }
+}
 
 impl Workcell<'_, '_> {
     /// The beams, by name, that this beam passes through, that lie on the table, and that at most `pegs` hold: a beam
@@ -106,7 +114,7 @@ impl Workcell<'_, '_> {
         Ok(off)
     }
 
-    /// Feels a stalled beam in: a light push along its way, and a slow swing of growing size across it, up and down,
+    /// Feels a stalled beam in: a light push of `force` (N) along its way, and a slow swing of growing size across it, up and down,
     /// and about both, until the edge that it stands on gives way. An unchamfered edge (thru-m) stops dead unless it
     /// meets its female within 0.3 mm. Returns for how long at a time it stood still, s.
     pub(crate) fn feel_in(
@@ -114,9 +122,8 @@ impl Workcell<'_, '_> {
         part: &str,
         goal: &Pose,
         direction: &Vector3<f64>,
-        loose: bool,
+        force: f64,
     ) -> Result<f64, SkillError> {
-        let (force, longest) = if loose { LOOSE_FEEL } else { FEEL };
         let begin = self.hand.time();
         let across = Vector3::z().cross(direction);
         let (mut stalled_since, mut stood) = (begin, 0.0_f64);
@@ -126,7 +133,7 @@ impl Workcell<'_, '_> {
         // The line of the way in, as a correction of the setpoint taken anew at every look.
         let mut line = self.hand.setpoint;
         let mut ticks = 0u32;
-        while self.hand.time() - begin < longest {
+        while self.hand.time() - begin < LONGEST {
             if ticks.is_multiple_of(20) {
                 // A part that does not move may have moved in the hand.
                 if stalled_since.max(looked) + LOOK_EVERY < self.hand.time() {

@@ -1,12 +1,13 @@
 //! Inserting a beam: a male of it into the assembly (square), or males of the assembly into it (cap).
 
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::JointRef;
 use ramp_kit::joint::{self, BODY_WIDTH, FEMALE_HEIGHT};
 use ramp_robot::Cause;
 
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
+use crate::feel::{CAP_FEEL, feel_force};
 use crate::transport::Workcell;
 
 /// How high over its way a beam is brought to where its insertion begins, m.
@@ -17,6 +18,10 @@ const SPEED: f64 = 0.03;
 const SQUARE_LIMIT: f64 = 12.0;
 /// Force against the motion at which a cap stops, N.
 const CAP_LIMIT: f64 = 25.0;
+/// The same after a cap has jammed: what it met is to be felt past, and a beam that is pushed at one end turns in the hand.
+const CAP_TOUCH: f64 = 8.0;
+/// An end of a cap this far before its place is blocked, m: a male that stands on a face stands 22 mm before it.
+const CAP_BLOCKED: f64 = 4.0e-3;
 /// Force on the table at which a beam lies on it, N.
 const TABLE_LIMIT: f64 = 8.0;
 /// How far the spring is pulled past the goal of a cap, m: it seats each end on its stop wall.
@@ -222,7 +227,7 @@ impl Workcell<'_, '_> {
         // A loose beam turns about a single peg, too.
         let loose = self.loose_sleeves(beam, 1);
         let limit = if cap {
-            CAP_LIMIT
+            if attempt == 0 { CAP_LIMIT } else { CAP_TOUCH }
         } else if loose.is_empty() {
             SQUARE_LIMIT
         } else {
@@ -249,16 +254,19 @@ impl Workcell<'_, '_> {
             self.belief.bumped(&met, bump);
         }
         self.glance()?;
+        if cap {
+            return self.finish_cap(beam, &(Translation3::new(0.0, 0.0, height) * goal), force, attempt);
+        }
         if stopped {
             let mut remaining = self.remaining(&name, &goal, &direction)?;
             let met = format!("{name} meets {force:.0} N {:.1} mm before its place", remaining * 1e3);
             let mut stuck = remaining > HOME;
-            if remaining > HOME && !cap {
+            if remaining > HOME {
                 let sleeve = self.sleeves(beam).next();
                 if let Some(sleeve) = sleeve {
                     goal.translation.z += self.touch_floor(&name, sleeve, &direction)?;
                 }
-                let stood = self.feel_in(&name, &goal, &direction, !loose.is_empty())?;
+                let stood = self.feel_in(&name, &goal, &direction, feel_force(!loose.is_empty()))?;
                 remaining = self.remaining(&name, &goal, &direction)?;
                 // Edges are met, and felt past; what holds a beam for longer is in its way.
                 stuck = stood > STUCK || remaining > HOME;
@@ -267,23 +275,59 @@ impl Workcell<'_, '_> {
                 self.diagnose(Cause::Jam, met);
             }
             if remaining > HOME {
-                let jam = Fault::Jammed { part: name.clone(), remaining_mm: remaining * 1e3, force };
-                self.note("fault", jam.to_string());
-                // Back out to where it began, free of the joint.
-                let mut back = self.hand.setpoint;
-                back.translation = self.hand.seen.x_wt.translation;
-                let way = self.way(beam)?;
-                back.translation.vector -= direction * (way.distance + way.depth - remaining).max(0.0);
-                self.hand.go(&back, 0.05)?;
-                return Err(jam.into());
+                return self.back_out(beam, &direction, remaining, force);
             }
         }
-        if cap {
-            self.sweep()?;
-            self.belief.update(&mut self.hand)?;
-            return Ok(());
-        }
         self.seat(beam, &goal, height, limit, !loose.is_empty())
+    }
+
+    /// Ends a cap that has been pushed as far as it went, to `goal` if all is well: an end that is blocked is felt in, and
+    /// then both ends are swept home.
+    ///
+    /// A male that hangs in its joints, 0.3 mm low, comes over the lower plate with nothing to spare: an edge that a
+    /// fraction of a degree of roll lifts stops it.
+    fn finish_cap(&mut self, beam: usize, goal: &Pose, force: f64, attempt: usize) -> Result<(), SkillError> {
+        let name = self.assembly.beams[beam].beam.name.clone();
+        let direction = self.way_in(beam, goal)?;
+        let mut remaining = self.remaining(&name, goal, &direction)?;
+        if remaining > CAP_BLOCKED {
+            let met = format!("{name} meets {force:.0} N {:.1} mm before its place", remaining * 1e3);
+            self.diagnose(Cause::Jam, met);
+            if attempt > 0 {
+                self.feel_in(&name, goal, &direction, CAP_FEEL)?;
+                let mut home = self.hand.corrected(&self.belief.pose(&name)?, goal);
+                home.translation.vector += direction * CAP_OVERDRIVE;
+                self.hand.drive(&home, SPEED, |hand| hand.force().dot(&direction) > CAP_LIMIT)?;
+                self.hand.wait(0.15)?;
+                self.glance()?;
+                remaining = self.remaining(&name, goal, &direction)?;
+            }
+            if remaining > CAP_BLOCKED {
+                return self.back_out(beam, &direction, remaining, force);
+            }
+        }
+        self.sweep()?;
+        self.belief.update(&mut self.hand)?;
+        Ok(())
+    }
+
+    /// Backs a beam that jams out to where its insertion began, free of the joint. Always an error, the jam.
+    fn back_out(
+        &mut self,
+        beam: usize,
+        direction: &Vector3<f64>,
+        remaining: f64,
+        force: f64,
+    ) -> Result<(), SkillError> {
+        let part = self.assembly.beams[beam].beam.name.clone();
+        let jam = Fault::Jammed { part, remaining_mm: remaining * 1e3, force };
+        self.note("fault", jam.to_string());
+        let mut back = self.hand.setpoint;
+        back.translation = self.hand.seen.x_wt.translation;
+        let way = self.way(beam)?;
+        back.translation.vector -= direction * (way.distance + way.depth - remaining).max(0.0);
+        self.hand.go(&back, 0.05)?;
+        Err(jam.into())
     }
 
     /// Brings a held beam that is in its joints all the way to `goal`, as sight says: what remains is mostly a fraction
@@ -309,7 +353,7 @@ impl Workcell<'_, '_> {
                 return Ok(());
             }
             self.note("retry", format!("insert {name}, {:.1} mm short", remaining * 1e3));
-            self.feel_in(&name, goal, &direction, loose)?;
+            self.feel_in(&name, goal, &direction, feel_force(loose))?;
         }
         let (remaining, force) =
             (self.remaining(&name, goal, &direction)?, self.hand.force().dot(&direction));
@@ -330,7 +374,7 @@ impl Workcell<'_, '_> {
         let direction = self.way_in(beam, &goal)?;
         let loose = !self.loose_sleeves(beam, 1).is_empty();
         self.hand.zero()?;
-        self.feel_in(&name, &goal, &direction, loose)?;
+        self.feel_in(&name, &goal, &direction, feel_force(loose))?;
         let limit = if loose { LOOSE_LIMIT } else { SQUARE_LIMIT };
         let seated = self.seat(beam, &goal, 0.0, limit, loose);
         self.settle(beam)?;
@@ -339,7 +383,7 @@ impl Workcell<'_, '_> {
         seated
     }
 
-    /// How far a part still is from its place along `direction`, m.
+    /// How far a beam still is from its place along `direction`, m: that of its joints which is furthest from it.
     pub(crate) fn remaining(
         &self,
         part: &str,
@@ -347,7 +391,10 @@ impl Workcell<'_, '_> {
         direction: &Vector3<f64>,
     ) -> Result<f64, SkillError> {
         let x_wp = self.belief.pose(part)?;
-        Ok((goal.translation.vector - x_wp.translation.vector).dot(direction))
+        let short = |p: Point3<f64>| (goal * p - x_wp * p).dot(direction);
+        let joints = self.kit.beam(part).map_or(&[][..], |beam| &beam.joints);
+        let joints = joints.iter().map(|joint| Point3::new(joint.offset, 0.0, 0.0));
+        Ok(joints.map(short).fold(short(Point3::origin()), f64::max))
     }
 
     /// Brings the held part to a pose in free space, looking again on the way.
