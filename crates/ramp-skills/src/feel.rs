@@ -14,18 +14,50 @@ use crate::transport::Workcell;
 
 /// Speed with which a beam backs off and goes on, m/s.
 const SPEED: f64 = 0.03;
-/// Force along the way while a stalled beam is felt in, N: with more, friction holds the edge against the search.
-const FEEL: f64 = 4.0;
-/// The same through a sleeve that little holds: a beam on the table slides at 1.4 N, and turns at 0.7 N at its end.
-const LOOSE_FEEL: f64 = 0.7;
-/// The same for a cap, whose beam is pressed on the table and rubs there with 3 N.
-pub(crate) const CAP_FEEL: f64 = 8.0;
+/// How a beam is felt in: its push along its way, and its swing.
+pub(crate) struct Feel {
+    /// Push along the way, N.
+    force: f64,
+    /// Swing across the way, m, when it begins and when it has grown, and how often a second.
+    across: ([f64; 2], f64),
+    /// The same up and down.
+    up: ([f64; 2], f64),
+    /// Swing about the vertical and about the horizontal across the way, grown, rad, and how often a second.
+    turn: [(f64, f64); 2],
+    /// So near its place it is in, m.
+    near: f64,
+}
+
+impl Feel {
+    /// Through sleeves: with more force, friction holds the edge against the search.
+    const SLEEVE: Feel = Feel {
+        force: 4.0,
+        across: ([0.8e-3, 2.0e-3], 1.3),
+        up: ([0.8e-3, 2.0e-3], 2.1),
+        turn: [(0.014, 0.9), (0.007, 0.6)],
+        near: 0.5 * HOME,
+    };
+    /// Through sleeves that little holds: a beam on the table slides at 1.4 N, and turns at 0.7 N at its end.
+    const LOOSE: Feel = Feel { force: 0.7, ..Feel::SLEEVE };
+    /// Over an end at an angle: it meets the plate with a corner whose chamfer is too steep to slide up. Rubbed to and fro
+    /// along the edge it does, since friction then acts along the edge and no longer holds it down; that takes more push
+    /// than the light end weighs, and a swing wider than the frame gives way.
+    pub(crate) const CAP: Feel = Feel {
+        force: 15.0,
+        across: ([1.0e-3, 5.0e-3], 0.7),
+        up: ([0.0, 0.0], 0.0),
+        turn: [(0.0, 0.0), (0.0, 0.0)],
+        near: 2.0e-3,
+    };
+
+    /// Into a joint, through sleeves that little holds or through others.
+    pub(crate) fn into(loose: bool) -> &'static Feel {
+        if loose { &Feel::LOOSE } else { &Feel::SLEEVE }
+    }
+}
+
 /// The longest search, s.
 const LONGEST: f64 = 60.0;
-/// Smallest and largest swing across the way, m.
-const FEEL_SIZE: [f64; 2] = [0.8e-3, 2.0e-3];
-/// Swing about the vertical and about the horizontal across the way, rad.
-const FEEL_TURN: [f64; 2] = [0.014, 0.007];
 /// A height known this well needs no touch, m.
 const TRUSTED: f64 = 0.05e-3;
 /// How far a beam backs off from an edge before it touches the floor of the sleeve, m.
@@ -49,11 +81,6 @@ const FEEL_PACE: (f64, f64) = (15.0, 3.0e-3);
 const LOOK_EVERY: f64 = 3.0;
 /// Progress that counts as having moved, m: so much within [`FEEL_PATIENCE`] a beam makes that nothing wedges.
 const FEEL_PROGRESS: f64 = 1.0e-3;
-
-/// Force along the way with which a beam is felt in, N, through sleeves that little holds or through others.
-pub(crate) fn feel_force(loose: bool) -> f64 {
-    if loose { LOOSE_FEEL } else { FEEL }
-}
 
 impl Workcell<'_, '_> {
     /// The beams, by name, that this beam passes through, that lie on the table, and that at most `pegs` hold: a beam
@@ -114,7 +141,7 @@ impl Workcell<'_, '_> {
         Ok(off)
     }
 
-    /// Feels a stalled beam in: a light push of `force` (N) along its way, and a slow swing of growing size across it, up and down,
+    /// Feels a stalled beam in: a light push along its way, and a slow swing of growing size across it, up and down,
     /// and about both, until the edge that it stands on gives way. An unchamfered edge (thru-m) stops dead unless it
     /// meets its female within 0.3 mm. Returns for how long at a time it stood still, s.
     pub(crate) fn feel_in(
@@ -122,7 +149,7 @@ impl Workcell<'_, '_> {
         part: &str,
         goal: &Pose,
         direction: &Vector3<f64>,
-        force: f64,
+        feel: &Feel,
     ) -> Result<f64, SkillError> {
         let begin = self.hand.time();
         let across = Vector3::z().cross(direction);
@@ -144,7 +171,7 @@ impl Workcell<'_, '_> {
                 }
                 let x_wp = self.belief.pose(part)?;
                 let remaining = self.remaining(part, goal, direction)?;
-                if remaining < 0.5 * HOME {
+                if remaining < feel.near {
                     break;
                 }
                 if self.hand.time() - paced.0 > FEEL_PACE.0 {
@@ -167,19 +194,18 @@ impl Workcell<'_, '_> {
             let stalled = self.hand.time() - stalled_since;
             // Straight on while it moves; then a swing that grows, and begins small again.
             let grown = ((stalled - FEEL_PATIENCE).max(0.0) % FEEL_CYCLE / FEEL_GROWTH).min(1.0);
-            let size = if stalled < FEEL_PATIENCE {
-                0.0
-            } else {
-                FEEL_SIZE[0] + (FEEL_SIZE[1] - FEEL_SIZE[0]) * grown
-            };
+            let swings = if stalled < FEEL_PATIENCE { 0.0 } else { 1.0 };
             let wave = |hertz: f64| (std::f64::consts::TAU * hertz * time).sin();
-            let turn = FEEL_TURN.map(|turn| turn * grown);
-            let lead = force / self.hand.stiffness.x;
-            let shift = direction * lead + across * (size * wave(1.3)) + Vector3::z() * (size * wave(2.1));
-            let swing = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn[0] * wave(0.9))
-                * UnitQuaternion::from_scaled_axis(across * (turn[1] * wave(0.6)));
+            let swing = |([begin, end], hertz): ([f64; 2], f64)| {
+                swings * (begin + (end - begin) * grown) * wave(hertz)
+            };
+            let lead = feel.force / self.hand.stiffness.x;
+            let shift = direction * lead + across * swing(feel.across) + Vector3::z() * swing(feel.up);
+            let [yaw, roll] = feel.turn.map(|(turn, hertz)| turn * grown * wave(hertz));
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw)
+                * UnitQuaternion::from_scaled_axis(across * roll);
             self.hand.setpoint =
-                Pose::from_parts(Translation3::from(line.translation.vector + shift), swing * line.rotation);
+                Pose::from_parts(Translation3::from(line.translation.vector + shift), turn * line.rotation);
             self.hand.tick()?;
         }
         let seconds = self.hand.time() - begin;

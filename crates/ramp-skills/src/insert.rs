@@ -7,7 +7,7 @@ use ramp_robot::Cause;
 
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
-use crate::feel::{CAP_FEEL, feel_force};
+use crate::feel::Feel;
 use crate::transport::Workcell;
 
 /// How high over its way a beam is brought to where its insertion begins, m.
@@ -18,8 +18,6 @@ const SPEED: f64 = 0.03;
 const SQUARE_LIMIT: f64 = 12.0;
 /// Force against the motion at which a cap stops, N.
 const CAP_LIMIT: f64 = 25.0;
-/// The same after a cap has jammed: what it met is to be felt past, and a beam that is pushed at one end turns in the hand.
-const CAP_TOUCH: f64 = 8.0;
 /// An end of a cap this far before its place is blocked, m: a male that stands on a face stands 22 mm before it.
 const CAP_BLOCKED: f64 = 4.0e-3;
 /// Force on the table at which a beam lies on it, N.
@@ -227,7 +225,7 @@ impl Workcell<'_, '_> {
         // A loose beam turns about a single peg, too.
         let loose = self.loose_sleeves(beam, 1);
         let limit = if cap {
-            if attempt == 0 { CAP_LIMIT } else { CAP_TOUCH }
+            CAP_LIMIT
         } else if loose.is_empty() {
             SQUARE_LIMIT
         } else {
@@ -255,7 +253,7 @@ impl Workcell<'_, '_> {
         }
         self.glance()?;
         if cap {
-            return self.finish_cap(beam, &(Translation3::new(0.0, 0.0, height) * goal), force, attempt);
+            return self.finish_cap(beam, &(Translation3::new(0.0, 0.0, height) * goal), force);
         }
         if stopped {
             let mut remaining = self.remaining(&name, &goal, &direction)?;
@@ -266,7 +264,7 @@ impl Workcell<'_, '_> {
                 if let Some(sleeve) = sleeve {
                     goal.translation.z += self.touch_floor(&name, sleeve, &direction)?;
                 }
-                let stood = self.feel_in(&name, &goal, &direction, feel_force(!loose.is_empty()))?;
+                let stood = self.feel_in(&name, &goal, &direction, Feel::into(!loose.is_empty()))?;
                 remaining = self.remaining(&name, &goal, &direction)?;
                 // Edges are met, and felt past; what holds a beam for longer is in its way.
                 stuck = stood > STUCK || remaining > HOME;
@@ -283,24 +281,21 @@ impl Workcell<'_, '_> {
 
     /// Ends a cap that has been pushed as far as it went, to `goal` if all is well: an end that is blocked is felt in, and
     /// then both ends are swept home.
-    ///
-    /// A male that hangs in its joints, 0.3 mm low, comes over the lower plate with nothing to spare: an edge that a
-    /// fraction of a degree of roll lifts stops it.
-    fn finish_cap(&mut self, beam: usize, goal: &Pose, force: f64, attempt: usize) -> Result<(), SkillError> {
+    fn finish_cap(&mut self, beam: usize, goal: &Pose, force: f64) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
         let direction = self.way_in(beam, goal)?;
         let mut remaining = self.remaining(&name, goal, &direction)?;
         if remaining > CAP_BLOCKED {
             let met = format!("{name} meets {force:.0} N {:.1} mm before its place", remaining * 1e3);
-            self.diagnose(Cause::Jam, met);
-            if attempt > 0 {
-                self.feel_in(&name, goal, &direction, CAP_FEEL)?;
-                let mut home = self.hand.corrected(&self.belief.pose(&name)?, goal);
-                home.translation.vector += direction * CAP_OVERDRIVE;
-                self.hand.drive(&home, SPEED, |hand| hand.force().dot(&direction) > CAP_LIMIT)?;
-                self.hand.wait(0.15)?;
-                self.glance()?;
-                remaining = self.remaining(&name, goal, &direction)?;
+            let stood = self.feel_in(&name, goal, &direction, &Feel::CAP)?;
+            let mut home = self.hand.corrected(&self.belief.pose(&name)?, goal);
+            home.translation.vector += direction * CAP_OVERDRIVE;
+            self.hand.drive(&home, SPEED, |hand| hand.force().dot(&direction) > CAP_LIMIT)?;
+            self.hand.wait(0.15)?;
+            self.glance()?;
+            remaining = self.remaining(&name, goal, &direction)?;
+            if stood > STUCK || remaining > CAP_BLOCKED {
+                self.diagnose(Cause::Jam, met);
             }
             if remaining > CAP_BLOCKED {
                 return self.back_out(beam, &direction, remaining, force);
@@ -353,7 +348,7 @@ impl Workcell<'_, '_> {
                 return Ok(());
             }
             self.note("retry", format!("insert {name}, {:.1} mm short", remaining * 1e3));
-            self.feel_in(&name, goal, &direction, feel_force(loose))?;
+            self.feel_in(&name, goal, &direction, Feel::into(loose))?;
         }
         let (remaining, force) =
             (self.remaining(&name, goal, &direction)?, self.hand.force().dot(&direction));
@@ -374,7 +369,7 @@ impl Workcell<'_, '_> {
         let direction = self.way_in(beam, &goal)?;
         let loose = !self.loose_sleeves(beam, 1).is_empty();
         self.hand.zero()?;
-        self.feel_in(&name, &goal, &direction, feel_force(loose))?;
+        self.feel_in(&name, &goal, &direction, Feel::into(loose))?;
         let limit = if loose { LOOSE_LIMIT } else { SQUARE_LIMIT };
         let seated = self.seat(beam, &goal, 0.0, limit, loose);
         self.settle(beam)?;

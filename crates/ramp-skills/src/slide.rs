@@ -7,7 +7,7 @@
 use nalgebra::{Point3, Translation3};
 
 use crate::fault::{Fault, SkillError};
-use crate::feel::feel_force;
+use crate::feel::Feel;
 use crate::grasp;
 use crate::transport::Workcell;
 
@@ -100,7 +100,7 @@ impl Workcell<'_, '_> {
         let remaining = self.remaining(&name, &goal, &out)?;
         if remaining > HOME {
             self.note("retry", format!("slide {name}, {:.1} mm short", remaining * 1e3));
-            self.feel_in(&name, &goal, &out, feel_force(false))?;
+            self.feel_in(&name, &goal, &out, Feel::into(false))?;
         }
         Ok(None)
     }
