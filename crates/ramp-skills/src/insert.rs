@@ -16,8 +16,11 @@ const CLEAR: f64 = 4.0e-3;
 const SPEED: f64 = 0.03;
 /// Force against the motion at which a square insertion stops, N.
 const SQUARE_LIMIT: f64 = 12.0;
-/// Force against the motion at which a cap stops, N.
-const CAP_LIMIT: f64 = 25.0;
+/// Force against the motion at which a cap stops, N: one that finds its males takes 5 N, and more on one of them alone turns
+/// it in the hand.
+const CAP_LIMIT: f64 = 10.0;
+/// Force with which a cap is pressed home over what it was felt past, N.
+const CAP_PRESS: f64 = 25.0;
 /// An end of a cap this far before its place is blocked, m: a male that stands on a face stands 22 mm before it.
 const CAP_BLOCKED: f64 = 4.0e-3;
 /// Force on the table at which a beam lies on it, N.
@@ -290,7 +293,7 @@ impl Workcell<'_, '_> {
             let stood = self.feel_in(&name, goal, &direction, &Feel::CAP)?;
             let mut home = self.hand.corrected(&self.belief.pose(&name)?, goal);
             home.translation.vector += direction * CAP_OVERDRIVE;
-            self.hand.drive(&home, SPEED, |hand| hand.force().dot(&direction) > CAP_LIMIT)?;
+            self.hand.drive(&home, SPEED, |hand| hand.force().dot(&direction) > CAP_PRESS)?;
             self.hand.wait(0.15)?;
             self.glance()?;
             remaining = self.remaining(&name, goal, &direction)?;
@@ -413,7 +416,7 @@ impl Workcell<'_, '_> {
         for angle in [CAP_SWEEP, -CAP_SWEEP, 0.0] {
             let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
             let target = Pose::from_parts(centre.translation, turn * centre.rotation);
-            self.hand.drive(&target, 0.03, |hand| hand.force().norm() > 1.5 * CAP_LIMIT)?;
+            self.hand.drive(&target, 0.03, |hand| hand.force().norm() > 1.5 * CAP_PRESS)?;
             self.hand.wait(0.1)?;
         }
         Ok(())
