@@ -78,6 +78,7 @@ impl Workcell<'_, '_> {
                 self.hand.drive(&target, SPEED, |hand| hand.force().norm() > LIMIT)?;
                 self.hand.wait(0.1)?;
             }
+            self.settle(beam)?;
             self.release()?;
             self.drag(beam);
         }

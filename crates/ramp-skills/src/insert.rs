@@ -139,14 +139,15 @@ impl Workcell<'_, '_> {
     pub(crate) fn drooped(&self, beam: usize, x_wb: &Pose) -> Option<Pose> {
         let (joint, angle) = self.drooping(beam)?;
         let pivot = Translation3::from((x_wb * self.assembly.beams[beam].beam.p_b_hole(joint.joint)).coords);
-        let across = Vector3::z().cross(&(x_wb.rotation * Vector3::x()));
-        let turn = UnitQuaternion::from_scaled_axis(across.normalize() * angle);
-        Some(pivot * turn * pivot.inverse() * x_wb)
+        let along = x_wb.rotation * Vector3::x();
+        let level = UnitQuaternion::rotation_between(&along, &Vector3::new(along.x, along.y, 0.0))?;
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::z().cross(&along).normalize() * angle);
+        Some(pivot * turn * level * pivot.inverse() * x_wb)
     }
 
     /// Lets the free end of a held beam down on the table before the fingers open: one that fell would hang on them,
     /// and follow them.
-    fn settle(&mut self, beam: usize) -> Result<(), SkillError> {
+    pub(crate) fn settle(&mut self, beam: usize) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
         let x_wb = self.belief.pose(&name)?;
         let Some(drooped) = self.drooped(beam, &x_wb) else { return Ok(()) };
