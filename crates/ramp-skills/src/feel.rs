@@ -1,7 +1,7 @@
 //! Feeling a beam in: what an insertion does when it stalls on an edge.
 //!
 //! The sleeve's floor tells the height; then the beam goes straight on while it moves, and swings across its way, more and
-//! more, while it does not. Through sleeves that little holds it goes softly.
+//! more, while it does not. Through sleeves that little holds it goes softly; a cap is rubbed over an end at an angle.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::JointRef;
@@ -14,6 +14,7 @@ use crate::transport::Workcell;
 
 /// Speed with which a beam backs off and goes on, m/s.
 const SPEED: f64 = 0.03;
+
 /// How a beam is felt in: its push along its way, and its swing.
 pub(crate) struct Feel {
     /// Push along the way, N.
