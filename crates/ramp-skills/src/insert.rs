@@ -27,6 +27,14 @@ const CAP_BLOCKED: f64 = 4.0e-3;
 const TABLE_LIMIT: f64 = 8.0;
 /// How far the spring is pulled past the goal of a cap, m: it seats each end on its stop wall.
 const CAP_OVERDRIVE: f64 = 3.0e-3;
+/// How far a cap's leading edge leans down while it passes over an end at an angle, rad: as much as a beam may hang turned
+/// in the hand unseen, since that end's corner clears the edge of the plate by no more than its own sag.
+const CAP_LEAN: f64 = 1.0 / 180.0 * std::f64::consts::PI;
+/// So far before its place a cap's lower plate is under such an end, m: its corner reaches 15 mm past the hole, the plate
+/// 13.3 mm. Nose down for longer, it would lift the end, which then falls into the hole of the plate.
+const CAP_UNDER: f64 = 24.0e-3;
+/// An end is at an angle when its axis is so far from the way in, rad.
+const ANGLED: f64 = 10.0 / 180.0 * std::f64::consts::PI;
 /// Turn to and fro at the end of a cap, rad.
 const CAP_SWEEP: f64 = 2.0 / 180.0 * std::f64::consts::PI;
 /// Distance from its place at which an insertion counts as home, m.
@@ -240,6 +248,9 @@ impl Workcell<'_, '_> {
         let mut target = self.hand.corrected(&self.belief.pose(&name)?, &goal);
         target.translation.vector += direction * overdrive;
         target.translation.z += height;
+        if cap && self.meets_angled(beam, &direction) {
+            self.pass_under(beam, &goal, height)?;
+        }
         let stopped = self.hand.drive(&target, SPEED, |hand| hand.force().dot(&direction) > limit)?;
         let force = self.hand.force().dot(&direction);
         self.hand.wait(0.15)?;
@@ -281,6 +292,39 @@ impl Workcell<'_, '_> {
             }
         }
         self.seat(beam, &goal, height, limit, !loose.is_empty())
+    }
+
+    /// Does a beam take in ends that come at an angle to its way in?
+    fn meets_angled(&self, beam: usize, direction: &Vector3<f64>) -> bool {
+        self.assembly.connections.iter().filter_map(|connection| self.assembly.sides(connection, beam)).any(
+            |(_, theirs)| {
+                let other = &self.assembly.beams[theirs.beam];
+                let along = self.kit.x_wa().rotation * other.x_ab.rotation * Vector3::x();
+                let angle = along.dot(direction).abs().min(1.0).acos();
+                self.meets(theirs, beam) && other.beam.joints[theirs.joint].kind.is_end() && angle > ANGLED
+            },
+        )
+    }
+
+    /// Brings a cap, from where its insertion begins, with its lower plate under the ends that come at an angle: pressed on
+    /// the table first, and with its nose down until they are past the plate's edge. Stops where it is blocked.
+    fn pass_under(&mut self, beam: usize, goal: &Pose, height: f64) -> Result<(), SkillError> {
+        let name = self.assembly.beams[beam].beam.name.clone();
+        let direction = self.way_in(beam, goal)?;
+        let lean = UnitQuaternion::from_scaled_axis(Vector3::z().cross(&direction) * CAP_LEAN);
+        let leaning = Pose::from_parts(goal.translation, lean * goal.rotation);
+        let x_wp = self.belief.pose(&name)?;
+        let way = [self.remaining(&name, goal, &direction)?, CAP_UNDER].map(|before| {
+            let mut target = self.hand.corrected(&x_wp, &leaning);
+            target.translation.vector += Vector3::z() * height - direction * before;
+            target
+        });
+        for target in way {
+            if self.hand.drive(&target, SPEED, |hand| hand.force().dot(&direction) > CAP_LIMIT)? {
+                break;
+            }
+        }
+        Ok(())
     }
 
     /// Ends a cap that has been pushed as far as it went, to `goal` if all is well: an end that is blocked is felt in, and
