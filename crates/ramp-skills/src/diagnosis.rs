@@ -6,8 +6,9 @@
 use std::fmt;
 
 use nalgebra::{Point2, Point3, Vector3};
-use ramp_robot::Cause;
+use ramp_robot::{Cause, RobotError};
 
+use crate::hand::Hand;
 use crate::transport::Workcell;
 
 /// A peg is this far from its outline at most when nobody has touched its holder, m: the start is disturbed by 1 mm and
@@ -24,6 +25,8 @@ const SURE: f64 = 4.0;
 /// A force in free space that is further than this from what the held part weighs tells of a sensor that is off, N:
 /// twelve times the noise of its filtered reading.
 const BIASED: f64 = 0.8;
+/// So long a hand that stops is still felt, s.
+const REST: f64 = 0.3;
 /// Standard gravity, m/s².
 const GRAVITY: f64 = 9.81;
 
@@ -142,13 +145,24 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// In free space and at rest: does the wrist feel more than the weight of what is held? Told once.
-    pub fn diagnose_force(&mut self) {
+    /// In free space: does the wrist feel more than the weight of what is held? Asked again at rest, since the hand's own
+    /// mass is felt as it stops; told once.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn diagnose_force(&mut self) -> Result<(), RobotError> {
         let mass = self.hand.held.as_ref().map_or(0.0, |held| held.mass);
-        let felt = self.hand.seen.wrench.fixed_rows::<3>(0) - Vector3::new(0.0, 0.0, mass * GRAVITY);
-        if felt.norm() > BIASED && !self.force_told {
-            self.force_told = true;
-            self.diagnose(Cause::ForceBias, format!("the wrist feels {:.1} N in free space", felt.norm()));
+        let weight = Vector3::new(0.0, 0.0, mass * GRAVITY);
+        let felt = |hand: &Hand| (hand.seen.wrench.fixed_rows::<3>(0) - weight).norm();
+        if self.force_told || felt(&self.hand) < BIASED {
+            return Ok(());
         }
+        self.hand.hold(REST)?;
+        let felt = felt(&self.hand);
+        if felt > BIASED {
+            self.force_told = true;
+            self.diagnose(Cause::ForceBias, format!("the wrist feels {felt:.1} N in free space"));
+        }
+        Ok(())
     }
 }

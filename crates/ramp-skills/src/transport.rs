@@ -258,7 +258,7 @@ impl Workcell<'_, '_> {
         self.hand.gripper.width = open;
         x_wt.translation.z = TRAVEL;
         self.travel(&x_wt)?;
-        self.diagnose_force();
+        self.diagnose_force()?;
         Ok(())
     }
 
