@@ -1,24 +1,14 @@
 //! What can be proved about an assembly: how well the holes meet, where the beams are closest or overlap, and an
 //! order of straight insertions that builds it.
 //!
-//! Every part is a few upright boxes ([`ramp_kit::shape`]), turned about Z only. For two of them that slide past
-//! each other on a straight line, the stretches of the way on which they overlap follow from the separating axis
-//! test without stepping, so nothing can slip through between two steps.
+//! Every part is a few upright boxes ([`Block`]), and what they meet on a straight way is known without stepping.
 
 use crate::assembly::{Assembly, Connection, Insertion, PlacedBeam};
-use nalgebra::{Translation3, Unit, UnitQuaternion, Vector2, Vector3};
-use ramp_kit::Pose;
+use crate::block::{Block, LEAST_DISTANCE, MARGIN, MOST_DISTANCE, TOUCH, merge};
+use nalgebra::{Unit, Vector3};
 use ramp_kit::shape::{Cuboid, Shape, beam_shapes};
 use std::collections::HashMap;
 
-/// Parts that reach less than this into each other touch, m.
-pub const TOUCH: f64 = 0.01e-3;
-/// The shortest straight motion of an insertion, m.
-pub const LEAST_DISTANCE: f64 = 60.0e-3;
-/// The longest straight motion that is looked at, m.
-const MOST_DISTANCE: f64 = 1.0;
-/// Room around a beam, seen from above, where its straight motion begins, m: there it can be lowered.
-const MARGIN: f64 = 5.0e-3;
 /// The most beams in one goal.
 pub const MAX_BEAMS: usize = 128;
 /// Up to so many beams the best of all orders is found, for which every subset of them may have to be looked at;
@@ -92,107 +82,6 @@ pub fn report(assembly: &Assembly) -> Report {
         smallest_gap: solids.smallest_gap(),
         overlaps: solids.overlaps(),
         insertions: find_order(&assembly.beams, assembly.base, &assembly.connections).ok(),
-    }
-}
-
-/// An upright box: a rectangle of the plane, turned by some yaw, from one height to another.
-#[derive(Clone, Copy, Debug)]
-struct Block {
-    centre: Vector3<f64>,
-    /// The unit vectors along its edges in the plane.
-    axes: [Vector2<f64>; 2],
-    half: Vector3<f64>,
-}
-
-impl Block {
-    /// A shape of a beam at its place. A nose counts with its chamfer filled: that only makes the tests stricter.
-    fn new(shape: &Shape, x_ab: &Pose) -> Block {
-        let (cuboid, x_ab) = match shape {
-            Shape::Turned { about, angle, piece } => {
-                let turned = Pose::from_parts(
-                    Translation3::new(*about, 0.0, 0.0),
-                    UnitQuaternion::from_axis_angle(&Vector3::z_axis(), *angle),
-                );
-                (piece.bounds(), x_ab * turned)
-            }
-            plain => (plain.bounds(), *x_ab),
-        };
-        let centre = x_ab * nalgebra::Point3::from(cuboid.centre());
-        let along = x_ab.rotation * Vector3::x();
-        // Turning a beam about its own axis maps its boxes onto boxes of the same size.
-        let x = Vector2::new(along.x, along.y).normalize();
-        Block { centre: centre.coords, axes: [x, Vector2::new(-x.y, x.x)], half: cuboid.half().into() }
-    }
-
-    /// Half its extent along a unit vector of the plane.
-    fn reach(&self, axis: &Vector2<f64>) -> f64 {
-        self.half.x * self.axes[0].dot(axis).abs() + self.half.y * self.axes[1].dot(axis).abs()
-    }
-
-    /// Along each axis that could separate two blocks: the distance of the centres (signed), how it changes for
-    /// each metre that `self` is moved along `shift`, and at what distance they touch.
-    fn axes_to(&self, other: &Block, shift: &Vector3<f64>) -> [(f64, f64, f64); 5] {
-        let between = other.centre - self.centre;
-        let plane = |axis: &Vector2<f64>| {
-            (between.xy().dot(axis), -shift.xy().dot(axis), self.reach(axis) + other.reach(axis))
-        };
-        [
-            plane(&self.axes[0]),
-            plane(&self.axes[1]),
-            plane(&other.axes[0]),
-            plane(&other.axes[1]),
-            (between.z, -shift.z, self.half.z + other.half.z),
-        ]
-    }
-
-    /// How far they reach into each other, m; negative when they are apart (then not the distance, but no more).
-    fn depth(&self, other: &Block) -> f64 {
-        self.axes_to(other, &Vector3::zeros())
-            .iter()
-            .map(|(between, _, touch)| touch - between.abs())
-            .fold(f64::INFINITY, f64::min)
-    }
-
-    /// The range of t > 0 in which `self`, moved by t along `shift`, reaches deeper than `slack` into `other`; the
-    /// first `axes` of the separating axes count, so 4 means seen from above.
-    fn meets(&self, other: &Block, shift: &Vector3<f64>, slack: f64, axes: usize) -> Option<[f64; 2]> {
-        let mut range = [0.0f64, MOST_DISTANCE];
-        for (between, rate, touch) in self.axes_to(other, shift).into_iter().take(axes) {
-            let reach = touch - slack;
-            // |between + rate · t| < reach
-            if rate.abs() < 1e-12 {
-                if between.abs() >= reach {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = ((-reach - between) / rate, (reach - between) / rate);
-            range = [range[0].max(a.min(b)), range[1].min(a.max(b))];
-        }
-        (range[0] < range[1]).then_some(range)
-    }
-
-    /// The distance between two blocks, m; 0 when they overlap.
-    fn gap(&self, other: &Block) -> f64 {
-        let corner_to = |from: &Block, to: &Block| {
-            let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
-            let distance = |(sx, sy): (f64, f64)| {
-                let corner =
-                    from.centre.xy() + from.axes[0] * (sx * from.half.x) + from.axes[1] * (sy * from.half.y)
-                        - to.centre.xy();
-                let outside = |axis: usize| (corner.dot(&to.axes[axis]).abs() - to.half[axis]).max(0.0);
-                outside(0).hypot(outside(1))
-            };
-            signs.into_iter().map(distance).fold(f64::INFINITY, f64::min)
-        };
-        let apart = self.axes_to(other, &Vector3::zeros());
-        let plane = if apart[..4].iter().any(|(between, _, touch)| between.abs() > *touch) {
-            corner_to(self, other).min(corner_to(other, self))
-        } else {
-            0.0
-        };
-        let (between, _, touch) = apart[4];
-        plane.hypot((between.abs() - touch).max(0.0))
     }
 }
 
@@ -291,19 +180,6 @@ struct WayOut {
     hits: Vec<[f64; 2]>,
     /// Seen from above, they cover each other.
     covers: Vec<[f64; 2]>,
-}
-
-/// Ranges in order, those that touch made one.
-fn merge(mut ranges: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    ranges.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut merged: Vec<[f64; 2]> = Vec::new();
-    for range in ranges {
-        match merged.last_mut() {
-            Some(last) if range[0] <= last[1] => last[1] = last[1].max(range[1]),
-            _ => merged.push(range),
-        }
-    }
-    merged
 }
 
 /// A set of beams, one bit each.

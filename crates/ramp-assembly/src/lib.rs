@@ -2,13 +2,14 @@
 //!
 //! Data passes one way: [`read`] turns `goal.xml` into beams and connections, with positions so that every error
 //! can point at its place; `pose` places every beam, starting from the clamped one; [`check`] proves that holes
-//! meet, that nothing overlaps and that some order of straight insertions builds it; [`draw`] shows it from
-//! above. [`catalogue`] finds goals by name, and [`generate()`] makes new ones.
+//! meet, that nothing overlaps and that some order of straight insertions builds it, with the boxes of [`block`];
+//! [`draw`] shows it from above. [`catalogue`] finds goals by name, and [`generate()`] makes new ones.
 //!
 //! Frames: A is the assembly frame (origin at table level under the clamped beam's j1 hole, X along that beam, Y
 //! away from the robot, Z up), B a beam's own frame (see [`ramp_kit::Beam`]).
 
 pub mod assembly;
+pub mod block;
 pub mod catalogue;
 pub mod check;
 pub mod draw;

@@ -1,24 +1,16 @@
 //! What the shapes of an assembly say to the planner: which ways lead to a beam's place and what is in them, where
 //! a beam can be pushed back, and by which links a hand can hold it.
 //!
-//! Every beam is a few upright boxes, so for two beams that move past each other on a straight line the stretches
-//! on which they meet follow from the separating axis test, without steps in between.
+//! Every beam is a few upright boxes ([`Block`]), and what they meet on a straight way is known without steps in between.
 
-use nalgebra::{Point3, Translation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Point3, UnitQuaternion, Vector3};
+use ramp_assembly::block::{Block, LEAST_DISTANCE, MARGIN, MOST_DISTANCE, TOUCH, merge};
 use ramp_assembly::{Assembly, Pose};
 use ramp_kit::joint::{BODY_WIDTH, HEAD_WIDTH};
 use ramp_kit::shape::{Cuboid, Shape, beam_shapes, peg_head};
 use ramp_kit::{Holder, Kit, Link};
 use std::collections::HashMap;
 
-/// The shortest straight motion of an insertion, m: here a beam can be lowered next to its place.
-const LEAST_DISTANCE: f64 = 60.0e-3;
-/// The longest that is looked at, m.
-const MOST_DISTANCE: f64 = 1.0;
-/// Beams that reach less than this into each other touch, m.
-const TOUCH: f64 = 0.01e-3;
-/// Room around a beam, seen from above, where its motion begins, m.
-const MARGIN: f64 = 5.0e-3;
 /// How much further than it must a beam is pushed back, m: the arm's error, seen from both sides.
 const SHUTTLE_MARGIN: f64 = 5.0e-3;
 /// How much of a male's section must stay in its female while it is pushed back, m.
@@ -348,19 +340,6 @@ fn clear(covers: impl Iterator<Item = [f64; 2]>) -> f64 {
     })
 }
 
-/// Ranges in order, those that touch made one.
-fn merge(mut ranges: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    ranges.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut merged: Vec<[f64; 2]> = Vec::new();
-    for range in ranges {
-        match merged.last_mut() {
-            Some(last) if range[0] <= last[1] => last[1] = last[1].max(range[1]),
-            _ => merged.push(range),
-        }
-    }
-    merged
-}
-
 /// A part at its place, as upright boxes.
 struct Solid {
     blocks: Vec<Block>,
@@ -393,13 +372,7 @@ impl Solid {
     }
 
     fn overlaps(&self, other: &Solid) -> bool {
-        self.blocks.iter().any(|a| {
-            other.blocks.iter().any(|b| {
-                a.axes_to(b, &Vector3::zeros())
-                    .iter()
-                    .all(|(between, _, touch)| between.abs() < touch - TOUCH)
-            })
-        })
+        self.blocks.iter().any(|a| other.blocks.iter().any(|b| a.depth(b) > TOUCH))
     }
 
     fn ranges(&self, other: &Solid, shift: &Vector3<f64>, slack: f64, axes: usize) -> Vec<[f64; 2]> {
@@ -408,82 +381,5 @@ impl Solid {
             ranges.extend(other.blocks.iter().filter_map(|b| a.meets(b, shift, slack, axes)));
         }
         merge(ranges)
-    }
-}
-
-/// An upright box: a rectangle of the plane, turned, from one height to another.
-struct Block {
-    centre: Vector3<f64>,
-    /// Unit vectors along its edges.
-    axes: [Vector2<f64>; 2],
-    half: Vector3<f64>,
-    /// Half the box along X, Y and Z around it.
-    extent: Vector3<f64>,
-}
-
-impl Block {
-    /// A shape at its place. A chamfer counts as filled, which only makes the tests stricter.
-    fn new(shape: &Shape, x_ab: &Pose) -> Block {
-        let (cuboid, x_ab) = match shape {
-            Shape::Turned { about, angle, piece } => {
-                let turned = Pose::from_parts(
-                    Translation3::new(*about, 0.0, 0.0),
-                    UnitQuaternion::from_axis_angle(&Vector3::z_axis(), *angle),
-                );
-                (piece.bounds(), x_ab * turned)
-            }
-            plain => (plain.bounds(), *x_ab),
-        };
-        let centre = (x_ab * Point3::from(cuboid.centre())).coords;
-        let along = x_ab.rotation * Vector3::x();
-        let x = Vector2::new(along.x, along.y).normalize();
-        let half: Vector3<f64> = cuboid.half().into();
-        let extent = Vector3::new(
-            half.x * x.x.abs() + half.y * x.y.abs(),
-            half.x * x.y.abs() + half.y * x.x.abs(),
-            half.z,
-        );
-        Block { centre, axes: [x, Vector2::new(-x.y, x.x)], half, extent }
-    }
-
-    fn reach(&self, axis: &Vector2<f64>) -> f64 {
-        self.half.x * self.axes[0].dot(axis).abs() + self.half.y * self.axes[1].dot(axis).abs()
-    }
-
-    /// Along each axis that can separate the two: the distance of the centres, how it changes with each metre
-    /// along `shift`, and where they touch.
-    fn axes_to(&self, other: &Block, shift: &Vector3<f64>) -> [(f64, f64, f64); 5] {
-        let between = other.centre - self.centre;
-        let plane = |axis: &Vector2<f64>| {
-            (between.xy().dot(axis), -shift.xy().dot(axis), self.reach(axis) + other.reach(axis))
-        };
-        [
-            plane(&self.axes[0]),
-            plane(&self.axes[1]),
-            plane(&other.axes[0]),
-            plane(&other.axes[1]),
-            (between.z, -shift.z, self.half.z + other.half.z),
-        ]
-    }
-
-    /// The range of t > 0 in which it, moved by t along `shift`, reaches deeper than `slack` into the other one;
-    /// with 4 axes, seen from above.
-    fn meets(&self, other: &Block, shift: &Vector3<f64>, slack: f64, axes: usize) -> Option<[f64; 2]> {
-        let mut range = [0.0f64, MOST_DISTANCE];
-        for (between, rate, touch) in self.axes_to(other, shift).into_iter().take(axes) {
-            let reach = touch - slack;
-            if rate.abs() < 1e-12 {
-                if between.abs() >= reach {
-                    return None;
-                }
-                continue;
-            }
-            let ends = [(-reach - between) / rate, (reach - between) / rate];
-            range = [range[0].max(ends[0].min(ends[1])), range[1].min(ends[0].max(ends[1]))];
-            if range[0] >= range[1] {
-                return None;
-            }
-        }
-        (range[0] < range[1]).then_some(range)
     }
 }

@@ -3,47 +3,15 @@
 
 #![allow(clippy::unwrap_used)] // A test that cannot go on may stop.
 
-use std::path::Path;
+mod common;
 
-use ramp_assembly::Assembly;
-use ramp_kit::Kit;
-use ramp_robot::arm::ArmModel;
+use common::World;
 use ramp_robot::camera::Mount;
 use ramp_robot::{Camera, Robot, RobotError, Track};
-use ramp_twin::{Disturbance, Setup, Twin};
-
-struct World {
-    kit: Kit,
-    assembly: Assembly,
-    arm: ArmModel,
-}
-
-impl World {
-    fn new() -> World {
-        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
-        let kit = ramp_kit::read_kit(&data.join("kit.xml")).unwrap();
-        let assembly = ramp_assembly::read_goal(&data.join("goals/easy-1.xml"), &kit).unwrap();
-        let arm = ArmModel::read(&data.join("arms/panda.json")).unwrap();
-        World { kit, assembly, arm }
-    }
-
-    fn twin(&self, track: Track, seed: u64) -> Twin {
-        Twin::new(&Setup {
-            kit: &self.kit,
-            assembly: &self.assembly,
-            arm: &self.arm,
-            track,
-            seed,
-            disturbance: Disturbance::default(),
-            fault: None,
-        })
-        .unwrap()
-    }
-}
 
 #[test]
 fn an_image_takes_time_and_is_the_same_for_a_seed() {
-    let world = World::new();
+    let world = World::new("easy-1");
     let (mut one, mut two) = (world.twin(Track::Tags, 4), world.twin(Track::Tags, 4));
     let tip = one.observe().x_wt;
     for camera in Camera::ALL {
@@ -62,7 +30,7 @@ fn an_image_takes_time_and_is_the_same_for_a_seed() {
 
 #[test]
 fn cameras_are_a_little_away_from_where_the_agent_is_told() {
-    let world = World::new();
+    let world = World::new("easy-1");
     let mut seen = Vec::new();
     for seed in 1..40 {
         let twin = world.twin(Track::State, seed);
@@ -85,7 +53,7 @@ fn cameras_are_a_little_away_from_where_the_agent_is_told() {
 
 #[test]
 fn the_noisy_track_has_no_images_and_goes_on() {
-    let world = World::new();
+    let world = World::new("easy-1");
     let mut twin = world.twin(Track::Noisy, 1);
     assert!(matches!(twin.look(Camera::Wrist), Err(RobotError::NotOnTrack { track: Track::Noisy, .. })));
     assert!(twin.read_parts().is_ok());

@@ -3,45 +3,13 @@
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
 
-use std::path::Path;
+mod common;
 
+use common::World;
 use nalgebra::Vector6;
-use ramp_assembly::Assembly;
-use ramp_kit::Kit;
-use ramp_robot::arm::ArmModel;
 use ramp_robot::{Camera, PartReading, Robot, RobotError, Track};
+use ramp_twin::Twin;
 use ramp_twin::twin::{READING_DROPPED, READING_NOISE, READING_STEPS};
-use ramp_twin::{Disturbance, Setup, Twin};
-
-struct World {
-    kit: Kit,
-    assembly: Assembly,
-    arm: ArmModel,
-}
-
-impl World {
-    fn new() -> World {
-        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
-        let kit = ramp_kit::read_kit(&data.join("kit.xml")).unwrap();
-        let assembly = ramp_assembly::read_goal(&data.join("goals/easy-3.xml"), &kit).unwrap();
-        let arm = ArmModel::read(&data.join("arms/panda.json")).unwrap();
-        World { kit, assembly, arm }
-    }
-
-    fn twin(&self, track: Track, seed: u64) -> Twin {
-        let (kit, assembly, arm) = (&self.kit, &self.assembly, &self.arm);
-        Twin::new(&Setup {
-            kit,
-            assembly,
-            arm,
-            track,
-            seed,
-            disturbance: Disturbance::default(),
-            fault: None,
-        })
-        .unwrap()
-    }
-}
 
 /// Shift (m) and rotation vector (rad) of a reading against the truth of that moment.
 fn error(twin: &Twin, reading: &PartReading) -> Vector6<f64> {
@@ -54,7 +22,7 @@ fn error(twin: &Twin, reading: &PartReading) -> Vector6<f64> {
 
 #[test]
 fn noisy_readings_have_the_noise_that_they_say() {
-    let world = World::new();
+    let world = World::new("easy-3");
     let mut twin = world.twin(Track::Noisy, 3);
     let parts = twin.part_names().count();
     let rounds = 400;
@@ -99,7 +67,7 @@ fn noisy_readings_have_the_noise_that_they_say() {
 
 #[test]
 fn readings_repeat_for_a_seed_and_for_no_other() {
-    let world = World::new();
+    let world = World::new("easy-3");
     let read = |seed| {
         let mut twin = world.twin(Track::Noisy, seed);
         let readings: Vec<_> = (0..3).flat_map(|_| twin.read_parts().unwrap()).collect();
@@ -111,7 +79,7 @@ fn readings_repeat_for_a_seed_and_for_no_other() {
 
 #[test]
 fn a_track_gives_what_it_says_and_nothing_else() {
-    let world = World::new();
+    let world = World::new("easy-3");
     // Exact, and at no cost.
     let mut state = world.twin(Track::State, 1);
     for reading in state.read_parts().unwrap() {

@@ -3,43 +3,12 @@
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
 
-use std::path::Path;
+mod common;
 
+use common::World;
 use mujoco_rs::prelude::*;
-use ramp_assembly::Assembly;
-use ramp_kit::Kit;
-use ramp_robot::arm::ArmModel;
 use ramp_robot::{ArmCommand, Command, GripperCommand, Impedance, Robot, RobotError, Track};
-use ramp_twin::{Disturbance, Setup, Twin};
-
-struct World {
-    kit: Kit,
-    assembly: Assembly,
-    arm: ArmModel,
-}
-
-impl World {
-    fn new() -> World {
-        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
-        let kit = ramp_kit::read_kit(&data.join("kit.xml")).unwrap();
-        let assembly = ramp_assembly::read_goal(&data.join("goals/easy-3.xml"), &kit).unwrap();
-        let arm = ArmModel::read(&data.join("arms/panda.json")).unwrap();
-        World { kit, assembly, arm }
-    }
-
-    fn twin(&self, seed: u64) -> Twin {
-        Twin::new(&Setup {
-            kit: &self.kit,
-            assembly: &self.assembly,
-            arm: &self.arm,
-            track: Track::State,
-            seed,
-            disturbance: Disturbance::default(),
-            fault: None,
-        })
-        .unwrap()
-    }
-}
+use ramp_twin::Twin;
 
 fn stay(twin: &Twin) -> Command {
     let seen = twin.observe();
@@ -53,8 +22,8 @@ fn stay(twin: &Twin) -> Command {
 /// actuator acts on a part.
 #[test]
 fn the_model_has_nothing_that_could_hold_parts_together() {
-    let world = World::new();
-    let twin = world.twin(1);
+    let world = World::new("easy-3");
+    let twin = world.twin(Track::State, 1);
     let model = twin.model().ffi();
     assert_eq!(model.neq, 0, "equality constraints");
     assert_eq!(model.nmocap, 0, "mocap bodies");
@@ -110,8 +79,8 @@ fn the_code_of_faults_writes_only_forces() {
 /// commands, ends in the same state to the last bit.
 #[test]
 fn commands_alone_move_the_world() {
-    let world = World::new();
-    let mut twin = world.twin(3);
+    let world = World::new("easy-3");
+    let mut twin = world.twin(Track::State, 3);
     let model = MjModel::from_xml_string(twin.scene()).unwrap();
     let mut data = MjData::new(&model);
     data.qpos_mut().copy_from_slice(twin.qpos());
@@ -134,8 +103,8 @@ fn commands_alone_move_the_world() {
 
 #[test]
 fn parts_rest_where_they_start() {
-    let world = World::new();
-    let mut twin = world.twin(2);
+    let world = World::new("easy-3");
+    let mut twin = world.twin(Track::State, 2);
     let before = twin.truth();
     let command = stay(&twin);
     for _ in 0..1000 {
@@ -151,11 +120,15 @@ fn parts_rest_where_they_start() {
 
 #[test]
 fn the_start_is_disturbed_by_the_seed_and_no_more_than_said() {
-    let world = World::new();
-    let (one, again, two) = (world.twin(1).truth(), world.twin(1).truth(), world.twin(2).truth());
+    let world = World::new("easy-3");
+    let (one, again, two) = (
+        world.twin(Track::State, 1).truth(),
+        world.twin(Track::State, 1).truth(),
+        world.twin(Track::State, 2).truth(),
+    );
     assert_eq!(one, again);
     assert_ne!(one, two);
-    let twin = world.twin(1);
+    let twin = world.twin(Track::State, 1);
     for (index, name) in twin.part_names().enumerate() {
         let (Some(beam), x_wb) = (world.kit.beam(name), one.x_wp[index]) else { continue };
         let Some(nominal) = world.kit.x_wb_start(beam) else {
@@ -172,8 +145,8 @@ fn the_start_is_disturbed_by_the_seed_and_no_more_than_said() {
 /// Pressed on the table the wrench points down; in free air it is zero but for noise.
 #[test]
 fn the_wrist_feels_what_the_hand_does_to_the_world() {
-    let world = World::new();
-    let mut twin = world.twin(1);
+    let world = World::new("easy-3");
+    let mut twin = world.twin(Track::State, 1);
     let start = twin.observe();
     let mut x_wt = start.x_wt;
     let mut press = |twin: &mut Twin, z: f64, ticks: usize| {
@@ -205,7 +178,7 @@ fn the_wrist_feels_what_the_hand_does_to_the_world() {
 
 #[test]
 fn commands_that_are_not_numbers_are_refused_and_nothing_moves() {
-    let world = World::new();
+    let world = World::new("easy-3");
     let gripper = GripperCommand { width: 0.04, force: 20.0 };
     let bad = [
         Command { arm: ArmCommand::JointPositions([f64::NAN; 7]), gripper },
@@ -220,7 +193,7 @@ fn commands_that_are_not_numbers_are_refused_and_nothing_moves() {
         },
     ];
     for command in bad {
-        let mut twin = world.twin(1);
+        let mut twin = world.twin(Track::State, 1);
         let before = twin.state_hash();
         let error = twin.step(&command).unwrap_err();
         assert!(matches!(error, RobotError::BadCommand { .. }), "{error}");
@@ -233,8 +206,8 @@ fn commands_that_are_not_numbers_are_refused_and_nothing_moves() {
 
 #[test]
 fn torques_stay_within_the_arms_and_a_broken_limit_stops_it() {
-    let world = World::new();
-    let mut twin = world.twin(1);
+    let world = World::new("easy-3");
+    let mut twin = world.twin(Track::State, 1);
     let mut stopped = None;
     for _ in 0..3000 {
         let command = Command {

@@ -2,17 +2,13 @@
 
 use std::fmt::Write;
 use std::path::PathBuf;
-use std::time::Duration;
 
 use miette::{IntoDiagnostic, Report};
 use ramp_assembly::Class;
 use ramp_eval::summary::{Entry, Summary, shortfall};
-use ramp_robot::Track;
 use serde_json::{Value, json};
 
-use super::agent;
-use super::episodes::{self, Batch, BatchError, Episode, Outcome, STOPPED};
-use super::run::{TrackName, software};
+use super::episodes::{self, Batch, Episode, Outcome, STOPPED};
 use crate::data::{Data, print};
 use crate::{DONE, INCOMPLETE};
 
@@ -21,26 +17,11 @@ pub struct Arguments {
     /// Goals, classes (easy, medium, hard) or `all`
     #[arg(required = true, value_name = "CLASS|GOAL")]
     goals: Vec<String>,
-    /// What the agent may see of the parts
-    #[arg(long, value_enum, default_value_t = TrackName::Tags)]
-    track: TrackName,
     #[command(flatten)]
-    agent: agent::Arguments,
+    shared: episodes::Arguments,
     /// Episodes of each goal, with seeds in a row
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     repeats: u32,
-    /// Seed of the first episode of each goal
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
-    first_seed: u64,
-    /// Episodes at a time; more than one makes the agent's own time longer
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
-    jobs: u32,
-    /// Time on the wall after which an episode is lost
-    #[arg(long, value_name = "SECONDS", default_value_t = 1800, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
-    limit: u64,
-    /// Print the sums as JSON
-    #[arg(long)]
-    json: bool,
     /// Folder for the results; made if it is not there, continued if it is
     #[arg(short, long, value_name = "DIR", default_value = "results/bench")]
     output: PathBuf,
@@ -51,39 +32,23 @@ struct Bench<'a>(Batch<'a>);
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let goals = episodes::find(data, &arguments.goals)?;
-    if arguments.first_seed.checked_add(u64::from(arguments.repeats) - 1).is_none() {
-        return Err(BatchError::Seeds { repeats: "--repeats" }.into());
-    }
-    let bench = Bench(Batch {
-        data,
-        folder: &arguments.output,
-        track: Track::from(arguments.track).name(),
-        limit: Duration::from_secs(arguments.limit),
-        agent: arguments.agent.file()?,
-        agent_limit: arguments.agent.agent_limit,
-        goals,
-        software: software(),
-    });
-    let mut episodes = bench.episodes(arguments);
-    if !bench.0.run(&mut episodes, arguments.jobs as usize)? {
+    let shared = &arguments.shared;
+    let bench = Bench(shared.batch(data, &arguments.output, goals, arguments.repeats, "--repeats")?);
+    let mut episodes = bench.episodes();
+    if !bench.0.run(&mut episodes)? {
         return Ok(STOPPED);
     }
-    print(&if arguments.json {
-        bench.sums_json(arguments, &episodes)?
-    } else {
-        bench.sums_text(arguments, &episodes)
-    })?;
+    print(&if shared.json { bench.sums_json(&episodes)? } else { bench.sums_text(&episodes) })?;
     let lost = episodes.iter().any(|episode| matches!(episode.outcome, Outcome::Lost(_)));
     Ok(if lost { INCOMPLETE } else { DONE })
 }
 
 impl Bench<'_> {
     /// All episodes that are asked for.
-    fn episodes(&self, arguments: &Arguments) -> Vec<Episode> {
+    fn episodes(&self) -> Vec<Episode> {
         let mut episodes = Vec::new();
         for (goal, it) in self.0.goals.iter().enumerate() {
-            for repeat in 1..=arguments.repeats {
-                let seed = arguments.first_seed + u64::from(repeat - 1);
+            for (repeat, seed) in self.0.repeats() {
                 let stem = format!("{}-{}-{seed}", it.name, self.0.track);
                 episodes.push(Episode { goal, seed, repeat, fault: None, stem, outcome: Outcome::Open });
             }
@@ -131,7 +96,7 @@ impl Bench<'_> {
         })
     }
 
-    fn sums_json(&self, arguments: &Arguments, episodes: &[Episode]) -> Result<String, Report> {
+    fn sums_json(&self, episodes: &[Episode]) -> Result<String, Report> {
         let (goals, classes) = self.sums(episodes);
         let goals: Vec<Value> = self
             .0
@@ -159,8 +124,8 @@ impl Bench<'_> {
             .collect();
         let mut text = serde_json::to_string_pretty(&json!({
             "track": self.0.track,
-            "first_seed": arguments.first_seed,
-            "repeats": arguments.repeats,
+            "first_seed": self.0.seeds.start(),
+            "repeats": self.0.count,
             "software": self.0.software,
             "goals": goals,
             "classes": classes,
@@ -171,10 +136,10 @@ impl Bench<'_> {
         Ok(text)
     }
 
-    fn sums_text(&self, arguments: &Arguments, episodes: &[Episode]) -> String {
+    fn sums_text(&self, episodes: &[Episode]) -> String {
         let (goals, classes) = self.sums(episodes);
-        let last = arguments.first_seed + u64::from(arguments.repeats) - 1;
-        let mut text = format!("track {}, seeds {} to {last}\n", self.0.track, arguments.first_seed);
+        let (first, last) = (self.0.seeds.start(), self.0.seeds.end());
+        let mut text = format!("track {}, seeds {first} to {last}\n", self.0.track);
         let width = self.0.goals.iter().map(|goal| goal.name.chars().count()).max().unwrap_or(0).max(16);
         let _ = writeln!(
             text,

@@ -3,18 +3,14 @@
 
 use std::fmt::Write;
 use std::path::PathBuf;
-use std::time::Duration;
 
 use miette::{IntoDiagnostic, Report};
 use ramp_eval::faults::{Share, Tally, judge};
 use ramp_eval::result::EpisodeResult;
-use ramp_robot::Track;
 use ramp_twin::{Fault, FaultKind};
 use serde_json::{Value, json};
 
-use super::agent;
-use super::episodes::{self, Batch, BatchError, Episode, Outcome, STOPPED};
-use super::run::{TrackName, software};
+use super::episodes::{self, Batch, Episode, Outcome, STOPPED};
 use crate::data::{Data, print};
 use crate::{DONE, INCOMPLETE};
 
@@ -26,26 +22,11 @@ pub struct Arguments {
     /// Only these faults, each at its Nth occasion or one drawn from the seed [default: every kind]
     #[arg(long = "fault", value_name = "KIND[@N]")]
     faults: Vec<Fault>,
-    /// What the agent may see of the parts
-    #[arg(long, value_enum, default_value_t = TrackName::Tags)]
-    track: TrackName,
     #[command(flatten)]
-    agent: agent::Arguments,
+    shared: episodes::Arguments,
     /// Episodes of each goal under each fault, and without any for comparison, with seeds in a row
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     seeds: u32,
-    /// Seed of the first of them
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
-    first_seed: u64,
-    /// Episodes at a time; more than one makes the agent's own time longer
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
-    jobs: u32,
-    /// Time on the wall after which an episode is lost
-    #[arg(long, value_name = "SECONDS", default_value_t = 1800, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
-    limit: u64,
-    /// Print the table as JSON
-    #[arg(long)]
-    json: bool,
     /// Folder for the results; made if it is not there, continued if it is
     #[arg(short, long, value_name = "DIR", default_value = "results/faults")]
     output: PathBuf,
@@ -63,9 +44,6 @@ struct Row<'a> {
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let goals = episodes::find(data, &arguments.goals)?;
-    if arguments.first_seed.checked_add(u64::from(arguments.seeds) - 1).is_none() {
-        return Err(BatchError::Seeds { repeats: "--seeds" }.into());
-    }
     let mut faults = Vec::new();
     let every = FaultKind::ALL.map(|kind| Fault { kind, occasion: None });
     for fault in if arguments.faults.is_empty() { &every[..] } else { &arguments.faults } {
@@ -73,36 +51,23 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             faults.push(*fault);
         }
     }
-    let batch = Batch {
-        data,
-        folder: &arguments.output,
-        track: Track::from(arguments.track).name(),
-        limit: Duration::from_secs(arguments.limit),
-        agent: arguments.agent.file()?,
-        agent_limit: arguments.agent.agent_limit,
-        goals,
-        software: software(),
-    };
-    let mut episodes = plan(&batch, &faults, arguments);
-    if !batch.run(&mut episodes, arguments.jobs as usize)? {
+    let shared = &arguments.shared;
+    let batch = shared.batch(data, &arguments.output, goals, arguments.seeds, "--seeds")?;
+    let mut episodes = plan(&batch, &faults);
+    if !batch.run(&mut episodes)? {
         return Ok(STOPPED);
     }
     let rows = rows(&batch, &faults, &episodes);
-    print(&if arguments.json {
-        as_json(&batch, arguments, &rows, &episodes)?
-    } else {
-        as_text(&batch, arguments, &rows, &episodes)
-    })?;
+    print(&if shared.json { as_json(&batch, &rows, &episodes)? } else { as_text(&batch, &rows, &episodes) })?;
     let lost = episodes.iter().any(|episode| matches!(episode.outcome, Outcome::Lost(_)));
     Ok(if lost { INCOMPLETE } else { DONE })
 }
 
 /// All episodes that are asked for, and their controls: every fault and goal from the first seed before the second, so
 /// that a suite that is stopped has seen something of each.
-fn plan(batch: &Batch, faults: &[Fault], arguments: &Arguments) -> Vec<Episode> {
+fn plan(batch: &Batch, faults: &[Fault]) -> Vec<Episode> {
     let mut episodes = Vec::new();
-    for repeat in 1..=arguments.seeds {
-        let seed = arguments.first_seed + u64::from(repeat - 1);
+    for (repeat, seed) in batch.repeats() {
         for (goal, it) in batch.goals.iter().enumerate() {
             for fault in [None].into_iter().chain(faults.iter().copied().map(Some)) {
                 let name = fault.map_or_else(|| CONTROL.to_string(), |fault| fault.to_string());
@@ -167,9 +132,9 @@ fn shortfalls(episodes: &[Episode]) -> impl Iterator<Item = (&Episode, String)> 
     })
 }
 
-fn as_text(batch: &Batch, arguments: &Arguments, rows: &[Row], episodes: &[Episode]) -> String {
-    let last = arguments.first_seed + u64::from(arguments.seeds) - 1;
-    let mut text = format!("track {}, seeds {} to {last}\n", batch.track, arguments.first_seed);
+fn as_text(batch: &Batch, rows: &[Row], episodes: &[Episode]) -> String {
+    let (first, last) = (batch.seeds.start(), batch.seeds.end());
+    let mut text = format!("track {}, seeds {first} to {last}\n", batch.track);
     let width = batch.goals.iter().map(|goal| goal.name.chars().count()).max().unwrap_or(0).max(9);
     let _ = writeln!(
         text,
@@ -215,12 +180,7 @@ fn share(share: &Share) -> String {
     )
 }
 
-fn as_json(
-    batch: &Batch,
-    arguments: &Arguments,
-    rows: &[Row],
-    episodes: &[Episode],
-) -> Result<String, Report> {
+fn as_json(batch: &Batch, rows: &[Row], episodes: &[Episode]) -> Result<String, Report> {
     let rows: Vec<Value> = rows
         .iter()
         .map(|row| json!({"fault": row.fault.to_string(), "goal": row.goal, "tally": row.tally}))
@@ -237,8 +197,8 @@ fn as_json(
         .collect();
     let mut text = serde_json::to_string_pretty(&json!({
         "track": batch.track,
-        "first_seed": arguments.first_seed,
-        "seeds": arguments.seeds,
+        "first_seed": batch.seeds.start(),
+        "seeds": batch.count,
         "software": batch.software,
         "rows": rows,
         "shortfalls": shortfalls,

@@ -7,6 +7,7 @@ mod goals;
 use std::collections::VecDeque;
 use std::ffi::OsString;
 use std::fs::{File, TryLockError};
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::Arc;
@@ -17,9 +18,12 @@ use miette::{IntoDiagnostic, Report, miette};
 use ramp_eval::external::{AgentFile, adopt_orphans, end_orphans};
 use ramp_eval::log::ENDING;
 use ramp_eval::result::{EpisodeResult, SCHEMA, Software};
+use ramp_robot::Track;
 use ramp_twin::Fault;
 use serde_json::Value;
 
+use super::agent;
+use super::run::{TrackName, software};
 use crate::data::Data;
 use crate::{DONE, INCOMPLETE};
 use display::Display;
@@ -35,6 +39,58 @@ pub const STOPPED: u8 = 130;
 const SCORING: Duration = Duration::from_secs(20);
 /// How often it is looked after the episodes.
 const LOOK: Duration = Duration::from_millis(50);
+
+/// What commands that run many episodes are told alike.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// What the agent may see of the parts
+    #[arg(long, value_enum, default_value_t = TrackName::Tags)]
+    track: TrackName,
+    #[command(flatten)]
+    agent: agent::Arguments,
+    /// Seed of the first episode of each goal
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    first_seed: u64,
+    /// Episodes at a time; more than one makes the agent's own time longer
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    jobs: u32,
+    /// Time on the wall after which an episode is lost
+    #[arg(long, value_name = "SECONDS", default_value_t = 1800, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    limit: u64,
+    /// Print the table as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl Arguments {
+    /// What the episodes of these goals share, `count` of each goal, and their folder; `option` is where the count was given.
+    ///
+    /// # Errors
+    /// When the agent's file is none, or the seeds go past the largest number there is.
+    pub fn batch<'a>(
+        &self,
+        data: &'a Data,
+        folder: &'a Path,
+        goals: Vec<Goal>,
+        count: u32,
+        option: &'static str,
+    ) -> Result<Batch<'a>, Report> {
+        let last = self.first_seed.checked_add(u64::from(count) - 1);
+        Ok(Batch {
+            data,
+            folder,
+            track: Track::from(self.track).name(),
+            limit: Duration::from_secs(self.limit),
+            jobs: self.jobs as usize,
+            agent: self.agent.file()?,
+            agent_limit: self.agent.agent_limit,
+            goals,
+            count,
+            seeds: self.first_seed..=last.ok_or(BatchError::Seeds { repeats: option })?,
+            software: software(),
+        })
+    }
+}
 
 /// One episode that is asked for.
 pub struct Episode {
@@ -69,19 +125,30 @@ pub struct Batch<'a> {
     pub folder: &'a Path,
     pub track: &'static str,
     pub limit: Duration,
+    /// Episodes at a time.
+    pub jobs: usize,
     pub agent: Option<AgentFile>,
     pub agent_limit: f64,
     pub goals: Vec<Goal>,
+    /// How many episodes of each goal.
+    pub count: u32,
+    /// Their seeds.
+    pub seeds: RangeInclusive<u64>,
     pub software: Software,
 }
 
 impl Batch<'_> {
-    /// Does the episodes that have no result in the folder yet, `jobs` at a time. False when it was stopped by Ctrl-C, and
+    /// The number of each episode of a goal, from 1 on, and its seed.
+    pub fn repeats(&self) -> impl Iterator<Item = (u32, u64)> {
+        (1..).zip(self.seeds.clone())
+    }
+
+    /// Does the episodes that have no result in the folder yet. False when it was stopped by Ctrl-C, and
     /// then it has said so.
     ///
     /// # Errors
     /// When the folder is of another version or agent, is in use, or cannot be written to.
-    pub fn run(&self, episodes: &mut [Episode], jobs: usize) -> Result<bool, Report> {
+    pub fn run(&self, episodes: &mut [Episode]) -> Result<bool, Report> {
         let folder = self.folder;
         if folder.exists() && !folder.is_dir() {
             return Err(miette!(help = "name a folder with -o", "{} is not a folder", folder.display()));
@@ -114,7 +181,7 @@ impl Batch<'_> {
                 None => {}
             }
         }
-        let whole = self.work(episodes, jobs, &stop)?;
+        let whole = self.work(episodes, &stop)?;
         if !whole {
             let finished = episodes.iter().filter(|it| matches!(it.outcome, Outcome::Finished(_))).count();
             eprintln!(
@@ -179,7 +246,7 @@ impl Batch<'_> {
     }
 
     /// Runs what is open; false when it was stopped.
-    fn work(&self, episodes: &mut [Episode], jobs: usize, stop: &AtomicBool) -> Result<bool, Report> {
+    fn work(&self, episodes: &mut [Episode], stop: &AtomicBool) -> Result<bool, Report> {
         let mut open: VecDeque<usize> =
             (0..episodes.len()).filter(|&it| matches!(episodes[it].outcome, Outcome::Open)).collect();
         let running = self.folder.join(RUNNING);
@@ -191,14 +258,14 @@ impl Batch<'_> {
             return Ok(true);
         }
         std::fs::create_dir_all(&running).into_diagnostic()?;
-        let display = Display::new(open.len(), episodes.len() - open.len(), jobs);
+        let display = Display::new(open.len(), episodes.len() - open.len(), self.jobs);
         let mut workers: Vec<Worker> = Vec::new();
         let mut failure = None;
         while failure.is_none() && !(open.is_empty() && workers.is_empty()) {
             if stop.load(Ordering::Relaxed) {
                 break;
             }
-            while workers.len() < jobs
+            while workers.len() < self.jobs
                 && let Some(episode) = open.pop_front()
             {
                 match self.start(&running, &episodes[episode]) {

@@ -1,0 +1,33 @@
+//! A world to put a twin into: the kit, a goal and the arm, as they lie in `data`.
+
+#![allow(clippy::unwrap_used)] // A test that cannot go on may stop.
+
+use std::path::Path;
+
+use ramp_assembly::Assembly;
+use ramp_kit::Kit;
+use ramp_robot::Track;
+use ramp_robot::arm::ArmModel;
+use ramp_twin::{Disturbance, Setup, Twin};
+
+pub struct World {
+    pub kit: Kit,
+    pub assembly: Assembly,
+    pub arm: ArmModel,
+}
+
+impl World {
+    pub fn new(goal: &str) -> World {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+        let kit = ramp_kit::read_kit(&data.join("kit.xml")).unwrap();
+        let assembly = ramp_assembly::read_goal(&data.join(format!("goals/{goal}.xml")), &kit).unwrap();
+        let arm = ArmModel::read(&data.join("arms/panda.json")).unwrap();
+        World { kit, assembly, arm }
+    }
+
+    pub fn twin(&self, track: Track, seed: u64) -> Twin {
+        let (kit, assembly, arm) = (&self.kit, &self.assembly, &self.arm);
+        let disturbance = Disturbance::default();
+        Twin::new(&Setup { kit, assembly, arm, track, seed, disturbance, fault: None }).unwrap()
+    }
+}
