@@ -209,6 +209,35 @@ fn a_beam_is_regrasped_by_another_link_and_inserted() {
     assert!(off < 2.0e-3, "b5 stands {:.2} mm from its place", off * 1e3);
 }
 
+/// A beam that is held so far out that the arm cannot take it to where its insertion begins is laid down and taken where
+/// it can: a peg that stands high in its holder may leave room for no other grasp.
+#[test]
+fn a_beam_that_is_held_too_far_out_is_taken_anew() {
+    let world = World::new("hard-2");
+    let planner = PathPlanner::new(&world.arm);
+    let b6 = world.assembly.beam_index("b6").unwrap();
+    let state = ramp_planner::State::default();
+    let plan = ramp_planner::plan(&world.assembly, &world.kit, &state, &world.domains).unwrap();
+    let entry = plan.entries.iter().find(|entry| entry.beam == "b6").unwrap();
+    let mut twin = Twin::new(&world.setup(4)).unwrap();
+    let mut cell = cell(&world, &planner, &mut twin);
+    let (direction, distance, depth) = (entry.direction.into(), entry.distance, entry.depth);
+    cell.ways.insert(b6, Way { direction, distance, depth });
+    cell.belief.update(&mut cell.hand).unwrap();
+    let x_wt = ramp_skills::grasp::beam_grasp(&cell.belief.pose("b6").unwrap(), 270.0e-3, false);
+    cell.hover("b6", Some("b6l2")).unwrap();
+    cell.seize("b6", &x_wt, 0.038, 0.022).unwrap();
+    cell.rise().unwrap();
+    cell.approach_beam(b6).unwrap();
+    let anew = cell.events.iter().any(|event| event.what == "take b6l2 anew");
+    assert!(anew, "the arm reached it as it was: {:?}", cell.events);
+    let nominal = world.kit.x_wa() * world.assembly.beams[b6].x_ab;
+    let back = world.kit.x_wa().rotation * cell.ways[&b6].direction * -distance;
+    let p = cell.belief.pose("b6").unwrap().translation.vector;
+    let off = (p - nominal.translation.vector - back).xy().norm();
+    assert!(off < 3.0e-3, "b6 is {:.1} mm from where its insertion begins", off * 1e3);
+}
+
 /// A beam that turned in the hand is made level by a hand that leans. Its ribs must not take the beam along when they open.
 #[test]
 fn a_beam_that_turned_in_the_hand_stays_where_it_is_let_go() {

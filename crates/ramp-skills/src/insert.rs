@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::JointRef;
 use ramp_kit::joint::{self, BODY_WIDTH, FEMALE_HEIGHT};
+use ramp_motion::MotionError;
 use ramp_robot::Cause;
 
 use crate::Pose;
@@ -59,7 +60,8 @@ const TRIES: usize = 4;
 pub const PEGGABLE: f64 = 1.6e-3;
 
 impl Workcell<'_, '_> {
-    /// Carries the held beam to where its insertion begins, a little higher than its way.
+    /// Carries the held beam to where its insertion begins, a little higher than its way. One that the hand holds too far
+    /// out for that, since there was no room for it elsewhere, is laid down where there is and taken anew.
     ///
     /// # Errors
     /// When there is no way, or the robot stops.
@@ -68,17 +70,26 @@ impl Workcell<'_, '_> {
         self.regrip(&name)?;
         self.level(beam)?;
         let start = self.beside(beam, 1.0, CLEAR)?;
-        let Some(held) = &self.hand.held else { return Err(Fault::NotHeld { part: name }.into()) };
-        let x_wt = start * held.x_tp.inverse();
-        self.travel(&x_wt)?;
+        match self.carry(&name, &start) {
+            Err(SkillError::Motion(MotionError::Unreachable(_))) => {
+                self.take_anew(beam)?;
+                self.carry(&name, &start)?;
+            }
+            other => other?,
+        }
         // A beam that turned in the hand on the way does not go in as it is.
         self.regrip(&name)?;
         if !self.is_aslant() {
             return Ok(());
         }
         self.level(beam)?;
-        let Some(held) = &self.hand.held else { return Err(Fault::NotHeld { part: name }.into()) };
-        let x_wt = start * held.x_tp.inverse();
+        self.carry(&name, &start)
+    }
+
+    /// Carries the held part through free space to a pose.
+    fn carry(&mut self, part: &str, x_wp_goal: &Pose) -> Result<(), SkillError> {
+        let Some(held) = &self.hand.held else { return Err(Fault::NotHeld { part: part.into() }.into()) };
+        let x_wt = x_wp_goal * held.x_tp.inverse();
         self.travel(&x_wt)
     }
 

@@ -62,7 +62,15 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// As [`Workcell::regrasp`].
     pub fn level(&mut self, beam: usize) -> Result<(), SkillError> {
-        let Some(held) = self.hand.held.as_ref().filter(|_| self.is_aslant()) else { return Ok(()) };
+        if self.is_aslant() { self.take_anew(beam) } else { Ok(()) }
+    }
+
+    /// Lays the held beam down and takes it by the same link again.
+    ///
+    /// # Errors
+    /// As [`Workcell::regrasp`].
+    pub(crate) fn take_anew(&mut self, beam: usize) -> Result<(), SkillError> {
+        let Some(held) = &self.hand.held else { return Ok(()) };
         // Where the hand holds it now.
         let s = held.x_tp.inverse_transform_point(&nalgebra::Point3::origin()).x;
         let links = &self.assembly.beams[beam].beam.links;
