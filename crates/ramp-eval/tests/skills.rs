@@ -209,6 +209,21 @@ fn a_beam_is_regrasped_by_another_link_and_inserted() {
     assert!(off < 2.0e-3, "b5 stands {:.2} mm from its place", off * 1e3);
 }
 
+/// Fingers that spring back on a peg as far as they had been open, and close only when they are opened, are opened further.
+#[test]
+fn fingers_that_spring_back_as_far_as_they_open_grip_a_peg_all_the_same() {
+    let world = World::new("easy-3");
+    let planner = PathPlanner::new(&world.arm);
+    let mut setup = world.setup_on(Track::Tags, 8);
+    setup.fault = Some("gripper-weak@1".parse().unwrap());
+    let mut twin = Twin::new(&setup).unwrap();
+    let mut cell = cell(&world, &planner, &mut twin);
+    cell.hover("p1", None).unwrap();
+    cell.pick_up("p1", None).unwrap();
+    let short = "grip-weak: the fingers stop 4.0 mm before p1";
+    assert!(cell.events.iter().any(|event| event.what == short), "{:?}", cell.events);
+}
+
 /// A beam that is held so far out that the arm cannot take it to where its insertion begins is laid down and taken where
 /// it can: a peg that stands high in its holder may leave room for no other grasp.
 #[test]

@@ -140,13 +140,10 @@ impl Eyes {
     fn tell(&mut self, oddity: Oddity) {
         let told = match oddity {
             Oddity::NotLying { part } => return self.upset.push(part),
-            Oddity::UnknownTag { id } => {
-                // What was read once may have been misread; a tag that is there is read again.
-                if self.told.insert(format!("once {id}")) {
-                    return;
-                }
-                format!("unknown {id}")
-            }
+            // What was read once may have been misread; a tag that is there is read again.
+            Oddity::UnknownTag { id } if self.told.insert(format!("once unknown {id}")) => return,
+            Oddity::UnknownTag { id } => format!("unknown {id}"),
+            Oddity::SameTagTwice { id, .. } if self.told.insert(format!("once twice {id}")) => return,
             Oddity::SameTagTwice { id, .. } => format!("twice {id}"),
             Oddity::TagsDisagree { ref part, .. } => format!("disagree {part}"),
             _ => return,

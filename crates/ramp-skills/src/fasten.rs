@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
-use ramp_kit::joint::{FEMALE_HEIGHT, HEAD_HEIGHT, STEM_LENGTH};
+use ramp_kit::joint::{FEMALE_HEIGHT, HEAD_HEIGHT, STEM_LENGTH, STEM_RADIUS};
 use ramp_robot::Cause;
 
 use crate::Pose;
@@ -28,6 +28,10 @@ const SEARCH_SPEED: f64 = 8.0e-3;
 const NEAR_TIME: f64 = 5.0;
 /// A peg whose tip is this far beside the hand stands aslant, m: up to 16°.
 const ASLANT: [f64; 2] = [2.5e-3, 13.0e-3];
+/// What presses this far beside the hand is not the tip of an upright peg, m: its edge is a radius away.
+const BESIDE: f64 = STEM_RADIUS + ASLANT[0];
+/// How far such a peg is lifted off the plate to take zero anew, m.
+const LIFT_OFF: f64 = 3.0e-3;
 /// How far around the place where its tip should meet the hole it is searched for (m), how fast (m/s), and with what
 /// swing (m).
 const ASLANT_AROUND: f64 = 4.0e-3;
@@ -239,21 +243,15 @@ impl Workcell<'_, '_> {
         self.hand.zero()?;
         let plate = self.mouth(connection)?.z;
         self.regrip(peg)?;
-        // Touch.
-        let mut down = self.hand.setpoint;
-        down.translation.z -= OVER + 2.0 * FOUND;
-        let tip = |x_wp: &Pose| (x_wp * Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate;
-        self.hand.drive(&down, 0.02, |hand| {
-            -hand.force().z > TOUCH || hand.x_wp_held().is_some_and(|x| tip(&x) < -FOUND)
-        })?;
+        self.let_down(plate, OVER)?;
         if !self.is_in(plate) {
             let (begin, mut upright) = (self.hand.time(), false);
-            self.spiral(plate, NEAR_TIME)?;
+            self.spiral(plate, NEAR_TIME, true)?;
             if !self.is_in(plate) {
                 upright = self.search_aslant(connection, peg, plate)?;
             }
             if !self.is_in(plate) {
-                self.spiral(plate, SEARCH_TIME)?;
+                self.spiral(plate, SEARCH_TIME, false)?;
             }
             let seconds = self.hand.time() - begin;
             self.note("search", format!("spiral at {name}, {seconds:.1} s"));
@@ -292,12 +290,24 @@ impl Workcell<'_, '_> {
         tip.is_some_and(|tip| tip < -depth)
     }
 
+    /// Lets the held peg down by `height` (m) and a little further, until it touches the plate (m, in the world) or is in.
+    fn let_down(&mut self, plate: f64, height: f64) -> Result<(), SkillError> {
+        let mut down = self.hand.setpoint;
+        down.translation.z -= height + 2.0 * FOUND;
+        let tip = |x_wp: &Pose| (x_wp * Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate;
+        self.hand.drive(&down, 0.02, |hand| {
+            -hand.force().z > TOUCH || hand.x_wp_held().is_some_and(|x| tip(&x) < -FOUND)
+        })?;
+        Ok(())
+    }
+
     /// Searches for the hole along an Archimedean spiral with constant force down, until the tip drops in, for so many
-    /// seconds at most.
-    fn spiral(&mut self, plate: f64, longest: f64) -> Result<(), SkillError> {
+    /// seconds at most. A `wary` search soon ends when what is felt cannot be the tip of an upright peg, which would come
+    /// off the plate before it came to the hole.
+    fn spiral(&mut self, plate: f64, longest: f64, wary: bool) -> Result<(), SkillError> {
         let centre = self.hand.seen.x_wt.translation.vector;
         let begin = self.hand.time();
-        let mut angle: f64 = 0.0;
+        let (mut angle, mut felt, mut period) = (0.0_f64, Vector6::zeros(), 0);
         while self.hand.time() - begin < longest {
             let radius = PITCH * angle / TAU;
             angle += SEARCH_SPEED * PERIOD / radius.max(0.5e-3);
@@ -305,8 +315,23 @@ impl Workcell<'_, '_> {
             if self.is_in(plate) {
                 break;
             }
+            if (FEEL_PERIODS / 3..FEEL_PERIODS).contains(&period) {
+                felt += self.hand.felt();
+            }
+            let beside = || self.tip_beside(&felt, plate).dot(&self.across()).abs();
+            if wary && period == FEEL_PERIODS && beside() > BESIDE {
+                break;
+            }
+            period += 1;
         }
         Ok(())
+    }
+
+    /// The direction in which the tip of a peg that turned between the fingers is beside the hand: across the axis on which
+    /// they close, along the table. Axes of the world.
+    fn across(&self) -> Vector3<f64> {
+        let x = self.hand.seen.x_wt.rotation * Vector3::x();
+        Vector3::new(x.x, x.y, 0.0).normalize()
     }
 
     /// One control period of sliding over the plate with constant force down, m in the world.
@@ -326,8 +351,13 @@ impl Workcell<'_, '_> {
     /// Returns whether it did.
     fn search_aslant(&mut self, connection: usize, peg: &str, plate: f64) -> Result<bool, SkillError> {
         let mouth = self.mouth(connection)?;
-        let x = self.hand.seen.x_wt.rotation * Vector3::x();
-        let axis = Vector3::new(x.x, x.y, 0.0).normalize();
+        // What turned the peg may have pressed on it while zero was taken.
+        let mut up = self.hand.setpoint;
+        up.translation.z = self.hand.seen.x_wt.translation.z + LIFT_OFF;
+        self.hand.go(&up, 0.02)?;
+        self.hand.zero()?;
+        self.let_down(plate, LIFT_OFF)?;
+        let axis = self.across();
         let aside = Vector3::z().cross(&axis);
         // A tip on the edge of the hole does not press straight down: then felt beside it.
         let mut beside = self.feel_tip(plate)?.dot(&axis);
@@ -373,6 +403,12 @@ impl Workcell<'_, '_> {
                 felt += self.hand.felt();
             }
         }
+        Ok(self.tip_beside(&felt, plate))
+    }
+
+    /// Where something presses on the plate at a height (m) beside the hand, by a wrench at the wrist, or the sum of many:
+    /// along the table, m in the world.
+    fn tip_beside(&self, felt: &Vector6<f64>, plate: f64) -> Vector3<f64> {
         let x_wt = self.hand.seen.x_wt;
         let wrist = x_wt * Point3::new(0.0, 0.0, -self.arm.hand.tip);
         let (force, moment) = (felt.fixed_rows::<3>(0), felt.fixed_rows::<3>(3));
@@ -380,7 +416,7 @@ impl Workcell<'_, '_> {
         let height = plate - wrist.z;
         let x = (height * force.x - moment.y) / force.z;
         let y = (moment.x + height * force.y) / force.z;
-        Ok(Vector3::new(wrist.x + x - x_wt.translation.x, wrist.y + y - x_wt.translation.y, 0.0))
+        Vector3::new(wrist.x + x - x_wt.translation.x, wrist.y + y - x_wt.translation.y, 0.0)
     }
 
     /// The tip of a peg is in the hole at `mouth` (m, in the world) while the hand is beside it: turns the hand about the

@@ -52,6 +52,9 @@ const WIDTH_TOLERANCE: f64 = 2.0e-3;
 const GRIP_SHORT: f64 = 1.0e-3;
 /// See [`GRIP_SHORT`].
 const GRIPS: usize = 3;
+/// Fingers count as opened when they are so much further apart than where they stopped, m: those that sprang back as far as
+/// they open for a peg have not been opened by that.
+const OPENED: f64 = 0.5e-3;
 /// Distance from the ends of the joints' ranges beyond which more is no better, rad.
 const GOOD_MARGIN: f64 = 0.3;
 /// What a radian of turning the hand counts against a radian of that distance.
@@ -279,7 +282,7 @@ impl Workcell<'_, '_> {
             }
             self.diagnose(Cause::GripWeak, format!("the fingers stop {:.1} mm before {part}", short * 1e3));
             if attempt + 1 < GRIPS {
-                self.hand.grip(open, 20.0)?;
+                self.hand.grip(open.max(self.hand.seen.width + OPENED), 20.0)?;
             }
         }
         if (self.hand.seen.width - width).abs() > WIDTH_TOLERANCE {
