@@ -41,6 +41,11 @@ const GRIPPED: ([f64; 3], [f64; 3]) =
 const CENTRED: (f64, f64) = (0.05 * MM, 0.03 * DEGREE);
 /// How far a part may move as the fingers let go of it, m and rad.
 const RELEASED: ([f64; 3], [f64; 3]) = ([0.2 * MM; 3], [0.1 * DEGREE, 0.1 * DEGREE, 0.05 * DEGREE]);
+/// How far a part that is pushed may move between the fingers (on the axes of the tip, m and rad) ...
+const PUSHED: ([f64; 3], [f64; 3]) =
+    ([5.0 * MM, 0.2 * MM, 1.0 * MM], [0.5 * DEGREE, 0.5 * DEGREE, 0.2 * DEGREE]);
+/// ... and turn about the line from one to the other, rad.
+const PUSHED_TURN: f64 = 15.0 * DEGREE;
 /// A reading with a greater normalised innovation squared is not believed before the next one confirms it: with six
 /// degrees of freedom, chance alone exceeds it once in two million.
 const GATE: f64 = 40.0;
@@ -301,6 +306,14 @@ impl Belief {
         let Some(part) = self.parts.get_mut(part).filter(|part| part.frame == Frame::Tip) else { return };
         let covariance = covariance([1.0 * MM; 3], [3.0 * DEGREE; 3]);
         part.rebase(Frame::Tip, Estimate { x: x_wt.inverse() * x_wp, covariance });
+    }
+
+    /// Something has pushed a part between the fingers: sight will tell how it lies in them now.
+    pub fn pushed(&mut self, part: &str) {
+        if let Some(part) = self.parts.get_mut(part).filter(|part| part.frame == Frame::Tip) {
+            part.estimate.spread(PUSHED.0, PUSHED.1);
+            part.estimate.spread_turn(&Vector3::y(), PUSHED_TURN);
+        }
     }
 
     /// The fingers have let go of a part where it is now.

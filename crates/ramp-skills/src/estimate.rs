@@ -87,6 +87,14 @@ impl Estimate {
         self.covariance += covariance(position, rotation);
     }
 
+    /// Forgets how far the part is turned about an axis (a unit vector) through the origin of the frame in which the pose is
+    /// given, to `sigma` rad: far from there, its position goes along.
+    pub fn spread_turn(&mut self, axis: &Vector3<f64>, sigma: f64) {
+        let shift = axis.cross(&self.x.translation.vector);
+        let error = sigma * Vector6::new(shift.x, shift.y, shift.z, axis.x, axis.y, axis.z);
+        self.covariance += error * error.transpose();
+    }
+
     /// The same estimate in frame A, given the pose `x_ab` in A of the frame B in which it is now.
     #[must_use]
     pub fn seen_from(&self, x_ab: &Pose) -> Estimate {
@@ -127,6 +135,24 @@ mod tests {
         let mut estimate = Estimate { x: *x, covariance: Matrix6::zeros() };
         estimate.step(error);
         estimate.x
+    }
+
+    /// A part that may have turned about an axis is as well known on the axis as before, and a pose turned about it is no
+    /// surprise far from there either.
+    #[test]
+    fn a_turn_is_forgotten_with_what_goes_along() {
+        let x = Pose::new(Vector3::new(0.2, 0.0, 0.01), Vector3::new(0.0, 0.0, 0.3));
+        let known = Estimate { x, covariance: covariance(SIGMA.0, [0.002; 3]) };
+        let mut turned = known.clone();
+        turned.spread_turn(&Vector3::y(), 0.25);
+        let by = |axis| UnitQuaternion::from_axis_angle(&axis, 0.1);
+        let seen = |axis| Estimate { x: by(axis) * x, covariance: covariance(SIGMA.0, SIGMA.1) };
+        assert!(known.surprise(&seen(Vector3::y_axis())) > 100.0);
+        assert!(turned.surprise(&seen(Vector3::y_axis())) < 1.0);
+        assert!(turned.surprise(&seen(Vector3::z_axis())) > 100.0);
+        let origin = x.inverse() * Point3::origin();
+        let [before, after] = [&known, &turned].map(|estimate| estimate.point_covariance(&origin));
+        assert!((before - after).norm() < 1.0e-12, "{before} {after}");
     }
 
     /// What the filter says of its own error is true: over many series of readings, the normalised square of its

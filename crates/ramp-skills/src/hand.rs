@@ -28,6 +28,9 @@ const TURN_SPEED: f64 = 0.5;
 const GUARD: f64 = 50.0;
 /// How long the hand yields after that, s.
 const YIELD: f64 = 0.1;
+/// What is held has been pushed when force (N) or moment (N·m) at the wrist change by more while it is carried: a beam that is
+/// only carried changes them by 5 N and 0.13 N·m at most.
+const PUSHED: (f64, f64) = (10.0, 0.4);
 
 /// A part between the fingers.
 #[derive(Clone, Debug)]
@@ -62,6 +65,8 @@ pub struct Hand<'r> {
     last: Option<Command>,
     /// The guard has struck, and the force has not fallen since.
     struck: bool,
+    /// Something has pushed what is held while a trajectory was followed.
+    pub pushed: bool,
 }
 
 impl<'r> Hand<'r> {
@@ -77,6 +82,7 @@ impl<'r> Hand<'r> {
             tare: Vector6::zeros(),
             last: None,
             struck: false,
+            pushed: false,
             robot,
             seen,
         }
@@ -128,9 +134,15 @@ impl<'r> Hand<'r> {
     /// [`Fault::Overload`], and the robot's.
     pub fn follow(&mut self, trajectory: &Trajectory) -> Result<(), SkillError> {
         let periods = (trajectory.duration() / PERIOD).ceil() as usize;
+        let felt = |seen: &Observation| {
+            (seen.wrench.fixed_rows::<3>(0).norm(), seen.wrench.fixed_rows::<3>(3).norm())
+        };
+        let (force, moment) = felt(&self.seen);
         for period in 1..=periods {
             self.joint_step(trajectory.at(period as f64 * PERIOD))?;
             self.guard()?;
+            let (now, turning) = felt(&self.seen);
+            self.pushed |= (now - force).abs() > PUSHED.0 || (turning - moment).abs() > PUSHED.1;
         }
         let end = trajectory.at(trajectory.duration());
         for _ in 0..300 {

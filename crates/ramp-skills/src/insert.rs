@@ -70,10 +70,10 @@ impl Workcell<'_, '_> {
         self.regrip(&name)?;
         self.level(beam)?;
         let start = self.beside(beam, 1.0, CLEAR)?;
-        match self.carry(&name, &start) {
+        match self.carry(beam, &start) {
             Err(SkillError::Motion(MotionError::Unreachable(_))) => {
                 self.take_anew(beam)?;
-                self.carry(&name, &start)?;
+                self.carry(beam, &start)?;
             }
             other => other?,
         }
@@ -83,14 +83,28 @@ impl Workcell<'_, '_> {
             return Ok(());
         }
         self.level(beam)?;
-        self.carry(&name, &start)
+        self.carry(beam, &start)
     }
 
-    /// Carries the held part through free space to a pose.
-    fn carry(&mut self, part: &str, x_wp_goal: &Pose) -> Result<(), SkillError> {
-        let Some(held) = &self.hand.held else { return Err(Fault::NotHeld { part: part.into() }.into()) };
-        let x_wt = x_wp_goal * held.x_tp.inverse();
-        self.travel(&x_wt)
+    /// Carries the held beam through free space to a pose. One that something pushed on the way is looked at before it goes
+    /// down: one that turned in the hand would meet the table with an end.
+    fn carry(&mut self, beam: usize, x_wb_goal: &Pose) -> Result<(), SkillError> {
+        let part = &self.assembly.beams[beam].beam.name;
+        for attempt in 1.. {
+            let Some(held) = &self.hand.held else { break };
+            let x_wt = x_wb_goal * held.x_tp.inverse();
+            let mut legs = self.legs_to(&x_wt)?;
+            let down = legs.pop();
+            for leg in legs {
+                self.walk(leg)?;
+            }
+            if !self.hand.pushed || attempt == TRIES {
+                return down.map_or(Ok(()), |down| self.walk(down));
+            }
+            self.regrip(part)?;
+            self.level(beam)?;
+        }
+        Err(Fault::NotHeld { part: part.clone() }.into())
     }
 
     /// Inserts the held beam, which is where its insertion begins, and lets go of it.

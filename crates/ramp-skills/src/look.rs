@@ -82,7 +82,7 @@ impl Workcell<'_, '_> {
     }
 
     /// Looks once, and notes what was odd.
-    fn look_once(&mut self) -> Result<(), SkillError> {
+    pub(crate) fn look_once(&mut self) -> Result<(), SkillError> {
         self.belief.update(&mut self.hand)?;
         for (part, off) in self.belief.astray() {
             self.note("seen", format!("{part} is {:.1} mm from where it was believed", off * 1e3));

@@ -33,10 +33,8 @@ impl Workcell<'_, '_> {
         let name = self.assembly.beams[beam].beam.name.clone();
         self.rise()?;
         self.regrip(&name)?;
-        let down = self.free_place(beam, link)?;
-        let mut above = down;
-        above.translation.z = TRAVEL.max(down.translation.z);
-        self.travel(&above)?;
+        let place = self.free_place(beam, link)?;
+        let down = self.bring_above(place, |down| TRAVEL.max(down))?;
         self.hand.relax();
         let mut low = down;
         low.translation.z += DROP;
@@ -82,7 +80,7 @@ impl Workcell<'_, '_> {
     }
 
     /// The pose of the tip at which the held beam lies on the table beside everything else, with room for the hand now
-    /// and when it takes the beam by `link`; the nearest one.
+    /// and when it takes the beam by `link`; the nearest one. The hand leans when the beam sits aslant in it.
     fn free_place(&self, beam: usize, link: &str) -> Result<Pose, SkillError> {
         let beam = &self.assembly.beams[beam].beam;
         let no_grasp = || Fault::NoGrasp { part: beam.name.clone() };
@@ -100,6 +98,12 @@ impl Workcell<'_, '_> {
                 let angle = f64::from(turn) * FRAC_PI_4;
                 let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle) * tip.rotation;
                 let mut x_wt = Pose::from_parts(Translation3::new(x, y, 0.0), turned);
+                if self.is_aslant() {
+                    let axis = x_wt.rotation * held.x_tp.rotation * Vector3::x();
+                    let level = Vector3::new(axis.x, axis.y, 0.0);
+                    let lean = UnitQuaternion::rotation_between(&axis, &level).unwrap_or_default();
+                    x_wt.rotation = lean * x_wt.rotation;
+                }
                 x_wt.translation.z = height - (x_wt * held.x_tp).translation.z;
                 let way = (x - tip.translation.x).hypot(y - tip.translation.y);
                 // A turn of the hand takes about as long as this way.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Point3, Vector3};
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
-use ramp_motion::{Checker, MotionError, PathPlanner, Trajectory};
+use ramp_motion::{Checker, Joints, MotionError, PathPlanner, Trajectory};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_robot::{Cause, Event};
@@ -42,6 +42,8 @@ const STRAIGHT: f64 = 0.004;
 const STRAIGHTENINGS: usize = 5;
 /// Force at which it stops turning straight, N: well below that which breaks every motion off.
 const STRAIGHTEN_LIMIT: f64 = 25.0;
+/// How well it is known where a beam is that the hand has turned in, m and rad.
+const STAYED: ([f64; 3], [f64; 3]) = ([1.0e-3; 3], [0.01, 0.01, 0.005]);
 /// How well the joints that a beam is to meet must be known before it is fetched, m.
 const KNOWN: f64 = 0.25e-3;
 /// How far a fresh grasp is lifted before anything else, m.
@@ -50,6 +52,14 @@ const LIFT: f64 = 0.02;
 const WIDTH_TOLERANCE: f64 = 2.0e-3;
 /// Fingers that stop this far before a part do not hold it, m; and how often they are closed then.
 const GRIP_SHORT: f64 = 1.0e-3;
+/// How often a part that was pushed in the hand is looked at before it is known again.
+const LOOKS: usize = 4;
+/// When a point so far beside the fingers, m, ...
+const BESIDE: f64 = 0.1;
+/// ... is no better known in height than this, m, a part that was pushed in the hand cannot be seen there.
+const UNSEEN: f64 = 5.0e-3;
+/// How often a part that is pushed on the way to where it is put back is looked at.
+const TRIES: usize = 3;
 /// See [`GRIP_SHORT`].
 const GRIPS: usize = 3;
 /// Fingers count as opened when they are so much further apart than where they stopped, m: those that sprang back as far as
@@ -114,15 +124,27 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// When no motion is found or the robot stops.
     pub fn travel(&mut self, x_wt: &Pose) -> Result<(), SkillError> {
+        for leg in self.legs_to(x_wt)? {
+            self.walk(leg)?;
+        }
+        Ok(())
+    }
+
+    /// The legs of a way through free space to `x_wt`, keeping clear of everything but the held part: the hand rests between
+    /// them.
+    ///
+    /// # Errors
+    /// When no motion is found or the robot stops.
+    pub(crate) fn legs_to(&mut self, x_wt: &Pose) -> Result<Vec<Vec<Joints>>, SkillError> {
         self.belief.update(&mut self.hand)?;
         let checker = self.checker(None);
         let q = self.hand.joints();
-        let legs = self.planner.plan(&q, x_wt, TRAVEL, &checker, &mut self.stream)?;
-        for leg in legs {
-            let trajectory = Trajectory::new(self.arm, leg, SHARE);
-            self.hand.follow(&trajectory)?;
-        }
-        Ok(())
+        Ok(self.planner.plan(&q, x_wt, TRAVEL, &checker, &mut self.stream)?)
+    }
+
+    /// Follows one of them.
+    pub(crate) fn walk(&mut self, leg: Vec<Joints>) -> Result<(), SkillError> {
+        self.hand.follow(&Trajectory::new(self.arm, leg, SHARE))
     }
 
     /// Moves the open hand from above down to `x_wt`, around `part`.
@@ -139,8 +161,7 @@ impl Workcell<'_, '_> {
         if !leg.iter().all(|q| checker.is_free(&self.planner.kinematics.frames(q))) {
             return Err(MotionError::Blocked("end").into());
         }
-        self.hand.follow(&Trajectory::new(self.arm, leg, SHARE))?;
-        Ok(())
+        self.walk(leg)
     }
 
     /// What the arm must keep clear of now: everything but what it holds and `without`.
@@ -232,7 +253,7 @@ impl Workcell<'_, '_> {
     }
 
     /// How far the joints stay from their ends at a pose, rad; negative when it is out of reach.
-    pub fn reach(&self, x_wt: &Pose, q: &ramp_motion::Joints) -> f64 {
+    pub fn reach(&self, x_wt: &Pose, q: &Joints) -> f64 {
         self.planner.solve(x_wt, q).map_or(-1.0, |q| self.planner.kinematics.range_margin(&q))
     }
 
@@ -300,6 +321,7 @@ impl Workcell<'_, '_> {
             None => (grasp::PEG_MASS, grasp::peg_centre()),
         };
         let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
+        self.hand.pushed = false;
         self.hand.held = Some(Held { part: part.to_string(), x_tp, x_wp_origin: x_wp, mass, p_centre });
         Ok(())
     }
@@ -325,6 +347,14 @@ impl Workcell<'_, '_> {
     /// [`Fault::NotHeld`] when the fingers have closed on nothing, or the part is not where it was in the hand; the
     /// hand then counts as empty.
     pub fn regrip(&mut self, part: &str) -> Result<(), SkillError> {
+        let pushed = std::mem::take(&mut self.hand.pushed);
+        if pushed {
+            // How the fingers took it says nothing any more.
+            self.belief.pushed(part);
+            for _ in 0..LOOKS {
+                self.look_once()?;
+            }
+        }
         self.belief.update(&mut self.hand)?;
         let x_wp = self.belief.pose(part)?;
         let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
@@ -349,7 +379,10 @@ impl Workcell<'_, '_> {
             self.belief.lost(part);
             return Err(Fault::NotHeld { part: part.to_string() }.into());
         }
-        if let Some((moved, turned)) = slip {
+        let beside = x_tp.inverse() * Point3::new(BESIDE, 0.0, 0.0);
+        if pushed && self.belief.deviation(part, &beside)[1] > UNSEEN {
+            self.diagnose(Cause::GripMoved, format!("{part} was pushed, and cannot be seen in the hand"));
+        } else if let Some((moved, turned)) = slip {
             self.diagnose_grip(part, moved, turned);
         }
         Ok(())
@@ -364,15 +397,43 @@ impl Workcell<'_, '_> {
         self.rise()?;
         self.regrip(&part)?;
         let Some(held) = self.hand.held.clone() else { return Ok(()) };
-        let down = held.x_wp_origin * held.x_tp.inverse();
-        let mut above = down;
         // A peg's stem is above its holder, a beam above the table.
-        above.translation.z += 0.045;
-        self.travel(&above)?;
+        let down = self.bring_above(held.x_wp_origin * held.x_tp.inverse(), |down| down + 0.045)?;
         self.hand.relax();
         self.hand.zero()?;
         self.hand.drive(&down, 0.05, |hand| -hand.force().z > PUT_DOWN_LIMIT)?;
         self.release()
+    }
+
+    /// Carries the held part above a place, where the tip is at `down` (world), with the tip at a height that follows from
+    /// that at the place, m. Gives the pose of the tip at the place, which is another one when the part moved in the hand.
+    ///
+    /// # Errors
+    /// [`Fault::NotHeld`], when there is no way, or when the robot stops.
+    pub(crate) fn bring_above(
+        &mut self,
+        mut down: Pose,
+        height: impl Fn(f64) -> f64,
+    ) -> Result<Pose, SkillError> {
+        for attempt in 1.. {
+            let mut above = down;
+            above.translation.z = height(down.translation.z);
+            self.travel(&above)?;
+            // What sits aslant between the ribs of the fingers may turn back by its own weight.
+            self.hand.pushed |= attempt == 1 && self.is_aslant();
+            if !self.hand.pushed || attempt == TRIES {
+                break;
+            }
+            let Some(before) = self.hand.held.clone() else { break };
+            self.regrip(&before.part)?;
+            let Some(held) = &self.hand.held else { break };
+            let moved = before.x_tp * held.x_tp.inverse();
+            down *= moved;
+            if moved.rotation.angle() < ASLANT {
+                break;
+            }
+        }
+        Ok(down)
     }
 
     /// Turns a hand that leans straight down again: it leans when the beam in it has turned and was made level, and then its
@@ -382,6 +443,8 @@ impl Workcell<'_, '_> {
         if lean(&self.hand.setpoint) < ASLANT {
             return Ok(());
         }
+        let Some(mut held) = self.hand.held.clone() else { return Ok(()) };
+        let x_wp = self.belief.pose(&held.part)?;
         // A beam that is held firmly turns along with the hand.
         self.hand.grip(BEAM_WIDTH - SQUEEZE, LOOSE_GRIP)?;
         // What is left holds against it: turned further until the hand is straight, not only where it is told to be.
@@ -399,6 +462,10 @@ impl Workcell<'_, '_> {
             self.hand.wait(0.1)?;
         }
         self.hand.relax();
+        // The hand has turned, and the beam has stayed.
+        self.belief.expect(&held.part, x_wp, STAYED);
+        held.x_tp = self.hand.seen.x_wt.inverse() * x_wp;
+        self.hand.held = Some(held);
         Ok(())
     }
 
