@@ -253,22 +253,40 @@ fn a_beam_that_is_held_too_far_out_is_taken_anew() {
     assert!(off < 3.0e-3, "b6 is {:.1} mm from where its insertion begins", off * 1e3);
 }
 
+/// A twin in which the first beam that is lifted turns in the hand.
+fn turning(world: &World, seed: u64) -> Twin {
+    let mut setup = world.setup(seed);
+    setup.track = Track::Tags;
+    setup.fault = Some("beam-turned@1".parse().unwrap());
+    Twin::new(&setup).unwrap()
+}
+
+/// A beam, gripped by a link, has been brought to where its insertion begins.
+fn fetched<'a, 'r>(
+    world: &'a World,
+    planner: &'a PathPlanner,
+    robot: &'r mut dyn Robot,
+    beam: usize,
+    link: &str,
+) -> Workcell<'a, 'r> {
+    let name = &world.assembly.beams[beam].beam.name;
+    let mut cell = cell(world, planner, robot);
+    cell.hover(name, Some(link)).unwrap();
+    cell.pick_up(name, Some(link)).unwrap();
+    cell.rise().unwrap();
+    cell.approach_beam(beam).unwrap();
+    cell
+}
+
 /// A beam that turned in the hand is made level by a hand that leans. Its ribs must not take the beam along when they open.
 #[test]
 fn a_beam_that_turned_in_the_hand_stays_where_it_is_let_go() {
     let world = World::new("easy-3");
     let planner = PathPlanner::new(&world.arm);
     let b4 = world.assembly.beam_index("b4").unwrap();
-    let mut setup = world.setup(5);
-    setup.track = Track::Tags;
-    setup.fault = Some("beam-turned@1".parse().unwrap());
-    let mut twin = Twin::new(&setup).unwrap();
+    let mut twin = turning(&world, 5);
     {
-        let mut cell = cell(&world, &planner, &mut twin);
-        cell.hover("b4", Some("b4l2")).unwrap();
-        cell.pick_up("b4", Some("b4l2")).unwrap();
-        cell.rise().unwrap();
-        cell.approach_beam(b4).unwrap();
+        let mut cell = fetched(&world, &planner, &mut twin, b4, "b4l2");
         cell.assemble(b4, false).unwrap();
     }
     let truth = twin.truth();
@@ -286,16 +304,9 @@ fn a_beam_that_is_turned_on_the_way_is_taken_anew_before_it_goes_down() {
     let world = World::new("hard-2");
     let planner = PathPlanner::new(&world.arm);
     let b5 = world.assembly.beam_index("b5").unwrap();
-    let mut setup = world.setup(4);
-    setup.track = Track::Tags;
-    setup.fault = Some("beam-turned@1".parse().unwrap());
-    let mut twin = Twin::new(&setup).unwrap();
+    let mut twin = turning(&world, 4);
     {
-        let mut cell = cell(&world, &planner, &mut twin);
-        cell.hover("b5", Some("b5l2")).unwrap();
-        cell.pick_up("b5", Some("b5l2")).unwrap();
-        cell.rise().unwrap();
-        cell.approach_beam(b5).unwrap();
+        let cell = fetched(&world, &planner, &mut twin, b5, "b5l2");
         let told: Vec<&str> = cell.events.iter().map(|event| event.what.as_str()).collect();
         assert!(told[0].starts_with("grip-moved: b5 has turned by"), "{told:?}");
         assert_eq!(told[1], "take b5l2 anew");
