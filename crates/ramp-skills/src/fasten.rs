@@ -53,6 +53,11 @@ const WIGGLE: (f64, f64) = (0.5e-3, 2.0);
 const PRESS_LONG: f64 = 3.0;
 /// Longest pressing, s.
 const PRESS_TIME: f64 = 6.0;
+/// For so long at the end of it, s, it is felt where the peg presses.
+const PRESS_FELT: f64 = 1.5;
+/// A peg that stands on the mouth of its hole and presses this far beside the hand turned between the fingers, m: one that
+/// is held up by something else presses up to 6.3 mm beside it.
+const PRESSED_BESIDE: f64 = 8.5e-3;
 /// A head this near to the plate is home, m. The referee asks for 0.5 mm.
 const SEATED: f64 = 0.25e-3;
 /// How well peg and hole must be known before the peg is let down, m: a hole that is missed by little is felt.
@@ -445,7 +450,7 @@ impl Workcell<'_, '_> {
         let plate = self.mouth(connection)?.z;
         let mut centre = self.hand.seen.x_wt.translation.vector;
         let mut force: f64 = 0.0;
-        let mut ticks = 0u32;
+        let (mut ticks, mut felt) = (0u32, Vector6::zeros());
         self.hand.setpoint.translation = self.hand.seen.x_wt.translation;
         while self.hand.time() - begin < PRESS_TIME {
             let elapsed = self.hand.time() - begin;
@@ -465,6 +470,9 @@ impl Workcell<'_, '_> {
             setpoint.y = centre.y + radius * phase.sin();
             setpoint.z = (here.z - lead).max(lowest);
             self.hand.tick()?;
+            if elapsed > PRESS_TIME - PRESS_FELT {
+                felt += self.hand.felt();
+            }
             ticks += 1;
             if ticks.is_multiple_of(20) {
                 self.glance()?;
@@ -475,7 +483,16 @@ impl Workcell<'_, '_> {
         }
         let seconds = self.hand.time() - begin;
         if seconds > PRESS_LONG {
-            self.diagnose(Cause::Jam, format!("{peg} was pressed for {seconds:.1} s"));
+            let proud = self.belief.pose(peg)?.translation.z - plate;
+            let beside = self.tip_beside(&felt, plate).dot(&self.across()).abs();
+            if proud > STEM_LENGTH / 2.0 && beside > PRESSED_BESIDE {
+                self.diagnose(
+                    Cause::GripMoved,
+                    format!("{peg} presses {:.0} mm beside the hand", beside * 1e3),
+                );
+            } else {
+                self.diagnose(Cause::Jam, format!("{peg} was pressed for {seconds:.1} s"));
+            }
         }
         Ok(())
     }
