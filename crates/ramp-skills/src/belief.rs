@@ -43,7 +43,7 @@ const CENTRED: (f64, f64) = (0.05 * MM, 0.03 * DEGREE);
 const RELEASED: ([f64; 3], [f64; 3]) = ([0.2 * MM; 3], [0.1 * DEGREE, 0.1 * DEGREE, 0.05 * DEGREE]);
 /// How far a part that is pushed may move between the fingers (on the axes of the tip, m and rad) ...
 const PUSHED: ([f64; 3], [f64; 3]) =
-    ([5.0 * MM, 0.2 * MM, 1.0 * MM], [0.5 * DEGREE, 0.5 * DEGREE, 0.2 * DEGREE]);
+    ([5.0 * MM, 0.05 * MM, 0.5 * MM], [0.1 * DEGREE, 0.1 * DEGREE, 0.03 * DEGREE]);
 /// ... and turn about the line from one to the other, rad.
 const PUSHED_TURN: f64 = 15.0 * DEGREE;
 /// A reading with a greater normalised innovation squared is not believed before the next one confirms it: with six

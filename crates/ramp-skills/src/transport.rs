@@ -42,6 +42,8 @@ const STRAIGHT: f64 = 0.004;
 const STRAIGHTENINGS: usize = 5;
 /// Force at which it stops turning straight, N: well below that which breaks every motion off.
 const STRAIGHTEN_LIMIT: f64 = 25.0;
+/// Force at which an open finger has met the beam that the hand has let go of, N.
+const BESIDE_LIMIT: f64 = 10.0;
 /// How well it is known where a beam is that the hand has turned in, m and rad.
 const STAYED: ([f64; 3], [f64; 3]) = ([1.0e-3; 3], [0.01, 0.01, 0.005]);
 /// How well the joints that a beam is to meet must be known before it is fetched, m.
@@ -489,10 +491,14 @@ impl Workcell<'_, '_> {
         if let Some(held) = beam {
             // The beam may have followed one finger: go back to its middle, so that neither rib hangs on it.
             let middle = self.belief.pose(&held.part)? * held.x_tp.inverse();
-            let mut over = self.hand.setpoint;
+            let here = self.hand.setpoint;
+            let mut over = here;
             over.translation.x = middle.translation.x;
             over.translation.y = middle.translation.y;
-            self.hand.go(&over, 0.02)?;
+            // A finger that meets the beam shows that it is not where it is believed: its rib would lift it.
+            if self.hand.drive(&over, 0.02, |hand| hand.force().norm() > BESIDE_LIMIT)? {
+                self.hand.go(&here, 0.02)?;
+            }
         }
         let mut up = self.hand.setpoint;
         up.translation.z += 0.05;
