@@ -65,7 +65,7 @@ pub struct Hand<'r> {
     last: Option<Command>,
     /// The guard has struck, and the force has not fallen since.
     struck: bool,
-    /// Something has pushed what is held while a trajectory was followed.
+    /// Something has pushed what is held, as a trajectory was followed, since it was gripped or last looked at.
     pub pushed: bool,
 }
 

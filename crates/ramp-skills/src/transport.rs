@@ -44,16 +44,8 @@ const STRAIGHTENINGS: usize = 5;
 const STRAIGHTEN_LIMIT: f64 = 25.0;
 /// Force at which an open finger has met the beam that the hand has let go of, N.
 const BESIDE_LIMIT: f64 = 10.0;
-/// How well it is known where a beam is that the hand has turned in, m and rad.
+/// How well it is known where a beam lies in which the hand has turned straight, on the axes of the world, m and rad.
 const STAYED: ([f64; 3], [f64; 3]) = ([1.0e-3; 3], [0.01, 0.01, 0.005]);
-/// How well the joints that a beam is to meet must be known before it is fetched, m.
-const KNOWN: f64 = 0.25e-3;
-/// How far a fresh grasp is lifted before anything else, m.
-const LIFT: f64 = 0.02;
-/// Distance between what the fingers hold and what they should, m, beyond which the part is not held.
-const WIDTH_TOLERANCE: f64 = 2.0e-3;
-/// Fingers that stop this far before a part do not hold it, m; and how often they are closed then.
-const GRIP_SHORT: f64 = 1.0e-3;
 /// How often a part that was pushed in the hand is looked at before it is known again.
 const LOOKS: usize = 4;
 /// When a point so far beside the fingers, m, ...
@@ -62,6 +54,14 @@ const BESIDE: f64 = 0.1;
 const UNSEEN: f64 = 5.0e-3;
 /// How often a part that is pushed on the way to where it is put back is looked at.
 const TRIES: usize = 3;
+/// How well the joints that a beam is to meet must be known before it is fetched, m.
+const KNOWN: f64 = 0.25e-3;
+/// How far a fresh grasp is lifted before anything else, m.
+const LIFT: f64 = 0.02;
+/// Distance between what the fingers hold and what they should, m, beyond which the part is not held.
+const WIDTH_TOLERANCE: f64 = 2.0e-3;
+/// Fingers that stop this far before a part do not hold it, m; and how often they are closed then.
+const GRIP_SHORT: f64 = 1.0e-3;
 /// See [`GRIP_SHORT`].
 const GRIPS: usize = 3;
 /// Fingers count as opened when they are so much further apart than where they stopped, m: those that sprang back as far as
@@ -144,7 +144,10 @@ impl Workcell<'_, '_> {
         Ok(self.planner.plan(&q, x_wt, TRAVEL, &checker, &mut self.stream)?)
     }
 
-    /// Follows one of them.
+    /// Follows one leg of a way ([`Workcell::legs_to`]).
+    ///
+    /// # Errors
+    /// [`Fault::Overload`], and the robot's.
     pub(crate) fn walk(&mut self, leg: Vec<Joints>) -> Result<(), SkillError> {
         self.hand.follow(&Trajectory::new(self.arm, leg, SHARE))
     }
@@ -411,7 +414,7 @@ impl Workcell<'_, '_> {
     /// that at the place, m. Gives the pose of the tip at the place, which is another one when the part moved in the hand.
     ///
     /// # Errors
-    /// [`Fault::NotHeld`], when there is no way, or when the robot stops.
+    /// [`Fault::NotHeld`] when it left the hand on the way; when there is no way, or the robot stops.
     pub(crate) fn bring_above(
         &mut self,
         mut down: Pose,
