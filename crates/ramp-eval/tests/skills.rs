@@ -297,6 +297,35 @@ fn a_beam_that_turned_in_the_hand_stays_where_it_is_let_go() {
     assert!(twin.largest_force() < 35.0, "{:.0} N", twin.largest_force());
 }
 
+/// A beam on a rib that presses against the edge of its slot follows the finger that opens, and would be lifted by it. It is
+/// let go of anew, where it stood.
+#[test]
+fn a_beam_that_hangs_on_a_finger_is_let_go_of_anew() {
+    let world = World::new("easy-3");
+    let planner = PathPlanner::new(&world.arm);
+    let b4 = world.assembly.beam_index("b4").unwrap();
+    let free = world.assembly.beams[b4].beam.p_b_hole(2);
+    let place = world.kit.x_wa() * world.assembly.beams[b4].x_ab * free;
+    for (high, lift) in [(0.7e-3, 2.0e-3), (0.9e-3, 2.0e-3), (1.0e-3, 4.0e-3)] {
+        let mut twin = Twin::new(&world.setup(4)).unwrap();
+        let mut cell = fetched(&world, &planner, &mut twin, b4, "b4l2");
+        cell.assemble(b4, false).unwrap();
+        let mut x_wt = ramp_skills::grasp::beam_grasp(&cell.belief.pose("b4").unwrap(), 226.0e-3, false);
+        x_wt.translation.z += high;
+        cell.seize("b4", &x_wt, 0.038, 0.022).unwrap();
+        let mut up = cell.hand.setpoint;
+        up.translation.z += lift;
+        cell.hand.go(&up, 0.01).unwrap();
+        cell.release().unwrap();
+        let told = "let go of b4, which hangs on a finger";
+        assert!(cell.events.iter().any(|event| event.what == told), "{:?}", cell.events);
+        let off = (cell.belief.pose("b4").unwrap() * free - place).norm();
+        drop(cell);
+        assert!(off < 3.0e-3, "the free end of b4 is {:.2} mm from its place", off * 1e3);
+        assert!(twin.largest_force() < 45.0, "{:.0} N", twin.largest_force());
+    }
+}
+
 /// A beam that something turns in the hand while it is carried is looked at before it goes down, where an end of it would
 /// meet the table. It is laid on the table by a hand that leans, and taken anew: it is level where its insertion begins.
 #[test]

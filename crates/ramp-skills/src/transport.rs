@@ -42,8 +42,16 @@ const STRAIGHT: f64 = 0.004;
 const STRAIGHTENINGS: usize = 5;
 /// Force at which it stops turning straight, N: well below that which breaks every motion off.
 const STRAIGHTEN_LIMIT: f64 = 25.0;
-/// Force at which an open finger has met the beam that the hand has let go of, N.
+/// Force at which an open finger has met the beam that the hand has let go of, N; without one it feels less than 7.
 const BESIDE_LIMIT: f64 = 10.0;
+/// How often a beam is let go of anew when it hangs on a rib.
+const LET_GO_AGAIN: usize = 2;
+/// How much wider than a beam the fingers are when their ribs move freely in its slots without leaving them, m.
+const IN_SLOT: f64 = 3.0e-3;
+/// Room of a rib in a slot above and below it, m: 5 mm wide, the rib 3 mm thick.
+const SLOT_ROOM: f64 = 1.0e-3;
+/// Force at which a rib stands on the lower side of its slot, N; and how far down it is looked for, m.
+const SLOT_LIMIT: (f64, f64) = (4.0, 6.0e-3);
 /// How well it is known where a beam lies in which the hand has turned straight, on the axes of the world, m and rad.
 const STAYED: ([f64; 3], [f64; 3]) = ([1.0e-3; 3], [0.01, 0.01, 0.005]);
 /// How often a part that was pushed in the hand is looked at before it is known again.
@@ -489,9 +497,14 @@ impl Workcell<'_, '_> {
             self.belief.released(&held.part);
         }
         let beam = held.as_ref().filter(|held| self.kit.beam(&held.part).is_some());
-        self.hand.grip(if beam.is_some() { BEAM_RELEASE } else { PEG_OPEN }, 20.0)?;
-        self.belief.update(&mut self.hand)?;
-        if let Some(held) = beam {
+        let Some(held) = beam else {
+            self.hand.grip(PEG_OPEN, 20.0)?;
+            self.belief.update(&mut self.hand)?;
+            return self.retreat(f64::INFINITY).map(|_| ());
+        };
+        for attempt in 0..=LET_GO_AGAIN {
+            self.hand.grip(BEAM_RELEASE, 20.0)?;
+            self.belief.update(&mut self.hand)?;
             // The beam may have followed one finger: go back to its middle, so that neither rib hangs on it.
             let middle = self.belief.pose(&held.part)? * held.x_tp.inverse();
             let here = self.hand.setpoint;
@@ -502,11 +515,50 @@ impl Workcell<'_, '_> {
             if self.hand.drive(&over, 0.02, |hand| hand.force().norm() > BESIDE_LIMIT)? {
                 self.hand.go(&here, 0.02)?;
             }
+            let low = self.hand.setpoint;
+            let limit = if attempt < LET_GO_AGAIN { BESIDE_LIMIT } else { f64::INFINITY };
+            if self.retreat(limit)? {
+                break;
+            }
+            self.note("retry", format!("let go of {}, which hangs on a finger", held.part));
+            self.hand.relax();
+            // A rib that has come out of its slot meets the beam on the way back: then it is free to rise.
+            if !self.hand.drive(&low, 0.05, |hand| -hand.force().z > BESIDE_LIMIT)? {
+                self.hand.go(&here, 0.05)?;
+                self.centre_ribs()?;
+            }
         }
+        Ok(())
+    }
+
+    /// Rises from what was let go of, as long as it does not meet more than `limit`, N; tells whether it has risen.
+    fn retreat(&mut self, limit: f64) -> Result<bool, SkillError> {
         let mut up = self.hand.setpoint;
         up.translation.z += 0.05;
-        self.hand.go(&up, 0.2)?;
+        let before = self.hand.force();
+        if self.hand.drive(&up, 0.2, |hand| (hand.force() - before).norm() > limit)? {
+            return Ok(false);
+        }
         self.belief.update(&mut self.hand)?;
-        Ok(())
+        Ok(true)
+    }
+
+    /// Closes on the beam between the fingers, loosely, and brings their ribs to the middle of its slots: on one that presses
+    /// against the upper edge of its slot the beam hangs by friction, and follows that finger however far it opens.
+    fn centre_ribs(&mut self) -> Result<(), SkillError> {
+        self.hand.grip(BEAM_WIDTH - SQUEEZE, LOOSE_GRIP)?;
+        let mut down = self.hand.setpoint;
+        down.translation.z -= SLOT_LIMIT.1;
+        // Ribs that stand on the edges of the slots come in on the way down.
+        self.hand.drive(&down, 0.01, |hand| hand.seen.width < BEAM_WIDTH + IN_SLOT / 2.0)?;
+        self.hand.relax();
+        self.hand.grip(BEAM_WIDTH + IN_SLOT, 20.0)?;
+        self.hand.zero()?;
+        down.translation.z = self.hand.setpoint.translation.z - SLOT_LIMIT.1;
+        self.hand.drive(&down, 0.01, |hand| -hand.force().z > SLOT_LIMIT.0)?;
+        self.hand.relax();
+        let mut middle = self.hand.setpoint;
+        middle.translation.z += SLOT_ROOM;
+        self.hand.go(&middle, 0.01)
     }
 }
