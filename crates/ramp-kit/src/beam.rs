@@ -212,4 +212,9 @@ impl Beam {
     pub fn p_b_hole(&self, index: usize) -> Point3<f64> {
         Point3::new(self.joints[index].offset, 0.0, 0.0)
     }
+
+    /// Distance from j1 of the end that is further from joint `index`, m.
+    pub fn far_end(&self, index: usize) -> f64 {
+        if self.joints[index].offset > self.span() / 2.0 { 0.0 } else { self.span() }
+    }
 }

@@ -219,8 +219,7 @@ impl Workcell<'_, '_> {
     /// Distance from j1, m, of the end of a beam that is further from its pinned joint.
     fn far_end(&self, beam: usize) -> f64 {
         let placed = &self.assembly.beams[beam].beam;
-        let pinned = self.anchor(beam).map_or(0.0, |joint| placed.joints[joint.joint].offset);
-        if pinned > placed.span() / 2.0 { 0.0 } else { placed.span() }
+        placed.far_end(self.anchor(beam).map_or(0, |joint| joint.joint))
     }
 
     /// Where a standing beam should be, in the world, and how far its far end is from there now, m. A pinned beam

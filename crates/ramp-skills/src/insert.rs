@@ -162,7 +162,7 @@ impl Workcell<'_, '_> {
         let (joint, _) = met.next().filter(|_| met.next().is_none())?;
         let pivot = placed.joints[joint.joint].offset;
         // Measured from the table's height to where the axis is at the other end.
-        let far = if pivot > placed.span() / 2.0 { 0.0 } else { placed.span() };
+        let far = placed.far_end(joint.joint);
         let drop = (FEMALE_HEIGHT - BODY_WIDTH) / 2.0;
         let reach = (far - pivot).abs() + BODY_WIDTH / 2.0;
         Some((joint, (drop / reach).asin() * (far - pivot).signum()))
@@ -216,12 +216,14 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// What is known of the heights of a beam that has just been let go of in the assembly: on females or feet it
-    /// stands level on the table; otherwise its males hang in their females, as low as the clearance lets them.
+    /// What is known of the heights of a beam that has been let go of in the assembly: on females or feet it stands level
+    /// on the table; otherwise its males hang in their females, as low as the clearance lets them, and what only one
+    /// female holds lies on the table with its other end.
     pub fn reckon_heights(&mut self, beam: usize) {
         let placed = &self.assembly.beams[beam];
         let nominal = self.kit.x_wa() * placed.x_ab;
-        let joints: Vec<usize> = if placed.beam.stands_at_assembled_height() {
+        let stands = placed.beam.stands_at_assembled_height();
+        let joints: Vec<usize> = if stands {
             vec![0, placed.beam.joints.len() - 1]
         } else {
             let sides = self.assembly.connections.iter();
@@ -230,10 +232,18 @@ impl Workcell<'_, '_> {
             let met = sides.filter(|(mine, theirs)| self.standing.contains(&theirs.beam) && !short(*mine));
             met.map(|(mine, _)| mine.joint).collect()
         };
-        let hang = if placed.beam.stands_at_assembled_height() { 0.0 } else { joint::CLEARANCE };
+        let hang = if stands { 0.0 } else { joint::CLEARANCE };
+        // A deep beam lies in its female with what is as far behind its hole.
+        let depth = self.ways.get(&beam).filter(|_| self.deep.contains(&beam)).map_or(0.0, |way| way.depth);
+        let behind = if self.free_end(beam) > 0.0 { depth } else { -depth };
         for joint in joints {
             let p = placed.beam.p_b_hole(joint);
+            let p = Point3::new(p.x + behind, p.y, p.z);
             self.belief.stands_at(&placed.beam.name, &p, (nominal * p).z - hang, LEVEL);
+        }
+        if let (Some((held, _)), Some(drooped)) = (self.drooping(beam), self.drooped(beam, &nominal)) {
+            let p = Point3::new(placed.beam.far_end(held.joint), 0.0, 0.0);
+            self.belief.stands_at(&placed.beam.name, &p, (drooped * p).z, LEVEL);
         }
     }
 

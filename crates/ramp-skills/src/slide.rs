@@ -37,6 +37,8 @@ impl Workcell<'_, '_> {
         let s = grasp::point_on(link, self.free_end(beam));
         self.see(&self.meeting(beam), KNOWN)?;
         self.see_to_grip(&name)?;
+        // How it hangs is known better than seen: 0.2° lower, and its end would go under the joint.
+        self.reckon_heights(beam);
         self.seize_standing(beam, s)?;
         self.hand.zero()?;
         let mut jam = None;
