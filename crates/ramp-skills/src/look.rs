@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_PI_4;
 
 use nalgebra::{Point3, Translation3, Vector3};
 use ramp_assembly::JointRef;
+use ramp_kit::tags::x_wg_sheet;
 use ramp_robot::camera::Mount;
 use ramp_robot::{Camera, Cause};
 
@@ -15,6 +16,9 @@ use crate::transport::{TRAVEL, Workcell};
 
 /// Longest series of looks, s: what is not known well enough by then has to be found by feel.
 const LONGEST: f64 = 15.0;
+
+/// How often a camera looks at the tag of the sheet to find out where it is.
+const CALIBRATING: usize = 3;
 
 /// How well a part must be known before it is gripped, along the table and in height, m.
 const GRASPABLE: [f64; 2] = [0.5e-3, 0.2e-3];
@@ -74,7 +78,7 @@ impl Workcell<'_, '_> {
                     return Ok(());
                 }
                 visits += 1;
-                self.visit(worst)?;
+                self.visit_part(worst)?;
             } else if self.belief.eyes.cost() <= 0.0 || self.hand.time() - begin > LONGEST {
                 return Ok(());
             }
@@ -95,10 +99,32 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
+    /// Shows the camera on the empty hand the tag of the sheet, which tells where that camera is. A build shows it tags
+    /// whose places are known on its way, over the sheet and over the assembly; a piece of one begins without.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn calibrate(&mut self) -> Result<(), SkillError> {
+        if !self.belief.eyes.images() {
+            return Ok(());
+        }
+        self.visit(&Point3::from(x_wg_sheet(self.kit).translation.vector))?;
+        for _ in 0..CALIBRATING {
+            self.look_once()?;
+        }
+        Ok(())
+    }
+
     /// Brings the camera on the empty hand over the tag of a part that is nearest to a point of it.
-    fn visit(&mut self, (part, p): &Point) -> Result<(), SkillError> {
-        let Ok(x_wp) = self.belief.pose(part) else { return Ok(()) };
-        let aim = x_wp * self.belief.eyes.nearest_tag(part, p).unwrap_or(*p);
+    fn visit_part(&mut self, (part, p): &Point) -> Result<(), SkillError> {
+        match self.belief.pose(part) {
+            Ok(x_wp) => self.visit(&(x_wp * self.belief.eyes.nearest_tag(part, p).unwrap_or(*p))),
+            Err(_) => Ok(()),
+        }
+    }
+
+    /// Brings the camera on the empty hand over a point of the world.
+    fn visit(&mut self, aim: &Point3<f64>) -> Result<(), SkillError> {
         let Mount::Tip(x_tc) = self.hand.camera(Camera::Wrist).mount else { return Ok(()) };
         let q = self.hand.joints();
         let x = self.hand.seen.x_wt.rotation * Vector3::x();

@@ -44,6 +44,7 @@ impl<'a> Piece<'a> {
         self.baseline.learn_ways(cell, &self.plan);
         take_over(cell, &self.state)?;
         cell.belief.update(&mut cell.hand)?;
+        cell.calibrate()?;
         self.baseline.run_plan(cell, &self.plan)?;
         // What a build does before it fetches each of the next pegs, which is no longer part of the piece. To push for one
         // may spoil another.

@@ -311,9 +311,10 @@ impl Display {
 
     fn ended(&self, trial: &Trial) {
         let number = self.ended.fetch_add(1, Ordering::Relaxed) + 1;
-        let what = match trial.cause.as_ref().or(trial.missing.as_ref()) {
-            Some(why) => format!("not done: {why}"),
-            None => format!("done in {:.1} s", trial.time),
+        let what = match (&trial.missing, &trial.cause) {
+            (Some(missing), cause) => format!("not done: {}", cause.as_ref().unwrap_or(missing)),
+            (None, Some(cause)) => format!("done, but given up: {cause}"),
+            (None, None) => format!("done in {:.1} s", trial.time),
         };
         let line = format!("{} {}, {}: {what}", trial.skill, trial.seed, trial.goal);
         match &self.bar {
