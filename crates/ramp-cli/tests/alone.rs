@@ -101,6 +101,15 @@ fn a_beam_that_the_camera_over_the_table_cannot_place_is_looked_for_where_the_sh
 }
 
 #[test]
+fn a_beam_that_stands_right_at_one_end_only_is_pushed_at_the_other() {
+    // Here the cap that no peg holds yet is 1.7 mm off where it is to be pinned, and right at its far end.
+    let folder = TempDir::new().unwrap();
+    done(&ramp(&folder, &["trials", "fasten-in-f-end", "--first-seed", "269", "--trials", "1", "-o", "a"]));
+    let trial = read(&folder, "a/fasten-in-f-end-tags-269.json");
+    assert_eq!(trial["success"], true, "{trial:#}");
+}
+
+#[test]
 fn a_skill_that_there_is_not_is_refused_with_the_nearest_name() {
     let folder = TempDir::new().unwrap();
     let output = ramp(&folder, &["trials", "asemble-cap", "-o", "new"]);

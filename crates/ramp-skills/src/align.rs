@@ -3,7 +3,7 @@
 //! A beam that a single peg holds swings by 4° to 5°: its free end must be put where the next beam expects it,
 //! since a cap that meets a tip beside its opening jams whatever is done to it afterwards.
 
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::JointRef;
 
 use crate::Pose;
@@ -51,10 +51,12 @@ impl Workcell<'_, '_> {
                 self.diagnose_standing();
             }
             let (goal, off) = self.straightened(beam)?;
-            if off < GOOD {
+            let near_off = self.near_off(beam, &self.belief.pose(&name)?, &goal);
+            if off < GOOD && near_off < PEGGABLE {
                 return Ok(());
             }
             if attempt > 0 {
+                let off = if off < GOOD { near_off } else { off };
                 self.note("retry", format!("push {name}, {:.2} mm off", off * 1e3));
             }
             let s = grasp::point_on(link, far);
@@ -71,7 +73,8 @@ impl Workcell<'_, '_> {
             for motion in 0..MOTIONS {
                 self.glance()?;
                 let x_wb = self.belief.pose(&name)?;
-                if motion > 1 && self.off(beam, &x_wb, &goal) < 0.5 * GOOD {
+                let there = self.off(beam, &x_wb, &goal) < 0.5 * GOOD;
+                if motion > 1 && there && self.near_off(beam, &x_wb, &goal) < PEGGABLE {
                     break;
                 }
                 let target = self.hand.corrected(&x_wb, &goal);
@@ -181,7 +184,7 @@ impl Workcell<'_, '_> {
     /// Looks until it is known where the pinned joint and the far end of a beam are.
     fn see_ends(&mut self, beam: usize) -> Result<(), SkillError> {
         let placed = &self.assembly.beams[beam].beam;
-        let far = nalgebra::Point3::new(self.far_end(beam), 0.0, 0.0);
+        let far = Point3::new(self.far_end(beam), 0.0, 0.0);
         let mut points = vec![(placed.name.clone(), far)];
         points.extend(self.anchor(beam).map(|joint| self.hole(joint)));
         self.see(&points, KNOWN)
@@ -212,8 +215,13 @@ impl Workcell<'_, '_> {
 
     /// How far along the table the far end of a beam at `x_wb` is from where it is at `goal`, m.
     fn off(&self, beam: usize, x_wb: &Pose, goal: &Pose) -> f64 {
-        let far = nalgebra::Point3::new(self.far_end(beam), 0.0, 0.0);
-        ((goal * far).xy() - (x_wb * far).xy()).norm()
+        distance_at(self.far_end(beam), x_wb, goal)
+    }
+
+    /// The same for its other end: a beam that no peg holds can be right at one end, and where a peg would not go in at the
+    /// other.
+    fn near_off(&self, beam: usize, x_wb: &Pose, goal: &Pose) -> f64 {
+        distance_at(self.assembly.beams[beam].beam.span() - self.far_end(beam), x_wb, goal)
     }
 
     /// Distance from j1, m, of the end of a beam that is further from its pinned joint.
@@ -228,7 +236,7 @@ impl Workcell<'_, '_> {
     fn straightened(&self, beam: usize) -> Result<(Pose, f64), SkillError> {
         let placed = &self.assembly.beams[beam];
         let x_wb = self.belief.pose(&placed.beam.name)?;
-        let far = nalgebra::Point3::new(self.far_end(beam), 0.0, 0.0);
+        let far = Point3::new(self.far_end(beam), 0.0, 0.0);
         let Some(anchor) = self.anchor(beam) else {
             let mut goal = self.target(beam)?;
             goal.translation.z = x_wb.translation.z;
@@ -250,4 +258,11 @@ impl Workcell<'_, '_> {
         let goal = about * turn * about.inverse() * x_wb;
         Ok((goal, angle.abs() * now.norm()))
     }
+}
+
+/// Distance along the table between where a point on a beam's axis, `x` metres from its j1 hole, is with the beam at one
+/// pose and at the other, m.
+fn distance_at(x: f64, x_wb: &Pose, other: &Pose) -> f64 {
+    let p = Point3::new(x, 0.0, 0.0);
+    ((x_wb * p).xy() - (other * p).xy()).norm()
 }
