@@ -78,14 +78,19 @@ fn a_skill_is_tried_goes_on_where_it_stopped_and_gives_the_same_bits_again() {
     assert!(String::from_utf8_lossy(&mixed.stderr).contains("another"));
 }
 
+/// The result of one trial.
+fn trial(skill: &str, seed: &str) -> Value {
+    let folder = TempDir::new().unwrap();
+    done(&ramp(&folder, &["trials", skill, "--first-seed", seed, "--trials", "1", "-o", "a"]));
+    read(&folder, &format!("a/{skill}-tags-{seed}.json"))
+}
+
 #[test]
 fn a_wrist_camera_that_is_off_is_put_right_before_it_is_needed() {
     // Among the seeds whose wrist camera is furthest off; without it a seated peg seems a millimetre proud, and the end of a
     // beam that hangs goes under the joint it is slid into.
     for (skill, seed) in [("fasten-thru-f", "71"), ("slide", "62")] {
-        let folder = TempDir::new().unwrap();
-        done(&ramp(&folder, &["trials", skill, "--first-seed", seed, "--trials", "1", "-o", "a"]));
-        let trial = read(&folder, &format!("a/{skill}-tags-{seed}.json"));
+        let trial = trial(skill, seed);
         assert_eq!(trial["success"], true, "{trial:#}");
         assert_eq!(trial["retries"], 0, "{trial:#}");
     }
@@ -94,18 +99,14 @@ fn a_wrist_camera_that_is_off_is_put_right_before_it_is_needed() {
 #[test]
 fn a_beam_that_the_camera_over_the_table_cannot_place_is_looked_for_where_the_sheet_has_it() {
     // In this seed that camera's first images of b1 are too vague, and in all others the arm is in between.
-    let folder = TempDir::new().unwrap();
-    done(&ramp(&folder, &["trials", "assemble-deep", "--first-seed", "205", "--trials", "1", "-o", "a"]));
-    let trial = read(&folder, "a/assemble-deep-tags-205.json");
+    let trial = trial("assemble-deep", "205");
     assert_eq!(trial["success"], true, "{trial:#}");
 }
 
 #[test]
 fn a_beam_that_stands_right_at_one_end_only_is_pushed_at_the_other() {
     // Here the cap that no peg holds yet is 1.7 mm off where it is to be pinned, and right at its far end.
-    let folder = TempDir::new().unwrap();
-    done(&ramp(&folder, &["trials", "fasten-in-f-end", "--first-seed", "269", "--trials", "1", "-o", "a"]));
-    let trial = read(&folder, "a/fasten-in-f-end-tags-269.json");
+    let trial = trial("fasten-in-f-end", "269");
     assert_eq!(trial["success"], true, "{trial:#}");
 }
 
