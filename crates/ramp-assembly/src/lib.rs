@@ -4,6 +4,7 @@
 //! can point at its place; `pose` places every beam, starting from the clamped one; [`check`] proves that holes
 //! meet, that nothing overlaps and that some order of straight insertions builds it, with the boxes of [`block`];
 //! [`draw`] shows it from above. [`catalogue`] finds goals by name, and [`generate()`] makes new ones.
+//! [`truth`] is where the parts of a world really are.
 //!
 //! Frames: A is the assembly frame (origin at table level under the clamped beam's j1 hole, X along that beam, Y
 //! away from the robot, Z up), B a beam's own frame (see [`ramp_kit::Beam`]).
@@ -17,6 +18,7 @@ mod frame;
 pub mod generate;
 mod pose;
 pub mod read;
+pub mod truth;
 
 pub use assembly::{Assembly, Class, Connection, Insertion, JointRef, PlacedBeam};
 pub use catalogue::{goal_names, goal_path};
@@ -25,3 +27,4 @@ pub use draw::{draw_all_svg, draw_svg};
 pub use generate::{Generated, Request, generate, generate_many};
 pub use ramp_kit::Pose;
 pub use read::{GoalError, GoalProblem, read_goal, read_goal_str};
+pub use truth::Truth;

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
-use ramp_eval::log::Sources;
 use ramp_kit::Kit;
+use ramp_log::Sources;
 use ramp_planner::Domains;
 use ramp_robot::arm::ArmModel;
 

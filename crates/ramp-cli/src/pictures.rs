@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use miette::Report;
-use ramp_eval::Progress;
+use ramp_episode::Progress;
 use ramp_twin::{Setup, Twin};
 
 use crate::data::check_writable;

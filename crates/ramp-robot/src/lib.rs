@@ -21,6 +21,12 @@ pub type Pose = Isometry3<f64>;
 /// Number of joints of the arm.
 pub const DOF: usize = 7;
 
+/// Length of a control period, s: a [`Command`] holds for so long. The twin's physics step is as long.
+pub const PERIOD: f64 = 0.001;
+
+/// Longest episode, s of robot time: the rules end it there.
+pub const TIME_LIMIT: f64 = 30.0 * 60.0;
+
 /// What an agent may see of the parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Track {

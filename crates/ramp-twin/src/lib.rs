@@ -2,12 +2,11 @@
 //! truth for the referee.
 //!
 //! Data passes one way: [`layout`] disturbs the start poses from the seed; [`scene`] writes the MJCF; MuJoCo
-//! compiles it; [`twin`] steps it, with the arm's inner loop from [`control`] once each millisecond. After the
+//! compiles it; [`twin`] steps it, with the arm's inner loop from [`ramp_control`] once each millisecond. After the
 //! start nothing writes to a part: contact alone moves and holds it, and in an episode with a [`fault`] the force
 //! of that fault.
 
 pub mod cameras;
-pub mod control;
 pub mod fault;
 pub mod layout;
 mod looks;
@@ -18,4 +17,4 @@ pub mod view;
 
 pub use fault::{Fault, FaultError, FaultKind, FaultReport};
 pub use layout::{Disturbance, Layout};
-pub use twin::{Setup, Truth, Twin, TwinError};
+pub use twin::{Setup, Twin, TwinError};

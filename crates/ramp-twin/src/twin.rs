@@ -5,30 +5,26 @@ use std::sync::Arc;
 use mujoco_rs::prelude::*;
 use mujoco_rs::wrappers::mj_model::MjtObjBase;
 use nalgebra::{SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
-use ramp_assembly::Assembly;
+use ramp_assembly::{Assembly, Truth};
 use ramp_kit::Kit;
 use ramp_render::looks::HOUSING;
 use ramp_render::{Looks, LooksError, Scene};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_robot::{
-    ArmCommand, Camera, CameraModel, Command, DOF, GripperCommand, Image, Impedance, Observation,
-    PartReading, Pose, Robot, RobotError, Track,
+    ArmCommand, Camera, CameraModel, Command, DOF, GripperCommand, Image, Impedance, Observation, PERIOD,
+    PartReading, Pose, Robot, RobotError, TIME_LIMIT, Track,
 };
 
 use crate::cameras::{self, Cameras};
-use crate::control::{
-    ArmState, GripperLoop, Jacobian, JointVector, impedance, limit_torques, pose_impedance,
-    rotation_from_rows, track_joints, track_velocities,
-};
 use crate::fault::{Fault, FaultReport, Injector, Start};
 use crate::layout::{Disturbance, Layout};
 use crate::scene::scene_xml;
+use ramp_control::{
+    ArmState, GripperLoop, Jacobian, JointVector, impedance, limit_torques, pose_impedance,
+    rotation_from_rows, track_joints, track_velocities,
+};
 
-/// Length of a control period and of a physics step, s.
-pub const PERIOD: f64 = 0.001;
-/// Longest episode, s of robot time.
-pub const TIME_LIMIT: f64 = 30.0 * 60.0;
 /// How far a joint may overshoot a soft stop before the robot reports it, rad.
 const POSITION_MARGIN: f64 = 0.005;
 /// Standard deviation of the wrist sensor's force, N, and torque, N·m, per reading before its low-pass filter.
@@ -83,15 +79,6 @@ pub enum TwinError {
     /// The scene lacks something the twin needs: the kit or the arm file is not what it should be.
     #[error("the scene has no {0}")]
     Missing(String),
-}
-
-/// Where everything really is: for the referee alone.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Truth {
-    /// Robot time, s.
-    pub time: f64,
-    /// Pose of each part's frame in the world, in the order of [`Twin::part_names`].
-    pub x_wp: Vec<Pose>,
 }
 
 /// The simulated world with its robot.

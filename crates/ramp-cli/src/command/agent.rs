@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use miette::{IntoDiagnostic, Report};
 use ramp_assembly::Assembly;
-use ramp_eval::external::{AgentFile, ExternalAgent, Goal, Patience, adopt_orphans, exec_with_parent};
+use ramp_external_agent::{AgentFile, ExternalAgent, Goal, Patience, adopt_orphans, exec_with_parent};
 use ramp_kit::Kit;
 use ramp_planner::Domains;
 use ramp_robot::arm::ArmModel;

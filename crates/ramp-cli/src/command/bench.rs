@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use miette::{IntoDiagnostic, Report};
 use ramp_assembly::Class;
-use ramp_eval::summary::{Entry, Summary, shortfall};
+use ramp_result::summary::{Entry, Summary, shortfall};
 use serde_json::{Value, json};
 
 use super::episodes::{self, Batch, Episode, Outcome, STOPPED};

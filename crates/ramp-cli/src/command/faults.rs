@@ -5,8 +5,8 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use miette::{IntoDiagnostic, Report};
-use ramp_eval::faults::{Share, Tally, judge};
-use ramp_eval::result::EpisodeResult;
+use ramp_episode::faults::{Share, Tally, judge};
+use ramp_result::episode::EpisodeResult;
 use ramp_twin::{Fault, FaultKind};
 use serde_json::{Value, json};
 

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, Report, miette};
-use ramp_eval::held_out::{Commitments, Reveal, SALT, promise, verify};
-use ramp_eval::result::write_whole;
+use ramp_report::held_out::{Commitments, Reveal, SALT, promise, verify};
+use ramp_result::write_whole;
 
 use crate::data::{Data, print};
 use crate::{DONE, INCOMPLETE};

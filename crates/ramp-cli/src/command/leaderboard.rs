@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
 use miette::{IntoDiagnostic, Report as Failure, miette};
-use ramp_eval::collection::{Collection, ResultFile, collect};
-use ramp_eval::leaderboard::{Goal, Terms, agent_page, check_log, check_whole, front};
-use ramp_eval::log::{ENDING, Log};
-use ramp_eval::report::{Report, page};
-use ramp_eval::result::write_whole;
+use ramp_log::{ENDING, Log};
+use ramp_report::leaderboard::{Goal, Terms, agent_page, check_log, check_whole, front};
+use ramp_report::{Report, page};
+use ramp_result::collection::{Collection, ResultFile, collect};
+use ramp_result::write_whole;
 use ramp_twin::Disturbance;
 
 use crate::data::{Data, print};
@@ -38,7 +38,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Failure> {
     for file in &files {
         let log = log_of(file)?;
         check_log(file, &log, &terms).into_diagnostic()?;
-        let replayed = ramp_eval::replay(&log)
+        let replayed = ramp_episode::replay(&log)
             .map_err(|error| miette!("{} cannot be run again: {error}", file.path.display()))?;
         if let Some(first) = replayed.differences.first() {
             differ.push(format!(

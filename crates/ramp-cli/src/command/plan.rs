@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use miette::{IntoDiagnostic, Report, WrapErr, miette};
 use ramp_assembly::Assembly;
-use ramp_eval::planning::{self, PlanVerdict};
-use ramp_eval::result::write_whole;
 use ramp_planner::{CoarseStep, Diagnosis, History, Options, PlanError, Replayer, State};
+use ramp_result::planning::{self, PlanVerdict};
+use ramp_result::write_whole;
 use serde_json::json;
 
 use super::run::software;

@@ -6,10 +6,10 @@ use std::path::PathBuf;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Report};
-use ramp_eval::Progress;
-use ramp_eval::log::Log;
-use ramp_eval::replay::{Replayed, World, replay_watched};
-use ramp_eval::result::EventInfo;
+use ramp_episode::Progress;
+use ramp_episode::replay::{Replayed, World, replay_watched};
+use ramp_log::Log;
+use ramp_result::episode::EventInfo;
 use ramp_twin::Twin;
 use serde_json::json;
 

@@ -4,9 +4,9 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use miette::{Report as Failure, miette};
-use ramp_eval::collection::collect;
-use ramp_eval::report::{Named, Report, page, paper, table};
-use ramp_eval::result::write_whole;
+use ramp_report::{Named, Report, page, paper, table};
+use ramp_result::collection::collect;
+use ramp_result::write_whole;
 
 use crate::DONE;
 use crate::data::{check_writable, print};
@@ -91,7 +91,7 @@ fn summary(report: &Report, written: &[String]) -> String {
             it.poses
         );
     }
-    for it in ramp_eval::manipulation::sums::sums(&report.collection.trials) {
+    for it in ramp_result::manipulation::sums::sums(&report.collection.trials) {
         let _ = writeln!(
             text,
             "{}, track {}, {}: {} of {} trials done",

@@ -8,9 +8,10 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Report, miette};
-use ramp_eval::curve::completion_svg;
-use ramp_eval::result::{EpisodeResult, Software, write_whole};
-use ramp_eval::{Progress, log, record_episode};
+use ramp_episode::{Progress, record_episode};
+use ramp_report::curve::completion_svg;
+use ramp_result::episode::{EpisodeResult, Software};
+use ramp_result::write_whole;
 use ramp_robot::{Event, Track};
 use ramp_twin::{Disturbance, Fault, Setup, Twin};
 
@@ -115,7 +116,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         None => Path::new(RESULTS).join(format!("{}-{}.json", assembly.name, arguments.seed)),
     };
     let curve = output.with_extension("svg");
-    let log = arguments.record.clone().unwrap_or_else(|| output.with_extension(log::ENDING));
+    let log = arguments.record.clone().unwrap_or_else(|| output.with_extension(ramp_log::ENDING));
     for (other, what) in [(&curve, "curve"), (&log, "log")] {
         if *other == output {
             return Err(miette!(

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
-use ramp_eval::form::form;
-use ramp_eval::log::ENDING;
-use ramp_eval::poses;
-use ramp_eval::result::write_whole;
-use ramp_eval::stopwatch::{Log, read_log};
 use ramp_kit::Kit;
 use ramp_kit::drawing::pdf;
+use ramp_log::ENDING;
+use ramp_real_run::form::form;
+use ramp_real_run::poses;
+use ramp_real_run::stopwatch::{Log, read_log};
+use ramp_result::write_whole;
 
 use super::run::software;
 use crate::DONE;

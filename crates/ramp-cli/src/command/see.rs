@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
 use miette::{IntoDiagnostic, Report, miette};
-use ramp_eval::log::sha256;
-use ramp_eval::perception::{
-    Estimate, FALSE, Labels, PerceptionVerdict, Photographer, PoseLabel, SCHEMA, Verdict, areas, coco, judge,
+use ramp_abilities::perception::{
+    Estimate, Labels, Photographer, PoseLabel, SCHEMA, Verdict, areas, coco, judge,
 };
-use ramp_eval::result::write_whole;
 use ramp_kit::strokes::{self, Align};
+use ramp_result::perception::FALSE;
+use ramp_result::sha256;
+use ramp_result::write_whole;
 use ramp_robot::{Camera, CameraModel, Image, Pose, Robot, Track};
 use ramp_twin::{Disturbance, Setup, Twin};
 use ramp_vision::{Lying, PartFinder, Sighting};
@@ -58,7 +59,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         if let Some(output) = &arguments.output {
             let detector = file.file_stem().unwrap_or_default().to_string_lossy();
             let hash = sha256(&std::fs::read(&path).into_diagnostic()?);
-            let result = PerceptionVerdict::new(&detector, &hash, labels.views.len(), &verdict, &software());
+            let result = verdict.to_result(&detector, &hash, labels.views.len(), &software());
             let text = serde_json::to_string_pretty(&result).into_diagnostic()? + "\n";
             write_whole(output, &text).into_diagnostic()?;
         }

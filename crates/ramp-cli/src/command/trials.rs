@@ -11,12 +11,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Diagnostic, IntoDiagnostic, Report, miette};
-use ramp_eval::manipulation::sums::{SkillSum, sums};
-use ramp_eval::manipulation::{Aim, SCHEMA, Trial, run_trial};
-use ramp_eval::result::{Software, write_whole};
+use ramp_abilities::manipulation::{Aim, run_trial};
 use ramp_kit::Kit;
 use ramp_kit::source::{nearest, shorten};
 use ramp_planner::Domains;
+use ramp_result::episode::Software;
+use ramp_result::manipulation::sums::{SkillSum, sums};
+use ramp_result::manipulation::{SCHEMA, Trial};
+use ramp_result::write_whole;
 use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
 use ramp_skills::{Baseline, Piece};

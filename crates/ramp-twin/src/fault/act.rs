@@ -6,7 +6,8 @@ use mujoco_rs::prelude::*;
 use nalgebra::{Point3, Vector3};
 use ramp_kit::Pose;
 
-use crate::twin::{PERIOD, body_pose};
+use crate::twin::body_pose;
+use ramp_robot::PERIOD;
 
 type Data = MjData<Arc<MjModel>>;
 

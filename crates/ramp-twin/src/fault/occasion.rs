@@ -8,7 +8,8 @@ use nalgebra::{Point3, Vector3};
 use ramp_kit::Pose;
 
 use super::FaultKind;
-use crate::twin::{PERIOD, Setup, body_pose};
+use crate::twin::{Setup, body_pose};
+use ramp_robot::PERIOD;
 
 /// A beam is in its place up to this, m and rad.
 const IN_PLACE: (f64, f64) = (15.0e-3, 6.0 / 180.0 * std::f64::consts::PI);

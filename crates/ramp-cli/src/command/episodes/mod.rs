@@ -15,9 +15,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use miette::{IntoDiagnostic, Report, miette};
-use ramp_eval::external::{AgentFile, adopt_orphans, end_orphans};
-use ramp_eval::log::ENDING;
-use ramp_eval::result::{EpisodeResult, SCHEMA, Software};
+use ramp_external_agent::{AgentFile, adopt_orphans, end_orphans};
+use ramp_log::ENDING;
+use ramp_result::episode::{EpisodeResult, SCHEMA, Software};
 use ramp_robot::Track;
 use ramp_twin::Fault;
 use serde_json::Value;

@@ -12,7 +12,8 @@ use ramp_robot::GripperCommand;
 use super::act::{Motion, Obstacle, Progress, Push};
 use super::occasion::{Cell, Watch};
 use super::{Draws, FaultKind, FaultReport, Start};
-use crate::twin::{PERIOD, Setup};
+use crate::twin::Setup;
+use ramp_robot::PERIOD;
 
 type Data = MjData<Arc<MjModel>>;
 

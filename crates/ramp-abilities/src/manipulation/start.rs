@@ -1,0 +1,221 @@
+//! The world as it would be before a step of a plan, a little different with every seed.
+//!
+//! Beams that stand are put at their places and pegs into their holes, which is free of contact to within the parts' play.
+//! Physics then lets them hang as they do, and each beam is knocked, with a velocity that would carry it about as far as
+//! beams are off in real builds; what the joints allow is what comes of it. All this is before the episode's time begins, and
+//! after it nothing is moved by hand. A start that does not hold is drawn again.
+
+use std::f64::consts::FRAC_PI_6;
+
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
+use ramp_kit::Pose;
+use ramp_kit::joint::FEMALE_HEIGHT;
+use ramp_robot::RobotError;
+use ramp_robot::random::Stream;
+use ramp_twin::{Layout, Setup, Twin, TwinError};
+
+use ramp_result::manipulation::StartInfo;
+
+use super::task::{Aim, Task};
+use super::world::{World, far_end, pegs_in};
+
+/// So many starts are drawn before a trial is given up.
+const DRAWS: usize = 50;
+/// Periods before the beams are knocked, and from then to the start.
+const PERIODS: [u32; 2] = [400, 600];
+/// How far the knock of a beam that stands as it should would carry it, m.
+const ALIGNED: f64 = 1.0e-3;
+/// How far it would turn one that the planner holds to be out of line, rad.
+const CROOKED: f64 = 1.0 / 180.0 * std::f64::consts::PI;
+/// How far it would turn the one that is to be pushed straight, rad.
+const PUSHED: f64 = 3.0 / 180.0 * std::f64::consts::PI;
+/// By how much friction slows down what slides on the table, m/s².
+const FRICTION: f64 = 5.0;
+/// What a start may show beyond that, m: hanging and play.
+const PLAY: f64 = 2.0e-3;
+/// How far the ends of a beam may be above or below its place, m: one that only one female holds hangs by 3.3 mm.
+const HANG: f64 = 4.0e-3;
+/// How far a part that nobody touched may have moved, m.
+const UNTOUCHED: f64 = 0.5e-3;
+/// Deepest penetration of a start, m.
+const PENETRATION: f64 = 0.3e-3;
+/// How far anything may move in the last tenth of a second, m.
+const STILL: f64 = 0.05e-3;
+
+/// Why there is no start.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// The twin cannot be made.
+    #[error(transparent)]
+    Twin(#[from] TwinError),
+    /// None of those that were drawn holds.
+    #[error("{goal}, step {step}: no start of {DRAWS} holds; the last one: {why}")]
+    None {
+        /// The goal.
+        goal: String,
+        /// The step.
+        step: usize,
+        /// What was wrong with the last one.
+        why: String,
+    },
+}
+
+/// A start that holds.
+pub(super) struct Start {
+    /// The world at its beginning.
+    pub twin: Twin,
+    /// Where all parts are then.
+    pub places: Vec<(String, Pose)>,
+    /// How it came about.
+    pub info: StartInfo,
+}
+
+/// Draws starts from the stream `start` of the setup's seed until one holds.
+pub(super) fn draw(setup: &Setup, task: &Task) -> Result<Start, StartError> {
+    let mut stream = Stream::new(setup.seed, "start");
+    let mut why = String::new();
+    for drawn in 1..=DRAWS {
+        let layout = layout(setup, task, &mut stream);
+        let mut twin = Twin::with_layout(setup, layout.clone())?;
+        let knocks = knocks(setup, task, &mut stream);
+        let settled = settle(&mut twin, &knocks);
+        why = match settled {
+            Err(error) => error.to_string(),
+            Ok(last) => match fit(setup, task, &layout, &twin, last) {
+                Err(why) => why,
+                Ok(displaced) => {
+                    twin.begin();
+                    let places = twin.part_names().map(str::to_string).zip(twin.truth().x_wp).collect();
+                    return Ok(Start { twin, places, info: StartInfo { drawn, displaced } });
+                }
+            },
+        };
+    }
+    Err(StartError::None { goal: setup.assembly.name.clone(), step: task.step, why })
+}
+
+/// The sheet's layout, with what stands at its place.
+fn layout(setup: &Setup, task: &Task, stream: &mut Stream) -> Layout {
+    let Setup { kit, assembly, .. } = setup;
+    let x_wa = kit.x_wa();
+    let mut layout = Layout::new(kit, assembly, setup.disturbance, setup.seed);
+    for (name, x_wb) in &mut layout.beams {
+        let Some(beam) = assembly.beam_index(name).filter(|beam| task.build.standing.contains(beam)) else {
+            continue;
+        };
+        *x_wb = x_wa * assembly.beams[beam].x_ab;
+        if let Some((_, shift)) = task.build.deep.iter().find(|(deep, _)| *deep == beam) {
+            *x_wb = Translation3::from(x_wa.rotation * shift) * *x_wb;
+        }
+    }
+    for (connection, peg) in &task.build.pinned {
+        let hole = x_wa * assembly.p_a_hole(assembly.connections[*connection].female);
+        // The hand turns in steps of 30°, and a square head looks the same after three of them.
+        let turn = (3.0 * stream.uniform()).floor() * FRAC_PI_6 + stream.symmetric(setup.disturbance.angle);
+        if let Some((_, x_wp)) = layout.pegs.iter_mut().find(|(name, _)| name == peg) {
+            let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
+            let p = Translation3::new(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0);
+            *x_wp = Pose::from_parts(p, rotation);
+        }
+    }
+    layout
+}
+
+/// How far a beam that stands may be knocked, as a turn, rad.
+fn range(setup: &Setup, task: &Task, beam: usize) -> f64 {
+    if task.aim == (Aim::Straight { beam }) {
+        PUSHED
+    } else if task.build.crooked.contains(&beam) {
+        CROOKED
+    } else {
+        ALIGNED / setup.assembly.beams[beam].beam.span().max(ALIGNED)
+    }
+}
+
+/// A knock: the velocity of a beam's origin, m/s, and its turn, rad/s, axes of the world.
+type Knock = (String, Vector3<f64>, Vector3<f64>);
+
+/// What each beam that stands is knocked with: it turns about the joint that a peg pins, or else is shifted as well.
+fn knocks(setup: &Setup, task: &Task, stream: &mut Stream) -> Vec<Knock> {
+    let assembly = setup.assembly;
+    let speed = |distance: f64| distance.signum() * (2.0 * FRICTION * distance.abs()).sqrt();
+    let knock = |beam: &usize| {
+        let placed = &assembly.beams[*beam];
+        let range = range(setup, task, *beam);
+        let (turn, shift) = (stream.symmetric(range), [stream.symmetric(ALIGNED), stream.symmetric(ALIGNED)]);
+        let anchor = task.build.anchor(assembly, *beam);
+        let about = anchor.map_or(placed.beam.span() / 2.0, |joint| placed.beam.joints[joint.joint].offset);
+        let lever = about.max(placed.beam.span() - about);
+        let angular = Vector3::z() * (speed(turn * lever) / lever);
+        let x_wb = setup.kit.x_wa() * placed.x_ab;
+        let arm = x_wb.rotation * Vector3::x() * -about;
+        let mut linear = angular.cross(&arm);
+        if anchor.is_none() {
+            linear += Vector3::new(speed(shift[0]), speed(shift[1]), 0.0);
+        }
+        (placed.beam.name.clone(), linear, angular)
+    };
+    task.build.standing.iter().map(knock).collect()
+}
+
+/// Lets the world come to rest. Returns where all parts were a tenth of a second before.
+fn settle(twin: &mut Twin, knocks: &[Knock]) -> Result<Vec<Pose>, RobotError> {
+    twin.settle(PERIODS[0])?;
+    for (beam, linear, angular) in knocks {
+        twin.knock(beam, linear, angular);
+    }
+    twin.settle(PERIODS[1] - 100)?;
+    let before = twin.truth().x_wp;
+    twin.settle(100)?;
+    Ok(before)
+}
+
+/// How far an end of a beam that stands is from its place at most, m, or why a start does not hold; `last` is where all
+/// parts were a tenth of a second before.
+fn fit(setup: &Setup, task: &Task, layout: &Layout, twin: &Twin, last: Vec<Pose>) -> Result<f64, String> {
+    let (build, assembly) = (&task.build, setup.assembly);
+    if twin.deepest_penetration() > PENETRATION {
+        return Err(format!("parts are {:.2} mm in each other", twin.deepest_penetration() * 1e3));
+    }
+    let moved = |a: &Pose, b: &Pose| (a.translation.vector - b.translation.vector).norm();
+    let world = World::of(setup, twin);
+    let parts = || twin.part_names().zip(twin.truth().x_wp);
+    for ((name, x_wp), before) in parts().zip(last) {
+        if moved(&x_wp, &before) > STILL {
+            return Err(format!("{name} does not come to rest"));
+        }
+    }
+    let seated = pegs_in(setup, twin);
+    for (connection, peg) in &build.pinned {
+        if seated[*connection].as_deref() != Some(peg) {
+            return Err(format!("{peg} does not pin {}", assembly.connections[*connection].name));
+        }
+    }
+    let mut displaced: f64 = 0.0;
+    for &beam in &build.standing {
+        let placed = &assembly.beams[beam].beam;
+        let deep = build.deep.iter().find(|(deep, _)| *deep == beam);
+        let shift = deep.map_or(Vector3::zeros(), |(_, shift)| world.x_wa.rotation * shift);
+        let x_wb = world.part(&placed.name);
+        let most = range(setup, task, beam) * placed.span() + PLAY;
+        for x in [0.0, placed.span(), far_end(task, assembly, beam)] {
+            let p = Point3::new(x, 0.0, 0.0);
+            let off = x_wb * p - (world.nominal(beam, &p) + shift);
+            displaced = displaced.max(off.xy().norm());
+            if off.xy().norm() > most || off.z.abs() > HANG {
+                return Err(format!("{} is {:.1} mm from its place", placed.name, off.norm() * 1e3));
+            }
+        }
+    }
+    let used = |name: &str| {
+        let stands = assembly.beam_index(name).is_some_and(|beam| build.standing.contains(&beam));
+        stands || build.pinned.iter().any(|(_, peg)| peg == name)
+    };
+    let placed = layout.beams.iter().chain(&layout.pegs).filter(|(name, _)| !used(name));
+    for (name, x_wp) in placed {
+        if moved(&world.part(name), x_wp) > UNTOUCHED {
+            return Err(format!("{name} has left its place on the sheet"));
+        }
+    }
+    Ok(displaced)
+}

@@ -1,0 +1,61 @@
+//! One trial: the world is put up, the agent does the task, the truth is asked.
+
+use ramp_result::episode::{AgentInfo, EventInfo, Host, Physics, Software};
+use ramp_result::manipulation::{SCHEMA, Trial};
+use ramp_robot::Agent;
+use ramp_twin::Setup;
+
+use super::start::StartError;
+use super::task::Task;
+use super::{judge, start};
+
+/// Puts the world up, lets the agent do the task, and judges.
+///
+/// # Errors
+/// When the twin cannot be made, or no start that is drawn holds. Whatever ends the trial afterwards is part of its result.
+pub fn run_trial(
+    setup: &Setup,
+    task: &Task,
+    agent: &mut dyn Agent,
+    software: &Software,
+) -> Result<Trial, StartError> {
+    let start::Start { mut twin, places, info: start } = start::draw(setup, task)?;
+    let outcome = agent.run(&mut twin);
+    let missing = judge::missing(setup, task, &places, &twin);
+    let account = agent.account();
+    let cause = agent.failure().or_else(|| outcome.err().map(|error| error.to_string()));
+    let (name, version) = agent.name();
+    Ok(Trial {
+        schema: SCHEMA.to_string(),
+        skill: task.skill.clone(),
+        track: setup.track.name().to_string(),
+        seed: setup.seed,
+        goal: setup.assembly.name.clone(),
+        class: setup.assembly.class.map(|class| class.name().to_string()),
+        step: task.step,
+        action: task.action.clone(),
+        start,
+        agent: AgentInfo {
+            name: name.to_string(),
+            version: version.to_string(),
+            sha256: agent.file_hash().map(str::to_string),
+        },
+        software: software.clone(),
+        host: Host::here(),
+        success: missing.is_none(),
+        cause,
+        missing,
+        retries: account.events.iter().filter(|event| event.kind == "retry").count(),
+        time: twin.time(),
+        physics: Physics {
+            deepest_penetration: twin.deepest_penetration(),
+            largest_force: twin.largest_force(),
+            state: format!("{:016x}", twin.state_hash()),
+        },
+        events: account
+            .events
+            .into_iter()
+            .map(|event| EventInfo { t: event.time, kind: event.kind.to_string(), what: event.what })
+            .collect(),
+    })
+}

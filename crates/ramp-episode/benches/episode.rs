@@ -1,0 +1,111 @@
+//! Speed of a whole easy-3 episode on one core, beside raw MuJoCo stepping the same scene with the same commands.
+//!
+//! Raw stepping is the lower bound: what is above it is the controller, the sensors, the referee, planning and
+//! motion planning together. Prints the real-time factors and their ratio.
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use std::time::Instant;
+
+use common::World;
+use mujoco_rs::prelude::*;
+use ramp_episode::{Progress, run_episode};
+use ramp_result::episode::Software;
+use ramp_robot::{
+    Account, Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError,
+};
+use ramp_skills::Baseline;
+use ramp_twin::Twin;
+
+/// Notes every command's joint torques and finger forces as the twin applied them.
+struct Recorder<'r> {
+    robot: &'r mut Twin,
+    commands: Vec<[f64; 9]>,
+}
+
+impl Robot for Recorder<'_> {
+    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
+        let result = self.robot.step(command);
+        let mut applied = [0.0; 9];
+        applied.copy_from_slice(&self.robot.ctrl()[..9]);
+        self.commands.push(applied);
+        result
+    }
+
+    fn observe(&self) -> Observation {
+        self.robot.observe()
+    }
+
+    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
+        self.robot.read_parts()
+    }
+
+    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        self.robot.look(camera)
+    }
+
+    fn camera(&self, camera: Camera) -> CameraModel {
+        self.robot.camera(camera)
+    }
+}
+
+fn main() {
+    // `cargo test --benches` only asks whether it starts.
+    if std::env::args().any(|argument| argument == "--test") {
+        return;
+    }
+    let world = World::new("easy-3");
+    let software = Software { version: "bench".into(), commit: "bench".into() };
+    let mut whole = Vec::new();
+    let mut robot_time = 0.0;
+    for _ in 0..3 {
+        let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+        let begin = Instant::now();
+        let result = run_episode(&world.setup(1), &mut agent, &software, 1, &mut |_: &Progress, _: &Twin| {});
+        whole.push(begin.elapsed().as_secs_f64());
+        robot_time = result.map_or(0.0, |result| result.time.robot);
+    }
+    // Once more, noting what MuJoCo was given.
+    let mut twin = match Twin::new(&world.setup(1)) {
+        Ok(twin) => twin,
+        Err(error) => {
+            eprintln!("{error}");
+            return;
+        }
+    };
+    let start = twin.qpos().to_vec();
+    let scene = twin.scene().to_string();
+    let mut recorder = Recorder { robot: &mut twin, commands: Vec::new() };
+    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+    let _ = agent.run(&mut recorder);
+    let _: Account = agent.account();
+    let commands = recorder.commands;
+    let Ok(model) = MjModel::from_xml_string(&scene) else { return };
+    let mut raw = Vec::new();
+    let mut same = true;
+    for _ in 0..3 {
+        let mut data = MjData::new(&model);
+        data.qpos_mut().copy_from_slice(&start);
+        data.forward();
+        let begin = Instant::now();
+        for command in &commands {
+            data.ctrl_mut().copy_from_slice(command);
+            data.step();
+        }
+        raw.push(begin.elapsed().as_secs_f64());
+        same &= data.qpos().iter().zip(twin.qpos()).all(|(a, b)| a.to_bits() == b.to_bits());
+    }
+    let best = |times: &[f64]| times.iter().copied().fold(f64::MAX, f64::min);
+    let (whole, raw) = (best(&whole), best(&raw));
+    println!("easy-3, seed 1, one core, best of 3");
+    println!(
+        "whole episode  {robot_time:7.1} s of robot time in {whole:6.2} s: {:5.1} x real time",
+        robot_time / whole
+    );
+    println!(
+        "raw MuJoCo     {robot_time:7.1} s of robot time in {raw:6.2} s: {:5.1} x real time",
+        robot_time / raw
+    );
+    println!("ratio {:.2}; final states equal to the last bit: {same}", raw / whole);
+}

@@ -1,0 +1,141 @@
+//! One episode: an agent, the twin, and the referee between them.
+
+use std::path::Path;
+use std::time::Instant;
+
+use ramp_log::header::{ArmText, DisturbanceText, GoalText, Header, KitText, SCHEMA as LOG_SCHEMA, Sources};
+use ramp_log::{LogError, Recorder};
+use ramp_result::episode::{
+    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PlanInfo, RULES, SCHEMA, Software, Time, completion,
+};
+use ramp_result::sha256;
+use ramp_robot::{Account, Agent};
+use ramp_twin::{Setup, Twin, TwinError};
+
+use crate::judged::{Judged, Watcher};
+
+/// Why an episode has no result.
+#[derive(Debug, thiserror::Error)]
+pub enum EpisodeError {
+    /// The twin cannot be made.
+    #[error(transparent)]
+    Twin(#[from] TwinError),
+    /// The log cannot be written.
+    #[error(transparent)]
+    Log(#[from] LogError),
+}
+
+/// Runs one episode to its end and judges it.
+///
+/// # Errors
+/// When the twin cannot be made. Whatever ends the episode afterwards is part of its result.
+pub fn run_episode(
+    setup: &Setup,
+    agent: &mut dyn Agent,
+    software: &Software,
+    repeat: u32,
+    watcher: &mut Watcher,
+) -> Result<EpisodeResult, TwinError> {
+    let mut twin = Twin::new(setup)?;
+    let mut judged = Judged::new(&mut twin, setup, None, watcher);
+    Ok(run(&mut judged, setup, agent, software, repeat))
+}
+
+/// Runs one episode to its end, judges it, and leaves its log at `path`: whole, or not at all. `sources` are the texts
+/// that the setup was read from.
+///
+/// # Errors
+/// When the twin cannot be made or the log cannot be written.
+pub fn record_episode(
+    setup: &Setup,
+    sources: &Sources,
+    agent: &mut dyn Agent,
+    software: &Software,
+    repeat: u32,
+    path: &Path,
+    watcher: &mut Watcher,
+) -> Result<EpisodeResult, EpisodeError> {
+    let mut twin = Twin::new(setup)?;
+    let recorder = Recorder::create(
+        path,
+        &header(setup, sources, software, repeat),
+        twin.part_names().map(str::to_string).collect(),
+        setup.assembly.connections.iter().map(|connection| connection.name.clone()).collect(),
+    )?;
+    let mut judged = Judged::new(&mut twin, setup, Some(recorder), watcher);
+    let mut result = run(&mut judged, setup, agent, software, repeat);
+    if let Some(recorder) = judged.recorder.take() {
+        result.log = Some(recorder.finish(twin.state_hash(), &result)?);
+    }
+    Ok(result)
+}
+
+/// The head of an episode's log.
+fn header(setup: &Setup, sources: &Sources, software: &Software, repeat: u32) -> Header {
+    Header {
+        schema: LOG_SCHEMA.to_string(),
+        rules: RULES.to_string(),
+        goal: GoalText { name: setup.assembly.name.clone(), xml: sources.goal.to_string() },
+        kit: KitText { sha256: sha256(sources.kit.as_bytes()), xml: sources.kit.to_string() },
+        arm: ArmText { sha256: sha256(sources.arm.as_bytes()), json: sources.arm.to_string() },
+        track: setup.track.name().to_string(),
+        seed: setup.seed,
+        repeat,
+        disturbance: DisturbanceText { position: setup.disturbance.position, angle: setup.disturbance.angle },
+        fault: setup.fault.map(|fault| fault.to_string()),
+        software: software.clone(),
+    }
+}
+
+fn run(
+    judged: &mut Judged,
+    setup: &Setup,
+    agent: &mut dyn Agent,
+    software: &Software,
+    repeat: u32,
+) -> EpisodeResult {
+    judged.answered = Instant::now();
+    let outcome = agent.run(judged);
+    judged.called();
+    judged.judge();
+    let Account { planning, coarse, fine, replans, events } = agent.account();
+    let thought = judged.thought;
+    let planning = planning.clamp(0.0, thought);
+    let robot = judged.twin.time();
+    let pegs = judged.pegs(setup);
+    let (name, version) = agent.name();
+    let reason = match (agent.failure(), outcome) {
+        (Some(failure), _) => failure,
+        (None, Err(error)) => error.to_string(),
+        (None, Ok(())) => "done".to_string(),
+    };
+    EpisodeResult {
+        schema: SCHEMA.to_string(),
+        rules: RULES.to_string(),
+        goal: setup.assembly.name.clone(),
+        class: setup.assembly.class.map(|class| class.name().to_string()),
+        track: setup.track.name().to_string(),
+        real: None,
+        seed: setup.seed,
+        repeat,
+        agent: AgentInfo {
+            name: name.to_string(),
+            version: version.to_string(),
+            sha256: agent.file_hash().map(str::to_string),
+        },
+        software: software.clone(),
+        host: Host::here(),
+        completion: completion(&pegs),
+        pegs,
+        time: Time { planning, compute: thought - planning, robot, total: thought + robot },
+        plan: PlanInfo { coarse, fine, replans },
+        events: events
+            .into_iter()
+            .map(|event| EventInfo { t: event.time, kind: event.kind.to_string(), what: event.what })
+            .collect(),
+        physics: Some(judged.physics()),
+        fault: judged.fault(),
+        ended: Ended { reason },
+        log: None,
+    }
+}

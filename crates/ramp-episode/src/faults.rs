@@ -1,0 +1,237 @@
+//! Episodes in which something went wrong on purpose: did the agent tell what, and did it build the goal all the same?
+//!
+//! An agent tells what it takes to be the cause by an event of the kind `diagnosis`, whose text is a [`Cause`], a colon and
+//! free words. What it may have been told apart from is in [`accepted`].
+//!
+//! Beams jam now and then without anybody's doing. So an episode is read beside its control, the same goal from the same
+//! seed without the fault: what an agent says there too is not said of the fault.
+
+use ramp_robot::Cause;
+use ramp_twin::FaultKind;
+use serde::Serialize;
+
+use ramp_result::episode::{EpisodeResult, EventInfo};
+use ramp_result::statistics::{Interval, wilson};
+
+/// The kind of the events by which an agent tells a cause.
+pub const DIAGNOSIS: &str = "diagnosis";
+
+/// The kinds of the events that tell that something had to be mended.
+const MENDING: [&str; 2] = ["fault", "replan"];
+
+/// The causes that are right for a fault: the one that it is, and those that nobody could tell from it by what a robot
+/// senses.
+pub fn accepted(kind: FaultKind) -> &'static [Cause] {
+    match kind {
+        FaultKind::PegDropped => &[Cause::PartLost],
+        FaultKind::PegTilted | FaultKind::BeamSlipped | FaultKind::BeamTurned => &[Cause::GripMoved],
+        FaultKind::BeamBumped => &[Cause::BeamMoved],
+        FaultKind::HolderShifted => &[Cause::HolderMoved],
+        FaultKind::Jam => &[Cause::Jam],
+        FaultKind::PegMissing => &[Cause::PartMissing],
+        FaultKind::TagCovered | FaultKind::CameraFrozen => &[Cause::Sight],
+        // A grip that lets a part stay behind looks like one that lost it.
+        FaultKind::GripperWeak => &[Cause::GripWeak, Cause::PartLost],
+        FaultKind::ForceDrift => &[Cause::ForceBias],
+    }
+}
+
+/// What an event says, without its numbers: events of two episodes are the same when this is.
+fn gist(event: &EventInfo) -> String {
+    let words = event.what.split_whitespace().filter(|word| word.parse::<f64>().is_err());
+    [event.kind.as_str()].into_iter().chain(words).collect::<Vec<_>>().join(" ")
+}
+
+/// What became of an episode in which a fault struck.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Judgement {
+    /// The first diagnosis after the strike that is not in the control as well; `None` without any, `Some(None)` when it
+    /// names no cause that there is.
+    pub told: Option<Option<Cause>>,
+    /// Whether that was right.
+    pub diagnosed: bool,
+    /// All pegs of the goal count at the end.
+    pub recovered: bool,
+    /// Whether the agent told after the strike, and not in the control as well, that something was amiss, or planned again.
+    pub mended: bool,
+}
+
+impl Judgement {
+    /// The goal was built, nothing was diagnosed and nothing had to be mended.
+    pub fn harmless(&self) -> bool {
+        self.recovered && self.told.is_none() && !self.mended
+    }
+}
+
+/// Judges an episode beside its control, if there is one; `None` when it had no fault or its occasion did not come.
+pub fn judge(result: &EpisodeResult, control: Option<&EpisodeResult>) -> Option<Judgement> {
+    let fault = result.fault.as_ref()?;
+    let struck = fault.at?;
+    let kind = FaultKind::ALL.into_iter().find(|kind| kind.name() == fault.kind)?;
+    // Each event of the control stands for one.
+    let mut ordinary: Vec<String> = control.iter().flat_map(|it| &it.events).map(gist).collect();
+    let mut events: Vec<&EventInfo> = result.events.iter().collect();
+    events.retain(|event| {
+        let known = ordinary.iter().position(|it| *it == gist(event));
+        known.is_none_or(|known| {
+            ordinary.swap_remove(known);
+            false
+        })
+    });
+    let after = || events.iter().filter(|event| event.t >= struck);
+    let told = after().find(|event| event.kind == DIAGNOSIS).map(|event| Cause::told(&event.what));
+    let mended = after().any(|event| MENDING.contains(&event.kind.as_str()));
+    let diagnosed = told.flatten().is_some_and(|cause| accepted(kind).contains(&cause));
+    Some(Judgement { told, diagnosed, recovered: result.counted() == result.pegs.len(), mended })
+}
+
+/// A share with its interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// How many.
+    pub hits: usize,
+    /// Of how many.
+    pub count: usize,
+    /// Wilson's interval of 95 %.
+    pub interval: Interval,
+}
+
+impl Share {
+    fn of(hits: usize, count: usize) -> Share {
+        Share { hits, count, interval: wilson(hits, count) }
+    }
+}
+
+/// Episodes with one kind of fault, counted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Tally {
+    /// Episodes asked for.
+    pub episodes: usize,
+    /// Those without a result.
+    pub lost: usize,
+    /// Those in which the fault struck.
+    pub struck: usize,
+    /// Those of them in which nothing was diagnosed and nothing had to be mended.
+    pub harmless: usize,
+    /// Diagnosed rightly, of those struck that were not harmless.
+    pub diagnosed: Share,
+    /// Complete at the end, of those struck.
+    pub recovered: Share,
+}
+
+impl Tally {
+    /// Counts episodes, each with its control; `None` stands for one without a result.
+    pub fn of<'r>(results: impl Iterator<Item = [Option<&'r EpisodeResult>; 2]>) -> Tally {
+        let (mut episodes, mut lost) = (0, 0);
+        let mut judged: Vec<Judgement> = Vec::new();
+        for [result, control] in results {
+            episodes += 1;
+            lost += usize::from(result.is_none());
+            judged.extend(result.and_then(|result| judge(result, control)));
+        }
+        let count = |wanted: fn(&Judgement) -> bool| judged.iter().filter(|it| wanted(it)).count();
+        let harmless = count(Judgement::harmless);
+        Tally {
+            episodes,
+            lost,
+            struck: judged.len(),
+            harmless,
+            diagnosed: Share::of(count(|it| it.diagnosed), judged.len() - harmless),
+            recovered: Share::of(count(|it| it.recovered), judged.len()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ramp_result::episode::FaultInfo;
+    use ramp_result::testing::episode;
+
+    fn struck(kind: FaultKind, at: Option<f64>, seated: &[f64], told: &[(f64, &str)]) -> EpisodeResult {
+        let mut result = episode("easy-1", 1, seated, 3);
+        let name = kind.name().to_string();
+        result.fault =
+            Some(FaultInfo { kind: name, occasion: 1, at, part: None, size: None, text: String::new() });
+        result.events = told
+            .iter()
+            .map(|(t, what)| EventInfo { t: *t, kind: DIAGNOSIS.to_string(), what: (*what).to_string() })
+            .collect();
+        result
+    }
+
+    const ALL: &[f64] = &[1.0, 2.0, 3.0];
+
+    #[test]
+    fn the_first_diagnosis_after_the_strike_is_the_one_that_counts() {
+        let told = [(1.0, "sight: dark"), (5.0, "jam: b4"), (6.0, "sight: dark")];
+        let right = judge(&struck(FaultKind::Jam, Some(2.0), ALL, &told), None).unwrap();
+        assert!(right.diagnosed && right.recovered && !right.harmless());
+        let wrong = judge(&struck(FaultKind::TagCovered, Some(2.0), ALL, &told), None).unwrap();
+        assert!(!wrong.diagnosed && wrong.told == Some(Some(Cause::Jam)));
+        let early = judge(&struck(FaultKind::TagCovered, Some(0.0), ALL, &told), None).unwrap();
+        assert!(early.diagnosed);
+    }
+
+    #[test]
+    fn what_nobody_noticed_is_harmless_only_if_the_goal_was_built() {
+        assert!(judge(&struck(FaultKind::Jam, Some(2.0), ALL, &[]), None).unwrap().harmless());
+        let failed = judge(&struck(FaultKind::Jam, Some(2.0), &[1.0], &[]), None).unwrap();
+        assert!(!failed.harmless() && !failed.diagnosed && !failed.recovered);
+        let mut mended = struck(FaultKind::Jam, Some(2.0), ALL, &[]);
+        mended.events.push(EventInfo { t: 3.0, kind: "replan".to_string(), what: String::new() });
+        let judgement = judge(&mended, None).unwrap();
+        assert!(!judgement.harmless() && !judgement.diagnosed && judgement.recovered);
+        let babble = judge(&struck(FaultKind::Jam, Some(2.0), ALL, &[(3.0, "something")]), None).unwrap();
+        assert!(!babble.harmless() && !babble.diagnosed);
+    }
+
+    #[test]
+    fn what_is_said_without_the_fault_too_is_not_said_of_it() {
+        let said = [(1.0, "jam: b6 meets 12 N 180.5 mm before its place"), (5.0, "beam-moved: b4")];
+        let mut control = struck(FaultKind::Jam, None, ALL, &said);
+        control.fault = None;
+        let mut harmless = struck(
+            FaultKind::BeamTurned,
+            Some(0.5),
+            ALL,
+            &[(1.5, "jam: b6 meets 13 N 179.8 mm before its place"), (5.0, "beam-moved: b4")],
+        );
+        for (result, t) in [(&mut control, 6.0), (&mut harmless, 6.5)] {
+            let what = format!("the holes of C6 are {t} mm apart");
+            result.events.push(EventInfo { t, kind: "fault".to_string(), what });
+        }
+        assert!(judge(&harmless, Some(&control)).unwrap().harmless());
+        assert!(!judge(&harmless, None).unwrap().harmless());
+        // Another part, and once more than usual, are news.
+        for news in ["jam: b5 meets 12 N 180.5 mm before its place", "beam-moved: b4"] {
+            let told = [said[0], said[1], (7.0, news)];
+            let judged = judge(&struck(FaultKind::Jam, Some(0.5), ALL, &told), Some(&control)).unwrap();
+            assert_eq!(judged.told.flatten(), Cause::told(news));
+        }
+    }
+
+    #[test]
+    fn episodes_without_a_strike_or_a_result_count_for_no_share() {
+        assert_eq!(judge(&episode("easy-1", 1, ALL, 3), None), None);
+        let results = [
+            struck(FaultKind::Jam, None, ALL, &[]),
+            struck(FaultKind::Jam, Some(2.0), ALL, &[]),
+            struck(FaultKind::Jam, Some(2.0), ALL, &[(3.0, "jam: b4")]),
+            struck(FaultKind::Jam, Some(2.0), &[1.0], &[(3.0, "sight: b4")]),
+        ];
+        let tally = Tally::of(results.iter().map(|it| [Some(it), None]).chain([[None; 2]]));
+        assert_eq!((tally.episodes, tally.lost, tally.struck, tally.harmless), (5, 1, 3, 1));
+        assert_eq!((tally.diagnosed.hits, tally.diagnosed.count), (1, 2));
+        assert_eq!((tally.recovered.hits, tally.recovered.count), (2, 3));
+        assert_eq!(tally.diagnosed.interval, wilson(1, 2));
+    }
+
+    #[test]
+    fn every_cause_is_right_for_some_fault() {
+        for cause in Cause::ALL {
+            assert!(FaultKind::ALL.iter().any(|kind| accepted(*kind).contains(&cause)), "{cause:?}");
+            assert_eq!(Cause::told(&format!("{}: words", cause.name())), Some(cause));
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! What stands between agent and twin: every call passes through here, the referee looks, the log is kept.
+
+use std::time::Instant;
+
+use ramp_log::Recorder;
+use ramp_referee::Referee;
+use ramp_result::episode::{FaultInfo, PegResult, Physics};
+use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
+use ramp_twin::{FaultReport, Setup, Twin};
+
+/// The referee looks once in so many steps (10 ms).
+const WATCH_EVERY: u64 = 10;
+
+/// What a display may want to know while an episode runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Progress {
+    /// Robot time, s.
+    pub time: f64,
+    /// Pegs that count now.
+    pub seated: usize,
+    /// Pegs in the goal.
+    pub pegs: usize,
+}
+
+/// Called now and then with the progress and the twin, to be looked at.
+pub type Watcher<'a> = dyn FnMut(&Progress, &Twin) + 'a;
+
+/// What stands between agent and twin: forwards every call, lets the referee look, keeps the log and the agent's
+/// clock. An agent gets it as `&mut dyn Robot` and has no way past it.
+pub(crate) struct Judged<'a, 'w> {
+    pub(crate) twin: &'a mut Twin,
+    referee: Referee,
+    /// The agent's own time so far, s.
+    pub(crate) thought: f64,
+    /// When the agent got the last answer.
+    pub(crate) answered: Instant,
+    steps: u64,
+    /// What stopped the robot for good.
+    stopped: Option<RobotError>,
+    pub(crate) recorder: Option<Recorder>,
+    watcher: &'a mut Watcher<'w>,
+}
+
+impl<'a, 'w> Judged<'a, 'w> {
+    pub(crate) fn new(
+        twin: &'a mut Twin,
+        setup: &Setup,
+        recorder: Option<Recorder>,
+        watcher: &'a mut Watcher<'w>,
+    ) -> Judged<'a, 'w> {
+        let referee = Referee::new(setup.kit, setup.assembly, twin.part_names());
+        let mut judged = Judged {
+            twin,
+            referee,
+            thought: 0.0,
+            answered: Instant::now(),
+            steps: 0,
+            stopped: None,
+            recorder,
+            watcher,
+        };
+        judged.record();
+        judged
+    }
+
+    /// The agent has called: what has passed since the last answer was its own time.
+    pub(crate) fn called(&mut self) {
+        self.thought += self.answered.elapsed().as_secs_f64();
+    }
+
+    /// The log, as long as the robot works.
+    fn recorder(&mut self) -> Option<&mut Recorder> {
+        self.recorder.as_mut().filter(|_| self.stopped.is_none())
+    }
+
+    /// Lets the log look at the world.
+    fn record(&mut self) {
+        if let Some(recorder) = &mut self.recorder {
+            let due = recorder.due(self.twin.time());
+            let seen = due.signals.then(|| self.twin.observe());
+            let truth = due.truth.then(|| self.twin.truth());
+            let state = due.state.then(|| self.twin.state_hash());
+            recorder.watch(due, seen.as_ref(), truth.as_ref(), state);
+        }
+    }
+
+    /// The agent gets its answer.
+    fn answer<T>(&mut self, result: Result<T, RobotError>) -> Result<T, RobotError> {
+        if self.stopped.is_none() {
+            self.record();
+        }
+        if let Err(error) = &result
+            && error.is_final()
+            && self.stopped.is_none()
+        {
+            self.stopped = Some(error.clone());
+        }
+        self.answered = Instant::now();
+        result
+    }
+
+    pub(crate) fn judge(&mut self) {
+        self.referee.watch(&self.twin.truth(), self.thought);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.judge(&self.referee);
+        }
+        let verdict = self.referee.verdict();
+        let progress = Progress {
+            time: self.twin.time(),
+            seated: verdict.iter().flatten().count(),
+            pegs: verdict.len(),
+        };
+        (self.watcher)(&progress, self.twin);
+    }
+
+    /// The pegs that count now, for each connection of the goal.
+    pub(crate) fn pegs(&self, setup: &Setup) -> Vec<Option<PegResult>> {
+        let assembly = setup.assembly;
+        assembly
+            .connections
+            .iter()
+            .zip(self.referee.verdict())
+            .map(|(connection, seated)| {
+                seated.as_ref().map(|seated| PegResult {
+                    connection: connection.name.clone(),
+                    joints: [connection.female, connection.male]
+                        .map(|joint| assembly.joint_name(joint).to_string()),
+                    peg: seated.peg.clone(),
+                    t_robot: seated.since,
+                    t_total: seated.since + seated.thought,
+                })
+            })
+            .collect()
+    }
+
+    /// What became of the episode's fault.
+    pub(crate) fn fault(&self) -> Option<FaultInfo> {
+        self.twin.fault().map(fault_info)
+    }
+
+    pub(crate) fn physics(&self) -> Physics {
+        Physics {
+            deepest_penetration: self.twin.deepest_penetration(),
+            largest_force: self.twin.largest_force(),
+            state: format!("{:016x}", self.twin.state_hash()),
+        }
+    }
+}
+
+impl Robot for Judged<'_, '_> {
+    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
+        self.called();
+        if let Some(recorder) = self.recorder() {
+            recorder.step(command);
+        }
+        let result = match &self.stopped {
+            Some(error) => Err(error.clone()),
+            None => command.check_limits().and_then(|()| self.twin.step(command)),
+        };
+        self.steps += 1;
+        if self.steps.is_multiple_of(WATCH_EVERY) {
+            self.judge();
+        }
+        self.answer(result)
+    }
+
+    fn observe(&self) -> Observation {
+        self.twin.observe()
+    }
+
+    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
+        self.called();
+        if let Some(recorder) = self.recorder() {
+            recorder.read_parts();
+        }
+        let before = self.twin.time();
+        let result = match &self.stopped {
+            Some(error) => Err(error.clone()),
+            None => self.twin.read_parts(),
+        };
+        // Where a reading takes time, the world has moved on.
+        if self.twin.time() > before {
+            self.judge();
+        }
+        self.answer(result)
+    }
+
+    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        self.called();
+        if let Some(recorder) = self.recorder() {
+            recorder.look(camera);
+        }
+        let result = match &self.stopped {
+            Some(error) => Err(error.clone()),
+            None => self.twin.look(camera),
+        };
+        self.judge();
+        self.answer(result)
+    }
+
+    fn camera(&self, camera: Camera) -> CameraModel {
+        self.twin.camera(camera)
+    }
+}
+
+/// What a result says of a fault.
+fn fault_info(report: &FaultReport) -> FaultInfo {
+    let FaultReport { kind, occasion, at, part, size, text } = report.clone();
+    FaultInfo { kind: kind.name().to_string(), occasion, at, part, size, text }
+}

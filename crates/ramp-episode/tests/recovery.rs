@@ -1,0 +1,98 @@
+//! What goes wrong is noticed and mended: the whole agent in the real physics, with a robot that misbehaves.
+
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::World;
+use nalgebra::Translation3;
+use ramp_referee::Referee;
+use ramp_robot::{
+    Agent, Camera, CameraModel, Command, Event, Image, Observation, PartReading, Robot, RobotError,
+};
+use ramp_skills::Baseline;
+use ramp_twin::Twin;
+
+/// What goes wrong.
+enum Trouble {
+    /// The first time this peg is carried over 0.12 m, the gripper opens for 0.4 s.
+    Drops { peg: &'static str, ticks_left: u32 },
+    /// These beams are read 12 mm beside where they are, between two robot times (s).
+    Misreads { beams: [&'static str; 2], from: f64, to: f64 },
+}
+
+struct Troubled<'t> {
+    twin: &'t mut Twin,
+    trouble: Trouble,
+}
+
+impl Robot for Troubled<'_> {
+    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
+        let mut command = command.clone();
+        if let Trouble::Drops { peg, ticks_left } = &mut self.trouble {
+            let index = self.twin.part_names().position(|name| name == *peg).unwrap();
+            let height = self.twin.truth().x_wp[index].translation.z;
+            if *ticks_left > 0 && (height > 0.12 || *ticks_left < 400) {
+                *ticks_left -= 1;
+                command.gripper.width = 0.07;
+            }
+        }
+        self.twin.step(&command)
+    }
+
+    fn observe(&self) -> Observation {
+        self.twin.observe()
+    }
+
+    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
+        let time = self.twin.time();
+        let mut parts = self.twin.read_parts()?;
+        if let Trouble::Misreads { beams, from, to } = &self.trouble
+            && (*from..*to).contains(&time)
+        {
+            for part in parts.iter_mut().filter(|part| beams.contains(&part.part.as_str())) {
+                part.x_wp = Translation3::new(0.012, 0.0, 0.0) * part.x_wp;
+            }
+        }
+        Ok(parts)
+    }
+
+    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        self.twin.look(camera)
+    }
+
+    fn camera(&self, camera: Camera) -> CameraModel {
+        self.twin.camera(camera)
+    }
+}
+
+/// Runs easy-1 from a seed with a trouble; returns how many pegs count and what happened.
+fn run(seed: u64, trouble: Trouble) -> (usize, Vec<Event>, usize) {
+    let world = World::new("easy-1");
+    let mut twin = Twin::new(&world.setup(seed)).unwrap();
+    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, seed);
+    let ended = agent.run(&mut Troubled { twin: &mut twin, trouble });
+    assert_eq!(ended, Ok(()), "{:?}", agent.account().events);
+    let mut referee = Referee::new(&world.kit, &world.assembly, twin.part_names());
+    referee.watch(&twin.truth(), 0.0);
+    let account = agent.account();
+    (referee.verdict().iter().flatten().count(), account.events, account.replans)
+}
+
+#[test]
+fn a_dropped_peg_is_replaced_by_another() {
+    for seed in [2, 3, 4] {
+        let (seated, events, replans) = run(seed, Trouble::Drops { peg: "p1", ticks_left: 400 });
+        assert!(events.iter().any(|event| event.kind == "fault" && event.what.contains("p1")), "{events:?}");
+        assert!(replans >= 1);
+        assert_eq!(seated, 3, "seed {seed}: {events:?}");
+    }
+}
+
+#[test]
+fn a_hole_that_is_not_found_is_tried_again_after_another_look() {
+    let (seated, events, _) = run(2, Trouble::Misreads { beams: ["b7", "b4"], from: 17.0, to: 60.0 });
+    assert!(events.iter().any(|event| event.kind == "fault"), "{events:?}");
+    assert_eq!(seated, 3, "{events:?}");
+}

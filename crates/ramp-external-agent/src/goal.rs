@@ -1,0 +1,176 @@
+//! What an agent is told of its goal, as plain data.
+
+use ramp_assembly::Assembly;
+use ramp_kit::{Kit, joint, tags};
+use ramp_robot::arm::ArmModel;
+use ramp_robot::camera::Mount;
+use ramp_robot::{Camera, CameraModel, Robot, Track};
+use serde_json::{Value, json};
+
+use super::protocol::{PROTOCOL, pose};
+use ramp_log::Sources;
+
+/// What an agent is told of its goal.
+pub struct Goal<'a> {
+    kit: &'a Kit,
+    assembly: &'a Assembly,
+    arm: &'a ArmModel,
+    track: Track,
+    texts: Sources<'a>,
+}
+
+impl<'a> Goal<'a> {
+    /// A goal, with the texts of its files.
+    pub fn new(
+        kit: &'a Kit,
+        assembly: &'a Assembly,
+        arm: &'a ArmModel,
+        track: Track,
+        texts: Sources<'a>,
+    ) -> Goal<'a> {
+        Goal { kit, assembly, arm, track, texts }
+    }
+
+    /// As plain data. Neither the seed nor where anything really is can be found in it.
+    pub fn to_json(&self, robot: &dyn Robot) -> Value {
+        let (kit, assembly) = (self.kit, self.assembly);
+        let x_wa = kit.x_wa();
+        let beams: Vec<Value> = assembly
+            .beams
+            .iter()
+            .map(|placed| {
+                let joints: Vec<Value> = placed
+                    .beam
+                    .joints
+                    .iter()
+                    .enumerate()
+                    .map(|(index, joint)| {
+                        let hole = placed.beam.p_b_hole(index);
+                        json!({
+                            "name": joint.name,
+                            "kind": joint.kind.name(),
+                            "p_b": [hole.x, hole.y, hole.z],
+                        })
+                    })
+                    .collect();
+                let links: Vec<Value> = placed
+                    .beam
+                    .links
+                    .iter()
+                    .map(|link| json!({"name": link.name, "grasp": link.grasp}))
+                    .collect();
+                json!({
+                    "name": placed.beam.name,
+                    "flipped": placed.flipped,
+                    "clamped": placed.beam.name == assembly.beams[assembly.base].beam.name,
+                    "x_wb_goal": pose(&(x_wa * placed.x_ab)),
+                    "x_wb_sheet": kit.x_wb_start(&placed.beam).as_ref().map(pose),
+                    "joints": joints,
+                    "links": links,
+                })
+            })
+            .collect();
+        let pegs: Vec<Value> = kit
+            .pegs
+            .iter()
+            .map(|peg| json!({"name": peg.name, "x_wp_sheet": kit.x_wp_start(peg).as_ref().map(pose)}))
+            .collect();
+        let connections: Vec<Value> = assembly
+            .connections
+            .iter()
+            .map(|it| {
+                json!({
+                    "name": it.name,
+                    "female": assembly.joint_name(it.female),
+                    "male": assembly.joint_name(it.male),
+                })
+            })
+            .collect();
+        let insertions: Vec<Value> = assembly
+            .insertions
+            .iter()
+            .map(|it| {
+                let direction = x_wa.rotation * it.direction.into_inner();
+                json!({
+                    "beam": assembly.beams[it.beam].beam.name,
+                    "direction_w": [direction.x, direction.y, direction.z],
+                    "distance": it.distance,
+                })
+            })
+            .collect();
+        let tags: Vec<Value> = tags::places(kit)
+            .iter()
+            .map(|it| json!({"id": it.id, "part": it.part, "x_pg": pose(&it.x_pg), "edge": it.edge}))
+            .collect();
+        let joints: Vec<Value> = self
+            .arm
+            .joints
+            .iter()
+            .map(|joint| {
+                json!({
+                    "position": joint.position,
+                    "quat_wxyz": joint.quat_wxyz,
+                    "range": joint.range,
+                    "velocity": joint.velocity,
+                    "acceleration": joint.acceleration,
+                    "jerk": joint.jerk,
+                    "torque": joint.torque,
+                })
+            })
+            .collect();
+        let hand = &self.arm.hand;
+        json!({
+            "protocol": PROTOCOL,
+            "name": assembly.name,
+            "class": assembly.class.map(|class| class.name()),
+            "track": self.track.name(),
+            "period": ramp_robot::PERIOD,
+            "time_limit": ramp_robot::TIME_LIMIT,
+            "beams": beams,
+            "pegs": pegs,
+            "dimensions": {
+                "female_height": joint::FEMALE_HEIGHT,
+                "hole_radius": joint::HOLE_RADIUS,
+                "peg_head_width": joint::HEAD_WIDTH,
+                "peg_head_height": joint::HEAD_HEIGHT,
+                "peg_stem_length": joint::STEM_LENGTH,
+                "peg_stem_radius": joint::STEM_RADIUS,
+            },
+            "connections": connections,
+            "insertions": insertions,
+            "arm": {
+                "name": self.arm.name,
+                "joints": joints,
+                "hand": {"position": hand.position, "quat_wxyz": hand.quat_wxyz, "tip": hand.tip},
+                "home": self.arm.home,
+            },
+            "cameras": {
+                Camera::Wrist.name(): camera(&robot.camera(Camera::Wrist)),
+                Camera::BirdsEye.name(): camera(&robot.camera(Camera::BirdsEye)),
+            },
+            "tags": tags,
+            "sheet_tag": {
+                "id": tags::SHEET_ID,
+                "x_wg": pose(&tags::x_wg_sheet(kit)),
+                "edge": kit.sheet.tag_edge,
+            },
+            "files": {"goal": self.texts.goal, "kit": self.texts.kit},
+        })
+    }
+}
+
+fn camera(model: &CameraModel) -> Value {
+    let (fixed_to, x) = match &model.mount {
+        Mount::Tip(x_tc) => ("tip", x_tc),
+        Mount::World(x_wc) => ("world", x_wc),
+    };
+    json!({
+        "width": model.width,
+        "height": model.height,
+        "focal": model.focal,
+        "centre": model.centre,
+        "distortion": model.distortion,
+        "fixed_to": fixed_to,
+        "pose": pose(x),
+    })
+}

@@ -1,0 +1,86 @@
+//! What an episode was made from, at the head of its log.
+
+use ramp_result::episode::Software;
+use serde::{Deserialize, Serialize};
+
+/// The version of the form of logs.
+pub const SCHEMA: &str = "ramp-log-1";
+/// How the channel of the calls is encoded.
+pub const CALLS: &str = "ramp-calls-1";
+/// The ending of a log's name.
+pub const ENDING: &str = "mcap";
+
+/// The files an episode is made from, as texts.
+#[derive(Clone, Copy, Debug)]
+pub struct Sources<'a> {
+    /// The goal file.
+    pub goal: &'a str,
+    /// The kit file.
+    pub kit: &'a str,
+    /// The arm file.
+    pub arm: &'a str,
+}
+
+/// What an episode was made from; the first message of its log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// [`ramp_result::episode::RULES`] at that time.
+    pub rules: String,
+    /// The goal.
+    pub goal: GoalText,
+    /// The kit.
+    pub kit: KitText,
+    /// The arm.
+    pub arm: ArmText,
+    /// What the agent might see.
+    pub track: String,
+    /// All randomness of the world came from here.
+    pub seed: u64,
+    /// Which of several runs in a row this is, from 1.
+    pub repeat: u32,
+    /// How far the start differs from the sheet's outlines.
+    pub disturbance: DisturbanceText,
+    /// What went wrong on purpose, as on the command line; `None` without a fault, and then not in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fault: Option<String>,
+    /// With what the episode was run.
+    pub software: Software,
+}
+
+/// A goal in a log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GoalText {
+    /// Its name.
+    pub name: String,
+    /// Its file.
+    pub xml: String,
+}
+
+/// A kit in a log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct KitText {
+    /// Of the file, in hex.
+    pub sha256: String,
+    /// Its file.
+    pub xml: String,
+}
+
+/// An arm in a log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ArmText {
+    /// Of the file, in hex.
+    pub sha256: String,
+    /// Its file.
+    pub json: String,
+}
+
+/// The start's disturbance in a log.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DisturbanceText {
+    /// m.
+    pub position: f64,
+    /// rad.
+    pub angle: f64,
+}

@@ -1,0 +1,157 @@
+//! Reading a log, whoever made it: whatever the bytes, there is a log or one message that says what is wrong.
+
+use std::path::Path;
+
+use ramp_result::episode::{self, EpisodeResult};
+use ramp_result::sha256;
+
+use crate::calls::Decoder;
+use crate::error::LogError;
+use crate::header::{CALLS, Header, SCHEMA};
+use crate::records::{Channel, Record, Wrong, bytes_of, walk};
+
+/// The most bytes of calls; the longest episode has a tenth of them.
+const MOST_CALLS: usize = 256 << 20;
+
+/// An episode's log.
+#[derive(Clone, Debug)]
+pub struct Log {
+    /// What the episode was made from.
+    pub header: Header,
+    /// The result that the log tells; its `log` is `None`.
+    pub result: EpisodeResult,
+    /// SHA-256 of the file, in hex.
+    pub sha256: String,
+    calls: Vec<u8>,
+}
+
+impl Log {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// When it cannot be read or is no log.
+    pub fn read(path: &Path) -> Result<Log, LogError> {
+        Log::from_bytes(path, &bytes_of(path)?)
+    }
+
+    /// From a file's bytes; `path` is what messages call it.
+    ///
+    /// # Errors
+    /// When they are no log.
+    pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
+        let mut parts = Parts::default();
+        parts.collect(bytes).map_err(|wrong| wrong.at(path))?;
+        parts.log(sha256(bytes)).map_err(|what| LogError::Other { path: path.to_path_buf(), what })
+    }
+
+    /// The calls of the agent, in order.
+    pub fn calls(&self) -> Decoder<'_> {
+        Decoder::new(&self.calls)
+    }
+}
+
+/// What is found in the file.
+#[derive(Default)]
+struct Parts {
+    /// Numbers and topics of the channels.
+    channels: Vec<(u16, Topic)>,
+    header: Option<Header>,
+    result: Option<EpisodeResult>,
+    calls: Vec<u8>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Topic {
+    Episode,
+    Calls,
+    Result,
+}
+
+impl Parts {
+    fn collect(&mut self, bytes: &[u8]) -> Result<(), Wrong> {
+        walk(bytes, |record| match record {
+            Record::Channel(channel) => self.channel(&channel),
+            Record::Message { channel, data } => match self.channels.iter().find(|(id, _)| *id == channel) {
+                Some((_, topic)) => self.message(*topic, data),
+                None => Ok(()),
+            },
+        })
+    }
+
+    fn channel(&mut self, channel: &Channel) -> Result<(), String> {
+        let topic = match channel.topic {
+            b"/episode" => Topic::Episode,
+            b"/result" => Topic::Result,
+            b"/calls" if channel.encoding == CALLS.as_bytes() => Topic::Calls,
+            b"/calls" => {
+                let found = ramp_kit::source::shorten(&String::from_utf8_lossy(channel.encoding));
+                return Err(format!(
+                    "its calls are encoded as `{found}`, and `{CALLS}` is what this program knows"
+                ));
+            }
+            _ => return Ok(()),
+        };
+        // A writer repeats its channels at the end of the file.
+        if !self.channels.iter().any(|(id, _)| *id == channel.id) {
+            self.channels.push((channel.id, topic));
+        }
+        Ok(())
+    }
+
+    fn message(&mut self, topic: Topic, data: &[u8]) -> Result<(), String> {
+        match topic {
+            Topic::Episode => {
+                if self.header.is_some() {
+                    return Err("it has two messages on /episode, and one is expected".to_string());
+                }
+                same_schema(data, SCHEMA, "/episode")?;
+                self.header =
+                    Some(serde_json::from_slice(data).map_err(|error| format!("/episode: {error}"))?);
+            }
+            Topic::Result => {
+                if self.result.is_some() {
+                    return Err("it has two messages on /result, and one is expected".to_string());
+                }
+                same_schema(data, episode::SCHEMA, "/result")?;
+                self.result =
+                    Some(serde_json::from_slice(data).map_err(|error| format!("/result: {error}"))?);
+            }
+            Topic::Calls => {
+                if self.calls.len() + data.len() > MOST_CALLS {
+                    return Err(format!("it has more than {} MiB of calls", MOST_CALLS >> 20));
+                }
+                self.calls.extend_from_slice(data);
+            }
+        }
+        Ok(())
+    }
+
+    fn log(self, sha256: String) -> Result<Log, String> {
+        let missing = |topic: &str| format!("it has no message on {topic}");
+        let header = self.header.ok_or_else(|| missing("/episode"))?;
+        let result = self.result.ok_or_else(|| missing("/result"))?;
+        for (what, text, hash) in
+            [("kit", &header.kit.xml, &header.kit.sha256), ("arm", &header.arm.json, &header.arm.sha256)]
+        {
+            if ramp_result::sha256(text.as_bytes()) != *hash {
+                return Err(format!("its {what} is not the one whose hash it tells"));
+            }
+        }
+        Ok(Log { header, result, sha256, calls: self.calls })
+    }
+}
+
+/// Another version is told as such, and not as a field that is missing.
+fn same_schema(data: &[u8], expected: &str, topic: &str) -> Result<(), String> {
+    #[derive(serde::Deserialize)]
+    struct Only {
+        schema: String,
+    }
+    let Only { schema } = serde_json::from_slice(data).map_err(|error| format!("{topic}: {error}"))?;
+    if schema == expected {
+        Ok(())
+    } else {
+        let schema: String = schema.chars().take(40).collect();
+        Err(format!("{topic} is of the schema `{schema}`, and `{expected}` is what this program knows"))
+    }
+}

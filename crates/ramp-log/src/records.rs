@@ -1,0 +1,143 @@
+//! The records of any MCAP file from a stranger: no length that a file tells is believed before it is checked.
+
+use std::io::Read;
+use std::path::Path;
+
+use mcap::records::op;
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+use crate::error::LogError;
+
+/// The largest log that is read, bytes; the longest episode makes a tenth of it.
+const LARGEST: u64 = 512 << 20;
+/// The largest record and the largest chunk, bytes.
+const LARGEST_RECORD: usize = 16 << 20;
+
+/// The bytes of a file, if they are not too many.
+///
+/// # Errors
+/// When it cannot be read, or is too large.
+pub fn bytes_of(path: &Path) -> Result<Vec<u8>, LogError> {
+    let io = |source| LogError::Io { path: path.to_path_buf(), source };
+    let file = std::fs::File::open(path).map_err(io)?;
+    let mut bytes = Vec::new();
+    file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(io)?;
+    if bytes.len() as u64 > LARGEST {
+        let what = format!("it is larger than {} MiB", LARGEST >> 20);
+        return Err(LogError::Other { path: path.to_path_buf(), what });
+    }
+    Ok(bytes)
+}
+
+/// What is wrong with a file.
+pub enum Wrong {
+    /// As an MCAP file.
+    File(mcap::McapError),
+    /// In what its messages hold, in words.
+    Content(String),
+}
+
+impl Wrong {
+    /// The error that tells the file, too.
+    pub fn at(self, path: &Path) -> LogError {
+        match self {
+            Wrong::File(error) => LogError::Broken { path: path.to_path_buf(), what: in_words(&error) },
+            Wrong::Content(what) => LogError::Other { path: path.to_path_buf(), what },
+        }
+    }
+}
+
+impl From<mcap::McapError> for Wrong {
+    fn from(error: mcap::McapError) -> Wrong {
+        Wrong::File(error)
+    }
+}
+
+fn in_words(error: &mcap::McapError) -> String {
+    match error {
+        mcap::McapError::UnexpectedEof | mcap::McapError::UnexpectedEoc => "it ends too early".to_string(),
+        error => error.to_string(),
+    }
+}
+
+/// A channel, as far as it matters here. The library's own reader believes the lengths that the record tells, and asks
+/// for as much memory.
+pub struct Channel<'d> {
+    /// Its number.
+    pub id: u16,
+    /// Its topic.
+    pub topic: &'d [u8],
+    /// How its messages are encoded.
+    pub encoding: &'d [u8],
+}
+
+impl<'d> Channel<'d> {
+    fn parse(data: &'d [u8]) -> Option<Channel<'d>> {
+        // Its number, its schema's, the topic and the encoding; what follows is not needed.
+        let id = number16(data)?;
+        let (topic, rest) = text(data.get(4..)?)?;
+        let (encoding, _) = text(rest)?;
+        Some(Channel { id, topic, encoding })
+    }
+}
+
+fn number16(data: &[u8]) -> Option<u16> {
+    data.first_chunk().map(|bytes| u16::from_le_bytes(*bytes))
+}
+
+/// A text with its length in front, and what follows it.
+fn text(data: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (length, rest) = data.split_first_chunk()?;
+    rest.split_at_checked(u32::from_le_bytes(*length) as usize)
+}
+
+/// What of a file matters here.
+pub enum Record<'d> {
+    /// A channel.
+    Channel(Channel<'d>),
+    /// A message.
+    Message {
+        /// Number of its channel.
+        channel: u16,
+        /// Its bytes.
+        data: &'d [u8],
+    },
+}
+
+/// Goes through an MCAP file, every checksum in it looked at.
+///
+/// # Errors
+/// When it is no whole MCAP file, and what `visit` says.
+pub fn walk(bytes: &[u8], mut visit: impl FnMut(Record) -> Result<(), String>) -> Result<(), Wrong> {
+    let options = LinearReaderOptions::default()
+        .with_check_finishes_after_end_magic(true)
+        .with_prevalidate_chunk_crcs(true)
+        .with_validate_data_section_crc(true)
+        .with_validate_summary_section_crc(true)
+        .with_record_length_limit(LARGEST_RECORD);
+    let mut reader = LinearReader::new_with_options(options);
+    let mut rest = bytes;
+    while let Some(event) = reader.next_event() {
+        match event? {
+            LinearReadEvent::ReadRequest(wanted) => {
+                let (next, after) = rest.split_at(wanted.min(rest.len()));
+                reader.insert(next.len()).copy_from_slice(next);
+                reader.notify_read(next.len());
+                rest = after;
+            }
+            LinearReadEvent::Record { data, opcode: op::CHANNEL } => {
+                let channel = Channel::parse(data).ok_or(mcap::McapError::UnexpectedEoc)?;
+                visit(Record::Channel(channel)).map_err(Wrong::Content)?;
+            }
+            LinearReadEvent::Record { data, opcode: op::MESSAGE } => {
+                // The channel's number, a sequence number and two times come first.
+                let (Some(channel), Some(data)) = (number16(data), data.get(2 + 4 + 8 + 8..)) else {
+                    return Err(mcap::McapError::UnexpectedEoc.into());
+                };
+                visit(Record::Message { channel, data }).map_err(Wrong::Content)?;
+            }
+            LinearReadEvent::Record { .. } => {}
+        }
+    }
+    Ok(())
+}

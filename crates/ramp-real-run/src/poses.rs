@@ -1,0 +1,432 @@
+//! Logs of the poses of parts that cameras saw of a real robot's run, judged by the referee of the twin.
+//!
+//! A log is an MCAP file with two channels of JSON messages: `/run`, one message that tells whose run it is
+//! (`data/schema/real-run.schema.json`), and `/parts`, where parts were seen over time, in the form of the logs of the twin
+//! (`foxglove.FrameTransforms`, `data/schema/log/parts.schema.json`); a tag on a part tells where the part is as well. The page `docs/src/real.md` tells the form; what cannot
+//! have happened is refused with the number of its message and its time.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::{Quaternion, Translation3, UnitQuaternion};
+use ramp_assembly::Assembly;
+use ramp_assembly::Truth;
+use ramp_kit::source::{nearest, shorten};
+use ramp_kit::tags::{self, SHEET_ID, TagPlace};
+use ramp_kit::{Kit, Pose};
+use ramp_robot::Track;
+use serde::Deserialize;
+
+use ramp_log::LogError;
+use ramp_log::records::{Record, bytes_of, walk};
+use ramp_referee::Referee;
+use ramp_result::episode::completion;
+use ramp_result::episode::{
+    AgentInfo, Ended, EpisodeResult, Host, PegResult, PlanInfo, RULES, RealRun, SCHEMA as EPISODE, Software,
+    Time,
+};
+use ramp_result::sha256;
+
+/// The version of the form of these logs.
+pub const SCHEMA: &str = "ramp-poses-1";
+/// The frame that all poses are given in: the world of the kit.
+const WORLD: &str = "world";
+/// Longest robot time of an episode, s: the rules end it there.
+const LIMIT: f64 = 1800.0;
+/// Longest time of planning, s.
+const LONGEST: f64 = 1.0e6;
+/// How far the beam that is clamped to the table may be seen from its place, m: further off, the poses are not in the frame that
+/// they should be in.
+const CLAMPED: f64 = 10.0e-3;
+/// How far from the origin a part can be, m.
+const FAR: f64 = 10.0;
+/// How far the length of a quaternion may be from one.
+const UNIT: f64 = 1.0e-3;
+/// Where a part is that was not seen yet, m: nowhere near a hole.
+const UNSEEN: f64 = 1.0e3;
+
+/// Whose run it is.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Head {
+    /// Looked at before all the rest.
+    #[serde(rename = "schema")]
+    _schema: String,
+    rules: String,
+    goal: String,
+    repeat: u32,
+    track: String,
+    agent: String,
+    version: String,
+    robot: String,
+    computer: String,
+    cores: usize,
+    scorer: String,
+    source: String,
+    begin: Stamp,
+    planning: f64,
+    end: Stamp,
+    ended: String,
+}
+
+/// A time by the clock of the poses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Stamp {
+    sec: u64,
+    nsec: u32,
+}
+
+impl Stamp {
+    /// Seconds since another one; to the nanosecond, however long ago clocks began.
+    fn since(self, begin: Stamp) -> f64 {
+        let whole = i128::from(self.sec) - i128::from(begin.sec);
+        let nanoseconds = whole * 1_000_000_000 + i128::from(self.nsec) - i128::from(begin.nsec);
+        nanoseconds as f64 / 1e9
+    }
+}
+
+/// Where parts were seen.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Sight {
+    transforms: Vec<Transform>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Transform {
+    timestamp: Stamp,
+    parent_frame_id: String,
+    child_frame_id: String,
+    translation: Vector,
+    rotation: Rotation,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Vector {
+    x: f64,
+    y: f64,
+    z: f64,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Rotation {
+    x: f64,
+    y: f64,
+    z: f64,
+    w: f64,
+}
+
+/// What logs are read against.
+pub struct Reader<'a> {
+    /// The parts.
+    pub kit: &'a Kit,
+    /// The goals that a log may name.
+    pub goals: &'a [Assembly],
+    /// What results say they were made with.
+    pub software: &'a Software,
+}
+
+impl Reader<'_> {
+    /// Reads and judges the log in a file.
+    ///
+    /// # Errors
+    /// When it cannot be read, or tells what cannot have happened.
+    pub fn read(&self, path: &Path) -> Result<EpisodeResult, LogError> {
+        self.from_bytes(path, &bytes_of(path)?)
+    }
+
+    /// From a file's bytes; `path` is what messages call it.
+    ///
+    /// # Errors
+    /// As [`Reader::read`].
+    pub fn from_bytes(&self, path: &Path, bytes: &[u8]) -> Result<EpisodeResult, LogError> {
+        let mut channels: Vec<(u16, bool)> = Vec::new();
+        let mut run: Option<Run> = None;
+        let mut number = 0;
+        walk(bytes, |record| match record {
+            Record::Channel(channel) => {
+                let is_run = match channel.topic {
+                    b"/run" => true,
+                    b"/parts" => false,
+                    _ => return Ok(()),
+                };
+                if channel.encoding != b"json" {
+                    let topic = if is_run { "/run" } else { "/parts" };
+                    let found = shorten(&String::from_utf8_lossy(channel.encoding));
+                    return Err(format!("{topic} is encoded as `{found}`, expected `json`"));
+                }
+                // A writer repeats its channels at the end of the file.
+                if channels.iter().all(|(id, _)| *id != channel.id) {
+                    channels.push((channel.id, is_run));
+                }
+                Ok(())
+            }
+            Record::Message { channel, data } => {
+                match (channels.iter().find(|(id, _)| *id == channel), &mut run) {
+                    (None, _) => Ok(()),
+                    (Some((_, true)), None) => {
+                        run = Some(self.head(data).map_err(|why| format!("/run: {why}"))?);
+                        Ok(())
+                    }
+                    (Some((_, true)), Some(_)) => {
+                        Err("it has two messages on /run, expected one".to_string())
+                    }
+                    (Some((_, false)), None) => {
+                        Err("a message on /parts comes before the one on /run".to_string())
+                    }
+                    (Some((_, false)), Some(run)) => {
+                        number += 1;
+                        run.see(data).map_err(|why| format!("/parts, message {number}: {why}"))
+                    }
+                }
+            }
+        })
+        .map_err(|wrong| wrong.at(path))?;
+        let other = |what: String| LogError::Other { path: path.to_path_buf(), what };
+        let run = run.ok_or_else(|| other("it has no message on /run".to_string()))?;
+        run.result(self.software, &sha256(bytes)).map_err(other)
+    }
+
+    /// Takes in whose run it is.
+    fn head(&self, data: &[u8]) -> Result<Run<'_>, String> {
+        #[derive(Deserialize)]
+        struct Only {
+            schema: String,
+        }
+        let Only { schema } = serde_json::from_slice(data).map_err(|error| error.to_string())?;
+        if schema != SCHEMA {
+            return Err(format!("found the schema `{}`, expected `{SCHEMA}`", shorten(&schema)));
+        }
+        let head: Head = serde_json::from_slice(data).map_err(|error| error.to_string())?;
+        if head.rules != RULES {
+            return Err(format!("the rules are of version `{}`, expected {RULES}", shorten(&head.rules)));
+        }
+        let names = || self.goals.iter().map(|goal| goal.name.as_str());
+        let unknown = |what: &str, found: &str, near: Option<&str>| {
+            let near = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+            format!("there is no {what} `{}`{near}", shorten(found))
+        };
+        let goal = self.goals.iter().find(|goal| goal.name == head.goal);
+        let goal = goal.ok_or_else(|| unknown("goal", &head.goal, nearest(&head.goal, names())))?;
+        let tracks = || Track::ALL.iter().map(|track| track.name());
+        if tracks().all(|name| name != head.track) {
+            return Err(unknown("track", &head.track, nearest(&head.track, tracks())));
+        }
+        let words = [
+            ("agent", &head.agent),
+            ("version", &head.version),
+            ("robot", &head.robot),
+            ("computer", &head.computer),
+            ("scorer", &head.scorer),
+            ("source", &head.source),
+            ("ended", &head.ended),
+        ];
+        if let Some((name, _)) = words.iter().find(|(_, text)| text.trim().is_empty()) {
+            return Err(format!("`{name}` is empty"));
+        }
+        for (name, count) in [("repeat", head.repeat as usize), ("cores", head.cores)] {
+            if !(1..=100_000).contains(&count) {
+                return Err(format!("`{name}` is {count}, expected 1 to 100000"));
+            }
+        }
+        let total = head.end.since(head.begin);
+        if !(0.0..=LONGEST).contains(&head.planning) || head.planning > total {
+            return Err(format!(
+                "the robot was free to move after {} s, expected a time between begin and end, 0 to {total} s",
+                head.planning
+            ));
+        }
+        if total - head.planning > LIMIT {
+            return Err(format!(
+                "it ends after {:.0} s of robot time, and the rules end an episode after {LIMIT} s",
+                total - head.planning
+            ));
+        }
+        let (beams, pegs) = (self.kit.beams.iter(), self.kit.pegs.iter());
+        let parts: Vec<String> =
+            beams.map(|beam| &beam.name).chain(pegs.map(|peg| &peg.name)).cloned().collect();
+        let unseen = Pose::translation(0.0, 0.0, UNSEEN);
+        let base = &goal.beams[goal.base];
+        let mut x_wp = vec![unseen; parts.len()];
+        if let Some(index) = parts.iter().position(|part| *part == base.beam.name) {
+            x_wp[index] = self.kit.x_wa() * base.x_ab;
+        }
+        let referee = Referee::new(self.kit, goal, parts.iter().map(String::as_str));
+        let truth = Truth { time: 0.0, x_wp };
+        let tags = tags::places(self.kit);
+        Ok(Run { kit: self.kit, goal, head, parts, tags, truth, referee, seen: None })
+    }
+}
+
+/// A run while its messages are read.
+struct Run<'a> {
+    kit: &'a Kit,
+    goal: &'a Assembly,
+    head: Head,
+    parts: Vec<String>,
+    /// Where the tags stick on them.
+    tags: Vec<TagPlace>,
+    /// Where each part was seen last.
+    truth: Truth,
+    referee: Referee,
+    /// The time of the last message.
+    seen: Option<Stamp>,
+}
+
+impl Run<'_> {
+    /// Takes in one message, and lets the referee look.
+    fn see(&mut self, data: &[u8]) -> Result<(), String> {
+        let sight: Sight = serde_json::from_slice(data).map_err(|error| error.to_string())?;
+        // How many tags have told of each part, by its index.
+        let mut tags = BTreeMap::new();
+        for transform in &sight.transforms {
+            let stamp = transform.timestamp;
+            let time = stamp.since(self.head.begin);
+            self.take(transform, time, &mut tags).map_err(|why| format!("at {time:.3} s, {why}"))?;
+            self.seen = Some(stamp);
+            self.truth.time = time;
+        }
+        if !sight.transforms.is_empty() {
+            self.referee.watch(&self.truth, 0.0);
+        }
+        Ok(())
+    }
+
+    fn take(
+        &mut self,
+        transform: &Transform,
+        time: f64,
+        tags: &mut BTreeMap<usize, f64>,
+    ) -> Result<(), String> {
+        if transform.timestamp.nsec > 999_999_999 {
+            return Err("a second has more than 999999999 nanoseconds".to_string());
+        }
+        if let Some(before) = self.seen.filter(|before| transform.timestamp < *before) {
+            return Err(format!("time runs backwards, after {:.3} s", before.since(self.head.begin)));
+        }
+        if time < 0.0 {
+            return Err("a part was seen before the beginning".to_string());
+        }
+        if transform.timestamp > self.head.end {
+            return Err(format!(
+                "a part was seen after the end, {:.3} s",
+                self.head.end.since(self.head.begin)
+            ));
+        }
+        let name = &transform.child_frame_id;
+        // A tag is `tag` and its id.
+        let tag = name.strip_prefix("tag").and_then(|id| id.parse::<u32>().ok());
+        let place = tag.and_then(|id| self.tags.iter().find(|place| place.id == id));
+        let part = place.map_or(name, |place| &place.part);
+        let index = self.parts.iter().position(|known| known == part);
+        if index.is_none() && tag != Some(SHEET_ID) {
+            let near = nearest(name, self.parts.iter().map(String::as_str));
+            let near = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+            return Err(format!("the kit has no part or tag `{}`{near}", shorten(name)));
+        }
+        if transform.parent_frame_id != WORLD {
+            let found = shorten(&transform.parent_frame_id);
+            return Err(format!("{name} is given in the frame `{found}`, expected `{WORLD}`"));
+        }
+        let Vector { x, y, z } = transform.translation;
+        let Rotation { x: i, y: j, z: k, w } = transform.rotation;
+        if [x, y, z].iter().any(|value| !value.is_finite() || value.abs() > FAR) {
+            return Err(format!("{name} is at ({x}, {y}, {z}) m, expected it within {FAR} m"));
+        }
+        let quaternion = Quaternion::new(w, i, j, k);
+        if (quaternion.norm() - 1.0).abs() > UNIT || !quaternion.norm().is_finite() {
+            return Err(format!(
+                "the rotation of {name} has the length {}, expected a unit quaternion",
+                quaternion.norm()
+            ));
+        }
+        let seen = Pose::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_quaternion(quaternion));
+        // The sheet's own tag tells of no part.
+        let Some(index) = index else { return Ok(()) };
+        let x_wp = match place {
+            None => seen,
+            Some(place) => {
+                // The mean of all tags on a part that one message has.
+                let x_wp = seen * place.x_pg.inverse();
+                let count = tags.entry(index).or_insert(0.0);
+                *count += 1.0;
+                if *count > 1.0 {
+                    let mean = self.truth.x_wp[index].try_lerp_slerp(&x_wp, 1.0 / *count, UNIT);
+                    mean.ok_or_else(|| {
+                        format!("{name} shows {part} the other way around than its other tags do")
+                    })?
+                } else {
+                    x_wp
+                }
+            }
+        };
+        let base = &self.goal.beams[self.goal.base];
+        if *part == base.beam.name {
+            let nominal = self.kit.x_wa() * base.x_ab;
+            let off = (x_wp.translation.vector - nominal.translation.vector).norm();
+            if off > CLAMPED {
+                return Err(format!(
+                    "{part}, which is clamped, is {:.0} mm from its place: are the poses in the frame of the robot's base?",
+                    off * 1e3
+                ));
+            }
+        }
+        self.truth.x_wp[index] = x_wp;
+        Ok(())
+    }
+
+    fn result(self, software: &Software, log: &str) -> Result<EpisodeResult, String> {
+        if self.seen.is_none() {
+            return Err("it has no pose on /parts".to_string());
+        }
+        let head = self.head;
+        let mut pegs = Vec::new();
+        for (connection, seated) in self.goal.connections.iter().zip(self.referee.verdict()) {
+            let Some(seated) = seated else {
+                pegs.push(None);
+                continue;
+            };
+            if seated.since < head.planning {
+                return Err(format!(
+                    "{} is pinned since {:.3} s, and the robot was not free to move before {} s",
+                    connection.name, seated.since, head.planning
+                ));
+            }
+            pegs.push(Some(PegResult {
+                connection: connection.name.clone(),
+                joints: [connection.female, connection.male]
+                    .map(|joint| self.goal.joint_name(joint).to_string()),
+                peg: seated.peg.clone(),
+                t_robot: seated.since - head.planning,
+                t_total: seated.since,
+            }));
+        }
+        let total = head.end.since(head.begin);
+        Ok(EpisodeResult {
+            schema: EPISODE.to_string(),
+            rules: RULES.to_string(),
+            goal: self.goal.name.clone(),
+            class: self.goal.class.map(|class| class.name().to_string()),
+            track: head.track,
+            real: Some(RealRun { robot: head.robot, scorer: head.scorer, source: head.source }),
+            seed: u64::from(head.repeat),
+            repeat: head.repeat,
+            agent: AgentInfo { name: head.agent, version: head.version, sha256: None },
+            software: software.clone(),
+            host: Host { cpu: head.computer, cores: head.cores },
+            completion: completion(&pegs),
+            pegs,
+            time: Time { planning: head.planning, compute: 0.0, robot: total - head.planning, total },
+            plan: PlanInfo { coarse: 0, fine: 0, replans: 0 },
+            events: Vec::new(),
+            physics: None,
+            fault: None,
+            ended: Ended { reason: head.ended },
+            log: Some(log.to_string()),
+        })
+    }
+}

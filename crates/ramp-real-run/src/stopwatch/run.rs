@@ -1,0 +1,94 @@
+//! One episode of a log.
+
+use std::ops::Range;
+
+use ramp_assembly::Assembly;
+
+use ramp_result::episode::{
+    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PegResult, PlanInfo, RULES, RealRun, SCHEMA, Software,
+    Time,
+};
+
+/// An episode while its lines are read.
+pub(super) struct Run<'a> {
+    pub goal: &'a Assembly,
+    pub repeat: u32,
+    /// When the robot was free to move, s.
+    pub planning: Option<f64>,
+    /// For each connection: when its peg was seated, which one, and where the log says so.
+    pub pegs: Vec<Option<(f64, String, Range<usize>)>>,
+    pub faults: Vec<(f64, String)>,
+    pub ended: Option<String>,
+    /// The time of its last line, s, and where that is.
+    pub now: f64,
+    pub last: Range<usize>,
+}
+
+impl<'a> Run<'a> {
+    pub fn new(goal: &'a Assembly, repeat: u32) -> Run<'a> {
+        Run {
+            goal,
+            repeat,
+            planning: None,
+            pegs: vec![None; goal.connections.len()],
+            faults: Vec::new(),
+            ended: None,
+            now: 0.0,
+            last: 0..0,
+        }
+    }
+
+    pub fn result(
+        self,
+        agent: &AgentInfo,
+        track: &str,
+        real: &RealRun,
+        host: &Host,
+        software: &Software,
+    ) -> EpisodeResult {
+        let planning = self.planning.unwrap_or(0.0);
+        let goal = self.goal;
+        let pegs: Vec<Option<PegResult>> = self
+            .pegs
+            .into_iter()
+            .zip(&goal.connections)
+            .map(|(seated, connection)| {
+                seated.map(|(time, peg, _)| PegResult {
+                    connection: connection.name.clone(),
+                    joints: [connection.female, connection.male].map(|it| goal.joint_name(it).to_string()),
+                    peg,
+                    t_robot: time - planning,
+                    t_total: time,
+                })
+            })
+            .collect();
+        let counted = pegs.iter().flatten().count();
+        let event = |(time, what): (f64, String)| EventInfo {
+            t: (time - planning).max(0.0),
+            kind: "fault".to_string(),
+            what,
+        };
+        EpisodeResult {
+            schema: SCHEMA.to_string(),
+            rules: RULES.to_string(),
+            goal: goal.name.clone(),
+            class: goal.class.map(|class| class.name().to_string()),
+            track: track.to_string(),
+            real: Some(real.clone()),
+            seed: u64::from(self.repeat),
+            repeat: self.repeat,
+            agent: agent.clone(),
+            software: software.clone(),
+            host: host.clone(),
+            completion: if pegs.is_empty() { 0.0 } else { counted as f64 / pegs.len() as f64 },
+            pegs,
+            time: Time { planning, compute: 0.0, robot: self.now - planning, total: self.now },
+            plan: PlanInfo { coarse: 0, fine: 0, replans: 0 },
+            events: self.faults.into_iter().map(event).collect(),
+            physics: None,
+            fault: None,
+            log: None,
+            ended: Ended { reason: self.ended.unwrap_or_default() },
+        }
+    }
+}

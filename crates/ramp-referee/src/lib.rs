@@ -1,0 +1,216 @@
+//! The referee: reads the truth and tells which pegs count, and since when.
+//!
+//! A peg counts when its axis passes through both holes of a required connection, its head rests within 0.5 mm of
+//! the female's top plate, and it stays so to the end of the episode. Its time is when that began.
+
+use nalgebra::{Point3, Vector3};
+use ramp_assembly::Truth;
+use ramp_assembly::{Assembly, JointRef};
+use ramp_kit::Kit;
+use ramp_kit::Pose;
+use ramp_kit::joint::{BODY_WIDTH, FEMALE_HEIGHT, HOLE_RADIUS, STEM_LENGTH, WALL};
+
+/// Largest distance of a counted peg's head from the female's top plate, m.
+pub const SEATED: f64 = 0.5e-3;
+
+/// A peg that counts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seated {
+    /// The peg's name.
+    pub peg: String,
+    /// Robot time since which it has been seated, s.
+    pub since: f64,
+    /// The agent's own clock at that moment: planning and thinking so far, s.
+    pub thought: f64,
+}
+
+/// Watches one episode.
+#[derive(Clone, Debug)]
+pub struct Referee {
+    /// Index into the truth of each beam of the assembly.
+    beams: Vec<usize>,
+    /// Name and index into the truth of every peg.
+    pegs: Vec<(String, usize)>,
+    connections: Vec<Required>,
+    seated: Vec<Option<Seated>>,
+}
+
+#[derive(Clone, Debug)]
+struct Required {
+    female: JointRef,
+    male: JointRef,
+    /// Holes in their beams' frames.
+    p_b_female: Point3<f64>,
+    p_b_male: Point3<f64>,
+}
+
+impl Referee {
+    /// A referee for `assembly`. `part_names` are the parts in the order of the truths it will see.
+    ///
+    /// Beams of the goal that are not among the parts make their connections uncountable.
+    pub fn new<'n>(kit: &Kit, assembly: &Assembly, part_names: impl Iterator<Item = &'n str>) -> Referee {
+        let names: Vec<&str> = part_names.collect();
+        let index = |name: &str| names.iter().position(|other| *other == name);
+        let hole = |joint: JointRef| assembly.beams[joint.beam].beam.p_b_hole(joint.joint);
+        let connections = assembly
+            .connections
+            .iter()
+            .map(|connection| Required {
+                female: connection.female,
+                male: connection.male,
+                p_b_female: hole(connection.female),
+                p_b_male: hole(connection.male),
+            })
+            .collect::<Vec<_>>();
+        let beams = assembly.beams.iter().map(|placed| index(&placed.beam.name).unwrap_or(usize::MAX));
+        let pegs = kit.pegs.iter().filter_map(|peg| Some((peg.name.clone(), index(&peg.name)?)));
+        Referee {
+            beams: beams.collect(),
+            pegs: pegs.collect(),
+            seated: vec![None; connections.len()],
+            connections,
+        }
+    }
+
+    /// Looks at the world once. `thought` is the agent's own clock, s.
+    pub fn watch(&mut self, truth: &Truth, thought: f64) {
+        for index in 0..self.connections.len() {
+            let peg = self.peg_in(truth, index);
+            let before = self.seated[index].take();
+            self.seated[index] = match (peg, before) {
+                (Some(peg), Some(before)) if before.peg == self.pegs[peg].0 => Some(before),
+                (Some(peg), _) => Some(Seated { peg: self.pegs[peg].0.clone(), since: truth.time, thought }),
+                (None, _) => None,
+            };
+        }
+    }
+
+    /// What counts if the episode ends now, by connection.
+    pub fn verdict(&self) -> &[Option<Seated>] {
+        &self.seated
+    }
+
+    /// The peg that pins a connection in this truth, as an index into `self.pegs`.
+    fn peg_in(&self, truth: &Truth, connection: usize) -> Option<usize> {
+        let required = &self.connections[connection];
+        let x_female = truth.x_wp.get(*self.beams.get(required.female.beam)?)?;
+        let x_male = truth.x_wp.get(*self.beams.get(required.male.beam)?)?;
+        self.pegs.iter().position(|(_, index)| {
+            truth
+                .x_wp
+                .get(*index)
+                .is_some_and(|x_peg| pins(x_peg, x_female, &required.p_b_female, x_male, &required.p_b_male))
+        })
+    }
+}
+
+/// Does the peg at `x_peg` pin these two holes? All poses in the world, holes in their beams' frames.
+///
+/// ```
+/// use nalgebra::Point3;
+/// use ramp_kit::Pose;
+/// let beam = Pose::translation(0.0, 0.0, 0.0166);
+/// let hole = Point3::origin();
+/// let seated = Pose::translation(0.0, 0.0, 0.0332);
+/// assert!(ramp_referee::pins(&seated, &beam, &hole, &beam, &hole));
+/// let proud = Pose::translation(0.0, 0.0, 0.0332 + 0.0006);
+/// assert!(!ramp_referee::pins(&proud, &beam, &hole, &beam, &hole));
+/// ```
+pub fn pins(
+    x_peg: &Pose,
+    x_female: &Pose,
+    p_b_female: &Point3<f64>,
+    x_male: &Pose,
+    p_b_male: &Point3<f64>,
+) -> bool {
+    let female = x_female * p_b_female;
+    // A quick look first: most pegs are far away.
+    if (x_peg.translation.vector - female.coords).norm() > 0.05 {
+        return false;
+    }
+    let up = upward(x_female);
+    let plate = female + up * (FEMALE_HEIGHT / 2.0);
+    let gap = (x_peg.translation.vector - plate.coords).dot(&up);
+    if gap.abs() > SEATED {
+        return false;
+    }
+    let male = x_male * p_b_male;
+    let male_up = upward(x_male);
+    // The mouth of the top plate, the inner face of the bottom plate, and both ends of the male's hole.
+    passes(x_peg, &plate, &up)
+        && passes(x_peg, &(female - up * (FEMALE_HEIGHT / 2.0 - WALL)), &up)
+        && passes(x_peg, &(male + male_up * (BODY_WIDTH / 2.0)), &male_up)
+        && passes(x_peg, &(male - male_up * (BODY_WIDTH / 2.0)), &male_up)
+}
+
+/// The axis of a beam's holes, pointing up: a flipped beam's z points down.
+fn upward(x_wb: &Pose) -> Vector3<f64> {
+    let z = x_wb.rotation * Vector3::z();
+    if z.z < 0.0 { -z } else { z }
+}
+
+/// Does the stem's axis pass through the round hole around `centre` in the plane with normal `normal`?
+fn passes(x_peg: &Pose, centre: &Point3<f64>, normal: &Vector3<f64>) -> bool {
+    let down = x_peg.rotation * -Vector3::z();
+    let slope = down.dot(normal);
+    if slope.abs() < 1e-6 {
+        return false;
+    }
+    let along = (centre.coords - x_peg.translation.vector).dot(normal) / slope;
+    let through = x_peg.translation.vector + down * along;
+    // Within the stem's length, give or take the head's tolerance.
+    (-SEATED..=STEM_LENGTH + SEATED).contains(&along) && (through - centre.coords).norm() < HOLE_RADIUS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Translation3, UnitQuaternion};
+
+    fn female() -> Pose {
+        Pose::translation(0.3, 0.1, 0.0166)
+    }
+
+    fn peg(x: f64, y: f64, gap: f64) -> Pose {
+        Pose::translation(0.3 + x, 0.1 + y, 0.0332 + gap)
+    }
+
+    fn judge(peg: &Pose, male_shift: f64) -> bool {
+        let male = Pose::translation(0.3 + male_shift, 0.1, 0.0166);
+        pins(peg, &female(), &Point3::origin(), &male, &Point3::origin())
+    }
+
+    #[test]
+    fn a_seated_peg_counts_and_a_proud_or_sunken_one_does_not() {
+        assert!(judge(&peg(0.0, 0.0, 0.0), 0.0));
+        assert!(judge(&peg(0.0, 0.0, 0.00049), 0.0));
+        assert!(!judge(&peg(0.0, 0.0, 0.00051), 0.0));
+        assert!(!judge(&peg(0.0, 0.0, -0.00051), 0.0));
+    }
+
+    #[test]
+    fn the_axis_must_pass_through_both_holes() {
+        assert!(judge(&peg(0.0041, 0.0, 0.0), 0.0));
+        assert!(!judge(&peg(0.0043, 0.0, 0.0), 0.0));
+        // The male is not there.
+        assert!(!judge(&peg(0.0, 0.0, 0.0), 0.0043));
+        assert!(!judge(&peg(0.0, 0.0, 0.0), 0.05));
+    }
+
+    #[test]
+    fn a_peg_on_its_head_or_its_side_does_not_count() {
+        for angle in [1.6, std::f64::consts::PI] {
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle);
+            let lying = Pose::from_parts(Translation3::new(0.3, 0.1, 0.0332), turn);
+            assert!(!judge(&lying, 0.0));
+        }
+    }
+
+    #[test]
+    fn a_flipped_female_is_judged_by_the_plate_that_is_on_top() {
+        let roll = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+        let flipped = Pose::from_parts(female().translation, roll);
+        let here = Point3::origin();
+        assert!(pins(&peg(0.0, 0.0, 0.0), &flipped, &here, &female(), &here));
+    }
+}

@@ -1,0 +1,31 @@
+//! How numbers stand in the tables of a page.
+
+use maud::{Markup, html};
+use ramp_result::statistics::Interval;
+
+/// Where nothing can be said.
+pub(crate) const NONE: &str = "–";
+
+/// A share as per cent, without the sign.
+pub(crate) fn share(share: f64) -> String {
+    format!("{:.1}", 100.0 * share)
+}
+
+/// Seconds without the unit.
+pub(crate) fn time(time: f64) -> String {
+    format!("{time:.1}")
+}
+
+/// Seconds with the unit.
+pub(crate) fn seconds(time: f64) -> String {
+    if time >= 1.0 || time == 0.0 { format!("{time:.1} s") } else { format!("{time:.3} s") }
+}
+
+/// An interval in small letters.
+pub(crate) fn small(interval: Option<Interval>, say: fn(f64) -> String) -> Markup {
+    html! {
+        @if let Some(interval) = interval {
+            small { (say(interval.low)) " to " (say(interval.high)) }
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! From results to what people read: statistics, tables, plots, a page, a leaderboard.
+//!
+//! Data passes one way: a [`ramp_result::collection`] becomes a [`Report`] of lines and comparisons ([`sums`]);
+//! [`page`] writes it as one HTML file with plots ([`plot`], [`curves`]), [`table`] as CSV, [`paper`] as LaTeX.
+//! [`curve`] draws a single episode. [`leaderboard`] makes a site of the results of many, and [`held_out`] commits an
+//! organiser to goals that are still secret. Nothing here links a physics engine.
+
+mod alone;
+pub mod curve;
+pub mod curves;
+mod format;
+pub mod held_out;
+pub mod leaderboard;
+pub mod page;
+pub mod paper;
+pub mod plot;
+pub mod report;
+pub mod sums;
+pub mod table;
+
+pub use report::{Named, Report};

@@ -1,0 +1,337 @@
+//! The report: results of one or several agents, summed up, drawn and compared.
+//!
+//! [`Report`] holds all numbers, which the other files write as a page, as CSV and as LaTeX. Agents of different tracks
+//! are never compared.
+
+use crate::sums::{Comparison, Line, Scope};
+use crate::{curves, plot, sums};
+use ramp_result::collection::{Collection, class_rank};
+use ramp_result::published::Published;
+use ramp_result::statistics::holm;
+
+/// Repeats of each goal that the protocol asks for.
+pub const REPEATS: u64 = 5;
+
+/// All that is reported.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// What it is made from.
+    pub collection: Collection,
+    /// One for each track.
+    pub tracks: Vec<TrackPart>,
+    /// Where results are not those of a whole protocol, and other things that a reader must know.
+    pub notes: Vec<String>,
+}
+
+/// All of one track.
+#[derive(Clone, Debug)]
+pub struct TrackPart {
+    /// The track.
+    pub track: String,
+    /// Its agents, as indices into the collection.
+    pub entrants: Vec<usize>,
+    /// One for each class.
+    pub classes: Vec<ClassPart>,
+}
+
+/// All of one class on one track.
+#[derive(Clone, Debug)]
+pub struct ClassPart {
+    /// The class.
+    pub class: Option<String>,
+    /// Its goals.
+    pub goals: Vec<String>,
+    /// Lines of each goal in turn.
+    pub goal_lines: Vec<Line>,
+    /// Lines of the class.
+    pub lines: Vec<Line>,
+    /// Each pair of agents.
+    pub comparisons: Vec<Comparison>,
+    /// What others have published of it.
+    pub published: Vec<Published>,
+}
+
+impl ClassPart {
+    /// Its name, for a person.
+    pub fn name(&self) -> &str {
+        self.class.as_deref().unwrap_or("goals without a class")
+    }
+}
+
+/// A figure or table as a file: its name without an ending, and its text.
+pub struct Named {
+    /// Letters, digits and hyphens.
+    pub name: String,
+    /// What is in it.
+    pub text: String,
+}
+
+impl Report {
+    /// Sums everything up.
+    pub fn new(collection: Collection) -> Report {
+        let mut tracks: Vec<String> =
+            collection.entrants.iter().map(|it| it.identity.track.clone()).collect();
+        tracks.extend(collection.published.iter().map(|it| it.track.clone()));
+        let rank = |name: &String| ramp_robot::Track::ALL.iter().position(|track| track.name() == name);
+        tracks.sort_by_key(rank);
+        tracks.dedup();
+        let mut parts: Vec<TrackPart> =
+            tracks.into_iter().map(|track| TrackPart::new(&collection, track)).collect();
+        correct(&mut parts);
+        let notes = notes(&collection);
+        Report { collection, tracks: parts, notes }
+    }
+
+    /// The place of an agent among those of its track: its colour.
+    pub fn place(&self, entrant: usize) -> usize {
+        let mut tracks = self.tracks.iter();
+        tracks.find_map(|part| part.entrants.iter().position(|it| *it == entrant)).unwrap_or(0)
+    }
+
+    /// The label of an agent.
+    pub fn label(&self, entrant: usize) -> &str {
+        &self.collection.entrants[entrant].label
+    }
+
+    /// The curves of a goal or class as a figure.
+    pub fn curves(&self, part: &TrackPart, scope: &Scope, published: &[Published]) -> String {
+        let collection = &self.collection;
+        let curves: Vec<(usize, curves::Curves)> = part
+            .entrants
+            .iter()
+            .filter_map(|&entrant| {
+                let who = &collection.entrants[entrant];
+                let results: Vec<_> = sums::results(collection, who, scope).collect();
+                let in_scope =
+                    |name: &str| collection.goals.iter().any(|goal| goal.name == name && scope.holds(goal));
+                let lost = who.lost.iter().filter(|lost| in_scope(&lost.goal)).count();
+                Some((entrant, curves::curves(&results, lost)?))
+            })
+            .collect();
+        let series: Vec<plot::Series> = curves
+            .iter()
+            .map(|(entrant, curves)| plot::Series {
+                label: self.label(*entrant),
+                place: self.place(*entrant),
+                curves,
+            })
+            .collect();
+        let marks: Vec<plot::Mark> = published
+            .iter()
+            .map(|it| plot::Mark { label: &it.name, time: it.total, completion: it.completion })
+            .collect();
+        plot::curves(scope.name(), &series, &marks)
+    }
+
+    /// Where the time of each agent went, on each goal of a class and on the class.
+    pub fn bars(&self, class: &ClassPart) -> String {
+        let bars: Vec<plot::Bar> = class
+            .goal_lines
+            .iter()
+            .chain(&class.lines)
+            .filter_map(|line| {
+                let time = line.summary.time?;
+                let mut parts = vec![time.planning, time.compute];
+                parts.extend(line.activities);
+                let label = format!("{}, {}", line.scope.name(), self.label(line.entrant));
+                Some(plot::Bar { label, parts })
+            })
+            .collect();
+        plot::bars(&format!("Where the time went, {}", class.name()), &bars)
+    }
+
+    /// The episodes of an agent over time, those of one class.
+    pub fn timeline(&self, entrant: usize, class: &ClassPart) -> Option<String> {
+        let who = &self.collection.entrants[entrant];
+        let scope = Scope::Class(class.class.clone());
+        let episodes: Vec<_> = sums::results(&self.collection, who, &scope).collect();
+        let title = format!("Episodes of {}, {}", who.label, class.name());
+        (!episodes.is_empty()).then(|| plot::timeline(&title, &episodes))
+    }
+
+    /// Every figure as a file of its own, light, on white.
+    pub fn figures(&self) -> Vec<Named> {
+        let mut figures = Vec::new();
+        let mut add = |name: &str, svg: &str| {
+            let name = file_name(name, &figures);
+            figures.push(Named { name, text: plot::standalone(svg) });
+        };
+        for part in &self.tracks {
+            let track = &part.track;
+            for class in &part.classes {
+                for goal in &class.goals {
+                    let svg = self.curves(part, &Scope::Goal(goal.clone()), &[]);
+                    add(&format!("curves-{track}-{goal}"), &svg);
+                }
+                let scope = Scope::Class(class.class.clone());
+                let name = scope.name();
+                add(&format!("curves-{track}-{name}"), &self.curves(part, &scope, &class.published));
+                if class.lines.is_empty() {
+                    continue;
+                }
+                add(&format!("time-{track}-{name}"), &self.bars(class));
+                for &entrant in &part.entrants {
+                    if let Some(svg) = self.timeline(entrant, class) {
+                        add(&format!("episodes-{track}-{name}-{}", self.label(entrant)), &svg);
+                    }
+                }
+            }
+        }
+        figures
+    }
+}
+
+/// A name for a file, from text of any origin, that no other has.
+fn file_name(text: &str, others: &[Named]) -> String {
+    let plain: String = text
+        .chars()
+        .take(80)
+        .map(|c| if c.is_ascii_alphanumeric() || c == '.' { c.to_ascii_lowercase() } else { '-' })
+        .collect();
+    let taken = |name: &str| others.iter().any(|other| other.name == name);
+    let mut name = plain.clone();
+    let mut number = 2;
+    while taken(&name) {
+        name = format!("{plain}-{number}");
+        number += 1;
+    }
+    name
+}
+
+impl TrackPart {
+    fn new(collection: &Collection, track: String) -> TrackPart {
+        let entrants: Vec<usize> = (0..collection.entrants.len())
+            .filter(|index| collection.entrants[*index].identity.track == track)
+            .collect();
+        let worked_on = |name: &str| {
+            entrants.iter().any(|index| {
+                let entrant = &collection.entrants[*index];
+                entrant.files.iter().any(|file| file.result.goal == name)
+            })
+        };
+        let mut classes: Vec<Option<String>> = collection
+            .goals
+            .iter()
+            .filter(|goal| worked_on(&goal.name))
+            .map(|goal| goal.class.clone())
+            .chain(
+                collection.published.iter().filter(|it| it.track == track).map(|it| Some(it.class.clone())),
+            )
+            .collect();
+        classes.sort_by_key(|class| class_rank(class.as_deref()));
+        classes.dedup();
+        let classes = classes
+            .into_iter()
+            .map(|class| {
+                let scope = Scope::Class(class.clone());
+                let goals: Vec<String> = collection
+                    .goals
+                    .iter()
+                    .filter(|goal| goal.class == class && worked_on(&goal.name))
+                    .map(|goal| goal.name.clone())
+                    .collect();
+                let lines = |scope: &Scope| {
+                    entrants
+                        .iter()
+                        .filter_map(|entrant| sums::line(collection, *entrant, scope))
+                        .collect::<Vec<_>>()
+                };
+                let goal_lines = goals.iter().flat_map(|goal| lines(&Scope::Goal(goal.clone()))).collect();
+                let pairs = entrants
+                    .iter()
+                    .enumerate()
+                    .flat_map(|(index, one)| entrants[index + 1..].iter().map(move |two| [*one, *two]));
+                let comparisons = pairs.filter_map(|pair| sums::compare(collection, pair, &scope)).collect();
+                let published = collection.published.iter();
+                let published = published.filter(|it| Some(&it.class) == class.as_ref() && it.track == track);
+                let published = published.cloned().collect();
+                ClassPart { lines: lines(&scope), class, goals, goal_lines, comparisons, published }
+            })
+            .collect();
+        TrackPart { track, entrants, classes }
+    }
+}
+
+/// Holm's correction over all tests of the report.
+fn correct(parts: &mut [TrackPart]) {
+    let mut tests: Vec<&mut sums::Difference> = parts
+        .iter_mut()
+        .flat_map(|part| &mut part.classes)
+        .flat_map(|class| &mut class.comparisons)
+        .flat_map(|it| std::iter::once(&mut it.completion).chain(it.total.as_mut()))
+        .collect();
+    let corrected = holm(&tests.iter().map(|test| test.p).collect::<Vec<_>>());
+    for (test, corrected) in tests.iter_mut().zip(corrected) {
+        test.corrected = corrected;
+    }
+}
+
+/// Where results are not those of a whole protocol.
+fn notes(collection: &Collection) -> Vec<String> {
+    let mut notes = collection.notes.clone();
+    for entrant in &collection.entrants {
+        let name = format!("{} on track {}", entrant.label, entrant.identity.track);
+        for goal in &collection.goals {
+            let mut seeds: Vec<u64> = entrant
+                .files
+                .iter()
+                .filter(|file| file.result.goal == goal.name)
+                .map(|file| file.result.seed)
+                .chain(entrant.lost.iter().filter(|lost| lost.goal == goal.name).map(|lost| lost.seed))
+                .collect();
+            seeds.sort_unstable();
+            if !seeds.is_empty() && seeds != (1..=REPEATS).collect::<Vec<u64>>() {
+                let seeds: Vec<String> = seeds.iter().map(u64::to_string).collect();
+                notes.push(format!(
+                    "{name}: {} was run with seeds {}, the protocol asks for 1 to {REPEATS}",
+                    goal.name,
+                    seeds.join(", ")
+                ));
+            }
+        }
+        if !entrant.lost.is_empty() {
+            notes.push(format!(
+                "{name}: {} without a result (crashed, killed or out of time); each counts as an episode without pegs",
+                match entrant.lost.len() {
+                    1 => "1 episode is".to_string(),
+                    count => format!("{count} episodes are"),
+                }
+            ));
+        }
+        let mut hosts: Vec<String> = entrant.files.iter().map(|file| file.result.host.cpu.clone()).collect();
+        hosts.sort();
+        hosts.dedup();
+        if hosts.len() > 1 {
+            notes.push(format!(
+                "{name}: run on different computers ({}); planning and compute time are not those of one",
+                hosts.join("; ")
+            ));
+        }
+    }
+    let mut software: Vec<String> = collection
+        .entrants
+        .iter()
+        .map(|it| format!("ramp {} ({})", it.identity.version, it.identity.commit))
+        .collect();
+    software.sort();
+    software.dedup();
+    if software.len() > 1 {
+        notes.push(format!(
+            "results of different versions of the software stand side by side ({}); they are not added up, and a \
+             difference between them may be that of the software",
+            software.join("; ")
+        ));
+    }
+    let twin = collection.entrants.iter().any(|it| it.identity.real.is_none());
+    if twin && collection.entrants.iter().any(|it| it.identity.real.is_some()) {
+        notes.push(
+            "real robots and the twin stand side by side; a repeat of one is paired with the seed of the other, which \
+             have nothing in common but the goal"
+                .to_string(),
+        );
+    }
+    if twin && !collection.published.is_empty() {
+        notes.push("published figures are of real robots, and others here of the twin".to_string());
+    }
+    notes
+}

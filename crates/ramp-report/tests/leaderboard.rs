@@ -1,0 +1,54 @@
+//! What goes on a leaderboard is the result of its log, made with everybody's goal, parts and start.
+
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
+#[path = "../../ramp-episode/tests/common/mod.rs"]
+mod common;
+
+use common::{Swing, World, data};
+use ramp_log::Log;
+use ramp_report::leaderboard::{Goal, Refused, Terms, check_log, check_whole};
+use ramp_result::collection::collect;
+use ramp_twin::Disturbance;
+
+#[test]
+fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let world = World::new("easy-1");
+    let result = world.record("easy-1", &mut Swing(300), &folder.path().join("it.mcap"));
+    std::fs::write(folder.path().join("it.json"), result.to_json()).unwrap();
+    let log = Log::read(&folder.path().join("it.mcap")).unwrap();
+    let collection = collect(&[folder.path().to_path_buf()]).unwrap();
+    let read = |name: &str| std::fs::read_to_string(data().join(name)).unwrap();
+    let Disturbance { position, angle } = Disturbance::default();
+    let goal = Goal { name: "easy-1".into(), class: Some("easy".into()), xml: read("goals/easy-1.xml") };
+    let terms = Terms {
+        goals: vec![goal],
+        kit: read("kit.xml"),
+        arm: read("arms/panda.json"),
+        disturbance: [position, angle],
+    };
+    let file = &collection.entrants[0].files[0];
+    assert_eq!(check_log(file, &log, &terms), Ok(()));
+    // One episode is not a class.
+    assert!(matches!(check_whole(&collection, &terms), Err(Refused::Part { .. })));
+
+    // Better than the log says, by a digit.
+    let mut better = file.clone();
+    better.result.time.planning -= 1e-9;
+    assert!(matches!(check_log(&better, &log, &terms), Err(Refused::NotOfLog { .. })));
+    // A goal of that name that is another one, and one that nobody here knows.
+    let mut other = terms.clone();
+    other.goals[0].xml.push('\n');
+    assert!(matches!(check_log(file, &log, &other), Err(Refused::Goal { .. })));
+    other.goals.clear();
+    assert!(matches!(check_log(file, &log, &other), Err(Refused::Goal { .. })));
+    assert!(matches!(check_whole(&collection, &other), Err(Refused::Goal { .. })));
+    // Another kit, and a start that is not disturbed.
+    let mut other = terms.clone();
+    other.kit = other.kit.replacen("joint", "Joint", 1);
+    assert!(matches!(check_log(file, &log, &other), Err(Refused::Other { what: "kit", .. })));
+    let other = Terms { disturbance: [0.0, 0.0], ..terms };
+    assert!(matches!(check_log(file, &log, &other), Err(Refused::Other { .. })));
+}

@@ -1,0 +1,342 @@
+//! Results read from folders, and who they belong to. Files come from anywhere: nothing in them is believed before it
+//! is checked.
+
+mod read;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use ramp_assembly::Class;
+use ramp_robot::Track;
+use serde::Serialize;
+
+use crate::episode::{AgentInfo, EpisodeResult, RealRun, Software};
+use crate::manipulation::Trial;
+use crate::perception::PerceptionVerdict;
+use crate::planning::PlanVerdict;
+use crate::published::Published;
+pub use read::{CollectError, Parsed, parse};
+use read::{Found, read};
+
+/// One result file.
+#[derive(Clone, Debug)]
+pub struct ResultFile {
+    /// Where it was read from.
+    pub path: PathBuf,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
+    /// What it says.
+    pub result: EpisodeResult,
+}
+
+/// An episode that was begun and has no result.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Lost {
+    /// The goal.
+    pub goal: String,
+    /// The seed.
+    pub seed: u64,
+}
+
+/// Who worked, with what, on what: only results that agree in all of this are added up.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Identity {
+    /// The track.
+    pub track: String,
+    /// The agent's name.
+    pub agent: String,
+    /// Its version.
+    pub agent_version: String,
+    /// SHA-256 of its file, where it has one.
+    pub agent_sha256: Option<String>,
+    /// The version of this software.
+    pub version: String,
+    /// The commit it was built from.
+    pub commit: String,
+    /// Of a real run, what is known of it.
+    pub real: Option<RealRun>,
+}
+
+/// One agent on one track: all its episodes.
+#[derive(Clone, Debug)]
+pub struct Entrant {
+    /// What sets it apart.
+    pub identity: Identity,
+    /// The shortest name that sets it apart from the others of its track.
+    pub label: String,
+    /// Its results, by goal and seed.
+    pub files: Vec<ResultFile>,
+    /// Its episodes without a result.
+    pub lost: Vec<Lost>,
+}
+
+/// A goal that somebody worked on.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Goal {
+    /// Its name.
+    pub name: String,
+    /// Its class.
+    pub class: Option<String>,
+    /// Pegs in it.
+    pub pegs: usize,
+}
+
+/// All that was read.
+#[derive(Clone, Debug)]
+pub struct Collection {
+    /// By track, in the order in which their folders were named.
+    pub entrants: Vec<Entrant>,
+    /// By class and name.
+    pub goals: Vec<Goal>,
+    /// Means that others have published.
+    pub published: Vec<Published>,
+    /// Plans that were judged alone, by goal and planner.
+    pub plans: Vec<PlanVerdict>,
+    /// Detectors that were judged alone, by name.
+    pub perception: Vec<PerceptionVerdict>,
+    /// Trials of single skills, by skill and seed.
+    pub trials: Vec<Trial>,
+    /// What a reader must know of what was read.
+    pub notes: Vec<String>,
+}
+
+/// Reads all results of some folders.
+///
+/// # Errors
+/// At the first file that is not what it should be. Files that do not end in `.json`, and JSON files that name no schema
+/// of RAMP, are left alone and noted.
+pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
+    let mut files: Vec<ResultFile> = Vec::new();
+    let mut published: Vec<Published> = Vec::new();
+    let mut plans: Vec<PlanVerdict> = Vec::new();
+    let mut perception: Vec<PerceptionVerdict> = Vec::new();
+    let mut trials: Vec<(PathBuf, Trial)> = Vec::new();
+    let mut notes = Vec::new();
+    let mut lost: Vec<(PathBuf, String)> = Vec::new();
+    let mut seen = Vec::new();
+    for folder in folders {
+        let place = folder.canonicalize().map_err(|error| unreadable(folder, &error))?;
+        if seen.contains(&place) {
+            continue;
+        }
+        seen.push(place);
+        let paths = list(folder)?;
+        let mut found = false;
+        for path in &paths {
+            match path.extension().and_then(|ending| ending.to_str()) {
+                Some("json") => {
+                    let file = read(path)?;
+                    found |= match &file {
+                        Found::Episode(file) => file.result.fault.is_none(),
+                        other => !matches!(other, Found::Other),
+                    };
+                    match file {
+                        Found::Episode(file) if file.result.fault.is_some() => {
+                            notes.push(format!(
+                                "{} is of an episode with a fault and is left out",
+                                path.display()
+                            ));
+                        }
+                        Found::Episode(file) => files.push(*file),
+                        Found::Published(means) => published.push(means),
+                        Found::Plan(verdict) => plans.push(verdict),
+                        Found::Perception(verdict) => perception.push(verdict),
+                        Found::Trial(trial) => trials.push((path.clone(), *trial)),
+                        Found::Other => {
+                            notes.push(format!("{} is no result and is left out", path.display()));
+                        }
+                    }
+                }
+                Some("log") if !path.with_extension("json").exists() => {
+                    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+                    lost.push((folder.clone(), stem));
+                }
+                _ => {}
+            }
+        }
+        if !found {
+            return Err(CollectError::Empty { folder: folder.display().to_string() });
+        }
+    }
+    let goals = goals(&files)?;
+    // In the order in which they were named.
+    let mut by_identity: Vec<(Identity, Vec<ResultFile>)> = Vec::new();
+    for file in files {
+        let identity = Identity::of(&file.result);
+        match by_identity.iter_mut().find(|(known, _)| *known == identity) {
+            Some((_, files)) => files.push(file),
+            None => by_identity.push((identity, vec![file])),
+        }
+    }
+    by_identity.sort_by_key(|(identity, _)| identity.track_rank());
+    let mut entrants = Vec::new();
+    for (identity, mut files) in by_identity {
+        let order = |file: &ResultFile| {
+            (goals.iter().position(|goal| goal.name == file.result.goal), file.result.seed)
+        };
+        files.sort_by_key(order);
+        if let Some(pair) = files.windows(2).find(|pair| order(&pair[0]) == order(&pair[1])) {
+            let name = |file: &ResultFile| file.path.display().to_string();
+            return Err(CollectError::Twice { first: name(&pair[0]), second: name(&pair[1]) });
+        }
+        entrants.push(Entrant { label: identity.agent.clone(), identity, files, lost: Vec::new() });
+    }
+    for (folder, stem) in lost {
+        assign(&mut entrants, &folder, &stem, &mut notes);
+    }
+    label(&mut entrants);
+    published.sort_by(|a, b| a.name.cmp(&b.name).then(a.class.cmp(&b.class)));
+    published.dedup();
+    plans.sort_by(|a, b| (&a.planner, &a.goal).cmp(&(&b.planner, &b.goal)));
+    perception.sort_by(|a, b| (&a.labels, &a.detector).cmp(&(&b.labels, &b.detector)));
+    let trials = once(trials)?;
+    Ok(Collection { entrants, goals, published, plans, perception, trials, notes })
+}
+
+/// Trials in order; each counts once.
+fn once(mut trials: Vec<(PathBuf, Trial)>) -> Result<Vec<Trial>, CollectError> {
+    let own = |trial: &Trial| {
+        let (agent, software) = (&trial.agent, &trial.software);
+        let agent = (agent.name.clone(), agent.version.clone(), agent.sha256.clone());
+        let software = (software.version.clone(), software.commit.clone());
+        (trial.track.clone(), agent, software, trial.skill.clone(), trial.seed)
+    };
+    trials.sort_by_cached_key(|(_, trial)| own(trial));
+    if let Some(pair) = trials.windows(2).find(|pair| own(&pair[0].1) == own(&pair[1].1)) {
+        let name = |(path, _): &(PathBuf, Trial)| path.display().to_string();
+        return Err(CollectError::Twice { first: name(&pair[0]), second: name(&pair[1]) });
+    }
+    Ok(trials.into_iter().map(|(_, trial)| trial).collect())
+}
+
+/// The files of a folder, by name.
+fn list(folder: &Path) -> Result<Vec<PathBuf>, CollectError> {
+    let mut paths = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(|error| unreadable(folder, &error))? {
+        paths.push(entry.map_err(|error| unreadable(folder, &error))?.path());
+    }
+    paths.retain(|path| path.is_file());
+    paths.sort();
+    Ok(paths)
+}
+
+fn unreadable(path: &Path, error: &std::io::Error) -> CollectError {
+    let why = match error.kind() {
+        std::io::ErrorKind::NotFound => "there is nothing of that name".to_string(),
+        std::io::ErrorKind::NotADirectory => "it is not a folder".to_string(),
+        _ => error.to_string(),
+    };
+    CollectError::Unreadable { path: path.display().to_string(), why }
+}
+
+/// The goals of some results, each once.
+fn goals(files: &[ResultFile]) -> Result<Vec<Goal>, CollectError> {
+    let mut known: BTreeMap<String, (&ResultFile, Goal)> = BTreeMap::new();
+    for file in files {
+        let result = &file.result;
+        let goal = Goal { name: result.goal.clone(), class: result.class.clone(), pegs: result.pegs.len() };
+        match known.get(&goal.name) {
+            None => {
+                known.insert(goal.name.clone(), (file, goal));
+            }
+            Some((_, same)) if *same == goal => {}
+            Some((first, other)) => {
+                let say = |goal: &Goal| {
+                    format!("{} pegs, class {}", goal.pegs, goal.class.as_deref().unwrap_or("none"))
+                };
+                return Err(CollectError::TwoGoals {
+                    goal: ramp_kit::source::shorten(&goal.name),
+                    first: first.path.display().to_string(),
+                    second: file.path.display().to_string(),
+                    why: format!("{}; {}", say(other), say(&goal)),
+                });
+            }
+        }
+    }
+    let mut goals: Vec<Goal> = known.into_values().map(|(_, goal)| goal).collect();
+    goals.sort_by_cached_key(|goal| {
+        let digits = goal.name.len() - goal.name.bytes().rev().take_while(u8::is_ascii_digit).count();
+        let number: u64 = goal.name[digits..].parse().unwrap_or(0);
+        (class_rank(goal.class.as_deref()), goal.name[..digits].to_string(), number, goal.name.clone())
+    });
+    Ok(goals)
+}
+
+/// Classes in order, goals without one last.
+pub fn class_rank(class: Option<&str>) -> usize {
+    Class::ALL.iter().position(|known| Some(known.name()) == class).unwrap_or(Class::ALL.len())
+}
+
+impl Identity {
+    /// The track's place among all of them.
+    fn track_rank(&self) -> usize {
+        Track::ALL.iter().position(|known| known.name() == self.track).unwrap_or(Track::ALL.len())
+    }
+
+    fn of(result: &EpisodeResult) -> Identity {
+        let EpisodeResult { track, agent, software, real, .. } = result;
+        let AgentInfo { name, version: agent_version, sha256 } = agent;
+        let Software { version, commit } = software;
+        Identity {
+            track: track.clone(),
+            agent: name.clone(),
+            agent_version: agent_version.clone(),
+            agent_sha256: sha256.clone(),
+            version: version.clone(),
+            commit: commit.clone(),
+            real: real.clone(),
+        }
+    }
+}
+
+/// Gives each entrant the shortest label that tells it from the others of its track.
+fn label(entrants: &mut [Entrant]) {
+    let say = |entrant: &Entrant, words: usize| {
+        let it = &entrant.identity;
+        let mut label = it.agent.clone();
+        if words > 0 {
+            label = format!("{label} {}", it.agent_version);
+        }
+        if words > 1 {
+            label = match &it.real {
+                Some(real) => format!("{label} on {}", real.robot),
+                None => format!("{label} in the twin"),
+            };
+        }
+        if words > 2 {
+            label = format!("{label}, ramp {} ({})", it.version, it.commit);
+        }
+        label
+    };
+    let labels: Vec<String> = (0..entrants.len())
+        .map(|index| {
+            let others = |words: usize| {
+                let mine = say(&entrants[index], words);
+                let same = |other: &Entrant| {
+                    other.identity.track == entrants[index].identity.track && say(other, words) == mine
+                };
+                entrants.iter().filter(|it| same(it)).count()
+            };
+            let words = (0..3).find(|words| others(*words) == 1).unwrap_or(3);
+            say(&entrants[index], words)
+        })
+        .collect();
+    for (entrant, label) in entrants.iter_mut().zip(labels) {
+        entrant.label = label;
+    }
+}
+
+/// Gives an episode that has only a log, `GOAL-TRACK-SEED`, to the one entrant whose results lie beside it.
+fn assign(entrants: &mut [Entrant], folder: &Path, stem: &str, notes: &mut Vec<String>) {
+    let mut parts = stem.rsplitn(3, '-');
+    let seed = parts.next().and_then(|seed| seed.parse().ok());
+    let track = parts.next().filter(|track| Track::ALL.iter().any(|known| known.name() == *track));
+    let (Some(seed), Some(track), Some(goal)) = (seed, track, parts.next()) else { return };
+    let mut here = entrants.iter_mut().filter(|entrant| {
+        entrant.identity.track == track && entrant.files.iter().any(|file| file.path.parent() == Some(folder))
+    });
+    match (here.next(), here.next()) {
+        (Some(entrant), None) => entrant.lost.push(Lost { goal: goal.to_string(), seed }),
+        _ => notes.push(format!("{stem} in {} was lost, and whose it was is not known", folder.display())),
+    }
+}

@@ -1,0 +1,230 @@
+//! The result of an episode: one JSON file, of the schema in `data/schema/episode.schema.json`.
+
+use serde::{Deserialize, Serialize};
+
+/// The version of the schema these files follow.
+pub const SCHEMA: &str = "ramp-episode-2";
+
+/// The version of the rules by which episodes are judged: `docs/src/rules.md`, which names it.
+pub const RULES: &str = "ramp-rules-1";
+
+/// Everything that is known about one episode.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EpisodeResult {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// [`RULES`].
+    pub rules: String,
+    /// The goal's name.
+    pub goal: String,
+    /// Its class, if it has one.
+    pub class: Option<String>,
+    /// What the agent was allowed to see.
+    pub track: String,
+    /// Where a real robot worked and a person held the stopwatch: who and what; `None` in the twin.
+    pub real: Option<RealRun>,
+    /// All randomness of the world came from here; of a real run, the repeat.
+    pub seed: u64,
+    /// Which of several runs in a row this is, from 1.
+    pub repeat: u32,
+    /// Who worked.
+    pub agent: AgentInfo,
+    /// With what this file was made.
+    pub software: Software,
+    /// On what.
+    pub host: Host,
+    /// Pegs counted / pegs in the goal.
+    pub completion: f64,
+    /// For each connection of the goal, in its order: the peg that counts, or null.
+    pub pegs: Vec<Option<PegResult>>,
+    /// Where the time went.
+    pub time: Time,
+    /// The agent's plan.
+    pub plan: PlanInfo,
+    /// What happened, in order.
+    pub events: Vec<EventInfo>,
+    /// Figures of the physics that a reader may want to check; `None` for a real run.
+    pub physics: Option<Physics>,
+    /// What went wrong on purpose; `None` without a fault, and then not in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fault: Option<FaultInfo>,
+    /// Why the episode ended.
+    pub ended: Ended,
+    /// SHA-256 of the episode's log, in hex; `None` when there is none.
+    pub log: Option<String>,
+}
+
+/// Name and version of an agent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AgentInfo {
+    /// Its name.
+    pub name: String,
+    /// Its version.
+    pub version: String,
+    /// SHA-256 of its file, in hex; `None` for the baseline, which the software's commit tells.
+    pub sha256: Option<String>,
+}
+
+/// What is known of a run of a real robot, in the words of who scored it.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct RealRun {
+    /// The robot.
+    pub robot: String,
+    /// Who held the stopwatch.
+    pub scorer: String,
+    /// Where this was done or published.
+    pub source: String,
+}
+
+/// Version and commit of this software.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Software {
+    /// The version.
+    pub version: String,
+    /// The commit it was built from, or `unknown`.
+    pub commit: String,
+}
+
+/// The machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Host {
+    /// The processor's name as the system gives it, or `unknown`.
+    pub cpu: String,
+    /// How many threads it runs at once.
+    pub cores: usize,
+}
+
+impl Host {
+    /// This machine.
+    pub fn here() -> Host {
+        let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let cpu = text
+            .lines()
+            .find_map(|line| line.strip_prefix("model name")?.split_once(':').map(|(_, name)| name.trim()))
+            .unwrap_or("unknown");
+        Host {
+            cpu: cpu.to_string(),
+            cores: std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
+        }
+    }
+}
+
+/// A peg that counts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PegResult {
+    /// The connection's name in the goal.
+    pub connection: String,
+    /// Its two joints, female first.
+    pub joints: [String; 2],
+    /// The peg.
+    pub peg: String,
+    /// Robot time since which it has been seated, s.
+    pub t_robot: f64,
+    /// The same with the agent's planning and thinking up to then, s.
+    pub t_total: f64,
+}
+
+/// Seconds, apart.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Time {
+    /// Task planning, by the agent's clock.
+    pub planning: f64,
+    /// The rest of the agent's thinking, while the robot waited.
+    pub compute: f64,
+    /// The robot's own time.
+    pub robot: f64,
+    /// The sum.
+    pub total: f64,
+}
+
+/// Size of the agent's plan.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanInfo {
+    /// Coarse actions of the first plan.
+    pub coarse: usize,
+    /// Fine actions of the first plan.
+    pub fine: usize,
+    /// How often the agent planned again.
+    pub replans: usize,
+}
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EventInfo {
+    /// Robot time, s.
+    pub t: f64,
+    /// In one word.
+    pub kind: String,
+    /// For a person.
+    pub what: String,
+}
+
+/// Figures of the physics.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Physics {
+    /// Deepest penetration between two parts in any step, m.
+    pub deepest_penetration: f64,
+    /// Largest force between the hand and what it touched or held, N: at the wrist, filtered with 20 ms.
+    pub largest_force: f64,
+    /// Hash of the final physics state: two runs that share it share every bit.
+    pub state: String,
+}
+
+/// What went wrong on purpose in an episode. The agent knows nothing of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FaultInfo {
+    /// The name of its kind.
+    pub kind: String,
+    /// At which of the kind's occasions it was to strike, or did, from 1.
+    pub occasion: u32,
+    /// Robot time at which it struck, s; `None` when its occasion did not come.
+    pub at: Option<f64>,
+    /// The part that it struck, where it struck one.
+    pub part: Option<String>,
+    /// How large it was, in the unit that the text names; `None` where it has no size.
+    pub size: Option<f64>,
+    /// For a person.
+    pub text: String,
+}
+
+/// Why an episode ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ended {
+    /// `done` when the agent said so, otherwise what stopped it.
+    pub reason: String,
+}
+
+impl EpisodeResult {
+    /// As JSON, ending in a line break.
+    pub fn to_json(&self) -> String {
+        // Plain structs of numbers and strings always serialise.
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    /// The same result with everything that a clock on the wall decided set to zero, and without the hash of the log,
+    /// in which clocks are kept: what two runs with one seed must share to the last bit.
+    #[must_use]
+    pub fn without_clock(&self) -> EpisodeResult {
+        let mut result = self.clone();
+        result.time.planning = 0.0;
+        result.time.compute = 0.0;
+        result.time.total = result.time.robot;
+        for peg in result.pegs.iter_mut().flatten() {
+            peg.t_total = peg.t_robot;
+        }
+        result.log = None;
+        result
+    }
+
+    /// Counted pegs.
+    pub fn counted(&self) -> usize {
+        self.pegs.iter().flatten().count()
+    }
+}
+
+/// Pegs counted / pegs in the goal.
+pub fn completion(pegs: &[Option<PegResult>]) -> f64 {
+    if pegs.is_empty() { 0.0 } else { pegs.iter().flatten().count() as f64 / pegs.len() as f64 }
+}

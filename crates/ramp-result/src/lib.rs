@@ -1,0 +1,22 @@
+//! Result files of every kind, and what follows from many of them.
+//!
+//! Data passes one way: whoever judges makes an [`EpisodeResult`], or the verdict of a single ability ([`planning`],
+//! [`perception`], [`manipulation`]); each is one JSON file of a schema in `data/schema`, written by [`write_whole`].
+//! [`collection`] reads folders of such files, from anybody, and [`published`] means that others have given.
+//! [`summary`], [`activity`] and [`statistics`] add up what was read. Nothing here links a physics engine.
+
+pub mod activity;
+pub mod collection;
+pub mod episode;
+pub mod file;
+pub mod manipulation;
+pub mod perception;
+pub mod planning;
+pub mod published;
+pub mod statistics;
+pub mod summary;
+#[doc(hidden)]
+pub mod testing;
+
+pub use episode::EpisodeResult;
+pub use file::{WriteError, sha256, write_whole};

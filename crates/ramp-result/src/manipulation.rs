@@ -1,0 +1,102 @@
+//! The track of manipulation alone: the [`Trial`] of a single skill as a result file, and trials of one skill summed up.
+
+pub mod sums;
+
+use serde::{Deserialize, Serialize};
+
+use crate::episode::{AgentInfo, EventInfo, Host, Physics, Software};
+
+/// The version of the schema of these files.
+pub const SCHEMA: &str = "ramp-manipulation-1";
+
+/// What came of one trial of a skill.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Trial {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// What the skill is called.
+    pub skill: String,
+    /// What the agent was allowed to see.
+    pub track: String,
+    /// All randomness of the trial came from here.
+    pub seed: u64,
+    /// The goal.
+    pub goal: String,
+    /// Its class.
+    pub class: Option<String>,
+    /// The coarse step of the goal's plan that was tried, from 1.
+    pub step: usize,
+    /// The step, for a person.
+    pub action: String,
+    /// How it began.
+    pub start: StartInfo,
+    /// Who worked.
+    pub agent: AgentInfo,
+    /// With what this file was made.
+    pub software: Software,
+    /// On what.
+    pub host: Host,
+    /// Does the truth say that the step is done?
+    pub success: bool,
+    /// What the truth lacks when it is not.
+    pub missing: Option<String>,
+    /// The fault with which the agent gave up, or what stopped the robot; `None` where it holds the step to be done.
+    pub cause: Option<String>,
+    /// How often the agent tried something again.
+    pub retries: usize,
+    /// Robot time, s.
+    pub time: f64,
+    /// What happened, in order.
+    pub events: Vec<EventInfo>,
+    /// Figures of the physics.
+    pub physics: Physics,
+}
+
+/// A start that was drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StartInfo {
+    /// How many were drawn until the physics held one.
+    pub drawn: usize,
+    /// The furthest that an end of a beam that stands is from its place along the table, m.
+    pub displaced: f64,
+}
+
+impl Trial {
+    /// As JSON, ending in a line break.
+    pub fn to_json(&self) -> String {
+        // Plain structs of numbers and strings always serialise.
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    /// The name of its file, without an ending.
+    pub fn stem(skill: &str, track: &str, seed: u64) -> String {
+        format!("{skill}-{track}-{seed}")
+    }
+
+    /// Can this be?
+    ///
+    /// # Errors
+    /// What contradicts what, in words.
+    pub fn check(&self) -> Result<(), String> {
+        if self.success == self.missing.is_some() {
+            return Err("a trial is a success, or lacks something".to_string());
+        }
+        if ramp_robot::Track::ALL.iter().all(|track| track.name() != self.track) {
+            return Err(format!("there is no track `{}`", ramp_kit::source::shorten(&self.track)));
+        }
+        if !(0.0..=1e7).contains(&self.time) {
+            return Err(format!("`time` is {} s", self.time));
+        }
+        if self.start.drawn == 0 || !(0.0..=1.0).contains(&self.start.displaced) {
+            return Err("there is no such start".to_string());
+        }
+        match self.physics.largest_force {
+            force if (0.0..=1e9).contains(&force) => Ok(()),
+            force => Err(format!("`largest_force` is {force} N")),
+        }
+    }
+}
