@@ -95,7 +95,7 @@ fn the_referee_judges_what_cameras_saw() {
         result.pegs.iter().map(|peg| peg.as_ref().map(|peg| (peg.t_total, peg.t_robot))).collect();
     assert_eq!(times, [Some((60.0, 56.5)), Some((150.5, 147.0)), None]);
     assert_eq!((result.seed, result.time.total, result.time.planning), (2, 200.0, 3.5));
-    assert_eq!(result.log, Some(ramp_log::sha256(&bytes)));
+    assert_eq!(result.log, Some(ramp_result::sha256(&bytes)));
     // It is a result like any other, and its log follows the published schemas.
     let follows = |schema: &str, value: &Value| {
         let text = std::fs::read_to_string(data().join(format!("schema/{schema}.schema.json"))).unwrap();
