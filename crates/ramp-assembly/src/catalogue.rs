@@ -1,7 +1,7 @@
 //! The goals in a folder, by name.
 
 use ramp_kit::source::nearest;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The names of the goals in a folder: its `.xml` files without their ending, easy ones first, each class in order.
 ///
@@ -15,8 +15,13 @@ pub fn goal_names(folder: &Path) -> std::io::Result<Vec<String>> {
             names.extend(path.file_stem().map(|stem| stem.to_string_lossy().into_owned()));
         }
     }
+    Ok(in_order(names))
+}
+
+/// Names of goals in order: easy ones first, each class by its numbers.
+pub fn in_order(mut names: Vec<String>) -> Vec<String> {
     names.sort_by_cached_key(|name| sort_key(name));
-    Ok(names)
+    names
 }
 
 /// Class first, then the name with a number at its end counted as one: easy-2 comes before easy-10.
@@ -30,34 +35,26 @@ fn sort_key(name: &str) -> (usize, String, u64, String) {
 
 /// There is no goal of that name.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
-#[error("there is no goal `{name}` in {folder}")]
+#[error("there is no goal `{name}` in {place}")]
 pub struct UnknownGoal {
     /// The name that was asked for.
     pub name: String,
-    /// The folder.
-    pub folder: String,
+    /// Where it was looked for.
+    pub place: String,
     /// What to try instead.
     #[help]
     pub help: Option<String>,
 }
 
-/// The file of the goal `name` in a folder.
+/// Is there a goal of this name among `names`? `place` is what messages call the place where they are.
 ///
 /// # Errors
 /// [`UnknownGoal`], with the most similar name or the list of names.
-pub fn goal_path(folder: &Path, name: &str) -> Result<PathBuf, UnknownGoal> {
-    let (names, why) = match goal_names(folder) {
-        Ok(names) => (names, None),
-        Err(error) => (Vec::new(), Some(format!("the folder cannot be read: {error}"))),
-    };
+pub fn check_known(name: &str, names: &[String], place: &str) -> Result<(), UnknownGoal> {
     if names.iter().any(|known| known == name) {
-        return Ok(folder.join(format!("{name}.xml")));
+        return Ok(());
     }
     let near = nearest(name, names.iter().map(String::as_str)).map(|near| format!("did you mean `{near}`?"));
     let list = (!names.is_empty()).then(|| format!("the goals are {}", names.join(", ")));
-    Err(UnknownGoal {
-        name: ramp_kit::source::shorten(name),
-        folder: folder.display().to_string(),
-        help: why.or(near).or(list),
-    })
+    Err(UnknownGoal { name: ramp_kit::source::shorten(name), place: place.to_string(), help: near.or(list) })
 }

@@ -21,7 +21,7 @@ pub mod read;
 pub mod truth;
 
 pub use assembly::{Assembly, Class, Connection, Insertion, JointRef, PlacedBeam};
-pub use catalogue::{goal_names, goal_path};
+pub use catalogue::{UnknownGoal, check_known, goal_names, in_order};
 pub use check::{Fit, Gap, Overlap, Report, report};
 pub use draw::{draw_all_svg, draw_svg};
 pub use generate::{Generated, Request, generate, generate_many};

@@ -1,31 +1,33 @@
-//! Where the kit, the goals, the rules and the arm are read from.
+//! Where the kit, the goals, the rules and the arm are read from: a folder that was named, or what is built in.
 
 use std::ffi::OsString;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
+use ramp_kit::source::SourceFile;
 use ramp_log::Sources;
 use ramp_planner::Domains;
 use ramp_robot::arm::ArmModel;
 
-/// The data folder.
+include!(concat!(env!("OUT_DIR"), "/built_in.rs"));
+
+/// The kit, the goals, the rules and the arm.
 pub struct Data {
-    folder: PathBuf,
-    /// A kit file in place of the folder's.
+    /// The folder that was named; without one, what is built in.
+    folder: Option<PathBuf>,
+    /// A kit file in place of theirs.
     kit: Option<PathBuf>,
 }
 
 impl Data {
-    /// The folder that was named, else that of the checkout the program was built in.
-    pub fn find(named: Option<PathBuf>, kit: Option<PathBuf>) -> Result<Data, Report> {
-        let folder = named.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data"));
-        let folder = folder.canonicalize().unwrap_or(folder);
-        if !folder.join("kit.xml").is_file() {
+    /// The folder that was named, else what is built in.
+    pub fn find(folder: Option<PathBuf>, kit: Option<PathBuf>) -> Result<Data, Report> {
+        let folder = folder.map(|folder| folder.canonicalize().unwrap_or(folder));
+        if let Some(folder) = folder.as_ref().filter(|folder| !folder.join("kit.xml").is_file()) {
             return Err(miette!(
-                help = "name the folder that holds it with --data DIR or RAMP_DATA",
+                help = "`ramp data export DIR` writes the built-in kit, goals, domains and arms to a folder",
                 "there is no kit.xml in {}",
                 folder.display()
             ));
@@ -35,67 +37,134 @@ impl Data {
 
     /// What makes another process of this program read the same data.
     pub fn arguments(&self) -> Vec<OsString> {
-        let mut arguments = vec!["--data".into(), self.folder.clone().into_os_string()];
-        if let Some(kit) = &self.kit {
-            arguments.extend(["--kit".into(), kit.clone().into_os_string()]);
+        let mut arguments = Vec::new();
+        for (option, path) in [("--data", &self.folder), ("--kit", &self.kit)] {
+            if let Some(path) = path {
+                arguments.extend([option.into(), path.clone().into_os_string()]);
+            }
         }
         arguments
     }
 
-    /// The folder of the goals.
-    pub fn goals(&self) -> PathBuf {
-        self.folder.join("goals")
+    /// A file of the data: of the folder, or built in.
+    fn file(&self, name: &str) -> File {
+        match &self.folder {
+            Some(folder) => File::Path(folder.join(name)),
+            None => File::built_in(name),
+        }
+    }
+
+    /// What messages call the place of the goals.
+    pub fn goals(&self) -> String {
+        self.folder.as_ref().map_or_else(
+            || "the built-in goals".to_string(),
+            |folder| folder.join("goals").display().to_string(),
+        )
+    }
+
+    /// The names of the goals, easy ones first.
+    pub fn goal_names(&self) -> Result<Vec<String>, Report> {
+        if let Some(folder) = &self.folder {
+            let folder = folder.join("goals");
+            return ramp_assembly::goal_names(&folder)
+                .map_err(|error| miette!("the folder {} cannot be read: {error}", folder.display()));
+        }
+        let names = BUILT_IN.iter().filter_map(|(name, _)| name.strip_prefix("goals/")?.strip_suffix(".xml"));
+        Ok(ramp_assembly::in_order(names.filter(|name| !name.contains('/')).map(str::to_string).collect()))
     }
 
     /// The kit.
     pub fn kit(&self) -> Result<Kit, Report> {
-        Ok(ramp_kit::read_kit(&self.kit_path())?)
+        Ok(match self.kit_file() {
+            File::Path(path) => ramp_kit::read_kit(&path)?,
+            File::BuiltIn(name, text) => ramp_kit::read_kit_str(&name, text)?,
+        })
     }
 
-    fn kit_path(&self) -> PathBuf {
-        self.kit.clone().unwrap_or_else(|| self.folder.join("kit.xml"))
+    fn kit_file(&self) -> File {
+        self.kit.as_ref().map_or_else(|| self.file("kit.xml"), |path| File::Path(path.clone()))
     }
 
-    fn arm_path(&self) -> PathBuf {
-        self.folder.join("arms/panda.json")
+    fn arm_file(&self) -> File {
+        self.file("arms/panda.json")
     }
 
     /// The file of the goal of that name, or that file.
-    fn goal_path(&self, name: &str) -> Result<PathBuf, Report> {
+    fn goal_file(&self, name: &str) -> Result<File, Report> {
         let as_file = Path::new(name);
         if name.ends_with(".xml") || as_file.components().count() > 1 {
-            Ok(as_file.to_path_buf())
-        } else {
-            Ok(ramp_assembly::goal_path(&self.goals(), name)?)
+            return Ok(File::Path(as_file.to_path_buf()));
         }
+        ramp_assembly::check_known(name, &self.goal_names()?, &self.goals())?;
+        Ok(self.file(&format!("goals/{name}.xml")))
     }
 
     /// The goal of that name, or in that file.
     pub fn goal(&self, name: &str, kit: &Kit) -> Result<Assembly, Report> {
-        Ok(ramp_assembly::read_goal(&self.goal_path(name)?, kit)?)
+        Ok(match self.goal_file(name)? {
+            File::Path(path) => ramp_assembly::read_goal(&path, kit)?,
+            File::BuiltIn(name, text) => ramp_assembly::read_goal_str(&name, text, kit)?,
+        })
     }
 
     /// The texts of the files that an episode of this goal is made from, for its log.
     pub fn texts(&self, goal: &str) -> Result<Texts, Report> {
-        let read = |path: &Path| {
-            std::fs::read_to_string(path)
-                .map_err(|error| miette!("{} cannot be read: {error}", path.display()))
-        };
         Ok(Texts {
-            goal: read(&self.goal_path(goal)?)?,
-            kit: read(&self.kit_path())?,
-            arm: read(&self.arm_path())?,
+            goal: self.goal_file(goal)?.text()?,
+            kit: self.kit_file().text()?,
+            arm: self.arm_file().text()?,
         })
     }
 
     /// The planner's rules.
     pub fn domains(&self) -> Result<Domains, Report> {
-        Ok(Domains::read(&self.folder.join("domains"))?)
+        if let Some(folder) = &self.folder {
+            return Ok(Domains::read(&folder.join("domains"))?);
+        }
+        let file = |name: &str| -> Result<SourceFile, Report> {
+            let file = self.file(&format!("domains/{name}"));
+            Ok(SourceFile::new(&file.name(), &file.text()?))
+        };
+        let [order, coarse, fine] = Domains::FILES.map(file);
+        Ok(Domains::new(order?, coarse?, fine?)?)
     }
 
     /// The arm.
     pub fn arm(&self) -> Result<ArmModel, Report> {
-        ArmModel::read(&self.arm_path()).into_diagnostic()
+        let file = self.arm_file();
+        ArmModel::from_json(Path::new(&file.name()), &file.text()?).into_diagnostic()
+    }
+}
+
+/// A file of the data.
+enum File {
+    /// On the disk.
+    Path(PathBuf),
+    /// What messages call it, and its text.
+    BuiltIn(String, &'static str),
+}
+
+impl File {
+    /// Built in; empty where there is none of that name.
+    fn built_in(name: &str) -> File {
+        let text = built_in().iter().find(|(known, _)| *known == name).map_or("", |(_, text)| *text);
+        File::BuiltIn(format!("built-in {name}"), text)
+    }
+
+    /// What messages call it.
+    fn name(&self) -> String {
+        match self {
+            File::Path(path) => path.display().to_string(),
+            File::BuiltIn(name, _) => name.clone(),
+        }
+    }
+
+    fn text(&self) -> Result<String, Report> {
+        match self {
+            File::Path(path) => std::fs::read_to_string(path)
+                .map_err(|error| miette!("{} cannot be read: {error}", path.display())),
+            File::BuiltIn(_, text) => Ok((*text).to_string()),
+        }
     }
 }
 
@@ -113,30 +182,7 @@ impl Texts {
     }
 }
 
-/// Prints to standard output; whoever closed it early has seen enough.
-pub fn print(text: &str) -> Result<(), Report> {
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        other => other.into_diagnostic(),
-    }
-}
-
-/// Refuses a path whose folder is not there, before any work is done.
-pub fn check_writable(path: &Path) -> Result<(), Report> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    if !folder.is_dir() {
-        return Err(miette!(
-            help = "make the folder first, or name another file",
-            "cannot write {}: there is no folder {}",
-            path.display(),
-            folder.display()
-        ));
-    }
-    if path.is_dir() {
-        return Err(miette!("cannot write {}: it is a folder", path.display()));
-    }
-    Ok(())
+/// The built-in files: their paths in a data folder, and their texts.
+pub fn built_in() -> &'static [(&'static str, &'static str)] {
+    BUILT_IN
 }

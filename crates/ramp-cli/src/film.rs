@@ -1,6 +1,7 @@
 //! Films of an episode, drawn by the renderer of the cameras, with a caption of the action and the clock: as GIF, or as
 //! MP4 where there is ffmpeg.
 
+mod form;
 mod gif;
 mod mp4;
 
@@ -17,14 +18,12 @@ use ramp_robot::{Camera, CameraModel, Pose, Robot};
 use ramp_twin::{Setup, Twin};
 use resvg::{tiny_skia, usvg};
 
-/// Pixels of a film.
-const SIZE: [usize; 2] = [800, 500];
+use form::SIZE;
+
 /// It is drawn so many times larger, so that edges are smooth.
 const FINER: usize = 2;
 /// How many times as fast as the work the film is.
 const SPEED: f64 = 8.0;
-/// How long the last frame stands, s.
-const LAST: f64 = 3.0;
 /// From what the free camera looks at to the camera, m, and its focal length in widths of the image.
 const OFFSET: [f64; 3] = [0.68, -0.80, 0.66];
 const FOCAL: f64 = 1.05;

@@ -8,9 +8,10 @@ use ramp_assembly::Class;
 use ramp_result::summary::{Entry, Summary, shortfall};
 use serde_json::{Value, json};
 
-use super::episodes::{self, Batch, Episode, Outcome, STOPPED};
-use crate::data::{Data, print};
-use crate::{DONE, INCOMPLETE};
+use super::episodes::{self, Batch, Episode, Outcome};
+use crate::data::Data;
+use crate::output::print;
+use crate::status::{DONE, INCOMPLETE, STOPPED};
 
 #[derive(clap::Args)]
 pub struct Arguments {

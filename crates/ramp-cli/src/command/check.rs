@@ -5,8 +5,9 @@ use std::fmt::Write;
 use miette::{IntoDiagnostic, Report};
 use serde_json::json;
 
-use crate::data::{Data, print};
-use crate::{DONE, INCOMPLETE};
+use crate::data::Data;
+use crate::output::print;
+use crate::status::{DONE, INCOMPLETE};
 
 #[derive(clap::Args)]
 pub struct Arguments {

@@ -6,8 +6,9 @@ use clap::ValueEnum;
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::{Generated, Request, generate_many};
 
-use crate::DONE;
-use crate::data::{Data, print};
+use crate::data::Data;
+use crate::output::print;
+use crate::status::DONE;
 
 #[derive(clap::Args)]
 pub struct Arguments {

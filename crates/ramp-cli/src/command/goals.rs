@@ -5,8 +5,9 @@ use std::fmt::Write;
 use miette::{IntoDiagnostic, Report};
 use serde_json::json;
 
-use crate::DONE;
-use crate::data::{Data, print};
+use crate::data::Data;
+use crate::output::print;
+use crate::status::DONE;
 
 #[derive(clap::Args)]
 #[command(args_conflicts_with_subcommands = true)]
@@ -37,7 +38,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     }
     let kit = data.kit()?;
     let mut rows = Vec::new();
-    for name in ramp_assembly::goal_names(&data.goals()).into_diagnostic()? {
+    for name in data.goal_names()? {
         rows.push(data.goal(&name, &kit)?);
     }
     let mut text = String::new();
@@ -56,7 +57,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         text = serde_json::to_string_pretty(&list).into_diagnostic()?;
         text.push('\n');
     } else {
-        let _ = writeln!(text, "{:<10} {:<7} {:>5} {:>5}  beams", "goal", "class", "beams", "pegs");
+        let _ =
+            writeln!(text, "{:<10} {:<7} {:>5} {:>5}  names of the beams", "goal", "class", "beams", "pegs");
         for goal in &rows {
             let names: Vec<&str> = goal.beams.iter().map(|placed| placed.beam.name.as_str()).collect();
             let class = goal.class.map_or("-", ramp_assembly::Class::name);

@@ -6,8 +6,9 @@ use miette::{IntoDiagnostic, Report, miette};
 use ramp_report::held_out::{Commitments, Reveal, SALT, promise, verify};
 use ramp_result::write_whole;
 
-use crate::data::{Data, print};
-use crate::{DONE, INCOMPLETE};
+use crate::data::Data;
+use crate::output::print;
+use crate::status::{DONE, INCOMPLETE};
 
 /// Published before.
 const COMMITMENTS: &str = "commitments.json";

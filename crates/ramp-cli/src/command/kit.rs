@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use miette::Report;
 
-use crate::DONE;
-use crate::data::{Data, print};
+use crate::data::Data;
+use crate::output::print;
+use crate::status::{BAD_INPUT, DONE};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -18,7 +19,11 @@ enum Command {
     /// Write STL, 3MF, plates, bill of parts, start sheet, tags and assembly guide
     Export {
         /// Folder to write them to; made if it is not there
-        folder: PathBuf,
+        #[arg(required_unless_present = "output", value_name = "DIR")]
+        folder: Option<PathBuf>,
+        /// The same, as an option
+        #[arg(short, long, value_name = "DIR", conflicts_with = "folder")]
+        output: Option<PathBuf>,
         /// Overwrite files that an export did not write, or that were changed since
         #[arg(long)]
         force: bool,
@@ -26,7 +31,8 @@ enum Command {
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
-    let Command::Export { folder, force } = &arguments.command;
+    let Command::Export { folder, output, force } = &arguments.command;
+    let Some(folder) = folder.as_ref().or(output.as_ref()) else { return Ok(BAD_INPUT) };
     let written = ramp_kit::export::export(&data.kit()?, folder, *force)?;
     let list: String = written.iter().map(|file| format!("{}\n", file.display())).collect();
     print(&list)?;

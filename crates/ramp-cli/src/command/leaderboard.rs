@@ -11,8 +11,9 @@ use ramp_result::collection::{Collection, ResultFile, collect};
 use ramp_result::write_whole;
 use ramp_twin::Disturbance;
 
-use crate::data::{Data, print};
-use crate::{DONE, INCOMPLETE};
+use crate::data::Data;
+use crate::output::print;
+use crate::status::{DONE, INCOMPLETE};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -24,25 +25,58 @@ pub struct Arguments {
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Failure> {
-    let collection = collect(&folders(&arguments.folder)?)?;
+    let folders = folders(&arguments.folder)?;
     let terms = terms(data)?;
-    check_whole(&collection, &terms).into_diagnostic()?;
-    let files: Vec<&ResultFile> = collection
+    let mut admitted: Vec<PathBuf> = Vec::new();
+    let mut refused = String::new();
+    let mut count = 0;
+    let bar = ProgressBar::new(0);
+    for folder in folders {
+        match admit(&admitted, &folder, &terms, &bar) {
+            Ok(episodes) => {
+                count += episodes;
+                admitted.push(folder);
+            }
+            // One entry that is wrong is left out, and the others go on the board all the same.
+            Err(why) => {
+                let why = bar.suspend(|| format!("{why:?}"));
+                refused.push_str(&format!("refused {}: {}\n", folder.display(), why.trim()));
+            }
+        }
+    }
+    bar.finish_and_clear();
+    print(&refused)?;
+    if admitted.is_empty() {
+        return Ok(INCOMPLETE);
+    }
+    let agents = write_site(collect(&admitted)?, &arguments.output)?;
+    print(&format!(
+        "{count} episodes run again, equal to the last bit; {agents} {}: {}\n",
+        if agents == 1 { "agent" } else { "agents" },
+        arguments.output.join("index.html").display()
+    ))?;
+    Ok(if refused.is_empty() { DONE } else { INCOMPLETE })
+}
+
+/// May a folder go on the board beside those that are on it? Runs each of its episodes again. How many they are.
+fn admit(admitted: &[PathBuf], folder: &Path, terms: &Terms, bar: &ProgressBar) -> Result<usize, Failure> {
+    let own = collect(&[folder.to_path_buf()])?;
+    check_whole(&own, terms).into_diagnostic()?;
+    let files: Vec<&ResultFile> = own
         .entrants
         .iter()
         .flat_map(|entrant| &entrant.files)
         .filter(|file| file.result.real.is_none())
         .collect();
-    let bar = ProgressBar::new(files.len() as u64);
-    let mut differ = Vec::new();
+    bar.inc_length(files.len() as u64);
     for file in &files {
         let log = log_of(file)?;
-        check_log(file, &log, &terms).into_diagnostic()?;
+        check_log(file, &log, terms).into_diagnostic()?;
         let replayed = ramp_episode::replay(&log)
             .map_err(|error| miette!("{} cannot be run again: {error}", file.path.display()))?;
         if let Some(first) = replayed.differences.first() {
-            differ.push(format!(
-                "{} does not replay: at {:.3} s, {} is {} in the log and {} in the replay\n",
+            return Err(miette!(
+                "{} does not replay: at {:.3} s, {} is {} in the log and {} in the replay",
                 file.path.display(),
                 first.time,
                 first.what,
@@ -52,19 +86,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Failure> {
         }
         bar.inc(1);
     }
-    bar.finish_and_clear();
-    if !differ.is_empty() {
-        print(&differ.concat())?;
-        return Ok(INCOMPLETE);
-    }
-    let count = files.len();
-    let agents = write_site(collection, &arguments.output)?;
-    print(&format!(
-        "{count} episodes run again, equal to the last bit; {agents} {}: {}\n",
-        if agents == 1 { "agent" } else { "agents" },
-        arguments.output.join("index.html").display()
-    ))?;
-    Ok(DONE)
+    // The same goal and seed of an agent may not come twice.
+    collect(&admitted.iter().cloned().chain([folder.to_path_buf()]).collect::<Vec<_>>())?;
+    Ok(files.len())
 }
 
 /// The folder itself where it holds results, and those in it that do.
@@ -89,7 +113,7 @@ fn terms(data: &Data) -> Result<Terms, Failure> {
     let kit = data.kit()?;
     let mut goals = Vec::new();
     let mut files = None;
-    for name in ramp_assembly::goal_names(&data.goals()).into_diagnostic()? {
+    for name in data.goal_names()? {
         let goal = data.goal(&name, &kit)?;
         let texts = data.texts(&name)?;
         let sources = texts.sources();
@@ -98,7 +122,7 @@ fn terms(data: &Data) -> Result<Terms, Failure> {
         goals.push(Goal { name: goal.name, class, xml: sources.goal.to_string() });
     }
     let Some((kit, arm)) = files else {
-        return Err(miette!("there is no goal in {}", data.goals().display()));
+        return Err(miette!("there is no goal in {}", data.goals()));
     };
     let Disturbance { position, angle } = Disturbance::default();
     Ok(Terms { goals, kit, arm, disturbance: [position, angle] })

@@ -3,6 +3,8 @@
 pub mod agent;
 pub mod bench;
 pub mod check;
+pub mod completions;
+pub mod data;
 pub mod episodes;
 pub mod faults;
 pub mod generate;
@@ -10,6 +12,7 @@ pub mod goals;
 pub mod held_out;
 pub mod kit;
 pub mod leaderboard;
+pub mod man;
 pub mod plan;
 pub mod replay;
 pub mod report;

@@ -11,9 +11,10 @@ use ramp_result::planning::{self, PlanVerdict};
 use ramp_result::write_whole;
 use serde_json::json;
 
-use super::run::software;
-use crate::data::{Data, check_writable, print};
-use crate::{DONE, INCOMPLETE};
+use crate::data::Data;
+use crate::output::{make_folder_of, print};
+use crate::software::software;
+use crate::status::{DONE, INCOMPLETE};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -86,7 +87,7 @@ fn write_verdict(
     seconds: Option<f64>,
 ) -> Result<(), Report> {
     let Some(path) = &arguments.output else { return Ok(()) };
-    check_writable(path)?;
+    make_folder_of(path)?;
     let result = PlanVerdict {
         schema: planning::SCHEMA.to_string(),
         goal: goal.name.clone(),

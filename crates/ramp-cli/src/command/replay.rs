@@ -13,10 +13,10 @@ use ramp_result::episode::EventInfo;
 use ramp_twin::Twin;
 use serde_json::json;
 
-use super::run::software;
-use crate::data::print;
+use crate::output::print;
 use crate::pictures::{self, Pictures};
-use crate::{DONE, INCOMPLETE};
+use crate::software::software;
+use crate::status::{DONE, INCOMPLETE};
 
 #[derive(clap::Args)]
 pub struct Arguments {

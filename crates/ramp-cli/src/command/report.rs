@@ -8,8 +8,8 @@ use ramp_report::{Named, Report, page, paper, table};
 use ramp_result::collection::collect;
 use ramp_result::write_whole;
 
-use crate::DONE;
-use crate::data::{check_writable, print};
+use crate::output::{make_folder_of, print};
+use crate::status::DONE;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -28,9 +28,9 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    check_writable(&arguments.output)?;
+    make_folder_of(&arguments.output)?;
     if let Some(path) = &arguments.paper {
-        check_writable(path)?;
+        make_folder_of(path)?;
     }
     let report = Report::new(collect(&arguments.folders)?);
     let mut written = vec![arguments.output.display().to_string()];

@@ -10,15 +10,18 @@ use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_episode::{Progress, record_episode};
 use ramp_report::curve::completion_svg;
-use ramp_result::episode::{EpisodeResult, Software};
+use ramp_result::episode::EpisodeResult;
 use ramp_result::write_whole;
-use ramp_robot::{Event, Track};
+use ramp_robot::Event;
 use ramp_twin::{Disturbance, Fault, Setup, Twin};
 
-use super::agent;
-use crate::data::{Data, check_writable, print};
+use crate::command::agent;
+use crate::data::Data;
+use crate::options::TrackName;
+use crate::output::{make_folder_of, print};
 use crate::pictures::{self, Pictures};
-use crate::{DONE, INCOMPLETE};
+use crate::software::software;
+use crate::status::{DONE, INCOMPLETE};
 
 /// Folder for results that are given no name.
 const RESULTS: &str = "results";
@@ -67,31 +70,6 @@ pub struct Arguments {
     leash: bool,
 }
 
-#[derive(Clone, Copy, clap::ValueEnum)]
-pub enum TrackName {
-    /// Exact poses from the simulator
-    State,
-    /// Poses with noise: 1 mm and 1° a reading, one in twenty missing
-    Noisy,
-    /// Images of two cameras, with the parts' tags in them
-    Tags,
-}
-
-impl From<TrackName> for Track {
-    fn from(name: TrackName) -> Track {
-        match name {
-            TrackName::State => Track::State,
-            TrackName::Noisy => Track::Noisy,
-            TrackName::Tags => Track::Tags,
-        }
-    }
-}
-
-/// The version and commit of this program.
-pub fn software() -> Software {
-    Software { version: env!("CARGO_PKG_VERSION").to_string(), commit: env!("RAMP_COMMIT").to_string() }
-}
-
 /// Ends the program when standard input does.
 fn hold_leash() {
     std::thread::spawn(|| {
@@ -126,15 +104,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             ));
         }
     }
-    if arguments.output.is_some() {
-        check_writable(&output)?;
-        check_writable(&curve)?;
-    }
-    if arguments.output.is_some() || arguments.record.is_some() {
-        check_writable(&log)?;
-    }
-    if let Some(path) = &arguments.scene {
-        check_writable(path)?;
+    for path in [Some(&output), Some(&curve), Some(&log), arguments.scene.as_ref()].into_iter().flatten() {
+        make_folder_of(path)?;
     }
     let setup = Setup {
         kit: &kit,
@@ -147,10 +118,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     };
     let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
     let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
-    if arguments.output.is_none() {
-        std::fs::create_dir_all(RESULTS).into_diagnostic()?;
-    }
-    let display = Display::new();
+    let display = Display::new(assembly.connections.len());
     let world = agent::World {
         kit: &kit,
         assembly: &assembly,
@@ -245,9 +213,10 @@ struct Display {
 }
 
 impl Display {
-    fn new() -> Display {
+    /// `pegs` is how many pegs the goal has.
+    fn new(pegs: usize) -> Display {
         let bar = std::io::stderr().is_terminal().then(|| {
-            let bar = ProgressBar::new(0);
+            let bar = ProgressBar::new(pegs as u64);
             if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} pegs  {msg}") {
                 bar.set_style(style);
             }
@@ -274,7 +243,6 @@ impl Display {
 
     fn progress(&self, progress: &Progress) {
         if let Some(bar) = &self.bar {
-            bar.set_length(progress.pegs as u64);
             bar.set_position(progress.seated as u64);
             bar.set_message(format!("{:.1} s  {}", progress.time, self.action.borrow()));
         }

@@ -13,9 +13,10 @@ use ramp_real_run::poses;
 use ramp_real_run::stopwatch::{Log, read_log};
 use ramp_result::write_whole;
 
-use super::run::software;
-use crate::DONE;
-use crate::data::{Data, check_writable, print};
+use crate::data::Data;
+use crate::output::{make_folder_of, print};
+use crate::software::software;
+use crate::status::DONE;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -40,7 +41,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     if folder.exists() && !folder.is_dir() {
         return Err(miette!(help = "name a folder with -o", "{} is not a folder", folder.display()));
     }
-    let names = ramp_assembly::goal_names(&data.goals()).into_diagnostic()?;
+    let names = data.goal_names()?;
     let goals: Vec<Assembly> =
         names.iter().map(|name| data.goal(name, &kit)).collect::<Result<_, Report>>()?;
     let software = software();
@@ -99,7 +100,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
 }
 
 fn write_form(data: &Data, kit: &Kit, goal: &str, path: &Path) -> Result<u8, Report> {
-    check_writable(path)?;
+    make_folder_of(path)?;
     if path.extension().is_none_or(|ending| ending != "pdf") {
         return Err(miette!(help = "end the file's name in .pdf", "{} is no PDF file", path.display()));
     }

@@ -17,9 +17,10 @@ use ramp_twin::{Disturbance, Setup, Twin};
 use ramp_vision::{Lying, PartFinder, Sighting};
 use resvg::{tiny_skia, usvg};
 
-use super::run::software;
-use crate::data::{Data, check_writable, print};
-use crate::{DONE, INCOMPLETE};
+use crate::data::Data;
+use crate::output::{make_folder_of, print};
+use crate::software::software;
+use crate::status::{DONE, INCOMPLETE};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -50,7 +51,7 @@ pub struct Arguments {
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     if let Some([file, folder]) = arguments.judge.as_deref() {
         if let Some(path) = &arguments.output {
-            check_writable(path)?;
+            make_folder_of(path)?;
         }
         let estimates: Vec<Estimate> = read(file)?;
         let path = folder.join(LABELS);

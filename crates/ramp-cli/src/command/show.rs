@@ -1,11 +1,13 @@
 //! `ramp show`: a goal as a picture, or all of them.
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use miette::{IntoDiagnostic, Report, miette};
 
-use crate::DONE;
-use crate::data::{Data, check_writable, print};
+use crate::data::Data;
+use crate::output::{make_folder_of, print};
+use crate::status::DONE;
 
 /// Width of a PNG, pixels.
 const WIDTH: u32 = 1600;
@@ -18,7 +20,7 @@ pub struct Arguments {
     /// All goals of the data folder on one sheet
     #[arg(long, conflicts_with = "goal")]
     all: bool,
-    /// File to write, .svg or .png; without it SVG goes to standard output
+    /// File to write, .svg or .png; without it SVG goes to standard output, if that is no terminal
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -27,7 +29,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let kit = data.kit()?;
     let names = match &arguments.goal {
         Some(goal) => vec![goal.clone()],
-        None => ramp_assembly::goal_names(&data.goals()).into_diagnostic()?,
+        None => data.goal_names()?,
     };
     let goals = names.iter().map(|name| data.goal(name, &kit)).collect::<Result<Vec<_>, _>>()?;
     let svg = match goals.as_slice() {
@@ -35,10 +37,16 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         goals => ramp_assembly::draw_all_svg(goals),
     };
     let Some(path) = &arguments.output else {
+        if std::io::stdout().is_terminal() {
+            return Err(miette!(
+                help = "name a file with -o FILE.svg or -o FILE.png, or send standard output to a file",
+                "an SVG is not for a terminal"
+            ));
+        }
         print(&svg)?;
         return Ok(DONE);
     };
-    check_writable(path)?;
+    make_folder_of(path)?;
     let bytes = match path.extension().and_then(|ending| ending.to_str()) {
         Some("svg") => svg.into_bytes(),
         Some("png") => match goals.as_slice() {

@@ -25,9 +25,11 @@ use ramp_skills::{Baseline, Piece};
 use ramp_twin::{Disturbance, Setup};
 use tasks::{Goal, Step};
 
-use super::run::{TrackName, software};
-use crate::DONE;
-use crate::data::{Data, print};
+use crate::data::Data;
+use crate::options::TrackName;
+use crate::output::print;
+use crate::software::software;
+use crate::status::DONE;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -93,7 +95,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     }
     let kit = data.kit()?;
     let domains = data.domains()?;
-    let names = ramp_assembly::goal_names(&data.goals()).into_diagnostic()?;
+    let names = data.goal_names()?;
     let goals: Vec<Goal> = names
         .iter()
         .map(|name| Goal::new(data.goal(name, &kit)?, &kit, &domains))

@@ -6,8 +6,9 @@ use miette::{IntoDiagnostic, Report};
 use ramp_robot::Track;
 use ramp_twin::{Disturbance, Setup, Twin};
 
-use crate::DONE;
-use crate::data::{Data, check_writable, print};
+use crate::data::Data;
+use crate::output::{make_folder_of, print};
+use crate::status::DONE;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -36,7 +37,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let assembly = data.goal(goal, &kit)?;
     let arm = data.arm()?;
     if let Some(path) = output {
-        check_writable(path)?;
+        make_folder_of(path)?;
     }
     let setup = Setup {
         kit: &kit,

@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use miette::{IntoDiagnostic, Report, miette};
 use resvg::tiny_skia;
 
-use super::{LAST, SIZE};
+use super::form::{LAST, SIZE};
 
 /// How long a frame is shown, s.
 pub const SHOWN: f64 = 0.04;

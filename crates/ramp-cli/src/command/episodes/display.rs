@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Episode, Outcome};
+use super::episode::{Episode, Outcome};
 
 /// Progress on standard error: a bar on a terminal, a line for each episode elsewhere.
 pub struct Display {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use miette::{Diagnostic, Report, miette};
+use miette::{Diagnostic, Report};
 use ramp_assembly::Class;
 use ramp_kit::source::{nearest, shorten};
 
@@ -23,8 +23,8 @@ pub enum BatchError {
     #[error("{first} and {second} are two goals of the name `{name}`")]
     #[diagnostic(help("rename one of the files: results are told apart by the goal's name"))]
     SameName { name: String, first: String, second: String },
-    #[error("no goal in {folder} is of the class `{class}`")]
-    EmptyClass { class: String, folder: String },
+    #[error("none of {place} is of the class `{class}`")]
+    EmptyClass { class: String, place: String },
     #[error("the seeds go past the largest number there is")]
     #[diagnostic(help("take a smaller --first-seed or fewer {repeats}"))]
     Seeds { repeats: &'static str },
@@ -55,9 +55,7 @@ pub struct Goal {
 /// The goals that are meant, each once, in the order they were named.
 pub fn find(data: &Data, words: &[String]) -> Result<Vec<Goal>, Report> {
     let kit = data.kit()?;
-    let folder = data.goals();
-    let names = ramp_assembly::goal_names(&folder)
-        .map_err(|error| miette!("the folder {} cannot be read: {error}", folder.display()))?;
+    let names = data.goal_names()?;
     let mut goals: Vec<Goal> = Vec::new();
     for word in words {
         let class = Class::ALL.into_iter().find(|class| class.name() == word);
@@ -103,9 +101,7 @@ pub fn find(data: &Data, words: &[String]) -> Result<Vec<Goal>, Report> {
             }
         }
         if !found {
-            return Err(
-                BatchError::EmptyClass { class: word.clone(), folder: folder.display().to_string() }.into()
-            );
+            return Err(BatchError::EmptyClass { class: word.clone(), place: data.goals() }.into());
         }
     }
     Ok(goals)

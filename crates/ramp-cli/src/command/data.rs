@@ -1,0 +1,47 @@
+//! `ramp data export`: the built-in kit, goals, domains and arms as files.
+
+use std::path::PathBuf;
+
+use miette::{IntoDiagnostic, Report, miette};
+
+use crate::data::built_in;
+use crate::output::{make_folder_of, print};
+use crate::status::DONE;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    /// Write the files to a folder, which `--data` or RAMP_DATA then names
+    Export {
+        /// Folder to write them to; made if it is not there
+        folder: PathBuf,
+        /// Overwrite files that are there and differ
+        #[arg(long)]
+        force: bool,
+    },
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8, Report> {
+    let Command::Export { folder, force } = &arguments.command;
+    let files = || built_in().iter().map(|(name, text)| (folder.join(name), *text));
+    // All or nothing: first see whether anything is in the way.
+    let differs = |(file, text): &(PathBuf, &str)| {
+        file.exists() && std::fs::read_to_string(file).ok().as_deref() != Some(*text)
+    };
+    if let Some((file, _)) = files().find(|it| !force && differs(it)) {
+        return Err(miette!(help = "--force overwrites it", "{} is another file", file.display()));
+    }
+    let mut list = String::new();
+    for (file, text) in files() {
+        make_folder_of(&file)?;
+        std::fs::write(&file, text).into_diagnostic()?;
+        list.push_str(&format!("{}\n", file.display()));
+    }
+    print(&list)?;
+    Ok(DONE)
+}

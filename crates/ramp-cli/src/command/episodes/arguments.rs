@@ -1,0 +1,66 @@
+//! What commands that run many episodes are told alike.
+
+use std::path::Path;
+use std::time::Duration;
+
+use miette::Report;
+use ramp_robot::Track;
+
+use super::batch::Batch;
+use super::goals::{BatchError, Goal};
+use crate::command::agent;
+use crate::data::Data;
+use crate::options::TrackName;
+use crate::software::software;
+
+/// What commands that run many episodes are told alike.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// What the agent may see of the parts
+    #[arg(long, value_enum, default_value_t = TrackName::Tags)]
+    track: TrackName,
+    #[command(flatten)]
+    agent: agent::Arguments,
+    /// Seed of the first episode of each goal
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    first_seed: u64,
+    /// Episodes at a time; more than one makes the agent's own time longer
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    jobs: u32,
+    /// Time on the wall after which an episode is lost
+    #[arg(long, value_name = "SECONDS", default_value_t = 1800, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    limit: u64,
+    /// Print the table as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl Arguments {
+    /// What the episodes of these goals share, `count` of each goal, and their folder; `option` is where the count was given.
+    ///
+    /// # Errors
+    /// When the agent's file is none, or the seeds go past the largest number there is.
+    pub fn batch<'a>(
+        &self,
+        data: &'a Data,
+        folder: &'a Path,
+        goals: Vec<Goal>,
+        count: u32,
+        option: &'static str,
+    ) -> Result<Batch<'a>, Report> {
+        let last = self.first_seed.checked_add(u64::from(count) - 1);
+        Ok(Batch {
+            data,
+            folder,
+            track: Track::from(self.track).name(),
+            limit: Duration::from_secs(self.limit),
+            jobs: self.jobs as usize,
+            agent: self.agent.file()?,
+            agent_limit: self.agent.agent_limit,
+            goals,
+            count,
+            seeds: self.first_seed..=last.ok_or(BatchError::Seeds { repeats: option })?,
+            software: software(),
+        })
+    }
+}

@@ -1,0 +1,336 @@
+//! Many episodes at work: each in a process of its own, a few at a time, and what was finished before is kept.
+
+use std::collections::VecDeque;
+use std::ffi::OsString;
+use std::fs::{File, TryLockError};
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use miette::{IntoDiagnostic, Report, miette};
+use ramp_external_agent::{AgentFile, adopt_orphans, end_orphans};
+use ramp_log::ENDING;
+use ramp_result::episode::{EpisodeResult, SCHEMA, Software};
+use serde_json::Value;
+
+use super::display::Display;
+use super::episode::{Episode, Outcome};
+use super::goals::{BatchError, Goal};
+use crate::data::Data;
+use crate::status::{DONE, INCOMPLETE};
+
+/// Folder in the results' folder for what is not finished.
+const RUNNING: &str = ".running";
+/// File in the results' folder that one run at a time holds.
+const LOCK: &str = ".lock";
+/// What is left of an episode's time on the wall to score it when an agent is not done.
+const SCORING: Duration = Duration::from_secs(20);
+/// How often it is looked after the episodes.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// An episode at work.
+struct Worker {
+    episode: usize,
+    child: Child,
+    since: Instant,
+}
+
+/// What many episodes share, and their folder.
+pub struct Batch<'a> {
+    pub data: &'a Data,
+    pub folder: &'a Path,
+    pub track: &'static str,
+    pub limit: Duration,
+    /// Episodes at a time.
+    pub jobs: usize,
+    pub agent: Option<AgentFile>,
+    pub agent_limit: f64,
+    pub goals: Vec<Goal>,
+    /// How many episodes of each goal.
+    pub count: u32,
+    /// Their seeds.
+    pub seeds: RangeInclusive<u64>,
+    pub software: Software,
+}
+
+impl Batch<'_> {
+    /// The number of each episode of a goal, from 1 on, and its seed.
+    pub fn repeats(&self) -> impl Iterator<Item = (u32, u64)> {
+        (1..).zip(self.seeds.clone())
+    }
+
+    /// Does the episodes that have no result in the folder yet. False when it was stopped by Ctrl-C, and
+    /// then it has said so.
+    ///
+    /// # Errors
+    /// When the folder is of another version or agent, is in use, or cannot be written to.
+    pub fn run(&self, episodes: &mut [Episode]) -> Result<bool, Report> {
+        let folder = self.folder;
+        if folder.exists() && !folder.is_dir() {
+            return Err(miette!(help = "name a folder with -o", "{} is not a folder", folder.display()));
+        }
+        if self.agent.is_some() {
+            adopt_orphans();
+        }
+        self.refuse_other_versions()?;
+        std::fs::create_dir_all(folder)
+            .map_err(|error| miette!("cannot make the folder {}: {error}", folder.display()))?;
+        let lock = File::create(folder.join(LOCK))
+            .map_err(|error| miette!("cannot write to {}: {error}", folder.display()))?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(BatchError::Busy { folder: folder.display().to_string() }.into());
+            }
+            Err(TryLockError::Error(error)) => return Err(error).into_diagnostic(),
+        }
+        let stop = Arc::new(AtomicBool::new(false));
+        let handler = stop.clone();
+        ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).into_diagnostic()?;
+        for episode in episodes.iter_mut() {
+            let path = folder.join(format!("{}.json", episode.stem));
+            match self.read(&path, episode) {
+                Some(result) => episode.outcome = Outcome::Finished(Box::new(result)),
+                None if path.exists() => {
+                    eprintln!("{} is no result of this episode: it is run again and replaced", path.display())
+                }
+                None => {}
+            }
+        }
+        let whole = self.work(episodes, &stop)?;
+        if !whole {
+            let finished = episodes.iter().filter(|it| matches!(it.outcome, Outcome::Finished(_))).count();
+            eprintln!(
+                "stopped: {finished} of {} episodes are finished; the same command goes on from there",
+                episodes.len()
+            );
+        }
+        Ok(whole)
+    }
+
+    /// A folder is of one version of the software and one agent.
+    fn refuse_other_versions(&self) -> Result<(), Report> {
+        let Ok(entries) = std::fs::read_dir(self.folder) else { return Ok(()) };
+        let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+        paths.sort();
+        for path in paths.iter().filter(|path| path.extension().is_some_and(|ending| ending == "json")) {
+            let Ok(text) = std::fs::read_to_string(path) else { continue };
+            let Ok(value) = serde_json::from_str::<Value>(&text) else { continue };
+            let Some(schema) = value["schema"].as_str().filter(|it| it.starts_with("ramp-episode-")) else {
+                continue;
+            };
+            let theirs = &value["software"];
+            if schema != SCHEMA
+                || theirs["version"] != self.software.version.as_str()
+                || theirs["commit"] != self.software.commit.as_str()
+            {
+                let part = |name: &str| theirs[name].as_str().unwrap_or("unknown");
+                return Err(BatchError::OtherVersion {
+                    file: path.display().to_string(),
+                    theirs: format!("ramp {} ({}, {schema})", part("version"), part("commit")),
+                    ours: format!("ramp {} ({}, {SCHEMA})", self.software.version, self.software.commit),
+                }
+                .into());
+            }
+            let agent = &value["agent"];
+            if agent["sha256"].as_str() != self.agent.as_ref().map(AgentFile::sha256) {
+                let part = |name: &str| agent[name].as_str().unwrap_or("unknown");
+                return Err(BatchError::OtherAgent {
+                    file: path.display().to_string(),
+                    theirs: format!("{} {}", part("name"), part("version")),
+                }
+                .into());
+            }
+        }
+        Ok(())
+    }
+
+    /// The result in a file, if it is one of this very episode and this software.
+    fn read(&self, path: &Path, episode: &Episode) -> Option<EpisodeResult> {
+        let text = std::fs::read_to_string(path).ok()?;
+        let result: EpisodeResult = serde_json::from_str(&text).ok()?;
+        let goal = &self.goals[episode.goal];
+        let fits = result.schema == SCHEMA
+            && result.goal == goal.name
+            && result.pegs.len() == goal.pegs
+            && result.track == self.track
+            && result.seed == episode.seed
+            && result.software == self.software
+            && result.fault.as_ref().map(|it| it.kind.as_str()) == episode.fault.map(|it| it.kind.name())
+            && result.agent.sha256.as_deref() == self.agent.as_ref().map(AgentFile::sha256);
+        fits.then_some(result)
+    }
+
+    /// Runs what is open; false when it was stopped.
+    fn work(&self, episodes: &mut [Episode], stop: &AtomicBool) -> Result<bool, Report> {
+        let mut open: VecDeque<usize> =
+            (0..episodes.len()).filter(|&it| matches!(episodes[it].outcome, Outcome::Open)).collect();
+        let running = self.folder.join(RUNNING);
+        // What a bench that was killed has left behind.
+        if running.exists() {
+            std::fs::remove_dir_all(&running).into_diagnostic()?;
+        }
+        if open.is_empty() {
+            return Ok(true);
+        }
+        std::fs::create_dir_all(&running).into_diagnostic()?;
+        let display = Display::new(open.len(), episodes.len() - open.len(), self.jobs);
+        let mut workers: Vec<Worker> = Vec::new();
+        let mut failure = None;
+        while failure.is_none() && !(open.is_empty() && workers.is_empty()) {
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
+            while workers.len() < self.jobs
+                && let Some(episode) = open.pop_front()
+            {
+                match self.start(&running, &episodes[episode]) {
+                    Ok(child) => workers.push(Worker { episode, child, since: Instant::now() }),
+                    Err(error) => episodes[episode].outcome = Outcome::Lost(format!("not started: {error}")),
+                }
+            }
+            let mut index = 0;
+            while index < workers.len() {
+                match self.look_after(&running, &mut workers[index], episodes) {
+                    Ok(None) => index += 1,
+                    Ok(Some(outcome)) => {
+                        let worker = workers.swap_remove(index);
+                        if self.agent.is_some() {
+                            let at_work = workers.iter().filter_map(|it| i32::try_from(it.child.id()).ok());
+                            end_orphans(&at_work.collect::<Vec<_>>());
+                        }
+                        let episode = &mut episodes[worker.episode];
+                        episode.outcome = outcome;
+                        display.ended(episode, worker.since.elapsed());
+                    }
+                    Err(error) => {
+                        failure = Some(error);
+                        break;
+                    }
+                }
+            }
+            display.at_work(workers.iter().map(|worker| episodes[worker.episode].stem.as_str()));
+            std::thread::sleep(LOOK);
+        }
+        let whole = open.is_empty() && workers.is_empty();
+        for worker in &mut workers {
+            let _ = worker.child.kill();
+            let _ = worker.child.wait();
+        }
+        display.finish();
+        let _ = std::fs::remove_dir_all(&running);
+        match failure {
+            Some(error) => Err(error),
+            None => Ok(whole),
+        }
+    }
+
+    /// Starts an episode in its own process. The pipe to its standard input is its leash: it closes when the bench
+    /// dies, however that happens.
+    fn start(&self, running: &Path, episode: &Episode) -> std::io::Result<Child> {
+        let log = File::create(running.join(format!("{}.log", episode.stem)))?;
+        let mut command = Command::new(std::env::current_exe()?);
+        command
+            .args(self.data.arguments())
+            .args(["run", "--leash", "--track", self.track])
+            .args(["--seed", &episode.seed.to_string(), "--repeat", &episode.repeat.to_string()])
+            .args(episode.fault.iter().flat_map(|fault| ["--fault".to_string(), fault.to_string()]))
+            .args(self.agent_arguments())
+            .arg("-o")
+            .arg(running.join(format!("{}.json", episode.stem)))
+            .arg("--")
+            .arg(&self.goals[episode.goal].argument)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(log);
+        // Ctrl-C on a terminal is for the bench alone, which then ends its episodes.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        command.spawn()
+    }
+
+    /// What an episode is told of the agent: one that would not be done in time is ended before the episode is.
+    fn agent_arguments(&self) -> Vec<OsString> {
+        let Some(agent) = &self.agent else { return Vec::new() };
+        let end_after = self.limit.saturating_sub(SCORING.min(self.limit / 2)).as_secs();
+        let words = [
+            "--agent-limit".into(),
+            self.agent_limit.to_string(),
+            "--end-after".into(),
+            end_after.to_string(),
+            "--agent".into(),
+        ];
+        words.into_iter().map(OsString::from).chain([agent.path().into()]).collect()
+    }
+
+    /// Whether an episode has ended, and how. What it wrote is moved to its place.
+    ///
+    /// # Errors
+    /// When a finished result cannot be moved: then no other could be.
+    fn look_after(
+        &self,
+        running: &Path,
+        worker: &mut Worker,
+        episodes: &[Episode],
+    ) -> Result<Option<Outcome>, Report> {
+        let episode = &episodes[worker.episode];
+        let status = match worker.child.try_wait().into_diagnostic()? {
+            Some(status) => Some(status),
+            None if worker.since.elapsed() < self.limit => return Ok(None),
+            None => {
+                let _ = worker.child.kill();
+                let _ = worker.child.wait();
+                None
+            }
+        };
+        let stem = &episode.stem;
+        let place = |ending: &str| {
+            let name = format!("{stem}.{ending}");
+            (running.join(&name), self.folder.join(name))
+        };
+        let (result_from, result_to) = place("json");
+        let (curve_from, curve_to) = place("svg");
+        let (record_from, record_to) = place(ENDING);
+        let (log_from, log_to) = place("log");
+        let result = self.read(&result_from, episode);
+        if let (Some(status), Some(result)) = (status, result)
+            && status.code().is_some_and(|code| [DONE, INCOMPLETE].map(i32::from).contains(&code))
+        {
+            std::fs::rename(&curve_from, &curve_to).into_diagnostic()?;
+            std::fs::rename(&record_from, &record_to).into_diagnostic()?;
+            std::fs::rename(&result_from, &result_to).into_diagnostic()?;
+            // What an agent of one's own has said is kept.
+            if self.agent.is_some() {
+                let _ = std::fs::rename(&log_from, &log_to);
+            } else {
+                let _ = std::fs::remove_file(&log_from);
+                let _ = std::fs::remove_file(&log_to);
+            }
+            return Ok(Some(Outcome::Finished(Box::new(result))));
+        }
+        let _ = std::fs::remove_file(&result_from);
+        let _ = std::fs::remove_file(&curve_from);
+        let _ = std::fs::remove_file(&record_from);
+        let _ = std::fs::rename(&log_from, &log_to);
+        let reason = match status {
+            Some(status) => end_of(status),
+            None => format!("not done after {} s on the wall", self.limit.as_secs()),
+        };
+        Ok(Some(Outcome::Lost(format!("{reason}; its last words are in {stem}.log"))))
+    }
+}
+
+/// How a process ended, in words.
+fn end_of(status: ExitStatus) -> String {
+    #[cfg(unix)]
+    if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
+        return format!("killed by signal {signal}");
+    }
+    match status.code() {
+        Some(code) => format!("ended with status {code} and no result"),
+        None => "ended without a result".to_string(),
+    }
+}

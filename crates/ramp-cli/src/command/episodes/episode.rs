@@ -1,0 +1,24 @@
+//! One of many episodes.
+
+use ramp_result::EpisodeResult;
+use ramp_twin::Fault;
+
+/// One episode that is asked for.
+pub struct Episode {
+    pub goal: usize,
+    pub seed: u64,
+    pub repeat: u32,
+    /// What goes wrong on purpose.
+    pub fault: Option<Fault>,
+    /// Name of its files, without an ending.
+    pub stem: String,
+    pub outcome: Outcome,
+}
+
+pub enum Outcome {
+    /// Not run yet.
+    Open,
+    Finished(Box<EpisodeResult>),
+    /// Crashed, killed or out of time, and why.
+    Lost(String),
+}

@@ -1,0 +1,124 @@
+//! The `ramp` command: goals, checks, pictures, plans and runs.
+//!
+//! Results go to standard output, everything else to standard error. Exit status: 0 done; 1 the run ended without
+//! completing the goal, or a check failed; 2 bad usage or bad input; 130 a bench or a fault suite was stopped by Ctrl-C.
+
+mod command;
+mod data;
+mod film;
+mod options;
+mod output;
+mod pictures;
+mod recording;
+mod software;
+mod status;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser, Subcommand};
+
+use crate::data::Data;
+use crate::status::BAD_INPUT;
+
+#[derive(Parser)]
+#[command(
+    name = "ramp",
+    version,
+    about = "RAMP: a benchmark of robotic assembly, manipulation and planning."
+)]
+struct Arguments {
+    /// Folder with kit.xml, goals, domains and arms, in place of what is built in
+    #[arg(long, global = true, env = "RAMP_DATA", value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// Kit file in place of kit.xml of the data
+    #[arg(long, global = true, value_name = "FILE")]
+    kit: Option<PathBuf>,
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// The program's arguments, for completions, the manual page and the reference.
+pub fn arguments() -> clap::Command {
+    Arguments::command()
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// List the goals it knows, or make new ones
+    Goals(command::goals::Arguments),
+    /// Check a goal: structure, geometry, buildability
+    Check(command::check::Arguments),
+    /// Draw a goal from above
+    Show(command::show::Arguments),
+    /// Plan a goal: coarse and fine actions
+    Plan(command::plan::Arguments),
+    /// Build a goal in the digital twin, and score it
+    Run(command::run::Arguments),
+    /// Run goals and classes by the protocol, and sum up
+    Bench(command::bench::Arguments),
+    /// Try single skills from randomised starts, and count how often they succeed
+    Trials(command::trials::Arguments),
+    /// Run goals under every fault, and tell who noticed and who mended it
+    Faults(command::faults::Arguments),
+    /// Run an episode again from its log, and compare bit by bit
+    Replay(command::replay::Arguments),
+    /// Make a report of results: tables, curves, comparisons
+    Report(command::report::Arguments),
+    /// Make a site of the results of many, each run again from its log
+    Leaderboard(command::leaderboard::Arguments),
+    /// Score a real robot's run from a stopwatch log or from poses, or print the form for it
+    Score(command::score::Arguments),
+    /// See a goal through the cameras: images, what is found in them, data sets
+    See(command::see::Arguments),
+    /// Make the parts: print, saw, lay out
+    Kit(command::kit::Arguments),
+    /// Look into the digital twin
+    Twin(command::twin::Arguments),
+    /// Write out the built-in kit, goals, domains and arms, to be changed
+    Data(command::data::Arguments),
+    /// Print completions for a shell
+    Completions(command::completions::Arguments),
+    /// Write the manual pages
+    Man(command::man::Arguments),
+    /// Become an agent's program that ends with the run that started it
+    #[command(hide = true)]
+    AgentProcess(command::agent::ProcessArguments),
+}
+
+/// Runs the program with the arguments of this process.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    if let Command::AgentProcess(arguments) = &arguments.command {
+        return command::agent::become_agent(arguments);
+    }
+    // A closed pipe (`ramp goals | head -1`) ends the program quietly, as it does any other.
+    let result = Data::find(arguments.data, arguments.kit).and_then(|data| match arguments.command {
+        Command::Goals(arguments) => command::goals::run(&data, &arguments),
+        Command::Check(arguments) => command::check::run(&data, &arguments),
+        Command::Show(arguments) => command::show::run(&data, &arguments),
+        Command::Plan(arguments) => command::plan::run(&data, &arguments),
+        Command::Run(arguments) => command::run::run(&data, &arguments),
+        Command::Bench(arguments) => command::bench::run(&data, &arguments),
+        Command::Trials(arguments) => command::trials::run(&data, &arguments),
+        Command::Faults(arguments) => command::faults::run(&data, &arguments),
+        Command::Replay(arguments) => command::replay::run(&arguments),
+        Command::Report(arguments) => command::report::run(&arguments),
+        Command::Leaderboard(arguments) => command::leaderboard::run(&data, &arguments),
+        Command::Score(arguments) => command::score::run(&data, &arguments),
+        Command::See(arguments) => command::see::run(&data, &arguments),
+        Command::Kit(arguments) => command::kit::run(&data, &arguments),
+        Command::Twin(arguments) => command::twin::run(&data, &arguments),
+        Command::Data(arguments) => command::data::run(&arguments),
+        Command::Completions(arguments) => command::completions::run(&arguments, crate::arguments()),
+        Command::Man(arguments) => command::man::run(&arguments, crate::arguments()),
+        Command::AgentProcess(_) => Ok(BAD_INPUT),
+    });
+    match result {
+        Ok(status) => ExitCode::from(status),
+        Err(report) => {
+            eprintln!("{report:?}");
+            ExitCode::from(BAD_INPUT)
+        }
+    }
+}
