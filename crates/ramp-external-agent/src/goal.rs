@@ -7,7 +7,7 @@ use ramp_robot::camera::Mount;
 use ramp_robot::{Camera, CameraModel, Robot, Track};
 use serde_json::{Value, json};
 
-use super::protocol::{PROTOCOL, pose};
+use crate::protocol::{PROTOCOL, pose};
 use ramp_log::Sources;
 
 /// What an agent is told of its goal.

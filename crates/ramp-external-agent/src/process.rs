@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal};
 
-use super::Patience;
-use super::protocol::LONGEST_MESSAGE;
+use crate::limits::Patience;
+use crate::protocol::LONGEST_MESSAGE;
 
 /// How much of an agent's standard error is passed on, bytes.
 const MOST_WORDS: u64 = 1 << 20;

@@ -9,7 +9,7 @@ use ramp_robot::{
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::{MOST_EVENTS, MOST_PERIODS};
+use crate::limits::{MOST_EVENTS, MOST_PERIODS};
 
 /// The version of the protocol.
 pub const PROTOCOL: u32 = 1;

@@ -15,19 +15,8 @@ use crate::manipulation::Trial;
 use crate::perception::PerceptionVerdict;
 use crate::planning::PlanVerdict;
 use crate::published::Published;
-pub use read::{CollectError, Parsed, parse};
-use read::{Found, read};
-
-/// One result file.
-#[derive(Clone, Debug)]
-pub struct ResultFile {
-    /// Where it was read from.
-    pub path: PathBuf,
-    /// SHA-256 of its bytes, hexadecimal.
-    pub sha256: String,
-    /// What it says.
-    pub result: EpisodeResult,
-}
+pub use read::{CollectError, Parsed, ResultFile, parse};
+use read::{Found, read, unreadable};
 
 /// An episode that was begun and has no result.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -218,15 +207,6 @@ fn list(folder: &Path) -> Result<Vec<PathBuf>, CollectError> {
     paths.retain(|path| path.is_file());
     paths.sort();
     Ok(paths)
-}
-
-fn unreadable(path: &Path, error: &std::io::Error) -> CollectError {
-    let why = match error.kind() {
-        std::io::ErrorKind::NotFound => "there is nothing of that name".to_string(),
-        std::io::ErrorKind::NotADirectory => "it is not a folder".to_string(),
-        _ => error.to_string(),
-    };
-    CollectError::Unreadable { path: path.display().to_string(), why }
 }
 
 /// The goals of some results, each once.

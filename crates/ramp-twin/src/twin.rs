@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use mujoco_rs::prelude::*;
 use mujoco_rs::wrappers::mj_model::MjtObjBase;
-use nalgebra::{SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Matrix3, SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_assembly::{Assembly, Truth};
 use ramp_kit::Kit;
 use ramp_render::looks::HOUSING;
@@ -21,8 +21,8 @@ use crate::fault::{Fault, FaultReport, Injector, Start};
 use crate::layout::{Disturbance, Layout};
 use crate::scene::scene_xml;
 use ramp_control::{
-    ArmState, GripperLoop, Jacobian, JointVector, impedance, limit_torques, pose_impedance,
-    rotation_from_rows, track_joints, track_velocities,
+    ArmState, GripperLoop, Jacobian, JointVector, impedance, limit_torques, pose_impedance, track_joints,
+    track_velocities,
 };
 
 /// How far a joint may overshoot a soft stop before the robot reports it, rad.
@@ -665,4 +665,10 @@ impl Robot for Twin {
     fn camera(&self, camera: Camera) -> CameraModel {
         CameraModel::nominal(camera, self.arm.hand.tip)
     }
+}
+
+/// The rotation matrix of row-major numbers.
+fn rotation_from_rows(rows: &[f64; 9]) -> UnitQuaternion<f64> {
+    let matrix = Matrix3::from_row_slice(rows);
+    UnitQuaternion::from_rotation_matrix(&nalgebra::Rotation3::from_matrix_unchecked(matrix))
 }

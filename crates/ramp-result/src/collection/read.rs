@@ -1,12 +1,11 @@
 //! One file: read, and checked before anything in it is believed.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use ramp_assembly::Class;
 use ramp_robot::Track;
 use serde_json::Value;
 
-use super::{ResultFile, unreadable};
 use crate::episode::{EpisodeResult, RULES, SCHEMA};
 use crate::file::sha256;
 use crate::manipulation::{self, Trial};
@@ -20,6 +19,17 @@ const LARGEST: u64 = 64 << 20;
 const LONGEST: f64 = 1e7;
 /// By how much times that should agree may differ, s: rounding of whoever wrote them.
 const SLACK: f64 = 1e-3;
+
+/// One result file.
+#[derive(Clone, Debug)]
+pub struct ResultFile {
+    /// Where it was read from.
+    pub path: PathBuf,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
+    /// What it says.
+    pub result: EpisodeResult,
+}
 
 /// Why results cannot be summed up.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -269,4 +279,14 @@ fn check(result: &EpisodeResult) -> Result<(), String> {
         Some(event) => Err(format!("an event is at {} s", event.t)),
         None => Ok(()),
     }
+}
+
+/// The error of a file or folder that the system does not let be read.
+pub(super) fn unreadable(path: &Path, error: &std::io::Error) -> CollectError {
+    let why = match error.kind() {
+        std::io::ErrorKind::NotFound => "there is nothing of that name".to_string(),
+        std::io::ErrorKind::NotADirectory => "it is not a folder".to_string(),
+        _ => error.to_string(),
+    };
+    CollectError::Unreadable { path: path.display().to_string(), why }
 }

@@ -1,0 +1,210 @@
+//! An agent in a process of its own, behind the same seam as any other.
+
+use ramp_robot::{Account, Agent, Event, Observation, Robot, RobotError};
+
+use crate::file::{AgentFile, AgentFileError};
+use crate::goal::Goal;
+use crate::limits::{MOST_EVENTS, MOST_IDLE, Patience};
+use crate::process::Process;
+use crate::protocol::{self, Answer, Request};
+
+/// An agent in a process of its own.
+pub struct ExternalAgent<'a> {
+    process: Process,
+    goal: Goal<'a>,
+    name: String,
+    version: String,
+    sha256: String,
+    account: Account,
+    /// Plans the agent has told of.
+    plans: usize,
+    failure: Option<String>,
+    /// Messages in a row that moved nothing.
+    idle: u32,
+    /// Messages so far.
+    messages: u64,
+    on_event: Box<dyn FnMut(&Event) + 'a>,
+}
+
+/// Why the talk with the agent is over.
+enum End {
+    /// It said that it is done.
+    Done,
+    /// The robot stopped it.
+    Robot(RobotError),
+    /// It could not go on.
+    Failure(String),
+}
+
+impl From<String> for End {
+    fn from(why: String) -> End {
+        End::Failure(why)
+    }
+}
+
+impl<'a> ExternalAgent<'a> {
+    /// Starts an agent and waits until it has said hello: until then no clock of the episode runs. What goes wrong
+    /// with that is the agent's failure, told by [`Agent::failure`]. `command` is what starts it, usually
+    /// [`AgentFile::command`].
+    ///
+    /// # Errors
+    /// When the system does not start the program.
+    pub fn start(
+        file: &AgentFile,
+        command: &[std::ffi::OsString],
+        goal: Goal<'a>,
+        patience: Patience,
+    ) -> Result<ExternalAgent<'a>, AgentFileError> {
+        let process = Process::start(command, patience)
+            .map_err(|source| AgentFileError::Start { path: file.path().to_path_buf(), source })?;
+        let name = file.path().file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
+        let mut agent = ExternalAgent {
+            process,
+            goal,
+            name: protocol::as_name(&name),
+            version: "unknown".to_string(),
+            sha256: file.sha256().to_string(),
+            account: Account::default(),
+            plans: 0,
+            failure: None,
+            idle: 0,
+            messages: 0,
+            on_event: Box::new(|_| {}),
+        };
+        agent.failure = agent.greet().err();
+        Ok(agent)
+    }
+
+    /// Calls `listener` for every event as it comes, for a progress display.
+    #[must_use]
+    pub fn with_listener(mut self, listener: impl FnMut(&Event) + 'a) -> ExternalAgent<'a> {
+        self.on_event = Box::new(listener);
+        self
+    }
+
+    fn greet(&mut self) -> Result<(), String> {
+        let Request::Hello(hello) = self.hear()? else {
+            return Err("the agent's first message is not hello".to_string());
+        };
+        hello.check()?;
+        self.name = hello.name;
+        self.version = hello.version;
+        Ok(())
+    }
+
+    /// The agent's next message.
+    fn hear(&mut self) -> Result<Request, String> {
+        let line = self.process.hear().map_err(|silence| silence.to_string())?;
+        self.messages += 1;
+        protocol::parse(&line).map_err(|what| format!("message {} of the agent {what}", self.messages))
+    }
+
+    fn tell(&mut self, answer: &Answer) -> Result<(), String> {
+        self.process.tell(answer.to_bytes()).map_err(|silence| silence.to_string())
+    }
+
+    fn talk(&mut self, robot: &mut dyn Robot) -> Result<(), End> {
+        let welcome = Answer::Goal(self.goal.to_json(robot));
+        self.tell(&welcome)?;
+        loop {
+            let time = robot.observe().time;
+            let request = self.hear()?;
+            let answer = self.serve(request, robot)?;
+            self.idle = if robot.observe().time > time { 0 } else { self.idle + 1 };
+            if self.idle > MOST_IDLE {
+                let why = format!("the agent sent {MOST_IDLE} messages in a row that let no robot time pass");
+                return Err(End::Failure(why));
+            }
+            self.tell(&answer)?;
+        }
+    }
+
+    /// Does what is asked.
+    fn serve(&mut self, request: Request, robot: &mut dyn Robot) -> Result<Answer, End> {
+        let here = |number: u64| move |what| End::Failure(format!("message {number} of the agent {what}"));
+        let wrong = here(self.messages);
+        match request {
+            Request::Hello(_) => Err(wrong("is a second hello".to_string())),
+            Request::Step(step) => {
+                let commands = step.commands().map_err(wrong)?;
+                let mut seen: Option<Observation> = None;
+                for (command, periods) in commands {
+                    for _ in 0..periods {
+                        seen = Some(robot.step(&command).map_err(End::Robot)?);
+                    }
+                }
+                Ok(Answer::Observation(seen.unwrap_or_else(|| robot.observe())))
+            }
+            Request::Observe {} => Ok(Answer::Observation(robot.observe())),
+            Request::ReadParts {} => match robot.read_parts() {
+                Ok(parts) => Ok(Answer::Parts(parts)),
+                Err(error) if error.is_final() => Err(End::Robot(error)),
+                Err(error) => Ok(Answer::Refused(error)),
+            },
+            Request::Look(look) => match robot.look(look.camera()) {
+                Ok(image) => Ok(Answer::Image(image)),
+                Err(error) if error.is_final() => Err(End::Robot(error)),
+                Err(error) => Ok(Answer::Refused(error)),
+            },
+            Request::Plan(plan) => {
+                plan.check().map_err(wrong)?;
+                if self.plans == 0 {
+                    (self.account.coarse, self.account.fine) = (plan.coarse, plan.fine);
+                } else {
+                    self.account.replans += 1;
+                }
+                self.plans += 1;
+                self.account.planning += plan.planning;
+                Ok(Answer::Noted)
+            }
+            Request::Event(event) => {
+                let event = event.at(robot.observe().time).map_err(wrong)?;
+                if self.account.events.len() >= MOST_EVENTS[0] {
+                    return Err(End::Failure(format!("the agent told more than {} events", MOST_EVENTS[0])));
+                }
+                (self.on_event)(&event);
+                self.account.events.push(event);
+                Ok(Answer::Noted)
+            }
+            Request::Done {} => Err(End::Done),
+        }
+    }
+}
+
+impl Agent for ExternalAgent<'_> {
+    fn name(&self) -> (&str, &str) {
+        (&self.name, &self.version)
+    }
+
+    fn account(&self) -> Account {
+        self.account.clone()
+    }
+
+    fn file_hash(&self) -> Option<&str> {
+        Some(&self.sha256)
+    }
+
+    fn failure(&self) -> Option<String> {
+        self.failure.clone()
+    }
+
+    fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {
+        let outcome = match &self.failure {
+            Some(_) => Ok(()),
+            None => self.talk(robot),
+        };
+        let outcome = match outcome {
+            Ok(()) | Err(End::Done) => Ok(()),
+            Err(End::Robot(error)) => Err(error),
+            Err(End::Failure(why)) => {
+                self.failure = Some(why);
+                Ok(())
+            }
+        };
+        if self.failure.is_none() {
+            let reason = outcome.as_ref().err().map_or("done".to_string(), RobotError::to_string);
+            self.process.dismiss(Answer::End(reason).to_bytes());
+        }
+        outcome
+    }
+}

@@ -1,0 +1,18 @@
+//! How much an agent may send, and how long it may take.
+
+use std::time::{Duration, Instant};
+
+/// The most periods that one message may ask for: ten seconds.
+pub const MOST_PERIODS: u64 = 10_000;
+/// The most messages in a row between which the robot does not move.
+pub const MOST_IDLE: u32 = 10_000;
+/// The most events of an episode, and the most characters of one.
+pub const MOST_EVENTS: [usize; 2] = [10_000, 200];
+/// How patient one is with an agent.
+#[derive(Clone, Copy, Debug)]
+pub struct Patience {
+    /// Longest time from an answer to the agent's next message, and for it to read an answer.
+    pub answer: Duration,
+    /// When the episode has to be over, whatever the agent does.
+    pub end: Option<Instant>,
+}
