@@ -1,7 +1,7 @@
 % The coarse domain: a hand, three areas in a line, beams and pegs.
 %
 % What may be done and what it changes. In which order the beams come is searched in order.lp and judged here; how
-% a hand does each of these actions is told in fine.al. docs/src/language.md explains the language.
+% a hand does each of these actions is told in fine.al. docs/src/reference/action-language.md explains the language.
 
 % ---- Things ------------------------------------------------------------------------------------------------------
 

@@ -3,9 +3,9 @@
 
     ramp run easy-1 --track state --agent examples/agents/build.py
 
-It reads where the parts are (track `state`), picks the beams up one by one, pushes each to its place, and pins it with
-a peg. It feels nothing and mends nothing: what goes wrong stays wrong. The protocol is on the page "Agents
-of your own" of the book. Metres, newtons and radians; a pose is a pair of a position and a quaternion w, x, y, z.
+It reads where the parts are (track `state`), picks up the beams one by one, pushes each to its place, and pins it with
+a peg. It uses no force feedback and does not recover from faults. The protocol is docs/src/reference/agents.md.
+Metres, newtons and radians; a pose is a pair of a position and a quaternion w, x, y, z.
 """
 import json
 import math

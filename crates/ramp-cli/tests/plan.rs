@@ -26,7 +26,7 @@ fn coarse_rules() -> String {
     std::fs::read_to_string(file).unwrap()
 }
 
-/// What the tutorial in docs/src/planning.md promises.
+/// What the tutorial in docs/src/tutorials/your-planner.md promises.
 #[test]
 fn a_changed_rule_changes_the_plan() {
     let folder = TempDir::new().unwrap();

@@ -1,5 +1,5 @@
 //! Agents that are programs of their own, in any language: they speak a small protocol on their standard input and
-//! output ([`protocol`], and for their authors `docs/src/agents.md`).
+//! output ([`protocol`], and for their authors `docs/src/reference/agents.md`).
 //!
 //! Nothing that such a program does can stop or bend a bench: whether it hangs, crashes, floods or talks nonsense, it
 //! ends its own episode, which is scored, with a reason that says so.

@@ -1,6 +1,6 @@
 //! What the rules are told of the goal, the kit and the state: ground facts.
 //!
-//! `docs/src/language.md` lists them. Lengths in them are whole millimetres, because the rules know whole numbers
+//! `docs/src/reference/action-language.md` lists them. Lengths in them are whole millimetres, because the rules know whole numbers
 //! only.
 
 use crate::geometry::{Geometry, is_square, middle};

@@ -2,7 +2,7 @@
 //!
 //! A log is an MCAP file with two channels of JSON messages: `/run`, one message that tells whose run it is
 //! (`data/schema/real-run.schema.json`), and `/parts`, where parts were seen over time, in the form of the logs of the twin
-//! (`foxglove.FrameTransforms`, `data/schema/log/parts.schema.json`); a tag on a part tells where the part is as well. The page `docs/src/real.md` tells the form; what cannot
+//! (`foxglove.FrameTransforms`, `data/schema/log/parts.schema.json`); a tag on a part tells where the part is as well. The page `docs/src/reference/real-runs.md` tells the form; what cannot
 //! have happened is refused with the number of its message and its time.
 
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 //! Logs that a person with a stopwatch writes of a real robot's run, as results of the same form as the twin's.
 //!
 //! A log is a CSV file: lines of a word and its value, then a table with a line for everything that happened. The page
-//! `docs/src/real.md` tells the form; what cannot have happened is refused with its line.
+//! `docs/src/reference/real-runs.md` tells the form; what cannot have happened is refused with its line.
 
 mod cells;
 mod run;

@@ -1,4 +1,4 @@
-//! The worked examples of `docs/src/rules.md`, read from the page and judged by the real referee.
+//! The worked examples of `docs/src/reference/rules.md`, read from the page and judged by the real referee.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -21,7 +21,7 @@ fn root() -> PathBuf {
 }
 
 fn page() -> String {
-    std::fs::read_to_string(root().join("docs/src/rules.md")).unwrap()
+    std::fs::read_to_string(root().join("docs/src/reference/rules.md")).unwrap()
 }
 
 /// Name and verdict of each line of the page's table number `index`.
@@ -116,11 +116,11 @@ impl Table {
         let scenes = match name {
             "seated" => p1(home),
             "within" => p1(up(0.0, 0.49e-3) * home),
-            "proud" => p1(up(0.0, 0.51e-3) * home),
+            "not-flush" => p1(up(0.0, 0.51e-3) * home),
             "sunk" => p1(up(0.0, -0.51e-3) * home),
             "at-the-rim" => p1(up(4.1e-3, 0.0) * home),
             "beside" => p1(up(4.3e-3, 0.0) * home),
-            "leaning" => p1(home * turn(Vector3::y_axis(), 10.0_f64.to_radians())),
+            "tilted" => p1(home * turn(Vector3::y_axis(), 10.0_f64.to_radians())),
             "no-male" => {
                 let mut scenes = p1(home);
                 scenes.iter_mut().for_each(|scene| scene.male = up(5e-3, 0.0));

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// The version of the schema these files follow.
 pub const SCHEMA: &str = "ramp-episode-2";
 
-/// The version of the rules by which episodes are judged: `docs/src/rules.md`, which names it.
+/// The version of the rules by which episodes are judged: `docs/src/reference/rules.md`, which names it.
 pub const RULES: &str = "ramp-rules-1";
 
 /// Everything that is known about one episode.

@@ -3,7 +3,7 @@
 //! Every flat of a part is a box, so the clearances of the parts are kept exactly. A peg hole is four boxes and
 //! twelve turned boxes tangent to its circle (a 16-gon around it, at most 0.08 mm outside); the turned ones are a
 //! little thinner than the plate, so that a seated head meets only the four. Parts meet the table through one
-//! invisible box for each joint. What these choices are worth, and which others failed, is in docs/src/twin.md.
+//! invisible box for each joint. What these choices are worth, and which others failed, is in docs/src/explanation/twin.md.
 
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;

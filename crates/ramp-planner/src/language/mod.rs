@@ -8,7 +8,7 @@
 //! (`ground::unroll`); a test holds the two against each other.
 //!
 //! The language is one of the AL_d family (M. Gelfond, D. Inclezan, *Some properties of system descriptions of
-//! AL_d*, Journal of Applied Non-Classical Logics 23, 2013); `docs/src/language.md` describes every construct.
+//! AL_d*, Journal of Applied Non-Classical Logics 23, 2013); `docs/src/reference/action-language.md` describes every construct.
 
 pub(crate) mod ast;
 pub(crate) mod check;
