@@ -9,5 +9,12 @@ pub fn main() {
     let fetched = format!("{}/../../.deps/mujoco-3.17.0", env!("CARGO_MANIFEST_DIR"));
     let folder = own.unwrap_or(fetched);
     let folder = std::fs::canonicalize(&folder).unwrap_or_else(|_| folder.into());
+    // An installed program looks beside itself first: tools/install puts the library there.
+    let here = if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "macos") {
+        "@loader_path"
+    } else {
+        "$ORIGIN"
+    };
+    println!("cargo::rustc-link-arg=-Wl,-rpath,{here}/../lib");
     println!("cargo::rustc-link-arg=-Wl,-rpath,{}", folder.display());
 }
