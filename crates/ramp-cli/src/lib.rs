@@ -59,7 +59,7 @@ enum Command {
     Bench(command::bench::Arguments),
     /// Try single skills from randomised starts, and count how often they succeed
     Trials(command::trials::Arguments),
-    /// Run goals under every fault, and tell who noticed and who mended it
+    /// Run goals with every fault, and count which were noticed and repaired
     Faults(command::faults::Arguments),
     /// Run an episode again from its log, and compare bit by bit
     Replay(command::replay::Arguments),

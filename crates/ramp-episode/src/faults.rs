@@ -16,8 +16,8 @@ use ramp_result::statistics::{Interval, wilson};
 /// The kind of the events by which an agent tells a cause.
 pub const DIAGNOSIS: &str = "diagnosis";
 
-/// The kinds of the events that tell that something had to be mended.
-const MENDING: [&str; 2] = ["fault", "replan"];
+/// The kinds of the events that tell that something had to be repaired.
+const REPAIR: [&str; 2] = ["fault", "replan"];
 
 /// The causes that are right for a fault: the one that it is, and those that nobody could tell from it by what a robot
 /// senses.
@@ -52,14 +52,14 @@ pub struct Judgement {
     pub diagnosed: bool,
     /// All pegs of the goal count at the end.
     pub recovered: bool,
-    /// Whether the agent told after the strike, and not in the control as well, that something was amiss, or planned again.
-    pub mended: bool,
+    /// Whether the agent reported a fault after the strike, or planned again, and did not so in the control.
+    pub repaired: bool,
 }
 
 impl Judgement {
-    /// The goal was built, nothing was diagnosed and nothing had to be mended.
+    /// The goal was built, nothing was diagnosed and nothing had to be repaired.
     pub fn harmless(&self) -> bool {
-        self.recovered && self.told.is_none() && !self.mended
+        self.recovered && self.told.is_none() && !self.repaired
     }
 }
 
@@ -80,9 +80,9 @@ pub fn judge(result: &EpisodeResult, control: Option<&EpisodeResult>) -> Option<
     });
     let after = || events.iter().filter(|event| event.t >= struck);
     let told = after().find(|event| event.kind == DIAGNOSIS).map(|event| Cause::told(&event.what));
-    let mended = after().any(|event| MENDING.contains(&event.kind.as_str()));
+    let repaired = after().any(|event| REPAIR.contains(&event.kind.as_str()));
     let diagnosed = told.flatten().is_some_and(|cause| accepted(kind).contains(&cause));
-    Some(Judgement { told, diagnosed, recovered: result.counted() == result.pegs.len(), mended })
+    Some(Judgement { told, diagnosed, recovered: result.counted() == result.pegs.len(), repaired })
 }
 
 /// A share with its interval.
@@ -111,7 +111,7 @@ pub struct Tally {
     pub lost: usize,
     /// Those in which the fault struck.
     pub struck: usize,
-    /// Those of them in which nothing was diagnosed and nothing had to be mended.
+    /// Those of them in which nothing was diagnosed and nothing had to be repaired.
     pub harmless: usize,
     /// Diagnosed rightly, of those struck that were not harmless.
     pub diagnosed: Share,
@@ -178,9 +178,9 @@ mod tests {
         assert!(judge(&struck(FaultKind::Jam, Some(2.0), ALL, &[]), None).unwrap().harmless());
         let failed = judge(&struck(FaultKind::Jam, Some(2.0), &[1.0], &[]), None).unwrap();
         assert!(!failed.harmless() && !failed.diagnosed && !failed.recovered);
-        let mut mended = struck(FaultKind::Jam, Some(2.0), ALL, &[]);
-        mended.events.push(EventInfo { t: 3.0, kind: "replan".to_string(), what: String::new() });
-        let judgement = judge(&mended, None).unwrap();
+        let mut repaired = struck(FaultKind::Jam, Some(2.0), ALL, &[]);
+        repaired.events.push(EventInfo { t: 3.0, kind: "replan".to_string(), what: String::new() });
+        let judgement = judge(&repaired, None).unwrap();
         assert!(!judgement.harmless() && !judgement.diagnosed && judgement.recovered);
         let babble = judge(&struck(FaultKind::Jam, Some(2.0), ALL, &[(3.0, "something")]), None).unwrap();
         assert!(!babble.harmless() && !babble.diagnosed);

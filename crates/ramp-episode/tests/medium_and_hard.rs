@@ -39,7 +39,7 @@ fn medium_2_is_built() {
     completes("medium-2", 2);
 }
 
-/// A beam goes through a sleeve that two others hold, and a cap goes over its end, which is aslant and hangs low. Neither takes
+/// A beam goes through a sleeve that two others hold, and a cap goes over its end, which is at an angle and hangs low. Neither takes
 /// a new plan, and nothing is in the way.
 #[test]
 fn hard_2_is_built() {

@@ -1,4 +1,4 @@
-//! What goes wrong is noticed and mended: the whole agent in the real physics, with a robot that misbehaves.
+//! What goes wrong is noticed and repaired: the whole agent in the real physics, with a robot that misbehaves.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]

@@ -113,8 +113,8 @@ impl Referee {
 /// let hole = Point3::origin();
 /// let seated = Pose::translation(0.0, 0.0, 0.0332);
 /// assert!(ramp_referee::pins(&seated, &beam, &hole, &beam, &hole));
-/// let proud = Pose::translation(0.0, 0.0, 0.0332 + 0.0006);
-/// assert!(!ramp_referee::pins(&proud, &beam, &hole, &beam, &hole));
+/// let not_flush = Pose::translation(0.0, 0.0, 0.0332 + 0.0006);
+/// assert!(!ramp_referee::pins(&not_flush, &beam, &hole, &beam, &hole));
 /// ```
 pub fn pins(
     x_peg: &Pose,

@@ -26,7 +26,7 @@ const PERIODS: [u32; 2] = [400, 600];
 /// How far the knock of a beam that stands as it should would carry it, m.
 const ALIGNED: f64 = 1.0e-3;
 /// How far it would turn one that the planner holds to be out of line, rad.
-const CROOKED: f64 = 1.0 / 180.0 * std::f64::consts::PI;
+const MISALIGNED: f64 = 1.0 / 180.0 * std::f64::consts::PI;
 /// How far it would turn the one that is to be pushed straight, rad.
 const PUSHED: f64 = 3.0 / 180.0 * std::f64::consts::PI;
 /// By how much friction slows down what slides on the table, m/s².
@@ -125,8 +125,8 @@ fn layout(setup: &Setup, task: &Task, stream: &mut Stream) -> Layout {
 fn range(setup: &Setup, task: &Task, beam: usize) -> f64 {
     if task.aim == (Aim::Straight { beam }) {
         PUSHED
-    } else if task.build.crooked.contains(&beam) {
-        CROOKED
+    } else if task.build.misaligned.contains(&beam) {
+        MISALIGNED
     } else {
         ALIGNED / setup.assembly.beams[beam].beam.span().max(ALIGNED)
     }

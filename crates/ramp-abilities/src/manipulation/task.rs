@@ -26,7 +26,7 @@ pub struct Build {
     /// Those of them that stand deeper than their place, and by how much: axes of the assembly frame, m.
     pub deep: Vec<(usize, Vector3<f64>)>,
     /// Those of them that the planner holds to be out of line.
-    pub crooked: Vec<usize>,
+    pub misaligned: Vec<usize>,
     /// Connections that are pinned, as indices into [`Assembly::connections`], and by which peg.
     pub pinned: Vec<(usize, String)>,
 }

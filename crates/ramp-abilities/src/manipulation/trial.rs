@@ -1,4 +1,4 @@
-//! One trial: the world is put up, the agent does the task, the truth is asked.
+//! One trial: the twin is prepared, the agent does the task, the judge looks at the truth.
 
 use ramp_result::episode::{AgentInfo, EventInfo, Host, Physics, Software};
 use ramp_result::manipulation::{SCHEMA, Trial};
@@ -9,7 +9,7 @@ use super::start::StartError;
 use super::task::Task;
 use super::{judge, start};
 
-/// Puts the world up, lets the agent do the task, and judges.
+/// Prepares the twin, lets the agent do the task, and judges.
 ///
 /// # Errors
 /// When the twin cannot be made, or no start that is drawn holds. Whatever ends the trial afterwards is part of its result.

@@ -1,5 +1,5 @@
-//! Faults: what goes wrong in an episode on purpose, inside the physics, so that it can be measured who notices and
-//! mends it.
+//! Faults: what goes wrong in an episode on purpose, inside the physics, so that it can be measured which agent
+//! notices and repairs it.
 //!
 //! A [`Fault`] strikes once. `occasion` watches the truth for the moments at which a kind may strike and counts them;
 //! `act` is what then happens: a force on a part, a grip that is weak, an image that repeats, a bias of the wrist
