@@ -9,7 +9,7 @@
 //! as STL ([`stl`]) and 3MF ([`threemf`]), [`sheet`], [`guide`] and tag sheets as drawings ([`mod@drawing`]) in SVG
 //! and PDF, and the [`bill`] of parts.
 //!
-//! [`source`] is for every crate that reads a file somebody wrote: it points errors at their place.
+//! [`source`] is the crate [`ramp_source`], which points errors at their place in a file.
 //!
 //! Lengths are metres in the structs and millimetres in the file, as everywhere in the project.
 
@@ -29,7 +29,6 @@ pub mod shape;
 pub mod sheet;
 #[cfg(feature = "export")]
 pub mod solid;
-pub mod source;
 #[cfg(feature = "export")]
 pub mod stl;
 pub mod strokes;
@@ -42,6 +41,7 @@ pub mod write;
 
 pub use beam::{Beam, Holder, Joint, Kit, Link, Peg, Sheet, StartPose};
 pub use joint::{Dimensions, JointForm, JointType, Side};
+pub use ramp_source as source;
 pub use read::{KitError, KitProblem, read_kit, read_kit_str};
 pub use write::kit_xml;
 

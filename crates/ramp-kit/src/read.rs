@@ -30,7 +30,7 @@
 
 use crate::beam::{Beam, Holder, Joint, Kit, Link, Peg, Sheet, StartPose};
 use crate::joint::{Dimensions, JointForm, JointType, MALE_TIP, STEM_RADIUS, Side, WALL};
-use crate::source::{Element, Fault, FormProblem, Problem, SourceFile, Value, nearest, parse_xml, shorten};
+use ramp_source::{Element, Fault, FormProblem, Problem, SourceFile, Value, nearest, parse_xml, shorten};
 use std::collections::{HashMap, HashSet};
 use std::ops::{Range, RangeInclusive};
 use std::path::Path;

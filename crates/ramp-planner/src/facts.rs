@@ -4,7 +4,7 @@
 //! only.
 
 use crate::geometry::{Geometry, is_square, middle};
-use crate::term::Term;
+use ramp_action_language::Term;
 use ramp_assembly::{Assembly, JointRef};
 use ramp_kit::JointType;
 

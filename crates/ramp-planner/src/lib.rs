@@ -19,24 +19,25 @@ mod error;
 mod explain;
 mod facts;
 mod geometry;
-pub mod language;
 mod pddl;
+mod pegs;
 pub mod plan;
 mod planner;
 mod replay;
-mod shape;
 mod solver;
 mod state;
-mod term;
 
 pub use diagnosis::{Diagnosis, History, Record, Unexpected, diagnose};
 pub use disassemble::{Disassembly, FineRemoval, Removal, RemovalStep, disassemble};
-pub use domains::{DomainError, Domains, OrderProblem};
-pub use error::PlanError;
+pub use domains::{DomainError, Domains};
+pub use error::{PlanError, Refused};
 pub use explain::{Explanation, Reason, why};
-pub use pddl::{Pddl, pddl, pddl_plan};
+pub use pddl::{pddl, pddl_plan};
 pub use plan::{
     Area, CoarseAction, CoarseStep, Entry, FineAction, Grasp, Item, Place, Plan, State, Statistics, Target,
 };
 pub use planner::{Options, asp, plan, plan_with};
-pub use replay::{Refused, Replayer};
+pub use ramp_action_language as language;
+pub use ramp_action_language::Pddl;
+pub use replay::Replayer;
+pub use solver::OrderProblem;
