@@ -1,8 +1,8 @@
 //! The kit as data: beams with their joints and links, pegs, holders, and where each lies on the sheet.
 
-use crate::Pose;
+use crate::cuboid::Cuboid;
 use crate::joint::{AXIS_HEIGHT, AXIS_HEIGHT_LYING, Dimensions, JointType, Side};
-use crate::shape::Cuboid;
+use crate::pose::Pose;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 
 /// Everything on the table at the start of an episode.

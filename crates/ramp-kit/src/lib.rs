@@ -16,6 +16,7 @@
 pub mod beam;
 #[cfg(feature = "export")]
 pub mod bill;
+mod cuboid;
 #[cfg(feature = "export")]
 pub mod drawing;
 #[cfg(feature = "export")]
@@ -23,6 +24,7 @@ pub mod export;
 #[cfg(feature = "export")]
 pub mod guide;
 pub mod joint;
+mod pose;
 pub mod read;
 pub mod shape;
 #[cfg(feature = "export")]
@@ -41,9 +43,7 @@ pub mod write;
 
 pub use beam::{Beam, Holder, Joint, Kit, Link, Peg, Sheet, StartPose};
 pub use joint::{Dimensions, JointForm, JointType, Side};
+pub use pose::Pose;
 pub use ramp_source as source;
 pub use read::{KitError, KitProblem, read_kit, read_kit_str};
 pub use write::kit_xml;
-
-/// A rigid pose: where a frame stands in another. The name of a variable says which: `x_wb` is B in W.
-pub type Pose = nalgebra::Isometry3<f64>;
