@@ -3,7 +3,7 @@
 //! `docs/src/language.md` lists them. Lengths in them are whole millimetres, because the rules know whole numbers
 //! only.
 
-use crate::geometry::{Geometry, is_square, middle};
+use crate::geometry::{Geometry, middle};
 use ramp_action_language::Term;
 use ramp_assembly::{Assembly, JointRef};
 use ramp_kit::JointType;
@@ -122,7 +122,7 @@ pub(crate) fn fine(
                 facts.push(Term::new("graspable", [name.clone(), Term::new("place", [])]));
             }
         }
-        if !is_square(&placed.x_ab) {
+        if !placed.is_square() {
             facts.push(Term::new("slanted", [beam]));
         }
     }

@@ -2,11 +2,13 @@
 //!
 //! A rail has its females at fixed places along X, the first rail being the clamped beam. Columns stand between two
 //! rails; from a slot that took a column from below none goes on upwards, so rails are offset like bricks. Some
-//! columns are as long as two storeys and pass through the rail between. Everything goes in straight towards −Y, one
+//! columns are as long as two storeys and pass through the rail between. Every insertion path leads towards −Y, one
 //! rail after the other, so there is always an order.
 
+use super::dice::Dice;
+use super::goal_file::{goal_name, goal_xml};
+use super::request::{GenerateError, Generated, Request};
 use crate::assembly::Class;
-use crate::generate::{Dice, GenerateError, Generated, Request, goal_name, goal_xml};
 use crate::read::read_goal_str;
 use ramp_kit::joint::SOCKET_DEPTH;
 use ramp_kit::{Beam, Joint, JointType, Kit, Link, Side};

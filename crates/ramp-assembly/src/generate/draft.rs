@@ -1,83 +1,22 @@
-//! New goals, as many as asked: random, but always the same for the same seed, and every one of them checked.
-//!
-//! Up to as many beams as the kit has, a goal is grown from the clamped beam: a beam is put where one of its
-//! joints meets one of the others, whatever else meets there is joined too, and what overlaps or cannot be built is
-//! thrown away. Larger ones are frames (`frame`), for which the kit is extended.
+//! A goal grown from the clamped beam: one beam after another where its joints meet those that stand.
 
-use crate::assembly::{Assembly, Class, PlacedBeam};
+use super::dice::Dice;
+use super::goal_file::{goal_name, goal_xml};
+use super::request::{Generated, Request};
+use crate::assembly::{Class, PlacedBeam};
 use crate::check::Solids;
-use crate::frame;
-use crate::pose::Planar;
-use crate::read::{read_goal_str, x_ab};
+use crate::pose::{self, Planar};
+use crate::read::read_goal_str;
 use nalgebra::{Point2, Vector2};
-use ramp_kit::strokes::escape;
 use ramp_kit::{Beam, Kit};
-use rand_core::{Rng, SeedableRng};
-use rand_pcg::Pcg64Mcg;
-use std::collections::HashSet;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::fmt::Write;
 
-/// What is asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Request {
-    /// How many beams, the clamped one included.
-    pub beams: usize,
-    /// Which one of the many.
-    pub seed: u64,
-    /// Of this class only.
-    pub class: Option<Class>,
-}
-
-/// A goal that nobody has thought of.
-#[derive(Clone, Debug)]
-pub struct Generated {
-    /// Its name, for example `hard-6-beams-17`.
-    pub name: String,
-    /// The text of its file.
-    pub goal: String,
-    /// The text of the kit file it is for, where the given kit had too few beams.
-    pub kit: Option<String>,
-    /// The goal, read back and checked.
-    pub assembly: Assembly,
-}
-
-/// Why no goal could be made.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
-#[non_exhaustive]
-pub enum GenerateError {
-    /// A number of beams that makes no goal.
-    #[error("a goal has 2 to {} beams, and {found} were asked for", crate::check::MAX_BEAMS)]
-    Beams {
-        /// How many were asked for.
-        found: usize,
-    },
-    /// No clamped beam to begin with.
-    #[error("the kit has no clamped beam (one without a start) to build a goal on")]
-    NoBase,
-    /// Nothing was found.
-    #[error("found no {}goal of {beams} beams with the seed {seed}", class.map_or(String::new(), |class| format!("{} ", class.name())))]
-    #[diagnostic(help("try another seed, another number of beams, or another class"))]
-    NotFound {
-        /// The number of beams.
-        beams: usize,
-        /// The seed.
-        seed: u64,
-        /// The class.
-        class: Option<Class>,
-    },
-}
-
-/// How often a goal is begun anew before giving up.
-const ATTEMPTS: usize = 4000;
 /// How often a place for one more beam is looked for.
 const TRIES: usize = 60;
 /// The part of the table that the robot builds on, in the assembly frame, m: beams stay within.
 const AREA: [[f64; 2]; 2] = [[-0.150, 0.525], [-0.020, 0.335]];
 /// Holes that are nearer than this are one, m.
 const MEET: f64 = 0.05e-3;
-/// Millimetres in a metre.
-const MM: f64 = 1e3;
 /// A male whose hole is nearer than this to that of a female that it is not joined with is a near miss, m.
 const NEAR_MISS: f64 = 45.0e-3;
 /// A beam that is neither square nor at least this much out of it looks like a mistake, rad.
@@ -85,132 +24,21 @@ const LEAST_ANGLE: f64 = 10.0 * PI / 180.0;
 /// Angles nearer than this are equal, rad.
 const SAME_ANGLE: f64 = 0.01 * PI / 180.0;
 
-/// A new goal.
-///
-/// ```
-/// # let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
-/// use ramp_assembly::{Request, generate};
-/// let kit = ramp_kit::read_kit(&data.join("kit.xml"))?;
-/// let request = Request { beams: 5, seed: 7, class: None };
-/// let made = generate(&kit, request)?;
-/// assert_eq!(made.goal, generate(&kit, request)?.goal);
-/// let goal = ramp_assembly::read_goal_str("new.xml", &made.goal, &kit)?;
-/// assert_eq!(goal.beams.len(), 5);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// A request that makes no sense, or for which nothing was found.
-pub fn generate(kit: &Kit, request: Request) -> Result<Generated, GenerateError> {
-    let Request { beams, seed, class } = request;
-    if !(2..=crate::check::MAX_BEAMS).contains(&beams) {
-        return Err(GenerateError::Beams { found: beams });
-    }
-    let base = kit.beams.iter().position(|beam| beam.start.is_none()).ok_or(GenerateError::NoBase)?;
-    let mut dice = Dice::new(seed);
-    if beams > kit.beams.len() {
-        return frame::frame(kit, base, request, &mut dice);
-    }
-    for _ in 0..ATTEMPTS {
-        let Some(draft) = Draft::grow(kit, base, beams, class, &mut dice) else { continue };
-        let specials = draft.specials();
-        let could_be = match class {
-            None => true,
-            Some(Class::Easy) => specials == 0 && draft.pairs.len() <= 4,
-            Some(Class::Medium) => specials == 1 || (specials == 0 && draft.pairs.len() > 4),
-            Some(Class::Hard) => specials > 1,
-        };
-        if !could_be || (!kit.pegs.is_empty() && draft.pairs.len() > kit.pegs.len()) {
-            continue;
-        }
-        if let Some(made) = draft.finish(kit, request) {
-            return Ok(made);
-        }
-    }
-    Err(GenerateError::NotFound { beams, seed, class })
-}
-
-/// Many goals: those of the seeds from `first.seed` on, each different from all before it, until there are `count`.
-///
-/// # Errors
-/// As [`generate`]; and where the kit has no more goals than were found.
-pub fn generate_many(kit: &Kit, first: Request, count: usize) -> Result<Vec<Generated>, GenerateError> {
-    let mut seen = HashSet::new();
-    let mut goals = Vec::new();
-    let mut request = first;
-    let mut repeats = 0;
-    while goals.len() < count {
-        let made = generate(kit, request)?;
-        if seen.insert(essence(&made.assembly)) {
-            goals.push(made);
-            repeats = 0;
-        } else {
-            repeats += 1;
-        }
-        if repeats > 100 {
-            let Request { beams, seed, class } = request;
-            return Err(GenerateError::NotFound { beams, seed, class });
-        }
-        request.seed = request.seed.wrapping_add(1);
-    }
-    Ok(goals)
-}
-
-/// What makes a goal this one: what is joined with what, and how the beams lie; not names and orders in its file.
-fn essence(assembly: &Assembly) -> Vec<String> {
-    let joined = assembly
-        .connections
-        .iter()
-        .map(|c| format!("{} {}", assembly.joint_name(c.male), assembly.joint_name(c.female)));
-    let lie = assembly.beams.iter().map(|placed| {
-        let at = placed.x_ab.translation.vector.map(|v| (v * MM).round() as i64);
-        let along = placed.x_ab.rotation * nalgebra::Vector3::x();
-        let degrees = along.y.atan2(along.x).to_degrees().round() as i64;
-        format!("{} {} {} {degrees}", placed.beam.name, at.x, at.y)
-    });
-    let mut essence: Vec<String> = joined.chain(lie).collect();
-    essence.sort_unstable();
-    essence
-}
-
-/// Random choices, all from the seed.
-pub(crate) struct Dice(Pcg64Mcg);
-
-impl Dice {
-    fn new(seed: u64) -> Dice {
-        // Neighbouring seeds shall not give similar streams: the generator's own seeding spreads the bits.
-        Dice(Pcg64Mcg::seed_from_u64(seed ^ 0x7261_6d70_2067_6f61))
-    }
-
-    /// A whole number from 0 to `count` − 1; 0 where there is nothing to choose.
-    pub fn below(&mut self, count: usize) -> usize {
-        if count == 0 { 0 } else { (self.0.next_u64() % count as u64) as usize }
-    }
-
-    /// True once in `in_all` times.
-    pub fn once_in(&mut self, in_all: usize) -> bool {
-        self.below(in_all) == 0
-    }
-
-    /// One of these.
-    pub fn choose<'a, T>(&mut self, from: &'a [T]) -> Option<&'a T> {
-        from.get(self.below(from.len()))
-    }
-}
-
 /// A joint of a beam of the draft: index of the beam there, index of the joint.
 type Spot = (usize, usize);
 
-struct Draft<'a> {
+/// A goal that grows.
+pub(super) struct Draft<'a> {
     beams: Vec<&'a Beam>,
     poses: Vec<Planar>,
     placed: Vec<PlacedBeam>,
     /// Female and male.
-    pairs: Vec<(Spot, Spot)>,
+    pub(super) pairs: Vec<(Spot, Spot)>,
 }
 
 impl<'a> Draft<'a> {
-    fn grow(
+    /// Adds beams until there are `count`; `None` where no place for another was found.
+    pub(super) fn grow(
         kit: &'a Kit,
         base: usize,
         count: usize,
@@ -254,7 +82,7 @@ impl<'a> Draft<'a> {
 
     fn push(&mut self, beam: &'a Beam, pose: Planar) {
         let flipped = beam.start.is_some_and(|start| start.flipped);
-        self.placed.push(PlacedBeam { beam: beam.clone(), flipped, x_ab: x_ab(&pose, flipped) });
+        self.placed.push(PlacedBeam { beam: beam.clone(), flipped, x_ab: pose::x_ab(&pose, flipped) });
         self.beams.push(beam);
         self.poses.push(pose);
     }
@@ -268,7 +96,7 @@ impl<'a> Draft<'a> {
                 return false;
             }
         }
-        let out = crate::pose::off_square(pose.yaw).min(crate::pose::off_square(pose.yaw + FRAC_PI_2));
+        let out = pose::off_square(pose.yaw).min(pose::off_square(pose.yaw + FRAC_PI_2));
         let turned = beam.joints.iter().any(|joint| joint.kind.form().turn != 0.0);
         if out > SAME_ANGLE && out < LEAST_ANGLE && !turned {
             return false;
@@ -326,8 +154,8 @@ impl<'a> Draft<'a> {
     fn enters(&self, female: Spot, male: Spot) -> bool {
         let around = &self.beams[female.0].joints[female.1];
         let inside = &self.beams[male.0].joints[male.1];
-        let yaw = self.poses[male.0].yaw + crate::pose::turn(inside.kind, self.placed[male.0].flipped);
-        crate::pose::off_square(yaw - self.poses[female.0].yaw) <= crate::pose::entry_limit(around.kind)
+        let yaw = self.poses[male.0].yaw + pose::turn(inside.kind, self.placed[male.0].flipped);
+        pose::off_square(yaw - self.poses[female.0].yaw) <= pose::entry_limit(around.kind)
     }
 
     /// Every free joint of the beams that stand that could mate with a joint of `kind`.
@@ -351,8 +179,8 @@ impl<'a> Draft<'a> {
         for spot in self.free(joint.kind.is_male()) {
             let other = &self.beams[spot.0].joints[spot.1];
             let flipped = beam.start.is_some_and(|start| start.flipped);
-            let turned = crate::pose::turn(joint.kind, flipped)
-                - crate::pose::turn(other.kind, self.placed[spot.0].flipped);
+            let turned =
+                pose::turn(joint.kind, flipped) - pose::turn(other.kind, self.placed[spot.0].flipped);
             for quarter in [FRAC_PI_2, -FRAC_PI_2] {
                 let yaw = self.poses[spot.0].yaw + quarter - turned;
                 places.push(Planar::with_hole(self.point(spot), joint.offset, yaw));
@@ -371,8 +199,7 @@ impl<'a> Draft<'a> {
                     for q in self.free(b.kind.is_male()).map(|spot| self.point(spot)) {
                         let way: Vector2<f64> = q - p;
                         let yaw = way.y.atan2(way.x);
-                        let square =
-                            crate::pose::off_square(yaw).min(crate::pose::off_square(yaw + FRAC_PI_2));
+                        let square = pose::off_square(yaw).min(pose::off_square(yaw + FRAC_PI_2));
                         if (way.norm() - span).abs() < MEET && square > SAME_ANGLE {
                             places.push(Planar::with_hole(p, a.offset, yaw));
                         }
@@ -403,7 +230,7 @@ impl<'a> Draft<'a> {
             if a_arm.abs() < MEET || b_arm.abs() < MEET {
                 continue;
             }
-            for corner in crate::pose::circles(p, a_arm.abs(), q, b_arm.abs()) {
+            for corner in pose::circles(p, a_arm.abs(), q, b_arm.abs()) {
                 let aim = |from: Point2<f64>, arm: f64, offset: f64| {
                     let way: Vector2<f64> = (corner - from) * arm.signum();
                     Planar::with_hole(from, offset, way.y.atan2(way.x))
@@ -425,17 +252,17 @@ impl<'a> Draft<'a> {
     }
 
     /// As [`Assembly::specials`].
-    fn specials(&self) -> usize {
+    pub(super) fn specials(&self) -> usize {
         let passes = |(_, male): &&(Spot, Spot)| !self.beams[male.0].joints[male.1].kind.is_end();
         let angled = |pose: &&Planar| {
-            let square = crate::pose::off_square(pose.yaw).min(crate::pose::off_square(pose.yaw + FRAC_PI_2));
+            let square = pose::off_square(pose.yaw).min(pose::off_square(pose.yaw + FRAC_PI_2));
             square > 1e-3
         };
         self.pairs.iter().filter(passes).count() + self.poses.iter().filter(angled).count()
     }
 
     /// Writes the goal and reads it back; `None` when the whole check finds something.
-    fn finish(&self, kit: &Kit, request: Request) -> Option<Generated> {
+    pub(super) fn finish(&self, kit: &Kit, request: Request) -> Option<Generated> {
         let class = request.class.unwrap_or(match self.specials() {
             0 if self.pairs.len() <= 4 => Class::Easy,
             0 | 1 => Class::Medium,
@@ -476,41 +303,4 @@ impl<'a> Draft<'a> {
         let pairs: Vec<_> = self.pairs.iter().map(|&(female, male)| [joint(male), joint(female)]).collect();
         goal_xml(name, class, &components, &pairs)
     }
-}
-
-/// The name of a goal that was made.
-pub(crate) fn goal_name(class: Class, request: Request) -> String {
-    format!("{}-{}-beams-{}", class.name(), request.beams, request.seed)
-}
-
-/// The text of a goal file: components as (beam, flipped, yaw in rad), the base first; connections as the male and
-/// the female with their beams.
-pub(crate) fn goal_xml(
-    name: &str,
-    class: Class,
-    components: &[(&str, bool, Option<f64>)],
-    pairs: &[[(&str, &str); 2]],
-) -> String {
-    let mut xml = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-    // Writing to a string does not fail.
-    let _ = writeln!(xml, "<!-- Made by `ramp goals generate`. -->");
-    let _ = writeln!(xml, "<assembly name=\"{name}\" class=\"{}\">", class.name());
-    for (index, (beam, flipped, yaw)) in components.iter().enumerate() {
-        let base = if index == 0 { " base=\"True\"" } else { "" };
-        let flipped = if *flipped { " flipped=\"True\"" } else { "" };
-        let yaw = yaw.map_or(String::new(), |yaw| {
-            format!(" yaw=\"{}\"", (yaw.to_degrees() * 1e6).round() / 1e6 + 0.0)
-        });
-        let _ = writeln!(xml, "  <component beam=\"{}\"{base}{flipped}{yaw}/>", escape(beam));
-    }
-    for (index, pair) in pairs.iter().enumerate() {
-        let _ = writeln!(xml, "  <connection name=\"C{}\">", index + 1);
-        for (beam, joint) in pair {
-            let (beam, joint) = (escape(beam), escape(joint));
-            let _ = writeln!(xml, "    <element component=\"{beam}\" joint=\"{joint}\"/>");
-        }
-        xml.push_str("  </connection>\n");
-    }
-    xml.push_str("</assembly>\n");
-    xml
 }

@@ -1,12 +1,10 @@
-//! What can be proved about an assembly: how well the holes meet, where the beams are closest or overlap, and an
-//! order of straight insertions that builds it.
-//!
-//! Every part is a few upright boxes ([`Block`]), and what they meet on a straight way is known without stepping.
+//! An order of straight insertions: the best one of a small assembly, a good one of a large one.
 
-use crate::assembly::{Assembly, Connection, Insertion, PlacedBeam};
-use crate::block::{Block, LEAST_DISTANCE, MARGIN, MOST_DISTANCE, TOUCH, merge};
+use super::solids::Solids;
+use crate::assembly::{Connection, Insertion, PlacedBeam};
+use crate::block::LEAST_DISTANCE;
+use crate::sweep::{Meeting, clear_distance};
 use nalgebra::{Unit, Vector3};
-use ramp_kit::shape::{Cuboid, Shape, beam_shapes};
 use std::collections::HashMap;
 
 /// The most beams in one goal.
@@ -14,173 +12,6 @@ pub const MAX_BEAMS: usize = 128;
 /// Up to so many beams the best of all orders is found, for which every subset of them may have to be looked at;
 /// with more, one good order.
 const MAX_EXACT: usize = 16;
-
-/// What the geometry of an assembly says.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Report {
-    /// How each connection fits, in the order of the file.
-    pub fits: Vec<Fit>,
-    /// The gap between the two beams that come closest, and their indices, the smaller one first.
-    pub smallest_gap: Option<Gap>,
-    /// Beams that reach into each other.
-    pub overlaps: Vec<Overlap>,
-    /// An order of straight insertions that builds it; `None` when there is none.
-    pub insertions: Option<Vec<Insertion>>,
-}
-
-/// How well a connection fits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fit {
-    /// Distance between the two holes, m.
-    pub residual: f64,
-    /// The smallest gap between the two beams, m; 0 when they touch or overlap.
-    pub gap: f64,
-}
-
-/// The space between two beams.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gap {
-    /// Index of the one.
-    pub first: usize,
-    /// Index of the other.
-    pub second: usize,
-    /// Its width, m.
-    pub width: f64,
-}
-
-/// Two beams that reach into each other.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Overlap {
-    /// Index of the one.
-    pub first: usize,
-    /// Index of the other.
-    pub second: usize,
-    /// By how much, m.
-    pub depth: f64,
-}
-
-/// Looks at the geometry of an assembly once more, from its poses and connections alone.
-///
-/// ```
-/// # use std::path::Path;
-/// # let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
-/// let kit = ramp_kit::read_kit(&data.join("kit.xml"))?;
-/// let goal = ramp_assembly::read_goal(&data.join("goals/easy-3.xml"), &kit)?;
-/// let report = ramp_assembly::report(&goal);
-/// assert!(report.fits.iter().all(|fit| fit.residual < 1e-6 && (fit.gap - 0.3e-3).abs() < 1e-6));
-/// assert!(report.overlaps.is_empty());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn report(assembly: &Assembly) -> Report {
-    let solids = Solids::new(&assembly.beams);
-    let fit = |c: &Connection| Fit {
-        residual: nalgebra::distance(&assembly.p_a_hole(c.male), &assembly.p_a_hole(c.female)),
-        gap: solids.gap(c.male.beam, c.female.beam),
-    };
-    Report {
-        fits: assembly.connections.iter().map(fit).collect(),
-        smallest_gap: solids.smallest_gap(),
-        overlaps: solids.overlaps(),
-        insertions: find_order(&assembly.beams, assembly.base, &assembly.connections).ok(),
-    }
-}
-
-/// The blocks of every beam of an assembly at its place.
-pub(crate) struct Solids {
-    beams: Vec<Vec<Block>>,
-    /// For each beam one block around all of its own.
-    around: Vec<Block>,
-}
-
-impl Solids {
-    pub fn new(beams: &[PlacedBeam]) -> Solids {
-        let blocks = |placed: &PlacedBeam| {
-            beam_shapes(&placed.beam).iter().map(|shape| Block::new(shape, &placed.x_ab)).collect()
-        };
-        let around = |placed: &PlacedBeam| {
-            let bounds = beam_shapes(&placed.beam).into_iter().map(|shape| shape.bounds());
-            let both = |a: Cuboid, b: Cuboid| Cuboid {
-                min: std::array::from_fn(|axis| a.min[axis].min(b.min[axis])),
-                max: std::array::from_fn(|axis| a.max[axis].max(b.max[axis])),
-            };
-            let nothing = Cuboid::new([0.0; 2], [0.0; 2], [0.0; 2]);
-            Block::new(&Shape::Solid(bounds.reduce(both).unwrap_or(nothing)), &placed.x_ab)
-        };
-        Solids { beams: beams.iter().map(blocks).collect(), around: beams.iter().map(around).collect() }
-    }
-
-    fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        (0..self.beams.len())
-            .flat_map(|first| (first + 1..self.beams.len()).map(move |second| (first, second)))
-    }
-
-    fn blocks_of(&self, first: usize, second: usize) -> impl Iterator<Item = (&Block, &Block)> {
-        self.beams[first].iter().flat_map(move |a| self.beams[second].iter().map(move |b| (a, b)))
-    }
-
-    pub fn overlaps(&self) -> Vec<Overlap> {
-        let overlap = |(first, second): (usize, usize)| {
-            let depth =
-                self.blocks_of(first, second).map(|(a, b)| a.depth(b)).fold(f64::NEG_INFINITY, f64::max);
-            (depth > TOUCH).then_some(Overlap { first, second, depth })
-        };
-        let near = |&(first, second): &(usize, usize)| self.around[first].depth(&self.around[second]) > TOUCH;
-        self.pairs().filter(near).filter_map(overlap).collect()
-    }
-
-    /// Does one of the beams reach into another?
-    pub fn overlaps_any(&self, first: usize) -> bool {
-        let into = |second: usize| {
-            self.around[first].depth(&self.around[second]) > TOUCH
-                && self.blocks_of(first, second).any(|(a, b)| a.depth(b) > TOUCH)
-        };
-        (0..self.beams.len()).any(|second| second != first && into(second))
-    }
-
-    fn gap(&self, first: usize, second: usize) -> f64 {
-        self.blocks_of(first, second).map(|(a, b)| a.gap(b)).fold(f64::INFINITY, f64::min)
-    }
-
-    fn smallest_gap(&self) -> Option<Gap> {
-        let mut smallest: Option<Gap> = None;
-        for (first, second) in self.pairs() {
-            let least = self.around[first].gap(&self.around[second]);
-            if smallest.is_some_and(|gap| gap.width <= least) {
-                continue;
-            }
-            let width = self.gap(first, second);
-            if smallest.is_none_or(|gap| width < gap.width) {
-                smallest = Some(Gap { first, second, width });
-            }
-        }
-        smallest
-    }
-
-    /// Where on the way out, `back` being its direction, `moving` meets `standing`.
-    fn way_out(&self, moving: usize, standing: usize, back: &Vector3<f64>) -> WayOut {
-        // Most beams are nowhere near the way.
-        if self.around[moving].meets(&self.around[standing], back, -MARGIN, 4).is_none() {
-            return WayOut::default();
-        }
-        let ranges = |slack: f64, axes: usize| {
-            merge(
-                self.blocks_of(moving, standing).filter_map(|(a, b)| a.meets(b, back, slack, axes)).collect(),
-            )
-        };
-        // From above a beam comes down onto its place, so it is clear as soon as it no longer touches.
-        let vertical = back.z != 0.0;
-        WayOut { hits: ranges(TOUCH, 5), covers: if vertical { Vec::new() } else { ranges(-MARGIN, 4) } }
-    }
-}
-
-/// How a beam that is drawn out meets one that stands: ranges of the distance it has gone, m.
-#[derive(Clone, Debug, Default)]
-struct WayOut {
-    /// They collide.
-    hits: Vec<[f64; 2]>,
-    /// Seen from above, they cover each other.
-    covers: Vec<[f64; 2]>,
-}
 
 /// A set of beams, one bit each.
 type Set = u128;
@@ -207,7 +38,7 @@ fn directions(placed: &PlacedBeam) -> Vec<Unit<Vector3<f64>>> {
     let along = Vector3::new(axis.x, axis.y, 0.0);
     let square = [[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from);
     let own = [-along, along];
-    let mut candidates = if is_square(placed) { [&square[..], &own] } else { [&own[..], &square] }.concat();
+    let mut candidates = if placed.is_square() { [&square[..], &own] } else { [&own[..], &square] }.concat();
     candidates.push(DOWN);
     let candidates = candidates.into_iter().map(Unit::new_normalize);
     let mut kept: Vec<Unit<Vector3<f64>>> = Vec::new();
@@ -217,12 +48,6 @@ fn directions(placed: &PlacedBeam) -> Vec<Unit<Vector3<f64>>> {
         }
     }
     kept
-}
-
-/// Does the beam lie along X or Y?
-fn is_square(placed: &PlacedBeam) -> bool {
-    let along = placed.x_ab.rotation * Vector3::x();
-    along.x.abs() < 1e-6 || along.y.abs() < 1e-6
 }
 
 /// What an insertion costs beyond the plain case; the order with the least total is taken.
@@ -251,11 +76,11 @@ pub(crate) fn find_order(
         .map(|moving| {
             let to = |direction: &Unit<Vector3<f64>>| {
                 let back = -direction.into_inner();
-                let way = |standing| {
+                let way = |standing: usize| {
                     if standing == moving {
-                        WayOut::default()
+                        Meeting::default()
                     } else {
-                        solids.way_out(moving, standing, &back)
+                        solids.all()[moving].meeting(&solids.all()[standing], &back)
                     }
                 };
                 (0..beams.len()).map(way).collect()
@@ -263,7 +88,7 @@ pub(crate) fn find_order(
             directions[moving].iter().map(to).collect()
         })
         .collect();
-    let square = beams.iter().map(is_square).collect();
+    let square = beams.iter().map(PlacedBeam::is_square).collect();
     let mut order = Order { count: beams.len(), square, connections, directions, ways, best: HashMap::new() };
     let all: Set = (0..beams.len()).fold(0, |set, beam| set | bit(beam));
     if beams.len() > MAX_EXACT {
@@ -291,7 +116,7 @@ struct Order<'a> {
     /// For each beam.
     directions: Vec<Vec<Unit<Vector3<f64>>>>,
     /// For each beam, each of its directions, each other beam.
-    ways: Vec<Vec<Vec<WayOut>>>,
+    ways: Vec<Vec<Vec<Meeting>>>,
     /// For each set of standing beams, the least cost to build the rest and the first step; `None` when it cannot
     /// be built.
     best: HashMap<Set, Option<(u32, Insertion)>>,
@@ -336,7 +161,7 @@ impl Order<'_> {
         self.connections.iter().position(|c| c.female.beam == beam || c.male.beam == beam)
     }
 
-    /// The cheapest straight way to put a beam to those that stand.
+    /// The cheapest insertion path for a beam past those that stand.
     fn insertion(&self, beam: usize, standing: Set) -> Option<(u32, Insertion)> {
         let connected = self.connections.iter().any(|c| {
             (c.female.beam == beam && standing & bit(c.male.beam) != 0)
@@ -369,22 +194,10 @@ impl Order<'_> {
         best
     }
 
-    /// The length of the straight way, m: at its start the beam covers none of the standing ones, and on it it
-    /// meets none. `None` when there is no such way.
+    /// The length of the insertion path, m; `None` when there is no clear one.
     fn clear_distance(&self, beam: usize, direction: usize, standing: Set) -> Option<f64> {
-        let ways = |beam: usize| {
-            let others = (0..self.count).filter(move |&other| standing & bit(other) != 0);
-            others.map(move |other| &self.ways[beam][direction][other])
-        };
-        let covers = merge(ways(beam).flat_map(|way| way.covers.iter().copied()).collect());
-        let mut distance = LEAST_DISTANCE;
-        for cover in covers {
-            if cover[0] <= distance && distance < cover[1] {
-                distance = cover[1];
-            }
-        }
-        let free = ways(beam).flat_map(|way| &way.hits).all(|hit| hit[0] >= distance);
-        (free && distance < MOST_DISTANCE).then_some(distance)
+        let others = (0..self.count).filter(|&other| standing & bit(other) != 0);
+        clear_distance(others.map(|other| &self.ways[beam][direction][other]))
     }
 
     /// The beams that are joined with the base through others of the set.
@@ -408,7 +221,7 @@ impl Order<'_> {
     /// the least cost and leaves the others joined with the base. Taking one out never holds another one back, so
     /// this finds an order whenever there is one.
     fn taken_apart(&self, beams: &[PlacedBeam], base: usize, all: Set) -> Result<Vec<Insertion>, Stuck> {
-        // How far out along its way a beam reaches, m.
+        // How far out along its insertion path a beam reaches, m.
         let reach = |insertion: &Insertion| {
             let placed = &beams[insertion.beam];
             let out = |index| -(placed.x_ab * placed.beam.p_b_hole(index)).coords.dot(&insertion.direction);
