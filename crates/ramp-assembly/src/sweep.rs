@@ -94,7 +94,7 @@ impl Solid {
 }
 
 impl Meeting {
-    /// Is the one that stands in the way of the other, by itself?
+    /// Does the one that stands block the other, by itself?
     pub fn blocks(&self) -> bool {
         let distance = first_clear(self.covers.clone());
         self.hits.iter().any(|hit| hit[0] < distance)

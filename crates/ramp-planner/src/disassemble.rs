@@ -19,7 +19,7 @@ use std::fmt::{self, Display};
 pub struct Disassembly {
     /// The steps, in order.
     pub steps: Vec<RemovalStep>,
-    /// How the beams leave their places: each straight back along its way in, in the order of leaving.
+    /// How the beams leave their places: each straight back along its insertion path, in the order of leaving.
     pub exits: Vec<Entry>,
 }
 

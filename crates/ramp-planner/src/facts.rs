@@ -8,7 +8,7 @@ use ramp_action_language::Term;
 use ramp_assembly::{Assembly, JointRef};
 use ramp_kit::JointType;
 
-/// The beams and connections of a goal and the ways to their places: for the order and the coarse domain.
+/// The beams and connections of a goal and the insertion paths of the beams: for the order and the coarse domain.
 pub(crate) fn coarse(assembly: &Assembly, geometry: &Geometry) -> Vec<Term> {
     let mut facts = Vec::new();
     let beam = |index: usize| beam_name(assembly, index);

@@ -89,8 +89,8 @@ impl Planner<'_> {
         Ok((transitions, steps, lower_bound))
     }
 
-    /// Each beam has a straight way in past all that stands by then. The rules know which single beams are in a way;
-    /// where one makes it longer and another one blocks it further out, only both together are.
+    /// Each beam has an insertion path past all that stands by then. The rules know which single beams block a path. Where
+    /// one beam makes the path longer and another one blocks it further out, only both together do.
     fn has_ways(&self, transitions: &[Transition]) -> Result<(), PlanError> {
         for transition in transitions {
             let Some((name @ ("assemble" | "assemble_deep" | "lay_down"), [beam])) =
@@ -106,7 +106,7 @@ impl Planner<'_> {
                 let beam = &self.assembly.beams[index].beam.name;
                 return Err(PlanError::Illegal {
                     goal: self.assembly.name.clone(),
-                    why: format!("{beam} has no straight way to its place past all that stands by then"),
+                    why: format!("{beam} has no insertion path past all that stands by then"),
                     beams: vec![beam.clone()],
                 });
             }

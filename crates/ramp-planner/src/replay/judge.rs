@@ -126,7 +126,7 @@ impl Replayer<'_> {
         Ok(())
     }
 
-    /// Is there a way for what is placed?
+    /// Is there an insertion path for what is placed?
     fn geometry(&self, action: &CoarseAction) -> Check<()> {
         let (beam, laid) = match action {
             CoarseAction::Assemble { beam } | CoarseAction::AssembleDeep { beam } => (beam, false),
@@ -138,7 +138,7 @@ impl Replayer<'_> {
         let (stands, _) = self.planner.standing(&self.state);
         match self.planner.geometry.way(index, &stands, laid) {
             Some(_) => Ok(()),
-            None => Err(format!("no straight way leads {beam} to its place")),
+            None => Err(format!("no insertion path leads {beam} to its place")),
         }
     }
 

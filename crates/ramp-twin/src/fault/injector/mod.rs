@@ -10,8 +10,10 @@ use ramp_kit::Pose;
 use ramp_robot::GripperCommand;
 
 use super::act::{Motion, Obstacle, Progress, Push};
+use super::draws::{Draws, Start};
+use super::kind::FaultKind;
 use super::occasion::{Cell, Watch};
-use super::{Draws, FaultKind, FaultReport, Start};
+use super::spec::FaultReport;
 use crate::twin::{PERIOD, Setup};
 
 type Data = MjData<Arc<MjModel>>;
@@ -46,7 +48,7 @@ enum Action {
     },
     /// A holder is pushed.
     Shift(Push),
-    /// Something is in the way of an insertion.
+    /// An obstacle blocks an insertion.
     Jam(Obstacle),
     /// The cameras repeat their images for so many seconds.
     Frozen {

@@ -1,16 +1,15 @@
-//! Parts in an image: all tags of a part together, what is believed, and what was odd.
+//! One part: from its tags in the image to a pose that can be believed, or to what is odd about it.
 
-use std::collections::BTreeMap;
-
-use nalgebra::{Matrix3, Matrix3x6, Matrix6, Point3, Vector3};
-use ramp_kit::tags::{self, TagPlace};
-use ramp_kit::{Holder, Kit};
-use ramp_robot::{CameraModel, Image, Pose};
-
-use crate::detect::{Detection, TagFinder};
-use crate::edges::{Place, measure};
+use super::lying::Lying;
+use super::sighting::{Oddity, SHEET, SeenPart};
+use super::tags::{corner_points, mean_size, middle_of};
+use crate::detect::Detection;
+use crate::edges::{self, Place, measure};
 use crate::fit::{Both, CORNER_ERROR, Corners, EDGE_ERROR, Edges, Fit, Level, Terms, candidates, fit};
-use crate::image::{Grey, SightError};
+use crate::image::Grey;
+use nalgebra::{Matrix3, Matrix3x6, Matrix6, Point3};
+use ramp_kit::tags::TagPlace;
+use ramp_robot::{CameraModel, Pose};
 
 /// Largest mean residual (root of the mean square) of corners that are believed to be one part, pixels.
 const CORNERS_AGREE: f64 = 1.0;
@@ -40,240 +39,16 @@ const CORNERS_ONLY: f64 = 14.0;
 /// Narrowest tag that is believed, pixels.
 const SMALLEST: f64 = 8.0;
 
-/// What is known of how a part lies, for as long as nothing has touched it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Lying {
-    /// The part.
-    pub part: String,
-    /// Height of its origin in the world, m.
-    pub height: f64,
-    /// Does its z axis point down?
-    pub flipped: bool,
-    /// How sure the height (m) and the level (rad) are, 1 σ. What the camera's calibration leaves open counts too.
-    pub sigma: [f64; 2],
-}
-
-impl Lying {
-    /// How sure heights and levels are with the cameras as they come: 1.5 mm and 0.4°.
-    pub const SIGMA: [f64; 2] = [1.5e-3, 0.007];
-
-    /// All parts as the sheet has them.
-    pub fn at_start(kit: &Kit) -> Vec<Lying> {
-        let beams = kit.beams.iter().map(|beam| Lying {
-            part: beam.name.clone(),
-            height: beam.axis_height_on_table(),
-            flipped: beam.start.is_some_and(|start| start.flipped),
-            sigma: Lying::SIGMA,
-        });
-        let pegs = kit.pegs.iter().map(|peg| Lying {
-            part: peg.name.clone(),
-            height: Holder::HEIGHT,
-            flipped: false,
-            sigma: Lying::SIGMA,
-        });
-        beams.chain(pegs).collect()
-    }
-}
-
-/// A part that was seen, and where.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SeenPart {
-    /// Its name in the kit; `sheet` for the sheet, whose frame is the world.
-    pub part: String,
-    /// Pose of its frame in the world, as far as the camera is where it is said to be.
-    pub x_wp: Pose,
-    /// Covariance of a small shift (m) and then turn (rad) about the part's origin, axes of the world: what noise in
-    /// the image leaves open. The error of the camera's calibration is not in it.
-    pub covariance: Matrix6<f64>,
-    /// The tags it was seen by.
-    pub tags: Vec<u32>,
-    /// Root of the mean square of how far edges are from where this pose has them, pixels.
-    pub pixel_error: f64,
-    /// Distance from the camera to the middle of its tags, m.
-    pub distance: f64,
-    /// Mean length of an edge of its tags in the image, pixels.
-    pub tag_size: f64,
-}
-
-/// Something in an image that is not as it should be. None of it leads to a pose.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Oddity {
-    /// A tag that no part of the kit carries.
-    #[error("tag {id} is on no part of the kit")]
-    UnknownTag {
-        /// Its id.
-        id: u32,
-    },
-    /// Two tags with one id: two parts carry the same one, or one was read wrongly.
-    #[error("tag {id} of {part} is in the image {count} times")]
-    SameTagTwice {
-        /// The id.
-        id: u32,
-        /// The part that should carry it.
-        part: String,
-        /// How often.
-        count: usize,
-    },
-    /// The tags of a part are not where they should be on one and the same part: one sticks on another part.
-    #[error("tags {tags:?} cannot both be on {part}: {pixels:.1} pixels apart from where they should be")]
-    TagsDisagree {
-        /// The part.
-        part: String,
-        /// Its tags in the image.
-        tags: Vec<u32>,
-        /// Root of the mean square of the residuals, pixels.
-        pixels: f64,
-    },
-    /// A single tag that could as well be tilted the other way.
-    #[error("{part} could be tilted either way, {degrees:.0} degrees apart")]
-    Ambiguous {
-        /// The part.
-        part: String,
-        /// Between the two.
-        degrees: f64,
-    },
-    /// A pose that cannot be.
-    #[error("{part} seems to be {height:.3} m high, which cannot be")]
-    Height {
-        /// The part.
-        part: String,
-        /// m.
-        height: f64,
-    },
-    /// Known to lie flat, but seen otherwise.
-    #[error("{part} does not lie as it was left")]
-    NotLying {
-        /// The part.
-        part: String,
-    },
-    /// Edges of its tags that are hidden or not where they should be.
-    #[error("{part} is partly hidden, or tag {id} on it is damaged")]
-    Hidden {
-        /// The part.
-        part: String,
-        /// The tag.
-        id: u32,
-    },
-    /// Too small in the image to be trusted.
-    #[error("{part} is too far away or seen too flatly: its tags are {pixels:.0} pixels wide")]
-    Small {
-        /// The part.
-        part: String,
-        /// The narrowest extent of a tag.
-        pixels: f64,
-    },
-    /// A pose too uncertain to be of use.
-    #[error("where {part} is remains open: {sigma:.4} m")]
-    Vague {
-        /// The part.
-        part: String,
-        /// Standard deviation of its tags' place in the worst direction, m.
-        sigma: f64,
-    },
-}
-
-/// What was seen in one image.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sighting {
-    /// Robot time of the exposure, s.
-    pub time: f64,
-    /// Parts, in the order of the kit, beams before pegs.
-    pub parts: Vec<SeenPart>,
-    /// The sheet, when its own tag is in view; the pose of its frame is the identity when camera and sheet are where
-    /// they should be.
-    pub sheet: Option<SeenPart>,
-    /// All tags that were read, believed or not.
-    pub detections: Vec<Detection>,
-    /// What was odd.
-    pub oddities: Vec<Oddity>,
-}
-
-/// Name of the sheet among the parts.
-pub const SHEET: &str = "sheet";
-
-/// Finds the parts of a kit in images.
-pub struct PartFinder {
-    places: BTreeMap<u32, TagPlace>,
-    order: Vec<String>,
-    tags: TagFinder,
-}
-
-impl PartFinder {
-    /// A finder for a kit.
-    ///
-    /// # Errors
-    /// When the detector does not start.
-    pub fn new(kit: &Kit) -> Result<PartFinder, SightError> {
-        let mut places: BTreeMap<u32, TagPlace> =
-            tags::places(kit).into_iter().map(|place| (place.id, place)).collect();
-        let sheet = TagPlace {
-            id: tags::SHEET_ID,
-            part: SHEET.to_string(),
-            x_pg: tags::x_wg_sheet(kit),
-            edge: kit.sheet.tag_edge,
-        };
-        places.insert(sheet.id, sheet);
-        let beams = kit.beams.iter().map(|beam| beam.name.clone());
-        let order = beams.chain(kit.pegs.iter().map(|peg| peg.name.clone())).collect();
-        Ok(PartFinder { places, order, tags: TagFinder::new(1.0)? })
-    }
-
-    /// Where the tags stick.
-    pub fn places(&self) -> &BTreeMap<u32, TagPlace> {
-        &self.places
-    }
-
-    /// Finds the parts in an image. `camera` is what the robot tells of the camera, and `lying` what is known of parts
-    /// that nothing has touched.
-    ///
-    /// # Errors
-    /// When nothing can be seen in the image at all.
-    pub fn find(
-        &mut self,
-        image: &Image,
-        camera: &CameraModel,
-        lying: &[Lying],
-    ) -> Result<Sighting, SightError> {
-        let grey = Grey::new(image, camera)?;
-        let detections = self.tags.find(&grey)?;
-        let mut sighting = Sighting { time: image.time, ..Sighting::default() };
-        let mut by_part: BTreeMap<&str, Vec<(&TagPlace, &Detection)>> = BTreeMap::new();
-        for detection in &detections {
-            match self.places.get(&detection.id) {
-                Some(place) => by_part.entry(&place.part).or_default().push((place, detection)),
-                None => sighting.oddities.push(Oddity::UnknownTag { id: detection.id }),
-            }
-        }
-        let view = View { grey: &grey, camera, x_wc: camera.x_wc(&image.x_wt) };
-        // The sheet lies on the table, whatever happens.
-        let sheet = Lying { part: SHEET.to_string(), height: 0.0, flipped: false, sigma: Lying::SIGMA };
-        for name in self.order.iter().map(String::as_str).chain([SHEET]) {
-            let Some(seen) = by_part.get(name) else { continue };
-            let lying = lying.iter().chain([&sheet]).find(|lying| lying.part == name);
-            match view.part(name, seen, lying, &mut sighting.oddities) {
-                Some(part) if name == SHEET => sighting.sheet = Some(part),
-                Some(part) => sighting.parts.push(part),
-                None => {}
-            }
-        }
-        sighting.detections = detections;
-        Ok(sighting)
-    }
-}
-
 /// An image and where it was taken from.
-struct View<'a> {
-    grey: &'a Grey,
-    camera: &'a CameraModel,
-    x_wc: Pose,
-}
-
-fn root_mean(cost: f64, count: usize, unit: f64) -> f64 {
-    (cost / count.max(1) as f64).sqrt() * unit
+pub(super) struct View<'a> {
+    pub(super) grey: &'a Grey,
+    pub(super) camera: &'a CameraModel,
+    pub(super) x_wc: Pose,
 }
 
 impl View<'_> {
-    fn part(
+    /// A part from the tags of it that were seen.
+    pub(super) fn part(
         &self,
         name: &str,
         seen: &[(&TagPlace, &Detection)],
@@ -436,7 +211,7 @@ impl View<'_> {
             for (index, (tag, _)) in once.iter().enumerate() {
                 let before = places.len();
                 measure(self.grey, self.camera, tag, &x_cp, 4 * index, &mut places);
-                if ((places.len() - before) as f64) < MEASURED * crate::edges::COUNT as f64 {
+                if ((places.len() - before) as f64) < MEASURED * edges::COUNT as f64 {
                     return Err(tag.id);
                 }
             }
@@ -496,14 +271,8 @@ impl View<'_> {
     }
 }
 
-/// Mean length of the edges of tags in the image, pixels.
-fn mean_size(tags: &[(&TagPlace, &Detection)]) -> f64 {
-    tags.iter().map(|(_, detection)| detection.size()).sum::<f64>() / tags.len() as f64
-}
-
-/// The middle of tags on their part, m.
-fn middle_of(tags: &[(&TagPlace, &Detection)]) -> Vector3<f64> {
-    tags.iter().map(|(place, _)| place.x_pg.translation.vector).sum::<Vector3<f64>>() / tags.len() as f64
+fn root_mean(cost: f64, count: usize, unit: f64) -> f64 {
+    (cost / count.max(1) as f64).sqrt() * unit
 }
 
 /// Tags that are not where a part has them: one alone must be partly hidden.
@@ -525,11 +294,4 @@ fn lies(level: Option<&Level>, x_cp: &Pose, name: &str, oddities: &mut Vec<Oddit
         return None;
     }
     Some(())
-}
-
-/// The corners of a tag's black square on its part, in the order of [`Detection::corners`].
-pub fn corner_points(place: &TagPlace) -> [Point3<f64>; 4] {
-    let half = place.edge / 2.0;
-    [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]]
-        .map(|[x, y]| place.x_pg * Point3::new(half * x, half * y, 0.0))
 }
