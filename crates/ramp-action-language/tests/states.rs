@@ -1,5 +1,8 @@
 //! A small domain carried out: effects, what follows, what stays, and what is forbidden.
 
+// A helper may panic as its test may.
+#![allow(clippy::unwrap_used)]
+
 use ramp_action_language::{Domain, Model, Prospect, Refusal, SourceFile, State, Term, Unrolled};
 
 const ROOMS: &str = "

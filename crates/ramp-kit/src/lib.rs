@@ -1,9 +1,9 @@
 //! The base parts (section III-A of the paper): what the nine beams, the pegs, their holders and the sheet are
 //! made of, read from one file that people may edit.
 //!
-//! Data passes one way: [`read`] turns `data/kit.xml` into a [`Kit`]; [`joint`] holds the dimensions that all
-//! seven joint types share; [`shape`] turns a [`Beam`] or a peg into boxes, plates and noses, from which the
-//! twin takes its collision geometry, `ramp check` its overlaps and the planner its clearances.
+//! Data passes one way: [`read`] turns `data/kit.xml` into a [`Kit`]; [`dimensions`] and [`joint`] say what its printed
+//! parts measure; [`shape`] turns a [`Beam`] or a peg into boxes, plates and noses. The twin takes its collision
+//! geometry from them, `ramp check` its overlaps and the planner its clearances.
 //!
 //! With the feature `export`, [`export()`](export::export) writes all that a lab needs to make the parts: [`solid`]
 //! as STL ([`stl`]) and 3MF ([`threemf`]), [`sheet`], [`guide`] and tag sheets as drawings ([`mod@drawing`]) in SVG
@@ -17,6 +17,7 @@ pub mod beam;
 #[cfg(feature = "export")]
 pub mod bill;
 mod cuboid;
+pub mod dimensions;
 #[cfg(feature = "export")]
 pub mod drawing;
 #[cfg(feature = "export")]
@@ -42,7 +43,8 @@ mod view;
 pub mod write;
 
 pub use beam::{Beam, Holder, Joint, Kit, Link, Peg, Sheet, StartPose};
-pub use joint::{Dimensions, JointForm, JointType, Side};
+pub use dimensions::Dimensions;
+pub use joint::{JointForm, JointType, Side};
 pub use pose::Pose;
 pub use ramp_source as source;
 pub use read::{KitError, KitProblem, read_kit, read_kit_str};

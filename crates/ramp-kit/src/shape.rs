@@ -4,10 +4,11 @@
 //! one [`Shape::Plate`], which whoever needs contact turns into boxes around the circle.
 
 use crate::beam::{Beam, Joint};
-use crate::joint::{
-    BODY_WIDTH, EXTRUSION, FEET, FEMALE_HEIGHT, HEAD_HEIGHT, HEAD_WIDTH, JointType, MALE_CHAMFER, MALE_TIP,
-    TAG_PLATE, WALL,
+use crate::dimensions::{
+    BODY_WIDTH, EXTRUSION, FEET, FEMALE_HEIGHT, HEAD_HEIGHT, HEAD_WIDTH, MALE_CHAMFER, MALE_TIP, TAG_PLATE,
+    WALL,
 };
+use crate::joint::JointType;
 
 pub use crate::cuboid::Cuboid;
 
@@ -16,7 +17,7 @@ pub use crate::cuboid::Cuboid;
 pub enum Shape {
     /// A plain box of printed plastic or aluminium.
     Solid(Cuboid),
-    /// A box with a vertical round hole of [`crate::joint::HOLE_RADIUS`] through it, at `hole` (x, y).
+    /// A box with a vertical round hole of [`crate::dimensions::HOLE_RADIUS`] through it, at `hole` (x, y).
     Plate {
         /// Its outside.
         cuboid: Cuboid,

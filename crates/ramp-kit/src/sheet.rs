@@ -5,8 +5,8 @@
 //! into its outline is where the kit file says.
 
 use crate::beam::{Beam, Holder, Kit, Link, StartPose};
+use crate::dimensions::HOLE_RADIUS;
 use crate::drawing::{A4, BLACK, Drawing, GREY, Pen, RED, WHITE};
-use crate::joint::HOLE_RADIUS;
 use crate::solid::{self, Solid, SolidError};
 use crate::strokes::{self, Align};
 use crate::tags;

@@ -48,7 +48,7 @@ use self::part::{read_dimensions, read_part};
 use self::peg::read_peg;
 use self::problem::{Node, Result};
 use crate::beam::{Holder, Kit, Sheet};
-use crate::joint::Dimensions;
+use crate::dimensions::Dimensions;
 use ramp_source::{SourceFile, parse_xml};
 use std::collections::HashMap;
 use std::ops::RangeInclusive;

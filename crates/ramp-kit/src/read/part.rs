@@ -2,7 +2,8 @@
 
 use super::measure::MM;
 use super::problem::{KitError, KitProblem, Node, Result, Text};
-use crate::joint::{Dimensions, JointForm, JointType, MALE_TIP, STEM_RADIUS, WALL};
+use crate::dimensions::{Dimensions, MALE_TIP, STEM_RADIUS, WALL};
+use crate::joint::{JointForm, JointType};
 use std::ops::RangeInclusive;
 
 /// Walls that a printer can lay and that carry, mm.

@@ -3,7 +3,7 @@
 use super::body::{CIRCLE, MM, Solid, SolidError, arc};
 use super::joint::joint;
 use crate::beam::Beam;
-use crate::joint::Dimensions;
+use crate::dimensions::Dimensions;
 use std::f64::consts::PI;
 
 /// A part of a beam at its place.

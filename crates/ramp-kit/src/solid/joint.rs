@@ -1,9 +1,8 @@
 //! The printed joints of each type.
 
 use super::body::{MM, PAST, Solid, SolidError};
-use crate::joint::{
-    Dimensions, FEET, JointForm, JointType, MALE_CHAMFER, MALE_TIP, SCREW, TAG_PLATE, TAG_RECESS,
-};
+use crate::dimensions::{Dimensions, FEET, MALE_CHAMFER, MALE_TIP, SCREW, TAG_PLATE, TAG_RECESS};
+use crate::joint::{JointForm, JointType};
 
 /// A joint: the origin is on the axis of its peg hole at the underside of its body, y along the beam, z up.
 ///

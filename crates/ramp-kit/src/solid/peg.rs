@@ -2,7 +2,7 @@
 
 use super::body::{MM, PAST, Solid, SolidError, arc, ball};
 use crate::beam::Holder;
-use crate::joint::{Dimensions, HEAD_HEIGHT, HEAD_WIDTH, STEM_CONE, STEM_RADIUS, STEM_TIP_RADIUS};
+use crate::dimensions::{Dimensions, HEAD_HEIGHT, HEAD_WIDTH, STEM_CONE, STEM_RADIUS, STEM_TIP_RADIUS};
 use std::f64::consts::PI;
 
 /// A peg; z = 0 is the underside of its head, the stem points down.

@@ -1,7 +1,7 @@
 //! The printed parts around the kit: the fingertips of the gripper, and the clamp of the fixed beam.
 
 use super::body::{MM, PAST, Solid, SolidError};
-use crate::joint::Dimensions;
+use crate::dimensions::Dimensions;
 use std::f64::consts::PI;
 
 /// A fingertip: x across the finger, y the way it closes, z up to the hand; the origin is the point between the
