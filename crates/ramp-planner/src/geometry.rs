@@ -12,7 +12,7 @@ use ramp_kit::shape::{Cuboid, Shape, beam_shapes, peg_head};
 use ramp_kit::{Holder, Kit, Link};
 use std::collections::HashMap;
 
-/// How much further than it must a beam is pushed back, m: the arm's error, seen from both sides.
+/// A beam is pushed back this much further than it must be, m: it covers the arm's error on both sides.
 const SHUTTLE_MARGIN: f64 = 5.0e-3;
 /// How much of a male's section must stay in its female while it is pushed back, m.
 const SHOULDER: f64 = 2.0e-3;
@@ -24,8 +24,8 @@ const ROOM: f64 = 5.0e-3;
 const RADIUS: f64 = 0.78;
 /// Where a finger is when it lets go, m: across the beam, and up from its axis.
 const FINGERS: [[[f64; 2]; 2]; 1] = [[[11.0e-3, 30.0e-3], [-2.0e-3, 60.0e-3]]];
-/// Where a finger comes down beside a beam on the sheet, likewise, with room for how far the parts may lie off their
-/// outlines: the fingertip, and what carries it.
+/// Where the fingertip and its carrier come down beside a beam on the sheet, m: across the beam, and up from its axis.
+/// This includes room for parts that lie off their outlines.
 const OPEN_FINGERS: [[[f64; 2]; 2]; 2] =
     [[[11.0e-3, 32.0e-3], [-2.0e-3, 38.0e-3]], [[24.0e-3, 42.0e-3], [36.0e-3, 55.0e-3]]];
 
@@ -38,7 +38,7 @@ pub(crate) struct Way {
     pub direction: Vector3<f64>,
 }
 
-/// The way from above.
+/// The insertion path from above.
 pub(crate) const DOWN: &str = "down";
 
 /// A beam that can be pushed back through an open joint until another one can be put on.
@@ -56,12 +56,12 @@ pub(crate) struct Geometry<'a> {
     kit: &'a Kit,
     solids: Vec<Solid>,
     pub ways: Vec<Vec<Way>>,
-    /// By beam and way: the beams that are near it, with where they meet.
+    /// By beam and path: the beams that are near it, and where they meet.
     obstacles: Vec<Vec<HashMap<usize, Obstacle>>>,
     pub shuttles: Vec<Shuttle>,
 }
 
-/// How a beam on its way out meets one that stands.
+/// How a beam that is drawn out meets one that stands.
 #[derive(Clone, Debug, Default)]
 struct Obstacle {
     meeting: Meeting,
@@ -102,7 +102,7 @@ impl<'a> Geometry<'a> {
         Obstacle { meeting, handless }
     }
 
-    /// Must every link of a beam go through a joint of the other one on this way?
+    /// Must every link of a beam go through a joint of the other one on this path?
     fn handless(&self, beam: usize, other: usize, way: &Way) -> bool {
         let placed = &self.assembly.beams[beam];
         let holes: Vec<Point3<f64>> = self
@@ -119,7 +119,7 @@ impl<'a> Geometry<'a> {
         !holes.is_empty() && !placed.beam.links.iter().any(behind)
     }
 
-    /// Which beams block a way of a beam, each by itself.
+    /// Which beams block a path of a beam, each by itself.
     pub(crate) fn blocked(&self, beam: usize, way: usize) -> Vec<usize> {
         let blocks = |obstacle: &Obstacle| obstacle.handless || obstacle.meeting.blocks();
         let obstacles = self.obstacles[beam][way].iter();
@@ -130,7 +130,7 @@ impl<'a> Geometry<'a> {
     }
 
     /// The length of the straight motion with which a beam gets to its place while others stand, m; `None` when
-    /// something blocks this way.
+    /// something blocks this path.
     pub(crate) fn distance(&self, beam: usize, way: usize, stands: &[bool]) -> Option<f64> {
         let near = self.obstacles[beam][way].iter().filter(|(other, _)| stands[**other]).map(|(_, o)| o);
         if near.clone().any(|obstacle| obstacle.handless) {
@@ -139,7 +139,8 @@ impl<'a> Geometry<'a> {
         clear_distance(near.map(|obstacle| &obstacle.meeting))
     }
 
-    /// The way that a beam takes while others stand: that of the proven order if it is free, else the first one.
+    /// The insertion path of a beam while others stand, with its length, m: that of the proven order if it is clear, else
+    /// the first clear one. `laid` prefers the path from above.
     pub(crate) fn way(&self, beam: usize, stands: &[bool], laid: bool) -> Option<(&Way, f64)> {
         let proven = self.assembly.insertions.iter().find(|insertion| insertion.beam == beam);
         let usual = |way: &Way| proven.is_some_and(|i| i.direction.dot(&way.direction) > 1.0 - 1e-6);
@@ -179,7 +180,7 @@ impl<'a> Geometry<'a> {
         shuttles
     }
 
-    /// How far a beam must be pushed back to be out of another one's way, m; `None` when it cannot be.
+    /// How far a beam must be pushed back to clear another one, m; `None` when it cannot be.
     fn depth(&self, beam: usize, cap: usize, through: &Connection, back: &Vector3<f64>) -> Option<f64> {
         let covers = self.solids[beam].ranges(&self.solids[cap], back, 0.0, FROM_ABOVE);
         let depth = covers.first().filter(|cover| cover[0] <= 0.0)?[1] + SHUTTLE_MARGIN;
@@ -199,8 +200,8 @@ impl<'a> Geometry<'a> {
 
     // ---- Held -------------------------------------------------------------------------------------------------
 
-    /// Can a hand hold a link where the beam starts? A beam without a place on the sheet is one for planners alone:
-    /// of it, only its own shape is judged, not how far an arm reaches.
+    /// Can a hand hold a link where the beam starts? Of a beam without a place on the sheet only the shape counts: no arm
+    /// has to reach it.
     pub(crate) fn graspable_at_start(&self, beam: usize, link: &Link) -> bool {
         let beam = &self.assembly.beams[beam].beam;
         let Some(x_wb) = self.kit.x_wb_start(beam) else { return usable(link) };

@@ -1,6 +1,6 @@
 //! The task planner (section IV-A of the paper): an [`Assembly`](ramp_assembly::Assembly) and a [`State`] go in, a
-//! [`Plan`] at two resolutions comes out. Rules are two domains in an action [`language`] and a program for the
-//! order, all in `data/domains`; clingo solves them inside the process.
+//! [`Plan`] at two resolutions comes out. The rules are two domains in the action [`language`](ramp_action_language)
+//! and a program for the order, all in `data/domains`. clingo solves them inside the process (`solver`).
 //!
 //! Data passes one way, through the three rule files of [`Domains`]:
 //!
@@ -9,7 +9,7 @@
 //! 3. `fine.al` looks at one coarse action at a time and finds the fine actions for it: places, grasp, joints.
 //!
 //! [`plan()`] tells each level what it must know as ground facts (`facts`, from the assembly's `geometry`) and
-//! carries its answer on to the next; a level that finds no answer gets another question.
+//! carries its answer on to the next. A level that finds no answer asks the one above for another decision.
 
 mod answer;
 mod diagnosis;

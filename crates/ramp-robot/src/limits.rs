@@ -1,5 +1,5 @@
-//! The largest numbers that a command may hold. What is beyond them is no way to drive this arm and ends the episode;
-//! they lie well above what the arm can do, so that no agent meets them by accident.
+//! The largest numbers that a command may hold. A command beyond them ends the episode. They lie
+//! well above what the arm can do, so that no agent meets them by accident.
 
 use crate::command::{ArmCommand, Command};
 use crate::error::RobotError;

@@ -2,7 +2,7 @@
 //!
 //! Up to as many beams as the kit has, a goal is grown from the clamped beam: a beam is put where one of its
 //! joints meets one of the others, whatever else meets there is joined too, and what overlaps or cannot be built is
-//! thrown away. Larger ones are frames (`frame`), for which the kit is extended.
+//! discarded. Larger ones are frames (`frame`), for which the kit is extended.
 //!
 //! `draft` grows a goal and `frame` builds one, each with the `dice` of the seed; `goal_file` writes it down, and it is
 //! read back like any other.

@@ -8,13 +8,13 @@ use crate::check::MAX_BEAMS;
 pub struct Request {
     /// How many beams, the clamped one included.
     pub beams: usize,
-    /// Which one of the many.
+    /// Every seed gives another goal, and always the same one.
     pub seed: u64,
     /// Of this class only.
     pub class: Option<Class>,
 }
 
-/// A goal that nobody has thought of.
+/// A generated goal.
 #[derive(Clone, Debug)]
 pub struct Generated {
     /// Its name, for example `hard-6-beams-17`.

@@ -50,7 +50,7 @@ pub fn plan(assembly: &Assembly, kit: &Kit, state: &State, domains: &Domains) ->
     plan_with(assembly, kit, state, domains, Options::default())
 }
 
-/// The same, searched in another way.
+/// The same with other [`Options`].
 ///
 /// # Errors
 /// As [`plan`].

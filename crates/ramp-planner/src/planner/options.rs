@@ -5,9 +5,9 @@
 pub struct Options {
     /// Prove that no plan has fewer coarse actions; takes much longer.
     pub optimal: bool,
-    /// Look at no more of the goal at a time than what matters there.
+    /// Plan each task on the part of the goal around it.
     pub zoom: bool,
-    /// Find the fine actions, too.
+    /// Find the fine actions too.
     pub fine: bool,
 }
 

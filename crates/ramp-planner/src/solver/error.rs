@@ -1,8 +1,8 @@
-//! Why the solver came to no end.
+//! Why a call of the solver did not finish.
 
 use clingo::ClingoError;
 
-/// Why a call came to no end.
+/// Why a call did not finish.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum SolveError {
     /// clingo reports an error.

@@ -17,7 +17,7 @@ pub(super) const TABLE_TOP: u8 = 1;
 pub(super) const PAPER: u8 = 2;
 pub(super) const FLOOR: u8 = 3;
 pub(super) const WALL: u8 = 4;
-/// The place of what does not look down at the table at all.
+/// The place of a pixel that does not look down at the table.
 pub(super) const ABOVE: f32 = 1e9;
 
 /// Columns and rows of the shadow map.

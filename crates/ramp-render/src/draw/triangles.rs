@@ -134,7 +134,7 @@ impl Edge {
     #[inline]
     fn new(at: f32, step: f32) -> Edge {
         let fixed = |value: f32| {
-            // Two comparisons without a thought for what is no number.
+            // Two comparisons; a NaN becomes the limit.
             let value = if value < Self::OUTSIDE { value } else { Self::OUTSIDE };
             let value = if value > -Self::OUTSIDE { value } else { -Self::OUTSIDE };
             (value * (1i64 << Self::BITS) as f32) as i64
@@ -155,7 +155,7 @@ impl Edge {
 #[inline]
 fn floor(value: f32) -> i32 {
     const SHIFT: i32 = 4096;
-    // Two comparisons without a thought for what is no number: that becomes the limit.
+    // Two comparisons; a NaN becomes the limit.
     let value = if value < 4000.0 { value } else { 4000.0 };
     let value = if value > -4000.0 { value } else { -4000.0 };
     (value + SHIFT as f32) as i32 - SHIFT
