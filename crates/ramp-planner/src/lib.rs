@@ -1,6 +1,6 @@
 //! The task planner (section IV-A of the paper): an [`Assembly`](ramp_assembly::Assembly) and a [`State`] go in, a
-//! [`Plan`] at two resolutions comes out. The rules are two domains in the action [`language`](ramp_action_language)
-//! and a program for the order, all in `data/domains`. clingo solves them inside the process (`solver`).
+//! [`Plan`] at two resolutions comes out. The rules are two domains in the action [`language`] and
+//! a program for the order, all in `data/domains`. clingo solves them inside the process (`solver`).
 //!
 //! Data passes one way, through the three rule files of [`Domains`]:
 //!

@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 use ramp_kit::Pose;
 
-use super::{Action, Data, Injector};
+use super::state::{Action, Data, Injector};
 use crate::fault::act::{Motion, Obstacle, Progress, Push, Strength};
 use crate::fault::kind::FaultKind;
 use crate::fault::occasion::Occasion;
