@@ -34,7 +34,7 @@ pub enum RobotError {
         /// Which part of the command.
         what: &'static str,
     },
-    /// A command holds a number beyond [`limits`].
+    /// A command holds a number beyond the [`limits`](crate::limits).
     #[error("the command's {what} is {value:e}, and {limit} {unit} is the most there is")]
     TooMuch {
         /// Which part of the command.
