@@ -1,3 +1,4 @@
 # Files of clingo that do not go together with others in one. They are named when all targets are known.
 cmake_language(DEFER CALL set_property SOURCE libgringo/src/input/literals.cc TARGET_DIRECTORY libgringo
     PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)
+cmake_language(DEFER CALL set_property TARGET libclingo PROPERTY UNITY_BUILD OFF)

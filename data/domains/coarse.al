@@ -20,7 +20,7 @@ static enters(beam, beam).               % a male of the first goes into a femal
 static passes(beam, beam).               % the first goes through the second, and out on the other side
 static tight(connection).                % its female lets the male turn by no more than its play, 1.3 degrees
 static low(beam).                        % lies lower on the table than in the assembly: all its joints are males
-static entry(beam, way).                 % a straight way to the beam's place
+static entry(beam, way).                 % a straight insertion path to the beam's place
 static blocked(beam, way, beam).         % the last one, at its place, is in this way
 static shuttle(beam, beam).              % the first, pushed back through an open joint, lets the second be put on
 static can_shuttle(beam).

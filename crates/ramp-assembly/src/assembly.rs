@@ -83,8 +83,16 @@ pub struct Insertion {
     pub beam: usize,
     /// Direction of the motion in the assembly frame.
     pub direction: Unit<Vector3<f64>>,
-    /// Length of the straight motion that ends at the beam's place, m: from here on nothing is in the way.
+    /// Length of the straight motion that ends at the beam's place, m: it is free from its start to the place.
     pub distance: f64,
+}
+
+impl PlacedBeam {
+    /// Does it lie along X or Y?
+    pub fn is_square(&self) -> bool {
+        let along = self.x_ab.rotation * Vector3::x();
+        along.x.abs() < 1e-6 || along.y.abs() < 1e-6
+    }
 }
 
 impl Assembly {

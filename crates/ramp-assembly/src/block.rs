@@ -1,6 +1,6 @@
 //! Upright boxes, and where they meet when one of them slides past another on a straight line.
 //!
-//! Every part is a few of them ([`ramp_kit::shape`]), turned about Z only. The stretches of the way on which two of them
+//! Every part is a few of them ([`ramp_kit::shape`]), turned about Z only. The stretches of the path on which two of them
 //! overlap follow from the separating axis test without stepping, so nothing can slip through between two steps.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector2, Vector3};
@@ -15,6 +15,11 @@ pub const LEAST_DISTANCE: f64 = 60.0e-3;
 pub const MOST_DISTANCE: f64 = 1.0;
 /// Room around a beam, seen from above, where its straight motion begins, m: there it can be lowered.
 pub const MARGIN: f64 = 5.0e-3;
+
+/// The separating axes that say whether two boxes cover each other seen from above, for [`Block::meets`].
+pub const FROM_ABOVE: usize = 4;
+/// All separating axes, for [`Block::meets`].
+pub const ALL_AXES: usize = 5;
 
 /// An upright box: a rectangle of the plane, turned by some yaw, from one height to another.
 #[derive(Clone, Copy, Debug)]
@@ -85,7 +90,7 @@ impl Block {
     }
 
     /// The range of t > 0 in which `self`, moved by t along `shift`, reaches deeper than `slack` into `other`; the
-    /// first `axes` of the separating axes count, so 4 means seen from above.
+    /// first `axes` of the separating axes count: [`ALL_AXES`] or [`FROM_ABOVE`].
     pub fn meets(&self, other: &Block, shift: &Vector3<f64>, slack: f64, axes: usize) -> Option<[f64; 2]> {
         let mut range = [0.0f64, MOST_DISTANCE];
         for (between, rate, touch) in self.axes_to(other, shift).into_iter().take(axes) {

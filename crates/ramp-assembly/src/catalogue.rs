@@ -1,6 +1,7 @@
 //! The goals in a folder, by name.
 
-use ramp_kit::source::nearest;
+use crate::assembly::Class;
+use ramp_source::{nearest, shorten};
 use std::path::Path;
 
 /// The names of the goals in a folder: its `.xml` files without their ending, easy ones first, each class in order.
@@ -26,11 +27,11 @@ pub fn in_order(mut names: Vec<String>) -> Vec<String> {
 
 /// Class first, then the name with a number at its end counted as one: easy-2 comes before easy-10.
 fn sort_key(name: &str) -> (usize, String, u64, String) {
-    let class = crate::Class::ALL.iter().position(|class| name.starts_with(class.name()));
+    let class = Class::ALL.iter().position(|class| name.starts_with(class.name()));
     let digits = name.len() - name.bytes().rev().take_while(u8::is_ascii_digit).count();
     let (word, number) = name.split_at(digits);
     let number = number.parse().unwrap_or(0);
-    (class.unwrap_or(crate::Class::ALL.len()), word.to_string(), number, name.to_string())
+    (class.unwrap_or(Class::ALL.len()), word.to_string(), number, name.to_string())
 }
 
 /// There is no goal of that name.
@@ -56,5 +57,5 @@ pub fn check_known(name: &str, names: &[String], place: &str) -> Result<(), Unkn
     }
     let near = nearest(name, names.iter().map(String::as_str)).map(|near| format!("did you mean `{near}`?"));
     let list = (!names.is_empty()).then(|| format!("the goals are {}", names.join(", ")));
-    Err(UnknownGoal { name: ramp_kit::source::shorten(name), place: place.to_string(), help: near.or(list) })
+    Err(UnknownGoal { name: shorten(name), place: place.to_string(), help: near.or(list) })
 }

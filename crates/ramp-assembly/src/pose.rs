@@ -12,9 +12,9 @@
 //! meet or when a male would enter a female at an angle that does not fit. It does not go back when beams overlap:
 //! a beam printed as the mirror image of the right one shall be an error, not another assembly.
 
-use nalgebra::{Point2, Rotation2, Vector2};
-use ramp_kit::joint::BODY_WIDTH;
-use ramp_kit::{Beam, JointType};
+use nalgebra::{Point2, Rotation2, Translation3, UnitQuaternion, Vector2, Vector3};
+use ramp_kit::joint::{AXIS_HEIGHT, BODY_WIDTH};
+use ramp_kit::{Beam, JointType, Pose};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// How far the holes of a connection may be apart, m: half of what a peg with 0.25 mm of play in each can bridge.
@@ -355,4 +355,14 @@ pub(crate) fn entry_limit(kind: JointType) -> f64 {
 /// How far two beams are from a right angle, rad, from 0 to 90°.
 pub(crate) fn off_square(between: f64) -> f64 {
     (between.rem_euclid(PI) - FRAC_PI_2).abs()
+}
+
+/// The pose of a beam in the assembly frame: flipped about its own axis first, then turned, at assembled height.
+pub(crate) fn x_ab(pose: &Planar, flipped: bool) -> Pose {
+    let roll = if flipped { std::f64::consts::PI } else { 0.0 };
+    Pose::from_parts(
+        Translation3::new(pose.at.x, pose.at.y, AXIS_HEIGHT),
+        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), pose.yaw)
+            * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), roll),
+    )
 }

@@ -1,8 +1,9 @@
 //! The kit as data: beams with their joints and links, pegs, holders, and where each lies on the sheet.
 
-use crate::Pose;
-use crate::joint::{AXIS_HEIGHT, AXIS_HEIGHT_LYING, Dimensions, JointType, Side};
-use crate::shape::Cuboid;
+use crate::cuboid::Cuboid;
+use crate::dimensions::{AXIS_HEIGHT, AXIS_HEIGHT_LYING, Dimensions};
+use crate::joint::{JointType, Side};
+use crate::pose::Pose;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 
 /// Everything on the table at the start of an episode.
@@ -194,7 +195,8 @@ impl Beam {
     /// Mass, kg: printed joints in solid PLA and the extrusions.
     pub fn mass(&self) -> f64 {
         let printed: f64 = self.joints.iter().map(|joint| joint.kind.mass()).sum();
-        let extruded: f64 = self.links.iter().map(|link| link.length * crate::joint::EXTRUSION_MASS).sum();
+        let extruded: f64 =
+            self.links.iter().map(|link| link.length * crate::dimensions::EXTRUSION_MASS).sum();
         printed + extruded
     }
 

@@ -1,7 +1,8 @@
 //! What a lab has to print, buy and saw.
 
 use crate::beam::Kit;
-use crate::joint::{EXTRUSION_MASS, JointType, PLA_DENSITY};
+use crate::dimensions::{EXTRUSION_MASS, PLA_DENSITY};
+use crate::joint::JointType;
 use crate::solid::{self, Solid, SolidError};
 use std::fmt::Write;
 

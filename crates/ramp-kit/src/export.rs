@@ -4,11 +4,12 @@
 //! ours and what was in them. A file that somebody changed or put there is kept, and the export refused, unless it
 //! is forced.
 
+use crate::beam::Kit;
 use crate::bill::{self, Printed};
 use crate::drawing::{self, Drawing};
 use crate::solid::{self, SolidError};
 use crate::threemf::Item;
-use crate::{Kit, guide, sheet, stl, threemf};
+use crate::{guide, sheet, stl, threemf};
 use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -3,11 +3,12 @@
 use crate::beam::{Beam, Joint, Kit};
 use crate::bill::length_words;
 use crate::drawing::{A4, BLACK, Drawing, GREY, PALE, Pen, RED, WHITE};
+use crate::joint::Side;
 use crate::sheet::draw_tag;
 use crate::solid::{self, Mesh, SolidError};
 use crate::strokes::{self, Align};
+use crate::tags;
 use crate::view::View;
-use crate::{Side, tags};
 use nalgebra::Vector2;
 
 /// Millimetres in a metre.

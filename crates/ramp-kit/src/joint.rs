@@ -1,111 +1,20 @@
-//! The printed joint types and the few numbers they are all made from.
+//! The printed joint types.
 //!
-//! Four numbers fix every cross-section ([`Dimensions`]); a joint type is one row of a table ([`JointForm`]): what
-//! it does and how long it is. The seven types of the benchmark are [`FORMS`]; a kit file may add more. Measured on
-//! the published release; the table stands in the documentation of the parts.
+//! A joint type is one row of a table ([`JointForm`]): what it does and how long it is. Everything else follows from the
+//! [`Dimensions`]. The seven types of the benchmark are [`FORMS`]; a kit file may add more.
 
+pub use crate::dimensions::{
+    AXIS_HEIGHT, AXIS_HEIGHT_LYING, BODY_WIDTH, CLEARANCE, Dimensions, EXTRUSION, EXTRUSION_MASS,
+    FEMALE_HEIGHT, HEAD_HEIGHT, HEAD_ROUNDING, HEAD_WIDTH, HOLE_RADIUS, MALE_CHAMFER, MALE_TIP, PLA_DENSITY,
+    SOCKET_DEPTH, STEM_CONE, STEM_LENGTH, STEM_RADIUS, STEM_TIP_RADIUS, TAG_PLATE, TAG_RECESS, WALL,
+};
+use crate::dimensions::{FEET, SCREW};
 use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
 use std::sync::{Mutex, PoisonError};
 
-/// Width of a joint across the beam, m: a male end and the necks of a female.
-pub const BODY_WIDTH: f64 = 26.6e-3;
-/// Height of a female's head, m; also the height of the top plate that a seated peg's head rests on.
-pub const FEMALE_HEIGHT: f64 = 33.2e-3;
-/// Thickness of every printed wall and plate, m.
-pub const WALL: f64 = 3.0e-3;
-/// Gap on each side between a male and the female around it, m.
-pub const CLEARANCE: f64 = 0.3e-3;
-/// Edge of the square aluminium extrusion, m.
-pub const EXTRUSION: f64 = 20.0e-3;
-/// Radius of every peg hole, m.
-pub const HOLE_RADIUS: f64 = 4.2e-3;
-/// Radius of a peg's stem, m.
-pub const STEM_RADIUS: f64 = 3.95e-3;
-/// Length of a peg's stem, from the underside of the head to the tip, m.
-pub const STEM_LENGTH: f64 = 33.2e-3;
-/// Length of the cone at the end of the stem, m.
-pub const STEM_CONE: f64 = 3.0e-3;
-/// Radius of the flat end of that cone, m.
-pub const STEM_TIP_RADIUS: f64 = 2.45e-3;
-/// Edge of the square head of a peg, m.
-pub const HEAD_WIDTH: f64 = 29.0e-3;
-/// Height of the head of a peg, m.
-pub const HEAD_HEIGHT: f64 = 24.0e-3;
-/// Radius of the rounding of all edges of the head of a peg, m.
-pub const HEAD_ROUNDING: f64 = 1.0e-3;
-/// How far a male end reaches past its hole, m.
-pub const MALE_TIP: f64 = 10.0e-3;
-/// Chamfer on the four edges of a male's tip, m.
-pub const MALE_CHAMFER: f64 = 1.5e-3;
-/// Height of a beam's axis over the table when its females (or feet) stand on it, m.
-pub const AXIS_HEIGHT: f64 = 16.6e-3;
-/// Height of the axis of a beam that lies on its male joints, m.
-pub const AXIS_HEIGHT_LYING: f64 = 13.3e-3;
-/// Depth at which the extrusion sits in its socket, m.
-pub const SOCKET_DEPTH: f64 = 20.0e-3;
-/// Density of printed PLA, kg/m³.
-pub const PLA_DENSITY: f64 = 1240.0;
-/// Mass of one metre of extrusion, kg/m: 184.1 mm² of aluminium.
-pub const EXTRUSION_MASS: f64 = 0.497;
-
-/// How far a male end's socket section is followed by its tag plate, m.
-pub const TAG_PLATE: f64 = 27.05e-3;
-/// Edge of the square recess for a tag's sticker, m.
-pub const TAG_RECESS: f64 = 25.5e-3;
-/// Depth of the countersink and of the whole screw hole in a socket's wall, and the radii at the outer face and
-/// behind the 90° cone, m.
-pub(crate) const SCREW: ScrewHole = ScrewHole { cone: 2.85e-3, outer: 5.6e-3, inner: 2.75e-3 };
-/// The two feet of a male end: how far from the axis, and how far back from the hole, m.
-pub(crate) const FEET: [[f64; 2]; 2] = [[6.3e-3, 9.8e-3], [-25.6e-3, -20.6e-3]];
-
-pub(crate) struct ScrewHole {
-    pub cone: f64,
-    pub outer: f64,
-    pub inner: f64,
-}
-
 /// Thickness of the plate in the elbow of a turned male end, m.
 const ELBOW: f64 = 12.0e-3;
-
-/// The four numbers from which the cross-sections of all parts follow, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dimensions {
-    /// Thickness of every wall and plate.
-    pub wall: f64,
-    /// Gap on each side between two parts that go into each other.
-    pub clearance: f64,
-    /// Edge of the square extrusion.
-    pub extrusion: f64,
-    /// Diameter of every peg hole.
-    pub peg_hole: f64,
-}
-
-impl Dimensions {
-    /// Those of the benchmark. The twin and everything that moves is made for these.
-    pub const BENCHMARK: Dimensions =
-        Dimensions { wall: WALL, clearance: CLEARANCE, extrusion: EXTRUSION, peg_hole: 2.0 * HOLE_RADIUS };
-
-    /// Edge of the square socket around an extrusion, m.
-    pub fn socket(&self) -> f64 {
-        self.extrusion + 2.0 * self.clearance
-    }
-
-    /// Edge of the square section of a male, m.
-    pub fn body(&self) -> f64 {
-        self.socket() + 2.0 * self.wall
-    }
-
-    /// Height of the cavity of a female, m.
-    pub fn cavity(&self) -> f64 {
-        self.body() + 2.0 * self.clearance
-    }
-
-    /// Height of a female's head, which is the length of a peg's stem, m.
-    pub fn female_height(&self) -> f64 {
-        self.cavity() + 2.0 * self.wall
-    }
-}
 
 /// The side of a beam, seen from above with j1 behind you and the last joint ahead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,21 +1,23 @@
 //! The base parts (section III-A of the paper): what the nine beams, the pegs, their holders and the sheet are
 //! made of, read from one file that people may edit.
 //!
-//! Data passes one way: [`read`] turns `data/kit.xml` into a [`Kit`]; [`joint`] holds the dimensions that all
-//! seven joint types share; [`shape`] turns a [`Beam`] or a peg into boxes, plates and noses, from which the
-//! twin takes its collision geometry, `ramp check` its overlaps and the planner its clearances.
+//! Data passes one way: [`read`] turns `data/kit.xml` into a [`Kit`]; [`dimensions`] and [`joint`] say what its printed
+//! parts measure; [`shape`] turns a [`Beam`] or a peg into boxes, plates and noses. The twin takes its collision
+//! geometry from them, `ramp check` its overlaps and the planner its clearances.
 //!
 //! With the feature `export`, [`export()`](export::export) writes all that a lab needs to make the parts: [`solid`]
 //! as STL ([`stl`]) and 3MF ([`threemf`]), [`sheet`], [`guide`] and tag sheets as drawings ([`mod@drawing`]) in SVG
 //! and PDF, and the [`bill`] of parts.
 //!
-//! [`source`] is for every crate that reads a file somebody wrote: it points errors at their place.
+//! [`source`] is the crate [`ramp_source`], which points errors at their place in a file.
 //!
 //! Lengths are metres in the structs and millimetres in the file, as everywhere in the project.
 
 pub mod beam;
 #[cfg(feature = "export")]
 pub mod bill;
+mod cuboid;
+pub mod dimensions;
 #[cfg(feature = "export")]
 pub mod drawing;
 #[cfg(feature = "export")]
@@ -23,13 +25,13 @@ pub mod export;
 #[cfg(feature = "export")]
 pub mod guide;
 pub mod joint;
+mod pose;
 pub mod read;
 pub mod shape;
 #[cfg(feature = "export")]
 pub mod sheet;
 #[cfg(feature = "export")]
 pub mod solid;
-pub mod source;
 #[cfg(feature = "export")]
 pub mod stl;
 pub mod strokes;
@@ -41,9 +43,9 @@ mod view;
 pub mod write;
 
 pub use beam::{Beam, Holder, Joint, Kit, Link, Peg, Sheet, StartPose};
-pub use joint::{Dimensions, JointForm, JointType, Side};
+pub use dimensions::Dimensions;
+pub use joint::{JointForm, JointType, Side};
+pub use pose::Pose;
+pub use ramp_source as source;
 pub use read::{KitError, KitProblem, read_kit, read_kit_str};
 pub use write::kit_xml;
-
-/// A rigid pose: where a frame stands in another. The name of a variable says which: `x_wb` is B in W.
-pub type Pose = nalgebra::Isometry3<f64>;

@@ -3,46 +3,21 @@
 //! Every flat of the printed parts is a box, so boxes keep each clearance exactly; a plate with a peg hole stays
 //! one [`Shape::Plate`], which whoever needs contact turns into boxes around the circle.
 
-use crate::beam::Beam;
-use crate::joint::{
-    BODY_WIDTH, EXTRUSION, FEET, FEMALE_HEIGHT, HEAD_HEIGHT, HEAD_WIDTH, JointType, MALE_CHAMFER, MALE_TIP,
-    TAG_PLATE, WALL,
+use crate::beam::{Beam, Joint};
+use crate::dimensions::{
+    BODY_WIDTH, EXTRUSION, FEET, FEMALE_HEIGHT, HEAD_HEIGHT, HEAD_WIDTH, MALE_CHAMFER, MALE_TIP, TAG_PLATE,
+    WALL,
 };
+use crate::joint::JointType;
 
-/// An axis-parallel box, metres, in the frame of its part.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cuboid {
-    /// The corner with the smallest coordinates.
-    pub min: [f64; 3],
-    /// The corner with the largest coordinates.
-    pub max: [f64; 3],
-}
-
-impl Cuboid {
-    /// A box from the ranges of its three coordinates, m; each range in either order.
-    pub fn new(x: [f64; 2], y: [f64; 2], z: [f64; 2]) -> Cuboid {
-        let low = |r: [f64; 2]| r[0].min(r[1]);
-        let high = |r: [f64; 2]| r[0].max(r[1]);
-        Cuboid { min: [low(x), low(y), low(z)], max: [high(x), high(y), high(z)] }
-    }
-
-    /// Its centre, m.
-    pub fn centre(&self) -> [f64; 3] {
-        std::array::from_fn(|axis| 0.5 * (self.min[axis] + self.max[axis]))
-    }
-
-    /// Half its edges, m.
-    pub fn half(&self) -> [f64; 3] {
-        std::array::from_fn(|axis| 0.5 * (self.max[axis] - self.min[axis]))
-    }
-}
+pub use crate::cuboid::Cuboid;
 
 /// A solid of a part, metres, in the part's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// A plain box of printed plastic or aluminium.
     Solid(Cuboid),
-    /// A box with a vertical round hole of [`crate::joint::HOLE_RADIUS`] through it, at `hole` (x, y).
+    /// A box with a vertical round hole of [`crate::dimensions::HOLE_RADIUS`] through it, at `hole` (x, y).
     Plate {
         /// Its outside.
         cuboid: Cuboid,
@@ -151,7 +126,7 @@ fn extrusion_shapes(from: f64, to: f64) -> [Cuboid; 3] {
 
 /// The solids of a joint at its place along its beam; `outward` (±1) is the direction along the beam that an end
 /// joint looks in.
-pub fn joint_at(joint: &crate::Joint, outward: f64, shapes: &mut Vec<Shape>) {
+pub fn joint_at(joint: &Joint, outward: f64, shapes: &mut Vec<Shape>) {
     joint_shapes(joint.kind, joint.offset, outward, joint.opens.map_or(0.0, |side| side.sign()), shapes);
 }
 
@@ -242,7 +217,7 @@ fn turned_male(kind: JointType, at: f64, outward: f64, shapes: &mut Vec<Shape>) 
 pub fn beam_rests(beam: &Beam) -> Vec<Cuboid> {
     let w = BODY_WIDTH / 2.0;
     let h = FEMALE_HEIGHT / 2.0;
-    let rest = |(index, joint): (usize, &crate::Joint)| {
+    let rest = |(index, joint): (usize, &Joint)| {
         let form = joint.kind.form();
         let outward = if index == 0 { -1.0 } else { 1.0 };
         let x = |a: f64, b: f64| [joint.offset + outward * a, joint.offset + outward * b];

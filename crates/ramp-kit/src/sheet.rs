@@ -4,9 +4,9 @@
 //! edge the one to the robot's left. Beams are drawn with the outline that they really have, so a part that is laid
 //! into its outline is where the kit file says.
 
-use crate::beam::{Beam, Holder, Kit, StartPose};
+use crate::beam::{Beam, Holder, Kit, Link, StartPose};
+use crate::dimensions::HOLE_RADIUS;
 use crate::drawing::{A4, BLACK, Drawing, GREY, Pen, RED, WHITE};
-use crate::joint::HOLE_RADIUS;
 use crate::solid::{self, Solid, SolidError};
 use crate::strokes::{self, Align};
 use crate::tags;
@@ -86,7 +86,7 @@ fn draw_beam(drawing: &mut Drawing, kit: &Kit, beam: &Beam, start: StartPose) ->
             &short(&joint.name, &beam.name),
         );
     }
-    let room = |link: &crate::Link| link.grasp[1] - link.grasp[0];
+    let room = |link: &Link| link.grasp[1] - link.grasp[0];
     if let Some(link) = beam.links.iter().max_by(|a, b| room(a).total_cmp(&room(b))) {
         let at = on_sheet([(link.grasp[0] + link.grasp[1]) / 2.0 * MM, 0.0]);
         let height = strokes::fit(&beam.name, 7.0, room(link) * MM - 4.0);

@@ -3,8 +3,9 @@
 use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use crate::beam::Kit;
-use crate::joint::HEAD_HEIGHT;
-use crate::{JointType, Pose};
+use crate::dimensions::HEAD_HEIGHT;
+use crate::joint::JointType;
+use crate::pose::Pose;
 
 /// Cells along an edge of a tag, its white ring included.
 pub const CELLS: usize = 9;

@@ -1,7 +1,8 @@
 //! Writes a kit as a file that [`crate::read_kit`] reads back.
 
 use crate::beam::Kit;
-use crate::joint::{Dimensions, JointType, Side};
+use crate::dimensions::Dimensions;
+use crate::joint::{JointType, Side};
 use crate::strokes::escape;
 use std::fmt::Write;
 

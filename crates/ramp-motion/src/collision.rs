@@ -6,8 +6,8 @@ use parry3d_f64::query::intersection_test;
 use parry3d_f64::shape::{Capsule, Cuboid, Shape};
 use ramp_robot::arm::{ArmBox, ArmModel};
 
-use crate::Pose;
 use crate::kinematics::Frames;
+use crate::space::Pose;
 
 /// A box somewhere in the world (or on the hand), named after the part it belongs to.
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@ use nalgebra::{Matrix6, Quaternion, SMatrix, Translation3, UnitQuaternion, Vecto
 use ramp_robot::DOF;
 use ramp_robot::arm::ArmModel;
 
-use crate::{Joints, Pose};
+use crate::space::{Joints, Pose};
 
 /// How near a solution comes to its target: m and rad.
 const TOLERANCE: f64 = 1e-6;

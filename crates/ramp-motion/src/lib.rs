@@ -7,14 +7,11 @@
 pub mod collision;
 pub mod kinematics;
 pub mod path;
+mod space;
 pub mod trajectory;
 
 pub use collision::{Checker, Obstacle};
 pub use kinematics::Kinematics;
 pub use path::{MotionError, PathPlanner};
+pub use space::{Joints, Pose};
 pub use trajectory::Trajectory;
-
-/// A rigid pose.
-pub type Pose = nalgebra::Isometry3<f64>;
-/// Joint positions (rad), or one number for each joint.
-pub type Joints = nalgebra::SVector<f64, { ramp_robot::DOF }>;

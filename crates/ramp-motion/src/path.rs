@@ -1,7 +1,7 @@
 //! Joint paths that keep clear of everything.
 //!
 //! First the level path: up to travelling height, straight across with the hand turning the short way, down. It
-//! keeps a held beam level and its collisions are checked at every sample. Where something is in the way, a
+//! keeps a held beam level and its collisions are checked at every sample. Where something blocks it, a
 //! bidirectional random tree (Kuffner and LaValle's RRT-Connect) looks for a way around in joint space.
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
@@ -11,7 +11,7 @@ use ramp_robot::random::Stream;
 
 use crate::collision::Checker;
 use crate::kinematics::Kinematics;
-use crate::{Joints, Pose};
+use crate::space::{Joints, Pose};
 
 /// Distance between samples along a straight path: m, and rad of hand rotation counted as m.
 const SAMPLE: f64 = 0.01;
@@ -277,7 +277,7 @@ impl PathPlanner {
         None
     }
 
-    /// Grows a tree one step towards `target`; the new node, or `None` when something is in the way.
+    /// Grows a tree one step towards `target`; the new node, or `None` when something blocks it.
     fn grow(&self, tree: &mut Vec<(Joints, usize)>, target: &Joints, checker: &Checker) -> Option<usize> {
         let (nearest, _) = tree
             .iter()

@@ -3,7 +3,7 @@
 use ramp_robot::DOF;
 use ramp_robot::arm::ArmModel;
 
-use crate::Joints;
+use crate::space::Joints;
 
 /// Samples on which a time law is checked against the limits.
 const CHECKS: usize = 200;

@@ -1,11 +1,11 @@
 //! What the rules answer, in the words of plans.
 
 use crate::error::PlanError;
+use crate::pegs::Pegs;
 use crate::plan::{Area, CoarseAction, FineAction, Grasp, Item, Place, Target};
-use crate::planner::Pegs;
-use crate::term::Term;
+use ramp_action_language::Term;
 use ramp_assembly::Assembly;
-use ramp_kit::source::SourceFile;
+use ramp_source::SourceFile;
 
 /// Looks up the names in an answer.
 pub(crate) struct Answers<'a> {

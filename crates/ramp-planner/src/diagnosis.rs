@@ -7,11 +7,10 @@
 
 use crate::domains::Domains;
 use crate::error::PlanError;
-use crate::language::ground::{Prospect, Unrolled};
 use crate::plan::{CoarseAction, CoarseStep, Item, State};
 use crate::replay::Replayer;
 use crate::solver::{Happening, Solver};
-use crate::term::Term;
+use ramp_action_language::{Prospect, Term, Unrolled};
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use serde::{Deserialize, Serialize};

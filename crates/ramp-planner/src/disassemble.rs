@@ -19,7 +19,7 @@ use std::fmt::{self, Display};
 pub struct Disassembly {
     /// The steps, in order.
     pub steps: Vec<RemovalStep>,
-    /// How the beams leave their places: each straight back along its way in, in the order of leaving.
+    /// How the beams leave their places: each straight back along its insertion path, in the order of leaving.
     pub exits: Vec<Entry>,
 }
 
@@ -133,7 +133,7 @@ pub fn disassemble(assembly: &Assembly, kit: &Kit, domains: &Domains) -> Result<
     let plan = plan(assembly, kit, &State::default(), domains)?;
     let mut area = Area::Input;
     let mut place = Place::Above(area);
-    // By what each beam is held when it is put in, and was before it was gripped anew.
+    // The link by which each beam is held when it is inserted, and the one before it was regrasped.
     let mut links: HashMap<String, Vec<String>> = HashMap::new();
     let mut backwards: Vec<RemovalStep> = Vec::new();
     for step in &plan.steps {

@@ -1,8 +1,8 @@
 //! The rules of the planner: two domains in the action language and the rules for the order, which people may edit.
 
-use crate::language::{Domain, LanguageError};
-use crate::solver;
-use ramp_kit::source::{Fault, FormProblem, Problem, SourceFile};
+use crate::solver::{self, OrderProblem};
+use ramp_action_language::{Domain, LanguageError};
+use ramp_source::{Fault, SourceFile};
 use std::path::Path;
 
 /// What is wrong with a rule file, and where.
@@ -17,37 +17,6 @@ pub enum DomainError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Order(#[from] Fault<OrderProblem>),
-}
-
-/// What can be wrong with the rules for the order, which are a program for clingo.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum OrderProblem {
-    /// The file cannot be read.
-    #[error(transparent)]
-    Form(#[from] FormProblem),
-    /// The file is not a valid program.
-    #[error("{why}")]
-    Rule {
-        /// The solver's reason.
-        why: String,
-    },
-}
-
-impl Problem for OrderProblem {
-    fn label(&self) -> String {
-        match self {
-            OrderProblem::Form(problem) => problem.label(),
-            OrderProblem::Rule { .. } => "here".to_string(),
-        }
-    }
-
-    fn help(&self) -> Option<String> {
-        match self {
-            OrderProblem::Form(problem) => problem.help(),
-            OrderProblem::Rule { .. } => None,
-        }
-    }
 }
 
 /// The rules of the three levels, read and checked once.

@@ -1,7 +1,20 @@
 //! Why there is no plan.
 
 use crate::solver::SolveError;
-use ramp_kit::source::SourceFile;
+use ramp_action_language::PddlError;
+use ramp_source::SourceFile;
+
+/// Why a plan is refused.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("step {step} ({action}): {why}")]
+pub struct Refused {
+    /// The coarse step, counted from 1; one more than there are when the end is wrong.
+    pub step: usize,
+    /// The action.
+    pub action: String,
+    /// What is wrong with it.
+    pub why: String,
+}
 
 /// Why there is no plan.
 #[derive(Debug, thiserror::Error)]
@@ -109,7 +122,7 @@ pub enum PlanError {
     },
     /// A plan from outside with an action that is not possible, or that does not reach the goal.
     #[error("{0}")]
-    Outside(#[from] crate::replay::Refused),
+    Outside(#[from] Refused),
     /// The search was given up.
     #[error("{file}: the search for a plan of {steps} steps gave up")]
     GaveUp {
@@ -135,6 +148,15 @@ impl PlanError {
         match error {
             SolveError::Limit { steps } => PlanError::GaveUp { file, steps: *steps },
             SolveError::Clingo(why) => PlanError::Solver { file, why: why.clone() },
+        }
+    }
+}
+
+impl From<PddlError> for PlanError {
+    fn from(error: PddlError) -> PlanError {
+        match error {
+            PddlError::Law { file, line, why } => PlanError::Pddl { file, line, why },
+            PddlError::Plan { line, found, why } => PlanError::PlanText { line, found, why },
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::planner::{Options, Planner};
 use crate::state::look_up;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
-use ramp_kit::source::nearest;
+use ramp_source::nearest;
 use serde::Serialize;
 
 /// Why an action is where it is.

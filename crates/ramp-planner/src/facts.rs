@@ -3,12 +3,12 @@
 //! `docs/src/reference/action-language.md` lists them. Lengths in them are whole millimetres, because the rules know whole numbers
 //! only.
 
-use crate::geometry::{Geometry, is_square, middle};
-use crate::term::Term;
+use crate::geometry::{Geometry, middle};
+use ramp_action_language::Term;
 use ramp_assembly::{Assembly, JointRef};
 use ramp_kit::JointType;
 
-/// The beams and connections of a goal and the ways to their places: for the order and the coarse domain.
+/// The beams and connections of a goal and the insertion paths of the beams: for the order and the coarse domain.
 pub(crate) fn coarse(assembly: &Assembly, geometry: &Geometry) -> Vec<Term> {
     let mut facts = Vec::new();
     let beam = |index: usize| beam_name(assembly, index);
@@ -122,7 +122,7 @@ pub(crate) fn fine(
                 facts.push(Term::new("graspable", [name.clone(), Term::new("place", [])]));
             }
         }
-        if !is_square(&placed.x_ab) {
+        if !placed.is_square() {
             facts.push(Term::new("slanted", [beam]));
         }
     }

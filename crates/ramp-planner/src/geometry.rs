@@ -1,17 +1,18 @@
-//! What the shapes of an assembly say to the planner: which ways lead to a beam's place and what is in them, where
-//! a beam can be pushed back, and by which links a hand can hold it.
+//! What the shapes of an assembly say to the planner: which insertion paths lead to a beam's place and what blocks them,
+//! where a beam can be pushed back, and by which links a hand can hold it.
 //!
-//! Every beam is a few upright boxes ([`Block`]), and what they meet on a straight way is known without steps in between.
+//! Every beam is a [`Solid`]; what it meets on an insertion path is known without steps in between.
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
-use ramp_assembly::block::{Block, LEAST_DISTANCE, MARGIN, MOST_DISTANCE, TOUCH, merge};
-use ramp_assembly::{Assembly, Pose};
+use ramp_assembly::block::{ALL_AXES, FROM_ABOVE, LEAST_DISTANCE, TOUCH};
+use ramp_assembly::sweep::{Meeting, Solid, clear_distance};
+use ramp_assembly::{Assembly, Connection, PlacedBeam, Pose};
 use ramp_kit::joint::{BODY_WIDTH, HEAD_WIDTH};
 use ramp_kit::shape::{Cuboid, Shape, beam_shapes, peg_head};
 use ramp_kit::{Holder, Kit, Link};
 use std::collections::HashMap;
 
-/// How much further than it must a beam is pushed back, m: the arm's error, seen from both sides.
+/// A beam is pushed back this much further than it must be, m: it covers the arm's error on both sides.
 const SHUTTLE_MARGIN: f64 = 5.0e-3;
 /// How much of a male's section must stay in its female while it is pushed back, m.
 const SHOULDER: f64 = 2.0e-3;
@@ -23,12 +24,12 @@ const ROOM: f64 = 5.0e-3;
 const RADIUS: f64 = 0.78;
 /// Where a finger is when it lets go, m: across the beam, and up from its axis.
 const FINGERS: [[[f64; 2]; 2]; 1] = [[[11.0e-3, 30.0e-3], [-2.0e-3, 60.0e-3]]];
-/// Where a finger comes down beside a beam on the sheet, likewise, with room for how far the parts may lie off their
-/// outlines: the fingertip, and what carries it.
+/// Where the fingertip and its carrier come down beside a beam on the sheet, m: across the beam, and up from its axis.
+/// This includes room for parts that lie off their outlines.
 const OPEN_FINGERS: [[[f64; 2]; 2]; 2] =
     [[[11.0e-3, 32.0e-3], [-2.0e-3, 38.0e-3]], [[24.0e-3, 42.0e-3], [36.0e-3, 55.0e-3]]];
 
-/// A straight way to a beam's place.
+/// A straight insertion path to a beam's place.
 #[derive(Clone, Debug)]
 pub(crate) struct Way {
     /// For people and for the rules.
@@ -37,7 +38,7 @@ pub(crate) struct Way {
     pub direction: Vector3<f64>,
 }
 
-/// The way from above.
+/// The insertion path from above.
 pub(crate) const DOWN: &str = "down";
 
 /// A beam that can be pushed back through an open joint until another one can be put on.
@@ -55,17 +56,15 @@ pub(crate) struct Geometry<'a> {
     kit: &'a Kit,
     solids: Vec<Solid>,
     pub ways: Vec<Vec<Way>>,
-    /// By beam and way: the beams that are near it, with where they meet.
-    meetings: Vec<Vec<HashMap<usize, Meeting>>>,
+    /// By beam and path: the beams that are near it, and where they meet.
+    obstacles: Vec<Vec<HashMap<usize, Obstacle>>>,
     pub shuttles: Vec<Shuttle>,
 }
 
-/// How a beam on its way out meets one that stands: ranges of the distance gone, m.
+/// How a beam that is drawn out meets one that stands.
 #[derive(Clone, Debug, Default)]
-struct Meeting {
-    hits: Vec<[f64; 2]>,
-    /// Seen from above.
-    covers: Vec<[f64; 2]>,
+struct Obstacle {
+    meeting: Meeting,
     /// No link would stay behind this beam, where a hand has room.
     handless: bool,
 }
@@ -77,36 +76,33 @@ impl<'a> Geometry<'a> {
             .iter()
             .map(|placed| Solid::new(&beam_shapes(&placed.beam), &placed.x_ab))
             .collect();
-        let ways: Vec<Vec<Way>> = assembly.beams.iter().map(|placed| ways(&placed.x_ab)).collect();
+        let ways: Vec<Vec<Way>> = assembly.beams.iter().map(ways).collect();
         let mut geometry =
-            Geometry { assembly, kit, solids, ways, meetings: Vec::new(), shuttles: Vec::new() };
-        geometry.meetings = (0..assembly.beams.len()).map(|beam| geometry.meetings_of(beam)).collect();
+            Geometry { assembly, kit, solids, ways, obstacles: Vec::new(), shuttles: Vec::new() };
+        geometry.obstacles = (0..assembly.beams.len()).map(|beam| geometry.obstacles_of(beam)).collect();
         geometry.shuttles = geometry.find_shuttles();
         geometry
     }
 
-    fn meetings_of(&self, beam: usize) -> Vec<HashMap<usize, Meeting>> {
+    fn obstacles_of(&self, beam: usize) -> Vec<HashMap<usize, Obstacle>> {
         let of_way = |way: &Way| {
             let back = -way.direction;
             let others = (0..self.solids.len()).filter(|&other| other != beam && beam != self.assembly.base);
             let near = others.filter(|&other| self.solids[beam].may_meet(&self.solids[other], &back));
-            near.map(|other| (other, self.meeting(beam, other, way))).collect()
+            near.map(|other| (other, self.obstacle(beam, other, way))).collect()
         };
         self.ways[beam].iter().map(of_way).collect()
     }
 
-    fn meeting(&self, beam: usize, other: usize, way: &Way) -> Meeting {
-        let back = -way.direction;
-        let ranges =
-            |slack: f64, axes: usize| self.solids[beam].ranges(&self.solids[other], &back, slack, axes);
-        let hits = ranges(TOUCH, 5);
-        let covers = if way.direction.z == 0.0 { ranges(-MARGIN, 4) } else { Vec::new() };
-        let handless = covers.first().is_some_and(|cover| cover[0] <= 0.0 && cover[1] > LEAST_DISTANCE)
-            && self.handless(beam, other, way);
-        Meeting { hits, covers, handless }
+    fn obstacle(&self, beam: usize, other: usize, way: &Way) -> Obstacle {
+        let meeting = self.solids[beam].meeting(&self.solids[other], &-way.direction);
+        let handless =
+            meeting.covers.first().is_some_and(|cover| cover[0] <= 0.0 && cover[1] > LEAST_DISTANCE)
+                && self.handless(beam, other, way);
+        Obstacle { meeting, handless }
     }
 
-    /// Must every link of a beam go through a joint of the other one on this way?
+    /// Must every link of a beam go through a joint of the other one on this path?
     fn handless(&self, beam: usize, other: usize, way: &Way) -> bool {
         let placed = &self.assembly.beams[beam];
         let holes: Vec<Point3<f64>> = self
@@ -123,31 +119,28 @@ impl<'a> Geometry<'a> {
         !holes.is_empty() && !placed.beam.links.iter().any(behind)
     }
 
-    /// Which beams are in the way of a beam, each by itself.
+    /// Which beams block a path of a beam, each by itself.
     pub(crate) fn blocked(&self, beam: usize, way: usize) -> Vec<usize> {
-        let mut blocked: Vec<usize> = self.meetings[beam][way]
-            .iter()
-            .filter(|(_, meeting)| {
-                let distance = clear(meeting.covers.iter().copied());
-                meeting.handless || meeting.hits.iter().any(|hit| hit[0] < distance)
-            })
-            .map(|(&other, _)| other)
-            .collect();
+        let blocks = |obstacle: &Obstacle| obstacle.handless || obstacle.meeting.blocks();
+        let obstacles = self.obstacles[beam][way].iter();
+        let mut blocked: Vec<usize> =
+            obstacles.filter(|(_, obstacle)| blocks(obstacle)).map(|(&other, _)| other).collect();
         blocked.sort_unstable();
         blocked
     }
 
     /// The length of the straight motion with which a beam gets to its place while others stand, m; `None` when
-    /// something is in this way.
+    /// something blocks this path.
     pub(crate) fn distance(&self, beam: usize, way: usize, stands: &[bool]) -> Option<f64> {
-        let near: Vec<&Meeting> =
-            self.meetings[beam][way].iter().filter(|(other, _)| stands[**other]).map(|(_, m)| m).collect();
-        let distance = clear(near.iter().flat_map(|meeting| meeting.covers.iter().copied()));
-        let free = near.iter().all(|m| !m.handless && m.hits.iter().all(|hit| hit[0] >= distance));
-        (free && distance < MOST_DISTANCE).then_some(distance)
+        let near = self.obstacles[beam][way].iter().filter(|(other, _)| stands[**other]).map(|(_, o)| o);
+        if near.clone().any(|obstacle| obstacle.handless) {
+            return None;
+        }
+        clear_distance(near.map(|obstacle| &obstacle.meeting))
     }
 
-    /// The way that a beam takes while others stand: that of the proven order if it is free, else the first one.
+    /// The insertion path of a beam while others stand, with its length, m: that of the proven order if it is clear, else
+    /// the first clear one. `laid` prefers the path from above.
     pub(crate) fn way(&self, beam: usize, stands: &[bool], laid: bool) -> Option<(&Way, f64)> {
         let proven = self.assembly.insertions.iter().find(|insertion| insertion.beam == beam);
         let usual = |way: &Way| proven.is_some_and(|i| i.direction.dot(&way.direction) > 1.0 - 1e-6);
@@ -187,15 +180,9 @@ impl<'a> Geometry<'a> {
         shuttles
     }
 
-    /// How far a beam must be pushed back to be out of another one's way, m; `None` when it cannot be.
-    fn depth(
-        &self,
-        beam: usize,
-        cap: usize,
-        through: &ramp_assembly::Connection,
-        back: &Vector3<f64>,
-    ) -> Option<f64> {
-        let covers = self.solids[beam].ranges(&self.solids[cap], back, 0.0, 4);
+    /// How far a beam must be pushed back to clear another one, m; `None` when it cannot be.
+    fn depth(&self, beam: usize, cap: usize, through: &Connection, back: &Vector3<f64>) -> Option<f64> {
+        let covers = self.solids[beam].ranges(&self.solids[cap], back, 0.0, FROM_ABOVE);
         let depth = covers.first().filter(|cover| cover[0] <= 0.0)?[1] + SHUTTLE_MARGIN;
         // Its section must not leave the joint in which it rests: it would drop off the floor of that.
         let male = self.assembly.beams[beam].beam.joints[through.male.joint].kind;
@@ -205,7 +192,7 @@ impl<'a> Geometry<'a> {
         let others = (0..self.solids.len()).filter(|&other| other != beam && other != cap);
         let free =
             others.filter(|&other| self.solids[beam].may_meet(&self.solids[other], back)).all(|other| {
-                let hits = self.solids[beam].ranges(&self.solids[other], back, TOUCH, 5);
+                let hits = self.solids[beam].ranges(&self.solids[other], back, TOUCH, ALL_AXES);
                 hits.iter().all(|hit| hit[0] > depth)
             });
         (depth <= most && free).then_some(depth)
@@ -213,8 +200,8 @@ impl<'a> Geometry<'a> {
 
     // ---- Held -------------------------------------------------------------------------------------------------
 
-    /// Can a hand hold a link where the beam starts? A beam without a place on the sheet is one for planners alone:
-    /// of it, only its own shape is judged, not how far an arm reaches.
+    /// Can a hand hold a link where the beam starts? Of a beam without a place on the sheet only the shape counts: no arm
+    /// has to reach it.
     pub(crate) fn graspable_at_start(&self, beam: usize, link: &Link) -> bool {
         let beam = &self.assembly.beams[beam].beam;
         let Some(x_wb) = self.kit.x_wb_start(beam) else { return usable(link) };
@@ -223,7 +210,7 @@ impl<'a> Geometry<'a> {
         }
         let beside = self.beside_at_start(&beam.name);
         has_room(link, &x_wb, &OPEN_FINGERS, |finger| {
-            beside.iter().any(|solid| finger.may_overlap(solid) && finger.overlaps(solid))
+            beside.iter().any(|solid| finger.overlaps(solid, TOUCH))
         })
     }
 
@@ -266,11 +253,7 @@ impl<'a> Geometry<'a> {
             })
             .collect();
         has_room(link, &placed.x_ab, &FINGERS, |finger| {
-            beams
-                .iter()
-                .copied()
-                .chain(&heads)
-                .any(|solid| finger.may_overlap(solid) && finger.overlaps(solid))
+            beams.iter().copied().chain(&heads).any(|solid| finger.overlaps(solid, TOUCH))
         })
     }
 }
@@ -312,74 +295,17 @@ fn reaches(x_wb: &Pose, link: &Link) -> bool {
     p.x.hypot(p.y) <= RADIUS
 }
 
-/// Does a beam lie along X or Y?
-pub(crate) fn is_square(x_ab: &Pose) -> bool {
-    let along = x_ab.rotation * Vector3::x();
-    along.x.abs() < 1e-6 || along.y.abs() < 1e-6
-}
-
 /// The directions that are tried: a beam at an angle along its own axis first, any other towards the clamped beam.
-fn ways(x_ab: &Pose) -> Vec<Way> {
-    let axis = x_ab.rotation * Vector3::x();
+fn ways(placed: &PlacedBeam) -> Vec<Way> {
+    let axis = placed.x_ab.rotation * Vector3::x();
     let along = Vector3::new(axis.x, axis.y, 0.0).normalize();
     let square = [("-Y", 0.0, -1.0), ("-X", -1.0, 0.0), ("+X", 1.0, 0.0), ("+Y", 0.0, 1.0)];
     let mut ways: Vec<Way> = Vec::new();
-    if !is_square(x_ab) {
+    if !placed.is_square() {
         ways.push(Way { name: "backwards", direction: -along });
         ways.push(Way { name: "forwards", direction: along });
     }
     ways.extend(square.map(|(name, x, y)| Way { name, direction: Vector3::new(x, y, 0.0) }));
     ways.push(Way { name: DOWN, direction: Vector3::new(0.0, 0.0, -1.0) });
     ways
-}
-
-/// The first distance from [`LEAST_DISTANCE`] on that no range covers.
-fn clear(covers: impl Iterator<Item = [f64; 2]>) -> f64 {
-    merge(covers.collect()).into_iter().fold(LEAST_DISTANCE, |distance, cover| {
-        if cover[0] <= distance && distance < cover[1] { cover[1] } else { distance }
-    })
-}
-
-/// A part at its place, as upright boxes.
-struct Solid {
-    blocks: Vec<Block>,
-    low: Vector3<f64>,
-    high: Vector3<f64>,
-}
-
-impl Solid {
-    fn new(shapes: &[Shape], x_ab: &Pose) -> Solid {
-        let blocks: Vec<Block> = shapes.iter().map(|shape| Block::new(shape, x_ab)).collect();
-        let mut low = Vector3::repeat(f64::INFINITY);
-        let mut high = -low;
-        for block in &blocks {
-            low = low.inf(&(block.centre - block.extent));
-            high = high.sup(&(block.centre + block.extent));
-        }
-        Solid { blocks, low, high }
-    }
-
-    /// Could it, drawn out along `back`, come near the other one? Never says no where it does.
-    fn may_meet(&self, other: &Solid, back: &Vector3<f64>) -> bool {
-        let end = back * MOST_DISTANCE;
-        let low = self.low.inf(&(self.low + end));
-        let high = self.high.sup(&(self.high + end));
-        (0..3).all(|axis| low[axis] - MARGIN < other.high[axis] && other.low[axis] < high[axis] + MARGIN)
-    }
-
-    fn may_overlap(&self, other: &Solid) -> bool {
-        (0..3).all(|axis| self.low[axis] < other.high[axis] && other.low[axis] < self.high[axis])
-    }
-
-    fn overlaps(&self, other: &Solid) -> bool {
-        self.blocks.iter().any(|a| other.blocks.iter().any(|b| a.depth(b) > TOUCH))
-    }
-
-    fn ranges(&self, other: &Solid, shift: &Vector3<f64>, slack: f64, axes: usize) -> Vec<[f64; 2]> {
-        let mut ranges = Vec::new();
-        for a in &self.blocks {
-            ranges.extend(other.blocks.iter().filter_map(|b| a.meets(b, shift, slack, axes)));
-        }
-        merge(ranges)
-    }
 }

@@ -1,6 +1,6 @@
 //! The task planner (section IV-A of the paper): an [`Assembly`](ramp_assembly::Assembly) and a [`State`] go in, a
-//! [`Plan`] at two resolutions comes out. Rules are two domains in an action [`language`] and a program for the
-//! order, all in `data/domains`; clingo solves them inside the process.
+//! [`Plan`] at two resolutions comes out. The rules are two domains in the action [`language`] and
+//! a program for the order, all in `data/domains`. clingo solves them inside the process (`solver`).
 //!
 //! Data passes one way, through the three rule files of [`Domains`]:
 //!
@@ -9,7 +9,7 @@
 //! 3. `fine.al` looks at one coarse action at a time and finds the fine actions for it: places, grasp, joints.
 //!
 //! [`plan()`] tells each level what it must know as ground facts (`facts`, from the assembly's `geometry`) and
-//! carries its answer on to the next; a level that finds no answer gets another question.
+//! carries its answer on to the next. A level that finds no answer asks the one above for another decision.
 
 mod answer;
 mod diagnosis;
@@ -19,24 +19,25 @@ mod error;
 mod explain;
 mod facts;
 mod geometry;
-pub mod language;
 mod pddl;
+mod pegs;
 pub mod plan;
 mod planner;
 mod replay;
-mod shape;
 mod solver;
 mod state;
-mod term;
 
 pub use diagnosis::{Diagnosis, History, Record, Unexpected, diagnose};
 pub use disassemble::{Disassembly, FineRemoval, Removal, RemovalStep, disassemble};
-pub use domains::{DomainError, Domains, OrderProblem};
-pub use error::PlanError;
+pub use domains::{DomainError, Domains};
+pub use error::{PlanError, Refused};
 pub use explain::{Explanation, Reason, why};
-pub use pddl::{Pddl, pddl, pddl_plan};
+pub use pddl::{pddl, pddl_plan};
 pub use plan::{
     Area, CoarseAction, CoarseStep, Entry, FineAction, Grasp, Item, Place, Plan, State, Statistics, Target,
 };
 pub use planner::{Options, asp, plan, plan_with};
-pub use replay::{Refused, Replayer};
+pub use ramp_action_language as language;
+pub use ramp_action_language::Pddl;
+pub use replay::Replayer;
+pub use solver::OrderProblem;

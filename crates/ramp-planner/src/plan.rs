@@ -273,7 +273,7 @@ pub struct Entry {
     pub beam: String,
     /// Direction of the motion in the assembly frame.
     pub direction: [f64; 3],
-    /// Its length, m: from here on nothing is in the way.
+    /// Its length, m: it is free from its start to the place.
     pub distance: f64,
     /// How much further than its place the beam goes at first, to be slid forward later, m; 0 for most.
     pub depth: f64,

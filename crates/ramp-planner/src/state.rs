@@ -3,10 +3,10 @@
 use crate::error::PlanError;
 use crate::facts::{beam_item, beam_name, connection_name};
 use crate::plan::{Area, Item, State};
-use crate::term::Term;
+use ramp_action_language::Term;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
-use ramp_kit::source::nearest;
+use ramp_source::nearest;
 
 /// A state with every name looked up.
 pub(crate) struct Known {

@@ -8,6 +8,7 @@
 //! tags are as exact as the lens model.
 
 pub mod draw;
+mod error;
 pub mod lens;
 pub mod looks;
 pub mod mesh;
@@ -15,6 +16,7 @@ pub mod sensor;
 mod texture;
 
 pub use draw::{Renderer, Scene};
+pub use error::LooksError;
 pub use lens::Lens;
-pub use looks::{Looks, LooksError};
+pub use looks::Looks;
 pub use sensor::Sensor;

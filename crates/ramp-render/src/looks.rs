@@ -6,11 +6,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use franka_description::{MeshSet, Robot};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use ramp_kit::shape::Cuboid;
-use ramp_kit::solid::{self, Solid, SolidError};
+use ramp_kit::solid::{self, Solid};
 use ramp_kit::tags::{self, TagPlace};
 use ramp_kit::{Kit, Pose};
 use ramp_robot::arm::{ArmBox, ArmModel};
 
+use crate::error::LooksError;
 use crate::mesh::{Colour, Mesh};
 use crate::texture::{Cells, Texture};
 
@@ -27,20 +28,6 @@ const NEAR: [f32; 2] = [0.9e-3, 0.045];
 const FAR: [f32; 2] = [2.0e-3, 0.06];
 /// Details that a shadow does not show, m.
 const SHADOW: f32 = 0.008;
-
-/// What could not be drawn.
-#[derive(Debug, thiserror::Error)]
-pub enum LooksError {
-    /// A part of the kit.
-    #[error(transparent)]
-    Solid(#[from] SolidError),
-    /// The sheet.
-    #[error("the sheet cannot be drawn: {0}")]
-    Sheet(String),
-    /// A part has a tag that the family does not have.
-    #[error("there is no tag {0}")]
-    Tag(u32),
-}
 
 /// A tag on a body.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use ramp_kit::{Kit, sheet, tags};
 use resvg::{tiny_skia, usvg};
 
-use crate::looks::LooksError;
+use crate::error::LooksError;
 
 /// Pixels of the sheet's finest picture per millimetre.
 const SCALE: f64 = 3.2;

@@ -6,7 +6,8 @@
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
-use crate::DOF;
+/// Number of joints of the arm.
+pub const DOF: usize = 7;
 
 /// A serial arm of seven revolute joints with a hand and two parallel fingers.
 #[derive(Clone, Debug, Deserialize)]

@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 
-use crate::Pose;
+use crate::pose::Pose;
 
 /// A camera of the robot's cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

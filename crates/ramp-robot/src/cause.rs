@@ -13,7 +13,7 @@ pub enum Cause {
     BeamMoved,
     /// A holder is not where it stood.
     HolderMoved,
-    /// Something is in the way of an insertion.
+    /// Something blocks an insertion.
     Jam,
     /// A part was never there.
     PartMissing,

@@ -1,7 +1,8 @@
-//! The largest numbers that a command may hold. What is beyond them is no way to drive this arm and ends the episode;
-//! they lie well above what the arm can do, so that no agent meets them by accident.
+//! The largest numbers that a command may hold. A command beyond them ends the episode. They lie
+//! well above what the arm can do, so that no agent meets them by accident.
 
-use crate::{ArmCommand, Command, RobotError};
+use crate::command::{ArmCommand, Command};
+use crate::error::RobotError;
 
 /// Largest force of a finger, N: what Franka's hand can press with at most.
 pub const GRIPPER_FORCE: f64 = 140.0;

@@ -19,9 +19,9 @@ const SETTLE: f64 = 0.4;
 /// Which way a push goes, in the frame it is told in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Motion {
-    /// Along a unit vector: force in N, way in m.
+    /// Along a unit vector: force in N, distance in m.
     Line(Vector3<f64>),
-    /// About a unit vector: moment in N·m, way in rad.
+    /// About a unit vector: moment in N·m, angle in rad.
     Turn(Vector3<f64>),
 }
 
@@ -169,7 +169,7 @@ fn press(data: &mut Data, body: usize, p_w: &Point3<f64>, force: &Vector3<f64>) 
 /// How far a body moves against what is in its way until that gives way, m.
 const GIVE: f64 = 1.5e-3;
 
-/// Something in the way of a part: it resists the harder the further the part comes, up to a force at which it gives
+/// An obstacle in the path of a part: it resists the harder the further the part comes, up to a force at which it gives
 /// way.
 #[derive(Clone, Debug)]
 pub(super) struct Obstacle {
@@ -177,7 +177,7 @@ pub(super) struct Obstacle {
     /// Where the part met it, in the part's frame and in the world.
     p_b: Point3<f64>,
     p_w: Point3<f64>,
-    /// The way in, in the world.
+    /// The insertion direction, in the world.
     direction: Vector3<f64>,
     /// At which it gives way, N.
     most: f64,
@@ -186,7 +186,7 @@ pub(super) struct Obstacle {
 }
 
 impl Obstacle {
-    /// In the way of `body` at `p_w` along `direction`, for `time` seconds, up to `most` newtons.
+    /// In the path of `body` at `p_w` along `direction`, for `time` seconds, up to `most` newtons.
     pub fn new(
         data: &Data,
         body: usize,

@@ -7,7 +7,7 @@ use mujoco_rs::prelude::*;
 use nalgebra::{Point3, Vector3};
 use ramp_kit::Pose;
 
-use super::FaultKind;
+use super::kind::FaultKind;
 use crate::twin::{Setup, body_pose};
 use ramp_robot::PERIOD;
 

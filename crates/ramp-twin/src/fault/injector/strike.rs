@@ -3,9 +3,9 @@
 use nalgebra::{Point3, Vector3};
 use ramp_kit::Pose;
 
-use super::{Action, Data, Injector};
-use crate::fault::FaultKind;
+use super::state::{Action, Data, Injector};
 use crate::fault::act::{Motion, Obstacle, Progress, Push, Strength};
+use crate::fault::kind::FaultKind;
 use crate::fault::occasion::Occasion;
 
 /// From a lift until what was lifted is dropped or moved in the grip, s.
@@ -26,7 +26,7 @@ const BUMP: [f64; 2] = [3.0e-3, 15.0e-3];
 const LEAST_BUMP: f64 = 2.5e-3;
 /// How far a holder is pushed, m.
 const SHIFT: [f64; 2] = [3.0e-3, 8.0e-3];
-/// Force at which what is in the way of an insertion gives way, N, and for how long it is there, s.
+/// Force at which the obstacle of an insertion gives way, N, and for how long it is there, s.
 const JAM: ([f64; 2], [f64; 2]) = ([25.0, 35.0], [4.0, 8.0]);
 /// How long the cameras repeat their images, s.
 const FROZEN: f64 = 5.0;

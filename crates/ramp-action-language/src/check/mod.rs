@@ -1,0 +1,65 @@
+//! The checker: from statements to a [`Domain`] in which every name is known and every variable has a sort.
+//!
+//! `declarations` reads sorts and signatures, `laws` finds the sort of every variable and refuses what means nothing,
+//! and `negation` refuses what is defined by its own negation.
+
+mod checker;
+mod declarations;
+mod laws;
+mod negation;
+mod terms;
+
+use crate::ast::Statement;
+use crate::domain::{Domain, Kind};
+use crate::parse::statements;
+use crate::problem::LanguageError;
+use checker::Checker;
+use ramp_source::SourceFile;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+impl Domain {
+    /// Reads a domain from a file. A fine domain is given the coarse one that it refines: it sees its sorts and
+    /// statics, and its `bridge` laws are about its fluents.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or says something that the language does not allow.
+    pub fn read(path: &Path, coarse: Option<&Domain>) -> Result<Domain, LanguageError> {
+        Domain::new(&SourceFile::read(path)?, coarse)
+    }
+
+    /// The same for a file in memory.
+    ///
+    /// # Errors
+    /// When it says something that the language does not allow.
+    pub fn new(file: &SourceFile, coarse: Option<&Domain>) -> Result<Domain, LanguageError> {
+        let statements = statements(file)?;
+        let mut checker = Checker {
+            coarse,
+            domain: Domain {
+                file: file.clone(),
+                sorts: coarse.map(|domain| domain.sorts.clone()).unwrap_or_default(),
+                functions: coarse.map(|domain| domain.functions.clone()).unwrap_or_default(),
+                predicates: BTreeMap::new(),
+                laws: Vec::new(),
+            },
+        };
+        if let Some(coarse) = coarse {
+            let statics = coarse.predicates.iter().filter(|(_, predicate)| predicate.kind == Kind::Static);
+            checker.domain.predicates.extend(statics.map(|(name, p)| (name.clone(), p.clone())));
+        }
+        checker.declare(&statements)?;
+        for statement in statements {
+            if let Statement::Law { law, body, span } = statement {
+                let law = checker.law(law, body, span)?;
+                checker.domain.laws.push(law);
+            }
+        }
+        checker.stratified()?;
+        if let Some(coarse) = coarse {
+            let inherited = coarse.laws.iter().filter(|law| coarse.is_static_law(law));
+            checker.domain.laws.splice(0..0, inherited.cloned());
+        }
+        Ok(checker.domain)
+    }
+}

@@ -1,0 +1,147 @@
+//! Questions to a state: what is true, what changed, what a goal lacks.
+
+use super::model::Model;
+use super::state::{Ground, State};
+use super::values::{Relation, Value};
+use crate::domain::{FluentKind, Kind};
+use crate::term::Term;
+use rustc_hash::FxHashMap as HashMap;
+use std::collections::BTreeSet;
+use std::rc::Rc;
+
+impl Model<'_> {
+    /// The fluent that a term names, with names in it quoted or not; `None` when there is none.
+    pub fn fluent(&self, term: &Term) -> Option<Term> {
+        let known = |term: &Term| {
+            let ground = self.ground(term)?;
+            matches!(self.predicates[ground.predicate].kind, Kind::Fluent(_)).then(|| term.clone())
+        };
+        known(term).or_else(|| known(&term.quoted()))
+    }
+
+    /// Is a fluent true, or a static?
+    pub fn holds(&self, state: &State, fluent: &Term) -> bool {
+        self.ground(fluent).is_some_and(|fluent| self.has(fluent.predicate, &fluent.row, state))
+    }
+
+    /// The inertial fluents that are true and name nothing but these; without names, all.
+    pub fn inertial_about(&self, state: &State, names: Option<&BTreeSet<String>>) -> Vec<Term> {
+        let Some(names) = names else { return self.inertial(state) };
+        let mut inside: HashMap<Value, bool> = HashMap::default();
+        let mut about = |value: Value| {
+            *inside.entry(value).or_insert_with(|| {
+                let values = self.values.borrow();
+                values.terms[value as usize].texts().into_iter().all(|text| names.contains(text))
+            })
+        };
+        let mut terms = Vec::new();
+        for (predicate, rows) in state.rows.iter().enumerate() {
+            if self.predicates[predicate].kind == Kind::Fluent(FluentKind::Inertial) {
+                let rows = rows.iter().filter(|row| row.iter().all(|&value| about(value)));
+                terms.extend(rows.map(|row| self.atom_term(&Ground { predicate, row: row.clone() })));
+            }
+        }
+        terms
+    }
+
+    /// The fluents of one name that are true.
+    pub fn true_of(&self, state: &State, name: &str) -> Vec<Term> {
+        let Some(&predicate) = self.names.get(name) else { return Vec::new() };
+        let rows = state.rows[predicate].iter();
+        rows.map(|row| self.atom_term(&Ground { predicate, row: row.clone() })).collect()
+    }
+
+    /// The inertial fluents that are true after a step and were not before.
+    pub fn gained(&self, before: &State, after: &State) -> Vec<Term> {
+        let mut terms = Vec::new();
+        for (predicate, (old, new)) in before.rows.iter().zip(&after.rows).enumerate() {
+            let inertial = self.predicates[predicate].kind == Kind::Fluent(FluentKind::Inertial);
+            if inertial && !Rc::ptr_eq(old, new) {
+                let rows = new.difference(old);
+                terms.extend(rows.map(|row| self.atom_term(&Ground { predicate, row: row.clone() })));
+            }
+        }
+        terms
+    }
+
+    /// The inertial fluents that are true.
+    pub fn inertial(&self, state: &State) -> Vec<Term> {
+        self.of_kind(state, FluentKind::Inertial)
+    }
+
+    fn of_kind(&self, state: &State, kind: FluentKind) -> Vec<Term> {
+        let mut terms = Vec::new();
+        for (predicate, rows) in state.rows.iter().enumerate() {
+            if self.predicates[predicate].kind == Kind::Fluent(kind) {
+                terms.extend(rows.iter().map(|row| self.atom_term(&Ground { predicate, row: row.clone() })));
+            }
+        }
+        terms
+    }
+
+    /// The goals of the domain that a state does not fulfil: fluents that should be true or false.
+    pub fn missing(&self, state: &State) -> Vec<(Term, bool)> {
+        let mut missing = Vec::new();
+        for rule in &self.goals {
+            self.solve(rule, state, &mut |binding| {
+                for head in &rule.heads {
+                    if let Some(fluent) = self.head(head, binding)
+                        && self.has(fluent.predicate, &fluent.row, state) != head.positive
+                    {
+                        missing.push((self.atom_term(&fluent), head.positive));
+                    }
+                }
+                false
+            });
+        }
+        missing
+    }
+
+    /// The statics, those that laws conclude included.
+    pub fn static_facts(&self) -> Vec<Term> {
+        let of = |(predicate, relation): (usize, &Relation)| {
+            let mut terms: Vec<Term> = relation
+                .list
+                .iter()
+                .map(|row| self.atom_term(&Ground { predicate, row: row.clone() }))
+                .collect();
+            terms.sort();
+            terms
+        };
+        self.statics.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// All goals of the domain that do not depend on the state: fluents that should be true or false.
+    pub fn goals(&self) -> Vec<(Term, bool)> {
+        let mut goals = Vec::new();
+        let nothing = self.empty();
+        for rule in &self.goals {
+            self.solve(rule, &nothing, &mut |binding| {
+                let heads = rule.heads.iter();
+                goals
+                    .extend(heads.filter_map(|head| {
+                        Some((self.atom_term(&self.head(head, binding)?), head.positive))
+                    }));
+                false
+            });
+        }
+        goals
+    }
+
+    /// The coarse fluents that are true in a fine state: those of the same name, and those of the bridge laws.
+    pub fn bridged(&self, state: &State) -> BTreeSet<Term> {
+        let mut terms: BTreeSet<Term> = self.inertial(state).into_iter().collect();
+        for rule in &self.bridges {
+            self.solve(rule, state, &mut |binding| {
+                for head in &rule.heads {
+                    if let Some(row) = self.row(&head.arguments, binding) {
+                        let arguments = row.iter().map(|&value| self.term(value)).collect();
+                        terms.insert(Term::Function(head.name.to_string(), arguments));
+                    }
+                }
+                false
+            });
+        }
+        terms
+    }
+}

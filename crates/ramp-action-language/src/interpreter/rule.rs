@@ -1,0 +1,66 @@
+//! Laws as the interpreter keeps them: names and variables are numbers.
+
+use super::values::Value;
+use crate::ast::{Operator, Sign, Span};
+use smallvec::SmallVec;
+use std::collections::BTreeSet;
+
+/// A law, its variables numbered.
+pub(crate) struct Rule<'d> {
+    pub(crate) heads: Vec<Head<'d>>,
+    /// The action of a causal law.
+    pub(crate) action: Option<Head<'d>>,
+    pub(crate) conditions: Vec<Test>,
+    /// The sort of each variable; `None` for numbers.
+    pub(crate) variables: Vec<Option<usize>>,
+    /// Predicates in the conditions.
+    pub(crate) reads: BTreeSet<usize>,
+    pub(crate) span: Span,
+}
+
+/// An atom that a law concludes, or its action.
+pub(crate) struct Head<'d> {
+    pub(crate) positive: bool,
+    pub(crate) predicate: usize,
+    /// The name, which for a bridge law is one of the coarse domain.
+    pub(crate) name: &'d str,
+    pub(crate) arguments: Vec<Pattern>,
+}
+
+/// A term with variables.
+pub(crate) enum Pattern {
+    Variable(usize),
+    Constant(Value),
+    Function(String, Vec<Pattern>),
+    Sum(Box<Pattern>, Sign, Box<Pattern>),
+}
+
+/// A condition of a law.
+pub(crate) enum Test {
+    Literal { positive: bool, predicate: usize, arguments: Vec<Pattern> },
+    Comparison(Pattern, Operator, Pattern),
+}
+
+/// What stands for each variable, as far as that is known.
+pub(crate) type Binding = SmallVec<[Option<Value>; 8]>;
+
+/// Does every variable of a term have a value?
+pub(crate) fn is_bound(pattern: &Pattern, binding: &Binding) -> bool {
+    match pattern {
+        Pattern::Variable(variable) => binding[*variable].is_some(),
+        Pattern::Constant(_) => true,
+        Pattern::Function(_, arguments) => arguments.iter().all(|argument| is_bound(argument, binding)),
+        Pattern::Sum(left, _, right) => is_bound(left, binding) && is_bound(right, binding),
+    }
+}
+
+/// The first variable without a value.
+pub(crate) fn unbound(patterns: &[Pattern], binding: &Binding) -> Option<usize> {
+    patterns.iter().find_map(|pattern| match pattern {
+        Pattern::Variable(variable) => binding[*variable].is_none().then_some(*variable),
+        Pattern::Constant(_) => None,
+        Pattern::Function(_, arguments) => unbound(arguments, binding),
+        Pattern::Sum(left, _, right) => unbound(std::slice::from_ref(left), binding)
+            .or_else(|| unbound(std::slice::from_ref(right), binding)),
+    })
+}

@@ -1,0 +1,171 @@
+//! Ground terms of the rules: what facts are made of and answers consist of.
+
+use std::fmt::{self, Display, Write};
+
+/// A ground term, such as `move(input)`, `"b4"` or `(1,0)`.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Term {
+    /// A whole number.
+    Number(i64),
+    /// A name, quoted in the rules, so that any name of a kit or a goal can be one.
+    Text(String),
+    /// A name of the rules with arguments; without any, a constant, and without a name, a tuple.
+    Function(String, Vec<Term>),
+    /// What is more than any other, `#sup`, and the few things that have no meaning here.
+    Other(String),
+}
+
+impl Term {
+    /// `name(arguments)`, or the constant `name`.
+    pub fn new<const N: usize>(name: &str, arguments: [Term; N]) -> Term {
+        Term::Function(name.to_string(), arguments.into())
+    }
+
+    /// Reads a term such as `in_hand(beam("b4"))`; `None` when it is none.
+    pub fn read(text: &str) -> Option<Term> {
+        let mut rest = text.trim();
+        let term = read(&mut rest)?;
+        rest.is_empty().then_some(term)
+    }
+
+    /// The same with the arguments that are mere words as texts: `beam(b4)` is `beam("b4")`.
+    pub fn quoted(&self) -> Term {
+        let Term::Function(name, arguments) = self else { return self.clone() };
+        let quoted = |argument: &Term| match argument {
+            Term::Function(word, none) if none.is_empty() => Term::Text(word.clone()),
+            other => other.quoted(),
+        };
+        Term::Function(name.clone(), arguments.iter().map(quoted).collect())
+    }
+
+    /// The name and the arguments of a function, a constant or a tuple.
+    pub fn parts(&self) -> Option<(&str, &[Term])> {
+        match self {
+            Term::Function(name, arguments) => Some((name, arguments)),
+            _ => None,
+        }
+    }
+
+    /// The texts in it, however deep, from left to right.
+    pub fn texts(&self) -> Vec<&str> {
+        match self {
+            Term::Text(text) => vec![text],
+            Term::Function(_, arguments) => arguments.iter().flat_map(Term::texts).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// The same term with other texts.
+    pub fn with_texts(&self, change: &mut impl FnMut(&str) -> String) -> Term {
+        match self {
+            Term::Text(text) => Term::Text(change(text)),
+            Term::Function(name, arguments) => {
+                let arguments = arguments.iter().map(|argument| argument.with_texts(change)).collect();
+                Term::Function(name.clone(), arguments)
+            }
+            other => other.clone(),
+        }
+    }
+}
+
+/// Takes a term off the beginning of a text.
+fn read(rest: &mut &str) -> Option<Term> {
+    if let Some(quoted) = rest.strip_prefix('"') {
+        let (text, after) = quoted.split_once('"')?;
+        *rest = after.trim_start();
+        return Some(Term::Text(text.to_string()));
+    }
+    let end = rest.find(|c: char| !c.is_alphanumeric() && !matches!(c, '_' | '-')).unwrap_or(rest.len());
+    let (word, after) = rest.split_at(end);
+    if word.is_empty() {
+        return None;
+    }
+    *rest = after.trim_start();
+    let Some(inside) = rest.strip_prefix('(') else {
+        let number = word.parse().map(Term::Number).ok();
+        return Some(number.unwrap_or_else(|| Term::Function(word.to_string(), Vec::new())));
+    };
+    *rest = inside.trim_start();
+    let mut arguments = Vec::new();
+    loop {
+        arguments.push(read(rest)?);
+        if let Some(after) = rest.strip_prefix(')') {
+            *rest = after.trim_start();
+            return Some(Term::Function(word.to_string(), arguments));
+        }
+        *rest = rest.strip_prefix(',')?.trim_start();
+    }
+}
+
+impl From<&str> for Term {
+    fn from(text: &str) -> Term {
+        Term::Text(text.to_string())
+    }
+}
+
+impl From<usize> for Term {
+    fn from(number: usize) -> Term {
+        // The counts of a goal are far smaller.
+        Term::Number(i64::try_from(number).unwrap_or(i64::MAX))
+    }
+}
+
+/// As the rules write it.
+impl Display for Term {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Term::Number(number) => write!(f, "{number}"),
+            Term::Text(text) => {
+                f.write_char('"')?;
+                for c in text.chars() {
+                    match c {
+                        '"' => f.write_str("\\\"")?,
+                        '\\' => f.write_str("\\\\")?,
+                        '\n' => f.write_str("\\n")?,
+                        other => f.write_char(other)?,
+                    }
+                }
+                f.write_char('"')
+            }
+            Term::Function(name, arguments) => {
+                f.write_str(name)?;
+                for (index, argument) in arguments.iter().enumerate() {
+                    write!(f, "{}{argument}", if index == 0 { '(' } else { ',' })?;
+                }
+                // A tuple of one has a comma, and only tuples and functions have parentheses.
+                match (name.is_empty(), arguments.len()) {
+                    (true, 0) => f.write_str("()"),
+                    (true, 1) => f.write_str(",)"),
+                    (false, 0) => Ok(()),
+                    _ => f.write_char(')'),
+                }
+            }
+            Term::Other(text) => f.write_str(text),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_quoted() {
+        let term = Term::new("beam", [Term::from("a\"b\\c\nd")]);
+        assert_eq!(term.to_string(), r#"beam("a\"b\\c\nd")"#);
+    }
+
+    #[test]
+    fn constants_tuples_and_functions() {
+        let tuple = Term::new("", [Term::from(1), Term::new("input", [])]);
+        assert_eq!(tuple.to_string(), "(1,input)");
+        assert_eq!(Term::new("", [Term::from(1)]).to_string(), "(1,)");
+        assert_eq!(Term::new("at", [tuple]).to_string(), "at((1,input))");
+    }
+
+    #[test]
+    fn supremum_is_the_largest() {
+        let key = |first| Term::new("", [first, Term::from(0)]);
+        assert!(key(Term::from(7)) < key(Term::Other("#sup".to_string())));
+    }
+}

@@ -1,0 +1,43 @@
+//! The text of a generated goal.
+
+use super::request::Request;
+use crate::assembly::Class;
+use ramp_kit::strokes::escape;
+use std::fmt::Write;
+
+/// The name of a goal that was made.
+pub(crate) fn goal_name(class: Class, request: Request) -> String {
+    format!("{}-{}-beams-{}", class.name(), request.beams, request.seed)
+}
+
+/// The text of a goal file: components as (beam, flipped, yaw in rad), the base first; connections as the male and
+/// the female with their beams.
+pub(crate) fn goal_xml(
+    name: &str,
+    class: Class,
+    components: &[(&str, bool, Option<f64>)],
+    pairs: &[[(&str, &str); 2]],
+) -> String {
+    let mut xml = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+    // Writing to a string does not fail.
+    let _ = writeln!(xml, "<!-- Made by `ramp goals generate`. -->");
+    let _ = writeln!(xml, "<assembly name=\"{name}\" class=\"{}\">", class.name());
+    for (index, (beam, flipped, yaw)) in components.iter().enumerate() {
+        let base = if index == 0 { " base=\"True\"" } else { "" };
+        let flipped = if *flipped { " flipped=\"True\"" } else { "" };
+        let yaw = yaw.map_or(String::new(), |yaw| {
+            format!(" yaw=\"{}\"", (yaw.to_degrees() * 1e6).round() / 1e6 + 0.0)
+        });
+        let _ = writeln!(xml, "  <component beam=\"{}\"{base}{flipped}{yaw}/>", escape(beam));
+    }
+    for (index, pair) in pairs.iter().enumerate() {
+        let _ = writeln!(xml, "  <connection name=\"C{}\">", index + 1);
+        for (beam, joint) in pair {
+            let (beam, joint) = (escape(beam), escape(joint));
+            let _ = writeln!(xml, "    <element component=\"{beam}\" joint=\"{joint}\"/>");
+        }
+        xml.push_str("  </connection>\n");
+    }
+    xml.push_str("</assembly>\n");
+    xml
+}

@@ -1,0 +1,115 @@
+//! New goals, as many as asked: random, but always the same for the same seed, and every one of them checked.
+//!
+//! Up to as many beams as the kit has, a goal is grown from the clamped beam: a beam is put where one of its
+//! joints meets one of the others, whatever else meets there is joined too, and what overlaps or cannot be built is
+//! discarded. Larger ones are frames (`frame`), for which the kit is extended.
+//!
+//! `draft` grows a goal and `frame` builds one, each with the `dice` of the seed; `goal_file` writes it down, and it is
+//! read back like any other.
+
+mod dice;
+mod draft;
+mod frame;
+mod goal_file;
+mod request;
+
+pub use request::{GenerateError, Generated, Request};
+
+use self::dice::Dice;
+use self::draft::Draft;
+use crate::assembly::{Assembly, Class};
+use ramp_kit::Kit;
+use std::collections::HashSet;
+
+/// How often a goal is begun anew before giving up.
+const ATTEMPTS: usize = 4000;
+/// Millimetres in a metre.
+const MM: f64 = 1e3;
+
+/// A new goal.
+///
+/// ```
+/// # let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+/// use ramp_assembly::{Request, generate};
+/// let kit = ramp_kit::read_kit(&data.join("kit.xml"))?;
+/// let request = Request { beams: 5, seed: 7, class: None };
+/// let made = generate(&kit, request)?;
+/// assert_eq!(made.goal, generate(&kit, request)?.goal);
+/// let goal = ramp_assembly::read_goal_str("new.xml", &made.goal, &kit)?;
+/// assert_eq!(goal.beams.len(), 5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// A request that makes no sense, or for which nothing was found.
+pub fn generate(kit: &Kit, request: Request) -> Result<Generated, GenerateError> {
+    let Request { beams, seed, class } = request;
+    if !(2..=crate::check::MAX_BEAMS).contains(&beams) {
+        return Err(GenerateError::Beams { found: beams });
+    }
+    let base = kit.beams.iter().position(|beam| beam.start.is_none()).ok_or(GenerateError::NoBase)?;
+    let mut dice = Dice::new(seed);
+    if beams > kit.beams.len() {
+        return frame::frame(kit, base, request, &mut dice);
+    }
+    for _ in 0..ATTEMPTS {
+        let Some(draft) = Draft::grow(kit, base, beams, class, &mut dice) else { continue };
+        let specials = draft.specials();
+        let could_be = match class {
+            None => true,
+            Some(Class::Easy) => specials == 0 && draft.pairs.len() <= 4,
+            Some(Class::Medium) => specials == 1 || (specials == 0 && draft.pairs.len() > 4),
+            Some(Class::Hard) => specials > 1,
+        };
+        if !could_be || (!kit.pegs.is_empty() && draft.pairs.len() > kit.pegs.len()) {
+            continue;
+        }
+        if let Some(made) = draft.finish(kit, request) {
+            return Ok(made);
+        }
+    }
+    Err(GenerateError::NotFound { beams, seed, class })
+}
+
+/// Many goals: those of the seeds from `first.seed` on, each different from all before it, until there are `count`.
+///
+/// # Errors
+/// As [`generate`]; and where the kit has no more goals than were found.
+pub fn generate_many(kit: &Kit, first: Request, count: usize) -> Result<Vec<Generated>, GenerateError> {
+    let mut seen = HashSet::new();
+    let mut goals = Vec::new();
+    let mut request = first;
+    let mut repeats = 0;
+    while goals.len() < count {
+        let made = generate(kit, request)?;
+        if seen.insert(essence(&made.assembly)) {
+            goals.push(made);
+            repeats = 0;
+        } else {
+            repeats += 1;
+        }
+        if repeats > 100 {
+            let Request { beams, seed, class } = request;
+            return Err(GenerateError::NotFound { beams, seed, class });
+        }
+        request.seed = request.seed.wrapping_add(1);
+    }
+    Ok(goals)
+}
+
+/// What makes a goal this one: what is joined with what, and how the beams lie; not names and orders in its file.
+fn essence(assembly: &Assembly) -> Vec<String> {
+    let joined = assembly
+        .connections
+        .iter()
+        .map(|c| format!("{} {}", assembly.joint_name(c.male), assembly.joint_name(c.female)));
+    let lie = assembly.beams.iter().map(|placed| {
+        let at = placed.x_ab.translation.vector.map(|v| (v * MM).round() as i64);
+        let along = placed.x_ab.rotation * nalgebra::Vector3::x();
+        let degrees = along.y.atan2(along.x).to_degrees().round() as i64;
+        format!("{} {} {} {degrees}", placed.beam.name, at.x, at.y)
+    });
+    let mut essence: Vec<String> = joined.chain(lie).collect();
+    essence.sort_unstable();
+    essence
+}

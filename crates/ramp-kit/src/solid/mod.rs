@@ -1,0 +1,19 @@
+//! The parts as solids: what is printed, and the bought parts for whoever wants them in a drawing program.
+//!
+//! Millimetres throughout this module, as in the files it fills. A joint's frame: origin on the axis of its peg
+//! hole at the underside of its body, y along the beam (an end joint's extrusion comes from −y), z up; a joint
+//! that is open to one side is open to −x at an end of a beam and to +x in its middle.
+//!
+//! `body` makes and cuts solids; `joint`, `beam`, `peg` and `station` make the parts of it.
+
+mod beam;
+mod body;
+mod joint;
+mod peg;
+mod station;
+
+pub use beam::{Piece, beam, extrusion, profile};
+pub use body::{Mesh, Solid, SolidError};
+pub use joint::joint;
+pub use peg::{holder, peg};
+pub use station::{clamp, fingertip};

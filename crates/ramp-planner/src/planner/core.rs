@@ -1,0 +1,149 @@
+//! What every step of planning needs: the goal, its geometry and facts, the coarse model, and what was solved so far.
+
+use super::fact_index::Facts;
+use super::memo::{KnownAnswers, refusal_words};
+use super::options::Options;
+use crate::domains::Domains;
+use crate::error::PlanError;
+use crate::facts::{self, beam_name};
+use crate::geometry::Geometry;
+use crate::solver::Solver;
+use crate::state;
+use ramp_action_language::{Model, Refusal, State as Fluents, Term};
+use ramp_assembly::Assembly;
+use ramp_kit::Kit;
+use std::collections::{BTreeSet, HashMap};
+
+/// What every step of planning needs.
+pub(crate) struct Planner<'a> {
+    pub(crate) assembly: &'a Assembly,
+    /// The names of the pegs.
+    pub(crate) pegs: Vec<String>,
+    pub(crate) domains: &'a Domains,
+    pub(crate) geometry: Geometry<'a>,
+    pub(crate) facts: Facts,
+    pub(crate) model: Model<'a>,
+    /// The beams by name.
+    pub(crate) numbers: HashMap<String, usize>,
+    /// Names that the laws themselves mention, and those of ways: these are always in sight, and not like others.
+    pub(crate) coarse_names: BTreeSet<String>,
+    pub(crate) fine_names: BTreeSet<String>,
+    pub(crate) solver: Solver,
+    pub(crate) options: Options,
+    /// Answers to problems of the same shape.
+    pub(crate) coarse_answers: KnownAnswers,
+    pub(crate) fine_answers: KnownAnswers,
+    /// The first beam for which no link was found that can be held where the beam starts and at its place.
+    pub(crate) ungrasped: Option<usize>,
+}
+
+/// A coarse action with the states around it.
+#[derive(Clone)]
+pub(crate) struct Transition {
+    pub(crate) action: Term,
+    pub(crate) before: Fluents,
+    pub(crate) after: Fluents,
+}
+
+impl<'a> Planner<'a> {
+    /// A planner for one goal; nothing is solved yet.
+    pub(crate) fn new(
+        assembly: &'a Assembly,
+        kit: &'a Kit,
+        domains: &'a Domains,
+        options: Options,
+    ) -> Planner<'a> {
+        let geometry = Geometry::new(assembly, kit);
+        let facts = facts::coarse(assembly, &geometry);
+        let model = Model::new(domains.coarse(), &facts);
+        let facts = Facts::new(facts);
+        let mut coarse_names = domains.coarse().quoted();
+        coarse_names.extend(geometry.ways.iter().flatten().map(|way| way.name.to_string()));
+        let numbers =
+            assembly.beams.iter().enumerate().map(|(index, placed)| (placed.beam.name.clone(), index));
+        Planner {
+            numbers: numbers.collect(),
+            coarse_names,
+            fine_names: domains.fine().quoted(),
+            assembly,
+            pegs: state::peg_names(assembly, kit),
+            domains,
+            geometry,
+            facts,
+            model,
+            solver: Solver::default(),
+            options,
+            coarse_answers: KnownAnswers::default(),
+            fine_answers: KnownAnswers::default(),
+            ungrasped: None,
+        }
+    }
+
+    /// Lets beams be regrasped on their way that the facts do not know to need it. Returns whether that is new for any.
+    pub(crate) fn regrasp(&mut self, beams: &[usize]) -> bool {
+        let mut facts = self.facts.all.clone();
+        for &beam in beams {
+            let fact = Term::new("awkward", [beam_name(self.assembly, beam)]);
+            if !facts.contains(&fact) {
+                facts.push(fact);
+            }
+        }
+        if facts.len() == self.facts.all.len() {
+            return false;
+        }
+        self.model = Model::new(self.domains.coarse(), &facts);
+        self.facts = Facts::new(facts);
+        true
+    }
+
+    /// The states along some actions, by the definition of the language.
+    pub(crate) fn walk(&self, start: &Fluents, actions: &[Term]) -> Result<Vec<Transition>, PlanError> {
+        let mut before = start.clone();
+        let mut transitions = Vec::new();
+        for action in actions {
+            let after = self
+                .model
+                .after(&before, action)
+                .map_err(|refusal| self.refused(refusal, &action.to_string()))?;
+            transitions.push(Transition { action: action.clone(), before, after: after.clone() });
+            before = after;
+        }
+        Ok(transitions)
+    }
+
+    /// Which beams stand in a coarse state, and which of them are pushed back.
+    pub(crate) fn standing(&self, state: &Fluents) -> (Vec<bool>, Vec<bool>) {
+        let beams = |fluent: &str| {
+            let mut flags = vec![false; self.assembly.beams.len()];
+            for term in self.model.true_of(state, fluent) {
+                let index = term.texts().first().and_then(|name| self.numbers.get(*name));
+                if let Some(flag) = index.and_then(|&index| flags.get_mut(index)) {
+                    *flag = true;
+                }
+            }
+            flags
+        };
+        (beams("in_assembly"), beams("deep"))
+    }
+
+    /// There is no plan for a task of this rule file.
+    pub(crate) fn no_plan(&self, file: &str, task: &str, steps: usize) -> PlanError {
+        PlanError::NoPlan {
+            goal: self.assembly.name.clone(),
+            file: file.to_string(),
+            task: task.to_string(),
+            steps,
+        }
+    }
+
+    /// The interpreter refuses what clingo found, or a state that was told.
+    pub(crate) fn refused(&self, refusal: Refusal, what: &str) -> PlanError {
+        let file = self.domains.coarse().file().name().to_string();
+        PlanError::Refused { file, why: refusal_words(refusal, what) }
+    }
+}
+
+/// The name of a fluent or an action.
+pub(crate) fn name_of(fluent: &Term) -> Option<&str> {
+    fluent.parts().map(|(name, _)| name)
+}

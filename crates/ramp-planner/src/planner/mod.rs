@@ -1,0 +1,156 @@
+//! From an assembly and a state to a plan: the order of the beams, then coarse actions, then fine ones.
+//!
+//! What may be done, and how, stands in the rule files. Here their answers are carried from level to level: `order`,
+//! `coarse` (one of the `tasks` at a time) and `fine`; `search` runs through them. A level that finds no answer to what
+//! the one above decided hands that back, and gets another decision. Problems are kept small (`fact_index`) and solved
+//! once for each `shape` (`memo`); `proof` says how good a plan is.
+
+mod coarse;
+mod core;
+mod fact_index;
+mod fine;
+mod memo;
+mod options;
+mod order;
+mod proof;
+mod search;
+mod shape;
+mod tasks;
+
+pub(crate) use self::core::Planner;
+pub use options::Options;
+
+use crate::domains::Domains;
+use crate::error::PlanError;
+use crate::facts;
+use crate::plan::{Plan, State};
+use crate::state;
+use ramp_assembly::Assembly;
+use ramp_kit::Kit;
+
+/// Plans what is left to do to build an assembly.
+///
+/// The same input always gives the same plan.
+///
+/// # Errors
+/// When the state cannot be, when the rules say that the goal cannot be built, when the pegs do not suffice, or when
+/// a rule file gives an answer that means nothing here.
+///
+/// ```
+/// use ramp_planner::{CoarseAction, Domains, State, plan};
+///
+/// let kit = ramp_kit::read_kit("../../data/kit.xml".as_ref())?;
+/// let assembly = ramp_assembly::read_goal("../../data/goals/easy-3.xml".as_ref(), &kit)?;
+/// let domains = Domains::read("../../data/domains".as_ref())?;
+/// let plan = plan(&assembly, &kit, &State::default(), &domains)?;
+/// assert!(matches!(&plan.steps[3].coarse, CoarseAction::Assemble { beam } if beam == "b4"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn plan(assembly: &Assembly, kit: &Kit, state: &State, domains: &Domains) -> Result<Plan, PlanError> {
+    plan_with(assembly, kit, state, domains, Options::default())
+}
+
+/// The same with other [`Options`].
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_with(
+    assembly: &Assembly,
+    kit: &Kit,
+    state: &State,
+    domains: &Domains,
+    options: Options,
+) -> Result<Plan, PlanError> {
+    let known = state::look_up(assembly, kit, state)?;
+    let needed = known.pinned.iter().filter(|pinned| pinned.is_none()).count();
+    if needed > known.pegs.len() {
+        return Err(PlanError::Pegs { goal: assembly.name.clone(), needed, left: known.pegs.len() });
+    }
+    Planner::new(assembly, kit, domains, options).plan(&known)
+}
+
+/// A domain with a goal as a program for clingo's incremental mode: `ramp plan GOAL --emit-asp > goal.lp`, then
+/// `clingo goal.lp`. The fine domain is emitted for the state at the beginning and with no goals of its own.
+pub fn asp(assembly: &Assembly, kit: &Kit, domains: &Domains, fine: bool) -> String {
+    let planner = Planner::new(assembly, kit, domains, Options::default());
+    let mut facts = planner.facts.all;
+    let domain = match fine {
+        false => domains.coarse(),
+        true => {
+            let beams: Vec<usize> = (0..assembly.beams.len()).collect();
+            let stands: Vec<bool> = beams.iter().map(|&beam| beam == assembly.base).collect();
+            let pinned = vec![false; assembly.connections.len()];
+            facts.extend(facts::fine(assembly, &planner.geometry, &beams, &|_| true, &stands, &pinned));
+            domains.fine()
+        }
+    };
+    let facts: String = facts.iter().map(|fact| format!("{fact}.\n")).collect();
+    format!(
+        "{}\n% ---- {} ----\n#include <incmode>.\n#program base.\ngoal(F) :- final(F).\navoid(F) :- final_not(F).\n{facts}",
+        domain.to_asp(),
+        assembly.name
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::CoarseAction;
+    use crate::solver::shortest_by_clingo;
+    use std::path::Path;
+
+    fn data() -> (Kit, Domains) {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+        (ramp_kit::read_kit(&data.join("kit.xml")).unwrap(), Domains::read(&data.join("domains")).unwrap())
+    }
+
+    fn goal(name: &str, kit: &Kit) -> Assembly {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../data/goals/{name}.xml"));
+        ramp_assembly::read_goal(&file, kit).unwrap()
+    }
+
+    /// The program that is solved and the one that people read are the same.
+    #[test]
+    fn unrolling_agrees_with_clingos_own_grounder() {
+        let (kit, domains) = data();
+        let mut compared = 0;
+        for name in ["easy-3", "medium-3", "hard-3"] {
+            let assembly = goal(name, &kit);
+            let known = state::look_up(&assembly, &kit, &State::default()).unwrap();
+            let mut planner = Planner::new(&assembly, &kit, &domains, Options::default());
+            planner.plan(&known).unwrap();
+            for (answers, domain) in
+                [(&planner.coarse_answers, domains.coarse()), (&planner.fine_answers, domains.fine())]
+            {
+                let program = domain.to_asp();
+                for (problem, found) in &answers.0 {
+                    let problem: String = problem.iter().map(|fact| format!("{fact}.\n")).collect();
+                    let steps =
+                        shortest_by_clingo(&format!("{program}#program base.\nresumed.\n{problem}"), 14);
+                    let expected = found.as_ref().map(|found| found.actions.len());
+                    assert_eq!(steps, expected, "{name}:\n{problem}");
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared > 50, "only {compared} problems were compared");
+    }
+
+    #[test]
+    fn looking_at_everything_gives_no_shorter_plan() {
+        let (kit, domains) = data();
+        for name in
+            ["easy-1", "easy-2", "easy-3", "medium-1", "medium-2", "medium-3", "hard-1", "hard-2", "hard-3"]
+        {
+            let assembly = goal(name, &kit);
+            let plan = |zoom| {
+                let options = Options { zoom, ..Options::default() };
+                plan_with(&assembly, &kit, &State::default(), &domains, options).unwrap()
+            };
+            let (zoomed, whole) = (plan(true), plan(false));
+            assert_eq!(zoomed.steps.len(), whole.steps.len(), "{name}");
+            assert_eq!(zoomed.fine().count(), whole.fine().count(), "{name}");
+            assert!(whole.steps.iter().any(|step| matches!(step.coarse, CoarseAction::Fasten { .. })));
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! Actions of a plan in the terms of the rules.
+
+use super::table::Replayer;
+use crate::answer::{receives, sleeved};
+use crate::facts::{beam_item, beam_name, connection_name, peg_item};
+use crate::plan::{CoarseAction, FineAction, Grasp, Item, Place, Target};
+use crate::state::area_name;
+use ramp_action_language::Term;
+
+/// Something about an action, or what is wrong with it.
+pub(crate) type Check<T> = Result<T, String>;
+
+impl Replayer<'_> {
+    /// A coarse action as the rules name it; `rest` says for which connection a peg is fetched.
+    pub(crate) fn coarse_term<'s>(
+        &self,
+        action: &CoarseAction,
+        rest: impl Iterator<Item = &'s CoarseAction>,
+    ) -> Check<Term> {
+        let beam = |name: &str| self.beam(name);
+        Ok(match action {
+            CoarseAction::Move { to } => Term::new("move", [area_name(*to)]),
+            CoarseAction::PickUp { item } => Term::new("pick_up", [self.item(item, rest)?]),
+            CoarseAction::PutDown { item } => Term::new("put_down", [self.held(item)?]),
+            CoarseAction::Assemble { beam: name } => Term::new("assemble", [beam(name)?]),
+            CoarseAction::AssembleDeep { beam: name } => Term::new("assemble_deep", [beam(name)?]),
+            CoarseAction::LayDown { beam: name } => Term::new("lay_down", [beam(name)?]),
+            CoarseAction::Slide { beam: name } => Term::new("slide", [beam(name)?]),
+            CoarseAction::Regrasp { beam: name } => Term::new("regrasp", [beam(name)?]),
+            CoarseAction::Push { beam: name } => Term::new("push", [beam(name)?]),
+            CoarseAction::Fasten { connection, .. } => Term::new("fasten", [self.connection(connection)?]),
+        })
+    }
+
+    pub(crate) fn fine_term<'s>(
+        &self,
+        action: &FineAction,
+        stands: &[bool],
+        deep: &[bool],
+        coarse: &CoarseAction,
+        rest: impl Iterator<Item = &'s CoarseAction> + Clone,
+    ) -> Check<Term> {
+        let assembly = self.planner.assembly;
+        let beam = |name: &str| self.beam(name);
+        let text = |name: &str| Term::from(name);
+        Ok(match action {
+            FineAction::Move { to } => {
+                let target = |target: &Target| {
+                    Ok::<Term, String>(match target {
+                        Target::Beam(name) => Term::new("beam", [beam(name)?]),
+                        Target::Connection(name) => Term::new("hole", [self.connection(name)?]),
+                    })
+                };
+                let place = match to {
+                    Place::Above(area) => Term::new("above", [area_name(*area)]),
+                    Place::Input(item) => {
+                        let item = match coarse {
+                            CoarseAction::PutDown { .. } => self.held(item)?,
+                            _ => self.item(item, rest)?,
+                        };
+                        Term::new("input", [item])
+                    }
+                    Place::Approach(of) => Term::new("approach", [target(of)?]),
+                    Place::Target(of) => Term::new("target", [target(of)?]),
+                };
+                Term::new("move", [place])
+            }
+            FineAction::PickUp { item, grasp } => {
+                let grasp = match grasp {
+                    Grasp::Link(link) => Term::new("link", [text(link)]),
+                    Grasp::Head => Term::new("head", []),
+                };
+                Term::new("pick_up", [self.item(item, rest)?, grasp])
+            }
+            FineAction::PutDown { item } => Term::new("put_down", [self.held(item)?]),
+            FineAction::AssembleSquare { beam: name, joint } => {
+                Term::new("assemble_square", [beam(name)?, text(joint)])
+            }
+            FineAction::AssembleAngled { beam: name, joint } => {
+                Term::new("assemble_angled", [beam(name)?, text(joint)])
+            }
+            FineAction::AssembleThrough { beam: name, joint, through } => {
+                let index = assembly.beam_index(name).ok_or("there is no such beam")?;
+                if *through != sleeved(assembly, index, stands) {
+                    return Err("these are not the joints that come to lie in sleeves".to_string());
+                }
+                Term::new("assemble_through", [beam(name)?, text(joint)])
+            }
+            FineAction::AssembleDeep { beam: name, joint } => {
+                Term::new("assemble_deep", [beam(name)?, text(joint)])
+            }
+            FineAction::AssembleCap { beam: name, joints } => {
+                let index = assembly.beam_index(name).ok_or("there is no such beam")?;
+                if *joints != receives(assembly, index, stands, deep) {
+                    return Err("these are not the joints that receive".to_string());
+                }
+                Term::new("assemble_cap", [beam(name)?])
+            }
+            FineAction::LayDown { beam: name } => Term::new("lay_down", [beam(name)?]),
+            FineAction::Slide { beam: name, link } => Term::new("slide", [beam(name)?, text(link)]),
+            FineAction::Regrasp { beam: name, link } => Term::new("regrasp", [beam(name)?, text(link)]),
+            FineAction::Push { beam: name, link } => Term::new("push", [beam(name)?, text(link)]),
+            FineAction::Fasten { connection, female, male, peg } => {
+                let index = assembly.connection_index(connection).ok_or("there is no such connection")?;
+                let pair = &assembly.connections[index];
+                if [assembly.joint_name(pair.female), assembly.joint_name(pair.male)] != [female, male] {
+                    return Err("these are not its joints".to_string());
+                }
+                if !matches!(coarse, CoarseAction::Fasten { peg: other, .. } if other == peg) {
+                    return Err("the fine actions use another peg than the coarse one".to_string());
+                }
+                Term::new("fasten", [connection_name(assembly, index)])
+            }
+        })
+    }
+
+    fn beam(&self, name: &str) -> Check<Term> {
+        let index =
+            self.planner.assembly.beam_index(name).ok_or_else(|| format!("there is no beam {name}"))?;
+        Ok(beam_name(self.planner.assembly, index))
+    }
+
+    fn connection(&self, name: &str) -> Check<Term> {
+        let assembly = self.planner.assembly;
+        let index =
+            assembly.connection_index(name).ok_or_else(|| format!("there is no connection {name}"))?;
+        Ok(connection_name(assembly, index))
+    }
+
+    /// An item that is to be fetched. Pegs are alike: the rules name them by the connection that they are for.
+    fn item<'s>(&self, item: &Item, rest: impl Iterator<Item = &'s CoarseAction>) -> Check<Term> {
+        let assembly = self.planner.assembly;
+        let peg = match item {
+            Item::Beam(name) => return Ok(Term::new("beam", [self.beam(name)?])),
+            Item::Peg(peg) => peg,
+        };
+        for action in rest {
+            match action {
+                CoarseAction::Fasten { connection, peg: other } if other == peg => {
+                    return Ok(Term::new("peg", [self.connection(connection)?]));
+                }
+                CoarseAction::PutDown { item: other } if other == item => break,
+                _ => {}
+            }
+        }
+        let free = self.pegs.iter().position(Option::is_none).ok_or("all connections have their pegs")?;
+        Ok(peg_item(assembly, free))
+    }
+
+    /// The item in the hand.
+    fn held(&self, item: &Item) -> Check<Term> {
+        if self.hand.as_ref() != Some(item) {
+            return Err(format!("{item} is not in the hand"));
+        }
+        let assembly = self.planner.assembly;
+        let model = &self.planner.model;
+        let items = (0..assembly.beams.len())
+            .map(|beam| beam_item(assembly, beam))
+            .chain((0..assembly.connections.len()).map(|connection| peg_item(assembly, connection)));
+        let mut held = items.filter(|item| model.holds(&self.state, &Term::new("in_hand", [item.clone()])));
+        held.next().ok_or_else(|| format!("{item} is not in the hand"))
+    }
+}

@@ -1,0 +1,121 @@
+//! The smallest sets of happenings that agree with a program.
+
+use super::control::{add, alone, literal, new_control};
+use super::error::SolveError;
+use super::search::Solver;
+use clingo::{Atom, Control, Model, SolverLiteral};
+use ramp_action_language::{Literal, Term, Unrolled};
+use std::collections::BTreeMap;
+
+/// The most explanations of one size that are told.
+const MOST_EXPLANATIONS: usize = 16;
+
+/// Something that may have happened.
+pub(crate) struct Happening {
+    pub event: Term,
+    /// Before which action of the history; for an action without effect, which.
+    pub before: usize,
+    pub literal: Literal,
+}
+
+impl Solver {
+    /// The smallest sets of happenings that may be true together with the program, by index; at most so many at once.
+    pub(crate) fn explanations(
+        &mut self,
+        unrolled: &mut Unrolled,
+        happenings: &[Happening],
+        most: usize,
+    ) -> Result<Vec<Vec<usize>>, SolveError> {
+        let _alone = alone();
+        // `more[n]`: more than n of the happenings so far are true.
+        let mut more: Vec<Literal> = Vec::new();
+        for happening in happenings {
+            let before = more.clone();
+            more = (0..=most)
+                .map(|count| {
+                    let mut bodies: Vec<Vec<Literal>> =
+                        before.get(count).map(|&had| vec![had]).into_iter().collect();
+                    match count.checked_sub(1).map(|less| before.get(less)) {
+                        None => bodies.push(vec![happening.literal]),
+                        Some(Some(&less)) => bodies.push(vec![happening.literal, less]),
+                        Some(None) => {}
+                    }
+                    unrolled.either(bodies)
+                })
+                .collect();
+        }
+        // By what it is, whenever it happens: that is what tells explanations apart.
+        let mut names: BTreeMap<&Term, Vec<usize>> = BTreeMap::new();
+        for (index, happening) in happenings.iter().enumerate() {
+            names.entry(&happening.event).or_default().push(index);
+        }
+        let any: BTreeMap<&Term, Literal> = names
+            .iter()
+            .map(|(name, all)| {
+                let bodies = all.iter().map(|&index| vec![happenings[index].literal]).collect();
+                (*name, unrolled.either(bodies))
+            })
+            .collect();
+        let mut atoms: Vec<Atom> = Vec::new();
+        let mut control = new_control(false)?;
+        let mut found: Vec<Vec<usize>> = Vec::new();
+        for count in 0..=most {
+            let few: Vec<Literal> = more.get(count).map(|&more| -more).into_iter().collect();
+            while found.len() < MOST_EXPLANATIONS {
+                let (back, answer) = self.happened(control, &mut atoms, unrolled, happenings, &few)?;
+                control = back;
+                let Some(mut set) = answer else { break };
+                // As late as possible: what went wrong before would have been noticed before.
+                for place in 0..set.len() {
+                    let same = &names[&happenings[set[place]].event];
+                    for &later in same.iter().rev().take_while(|&&later| later > set[place]) {
+                        let mut wanted = few.clone();
+                        let others = set.iter().enumerate().filter(|(other, _)| *other != place);
+                        wanted.extend(others.map(|(_, &index)| happenings[index].literal));
+                        wanted.push(happenings[later].literal);
+                        let (back, answer) =
+                            self.happened(control, &mut atoms, unrolled, happenings, &wanted)?;
+                        control = back;
+                        if answer.is_some() {
+                            set[place] = later;
+                            break;
+                        }
+                    }
+                }
+                unrolled.forbid(set.iter().map(|&index| any[&happenings[index].event]).collect());
+                let nothing = set.is_empty();
+                found.push(set);
+                if nothing {
+                    return Ok(found);
+                }
+            }
+            if !found.is_empty() {
+                break;
+            }
+        }
+        Ok(found)
+    }
+
+    /// Which of the happenings are true in an answer.
+    fn happened(
+        &mut self,
+        mut control: Control,
+        atoms: &mut Vec<Atom>,
+        unrolled: &mut Unrolled,
+        happenings: &[Happening],
+        wanted: &[Literal],
+    ) -> Result<(Control, Option<Vec<usize>>), SolveError> {
+        add(&mut control, atoms, unrolled)?;
+        let assumed: Vec<SolverLiteral> = wanted.iter().map(|&wanted| literal(atoms, wanted)).collect();
+        let read = |model: &Model| {
+            let mut set = Vec::new();
+            for (index, happening) in happenings.iter().enumerate() {
+                if model.is_true(literal(atoms, happening.literal))? {
+                    set.push(index);
+                }
+            }
+            Ok(set)
+        };
+        self.solve(control, 0, &assumed, read)
+    }
+}

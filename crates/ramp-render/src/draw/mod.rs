@@ -1,0 +1,20 @@
+//! From poses and a camera to pixels: a depth buffer says which triangle each pixel shows, then every pixel is
+//! coloured once.
+//!
+//! `picture` goes through the stages on the buffers of the `renderer`: `bodies` (with `triangles`), `shadow` (on the
+//! `map` of the table), and `expose` (with `table` where no body is seen).
+
+mod bodies;
+mod expose;
+mod light;
+mod map;
+mod picture;
+mod renderer;
+mod rigid;
+mod scene;
+mod shadow;
+mod table;
+mod triangles;
+
+pub use renderer::{NOTHING, Renderer};
+pub use scene::Scene;

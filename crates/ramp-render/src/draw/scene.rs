@@ -1,0 +1,10 @@
+//! Where all bodies are.
+
+use ramp_robot::Pose;
+
+/// Where all bodies are.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// Index of each body that is there ([`Looks::bodies`](crate::Looks::bodies)) and its pose in the world.
+    pub bodies: Vec<(usize, Pose)>,
+}

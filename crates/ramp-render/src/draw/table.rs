@@ -1,0 +1,135 @@
+//! Pixels that show the table, the sheet on it, the floor or the wall.
+
+use super::light::{dimmed, light_on, linear, shine};
+use super::map::{ABOVE, DETAIL, FLOOR, PAPER, TABLE_TOP, WALL, kind, on_sheet, shade_at};
+use super::rigid::Rigid;
+use crate::looks::Looks;
+use crate::sensor::FULL;
+use crate::texture::Level;
+use ramp_robot::{CameraModel, Pose};
+
+/// The colours of the table, of the floor around it, and of what is seen where nothing is.
+const TABLE_COLOUR: [f32; 3] = [0.33, 0.31, 0.28];
+const FLOOR_COLOUR: [f32; 3] = [0.13, 0.13, 0.13];
+const WALL_COLOUR: [f32; 3] = [0.55, 0.57, 0.60];
+/// Pixels along a row between two whose places on the table are worked out, from near and from far, and how far apart those
+/// may be, m: twice what is known to be bare around a cell, and less than the width of any shadow.
+const STRIDES: [usize; 2] = [16, 8];
+const BARE: f32 = 20.0e-3;
+
+/// How the table is seen.
+pub(super) struct Table<'a> {
+    turn: [[f32; 3]; 3],
+    eye: [f32; 3],
+    /// One of [`STRIDES`].
+    pub(super) stride: usize,
+    /// The sheet's picture, about as fine as the image.
+    sheet: Level<'a>,
+    /// The sheet's colours by their numbers where no shadow falls.
+    ink: [[u16; 3]; 256],
+    /// Colours without shadows by what is there, [`TABLE_TOP`] to [`WALL`].
+    plain: [[u16; 3]; WALL as usize + 1],
+}
+
+impl<'a> Table<'a> {
+    /// The table from a camera.
+    pub(super) fn new(looks: &'a Looks, x_wc: &Pose, model: &CameraModel) -> Table<'a> {
+        let rigid = Rigid::new(x_wc);
+        // What a pixel covers where the optical axis meets the table, or straight below.
+        let down = -rigid.turn[2][2];
+        let distance = if down > 0.3 { rigid.shift[2] / down } else { rigid.shift[2] };
+        let pixel = distance.max(0.01) / model.focal[0] as f32;
+        // A little room for what is further away than the middle.
+        let [near, far] = STRIDES;
+        let stride = if 1.5 * pixel * (near as f32) < BARE { near } else { far };
+        let sheet = looks.sheet.on(looks.sheet.level(pixel));
+        let lit = light_on(&[0.0, 0.0, 1.0]);
+        let colour = |colour: [f32; 3], light: f32| colour.map(|share| linear(share * light));
+        let of_255 = (lit * f32::from(FULL) / 255.0 * 256.0) as u32;
+        let ink = std::array::from_fn(|number| shine(sheet.colour(number as u8), of_255));
+        let mut plain = [[0; 3]; WALL as usize + 1];
+        plain[usize::from(TABLE_TOP)] = colour(TABLE_COLOUR, lit);
+        plain[usize::from(PAPER)] = shine(looks.sheet.paper(), of_255);
+        plain[usize::from(FLOOR)] = colour(FLOOR_COLOUR, 0.8 * lit);
+        plain[usize::from(WALL)] = colour(WALL_COLOUR, 1.0);
+        Table { turn: rigid.turn, eye: rigid.shift, stride, sheet, ink, plain }
+    }
+
+    /// Where a pixel looks on the table, m in the world.
+    #[inline]
+    pub(super) fn place(&self, dx: f32, dy: f32) -> [f32; 2] {
+        let [tx, ty, tz] = self.turn;
+        let fall = tz[0] * dx + tz[1] * dy + tz[2];
+        let t = -self.eye[2] / fall;
+        let (x, y) = (tx[0] * dx + tx[1] * dy + tx[2], ty[0] * dx + ty[1] * dy + ty[2]);
+        let down = fall <= -1e-3;
+        [(self.eye[0], x), (self.eye[1], y)].map(|(eye, way)| if down { eye + t * way } else { ABOVE })
+    }
+
+    /// Colours the pixels from `x` on, which all show the table. `nodes` are the places of each `stride`th pixel of the row
+    /// and of its last: between two that are close to each other, places and shadows go straight.
+    pub(super) fn stretch(
+        &self,
+        looks: &Looks,
+        (bare, soft): (&[u8], &[u32]),
+        [dx, dy]: [&[f32]; 2],
+        nodes: &[[f32; 2]],
+        x: usize,
+        light: &mut [u16],
+    ) {
+        let (index, skip) = (x / self.stride, x % self.stride);
+        let (from, to) = (nodes[index], nodes[index + 1]);
+        let pixels = light.chunks_exact_mut(3);
+        let close = (to[0] - from[0]).abs().max((to[1] - from[1]).abs()) < BARE;
+        let (what, other) = (kind(bare, from), kind(bare, to));
+        let plain = what == other && what != DETAIL;
+        if close && (plain || on_sheet(looks, from) && on_sheet(looks, to)) {
+            let share = 1.0 / (dx.len() - 1 - index * self.stride).clamp(1, self.stride) as f32;
+            let [left, last] = if what < FLOOR { [from, to].map(|at| shade_at(soft, at)) } else { [256; 2] };
+            // In 65536th parts.
+            let fade = ((last as f32 - left as f32) * 65536.0 * share) as i32;
+            let begin = ((left as i32) << 16) + skip as i32 * fade;
+            let lefts = (0..).map(|step| ((begin + step * fade) >> 16) as u32);
+            if plain && fade == 0 {
+                let colour = dimmed(self.plain[usize::from(what)], left);
+                pixels.for_each(|light| light.copy_from_slice(&colour));
+            } else if plain {
+                let colour = self.plain[usize::from(what)];
+                pixels.zip(lefts).for_each(|(light, left)| light.copy_from_slice(&dimmed(colour, left)));
+            } else {
+                let step = [(to[0] - from[0]) * share, (from[1] - to[1]) * share];
+                let skip = skip as f32;
+                let at = [
+                    from[0] - looks.sheet_corner[0] + skip * step[0],
+                    looks.sheet_corner[1] - from[1] + skip * step[1],
+                ];
+                for ((light, number), left) in pixels.zip(self.sheet.along(at, step)).zip(lefts) {
+                    light.copy_from_slice(&self.faded(number, left));
+                }
+            }
+            return;
+        }
+        for ((light, dx), dy) in pixels.zip(&dx[x..]).zip(&dy[x..]) {
+            light.copy_from_slice(&self.colour(looks, (bare, soft), self.place(*dx, *dy)));
+        }
+    }
+
+    /// The colour of that number on the sheet, of which shadows leave `left` of 256.
+    #[inline]
+    fn faded(&self, number: u8, left: u32) -> [u16; 3] {
+        dimmed(self.ink[usize::from(number)], left)
+    }
+
+    fn colour(&self, looks: &Looks, (bare, soft): (&[u8], &[u32]), at: [f32; 2]) -> [u16; 3] {
+        let what = kind(bare, at);
+        if what >= FLOOR {
+            return self.plain[usize::from(what)];
+        }
+        let left = shade_at(soft, at);
+        if on_sheet(looks, at) {
+            let number = self.sheet.at(at[0] - looks.sheet_corner[0], looks.sheet_corner[1] - at[1]);
+            return self.faded(number, left);
+        }
+        dimmed(self.plain[usize::from(TABLE_TOP)], left)
+    }
+}

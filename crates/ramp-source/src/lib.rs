@@ -1,0 +1,38 @@
+//! Text files that people write: reading them, pointing at a place in them, and saying what is wrong there.
+//!
+//! [`SourceFile::read`] turns a path into a text with a name, within limits. A crate that reads such files has its own
+//! list of [`Problem`]s. A [`Fault`] is one of them at its [`Place`]: it prints with [`miette`] as the line with a
+//! caret under the fault, with `{}` as one sentence, and with `{:#}` as that sentence after `file:line:column`.
+//! [`parse_xml`] and [`Element`] do the same for XML files: whatever an element or an attribute lacks is a fault at its
+//! place. [`nearest`] finds the name that a misspelt one was meant to be.
+//!
+//! ```
+//! use ramp_source::{Fault, Problem, SourceFile};
+//!
+//! #[derive(Debug, thiserror::Error)]
+//! #[error("there is no colour `{0}`")]
+//! struct NoColour(String);
+//!
+//! impl Problem for NoColour {
+//!     fn label(&self) -> String {
+//!         "expected a colour".to_string()
+//!     }
+//! }
+//!
+//! let file = SourceFile::new("wall.txt", "paint it\nrad");
+//! let fault = Fault::new(NoColour("rad".to_string()), file.place(9..12));
+//! assert_eq!(format!("{fault:#}"), "wall.txt:2:1: there is no colour `rad`");
+//! ```
+
+mod fault;
+mod file;
+mod form;
+mod names;
+mod read;
+mod xml;
+
+pub use fault::{Fault, Problem};
+pub use file::{MAX_FILE, Place, SourceFile};
+pub use form::FormProblem;
+pub use names::{MAX_NAME, nearest, shorten};
+pub use xml::{Element, Value, parse_xml};

@@ -1,0 +1,133 @@
+//! What a fault is doing now, and what it did.
+
+use crate::fault::act::{Motion, Obstacle, Push};
+use crate::fault::draws::{Draws, Start};
+use crate::fault::kind::FaultKind;
+use crate::fault::occasion::{Cell, Watch};
+use crate::fault::spec::FaultReport;
+use crate::twin::Setup;
+use mujoco_rs::prelude::*;
+use nalgebra::Vector3;
+use std::sync::Arc;
+
+/// The physics.
+pub(super) type Data = MjData<Arc<MjModel>>;
+
+/// What goes on.
+#[derive(Clone, Debug)]
+pub(super) enum Action {
+    Waiting,
+    /// A part was lifted; in so many seconds it is struck.
+    Lifted {
+        part: usize,
+        left: f64,
+    },
+    /// The fingers have no force for so many seconds.
+    Limp {
+        left: f64,
+    },
+    /// A part is pushed in the grip; the other way, if it has not been tried.
+    InGrip {
+        push: Push,
+        other: Option<Push>,
+    },
+    /// A standing beam is pushed; the sides that are left to push it from.
+    Bump {
+        push: Push,
+        part: usize,
+        at: f64,
+        left: Vec<(usize, Motion)>,
+    },
+    /// A holder is pushed.
+    Shift(Push),
+    /// An obstacle blocks an insertion.
+    Jam(Obstacle),
+    /// The cameras repeat their images for so many seconds.
+    Frozen {
+        left: f64,
+    },
+    /// The fingers close no further than this width, m.
+    Short {
+        width: f64,
+    },
+    /// The sensor's bias grows: N so far, in the sensor's frame.
+    Drift {
+        force: f64,
+        growth: f64,
+        most: f64,
+        direction: Vector3<f64>,
+    },
+    Over,
+}
+
+/// The fault of an episode.
+#[derive(Clone, Debug)]
+pub(crate) struct Injector {
+    pub(super) cell: Cell,
+    pub(super) draws: Draws,
+    pub(super) watch: Watch,
+    /// Occasions so far.
+    pub(super) count: u32,
+    pub(super) action: Action,
+    pub(super) report: FaultReport,
+}
+
+impl Injector {
+    /// The fault of `setup`, if it has one. `parts` and `holders` are names and bodies.
+    pub fn new(
+        setup: &Setup,
+        start: &Start,
+        model: &MjModel,
+        parts: &[(String, usize)],
+        holders: Vec<(String, usize)>,
+        fingers: [usize; 2],
+    ) -> Option<Injector> {
+        let fault = setup.fault?;
+        let draws = Draws::new(fault, setup);
+        let mut report = FaultReport {
+            kind: fault.kind,
+            occasion: draws.occasion,
+            at: None,
+            part: None,
+            size: None,
+            text: "the occasion has not come".to_string(),
+        };
+        if let Some(peg) = &start.missing {
+            report.at = Some(0.0);
+            report.part = Some(peg.clone());
+            report.text = format!("{peg} is not there");
+        }
+        if let Some((tag, beam)) = &start.covered {
+            report.at = Some(0.0);
+            report.part = Some(beam.clone());
+            report.text = format!("tag {tag} of {beam} is covered");
+        }
+        let at_start = matches!(fault.kind, FaultKind::PegMissing | FaultKind::TagCovered);
+        Some(Injector {
+            cell: Cell::new(setup, model, parts, holders, fingers),
+            draws,
+            watch: Watch::new(fault.kind),
+            count: 0,
+            action: if at_start { Action::Over } else { Action::Waiting },
+            report,
+        })
+    }
+
+    /// What became of it so far.
+    pub fn report(&self) -> &FaultReport {
+        &self.report
+    }
+
+    /// Whether the cameras repeat their images.
+    pub fn freezes_cameras(&self) -> bool {
+        matches!(self.action, Action::Frozen { .. })
+    }
+
+    /// What is added to the force that the wrist sensor reads, N, in the sensor's frame.
+    pub fn bias(&self) -> Vector3<f64> {
+        match &self.action {
+            Action::Drift { force, direction, .. } => *force * direction,
+            _ => Vector3::zeros(),
+        }
+    }
+}

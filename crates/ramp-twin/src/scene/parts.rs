@@ -1,0 +1,233 @@
+//! The parts: beams, holders and pegs with their shapes and masses.
+
+use super::text::{box_geom, capsule_geom, inertial, numbers, placed, plate_geoms};
+use nalgebra::Vector3;
+use ramp_kit::joint::{
+    BODY_WIDTH, EXTRUSION, EXTRUSION_MASS, HEAD_HEIGHT, HEAD_ROUNDING, HEAD_WIDTH, HOLE_RADIUS, MALE_CHAMFER,
+    MALE_TIP, PLA_DENSITY, SOCKET_DEPTH, STEM_CONE, STEM_LENGTH, STEM_RADIUS, STEM_TIP_RADIUS,
+};
+use ramp_kit::shape::{Cuboid, Piece, Shape, beam_rests, beam_shapes, peg_head};
+use ramp_kit::{Beam, Holder, Pose};
+use ramp_robot::arm::Capsule;
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write;
+
+/// Edges of the polygon of a peg's cone.
+const CONE_EDGES: usize = 24;
+/// Mass of a peg in solid PLA, kg.
+pub const PEG_MASS: f64 = 26.9e-3;
+/// Dry friction of a holder that can be pushed over the table, N along each axis, and its mass, kg.
+const HOLDER_FRICTION: f64 = 20.0;
+/// See [`HOLDER_FRICTION`].
+const HOLDER_MASS: f64 = 0.1;
+
+/// The chamfered end of a male: full section at x = 0, the tip at x = +length.
+pub(super) fn nose_mesh() -> String {
+    let half = BODY_WIDTH / 2.0;
+    let mut vertices = Vec::new();
+    for (x, h) in [(0.0, half), (MALE_CHAMFER, half - MALE_CHAMFER)] {
+        for y in [-h, h] {
+            for z in [-h, h] {
+                vertices.extend([x, y, z]);
+            }
+        }
+    }
+    format!("<mesh name=\"nose\" vertex=\"{}\"/>\n", numbers(&vertices))
+}
+
+/// The cone at the end of a peg's stem, with a short piece of the stem above it, in the peg's frame.
+pub(super) fn cone_mesh() -> String {
+    let mut vertices = Vec::new();
+    let cone = STEM_LENGTH - STEM_CONE;
+    for (z, r) in [(4.0e-3 - cone, STEM_RADIUS), (-cone, STEM_RADIUS), (-STEM_LENGTH, STEM_TIP_RADIUS)] {
+        for edge in 0..CONE_EDGES {
+            let angle = TAU * (edge as f64 + 0.5) / CONE_EDGES as f64;
+            vertices.extend([r * angle.cos(), r * angle.sin(), z]);
+        }
+    }
+    format!("<mesh name=\"cone\" vertex=\"{}\"/>\n", numbers(&vertices))
+}
+
+/// A beam at its place.
+pub(super) fn beam_body(xml: &mut String, beam: &Beam, x_wb: &Pose, clamped: bool) {
+    let _ = write!(xml, "<body name=\"{}\" {}>", beam.name, placed(x_wb));
+    if !clamped {
+        let (mass, centre, diagonal) = beam_inertia(beam);
+        let _ = write!(
+            xml,
+            r#"<freejoint name="{}"/><inertial mass="{mass}" pos="{}" diaginertia="{}"/>"#,
+            beam.name,
+            numbers(&centre),
+            numbers(&diagonal)
+        );
+    }
+    for shape in beam_shapes(beam) {
+        shape_geoms(xml, shape);
+    }
+    for rest in beam_rests(beam) {
+        box_geom(xml, "rest", &rest);
+    }
+    xml.push_str("</body>\n");
+}
+
+fn shape_geoms(xml: &mut String, shape: Shape) {
+    match shape {
+        Shape::Solid(cuboid) => {
+            let metal = cuboid.max[1] - cuboid.min[1] < BODY_WIDTH * 0.9
+                && cuboid.max[1] <= EXTRUSION / 2.0 + 1e-6
+                && cuboid.min[1] >= -EXTRUSION / 2.0 - 1e-6;
+            box_geom(xml, if metal { "metal" } else { "part" }, &cuboid);
+        }
+        Shape::Plate { cuboid, hole } => plate_geoms(xml, "part", &cuboid, hole, HOLE_RADIUS),
+        Shape::Nose { x0, x1 } => {
+            let turn = if x1 > x0 { "1 0 0 0" } else { "0 0 0 1" };
+            let _ = write!(
+                xml,
+                r#"<geom class="part" type="mesh" mesh="nose" pos="{}" quat="{turn}"/>"#,
+                numbers(&[x0, 0.0, 0.0])
+            );
+        }
+        Shape::Foot(cuboid) => box_geom(xml, "feet", &cuboid),
+        Shape::Turned { about, angle, piece } => {
+            let _ = write!(xml, r#"<frame pos="{}" euler="0 0 {angle}">"#, numbers(&[about, 0.0, 0.0]));
+            shape_geoms(
+                xml,
+                match piece {
+                    Piece::Solid(cuboid) => Shape::Solid(cuboid),
+                    Piece::Plate(cuboid) => Shape::Plate { cuboid, hole: [0.0, 0.0] },
+                    Piece::Nose { x0, x1 } => Shape::Nose { x0, x1 },
+                },
+            );
+            xml.push_str("</frame>");
+        }
+    }
+}
+
+/// Mass (kg), centre of mass (m, in B) and principal moments (kg·m²) of a beam: printed joints as boxes of their
+/// mass where their sleeves are, extrusions as square rods over their whole length.
+fn beam_inertia(beam: &Beam) -> (f64, [f64; 3], [f64; 3]) {
+    let mut pieces: Vec<(f64, f64, f64, f64)> = Vec::new(); // mass, centre x, length, width
+    for (index, joint) in beam.joints.iter().enumerate() {
+        let (from, to) = if !joint.kind.is_end() {
+            (joint.offset - joint.kind.sleeve(), joint.offset + joint.kind.sleeve())
+        } else if index == 0 {
+            (-MALE_TIP, joint.kind.sleeve())
+        } else {
+            (joint.offset - joint.kind.sleeve(), joint.offset + MALE_TIP)
+        };
+        pieces.push((joint.kind.mass(), (from + to) / 2.0, to - from, BODY_WIDTH));
+    }
+    for (link, pair) in beam.links.iter().zip(beam.joints.windows(2)) {
+        let from = pair[0].offset + pair[0].kind.sleeve() - SOCKET_DEPTH;
+        let middle = from + link.length / 2.0;
+        pieces.push((link.length * EXTRUSION_MASS, middle, link.length, EXTRUSION));
+    }
+    let mass: f64 = pieces.iter().map(|piece| piece.0).sum();
+    let centre = pieces.iter().map(|piece| piece.0 * piece.1).sum::<f64>() / mass;
+    let mut along = 0.0;
+    let mut across = 0.0;
+    for (m, x, length, width) in pieces {
+        along += m * width * width / 6.0;
+        across += m * ((length * length + width * width) / 12.0 + (x - centre).powi(2));
+    }
+    (mass, [centre, 0.0, 0.0], [along, across, across])
+}
+
+/// A holder at its place; `loose` lets it slide on the table.
+pub(super) fn holder_body(xml: &mut String, name: &str, x_wh: &Pose, loose: bool) {
+    let _ = write!(xml, "<body name=\"{name}\" {}>", placed(x_wh));
+    if loose {
+        inertial(xml, HOLDER_MASS, &[0.0, 0.0, Holder::HEIGHT / 2.0], &[1e-4, 1e-4, 1e-4, 0.0, 0.0, 0.0]);
+        for (axis, along) in [("x", "1 0 0"), ("y", "0 1 0")] {
+            let _ = write!(
+                xml,
+                r#"<joint name="{name}{axis}" type="slide" axis="{along}" frictionloss="{HOLDER_FRICTION}"/>"#
+            );
+        }
+    }
+    let top = Holder::HEIGHT;
+    for slot in [-1.0, 0.0, 1.0] {
+        let x = slot * Holder::PITCH;
+        let half = Holder::PITCH / 2.0;
+        // The bar the heads rest on, and the ridge with the pocket for the tip (its floor 4 mm up).
+        let bar = Cuboid::new([x - half, x + half], [-10.0e-3, 10.0e-3], [top - 4.0e-3, top]);
+        plate_geoms(xml, "part", &bar, [x, 0.0], HOLE_RADIUS);
+        let ridge = Cuboid::new([x - half, x + half], [-10.0e-3, 10.0e-3], [4.0e-3, 6.0e-3]);
+        plate_geoms(xml, "part", &ridge, [x, 0.0], HOLE_RADIUS);
+        let floor = Cuboid::new([x - half, x + half], [-10.0e-3, 10.0e-3], [0.0, 4.0e-3]);
+        box_geom(xml, "part", &floor);
+    }
+    for [from, to] in [[-51.5e-3, -45.5e-3], [-20.0e-3, -14.0e-3], [14.0e-3, 20.0e-3], [45.5e-3, 51.5e-3]] {
+        // The ribs taper; three steps follow them from inside.
+        for (half, z) in
+            [(17.7e-3, [0.0, 9.9e-3]), (12.4e-3, [9.9e-3, 17.2e-3]), (10.0e-3, [17.2e-3, 33.2e-3])]
+        {
+            box_geom(xml, "part", &Cuboid::new([from, to], [-half, half], z));
+        }
+    }
+    xml.push_str("</body>\n");
+}
+
+/// A peg at its place.
+pub(super) fn peg_body(xml: &mut String, name: &str, x_wp: &Pose) {
+    // Head and stem as one solid each, of the printed part's mass.
+    let head_mass = HEAD_WIDTH * HEAD_WIDTH * HEAD_HEIGHT * PLA_DENSITY;
+    let scale = PEG_MASS / (head_mass + PI * STEM_RADIUS * STEM_RADIUS * STEM_LENGTH * PLA_DENSITY);
+    let head_mass = head_mass * scale;
+    let stem_mass = PEG_MASS - head_mass;
+    let (head_z, stem_z) = (HEAD_HEIGHT / 2.0, -STEM_LENGTH / 2.0);
+    let centre = (head_mass * head_z + stem_mass * stem_z) / PEG_MASS;
+    let across = head_mass * ((HEAD_WIDTH.powi(2) + HEAD_HEIGHT.powi(2)) / 12.0 + (head_z - centre).powi(2))
+        + stem_mass * ((3.0 * STEM_RADIUS.powi(2) + STEM_LENGTH.powi(2)) / 12.0 + (stem_z - centre).powi(2));
+    let along = head_mass * HEAD_WIDTH.powi(2) / 6.0 + stem_mass * STEM_RADIUS.powi(2) / 2.0;
+    let _ = write!(
+        xml,
+        r#"<body name="{name}" {}><freejoint name="{name}"/><inertial mass="{PEG_MASS}" pos="0 0 {}" diaginertia="{}"/>"#,
+        placed(x_wp),
+        numbers(&[centre]),
+        numbers(&[across, across, along])
+    );
+    head_geoms(xml);
+    // The capsule's round end stays inside the cone.
+    let end = -(STEM_LENGTH - STEM_CONE) + STEM_RADIUS;
+    let stem = Vector3::new(0.0, 0.0, end);
+    let _ = write!(
+        xml,
+        r#"<geom class="peg" type="capsule" fromto="0 0 0.005 {}" size="{STEM_RADIUS}"/><geom class="peg" type="mesh" mesh="cone"/></body>"#,
+        numbers(stem.as_slice())
+    );
+    xml.push('\n');
+}
+
+/// The head of a peg with its rounded edges: three boxes, each short of the edges in one direction, which keep the flat
+/// sides flat, and a capsule along each edge.
+fn head_geoms(xml: &mut String) {
+    let Cuboid { min, max } = peg_head();
+    let r = HEAD_ROUNDING;
+    for long in 0..3 {
+        let mut piece = Cuboid { min, max };
+        for axis in (0..3).filter(|axis| *axis != long) {
+            piece.min[axis] += r;
+            piece.max[axis] -= r;
+        }
+        box_geom(xml, "peg", &piece);
+        // The four edges along this direction.
+        let (u, v) = ((long + 1) % 3, (long + 2) % 3);
+        for (u_end, v_end) in [
+            (min[u] + r, min[v] + r),
+            (max[u] - r, min[v] + r),
+            (min[u] + r, max[v] - r),
+            (max[u] - r, max[v] - r),
+        ] {
+            let end = |along: f64| {
+                let mut point = [0.0; 3];
+                point[long] = along;
+                point[u] = u_end;
+                point[v] = v_end;
+                point
+            };
+            let edge = Capsule { from: end(min[long] + r), to: end(max[long] - r), radius: r };
+            capsule_geom(xml, "peg", &edge);
+        }
+    }
+}
