@@ -26,7 +26,7 @@ pub(crate) enum Shape {
     /// `B`; `_` has become a name of its own, such as `_3`.
     Variable(String),
     Number(i64),
-    /// `"b4"`: an object of a goal.
+    /// `"b4"`: an object of a problem.
     Quoted(String),
     /// `input`, `above(A)`.
     Function(String, Vec<Expression>),
@@ -110,7 +110,7 @@ pub(crate) enum SortPart {
 /// A statement.
 #[derive(Clone, Debug)]
 pub(crate) enum Statement {
-    /// `sort name = parts`; without parts, its objects come with the goal.
+    /// `sort name = parts`; without parts, its objects come with the problem.
     Sort { name: Name, parts: Option<Vec<SortPart>> },
     /// `static name(sorts)`
     Static { name: Name, sorts: Vec<Name> },

@@ -87,7 +87,7 @@ pub(crate) struct Sort {
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Leaf {
     Number,
-    /// The objects of this sort come with the goal.
+    /// The objects of this sort come with the problem.
     Open(String),
     Constant(String),
     Function(String),

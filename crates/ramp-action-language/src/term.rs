@@ -7,7 +7,7 @@ use std::fmt::{self, Display, Write};
 pub enum Term {
     /// A whole number.
     Number(i64),
-    /// A name, quoted in the rules, so that any name of a kit or a goal can be one.
+    /// A name, quoted in the rules, so that any name of a problem can be one.
     Text(String),
     /// A name of the rules with arguments; without any, a constant, and without a name, a tuple.
     Function(String, Vec<Term>),
@@ -105,7 +105,7 @@ impl From<&str> for Term {
 
 impl From<usize> for Term {
     fn from(number: usize) -> Term {
-        // The counts of a goal are far smaller.
+        // The counts of a problem are far smaller.
         Term::Number(i64::try_from(number).unwrap_or(i64::MAX))
     }
 }

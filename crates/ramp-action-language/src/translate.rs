@@ -36,7 +36,7 @@ const CHECK: &str = "
 ";
 
 impl Domain {
-    /// The domain as a program for clingo without the objects and statics of a goal, in the parts `base`, `step(t)`
+    /// The domain as a program for clingo without the objects and statics of a problem, in the parts `base`, `step(t)`
     /// and `check(t)` of clingo's incremental mode.
     ///
     /// ```

@@ -1,4 +1,4 @@
-//! Is the state one that can be? Checked before anything is planned from it.
+//! A state with its names looked up, and refused when it contradicts itself, before anything is planned from it.
 
 use crate::error::PlanError;
 use crate::facts::{beam_item, beam_name, connection_name};

@@ -30,6 +30,9 @@ impl<P> Clone for Element<'_, P> {
 impl<P> Copy for Element<'_, P> {}
 
 /// Parses the XML of a file; the tree borrows its text.
+///
+/// # Errors
+/// When the file is too large, or at the place where it is not XML.
 pub fn parse_xml<P: Problem + From<FormProblem>>(
     file: &SourceFile,
 ) -> Result<roxmltree::Document<'_>, Fault<P>> {
@@ -56,6 +59,9 @@ fn offset_of(text: &str, line: usize, column: usize) -> usize {
 
 impl<'a, P: Problem + From<FormProblem>> Element<'a, P> {
     /// The outermost element, which must have this name.
+    ///
+    /// # Errors
+    /// When it has another one.
     pub fn root(
         document: &'a roxmltree::Document<'a>,
         file: &'a SourceFile,
@@ -94,6 +100,9 @@ impl<'a, P: Problem + From<FormProblem>> Element<'a, P> {
     }
 
     /// The elements in it, each of which must have one of these names.
+    ///
+    /// # Errors
+    /// At the first element with another name.
     pub fn children(&self, names: &[&str]) -> Result<Vec<Element<'a, P>>, Fault<P>> {
         let mut children = Vec::new();
         for node in self.node.children().filter(roxmltree::Node::is_element) {
@@ -115,6 +124,9 @@ impl<'a, P: Problem + From<FormProblem>> Element<'a, P> {
 
     /// Finds attributes that look like a misspelt one of `names`. Others are passed over, so that files of other
     /// tools, which may say more, can be read.
+    ///
+    /// # Errors
+    /// At the first attribute that looks like one.
     pub fn check_attributes(&self, names: &[&str]) -> Result<(), Fault<P>> {
         for attribute in self.node.attributes() {
             let found = attribute.name();
@@ -148,6 +160,9 @@ impl<'a, P: Problem + From<FormProblem>> Element<'a, P> {
     }
 
     /// An attribute that must be there.
+    ///
+    /// # Errors
+    /// At the opening tag, when it is not there.
     pub fn required(&self, attribute: &'static str) -> Result<Value<'a, P>, Fault<P>> {
         self.optional(attribute).ok_or_else(|| {
             self.fault(FormProblem::Missing { element: self.tag().to_string(), attribute }.into())
@@ -187,6 +202,9 @@ impl<'a, P: Problem + From<FormProblem>> Value<'a, P> {
     }
 
     /// As a name: 1 to [`MAX_NAME`] bytes without blanks or control characters.
+    ///
+    /// # Errors
+    /// When it is empty or too long, or holds a blank or a control character.
     pub fn name(&self) -> Result<&'a str, Fault<P>> {
         let fits = (1..=MAX_NAME).contains(&self.text.len());
         if fits && !self.text.contains(|c: char| c.is_whitespace() || c.is_control()) {
@@ -196,6 +214,9 @@ impl<'a, P: Problem + From<FormProblem>> Value<'a, P> {
     }
 
     /// As a number in a range; `unit` is for the message.
+    ///
+    /// # Errors
+    /// When it is no number, or out of range.
     pub fn number(&self, range: RangeInclusive<f64>, unit: &str) -> Result<f64, Fault<P>> {
         let number = self.text.trim().parse::<f64>().ok();
         // A NaN is in no range.
@@ -206,6 +227,9 @@ impl<'a, P: Problem + From<FormProblem>> Value<'a, P> {
     }
 
     /// As a whole number in a range.
+    ///
+    /// # Errors
+    /// When it is no whole number, or out of range.
     pub fn integer(&self, range: RangeInclusive<i64>) -> Result<i64, Fault<P>> {
         let number = self.text.trim().parse::<i64>().ok();
         number.filter(|number| range.contains(number)).ok_or_else(|| {
@@ -219,6 +243,9 @@ impl<'a, P: Problem + From<FormProblem>> Value<'a, P> {
     }
 
     /// As `True` or `False`.
+    ///
+    /// # Errors
+    /// When it is something else.
     pub fn flag(&self) -> Result<bool, Fault<P>> {
         match self.text {
             "True" => Ok(true),

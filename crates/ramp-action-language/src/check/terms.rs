@@ -165,7 +165,7 @@ impl Checker<'_> {
                 true
             }
             Shape::Number(_) => leaves.contains(&Leaf::Number),
-            // Which objects there are is known when there is a goal.
+            // Which objects there are is known when there is a problem.
             Shape::Quoted(_) => leaves.iter().any(|leaf| matches!(leaf, Leaf::Open(_))),
             Shape::Function(name, arguments) if arguments.is_empty() => {
                 leaves.contains(&Leaf::Constant(name.clone()))

@@ -10,7 +10,7 @@ use rustc_hash::FxHashMap as HashMap;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl<'d> Model<'d> {
-    /// A domain with the objects and statics of a goal; facts about what the domain does not declare are left out.
+    /// A domain with the objects and statics of a problem; facts about what the domain does not declare are left out.
     pub fn new(domain: &'d Domain, facts: &[Term]) -> Model<'d> {
         let predicates: Vec<Predicate> =
             domain.predicates.iter().map(|(name, p)| Predicate { name, kind: p.kind }).collect();

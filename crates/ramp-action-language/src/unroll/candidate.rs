@@ -24,7 +24,7 @@ impl Candidate {
         (0..model.impossible.len()).filter(is_about).collect()
     }
 
-    /// All actions that the hand does, or all that happen.
+    /// All actions that a plan may hold, or all exogenous ones.
     pub(crate) fn all(model: &Model, exogenous: bool) -> Vec<Candidate> {
         let mut candidates = Vec::new();
         for (predicate, known) in model.predicates.iter().enumerate() {

@@ -5,7 +5,7 @@
 //! plan can decide. Only the last become atoms, only actions that nothing certain forbids become choices, and what no
 //! step can touch keeps its atom from one time to the next. A goal that cannot be true yet needs no search.
 //!
-//! The rules are those of the translation (`Domain::to_asp`); a test solves both and compares.
+//! The rules are those of the translation (`Domain::to_asp`); a test of `ramp-planner` solves both and compares.
 //!
 //! `step` makes choices of the candidates, `follow` adds what they bring about within the bounds of `relax`, and
 //! `goal` says what a goal needs.
