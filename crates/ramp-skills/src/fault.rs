@@ -72,9 +72,25 @@ pub enum Fault {
         /// The action.
         action: String,
     },
+    /// What a skill needs does not hold.
+    #[error("`{action}` cannot begin: {need} does not hold")]
+    NotReady {
+        /// The action.
+        action: String,
+        /// What must hold.
+        need: String,
+    },
+    /// A skill ended without what it promises.
+    #[error("`{action}` has ended, but {effect} does not hold")]
+    Unmet {
+        /// The action.
+        action: String,
+        /// What should hold.
+        effect: String,
+    },
     /// The plan does not say how the part gets to its place.
     #[error("the plan has no way to its place for {part}")]
-    NoWay {
+    NoPath {
         /// Its name.
         part: String,
     },

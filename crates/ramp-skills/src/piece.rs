@@ -11,9 +11,10 @@ use ramp_robot::{Account, Agent, Robot, RobotError};
 
 use crate::Pose;
 use crate::agent::Baseline;
+use crate::cell::Workcell;
+use crate::cell::alignment::PEGGABLE;
 use crate::fault::{Fault, SkillError};
-use crate::insert::PEGGABLE;
-use crate::transport::Workcell;
+use crate::recovery::check_holes;
 
 /// How far a beam that others have put in may be from its place: along the table and in height, m; tilt and turn, rad.
 const BUILT: ([f64; 3], [f64; 3]) = ([5.0e-3, 5.0e-3, 1.5e-3], [0.002, 0.002, 0.05]);
@@ -34,14 +35,14 @@ pub struct Piece<'a> {
 
 impl<'a> Piece<'a> {
     /// `state` is what stands when the work begins, with nothing in the hand; `plan` has the steps that are to be carried
-    /// out, and the ways of all beams, those that stand included; `next` are the connections (indices into
+    /// out, and the paths of all beams, those that stand included; `next` are the connections (indices into
     /// [`ramp_assembly::Assembly::connections`]) that pegs are to pin afterwards as they are then.
     pub fn new(baseline: Baseline<'a>, state: State, plan: Plan, next: Vec<usize>) -> Piece<'a> {
         Piece { baseline, state, plan, next, failure: None }
     }
 
     fn work(&mut self, cell: &mut Workcell) -> Result<(), SkillError> {
-        self.baseline.learn_ways(cell, &self.plan);
+        self.baseline.learn_paths(cell, &self.plan);
         take_over(cell, &self.state)?;
         cell.belief.update(&mut cell.hand)?;
         cell.calibrate()?;
@@ -50,7 +51,7 @@ impl<'a> Piece<'a> {
         // may spoil another.
         for _ in 0..ROUNDS {
             for &connection in &self.next {
-                self.baseline.check(cell, connection)?;
+                check_holes(&self.baseline.skills, cell, connection)?;
             }
             let connections = self.next.iter().map(|index| &cell.assembly.connections[*index]);
             let offsets = connections.map(|connection| cell.belief.offset(cell.assembly, connection));
@@ -112,8 +113,8 @@ fn take_over(cell: &mut Workcell, state: &State) -> Result<(), SkillError> {
     for &beam in &beams {
         let mut x_wb = cell.kit.x_wa() * assembly.beams[beam].x_ab;
         if cell.deep.contains(&beam) {
-            let way = cell.way(beam)?;
-            x_wb = Translation3::from(cell.kit.x_wa().rotation * way.direction * way.depth) * x_wb;
+            let path = cell.path(beam)?;
+            x_wb = Translation3::from(cell.kit.x_wa().rotation * path.direction * path.depth) * x_wb;
         }
         let x_wb = cell.drooped(beam, &x_wb).unwrap_or(x_wb);
         cell.belief.expect(&assembly.beams[beam].beam.name, x_wb, BUILT);

@@ -1,30 +1,29 @@
-//! Looking: as often as it takes to know well enough what the next step needs.
+//! Looks as often as it takes to know well enough what the next step needs.
 
 use std::f64::consts::FRAC_PI_4;
 
 use nalgebra::{Point3, Translation3, Vector3};
-use ramp_assembly::JointRef;
 use ramp_kit::tags::x_wg_sheet;
 use ramp_robot::camera::Mount;
 use ramp_robot::{Camera, Cause};
 
+use super::travel::TRAVEL;
 use crate::Pose;
 use crate::belief::Belief;
+use crate::cell::{Point, Workcell};
 use crate::fault::SkillError;
 use crate::grasp::hand_down;
-use crate::transport::{TRAVEL, Workcell};
 
 /// Longest series of looks, s: what is not known well enough by then has to be found by feel.
 const LONGEST: f64 = 15.0;
-
 /// How often a camera looks at the tag of the sheet to find out where it is.
 const CALIBRATING: usize = 3;
-
 /// How well a part must be known before it is gripped, along the table and in height, m.
 const GRASPABLE: [f64; 2] = [0.5e-3, 0.2e-3];
-
-/// A point of a part: its name, and the point in its frame, m.
-pub type Point = (String, Point3<f64>);
+/// How well their heights must be known to tell whether a peg is home, m.
+const KNOWN_HEIGHT: f64 = 0.1e-3;
+/// How well its ends must be known to tell, m.
+const KNOWN: f64 = 0.2e-3;
 
 impl Workcell<'_, '_> {
     /// Looks once, and on until the place of each of these points on the table is known to a standard deviation of
@@ -86,7 +85,7 @@ impl Workcell<'_, '_> {
     }
 
     /// Looks once, and notes what was odd.
-    pub(crate) fn look_once(&mut self) -> Result<(), SkillError> {
+    pub fn look_once(&mut self) -> Result<(), SkillError> {
         self.belief.update(&mut self.hand)?;
         for (part, off) in self.belief.astray() {
             self.note("seen", format!("{part} is {:.1} mm from where it was believed", off * 1e3));
@@ -139,7 +138,7 @@ impl Workcell<'_, '_> {
             (x_wt, self.reach(&x_wt, &q))
         });
         let Some(x_wt) = self.choose(&candidates) else { return Ok(()) };
-        self.rise()?;
+        self.retreat()?;
         match self.travel(&x_wt) {
             // No way there: then from where it is.
             Err(SkillError::Motion(_)) => Ok(()),
@@ -160,15 +159,18 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// The middle of a part.
-    pub fn middle(&self, part: &str) -> Point {
-        let x = self.kit.beam(part).map_or(0.0, |beam| beam.span() / 2.0);
-        (part.to_string(), Point3::new(x, 0.0, 0.0))
+    /// Looks until it is known how high the peg's head is over the female's top plate.
+    pub fn see_gap(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
+        let hole = self.hole(self.assembly.connections[connection].female);
+        self.see_height(&[self.middle(peg), hole], KNOWN_HEIGHT)
     }
 
-    /// The hole of a joint of the assembly.
-    pub fn hole(&self, joint: JointRef) -> Point {
-        let beam = &self.assembly.beams[joint.beam].beam;
-        (beam.name.clone(), beam.p_b_hole(joint.joint))
+    /// Looks until it is known where the pinned joint and the far end of a beam are.
+    pub fn see_ends(&mut self, beam: usize) -> Result<(), SkillError> {
+        let placed = &self.assembly.beams[beam].beam;
+        let far = Point3::new(self.far_end(beam), 0.0, 0.0);
+        let mut points = vec![(placed.name.clone(), far)];
+        points.extend(self.anchor(beam).map(|joint| self.hole(joint)));
+        self.see(&points, KNOWN)
     }
 }

@@ -12,8 +12,9 @@ use ramp_kit::tags::TagPlace;
 use ramp_robot::{Camera, CameraModel, Image, RobotError};
 use ramp_vision::{Calibration, Lying, Oddity, PartFinder, SeenPart};
 
+use super::estimate::{Estimate, covariance};
 use crate::Pose;
-use crate::estimate::{Estimate, covariance};
+
 use crate::hand::Hand;
 
 /// How far a camera may be from where the robot says it is, 1 σ, m and rad: the benchmark's error of calibration.

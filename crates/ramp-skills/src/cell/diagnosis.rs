@@ -1,15 +1,13 @@
-//! Putting what skills feel and see down to a cause.
+//! Puts what skills feel and see down to a cause.
 //!
-//! Every skill works on when it can; what it noticed goes into the events, as `CAUSE: what tells so`, for people and for
-//! whoever judges how well the agent knows what is happening to it.
+//! A skill goes on when it can. What it noticed becomes an event `diagnosis` with the text `CAUSE: evidence`, for people
+//! and for whoever judges how well the agent knows what happens to it.
 
-use std::fmt;
-
-use nalgebra::{Point2, Point3, Vector3};
+use nalgebra::{Point3, Vector3};
 use ramp_robot::{Cause, RobotError};
 
+use super::workcell::{Stand, Workcell};
 use crate::hand::Hand;
-use crate::transport::Workcell;
 
 /// A peg is this far from its outline at most when nobody has touched its holder, m: the start is disturbed by 1 mm and
 /// 1° about the holder's middle, and a peg has a millimetre of room in its hole.
@@ -30,21 +28,7 @@ const REST: f64 = 0.3;
 /// Standard gravity, m/s².
 const GRAVITY: f64 = 9.81;
 
-/// How a beam stands in the assembly.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stand {
-    /// Where its ends are on the table, m in the world.
-    pub ends: [Point2<f64>; 2],
-    /// How well that is known: standard deviation, m.
-    pub deviation: f64,
-}
-
 impl Workcell<'_, '_> {
-    /// Notes a cause and what tells so.
-    pub fn diagnose(&mut self, cause: Cause, why: impl fmt::Display) {
-        self.note("diagnosis", format!("{cause}: {why}"));
-    }
-
     /// Says why a part is not where it was believed to be, `off` metres away.
     pub fn diagnose_astray(&mut self, part: &str, off: f64) {
         if self.hand.held.as_ref().is_some_and(|held| held.part == part) {

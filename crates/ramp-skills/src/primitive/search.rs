@@ -1,22 +1,23 @@
-//! Feeling a beam in: what an insertion does when it stalls on an edge.
+//! Compliant search: what an insertion does when it stalls on an edge.
 //!
-//! The sleeve's floor tells the height; then the beam goes straight on while it moves, and swings across its way, more and
-//! more, while it does not. Through sleeves that little holds it goes softly; a cap is rubbed over an end at an angle.
+//! A touch of the sleeve's floor tells the height. Then the arm pushes the beam softly along its insertion path. While the
+//! beam stands still, the arm sweeps it across that path with growing amplitude, until the edge gives way.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::JointRef;
 use ramp_kit::joint::{self, BODY_WIDTH, EXTRUSION, FEMALE_HEIGHT};
 
 use crate::Pose;
+use crate::cell::Workcell;
 use crate::fault::SkillError;
-use crate::insert::HOME;
-use crate::transport::Workcell;
 
 /// Speed with which a beam backs off and goes on, m/s.
 const SPEED: f64 = 0.03;
+/// Distance from its place at which an insertion counts as home, m.
+pub const HOME: f64 = 0.8e-3;
 
 /// How a beam is felt in: its push along its way, and its swing.
-pub(crate) struct Feel {
+pub struct Compliance {
     /// Push along the way, N.
     force: f64,
     /// Swing across the way, m, when it begins and when it has grown, and how often a second.
@@ -29,9 +30,9 @@ pub(crate) struct Feel {
     near: f64,
 }
 
-impl Feel {
+impl Compliance {
     /// Through sleeves: with more force, friction holds the edge against the search.
-    const SLEEVE: Feel = Feel {
+    const SLEEVE: Compliance = Compliance {
         force: 4.0,
         across: ([0.8e-3, 2.0e-3], 1.3),
         up: ([0.8e-3, 2.0e-3], 2.1),
@@ -39,11 +40,11 @@ impl Feel {
         near: 0.5 * HOME,
     };
     /// Through sleeves that little holds: a beam on the table slides at 1.4 N, and turns at 0.7 N at its end.
-    const LOOSE: Feel = Feel { force: 0.7, ..Feel::SLEEVE };
+    const LOOSE: Compliance = Compliance { force: 0.7, ..Compliance::SLEEVE };
     /// Over an end at an angle: it meets the plate with a corner whose chamfer is too steep to slide up. Rubbed to and fro
     /// along the edge it does, since friction then acts along the edge and no longer holds it down; that takes more push
     /// than the light end weighs, and a swing wider than the frame gives way.
-    pub(crate) const CAP: Feel = Feel {
+    pub const CAP: Compliance = Compliance {
         force: 15.0,
         across: ([1.0e-3, 5.0e-3], 0.7),
         up: ([0.0, 0.0], 0.0),
@@ -52,8 +53,8 @@ impl Feel {
     };
 
     /// Into a joint, through sleeves that little holds or through others.
-    pub(crate) fn into(loose: bool) -> &'static Feel {
-        if loose { &Feel::LOOSE } else { &Feel::SLEEVE }
+    pub fn into(loose: bool) -> &'static Compliance {
+        if loose { &Compliance::LOOSE } else { &Compliance::SLEEVE }
     }
 }
 
@@ -71,43 +72,22 @@ const TOUCH_FORCE: f64 = 1.5;
 const TOUCH_SPEED: f64 = 5.0e-3;
 /// How long a beam may stand still before the search begins, how long the swing grows, and after what time it begins
 /// anew, s.
-const FEEL_PATIENCE: f64 = 0.5;
-/// See [`FEEL_PATIENCE`].
-const FEEL_GROWTH: f64 = 4.0;
-/// See [`FEEL_PATIENCE`].
-const FEEL_CYCLE: f64 = 8.0;
+const PATIENCE: f64 = 0.5;
+/// See [`PATIENCE`].
+const GROWTH: f64 = 4.0;
+/// See [`PATIENCE`].
+const CYCLE: f64 = 8.0;
 /// A beam that in so long, s, comes on by no more than this, m, is not felt in any further.
-const FEEL_PACE: (f64, f64) = (15.0, 3.0e-3);
+const PACE: (f64, f64) = (15.0, 3.0e-3);
 /// How often a part that does not move is looked at, s.
 const LOOK_EVERY: f64 = 3.0;
-/// Progress that counts as having moved, m: so much within [`FEEL_PATIENCE`] a beam makes that nothing wedges.
-const FEEL_PROGRESS: f64 = 1.0e-3;
+/// Progress that counts as having moved, m: so much within [`PATIENCE`] a beam makes that nothing wedges.
+const PROGRESS: f64 = 1.0e-3;
 
 impl Workcell<'_, '_> {
-    /// The beams, by name, that this beam passes through, that lie on the table, and that at most `pegs` hold: a beam
-    /// that was inserted is held by its joint as well.
-    pub(crate) fn loose_sleeves(&self, beam: usize, pegs: usize) -> Vec<String> {
-        let pins = |beam: usize| {
-            let pinned = self.pinned.iter().map(|(index, _)| &self.assembly.connections[*index]);
-            pinned.filter(|connection| self.assembly.sides(connection, beam).is_some()).count()
-        };
-        let loose = self.sleeves(beam).map(|sleeve| sleeve.beam);
-        let loose = loose.filter(|&sleeve| self.lies(sleeve) && pins(sleeve) <= pegs);
-        loose.map(|sleeve| self.assembly.beams[sleeve].beam.name.clone()).collect()
-    }
-
-    /// The sleeves of other beams that this beam goes through.
-    pub(crate) fn sleeves(&self, beam: usize) -> impl Iterator<Item = JointRef> {
-        let through = self.assembly.connections.iter().filter(move |connection| {
-            let male = &self.assembly.beams[connection.male.beam].beam.joints[connection.male.joint];
-            connection.male.beam == beam && !male.kind.is_end() && self.meets(connection.female, beam)
-        });
-        through.map(|connection| connection.female)
-    }
-
     /// How much higher than believed a beam is to go through a sleeve, m: backs off from the edge that it stands on,
     /// lowers the beam on the sleeve's floor, and compares. 0 when that tells nothing.
-    pub(crate) fn touch_floor(
+    pub fn touch_floor(
         &mut self,
         part: &str,
         sleeve: JointRef,
@@ -145,12 +125,12 @@ impl Workcell<'_, '_> {
     /// Feels a stalled beam in: a light push along its way, and a slow swing of growing size across it, up and down,
     /// and about both, until the edge that it stands on gives way. An unchamfered edge (thru-m) stops dead unless it
     /// meets its female within 0.3 mm. Returns for how long at a time it stood still, s.
-    pub(crate) fn feel_in(
+    pub fn compliant_search(
         &mut self,
         part: &str,
         goal: &Pose,
         direction: &Vector3<f64>,
-        feel: &Feel,
+        feel: &Compliance,
     ) -> Result<f64, SkillError> {
         let begin = self.hand.time();
         let across = Vector3::z().cross(direction);
@@ -175,14 +155,14 @@ impl Workcell<'_, '_> {
                 if remaining < feel.near {
                     break;
                 }
-                if self.hand.time() - paced.0 > FEEL_PACE.0 {
-                    if paced.1 - remaining < FEEL_PACE.1 {
+                if self.hand.time() - paced.0 > PACE.0 {
+                    if paced.1 - remaining < PACE.1 {
                         break;
                     }
                     paced = (self.hand.time(), remaining);
                 }
                 stood = stood.max(self.hand.time() - stalled_since);
-                if remaining < best - FEEL_PROGRESS {
+                if remaining < best - PROGRESS {
                     best = remaining;
                     stalled_since = self.hand.time();
                 }
@@ -194,8 +174,8 @@ impl Workcell<'_, '_> {
             let time = self.hand.time() - begin;
             let stalled = self.hand.time() - stalled_since;
             // Straight on while it moves; then a swing that grows, and begins small again.
-            let grown = ((stalled - FEEL_PATIENCE).max(0.0) % FEEL_CYCLE / FEEL_GROWTH).min(1.0);
-            let swings = if stalled < FEEL_PATIENCE { 0.0 } else { 1.0 };
+            let grown = ((stalled - PATIENCE).max(0.0) % CYCLE / GROWTH).min(1.0);
+            let swings = if stalled < PATIENCE { 0.0 } else { 1.0 };
             let wave = |hertz: f64| (std::f64::consts::TAU * hertz * time).sin();
             let swing = |([begin, end], hertz): ([f64; 2], f64)| {
                 swings * (begin + (end - begin) * grown) * wave(hertz)

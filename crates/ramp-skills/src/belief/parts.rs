@@ -9,15 +9,15 @@ use std::collections::BTreeMap;
 use nalgebra::{Point3, Vector3, Vector6};
 use ramp_assembly::{Assembly, Connection, JointRef};
 use ramp_kit::Kit;
-use ramp_kit::shape::{Cuboid, Shape, beam_shapes, peg_head};
-use ramp_kit::{Holder, joint};
 use ramp_motion::Obstacle;
 use ramp_robot::RobotError;
 use ramp_vision::Lying;
 
+use super::estimate::{Estimate, covariance};
+use super::eyes::{Eyes, Sighting};
+use super::obstacles::{beam_boxes, holder_boxes, peg_boxes};
+use super::part::{Frame, GATE, Part};
 use crate::Pose;
-use crate::estimate::{Estimate, covariance};
-use crate::eyes::{Eyes, Sighting};
 use crate::fault::{Fault, SkillError};
 use crate::hand::Hand;
 
@@ -46,11 +46,6 @@ const PUSHED: ([f64; 3], [f64; 3]) =
     ([5.0 * MM, 0.05 * MM, 0.5 * MM], [0.1 * DEGREE, 0.1 * DEGREE, 0.03 * DEGREE]);
 /// ... and turn about the line from one to the other, rad.
 const PUSHED_TURN: f64 = 15.0 * DEGREE;
-/// A reading with a greater normalised innovation squared is not believed before the next one confirms it: with six
-/// degrees of freedom, chance alone exceeds it once in two million.
-const GATE: f64 = 40.0;
-/// Share of a new reading in the running mean of innovations that tells of a part that has moved a little.
-const DRIFT: f64 = 1.0 / 16.0;
 /// So many images in a row that show a part lying otherwise, and it is believed that it does.
 const DOUBTS: u32 = 3;
 /// A part whose z axis is this upright counts as level: within 0.25°. A beam that one female alone holds hangs by more.
@@ -61,54 +56,6 @@ const TILTED: f64 = 1.0 * DEGREE;
 const ANYWHERE: f64 = 30.0 * MM;
 /// A part found further than this from where it was believed is worth telling, m.
 const ASTRAY: f64 = 2.5 * MM;
-
-/// Where a part is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Frame {
-    /// In the world, where nothing moves it.
-    Clamped,
-    /// In the world.
-    World,
-    /// In the tip's frame.
-    Tip,
-}
-
-#[derive(Clone, Debug)]
-struct Part {
-    estimate: Estimate,
-    frame: Frame,
-    seen: bool,
-    /// The last reading, in the same frame, if it was too far off to be believed.
-    odd: Option<Estimate>,
-    /// Images since the last sighting that showed it lying otherwise than is believed.
-    doubts: u32,
-    /// Running mean of the innovations, each whitened by its covariance.
-    drift: Vector6<f64>,
-}
-
-impl Part {
-    /// Readings that are each within reason but all on one side say that the part has moved: the estimate then
-    /// forgets as much as they differ from it.
-    fn watch(&mut self, seen: &Estimate) {
-        let Some((white, root)) = self.estimate.whitened(seen) else { return };
-        self.drift += (white - self.drift) * DRIFT;
-        // The mean of white noise so weighed has this share of its variance.
-        let share = DRIFT / (2.0 - DRIFT);
-        if self.drift.norm_squared() / share > GATE {
-            let off = root * self.drift;
-            self.estimate.spread([off[0], off[1], off[2]], [off[3], off[4], off[5]]);
-            self.drift = Vector6::zeros();
-        }
-    }
-
-    /// Begins to be known in another frame.
-    fn rebase(&mut self, frame: Frame, estimate: Estimate) {
-        self.estimate = estimate;
-        self.frame = frame;
-        self.odd = None;
-        self.drift = Vector6::zeros();
-    }
-}
 
 /// Part poses with their covariances, by name, and the eyes that correct them.
 pub struct Belief {
@@ -412,53 +359,16 @@ impl Belief {
         let left_out = |name: &str| without.contains(&name) || lost(name);
         for beam in kit.beams.iter().filter(|beam| !left_out(&beam.name)) {
             if let Some(x_wb) = self.find(&beam.name) {
-                let cuboids = beam_shapes(beam).into_iter().map(cuboid_of);
-                obstacles.extend(cuboids.map(|cuboid| obstacle(&beam.name, &x_wb, &cuboid)));
+                obstacles.extend(beam_boxes(beam, &x_wb));
             }
         }
         for peg in kit.pegs.iter().filter(|peg| !left_out(&peg.name)) {
             if let Some(x_wp) = self.find(&peg.name) {
-                obstacles.push(obstacle(&peg.name, &x_wp, &peg_head()));
-                obstacles.push(obstacle(&peg.name, &x_wp, &peg_stem()));
+                obstacles.extend(peg_boxes(&peg.name, &x_wp));
             }
         }
-        for holder in &kit.holders {
-            let at = kit.sheet_to_world(holder.centre);
-            let x = Pose::translation(at.x, at.y, 0.0);
-            obstacles.extend(Holder::blocks().map(|block| obstacle(&holder.name, &x, &block)));
-        }
+        obstacles.extend(holder_boxes(kit));
         obstacles
-    }
-}
-
-/// The stem of a peg as a box in the peg's frame.
-fn peg_stem() -> Cuboid {
-    let r = joint::STEM_RADIUS;
-    Cuboid::new([-r, r], [-r, r], [-joint::STEM_LENGTH, 0.0])
-}
-
-fn cuboid_of(shape: Shape) -> Cuboid {
-    match shape {
-        Shape::Solid(cuboid) | Shape::Plate { cuboid, .. } | Shape::Foot(cuboid) => cuboid,
-        Shape::Nose { x0, x1 } => {
-            let w = joint::BODY_WIDTH / 2.0;
-            Cuboid::new([x0, x1], [-w, w], [-w, w])
-        }
-        turned @ Shape::Turned { .. } => turned.bounds(),
-    }
-}
-
-fn obstacle(name: &str, x_wp: &Pose, cuboid: &Cuboid) -> Obstacle {
-    let [x, y, z] = cuboid.centre();
-    Obstacle { name: name.to_string(), x: x_wp * nalgebra::Translation3::new(x, y, z), half: cuboid.half() }
-}
-
-/// The boxes of a part that the hand holds, in the tip's frame, given its pose there.
-pub fn held_boxes(kit: &Kit, part: &str, x_tp: &Pose) -> Vec<Obstacle> {
-    if let Some(beam) = kit.beam(part) {
-        beam_shapes(beam).into_iter().map(|shape| obstacle(part, x_tp, &cuboid_of(shape))).collect()
-    } else {
-        vec![obstacle(part, x_tp, &peg_head()), obstacle(part, x_tp, &peg_stem())]
     }
 }
 

@@ -1,13 +1,16 @@
-//! Taking a beam by another link: it is laid down on a free place of the table, let go of, and picked up again.
+//! Changes the grasp of a beam: the arm lays it on a free place of the table and picks it up by another link.
 
 use std::f64::consts::FRAC_PI_4;
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
+use super::contract::{ActionKind, Call, Effect, Need, Skill};
+use super::pick_up::PickUp;
 use crate::Pose;
+use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{BEAM_OPEN, BEAM_RELEASE, beam_grasp, points_on};
-use crate::transport::{TRAVEL, Workcell};
+use crate::primitive::travel::TRAVEL;
 
 /// Where places are tried on the table, m in the world, and how far apart.
 const TABLE: ([f64; 2], [f64; 2], f64) = ([0.25, 0.70], [-0.45, 0.55], 0.05);
@@ -19,74 +22,97 @@ const DROP: f64 = 20.0e-3;
 const LIMIT: f64 = 8.0;
 /// Speed, m/s.
 const SPEED: f64 = 0.03;
-/// Sine of how far a beam in the hand may be from level.
-const ASLANT: f64 = 0.035;
 /// How far the joints must stay from the ends of their ranges, rad.
 const ROOM: f64 = 0.1;
 
-impl Workcell<'_, '_> {
+/// Changes the grasp of the held beam to another link: lays it on a free place of the table, and picks it up again.
+#[derive(Clone, Default)]
+pub struct Regrasp {
+    pick_up: PickUp,
+}
+
+impl Skill for Regrasp {
+    fn name(&self) -> &str {
+        "regrasp"
+    }
+
+    fn serves(&self) -> &[ActionKind] {
+        &[ActionKind::Regrasp]
+    }
+
+    fn needs(&self) -> &[Need] {
+        &[Need::HoldsPart]
+    }
+
+    fn expects(&self) -> &[Effect] {
+        &[Effect::HoldsPart]
+    }
+
+    fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
+        let beam = call.beam(cell)?;
+        let link = call.link().ok_or_else(|| call.no_skill())?;
+        self.regrasp(cell, beam, link)
+    }
+}
+
+impl Regrasp {
     /// Changes the hold of the beam in the hand to `link`.
     ///
     /// # Errors
     /// [`Fault::NoGrasp`] when there is no free place for it, or what stopped the motion.
-    pub fn regrasp(&mut self, beam: usize, link: &str) -> Result<(), SkillError> {
-        let name = self.assembly.beams[beam].beam.name.clone();
-        self.rise()?;
-        self.regrip(&name)?;
-        let place = self.free_place(beam, link)?;
-        let down = self.bring_above(place, |down| TRAVEL.max(down))?;
-        self.hand.relax();
+    pub fn regrasp(&self, cell: &mut Workcell, beam: usize, link: &str) -> Result<(), SkillError> {
+        let name = cell.assembly.beams[beam].beam.name.clone();
+        cell.retreat()?;
+        cell.check_grip(&name)?;
+        let place = self.free_place(cell, beam, link)?;
+        let down = cell.carry_above(place, |down| TRAVEL.max(down))?;
+        cell.hand.relax();
         let mut low = down;
         low.translation.z += DROP;
-        self.hand.go(&low, 0.2)?;
-        self.hand.zero()?;
+        cell.hand.go(&low, 0.2)?;
+        cell.hand.zero()?;
         // The beam may sit in the hand otherwise than is believed: the table says when it lies.
         let mut under = down;
         under.translation.z -= DROP / 2.0;
-        self.hand.drive(&under, SPEED, |hand| -hand.force().z > LIMIT)?;
-        self.release()?;
-        self.rise()?;
-        self.pick_up(&name, Some(link))?;
-        self.rise()
-    }
-
-    /// Does the held beam sit aslant in the hand?
-    pub fn is_aslant(&self) -> bool {
-        self.hand.held.as_ref().is_some_and(|held| (held.x_tp.rotation * Vector3::x()).z.abs() > ASLANT)
+        cell.hand.drive(&under, SPEED, |hand| -hand.force().z > LIMIT)?;
+        cell.release()?;
+        cell.retreat()?;
+        self.pick_up.pick_up(cell, &name, Some(link))?;
+        cell.retreat()
     }
 
     /// Takes a beam anew that sits aslant in the hand: laid on the table, it lies level.
     ///
     /// # Errors
     /// As [`Workcell::regrasp`].
-    pub fn level(&mut self, beam: usize) -> Result<(), SkillError> {
-        if self.is_aslant() { self.take_anew(beam) } else { Ok(()) }
+    pub fn level(&self, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
+        if cell.is_tilted() { self.take_anew(cell, beam) } else { Ok(()) }
     }
 
     /// Lays the held beam down and takes it by the same link again.
     ///
     /// # Errors
     /// As [`Workcell::regrasp`].
-    pub(crate) fn take_anew(&mut self, beam: usize) -> Result<(), SkillError> {
-        let Some(held) = &self.hand.held else { return Ok(()) };
+    pub fn take_anew(&self, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
+        let Some(held) = &cell.hand.held else { return Ok(()) };
         // Where the hand holds it now.
         let s = held.x_tp.inverse_transform_point(&nalgebra::Point3::origin()).x;
-        let links = &self.assembly.beams[beam].beam.links;
+        let links = &cell.assembly.beams[beam].beam.links;
         let off = |link: &ramp_kit::Link| (s - s.clamp(link.grasp[0], link.grasp[1])).abs();
         let Some(link) = links.iter().min_by(|a, b| off(a).total_cmp(&off(b))) else { return Ok(()) };
         let link = link.name.clone();
-        self.note("retry", format!("take {link} anew"));
-        self.regrasp(beam, &link)
+        cell.note("retry", format!("take {link} anew"));
+        self.regrasp(cell, beam, &link)
     }
 
     /// The pose of the tip at which the held beam lies on the table beside everything else, with room for the hand now
     /// and when it takes the beam by `link`; the nearest one. The hand leans when the beam sits aslant in it.
-    fn free_place(&self, beam: usize, link: &str) -> Result<Pose, SkillError> {
-        let beam = &self.assembly.beams[beam].beam;
+    fn free_place(&self, cell: &Workcell, beam: usize, link: &str) -> Result<Pose, SkillError> {
+        let beam = &cell.assembly.beams[beam].beam;
         let no_grasp = || Fault::NoGrasp { part: beam.name.clone() };
         let link = beam.links.iter().find(|candidate| candidate.name == link).ok_or_else(no_grasp)?;
-        let held = self.hand.held.as_ref().ok_or_else(no_grasp)?;
-        let tip = self.hand.seen.x_wt;
+        let held = cell.hand.held.as_ref().ok_or_else(no_grasp)?;
+        let tip = cell.hand.seen.x_wt;
         let height = beam.axis_height_on_table();
         let ([x0, x1], [y0, y1], step) = TABLE;
         let along = |from: f64, to: f64| {
@@ -98,7 +124,7 @@ impl Workcell<'_, '_> {
                 let angle = f64::from(turn) * FRAC_PI_4;
                 let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle) * tip.rotation;
                 let mut x_wt = Pose::from_parts(Translation3::new(x, y, 0.0), turned);
-                if self.is_aslant() {
+                if cell.is_tilted() {
                     let axis = x_wt.rotation * held.x_tp.rotation * Vector3::x();
                     let level = Vector3::new(axis.x, axis.y, 0.0);
                     let lean = UnitQuaternion::rotation_between(&axis, &level).unwrap_or_default();
@@ -111,22 +137,22 @@ impl Workcell<'_, '_> {
             }
         }
         places.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-        let q = self.hand.joints();
-        let now = self.checker(None);
+        let q = cell.hand.joints();
+        let now = cell.checker(None);
         let place = places.into_iter().map(|(_, x_wt)| x_wt).find(|x_wt| {
             let over = Translation3::new(0.0, 0.0, OVER) * x_wt;
-            if !self.planner.solve(&over, &q).is_ok_and(|q| {
-                self.planner.kinematics.range_margin(&q) > ROOM
-                    && now.is_free(&self.planner.kinematics.frames(&q))
+            if !cell.planner.solve(&over, &q).is_ok_and(|q| {
+                cell.planner.kinematics.range_margin(&q) > ROOM
+                    && now.is_free(&cell.planner.kinematics.frames(&q))
             }) {
                 return false;
             }
             let x_wb = x_wt * held.x_tp;
-            self.has_room(x_wt, BEAM_RELEASE, &beam.name)
+            cell.has_room(x_wt, BEAM_RELEASE, &beam.name)
                 && points_on(link, beam.span() / 2.0).first().is_some_and(|s| {
                     [false, true].into_iter().any(|reverse| {
                         let x_wt = beam_grasp(&x_wb, *s, reverse);
-                        self.reach(&x_wt, &q) > ROOM && self.has_room(&x_wt, BEAM_OPEN, &beam.name)
+                        cell.reach(&x_wt, &q) > ROOM && cell.has_room(&x_wt, BEAM_OPEN, &beam.name)
                     })
                 })
         });

@@ -1,0 +1,176 @@
+//! What all insertions of a held beam share: the tries, the begin, the push, the way back.
+
+use nalgebra::{Translation3, Vector3};
+
+use crate::Pose;
+use crate::cell::Workcell;
+use crate::fault::{Fault, SkillError};
+
+/// How high over its way a beam is brought to where its insertion begins, m.
+const CLEAR: f64 = 4.0e-3;
+/// Speed of an insertion, m/s.
+const SPEED: f64 = 0.03;
+/// How far such a sleeve may be moved, m and rad.
+const LOOSE_BUMP: (f64, f64) = (3.0e-3, 1.0 / 180.0 * std::f64::consts::PI);
+/// How far friction may move a sleeve that pegs hold, m and rad.
+const SLEEVE_BUMP: (f64, f64) = (1.0e-3, 0.2 / 180.0 * std::f64::consts::PI);
+/// How well the joints that are to meet must be known before an insertion, m.
+const KNOWN: f64 = 0.15e-3;
+/// How far an insertion may move the beams that it meets, m and rad.
+const BUMP: (f64, f64) = (0.3e-3, 0.06 / 180.0 * std::f64::consts::PI);
+/// How often an insertion that jams is tried again.
+const TRIES: usize = 4;
+/// Least height of a beam over its insertion path where its insertion begins, m.
+const LOWEST: f64 = 0.1e-3;
+
+/// What all insertions share.
+#[derive(Clone, Default)]
+pub struct Insertion;
+
+/// An insertion that is to be pushed in.
+pub struct Aim {
+    /// Where the beam is to end, in the world.
+    pub goal: Pose,
+    /// The direction of the insertion: a unit vector, axes of the world.
+    pub direction: Vector3<f64>,
+    /// Beams, by name, that the beam passes through and that little holds.
+    pub loose: Vec<String>,
+}
+
+/// How a push ended.
+pub struct Pushed {
+    /// It met more force than its limit.
+    pub stopped: bool,
+    /// The force against it at its end, N.
+    pub force: f64,
+}
+
+impl Insertion {
+    /// Makes up to [`TRIES`] tries, until one succeeds.
+    ///
+    /// # Errors
+    /// The fault of the last try; at once [`Fault::NotHeld`] and the robot's errors.
+    pub fn tries(
+        &self,
+        cell: &mut Workcell,
+        beam: usize,
+        mut once: impl FnMut(&mut Workcell, usize) -> Result<(), SkillError>,
+    ) -> Result<(), SkillError> {
+        let name = cell.assembly.beams[beam].beam.name.clone();
+        cell.hand.relax();
+        let mut last = None;
+        for attempt in 0..TRIES {
+            if attempt > 0 {
+                cell.note("retry", format!("insert {name}, try {}", attempt + 1));
+            }
+            match once(cell, attempt) {
+                Err(SkillError::Fault(fault @ Fault::NotHeld { .. })) => return Err(fault.into()),
+                Err(SkillError::Fault(fault)) => last = Some(fault),
+                Err(error) => return Err(error),
+                Ok(()) => {
+                    last = None;
+                    break;
+                }
+            }
+            // A sleeve that was displaced must be realigned first.
+            if !cell.displaced()?.is_empty() {
+                break;
+            }
+        }
+        last.map_or(Ok(()), |fault| Err(fault.into()))
+    }
+
+    /// Looks at the joints that are to meet, and brings the held beam to where its insertion begins, `height` (m) over
+    /// its insertion path and at least a little.
+    ///
+    /// # Errors
+    /// [`Fault::NotHeld`], [`Fault::NoPath`], [`Fault::Unseen`], or what stopped the motion.
+    pub fn begin(
+        &self,
+        cell: &mut Workcell,
+        beam: usize,
+        height: f64,
+        attempt: usize,
+    ) -> Result<Aim, SkillError> {
+        let name = cell.assembly.beams[beam].beam.name.clone();
+        cell.see(&cell.meeting(beam), KNOWN)?;
+        if attempt == 0 {
+            cell.diagnose_standing();
+        }
+        cell.check_grip(&name)?;
+        let place = cell.target(beam)?;
+        let direction = cell.insertion_direction(beam, &place)?;
+        let goal = Translation3::from(direction * cell.path(beam)?.depth) * place;
+        cell.bring_to(&name, &cell.insertion_start(beam, if attempt == 0 { CLEAR } else { 0.0 })?)?;
+        cell.bring_to(&name, &cell.insertion_start(beam, height.max(LOWEST))?)?;
+        cell.hand.zero()?;
+        // A loose beam turns about a single peg, too.
+        let loose = cell.loose_sleeves(beam, 1);
+        Ok(Aim { goal, direction, loose })
+    }
+
+    /// Pushes the tip to `target` (world) until the beam meets more than `limit` (N), and takes into account what the
+    /// push may have moved.
+    ///
+    /// # Errors
+    /// What stopped the motion, or the robot's error.
+    pub fn push_in(
+        &self,
+        cell: &mut Workcell,
+        beam: usize,
+        aim: &Aim,
+        target: &Pose,
+        limit: f64,
+    ) -> Result<Pushed, SkillError> {
+        let direction = aim.direction;
+        let stopped = cell.hand.drive(target, SPEED, |hand| hand.force().dot(&direction) > limit)?;
+        let force = cell.hand.force().dot(&direction);
+        cell.hand.wait(0.15)?;
+        // What meets an edge carries the sleeve along: it may turn about two pegs that are near each other.
+        let sleeves = cell.sleeves(beam).map(|sleeve| cell.assembly.beams[sleeve.beam].beam.name.clone());
+        let sleeves: Vec<String> = sleeves.collect();
+        for (met, _) in cell.meeting(beam) {
+            let carried = aim.loose.contains(&met) || (stopped && sleeves.contains(&met));
+            let bump = match sleeves.contains(&met) {
+                _ if carried => LOOSE_BUMP,
+                true => SLEEVE_BUMP,
+                false => BUMP,
+            };
+            cell.belief.bumped(&met, bump);
+        }
+        cell.glance()?;
+        Ok(Pushed { stopped, force })
+    }
+
+    /// Backs a jammed beam out to where its insertion began, free of the joint.
+    ///
+    /// # Errors
+    /// Always: [`Fault::Jammed`], or what stopped the motion.
+    pub fn back_out(
+        &self,
+        cell: &mut Workcell,
+        beam: usize,
+        direction: &Vector3<f64>,
+        remaining: f64,
+        force: f64,
+    ) -> Result<(), SkillError> {
+        let part = cell.assembly.beams[beam].beam.name.clone();
+        let jam = Fault::Jammed { part, remaining_mm: remaining * 1e3, force };
+        cell.note("fault", jam.to_string());
+        let mut back = cell.hand.setpoint;
+        back.translation = cell.hand.seen.x_wt.translation;
+        let path = cell.path(beam)?;
+        back.translation.vector -= direction * (path.distance + path.depth - remaining).max(0.0);
+        cell.hand.go(&back, 0.05)?;
+        Err(jam.into())
+    }
+
+    /// Lowers the free end of the inserted beam onto the table, and lets go.
+    ///
+    /// # Errors
+    /// What stopped the motion, or the robot's error.
+    pub fn let_go(&self, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
+        cell.settle(beam)?;
+        cell.release()
+    }
+}
