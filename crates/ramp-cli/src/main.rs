@@ -70,6 +70,8 @@ enum Command {
     See(command::see::Arguments),
     /// Make the parts: print, saw, lay out
     Kit(command::kit::Arguments),
+    /// Print the skills of the baseline, and their parameters
+    Skills(command::skills::Arguments),
     /// Look into the digital twin
     Twin(command::twin::Arguments),
     /// Become an agent's program that ends with the run that started it
@@ -98,6 +100,7 @@ fn main() -> ExitCode {
         Command::Score(arguments) => command::score::run(&data, &arguments),
         Command::See(arguments) => command::see::run(&data, &arguments),
         Command::Kit(arguments) => command::kit::run(&data, &arguments),
+        Command::Skills(arguments) => command::skills::run(&arguments),
         Command::Twin(arguments) => command::twin::run(&data, &arguments),
         Command::AgentProcess(_) => Ok(BAD_INPUT),
     });

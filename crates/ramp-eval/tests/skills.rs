@@ -13,7 +13,7 @@ use ramp_planner::{CoarseAction, CoarseStep, FineAction, Grasp, Item, Place, Tar
 use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError, Track};
 use ramp_skills::cell::{InsertionPath, Workcell};
 use ramp_skills::skill::Call;
-use ramp_skills::{Fault, SkillError, SkillTable};
+use ramp_skills::{Fault, Parameters, SkillError, SkillTable};
 use ramp_twin::Twin;
 
 /// The insertion path that the goal's own order of insertions gives a beam.
@@ -58,7 +58,8 @@ impl Robot for Biased<'_> {
 }
 
 fn cell<'a, 'r>(world: &'a World, planner: &'a PathPlanner, robot: &'r mut dyn Robot) -> Workcell<'a, 'r> {
-    let mut cell = Workcell::new(&world.kit, &world.assembly, &world.arm, planner, robot, 1);
+    let mut cell =
+        Workcell::new(&world.kit, &world.assembly, &world.arm, planner, robot, 1, Parameters::baseline());
     cell.paths = world.assembly.insertions.iter().map(path).collect();
     cell
 }

@@ -1,6 +1,7 @@
 //! The baseline agent: plans, executes the plan action by action, notices what goes wrong and re-plans from what it
 //! then believes.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use ramp_assembly::Assembly;
@@ -12,14 +13,15 @@ use ramp_robot::{Account, Agent, Event, Robot, RobotError};
 
 use crate::cell::{InsertionPath, Workcell};
 use crate::fault::SkillError;
+use crate::parameters::Parameters;
 use crate::recovery::{check_holes, recover};
 use crate::skill::Call;
-use crate::table::SkillTable;
+use crate::table::{SkillTable, baseline};
 
-/// How often the agent plans again before it gives up.
-const REPLANS: usize = 6;
 /// Name of the agent with no skill replaced.
 const NAME: &str = "baseline";
+/// Version of the agent with the baseline's numbers.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// The baseline agent.
 pub struct Baseline<'a> {
@@ -28,9 +30,12 @@ pub struct Baseline<'a> {
     pub(crate) arm: &'a ArmModel,
     domains: &'a Domains,
     seed: u64,
+    parameters: Arc<Parameters>,
     pub(crate) skills: SkillTable,
     /// Its name in results.
     name: String,
+    /// Its version in results.
+    version: String,
     account: Account,
     plan: Option<Plan>,
     /// The peg that is being fetched: one that cannot be gripped is not tried again.
@@ -49,14 +54,18 @@ impl<'a> Baseline<'a> {
         domains: &'a Domains,
         seed: u64,
     ) -> Baseline<'a> {
+        let parameters = Parameters::baseline();
+        let skills = baseline(&parameters);
         Baseline {
             kit,
             assembly,
             arm,
             domains,
             seed,
-            skills: SkillTable::default(),
+            parameters,
+            skills,
             name: NAME.to_string(),
+            version: VERSION.to_string(),
             account: Account::default(),
             plan: None,
             fetching: None,
@@ -69,6 +78,17 @@ impl<'a> Baseline<'a> {
     #[must_use]
     pub fn with_listener(mut self, listener: impl FnMut(&Event) + 'a) -> Baseline<'a> {
         self.on_event = Box::new(listener);
+        self
+    }
+
+    /// Takes the numbers of a parameter file. The agent's version in results then ends in the hash of that file. The skills
+    /// become the baseline's with these numbers: call it before [`Baseline::with_skills`].
+    #[must_use]
+    pub fn with_parameters(mut self, parameters: Arc<Parameters>) -> Baseline<'a> {
+        let hash = parameters.sha256.as_ref().map(|hash| format!("+skills.{}", &hash[..8]));
+        self.version = format!("{VERSION}{}", hash.unwrap_or_default());
+        self.skills = baseline(&parameters);
+        self.parameters = parameters;
         self
     }
 
@@ -110,7 +130,7 @@ impl<'a> Baseline<'a> {
     where
         'a: 'p,
     {
-        Workcell::new(self.kit, self.assembly, self.arm, planner, robot, self.seed)
+        Workcell::new(self.kit, self.assembly, self.arm, planner, robot, self.seed, self.parameters.clone())
     }
 
     /// Hands new events on to the listener and into the account.
@@ -131,7 +151,8 @@ impl<'a> Baseline<'a> {
     fn work(&mut self, cell: &mut Workcell) -> Result<(), RobotError> {
         let mut lost: Vec<String> = Vec::new();
         let mut last = String::new();
-        for round in 0..=REPLANS {
+        let replans = self.parameters.agent.replans;
+        for round in 0..=replans {
             cell.belief.update(&mut cell.hand)?;
             let plan = self
                 .state(cell, &lost)
@@ -166,7 +187,7 @@ impl<'a> Baseline<'a> {
                 }
             }
         }
-        self.give_up(cell, format!("gave up after {REPLANS} new plans: {last}"));
+        self.give_up(cell, format!("gave up after {replans} new plans: {last}"));
         Ok(())
     }
 
@@ -250,7 +271,11 @@ impl<'a> Baseline<'a> {
 
 impl Agent for Baseline<'_> {
     fn name(&self) -> (&str, &str) {
-        (&self.name, env!("CARGO_PKG_VERSION"))
+        (&self.name, &self.version)
+    }
+
+    fn file_hash(&self) -> Option<&str> {
+        self.parameters.sha256.as_deref()
     }
 
     fn account(&self) -> Account {

@@ -11,6 +11,7 @@ pub mod cell;
 pub mod fault;
 pub mod grasp;
 pub mod hand;
+pub mod parameters;
 pub mod piece;
 pub mod pose;
 pub mod primitive;
@@ -20,6 +21,7 @@ pub mod table;
 
 pub use agent::Baseline;
 pub use fault::{Fault, SkillError};
+pub use parameters::Parameters;
 pub use piece::Piece;
 pub use pose::Pose;
 pub use table::SkillTable;

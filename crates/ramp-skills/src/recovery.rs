@@ -5,15 +5,9 @@ use ramp_planner::{FineAction, Item};
 use ramp_robot::RobotError;
 
 use crate::cell::Workcell;
-use crate::cell::alignment::PEGGABLE;
 use crate::fault::{Fault, SkillError};
 use crate::skill::Call;
 use crate::table::SkillTable;
-
-/// How well two holes must be known to tell whether a peg goes in, m.
-const KNOWN: f64 = 0.3e-3;
-/// A peg further than this from its place in the holder is not fetched any more, m: in its hole it can be 3 mm off.
-const STRAYED: f64 = 6.0e-3;
 
 /// Pushes a standing beam to its place, by the reachable link that is nearest to its free end.
 fn align(skills: &SkillTable, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
@@ -32,10 +26,10 @@ fn align(skills: &SkillTable, cell: &mut Workcell, beam: usize) -> Result<(), Sk
 pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) -> Result<(), SkillError> {
     let connection = &cell.assembly.connections[connection];
     let holes = [cell.hole(connection.female), cell.hole(connection.male)];
-    cell.see(&holes, KNOWN)?;
+    cell.see(&holes, cell.parameters.agent.holes_known)?;
     cell.diagnose_standing();
     let offset = cell.belief.offset(cell.assembly, connection)?;
-    if offset <= PEGGABLE {
+    if offset <= cell.parameters.alignment.peggable {
         return Ok(());
     }
     let misaligned =
@@ -48,9 +42,9 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
     beams.extend(sides.into_iter().filter(|beam| *beam != cell.assembly.base));
     for beam in beams {
         align(skills, cell, beam)?;
-        cell.see(&holes, KNOWN)?;
+        cell.see(&holes, cell.parameters.agent.holes_known)?;
         cell.remember_standing(&[beam]);
-        if cell.belief.offset(cell.assembly, connection)? <= PEGGABLE {
+        if cell.belief.offset(cell.assembly, connection)? <= cell.parameters.alignment.peggable {
             return Ok(());
         }
     }
@@ -123,9 +117,10 @@ pub fn recover(
     for peg in &kit.pegs {
         let pinned = cell.pinned.iter().any(|(_, name)| *name == peg.name);
         let upright = cell.belief.pose(&peg.name).is_ok_and(|x_wp| {
-            let in_holder = kit
-                .x_wp_start(peg)
-                .is_some_and(|start| (start.translation.vector - x_wp.translation.vector).norm() < STRAYED);
+            let in_holder = kit.x_wp_start(peg).is_some_and(|start| {
+                (start.translation.vector - x_wp.translation.vector).norm()
+                    < cell.parameters.agent.peg_strayed
+            });
             in_holder && (x_wp.rotation * Vector3::z()).z > 0.99
         });
         let usable = upright && refused != Some(peg.name.as_str());

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::cell::Workcell;
 use crate::fault::SkillError;
+use crate::parameters::Parameters;
 use crate::skill::assemble::Assemble;
 use crate::skill::cap::Cap;
 use crate::skill::fasten::Fasten;
@@ -62,20 +63,20 @@ pub struct SkillTable {
     replaced: Vec<ActionKind>,
 }
 
-/// The skills of the baseline.
-pub fn baseline() -> SkillTable {
+/// The skills of the baseline, with these numbers.
+pub fn baseline(parameters: &Parameters) -> SkillTable {
     let mut table = SkillTable { skills: BTreeMap::new(), replaced: Vec::new() };
     let skills: [Arc<dyn Skill>; 10] = [
-        Arc::new(MoveTo::default()),
-        Arc::new(PickUp::default()),
-        Arc::new(PutDown::default()),
-        Arc::new(Assemble::default()),
-        Arc::new(Cap::default()),
-        Arc::new(LayDown::default()),
-        Arc::new(Slide::default()),
-        Arc::new(Regrasp::default()),
-        Arc::new(Fasten::default()),
-        Arc::new(Push::default()),
+        Arc::new(MoveTo::new(parameters)),
+        Arc::new(PickUp::new(parameters)),
+        Arc::new(PutDown::new(parameters)),
+        Arc::new(Assemble::new(parameters)),
+        Arc::new(Cap::new(parameters)),
+        Arc::new(LayDown::new(parameters)),
+        Arc::new(Slide::new(parameters)),
+        Arc::new(Regrasp::new(parameters)),
+        Arc::new(Fasten::new(parameters)),
+        Arc::new(Push::new(parameters)),
     ];
     for skill in skills {
         table.insert(&skill);
@@ -85,7 +86,7 @@ pub fn baseline() -> SkillTable {
 
 impl Default for SkillTable {
     fn default() -> SkillTable {
-        baseline()
+        baseline(&Parameters::baseline())
     }
 }
 

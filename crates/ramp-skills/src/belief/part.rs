@@ -3,12 +3,7 @@
 use nalgebra::Vector6;
 
 use super::estimate::Estimate;
-
-/// A reading with a greater normalised innovation squared is not believed before the next one confirms it: with six
-/// degrees of freedom, chance alone exceeds it once in two million.
-pub const GATE: f64 = 40.0;
-/// Share of a new reading in the running mean of innovations that tells of a part that has moved a little.
-const DRIFT: f64 = 1.0 / 16.0;
+use crate::parameters::belief::BeliefParameters;
 
 /// Where a part is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +28,7 @@ pub struct Part {
     /// The last reading, in the same frame, if it was too far off to be believed.
     pub odd: Option<Estimate>,
     /// Images since the last sighting that showed it lying otherwise than is believed.
-    pub doubts: u32,
+    pub doubts: usize,
     /// Running mean of the innovations, each whitened by its covariance.
     pub drift: Vector6<f64>,
 }
@@ -41,12 +36,13 @@ pub struct Part {
 impl Part {
     /// Readings that are each within reason but all on one side say that the part has moved: the estimate then
     /// forgets as much as they differ from it.
-    pub fn watch(&mut self, seen: &Estimate) {
+    pub fn watch(&mut self, seen: &Estimate, parameters: &BeliefParameters) {
         let Some((white, root)) = self.estimate.whitened(seen) else { return };
-        self.drift += (white - self.drift) * DRIFT;
+        let drift = parameters.drift;
+        self.drift += (white - self.drift) * drift;
         // The mean of white noise so weighed has this share of its variance.
-        let share = DRIFT / (2.0 - DRIFT);
-        if self.drift.norm_squared() / share > GATE {
+        let share = drift / (2.0 - drift);
+        if self.drift.norm_squared() / share > parameters.gate {
             let off = root * self.drift;
             self.estimate.spread([off[0], off[1], off[2]], [off[3], off[4], off[5]]);
             self.drift = Vector6::zeros();

@@ -7,16 +7,6 @@ use super::workcell::Workcell;
 use crate::Pose;
 use crate::fault::SkillError;
 
-/// A hole this near to a peg tells nothing of how its beam is turned, m.
-const SHORT: f64 = 0.05;
-/// A beam that lies loose may be this far off its place, m: another one goes through it all the same.
-const DISPLACED: f64 = 4.0e-3;
-/// A beam this near to its place is left alone, m.
-const GOOD: f64 = 0.3e-3;
-
-/// Horizontal distance between two holes that a peg still pulls together, m.
-pub const PEGGABLE: f64 = 1.6e-3;
-
 impl Workcell<'_, '_> {
     /// The beams that one peg holds and that have swung from their place, by index.
     ///
@@ -25,7 +15,9 @@ impl Workcell<'_, '_> {
     pub fn swung(&self) -> Result<Vec<usize>, SkillError> {
         let mut swung = Vec::new();
         for beam in self.standing.iter().copied().filter(|beam| *beam != self.assembly.base) {
-            if self.anchor(beam).is_some() && self.straightened(beam)?.1 > 3.0 * GOOD {
+            if self.anchor(beam).is_some()
+                && self.straightened(beam)?.1 > 3.0 * self.parameters.alignment.good
+            {
                 swung.push(beam);
             }
         }
@@ -39,7 +31,10 @@ impl Workcell<'_, '_> {
     pub fn displaced(&self) -> Result<Vec<usize>, SkillError> {
         let mut off = Vec::new();
         for beam in self.standing.iter().copied().filter(|beam| *beam != self.assembly.base) {
-            if self.lies(beam) && self.anchor(beam).is_none() && self.straightened(beam)?.1 > DISPLACED {
+            if self.lies(beam)
+                && self.anchor(beam).is_none()
+                && self.straightened(beam)?.1 > self.parameters.alignment.displaced
+            {
                 off.push(beam);
             }
         }
@@ -102,7 +97,10 @@ impl Workcell<'_, '_> {
         let open = self.assembly.connections.iter().enumerate().filter_map(|(index, connection)| {
             let (mine, theirs) = self.assembly.sides(connection, beam)?;
             let pinned = self.pinned.iter().any(|(other, _)| *other == index);
-            (!pinned && held(theirs) && self.meets(theirs, beam) && lever(mine) > SHORT)
+            (!pinned
+                && held(theirs)
+                && self.meets(theirs, beam)
+                && lever(mine) > self.parameters.alignment.short)
                 .then_some((mine, theirs))
         });
         open.max_by(|(a, _), (b, _)| lever(*a).total_cmp(&lever(*b)))

@@ -7,26 +7,7 @@ use nalgebra::{Point3, Vector3};
 use ramp_robot::{Cause, RobotError};
 
 use super::workcell::{Stand, Workcell};
-use crate::hand::Hand;
-
-/// A peg is this far from its outline at most when nobody has touched its holder, m: the start is disturbed by 1 mm and
-/// 1° about the holder's middle, and a peg has a millimetre of room in its hole.
-const IN_PLACE: f64 = 3.0e-3;
-/// When pegs of one holder are on average this far off, it is the holder that has moved, m.
-const HOLDER_OFF: f64 = 2.2e-3;
-/// A part that turns in the hand by more than this, rad, or moves in it by more than this, m, has slipped.
-const SLIPPED: (f64, f64) = (1.5 / 180.0 * std::f64::consts::PI, 3.0e-3);
-/// A beam that stands has moved when one of its ends is further than this from where it was, m.
-const MOVED: f64 = 2.0e-3;
-/// So many standard deviations are no chance.
-const SURE: f64 = 4.0;
-/// A force in free space that is further than this from what the held part weighs tells of a sensor that is off, N:
-/// twelve times the noise of its filtered reading.
-const BIASED: f64 = 0.8;
-/// So long a hand that stops is still felt, s.
-const REST: f64 = 0.3;
-/// Standard gravity, m/s².
-const GRAVITY: f64 = 9.81;
+use crate::hand::{GRAVITY, Hand};
 
 impl Workcell<'_, '_> {
     /// Says why a part is not where it was believed to be, `off` metres away.
@@ -66,7 +47,13 @@ impl Workcell<'_, '_> {
             let Some(before) = self.stood.get(&beam) else { continue };
             let moved = now.ends.iter().zip(before.ends).map(|(now, before)| (now - before).norm());
             let moved = moved.fold(0.0, f64::max);
-            if moved > MOVED.max(SURE * now.deviation.hypot(before.deviation)) {
+            if moved
+                > self
+                    .parameters
+                    .diagnosis
+                    .moved
+                    .max(self.parameters.diagnosis.sure * now.deviation.hypot(before.deviation))
+            {
                 let name = &self.assembly.beams[beam].beam.name;
                 let words = format!("{name} is {:.1} mm from where it stood", moved * 1e3);
                 self.diagnose(Cause::BeamMoved, words);
@@ -92,12 +79,18 @@ impl Workcell<'_, '_> {
     /// Looks whether a peg that is to be fetched has moved with its holder.
     pub fn diagnose_holder(&mut self, peg: &str) {
         let Some(holder) = self.kit.peg(peg).map(|peg| peg.holder.clone()) else { return };
-        let Some(off) = self.off_outline(peg).filter(|off| off.norm() < 10.0 * IN_PLACE) else { return };
+        let Some(off) =
+            self.off_outline(peg).filter(|off| off.norm() < 10.0 * self.parameters.diagnosis.in_place)
+        else {
+            return;
+        };
         let in_holder = |name: &str| !self.pinned.iter().any(|(_, pinned)| pinned == name);
         let mates = self.kit.pegs.iter().filter(|mate| mate.holder == holder && in_holder(&mate.name));
         let shifts: Vec<Vector3<f64>> = mates.filter_map(|mate| self.off_outline(&mate.name)).collect();
         let mean = shifts.iter().sum::<Vector3<f64>>() / shifts.len().max(1) as f64;
-        if shifts.len() > 1 && mean.norm() > HOLDER_OFF || shifts.len() == 1 && off.norm() > IN_PLACE {
+        if shifts.len() > 1 && mean.norm() > self.parameters.diagnosis.holder_off
+            || shifts.len() == 1 && off.norm() > self.parameters.diagnosis.in_place
+        {
             let words = format!("the pegs of {holder} are {:.1} mm from their outlines", mean.norm() * 1e3);
             self.diagnose(Cause::HolderMoved, words);
         }
@@ -107,21 +100,23 @@ impl Workcell<'_, '_> {
     fn off_outline(&self, peg: &str) -> Option<Vector3<f64>> {
         let start = self.kit.x_wp_start(self.kit.peg(peg)?)?;
         let x_wp = self.belief.pose(peg).ok()?;
-        let known = self.belief.deviation(peg, &Point3::origin())[0] < HOLDER_OFF / 3.0;
+        let known =
+            self.belief.deviation(peg, &Point3::origin())[0] < self.parameters.diagnosis.holder_off / 3.0;
         let mut off = x_wp.translation.vector - start.translation.vector;
-        let upright = (x_wp.rotation * Vector3::z()).z > 0.99 && off.z.abs() < IN_PLACE;
+        let upright =
+            (x_wp.rotation * Vector3::z()).z > 0.99 && off.z.abs() < self.parameters.diagnosis.in_place;
         off.z = 0.0;
         (known && upright).then_some(off)
     }
 
     /// Says so when a part has moved in the hand by `moved` (m) and `turned` (rad).
     pub fn diagnose_grip(&mut self, part: &str, moved: f64, turned: f64) {
-        if turned > SLIPPED.0 {
+        if turned > self.parameters.diagnosis.slip_turn / 180.0 * std::f64::consts::PI {
             self.diagnose(
                 Cause::GripMoved,
                 format!("{part} has turned by {:.1}° in the hand", turned.to_degrees()),
             );
-        } else if moved > SLIPPED.1 {
+        } else if moved > self.parameters.diagnosis.slip {
             self.diagnose(
                 Cause::GripMoved,
                 format!("{part} has slipped by {:.1} mm in the hand", moved * 1e3),
@@ -138,12 +133,12 @@ impl Workcell<'_, '_> {
         let mass = self.hand.held.as_ref().map_or(0.0, |held| held.mass);
         let weight = Vector3::new(0.0, 0.0, mass * GRAVITY);
         let felt = |hand: &Hand| (hand.seen.wrench.fixed_rows::<3>(0) - weight).norm();
-        if self.force_told || felt(&self.hand) < BIASED {
+        if self.force_told || felt(&self.hand) < self.parameters.diagnosis.biased {
             return Ok(());
         }
-        self.hand.hold(REST)?;
+        self.hand.hold(self.parameters.diagnosis.rest)?;
         let felt = felt(&self.hand);
-        if felt > BIASED {
+        if felt > self.parameters.diagnosis.biased {
             self.force_told = true;
             self.diagnose(Cause::ForceBias, format!("the wrist feels {felt:.1} N in free space"));
         }

@@ -7,9 +7,6 @@ use ramp_kit::joint::{self, BODY_WIDTH, FEMALE_HEIGHT};
 use super::workcell::Workcell;
 use crate::Pose;
 
-/// How well the height of a beam that stands is known, m.
-const LEVEL: f64 = 0.1e-3;
-
 impl Workcell<'_, '_> {
     /// How a beam hangs that only one female holds, turned about the joint in it: its other end lies on the table.
     /// `None` for a beam that stands level.
@@ -67,11 +64,16 @@ impl Workcell<'_, '_> {
         for joint in joints {
             let p = placed.beam.p_b_hole(joint);
             let p = Point3::new(p.x + behind, p.y, p.z);
-            self.belief.stands_at(&placed.beam.name, &p, (nominal * p).z - hang, LEVEL);
+            self.belief.stands_at(
+                &placed.beam.name,
+                &p,
+                (nominal * p).z - hang,
+                self.parameters.alignment.level,
+            );
         }
         if let (Some((held, _)), Some(drooped)) = (self.drooping(beam), self.drooped(beam, &nominal)) {
             let p = Point3::new(placed.beam.far_end(held.joint), 0.0, 0.0);
-            self.belief.stands_at(&placed.beam.name, &p, (drooped * p).z, LEVEL);
+            self.belief.stands_at(&placed.beam.name, &p, (drooped * p).z, self.parameters.alignment.level);
         }
     }
 }

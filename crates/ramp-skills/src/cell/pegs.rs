@@ -6,9 +6,6 @@ use ramp_kit::joint::{FEMALE_HEIGHT, STEM_LENGTH};
 use super::workcell::Workcell;
 use crate::fault::SkillError;
 
-/// A peg upright and this near to a hole, m along the table, stands in it.
-const FALLEN: f64 = 3.0e-3;
-
 impl Workcell<'_, '_> {
     /// The pose of the top of a connection's hole in the world: on the female's top plate, z up.
     pub fn mouth(&self, connection: usize) -> Result<Vector3<f64>, SkillError> {
@@ -32,7 +29,7 @@ impl Workcell<'_, '_> {
                 continue;
             }
             let off = x_wp.translation.vector - self.mouth(index)?;
-            if off.xy().norm() < FALLEN && off.z < STEM_LENGTH / 2.0 {
+            if off.xy().norm() < self.parameters.alignment.fallen && off.z < STEM_LENGTH / 2.0 {
                 return Ok(Some(index));
             }
         }

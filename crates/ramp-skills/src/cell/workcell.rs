@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::Arc;
 
 use nalgebra::{Point2, Point3, Vector3};
 use ramp_assembly::{Assembly, JointRef};
@@ -13,6 +14,7 @@ use ramp_robot::{Cause, Event, Robot};
 
 use crate::belief::Belief;
 use crate::hand::Hand;
+use crate::parameters::Parameters;
 
 /// A point of a part: its name, and the point in its frame, m.
 pub type Point = (String, Point3<f64>);
@@ -61,6 +63,8 @@ pub struct Workcell<'a, 'r> {
     pub paths: BTreeMap<usize, InsertionPath>,
     /// Random numbers for the motion planner.
     pub stream: Stream,
+    /// The numbers of the skills.
+    pub parameters: Arc<Parameters>,
     /// What happened.
     pub events: Vec<Event>,
     /// It has been told that the wrist sensor is off.
@@ -78,19 +82,21 @@ impl<'a, 'r> Workcell<'a, 'r> {
         planner: &'a PathPlanner,
         robot: &'r mut dyn Robot,
         seed: u64,
+        parameters: Arc<Parameters>,
     ) -> Workcell<'a, 'r> {
         Workcell {
             kit,
             assembly,
             arm,
             planner,
-            hand: Hand::new(robot),
-            belief: Belief::new(kit, assembly),
+            hand: Hand::new(robot, &parameters.hand),
+            belief: Belief::new(kit, assembly, &parameters),
             standing: vec![assembly.base],
             deep: Vec::new(),
             pinned: Vec::new(),
             paths: BTreeMap::new(),
             stream: Stream::new(seed, "motion"),
+            parameters,
             events: Vec::new(),
             force_told: false,
             stood: BTreeMap::new(),

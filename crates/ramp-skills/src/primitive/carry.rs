@@ -4,11 +4,6 @@ use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 
-/// How often a part that is pushed on the way to where it is put back is looked at.
-const TRIES: usize = 3;
-/// By how much a hand may lean when it lets go of a beam, rad.
-pub(crate) const TILTED: f64 = 0.02;
-
 impl Workcell<'_, '_> {
     /// Carries the held part above a place, where the tip is at `down` (world), with the tip at a height that follows from
     /// that at the place, m. Gives the pose of the tip at the place, which is another one when the part moved in the hand.
@@ -22,7 +17,7 @@ impl Workcell<'_, '_> {
             self.travel(&above)?;
             // What sits aslant between the ribs of the fingers may turn back by its own weight.
             self.hand.pushed |= attempt == 1 && self.is_tilted();
-            if !self.hand.pushed || attempt == TRIES {
+            if !self.hand.pushed || attempt == self.parameters.carry.tries {
                 break;
             }
             let Some(before) = self.hand.held.clone() else { break };
@@ -30,7 +25,7 @@ impl Workcell<'_, '_> {
             let Some(held) = &self.hand.held else { break };
             let moved = before.x_tp * held.x_tp.inverse();
             down *= moved;
-            if moved.rotation.angle() < TILTED {
+            if moved.rotation.angle() < self.parameters.carry.tilted {
                 break;
             }
         }

@@ -6,32 +6,8 @@ use ramp_robot::Cause;
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
-use crate::grasp::{
-    self, BEAM_OPEN, BEAM_WIDTH, GRIP_FORCE, PEG_OPEN, PEG_WIDTH, SQUEEZE, beam_grasp, peg_grasp,
-};
+use crate::grasp::{self, BEAM_WIDTH, PEG_WIDTH, beam_grasp, peg_grasp};
 use crate::hand::Held;
-
-/// A part that has moved further than this in the hand has slipped out of it, m.
-const STRAYED: f64 = 10.0e-3;
-/// The same for a beam along its own axis, m.
-const SLIPPED: f64 = 30.0e-3;
-/// How often a part that was pushed in the hand is looked at before it is known again.
-const LOOKS: usize = 4;
-/// When a point so far beside the fingers, m, ...
-const BESIDE: f64 = 0.1;
-/// ... is no better known in height than this, m, a part that was pushed in the hand cannot be seen there.
-const UNSEEN: f64 = 5.0e-3;
-/// Distance between what the fingers hold and what they should, m, beyond which the part is not held.
-const WIDTH_TOLERANCE: f64 = 2.0e-3;
-/// Fingers that stop this far before a part do not hold it, m; and how often they are closed then.
-const GRIP_SHORT: f64 = 1.0e-3;
-/// See [`GRIP_SHORT`].
-const GRIPS: usize = 3;
-/// Fingers count as opened when they are so much further apart than where they stopped, m: those that sprang back as far as
-/// they open for a peg have not been opened by that.
-const OPENED: f64 = 0.5e-3;
-/// Sine of how far a beam in the hand may be from level.
-const TILTED: f64 = 0.035;
 
 impl Workcell<'_, '_> {
     /// The grasp of a part where it stands now: pose of the tip, gripper width before and after closing.
@@ -46,7 +22,7 @@ impl Workcell<'_, '_> {
             // The hand turns with the beam: what counts is the worse end of its way.
             let goal = self.assembly.beam_index(part).map(|index| self.target(index)).transpose()?;
             let mut nearest = None;
-            for s in grasp::points_on(link, beam.span() / 2.0) {
+            for s in grasp::points_on(link, beam.span() / 2.0, &self.parameters.grip) {
                 let senses = [false, true].map(|reverse| {
                     let x_wt = beam_grasp(&x_wp, s, reverse);
                     let margin = self.reach(&x_wt, &q);
@@ -54,14 +30,14 @@ impl Workcell<'_, '_> {
                     (x_wt, margin.min(at_goal))
                 });
                 let Some(x_wt) = self.choose(&senses) else { continue };
-                if self.has_room(&x_wt, BEAM_OPEN, part) {
-                    return Ok((x_wt, BEAM_OPEN, BEAM_WIDTH));
+                if self.has_room(&x_wt, self.parameters.grip.beam_open, part) {
+                    return Ok((x_wt, self.parameters.grip.beam_open, BEAM_WIDTH));
                 }
                 nearest = nearest.or(Some(x_wt));
             }
             // With no room anywhere the motion says what is in the way.
             let x_wt = nearest.ok_or_else(no_grasp)?;
-            return Ok((x_wt, BEAM_OPEN, BEAM_WIDTH));
+            return Ok((x_wt, self.parameters.grip.beam_open, BEAM_WIDTH));
         }
         // Pegs stand close together along x of their holder: the hand closes across it.
         let senses = [0, 2].map(|quarter| {
@@ -69,7 +45,7 @@ impl Workcell<'_, '_> {
             (x_wt, self.reach(&x_wt, &q))
         });
         let x_wt = self.choose(&senses).ok_or_else(no_grasp)?;
-        Ok((x_wt, PEG_OPEN, PEG_WIDTH))
+        Ok((x_wt, self.parameters.grip.peg_open, PEG_WIDTH))
     }
 
     /// Grips a part where it stands: the hand comes from above, closes and checks that it holds something of the
@@ -81,18 +57,21 @@ impl Workcell<'_, '_> {
         self.hand.gripper.width = open;
         self.descend(x_wt, part)?;
         self.hand.relax();
-        for attempt in 0..GRIPS {
-            self.hand.grip(width - SQUEEZE, GRIP_FORCE)?;
+        for attempt in 0..self.parameters.grip.closings {
+            self.hand.grip(width - self.parameters.grip.squeeze, self.parameters.grip.force)?;
             let short = self.hand.seen.width - width;
-            if short < GRIP_SHORT {
+            if short < self.parameters.grip.short {
                 break;
             }
             self.diagnose(Cause::GripWeak, format!("the fingers stop {:.1} mm before {part}", short * 1e3));
-            if attempt + 1 < GRIPS {
-                self.hand.grip(open.max(self.hand.seen.width + OPENED), 20.0)?;
+            if attempt + 1 < self.parameters.grip.closings {
+                self.hand.grip(
+                    open.max(self.hand.seen.width + self.parameters.grip.opened),
+                    self.parameters.grip.opening_force,
+                )?;
             }
         }
-        if (self.hand.seen.width - width).abs() > WIDTH_TOLERANCE {
+        if (self.hand.seen.width - width).abs() > self.parameters.grip.width_tolerance {
             if self.hand.seen.width < width {
                 self.diagnose(Cause::PartLost, format!("{part} is not between the fingers"));
             }
@@ -125,7 +104,7 @@ impl Workcell<'_, '_> {
             (x_wt, self.reach(&x_wt, &q))
         });
         let x_wt = self.choose(&senses).ok_or_else(|| Fault::NoGrasp { part: name.clone() })?;
-        self.grasp(&name, &x_wt, BEAM_OPEN, BEAM_WIDTH)
+        self.grasp(&name, &x_wt, self.parameters.grip.beam_open, BEAM_WIDTH)
     }
 
     /// Looks whether the part is still in the hand, and where in it.
@@ -138,7 +117,7 @@ impl Workcell<'_, '_> {
         if pushed {
             // How the fingers took it says nothing any more.
             self.belief.pushed(part);
-            for _ in 0..LOOKS {
+            for _ in 0..self.parameters.grip.looks {
                 self.look_once()?;
             }
         }
@@ -146,7 +125,7 @@ impl Workcell<'_, '_> {
         let x_wp = self.belief.pose(part)?;
         let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
         let width = if self.kit.beam(part).is_some() { BEAM_WIDTH } else { PEG_WIDTH };
-        let closed = (self.hand.seen.width - width).abs() > WIDTH_TOLERANCE;
+        let closed = (self.hand.seen.width - width).abs() > self.parameters.grip.width_tolerance;
         let mut slip = None;
         let here = self.hand.held.as_mut().filter(|held| held.part == part).is_some_and(|held| {
             let moved = x_tp.translation.vector - held.x_tp.translation.vector;
@@ -157,8 +136,12 @@ impl Workcell<'_, '_> {
             let moved = (x_tp * gripped).coords;
             held.x_tp = x_tp;
             // A beam may slip along the fingers and still be held.
-            let along = if self.kit.beam(part).is_some() { SLIPPED } else { STRAYED };
-            moved.x.abs() < along && moved.yz().norm() < STRAYED
+            let along = if self.kit.beam(part).is_some() {
+                self.parameters.grip.slipped
+            } else {
+                self.parameters.grip.strayed
+            };
+            moved.x.abs() < along && moved.yz().norm() < self.parameters.grip.strayed
         });
         if closed || !here {
             self.diagnose(Cause::PartLost, format!("{part} has left the hand"));
@@ -166,8 +149,8 @@ impl Workcell<'_, '_> {
             self.belief.lost(part);
             return Err(Fault::NotHeld { part: part.to_string() }.into());
         }
-        let beside = x_tp.inverse() * Point3::new(BESIDE, 0.0, 0.0);
-        if pushed && self.belief.deviation(part, &beside)[1] > UNSEEN {
+        let beside = x_tp.inverse() * Point3::new(self.parameters.grip.beside, 0.0, 0.0);
+        if pushed && self.belief.deviation(part, &beside)[1] > self.parameters.grip.unseen {
             self.diagnose(Cause::GripMoved, format!("{part} was pushed, and cannot be seen in the hand"));
         } else if let Some((moved, turned)) = slip {
             self.diagnose_grip(part, moved, turned);
@@ -177,7 +160,10 @@ impl Workcell<'_, '_> {
 
     /// Does the held beam sit aslant in the hand?
     pub fn is_tilted(&self) -> bool {
-        self.hand.held.as_ref().is_some_and(|held| (held.x_tp.rotation * Vector3::x()).z.abs() > TILTED)
+        self.hand
+            .held
+            .as_ref()
+            .is_some_and(|held| (held.x_tp.rotation * Vector3::x()).z.abs() > self.parameters.grip.tilted)
     }
 
     /// The reachable link of a standing beam that is nearest to the beam's free end.
@@ -190,12 +176,13 @@ impl Workcell<'_, '_> {
         let x_wb = self.belief.pose(&name)?;
         let q = self.hand.joints();
         let mut links: Vec<_> = placed.links.iter().collect();
-        let distance = |link: &ramp_kit::Link| (grasp::point_on(link, far) - far).abs();
+        let distance =
+            |link: &ramp_kit::Link| (grasp::point_on(link, far, &self.parameters.grip) - far).abs();
         links.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
         let link = links
             .into_iter()
             .find(|link| {
-                let s = grasp::point_on(link, far);
+                let s = grasp::point_on(link, far, &self.parameters.grip);
                 [false, true].into_iter().any(|reverse| self.reach(&beam_grasp(&x_wb, s, reverse), &q) > 0.0)
             })
             .map(|link| link.name.clone())

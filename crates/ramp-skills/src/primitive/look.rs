@@ -7,23 +7,11 @@ use ramp_kit::tags::x_wg_sheet;
 use ramp_robot::camera::Mount;
 use ramp_robot::{Camera, Cause};
 
-use super::travel::TRAVEL;
 use crate::Pose;
 use crate::belief::Belief;
 use crate::cell::{Point, Workcell};
 use crate::fault::SkillError;
 use crate::grasp::hand_down;
-
-/// Longest series of looks, s: what is not known well enough by then has to be found by feel.
-const LONGEST: f64 = 15.0;
-/// How often a camera looks at the tag of the sheet to find out where it is.
-const CALIBRATING: usize = 3;
-/// How well a part must be known before it is gripped, along the table and in height, m.
-const GRASPABLE: [f64; 2] = [0.5e-3, 0.2e-3];
-/// How well their heights must be known to tell whether a peg is home, m.
-const KNOWN_HEIGHT: f64 = 0.1e-3;
-/// How well its ends must be known to tell, m.
-const KNOWN: f64 = 0.2e-3;
 
 impl Workcell<'_, '_> {
     /// Looks once, and on until the place of each of these points on the table is known to a standard deviation of
@@ -42,7 +30,10 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// The robot's.
     pub fn see_to_grip(&mut self, part: &str) -> Result<(), SkillError> {
-        self.see_until(&[self.middle(part)], GRASPABLE)
+        self.see_until(
+            &[self.middle(part)],
+            [self.parameters.look.graspable, self.parameters.look.graspable_height],
+        )
     }
 
     /// As [`Workcell::see`], for the heights of the points.
@@ -78,7 +69,9 @@ impl Workcell<'_, '_> {
                 }
                 visits += 1;
                 self.visit_part(worst)?;
-            } else if self.belief.eyes.cost() <= 0.0 || self.hand.time() - begin > LONGEST {
+            } else if self.belief.eyes.cost() <= 0.0
+                || self.hand.time() - begin > self.parameters.look.longest
+            {
                 return Ok(());
             }
         }
@@ -108,7 +101,7 @@ impl Workcell<'_, '_> {
             return Ok(());
         }
         self.visit(&Point3::from(x_wg_sheet(self.kit).translation.vector))?;
-        for _ in 0..CALIBRATING {
+        for _ in 0..self.parameters.look.calibrating {
             self.look_once()?;
         }
         Ok(())
@@ -133,8 +126,10 @@ impl Workcell<'_, '_> {
         let candidates = [0.0, 0.5, -0.5, 1.0, -1.0, 2.0, -2.0, 3.0].map(|step| {
             let rotation = hand_down(yaw + step * FRAC_PI_4);
             let aside = rotation * x_tc.translation.vector;
-            let x_wt =
-                Pose::from_parts(Translation3::new(aim.x - aside.x, aim.y - aside.y, TRAVEL), rotation);
+            let x_wt = Pose::from_parts(
+                Translation3::new(aim.x - aside.x, aim.y - aside.y, self.parameters.travel.height),
+                rotation,
+            );
             (x_wt, self.reach(&x_wt, &q))
         });
         let Some(x_wt) = self.choose(&candidates) else { return Ok(()) };
@@ -162,7 +157,7 @@ impl Workcell<'_, '_> {
     /// Looks until it is known how high the peg's head is over the female's top plate.
     pub fn see_gap(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
         let hole = self.hole(self.assembly.connections[connection].female);
-        self.see_height(&[self.middle(peg), hole], KNOWN_HEIGHT)
+        self.see_height(&[self.middle(peg), hole], self.parameters.look.seated_known)
     }
 
     /// Looks until it is known where the pinned joint and the far end of a beam are.
@@ -171,6 +166,6 @@ impl Workcell<'_, '_> {
         let far = Point3::new(self.far_end(beam), 0.0, 0.0);
         let mut points = vec![(placed.name.clone(), far)];
         points.extend(self.anchor(beam).map(|joint| self.hole(joint)));
-        self.see(&points, KNOWN)
+        self.see(&points, self.parameters.look.ends_known)
     }
 }

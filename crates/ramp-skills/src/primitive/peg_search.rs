@@ -12,36 +12,10 @@ use crate::fault::SkillError;
 use crate::grasp::PEG_HEIGHT;
 use crate::hand::PERIOD;
 
-/// Depth of the tip below the top plate at which the hole counts as found, m.
-pub(crate) const FOUND: f64 = 2.2e-3;
-/// Force at which the peg has touched the plate, N.
-const TOUCH: f64 = 5.0;
-/// Force down during the search, N.
-const SEARCH_FORCE: f64 = 9.0;
-/// Distance between turns of the spiral, m.
-const PITCH: f64 = 0.7e-3;
-/// Speed along the spiral, m/s.
-const SEARCH_SPEED: f64 = 8.0e-3;
-/// A peg whose tip is this far beside the hand stands aslant, m: up to 16°.
-const TILTED: [f64; 2] = [2.5e-3, 13.0e-3];
-/// What presses this far beside the hand is not the tip of an upright peg, m: its edge is a radius away.
-const BESIDE: f64 = STEM_RADIUS + TILTED[0];
-/// How far such a peg is lifted off the plate to take zero anew, m.
-const LIFT_OFF: f64 = 3.0e-3;
-/// How far around the place where its tip should meet the hole it is searched for (m), how fast (m/s), and with what
-/// swing (m).
-const TILTED_AROUND: f64 = 4.0e-3;
-/// See [`TILTED_AROUND`].
-const TILTED_SPEED: f64 = 4.0e-3;
-/// See [`TILTED_AROUND`].
-const TILTED_SWAY: f64 = 0.7e-3;
-/// How long the tip is felt, control periods.
-const PERIODS: usize = 600;
-
 impl Workcell<'_, '_> {
     /// Is the tip of the held peg so far below the plate (m, in the world) that it must be in the hole?
     pub fn is_in(&self, plate: f64) -> bool {
-        self.is_deeper(plate, FOUND)
+        self.is_deeper(plate, self.parameters.peg_search.found)
     }
 
     /// Is the tip of the held peg that far (m) below the plate (m, in the world)?
@@ -53,10 +27,11 @@ impl Workcell<'_, '_> {
     /// Lets the held peg down by `height` (m) and a little further, until it touches the plate (m, in the world) or is in.
     pub fn lower(&mut self, plate: f64, height: f64) -> Result<(), SkillError> {
         let mut down = self.hand.setpoint;
-        down.translation.z -= height + 2.0 * FOUND;
+        down.translation.z -= height + 2.0 * self.parameters.peg_search.found;
         let tip = |x_wp: &Pose| (x_wp * Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate;
         self.hand.drive(&down, 0.02, |hand| {
-            -hand.force().z > TOUCH || hand.x_wp_held().is_some_and(|x| tip(&x) < -FOUND)
+            -hand.force().z > self.parameters.peg_search.touch
+                || hand.x_wp_held().is_some_and(|x| tip(&x) < -self.parameters.peg_search.found)
         })?;
         Ok(())
     }
@@ -69,17 +44,21 @@ impl Workcell<'_, '_> {
         let begin = self.hand.time();
         let (mut angle, mut felt, mut period) = (0.0_f64, Vector6::zeros(), 0);
         while self.hand.time() - begin < longest {
-            let radius = PITCH * angle / TAU;
-            angle += SEARCH_SPEED * PERIOD / radius.max(0.5e-3);
+            let radius = self.parameters.peg_search.pitch * angle / TAU;
+            angle += self.parameters.peg_search.speed * PERIOD / radius.max(0.5e-3);
             self.slide_to(centre.x + radius * angle.cos(), centre.y + radius * angle.sin())?;
             if self.is_in(plate) {
                 break;
             }
-            if (PERIODS / 3..PERIODS).contains(&period) {
+            if (self.parameters.peg_search.periods / 3..self.parameters.peg_search.periods).contains(&period)
+            {
                 felt += self.hand.felt();
             }
             let beside = || self.tip_beside(&felt, plate).dot(&self.across()).abs();
-            if wary && period == PERIODS && beside() > BESIDE {
+            if wary
+                && period == self.parameters.peg_search.periods
+                && beside() > STEM_RADIUS + self.parameters.peg_search.tilted_least
+            {
                 break;
             }
             period += 1;
@@ -89,7 +68,7 @@ impl Workcell<'_, '_> {
 
     /// One control period of sliding over the plate with constant force down, m in the world.
     fn slide_to(&mut self, x: f64, y: f64) -> Result<(), SkillError> {
-        let z = self.hand.seen.x_wt.translation.z - SEARCH_FORCE / self.hand.stiffness.z;
+        let z = self.hand.seen.x_wt.translation.z - self.parameters.peg_search.force / self.hand.stiffness.z;
         let setpoint = &mut self.hand.setpoint.translation;
         setpoint.x = x;
         setpoint.y = y;
@@ -106,35 +85,44 @@ impl Workcell<'_, '_> {
         let mouth = self.mouth(connection)?;
         // What turned the peg may have pressed on it while zero was taken.
         let mut up = self.hand.setpoint;
-        up.translation.z = self.hand.seen.x_wt.translation.z + LIFT_OFF;
+        up.translation.z = self.hand.seen.x_wt.translation.z + self.parameters.peg_search.lift_off;
         self.hand.go(&up, 0.02)?;
         self.hand.zero()?;
-        self.lower(plate, LIFT_OFF)?;
+        self.lower(plate, self.parameters.peg_search.lift_off)?;
         let axis = self.across();
         let aside = Vector3::z().cross(&axis);
         // A tip on the edge of the hole does not press straight down: then felt beside it.
         let mut beside = self.measure_tip(plate)?.dot(&axis);
-        if beside.abs() > TILTED[1] {
-            let p = mouth + aside * TILTED_AROUND;
-            for _ in 0..PERIODS {
+        if beside.abs() > self.parameters.peg_search.tilted_most {
+            let p = mouth + aside * self.parameters.peg_search.tilted_around;
+            for _ in 0..self.parameters.peg_search.periods {
                 self.slide_to(p.x, p.y)?;
             }
             beside = self.measure_tip(plate)?.dot(&axis);
         }
-        if !(TILTED[0]..TILTED[1]).contains(&beside.abs()) {
+        if !(self.parameters.peg_search.tilted_least..self.parameters.peg_search.tilted_most)
+            .contains(&beside.abs())
+        {
             return Ok(false);
         }
         let lean = beside.abs().atan2(STEM_LENGTH + HEAD_HEIGHT / 2.0).to_degrees();
         self.diagnose(Cause::GripMoved, format!("{peg} stands aslant in the hand by {lean:.0}°"));
         let start = self.hand.seen.x_wt.translation.vector;
         let over = mouth - axis * beside;
-        let way = |from: Vector3<f64>, to: Vector3<f64>| {
-            let periods = ((to - from).xy().norm() / TILTED_SPEED / PERIOD).ceil().max(1.0);
+        let speed = self.parameters.peg_search.tilted_speed;
+        let line = |from: Vector3<f64>, to: Vector3<f64>| {
+            let periods = ((to - from).xy().norm() / speed / PERIOD).ceil().max(1.0);
             (0..periods as usize).map(move |period| from.lerp(&to, period as f64 / periods))
         };
-        let ends = [start, over, over + axis * TILTED_AROUND, over - axis * TILTED_AROUND];
-        for p in ends.windows(2).flat_map(|ends| way(ends[0], ends[1])) {
-            let sway = TILTED_SWAY * (TAU * (p - over).dot(&axis) / PITCH).sin();
+        let ends = [
+            start,
+            over,
+            over + axis * self.parameters.peg_search.tilted_around,
+            over - axis * self.parameters.peg_search.tilted_around,
+        ];
+        for p in ends.windows(2).flat_map(|ends| line(ends[0], ends[1])) {
+            let sway = self.parameters.peg_search.tilted_sway
+                * (TAU * (p - over).dot(&axis) / self.parameters.peg_search.pitch).sin();
             let p = p + aside * sway;
             self.slide_to(p.x, p.y)?;
             if self.is_in(plate) {
@@ -150,9 +138,9 @@ impl Workcell<'_, '_> {
     fn measure_tip(&mut self, plate: f64) -> Result<Vector3<f64>, SkillError> {
         let here = self.hand.setpoint.translation.vector;
         let mut felt = Vector6::zeros();
-        for period in 0..PERIODS {
+        for period in 0..self.parameters.peg_search.periods {
             self.slide_to(here.x, here.y)?;
-            if period >= PERIODS / 3 {
+            if period >= self.parameters.peg_search.periods / 3 {
                 felt += self.hand.felt();
             }
         }
@@ -166,7 +154,8 @@ impl Workcell<'_, '_> {
         let lean = Vector3::new(off.x, off.y, STEM_LENGTH + HEAD_HEIGHT / 2.0);
         let Some(turn) = UnitQuaternion::rotation_between(&lean, &Vector3::z()) else { return Ok(()) };
         self.hand.relax();
-        let about = Translation3::from(Vector3::new(mouth.x, mouth.y, mouth.z - FOUND));
+        let about =
+            Translation3::from(Vector3::new(mouth.x, mouth.y, mouth.z - self.parameters.peg_search.found));
         let upright = about * turn * about.inverse() * self.hand.seen.x_wt;
         self.hand.go(&upright, 0.03)?;
         let head = self.hand.seen.x_wt * Point3::new(0.0, 0.0, PEG_HEIGHT - HEAD_HEIGHT / 2.0);

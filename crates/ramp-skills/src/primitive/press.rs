@@ -8,28 +8,8 @@ use ramp_robot::Cause;
 
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
-use crate::grasp::{PEG_OPEN, PEG_WIDTH, peg_grasp};
+use crate::grasp::{PEG_WIDTH, peg_grasp};
 use crate::hand::PERIOD;
-
-/// Largest force of pressing, N.
-const PRESS: f64 = 25.0;
-/// Growth of the pressing force, N/s.
-const PRESS_RATE: f64 = 40.0;
-/// Radius (m) and frequency (Hz) of the circle that keeps a peg from jamming.
-const WIGGLE: (f64, f64) = (0.5e-3, 2.0);
-/// A peg that takes so long, s, is held up by something.
-const PRESS_LONG: f64 = 3.0;
-/// Longest pressing, s.
-const PRESS_TIME: f64 = 6.0;
-/// For so long at the end of it, s, it is felt where the peg presses.
-const PRESS_FELT: f64 = 1.5;
-/// A peg that stands on the mouth of its hole and presses this far beside the hand turned between the fingers, m: one that
-/// is held up by something else presses up to 6.3 mm beside it.
-const PRESSED_BESIDE: f64 = 8.5e-3;
-/// A head this near to the plate is home, m. The referee asks for 0.5 mm.
-pub(crate) const SEATED: f64 = 0.25e-3;
-/// Tries.
-const TRIES: usize = 3;
 
 impl Workcell<'_, '_> {
     /// Presses a peg that stands in its hole home by its head, as often as it takes.
@@ -40,17 +20,17 @@ impl Workcell<'_, '_> {
         for attempt in 0.. {
             self.see_gap(connection, peg)?;
             let gap = self.gap(connection, peg)?;
-            if gap <= 2.0 * SEATED {
+            if gap <= 2.0 * self.parameters.press.seated {
                 break;
             }
             let name = self.assembly.connections[connection].name.clone();
             let proud = Fault::NotSeated { peg: peg.to_string(), connection: name, gap_mm: gap * 1e3 };
-            if attempt == TRIES {
+            if attempt == self.parameters.press.tries {
                 return Err(proud.into());
             }
             self.note("retry", proud.to_string());
             let x_wt = peg_grasp(&self.belief.pose(peg)?, 0);
-            self.grasp(peg, &x_wt, PEG_OPEN, PEG_WIDTH)?;
+            self.grasp(peg, &x_wt, self.parameters.grip.peg_open, PEG_WIDTH)?;
             self.hand.zero()?;
             self.press(connection, peg)?;
             self.release()?;
@@ -66,12 +46,12 @@ impl Workcell<'_, '_> {
         let mut force: f64 = 0.0;
         let (mut ticks, mut felt) = (0u32, Vector6::zeros());
         self.hand.setpoint.translation = self.hand.seen.x_wt.translation;
-        while self.hand.time() - begin < PRESS_TIME {
+        while self.hand.time() - begin < self.parameters.press.time {
             let elapsed = self.hand.time() - begin;
-            force = (force + PRESS_RATE * PERIOD).min(PRESS);
+            force = (force + self.parameters.press.rate * PERIOD).min(self.parameters.press.force);
             // Gently while it falls freely; the circle starts when it has not simply dropped home.
-            let radius = if elapsed < 1.0 { 0.0 } else { WIGGLE.0 };
-            let phase = TAU * WIGGLE.1 * elapsed;
+            let radius = if elapsed < 1.0 { 0.0 } else { self.parameters.press.circle };
+            let phase = TAU * self.parameters.press.circle_rate * elapsed;
             let here = self.hand.seen.x_wt.translation.vector;
             // The centre drifts to where the hole draws the peg.
             centre.x += (here.x - centre.x) * 0.003;
@@ -84,22 +64,22 @@ impl Workcell<'_, '_> {
             setpoint.y = centre.y + radius * phase.sin();
             setpoint.z = (here.z - lead).max(lowest);
             self.hand.tick()?;
-            if elapsed > PRESS_TIME - PRESS_FELT {
+            if elapsed > self.parameters.press.time - self.parameters.press.measured {
                 felt += self.hand.felt();
             }
             ticks += 1;
             if ticks.is_multiple_of(20) {
                 self.glance()?;
-                if self.belief.pose(peg)?.translation.z - plate < 0.3 * SEATED {
+                if self.belief.pose(peg)?.translation.z - plate < 0.3 * self.parameters.press.seated {
                     break;
                 }
             }
         }
         let seconds = self.hand.time() - begin;
-        if seconds > PRESS_LONG {
+        if seconds > self.parameters.press.long {
             let proud = self.belief.pose(peg)?.translation.z - plate;
             let beside = self.tip_beside(&felt, plate).dot(&self.across()).abs();
-            if proud > STEM_LENGTH / 2.0 && beside > PRESSED_BESIDE {
+            if proud > STEM_LENGTH / 2.0 && beside > self.parameters.press.beside {
                 self.diagnose(
                     Cause::GripMoved,
                     format!("{peg} presses {:.0} mm beside the hand", beside * 1e3),

@@ -2,34 +2,10 @@
 
 use nalgebra::Vector3;
 
-use super::carry::TILTED;
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
-use crate::grasp::{BEAM_RELEASE, BEAM_WIDTH, PEG_OPEN, SQUEEZE, hand_down};
-
-/// Force of each finger while it turns straight, N.
-const LOOSE_GRIP: f64 = 5.0;
-/// By how much it may lean when it has turned straight, rad; and how often it turns for that.
-const STRAIGHT: f64 = 0.004;
-/// See [`STRAIGHT`].
-const STRAIGHTENINGS: usize = 5;
-/// Force at which it stops turning straight, N: well below that which breaks every motion off.
-const STRAIGHTEN_LIMIT: f64 = 25.0;
-/// Force at which an open finger has met the beam that the hand has let go of, N; without one it feels less than 7.
-const BESIDE_LIMIT: f64 = 10.0;
-/// How often a beam is let go of anew when it hangs on a rib.
-const LET_GO_AGAIN: usize = 2;
-/// How much wider than a beam the fingers are when their ribs move freely in its slots without leaving them, m.
-const IN_SLOT: f64 = 3.0e-3;
-/// Room of a rib in a slot above and below it, m: 5 mm wide, the rib 3 mm thick.
-const SLOT_ROOM: f64 = 1.0e-3;
-/// Force at which a rib stands on the lower side of its slot, N; and how far down it is looked for, m.
-const SLOT_LIMIT: (f64, f64) = (4.0, 6.0e-3);
-/// How well it is known where a beam lies in which the hand has turned straight, on the axes of the world, m and rad.
-const STAYED: ([f64; 3], [f64; 3]) = ([1.0e-3; 3], [0.01, 0.01, 0.005]);
-/// Force on the table at which a beam lies on it, N.
-pub(crate) const TABLE_LIMIT: f64 = 8.0;
+use crate::grasp::{BEAM_WIDTH, hand_down};
 
 impl Workcell<'_, '_> {
     /// Lets go of what is held and retreats straight up.
@@ -48,12 +24,12 @@ impl Workcell<'_, '_> {
         }
         let beam = held.as_ref().filter(|held| self.kit.beam(&held.part).is_some());
         let Some(held) = beam else {
-            self.hand.grip(PEG_OPEN, 20.0)?;
+            self.hand.grip(self.parameters.grip.peg_open, self.parameters.grip.opening_force)?;
             self.belief.update(&mut self.hand)?;
             return self.lift_off(f64::INFINITY).map(|_| ());
         };
-        for attempt in 0..=LET_GO_AGAIN {
-            self.hand.grip(BEAM_RELEASE, 20.0)?;
+        for attempt in 0..=self.parameters.release.again {
+            self.hand.grip(self.parameters.grip.beam_release, self.parameters.grip.opening_force)?;
             self.belief.update(&mut self.hand)?;
             // The beam may have followed one finger: go back to its middle, so that neither rib hangs on it.
             let middle = self.belief.pose(&held.part)? * held.x_tp.inverse();
@@ -62,18 +38,25 @@ impl Workcell<'_, '_> {
             over.translation.x = middle.translation.x;
             over.translation.y = middle.translation.y;
             // A finger that meets the beam shows that it is not where it is believed: its rib would lift it.
-            if self.hand.drive(&over, 0.02, |hand| hand.force().norm() > BESIDE_LIMIT)? {
+            if self
+                .hand
+                .drive(&over, 0.02, |hand| hand.force().norm() > self.parameters.release.beside_limit)?
+            {
                 self.hand.go(&here, 0.02)?;
             }
             let low = self.hand.setpoint;
-            let limit = if attempt < LET_GO_AGAIN { BESIDE_LIMIT } else { f64::INFINITY };
+            let limit = if attempt < self.parameters.release.again {
+                self.parameters.release.beside_limit
+            } else {
+                f64::INFINITY
+            };
             if self.lift_off(limit)? {
                 break;
             }
             self.note("retry", format!("let go of {}, which hangs on a finger", held.part));
             self.hand.relax();
             // A rib that has come out of its slot meets the beam on the way back: then it is free to rise.
-            if !self.hand.drive(&low, 0.05, |hand| -hand.force().z > BESIDE_LIMIT)? {
+            if !self.hand.drive(&low, 0.05, |hand| -hand.force().z > self.parameters.release.beside_limit)? {
                 self.hand.go(&here, 0.05)?;
                 self.centre_ribs()?;
             }
@@ -85,30 +68,37 @@ impl Workcell<'_, '_> {
     /// ribs stand aslant in the beam's slots, which follow a finger that opens. What resists stops it: the fingers open anyway.
     fn straighten(&mut self) -> Result<(), SkillError> {
         let lean = |x_wt: &Pose| (x_wt.rotation * Vector3::z()).angle(&-Vector3::z());
-        if lean(&self.hand.setpoint) < TILTED {
+        if lean(&self.hand.setpoint) < self.parameters.carry.tilted {
             return Ok(());
         }
         let Some(mut held) = self.hand.held.clone() else { return Ok(()) };
         let x_wp = self.belief.pose(&held.part)?;
         // A beam that is held firmly turns along with the hand.
-        self.hand.grip(BEAM_WIDTH - SQUEEZE, LOOSE_GRIP)?;
+        self.hand.grip(BEAM_WIDTH - self.parameters.grip.squeeze, self.parameters.release.loose_grip)?;
         // What is left holds against it: turned further until the hand is straight, not only where it is told to be.
-        for _ in 0..STRAIGHTENINGS {
+        for _ in 0..self.parameters.release.straightenings {
             let seen = self.hand.seen.x_wt;
-            if lean(&seen) < STRAIGHT {
+            if lean(&seen) < self.parameters.release.straight {
                 break;
             }
             let across = seen.rotation * Vector3::x();
             let straight = Pose::from_parts(seen.translation, hand_down(across.y.atan2(across.x)));
             let target = self.hand.corrected(&seen, &straight);
-            if self.hand.drive(&target, 0.02, |hand| hand.force().norm() > STRAIGHTEN_LIMIT)? {
+            if self
+                .hand
+                .drive(&target, 0.02, |hand| hand.force().norm() > self.parameters.release.straighten_limit)?
+            {
                 break;
             }
             self.hand.wait(0.1)?;
         }
         self.hand.relax();
         // The hand has turned, and the beam has stayed.
-        self.belief.expect(&held.part, x_wp, STAYED);
+        self.belief.expect(
+            &held.part,
+            x_wp,
+            (self.parameters.release.stayed_position, self.parameters.release.stayed_rotation),
+        );
         held.x_tp = self.hand.seen.x_wt.inverse() * x_wp;
         self.hand.held = Some(held);
         Ok(())
@@ -117,7 +107,7 @@ impl Workcell<'_, '_> {
     /// Rises from what was let go of, as long as it does not meet more than `limit`, N; tells whether it has risen.
     fn lift_off(&mut self, limit: f64) -> Result<bool, SkillError> {
         let mut up = self.hand.setpoint;
-        up.translation.z += 0.05;
+        up.translation.z += self.parameters.release.lift_off;
         let before = self.hand.force();
         if self.hand.drive(&up, 0.2, |hand| (hand.force() - before).norm() > limit)? {
             return Ok(false);
@@ -129,19 +119,21 @@ impl Workcell<'_, '_> {
     /// Closes on the beam between the fingers, loosely, and brings their ribs to the middle of its slots: on one that presses
     /// against the upper edge of its slot the beam hangs by friction, and follows that finger however far it opens.
     fn centre_ribs(&mut self) -> Result<(), SkillError> {
-        self.hand.grip(BEAM_WIDTH - SQUEEZE, LOOSE_GRIP)?;
+        self.hand.grip(BEAM_WIDTH - self.parameters.grip.squeeze, self.parameters.release.loose_grip)?;
         let mut down = self.hand.setpoint;
-        down.translation.z -= SLOT_LIMIT.1;
+        down.translation.z -= self.parameters.release.slot_depth;
         // Ribs that stand on the edges of the slots come in on the way down.
-        self.hand.drive(&down, 0.01, |hand| hand.seen.width < BEAM_WIDTH + IN_SLOT / 2.0)?;
+        self.hand.drive(&down, 0.01, |hand| {
+            hand.seen.width < BEAM_WIDTH + self.parameters.release.in_slot / 2.0
+        })?;
         self.hand.relax();
-        self.hand.grip(BEAM_WIDTH + IN_SLOT, 20.0)?;
+        self.hand.grip(BEAM_WIDTH + self.parameters.release.in_slot, self.parameters.grip.opening_force)?;
         self.hand.zero()?;
-        down.translation.z = self.hand.setpoint.translation.z - SLOT_LIMIT.1;
-        self.hand.drive(&down, 0.01, |hand| -hand.force().z > SLOT_LIMIT.0)?;
+        down.translation.z = self.hand.setpoint.translation.z - self.parameters.release.slot_depth;
+        self.hand.drive(&down, 0.01, |hand| -hand.force().z > self.parameters.release.slot_limit)?;
         self.hand.relax();
         let mut middle = self.hand.setpoint;
-        middle.translation.z += SLOT_ROOM;
+        middle.translation.z += self.parameters.release.slot_room;
         self.hand.go(&middle, 0.01)
     }
 
@@ -153,7 +145,7 @@ impl Workcell<'_, '_> {
         let Some(drooped) = self.drooped(beam, &x_wb) else { return Ok(()) };
         let down = self.hand.corrected(&x_wb, &drooped);
         self.hand.zero()?;
-        self.hand.drive(&down, 0.02, |hand| -hand.force().z > TABLE_LIMIT)?;
+        self.hand.drive(&down, 0.02, |hand| -hand.force().z > self.parameters.release.table_limit)?;
         self.hand.wait(0.1)?;
         Ok(())
     }

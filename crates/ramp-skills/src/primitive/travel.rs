@@ -7,17 +7,6 @@ use crate::belief::obstacles::held_boxes;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 
-/// Height of the tip while it travels, m: a held beam clears the pegs that stand in the holders.
-pub const TRAVEL: f64 = 0.15;
-/// Distance that motions through free space keep from everything, m.
-const MARGIN: f64 = 0.5e-3;
-/// Share of the arm's limits of velocity, acceleration and jerk that motions use.
-const SHARE: f64 = 0.6;
-/// Distance from the ends of the joints' ranges beyond which more is no better, rad.
-const GOOD_MARGIN: f64 = 0.3;
-/// What a radian of turning the hand counts against a radian of that distance.
-const TURN_COST: f64 = 0.05;
-
 impl Workcell<'_, '_> {
     /// Moves the tip through free space to `x_wt`, keeping clear of everything but the held part.
     ///
@@ -39,7 +28,7 @@ impl Workcell<'_, '_> {
         self.belief.update(&mut self.hand)?;
         let checker = self.checker(None);
         let q = self.hand.joints();
-        Ok(self.planner.plan(&q, x_wt, TRAVEL, &checker, &mut self.stream)?)
+        Ok(self.planner.plan(&q, x_wt, self.parameters.travel.height, &checker, &mut self.stream)?)
     }
 
     /// Follows one leg of a way ([`Workcell::legs_to`]).
@@ -47,13 +36,13 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
     pub fn follow_leg(&mut self, leg: Vec<Joints>) -> Result<(), SkillError> {
-        self.hand.follow(&Trajectory::new(self.arm, leg, SHARE))
+        self.hand.follow(&Trajectory::new(self.arm, leg, self.parameters.travel.share))
     }
 
     /// Moves the open hand from above down to `x_wt`, around `part`.
     pub fn descend(&mut self, x_wt: &Pose, part: &str) -> Result<(), SkillError> {
         let mut above = *x_wt;
-        above.translation.z = above.translation.z.max(TRAVEL);
+        above.translation.z = above.translation.z.max(self.parameters.travel.height);
         self.travel(&above)?;
         let checker = self.checker(Some(part));
         let q = self.hand.joints();
@@ -78,7 +67,7 @@ impl Workcell<'_, '_> {
         let around = self.belief.obstacles(self.kit, &left_out);
         // The fingers may still be opening: check with the wider of what they are and what they will be.
         let width = self.hand.gripper.width.max(self.hand.seen.width);
-        Checker::new(self.arm, width, boxes, &around, MARGIN)
+        Checker::new(self.arm, width, boxes, &around, self.parameters.travel.margin)
     }
 
     /// Raises the hand straight up to travelling height.
@@ -87,10 +76,10 @@ impl Workcell<'_, '_> {
     /// The robot's.
     pub fn retreat(&mut self) -> Result<(), SkillError> {
         let mut up = self.hand.seen.x_wt;
-        if up.translation.z < TRAVEL - 0.001 {
+        if up.translation.z < self.parameters.travel.height - 0.001 {
             self.hand.relax();
-            up.translation.z = TRAVEL;
-            self.hand.go(&up, 0.25)?;
+            up.translation.z = self.parameters.travel.height;
+            self.hand.go(&up, self.parameters.travel.retreat_speed)?;
         }
         Ok(())
     }
@@ -98,7 +87,7 @@ impl Workcell<'_, '_> {
     /// Does the hand, opened to `open` (m), touch nothing but `part` at a pose of the tip that it can reach?
     pub fn has_room(&self, x_wt: &Pose, open: f64, part: &str) -> bool {
         let around = self.belief.obstacles(self.kit, &[part]);
-        let checker = Checker::new(self.arm, open, Vec::new(), &around, MARGIN);
+        let checker = Checker::new(self.arm, open, Vec::new(), &around, self.parameters.travel.margin);
         self.planner
             .solve(x_wt, &self.hand.joints())
             .is_ok_and(|q| checker.is_free(&self.planner.kinematics.frames(&q)))
@@ -108,8 +97,10 @@ impl Workcell<'_, '_> {
     /// with room to spare if any is, and of those the least turn of the hand.
     pub fn choose(&self, candidates: &[(Pose, f64)]) -> Option<Pose> {
         let now = self.hand.seen.x_wt.rotation;
-        let score =
-            |(x_wt, margin): &(Pose, f64)| margin.min(GOOD_MARGIN) - TURN_COST * now.angle_to(&x_wt.rotation);
+        let score = |(x_wt, margin): &(Pose, f64)| {
+            margin.min(self.parameters.travel.good_margin)
+                - self.parameters.travel.turn_cost * now.angle_to(&x_wt.rotation)
+        };
         candidates
             .iter()
             .filter(|(_, margin)| *margin > 0.0)

@@ -8,25 +8,14 @@ use super::insertion::Insertion;
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
-use crate::primitive::search::{Compliance, HOME};
-
-/// Force against the motion at which a square insertion stops, N.
-const SQUARE_LIMIT: f64 = 12.0;
-/// Force against the motion at which a beam stops that goes through a sleeve that little holds, N.
-const LOOSE_LIMIT: f64 = 0.6;
-/// How well the joints that are to meet must be known before an insertion, m.
-const KNOWN: f64 = 0.15e-3;
-/// Standing still for so long while it is felt in, a beam has met more than an edge, s.
-const STUCK: f64 = 2.5;
-/// How often an insertion that jams is tried again.
-const TRIES: usize = 4;
-/// How high a beam that stands on the table slides over it, m.
-const SLIDE_HEIGHT: f64 = 0.1e-3;
+use crate::parameters::Parameters;
+use crate::parameters::insertions::AssembleParameters;
 
 /// Inserts a male of the held beam into the assembly, along the beam's insertion path: square, at an angle, through
 /// sleeves, or deeper than its place.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub struct Assemble {
+    parameters: AssembleParameters,
     insertion: Insertion,
 }
 
@@ -48,6 +37,10 @@ impl Skill for Assemble {
         &[Need::HoldsPart, Need::InsertionPath]
     }
 
+    fn parameters(&self) -> &[&'static str] {
+        &["assemble", "insertion", "search"]
+    }
+
     fn expects(&self) -> &[Effect] {
         &[Effect::BeamStands, Effect::HandEmpty]
     }
@@ -64,13 +57,18 @@ impl Skill for Assemble {
 }
 
 impl Assemble {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> Assemble {
+        Assemble { parameters: parameters.assemble.clone(), insertion: Insertion::new(parameters) }
+    }
+
     fn once(&self, cell: &mut Workcell, beam: usize, attempt: usize) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         let stands = cell.assembly.beams[beam].beam.stands_at_assembled_height();
-        let height = if stands { SLIDE_HEIGHT } else { 0.0 };
+        let height = if stands { self.parameters.height } else { 0.0 };
         let mut aim = self.insertion.begin(cell, beam, height, attempt)?;
         let loose = !aim.loose.is_empty();
-        let limit = if loose { LOOSE_LIMIT } else { SQUARE_LIMIT };
+        let limit = if loose { self.parameters.loose_limit } else { self.parameters.limit };
         cell.glance()?;
         let mut target = cell.hand.corrected(&cell.belief.pose(&name)?, &aim.goal);
         target.translation.z += height;
@@ -80,21 +78,21 @@ impl Assemble {
             let mut remaining = cell.remaining(&name, &aim.goal, &direction)?;
             let met =
                 format!("{name} meets {:.0} N {:.1} mm before its place", pushed.force, remaining * 1e3);
-            let mut stuck = remaining > HOME;
-            if remaining > HOME {
+            let mut stuck = remaining > cell.parameters.search.home;
+            if remaining > cell.parameters.search.home {
                 let sleeve = cell.sleeves(beam).next();
                 if let Some(sleeve) = sleeve {
                     aim.goal.translation.z += cell.touch_floor(&name, sleeve, &direction)?;
                 }
-                let stood = cell.compliant_search(&name, &aim.goal, &direction, Compliance::into(loose))?;
+                let stood = cell.compliant_search(&name, &aim.goal, &direction, &cell.compliance(loose))?;
                 remaining = cell.remaining(&name, &aim.goal, &direction)?;
                 // The search gets past edges. What holds a beam for longer is in its way.
-                stuck = stood > STUCK || remaining > HOME;
+                stuck = stood > cell.parameters.insertion.stuck || remaining > cell.parameters.search.home;
             }
             if stuck {
                 cell.diagnose(Cause::Jam, met);
             }
-            if remaining > HOME {
+            if remaining > cell.parameters.search.home {
                 return self.insertion.back_out(cell, beam, &direction, remaining, pushed.force);
             }
         }
@@ -114,22 +112,22 @@ impl Assemble {
     ) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         let direction = cell.insertion_direction(beam, goal)?;
-        for _ in 0..TRIES {
+        for _ in 0..cell.parameters.insertion.tries {
             let x_wp = cell.belief.pose(&name)?;
             let fine = cell.hand.corrected(&x_wp, &(Translation3::new(0.0, 0.0, height) * goal));
             cell.hand.drive(&fine, 0.01, |hand| hand.force().norm() > limit)?;
             cell.hand.wait(0.15)?;
-            cell.see(&[cell.middle(&name)], KNOWN)?;
+            cell.see(&[cell.middle(&name)], cell.parameters.insertion.known)?;
             let remaining = cell.remaining(&name, goal, &direction)?;
-            if remaining < HOME {
+            if remaining < cell.parameters.search.home {
                 return Ok(());
             }
             cell.note("retry", format!("insert {name}, {:.1} mm short", remaining * 1e3));
-            cell.compliant_search(&name, goal, &direction, Compliance::into(loose))?;
+            cell.compliant_search(&name, goal, &direction, &cell.compliance(loose))?;
         }
         let (remaining, force) =
             (cell.remaining(&name, goal, &direction)?, cell.hand.force().dot(&direction));
-        if remaining < 2.0 * HOME {
+        if remaining < 2.0 * cell.parameters.search.home {
             return Ok(());
         }
         Err(Fault::Jammed { part: name, remaining_mm: remaining * 1e3, force }.into())
@@ -146,8 +144,8 @@ impl Assemble {
         let direction = cell.insertion_direction(beam, &goal)?;
         let loose = !cell.loose_sleeves(beam, 1).is_empty();
         cell.hand.zero()?;
-        cell.compliant_search(&name, &goal, &direction, Compliance::into(loose))?;
-        let limit = if loose { LOOSE_LIMIT } else { SQUARE_LIMIT };
+        cell.compliant_search(&name, &goal, &direction, &cell.compliance(loose))?;
+        let limit = if loose { self.parameters.loose_limit } else { self.parameters.limit };
         let seated = self.seat(cell, beam, &goal, 0.0, limit, loose);
         cell.settle(beam)?;
         cell.release()?;

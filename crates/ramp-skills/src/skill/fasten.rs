@@ -9,25 +9,14 @@ use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::PEG_HEIGHT;
-use crate::primitive::peg_search::FOUND;
-use crate::primitive::press::SEATED;
-
-/// Height of a peg's tip over the female's top plate when it is brought over the hole, m.
-const OVER: f64 = 6.0e-3;
-/// How long a hole is searched near where it was seen, s: up to 3 mm.
-const NEAR_TIME: f64 = 5.0;
-/// Longest search, s.
-const SEARCH_TIME: f64 = 20.0;
-/// How well peg and hole must be known before the peg is let down, m: a hole that is missed by little is felt.
-const KNOWN: [f64; 2] = [0.2e-3, 0.4e-3];
-/// How far pressing a peg home may move the two beams, m and rad.
-const BUMP: (f64, f64) = (0.2e-3, 0.06 / 180.0 * std::f64::consts::PI);
-/// Tries.
-const TRIES: usize = 3;
+use crate::parameters::Parameters;
+use crate::parameters::skills::FastenParameters;
 
 /// Pins two joints with the held peg.
-#[derive(Clone, Default)]
-pub struct Fasten;
+#[derive(Clone)]
+pub struct Fasten {
+    parameters: FastenParameters,
+}
 
 impl Skill for Fasten {
     fn name(&self) -> &str {
@@ -42,6 +31,10 @@ impl Skill for Fasten {
         &[Need::HoldsPart]
     }
 
+    fn parameters(&self) -> &[&'static str] {
+        &["fasten", "peg_search", "press"]
+    }
+
     fn expects(&self) -> &[Effect] {
         &[Effect::PegSeated, Effect::HandEmpty]
     }
@@ -53,6 +46,11 @@ impl Skill for Fasten {
 }
 
 impl Fasten {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> Fasten {
+        Fasten { parameters: parameters.fasten.clone() }
+    }
+
     /// Pins a connection with the held peg, which is over its hole, and lets go of it.
     ///
     /// # Errors
@@ -63,7 +61,7 @@ impl Fasten {
         };
         cell.hand.relax();
         let mut last = None;
-        for attempt in 0..TRIES {
+        for attempt in 0..self.parameters.tries {
             match self.fasten_once(cell, connection, &peg) {
                 Err(SkillError::Fault(fault @ Fault::NotHeld { .. })) => return Err(fault.into()),
                 Err(SkillError::Fault(fault)) => {
@@ -79,10 +77,11 @@ impl Fasten {
                     break;
                 }
             }
-            if attempt + 1 < TRIES {
+            if attempt + 1 < self.parameters.tries {
                 // Up and out of the hole, look again, and once more.
                 let mut up = cell.hand.setpoint;
-                up.translation.z = cell.mouth(connection)?.z + OVER + STEM_LENGTH + PEG_HEIGHT;
+                up.translation.z =
+                    cell.mouth(connection)?.z + cell.parameters.peg_search.over + STEM_LENGTH + PEG_HEIGHT;
                 cell.hand.go(&up, 0.05)?;
                 cell.note(
                     "retry",
@@ -102,8 +101,11 @@ impl Fasten {
         let name = cell.assembly.connections[connection].name.clone();
         cell.check_grip(peg)?;
         // Upright over the hole, as exactly as the eyes allow.
-        cell.see(&[cell.hole(cell.assembly.connections[connection].female)], KNOWN[1])?;
-        cell.see(&[cell.middle(peg)], KNOWN[0])?;
+        cell.see(
+            &[cell.hole(cell.assembly.connections[connection].female)],
+            cell.parameters.peg_search.hole_known,
+        )?;
+        cell.see(&[cell.middle(peg)], self.parameters.known)?;
         cell.diagnose_standing();
         for _ in 0..3 {
             cell.glance()?;
@@ -111,8 +113,10 @@ impl Fasten {
             let mouth = cell.mouth(connection)?;
             let x = x_wp.rotation * Vector3::x();
             let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), x.y.atan2(x.x));
-            let goal =
-                Pose::from_parts(Translation3::new(mouth.x, mouth.y, mouth.z + OVER + STEM_LENGTH), yaw);
+            let goal = Pose::from_parts(
+                Translation3::new(mouth.x, mouth.y, mouth.z + cell.parameters.peg_search.over + STEM_LENGTH),
+                yaw,
+            );
             let off = (goal.translation.vector - x_wp.translation.vector).norm();
             if off < 0.1e-3 && goal.rotation.angle_to(&x_wp.rotation) < 0.002 {
                 break;
@@ -123,24 +127,27 @@ impl Fasten {
         cell.hand.zero()?;
         let plate = cell.mouth(connection)?.z;
         cell.check_grip(peg)?;
-        cell.lower(plate, OVER)?;
+        cell.lower(plate, cell.parameters.peg_search.over)?;
         if !cell.is_in(plate) {
             let (begin, mut upright) = (cell.hand.time(), false);
-            cell.spiral(plate, NEAR_TIME, true)?;
+            cell.spiral(plate, self.parameters.near_time, true)?;
             if !cell.is_in(plate) {
                 upright = cell.search_tilted(connection, peg, plate)?;
             }
             if !cell.is_in(plate) {
-                cell.spiral(plate, SEARCH_TIME, false)?;
+                cell.spiral(plate, self.parameters.search_time, false)?;
             }
             let seconds = cell.hand.time() - begin;
             cell.note("search", format!("spiral at {name}, {seconds:.1} s"));
-            if seconds > NEAR_TIME && cell.is_deeper(plate, 0.5 * FOUND) && !upright {
+            if seconds > self.parameters.near_time
+                && cell.is_deeper(plate, 0.5 * cell.parameters.peg_search.found)
+                && !upright
+            {
                 let words = format!("{peg} went into {name} only after {seconds:.0} s");
                 cell.diagnose(Cause::GripMoved, words);
             }
         }
-        if !cell.is_deeper(plate, 0.5 * FOUND) {
+        if !cell.is_deeper(plate, 0.5 * cell.parameters.peg_search.found) {
             return Err(Fault::HoleNotFound { peg: peg.to_string(), connection: name }.into());
         }
         cell.press(connection, peg)?;
@@ -148,12 +155,12 @@ impl Fasten {
             [cell.assembly.connections[connection].female, cell.assembly.connections[connection].male]
         {
             let (beam, _) = cell.hole(joint);
-            cell.belief.bumped(&beam, BUMP);
+            cell.belief.bumped(&beam, (self.parameters.bump, self.parameters.bump_turn.to_radians()));
         }
         cell.see_gap(connection, peg)?;
         let gap = cell.gap(connection, peg)?;
         // Only what is sure: there is a better look when the hand is off.
-        if gap > SEATED + 2.0 * cell.gap_deviation(connection, peg) {
+        if gap > cell.parameters.press.seated + 2.0 * cell.gap_deviation(connection, peg) {
             return Err(Fault::NotSeated { peg: peg.to_string(), connection: name, gap_mm: gap * 1e3 }.into());
         }
         Ok(())

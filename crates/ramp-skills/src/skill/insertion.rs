@@ -5,27 +5,14 @@ use nalgebra::{Translation3, Vector3};
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
-
-/// How high over its way a beam is brought to where its insertion begins, m.
-const CLEAR: f64 = 4.0e-3;
-/// Speed of an insertion, m/s.
-const SPEED: f64 = 0.03;
-/// How far such a sleeve may be moved, m and rad.
-const LOOSE_BUMP: (f64, f64) = (3.0e-3, 1.0 / 180.0 * std::f64::consts::PI);
-/// How far friction may move a sleeve that pegs hold, m and rad.
-const SLEEVE_BUMP: (f64, f64) = (1.0e-3, 0.2 / 180.0 * std::f64::consts::PI);
-/// How well the joints that are to meet must be known before an insertion, m.
-const KNOWN: f64 = 0.15e-3;
-/// How far an insertion may move the beams that it meets, m and rad.
-const BUMP: (f64, f64) = (0.3e-3, 0.06 / 180.0 * std::f64::consts::PI);
-/// How often an insertion that jams is tried again.
-const TRIES: usize = 4;
-/// Least height of a beam over its insertion path where its insertion begins, m.
-const LOWEST: f64 = 0.1e-3;
+use crate::parameters::Parameters;
+use crate::parameters::insertions::InsertionParameters;
 
 /// What all insertions share.
-#[derive(Clone, Default)]
-pub struct Insertion;
+#[derive(Clone)]
+pub struct Insertion {
+    parameters: InsertionParameters,
+}
 
 /// An insertion that is to be pushed in.
 pub struct Aim {
@@ -46,7 +33,12 @@ pub struct Pushed {
 }
 
 impl Insertion {
-    /// Makes up to [`TRIES`] tries, until one succeeds.
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> Insertion {
+        Insertion { parameters: parameters.insertion.clone() }
+    }
+
+    /// Makes up to [`self.parameters.tries`] tries, until one succeeds.
     ///
     /// # Errors
     /// The fault of the last try; at once [`Fault::NotHeld`] and the robot's errors.
@@ -59,7 +51,7 @@ impl Insertion {
         let name = cell.assembly.beams[beam].beam.name.clone();
         cell.hand.relax();
         let mut last = None;
-        for attempt in 0..TRIES {
+        for attempt in 0..self.parameters.tries {
             if attempt > 0 {
                 cell.note("retry", format!("insert {name}, try {}", attempt + 1));
             }
@@ -93,7 +85,7 @@ impl Insertion {
         attempt: usize,
     ) -> Result<Aim, SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
-        cell.see(&cell.meeting(beam), KNOWN)?;
+        cell.see(&cell.meeting(beam), self.parameters.known)?;
         if attempt == 0 {
             cell.diagnose_standing();
         }
@@ -101,8 +93,11 @@ impl Insertion {
         let place = cell.target(beam)?;
         let direction = cell.insertion_direction(beam, &place)?;
         let goal = Translation3::from(direction * cell.path(beam)?.depth) * place;
-        cell.bring_to(&name, &cell.insertion_start(beam, if attempt == 0 { CLEAR } else { 0.0 })?)?;
-        cell.bring_to(&name, &cell.insertion_start(beam, height.max(LOWEST))?)?;
+        cell.bring_to(
+            &name,
+            &cell.insertion_start(beam, if attempt == 0 { self.parameters.clear } else { 0.0 })?,
+        )?;
+        cell.bring_to(&name, &cell.insertion_start(beam, height.max(self.parameters.lowest))?)?;
         cell.hand.zero()?;
         // A loose beam turns about a single peg, too.
         let loose = cell.loose_sleeves(beam, 1);
@@ -123,7 +118,8 @@ impl Insertion {
         limit: f64,
     ) -> Result<Pushed, SkillError> {
         let direction = aim.direction;
-        let stopped = cell.hand.drive(target, SPEED, |hand| hand.force().dot(&direction) > limit)?;
+        let stopped =
+            cell.hand.drive(target, self.parameters.speed, |hand| hand.force().dot(&direction) > limit)?;
         let force = cell.hand.force().dot(&direction);
         cell.hand.wait(0.15)?;
         // What meets an edge carries the sleeve along: it may turn about two pegs that are near each other.
@@ -132,9 +128,9 @@ impl Insertion {
         for (met, _) in cell.meeting(beam) {
             let carried = aim.loose.contains(&met) || (stopped && sleeves.contains(&met));
             let bump = match sleeves.contains(&met) {
-                _ if carried => LOOSE_BUMP,
-                true => SLEEVE_BUMP,
-                false => BUMP,
+                _ if carried => (self.parameters.loose_bump, self.parameters.loose_bump_turn.to_radians()),
+                true => (self.parameters.sleeve_bump, self.parameters.sleeve_bump_turn.to_radians()),
+                false => (self.parameters.bump, self.parameters.bump_turn.to_radians()),
             };
             cell.belief.bumped(&met, bump);
         }

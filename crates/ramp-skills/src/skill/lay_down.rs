@@ -5,17 +5,14 @@ use nalgebra::Translation3;
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use crate::cell::Workcell;
 use crate::fault::SkillError;
-
-/// Force on the table at which a beam lies on it, N.
-const TABLE_LIMIT: f64 = 8.0;
-/// How high over its way a beam is brought to where its insertion begins, m.
-const CLEAR: f64 = 4.0e-3;
-/// Speed of an insertion, m/s.
-const SPEED: f64 = 0.03;
+use crate::parameters::Parameters;
+use crate::parameters::skills::LayDownParameters;
 
 /// Lays the held beam, which is over its place, on the table.
-#[derive(Clone, Default)]
-pub struct LayDown;
+#[derive(Clone)]
+pub struct LayDown {
+    parameters: LayDownParameters,
+}
 
 impl Skill for LayDown {
     fn name(&self) -> &str {
@@ -28,6 +25,10 @@ impl Skill for LayDown {
 
     fn needs(&self) -> &[Need] {
         &[Need::HoldsPart]
+    }
+
+    fn parameters(&self) -> &[&'static str] {
+        &["lay_down", "insertion"]
     }
 
     fn expects(&self) -> &[Effect] {
@@ -45,6 +46,11 @@ impl Skill for LayDown {
 }
 
 impl LayDown {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> LayDown {
+        LayDown { parameters: parameters.lay_down.clone() }
+    }
+
     /// Lays the held beam, which is over its place, on the table.
     ///
     /// # Errors
@@ -54,10 +60,12 @@ impl LayDown {
         cell.hand.relax();
         cell.check_grip(&name)?;
         let goal = cell.target(beam)?;
-        cell.bring_to(&name, &(Translation3::new(0.0, 0.0, CLEAR) * goal))?;
+        cell.bring_to(&name, &(Translation3::new(0.0, 0.0, cell.parameters.insertion.clear) * goal))?;
         cell.hand.zero()?;
         let down = cell.hand.corrected(&cell.belief.pose(&name)?, &goal);
-        cell.hand.drive(&down, SPEED, |hand| -hand.force().z > TABLE_LIMIT)?;
+        cell.hand.drive(&down, self.parameters.speed, |hand| {
+            -hand.force().z > cell.parameters.release.table_limit
+        })?;
         Ok(())
     }
 }

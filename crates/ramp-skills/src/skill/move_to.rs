@@ -14,22 +14,13 @@ use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{PEG_HEIGHT, hand_down};
-use crate::primitive::travel::TRAVEL;
-
-/// How well the joints that a beam is to meet must be known before it is fetched, m.
-const KNOWN: f64 = 0.25e-3;
-/// How high over its way a beam is brought to where its insertion begins, m.
-const CLEAR: f64 = 4.0e-3;
-/// How often an insertion that jams is tried again.
-const TRIES: usize = 4;
-/// How well a hole must be known before a peg is carried over it, m.
-const HOLE_KNOWN: f64 = 0.4e-3;
-/// Height of a peg's tip over the female's top plate when it is brought over the hole, m.
-const OVER: f64 = 6.0e-3;
+use crate::parameters::Parameters;
+use crate::parameters::skills::MoveToParameters;
 
 /// Moves the hand, and what it holds, from place to place.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub struct MoveTo {
+    parameters: MoveToParameters,
     regrasp: Regrasp,
 }
 
@@ -40,6 +31,10 @@ impl Skill for MoveTo {
 
     fn serves(&self) -> &[ActionKind] {
         &[ActionKind::Move]
+    }
+
+    fn parameters(&self) -> &[&'static str] {
+        &["move_to", "insertion", "peg_search"]
     }
 
     fn expects(&self) -> &[Effect] {
@@ -67,6 +62,11 @@ impl Skill for MoveTo {
 }
 
 impl MoveTo {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> MoveTo {
+        MoveTo { parameters: parameters.move_to.clone(), regrasp: Regrasp::new(parameters) }
+    }
+
     /// Moves the open hand over a part, at travelling height.
     ///
     /// # Errors
@@ -77,7 +77,7 @@ impl MoveTo {
             let mut meeting = cell.meeting(beam);
             meeting.retain(|(other, _)| other != part);
             if !meeting.is_empty() {
-                cell.see(&meeting, KNOWN)?;
+                cell.see(&meeting, self.parameters.known)?;
             }
         }
         cell.see_to_grip(part)?;
@@ -90,7 +90,7 @@ impl MoveTo {
         }
         let (mut x_wt, open, _) = cell.choose_grasp(part, link)?;
         cell.hand.gripper.width = open;
-        x_wt.translation.z = TRAVEL;
+        x_wt.translation.z = cell.parameters.travel.height;
         cell.travel(&x_wt)?;
         cell.diagnose_force()?;
         Ok(())
@@ -105,7 +105,7 @@ impl MoveTo {
         let name = cell.assembly.beams[beam].beam.name.clone();
         cell.check_grip(&name)?;
         self.regrasp.level(cell, beam)?;
-        let start = cell.insertion_start(beam, CLEAR)?;
+        let start = cell.insertion_start(beam, cell.parameters.insertion.clear)?;
         match self.carry(cell, beam, &start) {
             Err(SkillError::Motion(MotionError::Unreachable(_))) => {
                 self.regrasp.take_anew(cell, beam)?;
@@ -134,7 +134,7 @@ impl MoveTo {
             for leg in legs {
                 cell.follow_leg(leg)?;
             }
-            if !cell.hand.pushed || attempt == TRIES {
+            if !cell.hand.pushed || attempt == cell.parameters.insertion.tries {
                 return down.map_or(Ok(()), |down| cell.follow_leg(down));
             }
             cell.check_grip(part)?;
@@ -148,14 +148,18 @@ impl MoveTo {
     /// # Errors
     /// When there is no way, or the robot stops.
     fn approach_hole(&self, cell: &mut Workcell, connection: usize) -> Result<(), SkillError> {
-        cell.see(&[cell.hole(cell.assembly.connections[connection].female)], HOLE_KNOWN)?;
+        cell.see(
+            &[cell.hole(cell.assembly.connections[connection].female)],
+            cell.parameters.peg_search.hole_known,
+        )?;
         cell.diagnose_standing();
         let mouth = cell.mouth(connection)?;
         let Some(part) = cell.hand.held.as_ref().map(|held| held.part.clone()) else {
             return Err(Fault::NotHeld { part: "the peg".into() }.into());
         };
         cell.check_grip(&part)?;
-        let height = mouth.z + OVER + 0.004 + STEM_LENGTH + PEG_HEIGHT;
+        let height =
+            mouth.z + cell.parameters.peg_search.over + self.parameters.above + STEM_LENGTH + PEG_HEIGHT;
         let q = cell.hand.joints();
         let x = cell.hand.seen.x_wt.rotation * Vector3::x();
         let yaw = x.y.atan2(x.x);
@@ -167,7 +171,7 @@ impl MoveTo {
             let over = Pose::from_parts(Translation3::new(mouth.x, mouth.y, height), rotation);
             let seated =
                 Pose::from_parts(Translation3::new(mouth.x, mouth.y, mouth.z + PEG_HEIGHT), rotation);
-            let arrival = cell.planner.level(&q, &over, TRAVEL, &checker);
+            let arrival = cell.planner.level(&q, &over, cell.parameters.travel.height, &checker);
             let arrival = arrival.as_ref().and_then(|legs| legs.last()?.last());
             (over, arrival.map_or(-1.0, |arrival| cell.planner.straight_margin(arrival, &seated)))
         });

@@ -3,13 +3,14 @@
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use crate::cell::Workcell;
 use crate::fault::SkillError;
-
-/// How far a fresh grasp is lifted before anything else, m.
-const LIFT: f64 = 0.02;
+use crate::parameters::Parameters;
+use crate::parameters::skills::PickUpParameters;
 
 /// Grasps a part where it stands, and lifts it.
-#[derive(Clone, Default)]
-pub struct PickUp;
+#[derive(Clone)]
+pub struct PickUp {
+    parameters: PickUpParameters,
+}
 
 impl Skill for PickUp {
     fn name(&self) -> &str {
@@ -24,6 +25,10 @@ impl Skill for PickUp {
         &[Need::HandEmpty]
     }
 
+    fn parameters(&self) -> &[&'static str] {
+        &["pick_up"]
+    }
+
     fn expects(&self) -> &[Effect] {
         &[Effect::HoldsPart]
     }
@@ -35,6 +40,11 @@ impl Skill for PickUp {
 }
 
 impl PickUp {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> PickUp {
+        PickUp { parameters: parameters.pick_up.clone() }
+    }
+
     /// Picks up a part and lifts it a little.
     ///
     /// # Errors
@@ -45,8 +55,9 @@ impl PickUp {
         cell.grasp(part, &x_wt, open, width)?;
         let mut up = cell.hand.setpoint;
         // A peg must leave its holder altogether, a beam only the table.
-        up.translation.z += if cell.kit.beam(part).is_some() { LIFT } else { 0.045 };
-        cell.hand.go(&up, 0.15)?;
+        up.translation.z +=
+            if cell.kit.beam(part).is_some() { self.parameters.lift } else { self.parameters.peg_lift };
+        cell.hand.go(&up, self.parameters.speed)?;
         cell.check_grip(part)
     }
 }

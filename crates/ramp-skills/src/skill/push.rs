@@ -3,31 +3,18 @@
 use super::assemble::Assemble;
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use crate::cell::Workcell;
-use crate::cell::alignment::PEGGABLE;
 use crate::fault::{Fault, SkillError};
 use crate::grasp;
-
-/// A beam this near to its place is left alone, m.
-const GOOD: f64 = 0.3e-3;
-/// Speed, m/s.
-const SPEED: f64 = 0.03;
-/// Force at which a push stops, N.
-const LIMIT: f64 = 20.0;
-/// A beam that stands this far short of its place is inserted further, m.
-const SHORT_OF: f64 = 3.0e-3;
-/// How far a push may move the beams that are joined with the one that is pushed, m and rad.
-const DRAGGED: (f64, f64) = (1.0e-3, 0.3 / 180.0 * std::f64::consts::PI);
-/// Tries.
-const TRIES: usize = 3;
-/// Motions of one push at most: friction on the table stops each of them a little short.
-const MOTIONS: usize = 6;
+use crate::parameters::Parameters;
+use crate::parameters::skills::PushParameters;
 
 /// Grasps a beam in the assembly, and moves it to its nominal place.
 ///
 /// A beam that a single peg holds swings by 4° to 5°: its free end must be put where the next beam expects it,
 /// since a cap that meets a tip beside its opening jams whatever is done to it afterwards.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub struct Push {
+    parameters: PushParameters,
     assemble: Assemble,
 }
 
@@ -44,6 +31,10 @@ impl Skill for Push {
         &[Need::HandRaised, Need::HandEmpty, Need::BeamStands]
     }
 
+    fn parameters(&self) -> &[&'static str] {
+        &["push", "alignment"]
+    }
+
     fn expects(&self) -> &[Effect] {
         &[Effect::BeamAligned, Effect::HandEmpty]
     }
@@ -56,6 +47,11 @@ impl Skill for Push {
 }
 
 impl Push {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> Push {
+        Push { parameters: parameters.push.clone(), assemble: Assemble::new(parameters) }
+    }
+
     /// Aligns a standing beam, holding it by `link`, and lets go.
     ///
     /// # Errors
@@ -67,22 +63,22 @@ impl Push {
             return Err(Fault::NoGrasp { part: name }.into());
         };
         let far = cell.far_end(beam);
-        for attempt in 0..TRIES {
+        for attempt in 0..self.parameters.tries {
             cell.see_ends(beam)?;
             if attempt == 0 {
                 cell.diagnose_standing();
             }
             let (goal, off) = cell.straightened(beam)?;
             let near_off = cell.near_off(beam, &cell.belief.pose(&name)?, &goal);
-            if off < GOOD && near_off < PEGGABLE {
+            if off < cell.parameters.alignment.good && near_off < cell.parameters.alignment.peggable {
                 return Ok(());
             }
             if attempt > 0 {
-                let off = if off < GOOD { near_off } else { off };
+                let off = if off < cell.parameters.alignment.good { near_off } else { off };
                 cell.note("retry", format!("push {name}, {:.2} mm off", off * 1e3));
             }
-            let s = grasp::point_on(link, far);
-            if cell.anchor(beam).is_none() && cell.short(beam)? > SHORT_OF {
+            let s = grasp::point_on(link, far, &cell.parameters.grip);
+            if cell.anchor(beam).is_none() && cell.short(beam)? > self.parameters.short_of {
                 self.assemble.reinsert(cell, beam, s)?;
                 continue;
             }
@@ -92,15 +88,20 @@ impl Push {
                 held.mass = 0.0;
             }
             cell.hand.zero()?;
-            for motion in 0..MOTIONS {
+            for motion in 0..self.parameters.motions {
                 cell.glance()?;
                 let x_wb = cell.belief.pose(&name)?;
-                let there = cell.off(beam, &x_wb, &goal) < 0.5 * GOOD;
-                if motion > 1 && there && cell.near_off(beam, &x_wb, &goal) < PEGGABLE {
+                let there = cell.off(beam, &x_wb, &goal) < 0.5 * cell.parameters.alignment.good;
+                if motion > 1
+                    && there
+                    && cell.near_off(beam, &x_wb, &goal) < cell.parameters.alignment.peggable
+                {
                     break;
                 }
                 let target = cell.hand.corrected(&x_wb, &goal);
-                cell.hand.drive(&target, SPEED, |hand| hand.force().norm() > LIMIT)?;
+                cell.hand.drive(&target, self.parameters.speed, |hand| {
+                    hand.force().norm() > self.parameters.limit
+                })?;
                 cell.hand.wait(0.1)?;
             }
             cell.settle(beam)?;
@@ -110,7 +111,7 @@ impl Push {
         cell.see_ends(beam)?;
         let (_, off) = cell.straightened(beam)?;
         // What comes next, a peg or the chamfers of a cap, takes this much.
-        if off < PEGGABLE {
+        if off < cell.parameters.alignment.peggable {
             return Ok(());
         }
         Err(Fault::Misaligned { connection: name, offset_mm: off * 1e3 }.into())
@@ -122,7 +123,10 @@ impl Push {
         let joined = sides.filter_map(|connection| Some(cell.assembly.sides(connection, beam)?.1.beam));
         let joined: Vec<usize> = joined.filter(|other| cell.standing.contains(other)).collect();
         for other in joined {
-            cell.belief.bumped(&cell.assembly.beams[other].beam.name, DRAGGED);
+            cell.belief.bumped(
+                &cell.assembly.beams[other].beam.name,
+                (self.parameters.dragged, self.parameters.dragged_turn.to_radians()),
+            );
         }
     }
 }

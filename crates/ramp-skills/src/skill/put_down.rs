@@ -3,13 +3,14 @@
 use super::contract::{ActionKind, Call, Effect, Skill};
 use crate::cell::Workcell;
 use crate::fault::SkillError;
-
-/// Force on the table or the holder at which a part counts as put down, N.
-const PUT_DOWN_LIMIT: f64 = 8.0;
+use crate::parameters::Parameters;
+use crate::parameters::skills::PutDownParameters;
 
 /// Puts the held part back where it was picked up, and lets go of it.
-#[derive(Clone, Default)]
-pub struct PutDown;
+#[derive(Clone)]
+pub struct PutDown {
+    parameters: PutDownParameters,
+}
 
 impl Skill for PutDown {
     fn name(&self) -> &str {
@@ -18,6 +19,10 @@ impl Skill for PutDown {
 
     fn serves(&self) -> &[ActionKind] {
         &[ActionKind::PutDown]
+    }
+
+    fn parameters(&self) -> &[&'static str] {
+        &["put_down"]
     }
 
     fn expects(&self) -> &[Effect] {
@@ -30,6 +35,11 @@ impl Skill for PutDown {
 }
 
 impl PutDown {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> PutDown {
+        PutDown { parameters: parameters.put_down.clone() }
+    }
+
     /// Puts the held part back where it was picked up, and lets go of it.
     ///
     /// # Errors
@@ -40,10 +50,11 @@ impl PutDown {
         cell.check_grip(&part)?;
         let Some(held) = cell.hand.held.clone() else { return Ok(()) };
         // A peg's stem is above its holder, a beam above the table.
-        let down = cell.carry_above(held.x_wp_origin * held.x_tp.inverse(), |down| down + 0.045)?;
+        let down =
+            cell.carry_above(held.x_wp_origin * held.x_tp.inverse(), |down| down + self.parameters.above)?;
         cell.hand.relax();
         cell.hand.zero()?;
-        cell.hand.drive(&down, 0.05, |hand| -hand.force().z > PUT_DOWN_LIMIT)?;
+        cell.hand.drive(&down, self.parameters.speed, |hand| -hand.force().z > self.parameters.limit)?;
         cell.release()
     }
 }

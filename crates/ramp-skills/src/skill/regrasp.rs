@@ -9,25 +9,14 @@ use super::pick_up::PickUp;
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
-use crate::grasp::{BEAM_OPEN, BEAM_RELEASE, beam_grasp, points_on};
-use crate::primitive::travel::TRAVEL;
-
-/// Where places are tried on the table, m in the world, and how far apart.
-const TABLE: ([f64; 2], [f64; 2], f64) = ([0.25, 0.70], [-0.45, 0.55], 0.05);
-/// Height over the table at which a held beam's place is checked, m.
-const OVER: f64 = 3.0e-3;
-/// Height from which it is set down slowly, m.
-const DROP: f64 = 20.0e-3;
-/// Force on the table at which it lies, N.
-const LIMIT: f64 = 8.0;
-/// Speed, m/s.
-const SPEED: f64 = 0.03;
-/// How far the joints must stay from the ends of their ranges, rad.
-const ROOM: f64 = 0.1;
+use crate::grasp::{beam_grasp, points_on};
+use crate::parameters::Parameters;
+use crate::parameters::skills::RegraspParameters;
 
 /// Changes the grasp of the held beam to another link: lays it on a free place of the table, and picks it up again.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub struct Regrasp {
+    parameters: RegraspParameters,
     pick_up: PickUp,
 }
 
@@ -44,6 +33,10 @@ impl Skill for Regrasp {
         &[Need::HoldsPart]
     }
 
+    fn parameters(&self) -> &[&'static str] {
+        &["regrasp"]
+    }
+
     fn expects(&self) -> &[Effect] {
         &[Effect::HoldsPart]
     }
@@ -56,6 +49,11 @@ impl Skill for Regrasp {
 }
 
 impl Regrasp {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> Regrasp {
+        Regrasp { parameters: parameters.regrasp.clone(), pick_up: PickUp::new(parameters) }
+    }
+
     /// Changes the hold of the beam in the hand to `link`.
     ///
     /// # Errors
@@ -65,16 +63,17 @@ impl Regrasp {
         cell.retreat()?;
         cell.check_grip(&name)?;
         let place = self.free_place(cell, beam, link)?;
-        let down = cell.carry_above(place, |down| TRAVEL.max(down))?;
+        let travel = cell.parameters.travel.height;
+        let down = cell.carry_above(place, |down| travel.max(down))?;
         cell.hand.relax();
         let mut low = down;
-        low.translation.z += DROP;
+        low.translation.z += self.parameters.drop;
         cell.hand.go(&low, 0.2)?;
         cell.hand.zero()?;
         // The beam may sit in the hand otherwise than is believed: the table says when it lies.
         let mut under = down;
-        under.translation.z -= DROP / 2.0;
-        cell.hand.drive(&under, SPEED, |hand| -hand.force().z > LIMIT)?;
+        under.translation.z -= self.parameters.drop / 2.0;
+        cell.hand.drive(&under, self.parameters.speed, |hand| -hand.force().z > self.parameters.limit)?;
         cell.release()?;
         cell.retreat()?;
         self.pick_up.pick_up(cell, &name, Some(link))?;
@@ -114,7 +113,8 @@ impl Regrasp {
         let held = cell.hand.held.as_ref().ok_or_else(no_grasp)?;
         let tip = cell.hand.seen.x_wt;
         let height = beam.axis_height_on_table();
-        let ([x0, x1], [y0, y1], step) = TABLE;
+        let ([x0, x1], [y0, y1]) = (self.parameters.table_x, self.parameters.table_y);
+        let step = self.parameters.step;
         let along = |from: f64, to: f64| {
             (0..=((to - from) / step).round() as usize).map(move |index| from + index as f64 * step)
         };
@@ -140,19 +140,20 @@ impl Regrasp {
         let q = cell.hand.joints();
         let now = cell.checker(None);
         let place = places.into_iter().map(|(_, x_wt)| x_wt).find(|x_wt| {
-            let over = Translation3::new(0.0, 0.0, OVER) * x_wt;
+            let over = Translation3::new(0.0, 0.0, self.parameters.over) * x_wt;
             if !cell.planner.solve(&over, &q).is_ok_and(|q| {
-                cell.planner.kinematics.range_margin(&q) > ROOM
+                cell.planner.kinematics.range_margin(&q) > self.parameters.room
                     && now.is_free(&cell.planner.kinematics.frames(&q))
             }) {
                 return false;
             }
             let x_wb = x_wt * held.x_tp;
-            cell.has_room(x_wt, BEAM_RELEASE, &beam.name)
-                && points_on(link, beam.span() / 2.0).first().is_some_and(|s| {
+            cell.has_room(x_wt, cell.parameters.grip.beam_release, &beam.name)
+                && points_on(link, beam.span() / 2.0, &cell.parameters.grip).first().is_some_and(|s| {
                     [false, true].into_iter().any(|reverse| {
                         let x_wt = beam_grasp(&x_wb, *s, reverse);
-                        cell.reach(&x_wt, &q) > ROOM && cell.has_room(&x_wt, BEAM_OPEN, &beam.name)
+                        cell.reach(&x_wt, &q) > self.parameters.room
+                            && cell.has_room(&x_wt, cell.parameters.grip.beam_open, &beam.name)
                     })
                 })
         });

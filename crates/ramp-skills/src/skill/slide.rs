@@ -6,28 +6,18 @@ use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
 use crate::grasp;
-use crate::primitive::search::Compliance;
-
-/// Speed, m/s.
-const SPEED: f64 = 0.02;
-/// Force at which lifting stops, N.
-const LIFT_LIMIT: f64 = 20.0;
-/// Force against the motion at which sliding stops, N.
-const LIMIT: f64 = 6.0;
-/// Distance from its place at which the beam is home, m.
-const HOME: f64 = 0.8e-3;
-/// How well the joints that are to meet must be known, m.
-const KNOWN: f64 = 0.2e-3;
-/// Steps aside, in turn, when the end meets an edge, m.
-const ASIDE: [f64; 5] = [0.0, 0.8e-3, -0.8e-3, 1.6e-3, -1.6e-3];
+use crate::parameters::Parameters;
+use crate::parameters::skills::SlideParameters;
 
 /// Slides a beam that stands deeper than its place forward to its place.
 ///
 /// A beam whose ends are all male droops while one female alone holds it, and no other beam can be put over an end
 /// that hangs on the table. So it is inserted deeper than its place, the other beam is brought, and then this one is
 /// lifted level and slid forward.
-#[derive(Clone, Default)]
-pub struct Slide;
+#[derive(Clone)]
+pub struct Slide {
+    parameters: SlideParameters,
+}
 
 impl Skill for Slide {
     fn name(&self) -> &str {
@@ -40,6 +30,10 @@ impl Skill for Slide {
 
     fn needs(&self) -> &[Need] {
         &[Need::HandRaised, Need::HandEmpty, Need::BeamStands]
+    }
+
+    fn parameters(&self) -> &[&'static str] {
+        &["slide"]
     }
 
     fn expects(&self) -> &[Effect] {
@@ -58,6 +52,11 @@ impl Skill for Slide {
 }
 
 impl Slide {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> Slide {
+        Slide { parameters: parameters.slide.clone() }
+    }
+
     /// Slides a deep beam forward to its place, holding it by `link`.
     ///
     /// # Errors
@@ -67,15 +66,15 @@ impl Slide {
         let name = placed.beam.name.clone();
         let link = placed.beam.links.iter().find(|candidate| candidate.name == link);
         let link = link.ok_or_else(|| Fault::NoGrasp { part: name.clone() })?;
-        let s = grasp::point_on(link, cell.free_end(beam));
-        cell.see(&cell.meeting(beam), KNOWN)?;
+        let s = grasp::point_on(link, cell.free_end(beam), &cell.parameters.grip);
+        cell.see(&cell.meeting(beam), self.parameters.known)?;
         cell.see_to_grip(&name)?;
         // How it hangs is known better than seen: 0.2° lower, and its end would go under the joint.
         cell.reckon_heights(beam);
         cell.grasp_standing(beam, s)?;
         cell.hand.zero()?;
         let mut jam = None;
-        for (attempt, aside) in ASIDE.into_iter().enumerate() {
+        for (attempt, aside) in self.parameters.aside.into_iter().enumerate() {
             if attempt > 0 {
                 cell.note("retry", format!("slide {name}, {:.1} mm aside", aside * 1e3));
             }
@@ -107,32 +106,35 @@ impl Slide {
         let shift = across * aside - out * to_go;
         let level = Translation3::from(shift) * goal;
         let lifted = cell.hand.corrected(&x_wb, &level);
-        cell.hand.drive(&lifted, SPEED, |hand| hand.force().norm() > LIFT_LIMIT)?;
+        cell.hand
+            .drive(&lifted, self.parameters.speed, |hand| hand.force().norm() > self.parameters.lift_limit)?;
         cell.hand.wait(0.1)?;
         cell.glance()?;
         let here = cell.hand.corrected(&cell.belief.pose(&name)?, &level);
-        cell.hand.go(&here, SPEED)?;
+        cell.hand.go(&here, self.parameters.speed)?;
         let forward = Translation3::from(out * to_go) * here;
-        let stopped = cell.hand.drive(&forward, SPEED, |hand| hand.force().dot(&out) > LIMIT)?;
+        let stopped = cell
+            .hand
+            .drive(&forward, self.parameters.speed, |hand| hand.force().dot(&out) > self.parameters.limit)?;
         let force = cell.hand.force().dot(&out);
         cell.hand.wait(0.15)?;
         cell.belief.update(&mut cell.hand)?;
         let remaining = (goal * end - cell.belief.pose(&name)? * end).dot(&out);
-        if stopped && remaining > HOME {
+        if stopped && remaining > self.parameters.home {
             // Back to where it began.
             let mut back = cell.hand.setpoint;
             back.translation.vector -= out * (to_go - remaining).max(0.0);
-            cell.hand.go(&back, SPEED)?;
+            cell.hand.go(&back, self.parameters.speed)?;
             return Ok(Some(Fault::Jammed { part: name, remaining_mm: remaining * 1e3, force }));
         }
         let fine = cell.hand.corrected(&cell.belief.pose(&name)?, &goal);
-        cell.hand.drive(&fine, 0.01, |hand| hand.force().norm() > LIMIT)?;
+        cell.hand.drive(&fine, 0.01, |hand| hand.force().norm() > self.parameters.limit)?;
         cell.hand.wait(0.15)?;
-        cell.see(&[(name.clone(), end)], KNOWN)?;
+        cell.see(&[(name.clone(), end)], self.parameters.known)?;
         let remaining = cell.remaining(&name, &goal, &out)?;
-        if remaining > HOME {
+        if remaining > self.parameters.home {
             cell.note("retry", format!("slide {name}, {:.1} mm short", remaining * 1e3));
-            cell.compliant_search(&name, &goal, &out, Compliance::into(false))?;
+            cell.compliant_search(&name, &goal, &out, &cell.compliance(false))?;
         }
         Ok(None)
     }

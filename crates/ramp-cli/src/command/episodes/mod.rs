@@ -84,6 +84,8 @@ impl Arguments {
             jobs: self.jobs as usize,
             agent: self.agent.file()?,
             agent_limit: self.agent.agent_limit,
+            skills: self.agent.skills.path.clone(),
+            skills_hash: self.agent.skills.read()?.sha256.clone(),
             goals,
             count,
             seeds: self.first_seed..=last.ok_or(BatchError::Seeds { repeats: option })?,
@@ -129,6 +131,10 @@ pub struct Batch<'a> {
     pub jobs: usize,
     pub agent: Option<AgentFile>,
     pub agent_limit: f64,
+    /// The file of the numbers of the baseline's skills, if it is not the baseline's own.
+    pub skills: Option<PathBuf>,
+    /// Its hash.
+    pub skills_hash: Option<String>,
     pub goals: Vec<Goal>,
     /// How many episodes of each goal.
     pub count: u32,
@@ -217,7 +223,7 @@ impl Batch<'_> {
                 .into());
             }
             let agent = &value["agent"];
-            if agent["sha256"].as_str() != self.agent.as_ref().map(AgentFile::sha256) {
+            if agent["sha256"].as_str() != self.agent_hash() {
                 let part = |name: &str| agent[name].as_str().unwrap_or("unknown");
                 return Err(BatchError::OtherAgent {
                     file: path.display().to_string(),
@@ -241,7 +247,7 @@ impl Batch<'_> {
             && result.seed == episode.seed
             && result.software == self.software
             && result.fault.as_ref().map(|it| it.kind.as_str()) == episode.fault.map(|it| it.kind.name())
-            && result.agent.sha256.as_deref() == self.agent.as_ref().map(AgentFile::sha256);
+            && result.agent.sha256.as_deref() == self.agent_hash();
         fits.then_some(result)
     }
 
@@ -333,9 +339,17 @@ impl Batch<'_> {
         command.spawn()
     }
 
+    /// The hash of the file that the agent or its numbers were read from.
+    fn agent_hash(&self) -> Option<&str> {
+        self.agent.as_ref().map(AgentFile::sha256).or(self.skills_hash.as_deref())
+    }
+
     /// What an episode is told of the agent: one that would not be done in time is ended before the episode is.
     fn agent_arguments(&self) -> Vec<OsString> {
-        let Some(agent) = &self.agent else { return Vec::new() };
+        let Some(agent) = &self.agent else {
+            let skills = self.skills.iter();
+            return skills.flat_map(|path| ["--skills".into(), path.clone().into_os_string()]).collect();
+        };
         let end_after = self.limit.saturating_sub(SCORING.min(self.limit / 2)).as_secs();
         let words = [
             "--agent-limit".into(),
