@@ -10,10 +10,12 @@ use nalgebra::{Translation3, Vector3};
 use ramp_assembly::Insertion;
 use ramp_motion::{PathPlanner, Trajectory};
 use ramp_planner::{CoarseAction, CoarseStep, FineAction, Grasp, Item, Place, Target};
-use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError, Track};
+use ramp_robot::{
+    Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError, Track,
+};
 use ramp_skills::cell::{InsertionPath, Workcell};
-use ramp_skills::skill::Call;
-use ramp_skills::{Fault, Parameters, SkillError, SkillTable};
+use ramp_skills::skill::{ActionKind, Call, Effect, Skill};
+use ramp_skills::{Baseline, Fault, Parameters, SkillError, SkillTable};
 use ramp_twin::Twin;
 
 /// The insertion path that the goal's own order of insertions gives a beam.
@@ -113,6 +115,52 @@ fn fasten(cell: &mut Workcell, connection: usize, peg: &str) {
     let connection = cell.assembly.connections[connection].name.clone();
     let (female, male, peg) = (String::new(), String::new(), peg.to_string());
     act(cell, &FineAction::Fasten { connection, female, male, peg });
+}
+
+/// A skill of one's own that picks up nothing, and says that it has.
+struct Pretend;
+
+impl Skill for Pretend {
+    fn name(&self) -> &str {
+        "pretend"
+    }
+
+    fn serves(&self) -> &[ActionKind] {
+        &[ActionKind::PickUp]
+    }
+
+    fn expects(&self) -> &[Effect] {
+        &[Effect::HoldsPart]
+    }
+
+    fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
+        cell.note("seen", format!("pretends to {}", call.action));
+        Ok(())
+    }
+}
+
+/// One entry of the table is replaced alone; the executor checks what skills need and expect, whoever wrote them; and the
+/// result names the skill.
+#[test]
+fn a_skill_of_ones_own_takes_the_place_of_one_of_the_baseline() {
+    let world = World::new("easy-3");
+    let table = SkillTable::default().with(Pretend);
+    let name = |kind: ActionKind| table.get(kind).unwrap().name();
+    assert_eq!((name(ActionKind::PickUp), name(ActionKind::PutDown)), ("pretend", "put_down"));
+    let planner = PathPlanner::new(&world.arm);
+    let mut twin = Twin::new(&world.setup(1)).unwrap();
+    let mut cell = cell(&world, &planner, &mut twin);
+    let (_, pick_up) = picking("b4", Some("b4l2"));
+    let pretended = table.execute(&mut cell, &Call::alone(&pick_up)).unwrap_err();
+    assert!(matches!(&pretended, SkillError::Fault(Fault::Unmet { .. })), "{pretended}");
+    assert_eq!(cell.events[0].what, format!("pretends to {pick_up}"));
+    let beam = "b4".to_string();
+    let lay_down = table.execute(&mut cell, &Call::alone(&FineAction::LayDown { beam })).unwrap_err();
+    assert!(matches!(&lay_down, SkillError::Fault(Fault::NotReady { .. })), "{lay_down}");
+    assert_eq!(cell.hand.time(), 0.0);
+    let baseline = || Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+    assert_eq!(baseline().name().0, "baseline");
+    assert_eq!(baseline().with_skills(table).name().0, "baseline with pretend");
 }
 
 /// Where the holes are believed 2.5 mm beside where they are, the peg lands on the plate, the spiral finds the hole
@@ -282,8 +330,8 @@ fn a_beam_that_is_held_too_far_out_is_taken_anew() {
     cell.grasp("b6", &x_wt, 0.038, 0.022).unwrap();
     cell.retreat().unwrap();
     approach_beam(&mut cell, b6);
-    let anew = cell.events.iter().any(|event| event.what == "take b6l2 anew");
-    assert!(anew, "the arm reached it as it was: {:?}", cell.events);
+    let again = cell.events.iter().any(|event| event.what == "regrasp b6l2");
+    assert!(again, "the arm reached it as it was: {:?}", cell.events);
     let nominal = world.kit.x_wa() * world.assembly.beams[b6].x_ab;
     let back = world.kit.x_wa().rotation * cell.paths[&b6].direction * -distance;
     let p = cell.belief.pose("b6").unwrap().translation.vector;
@@ -376,7 +424,7 @@ fn a_beam_that_is_turned_on_the_way_is_taken_anew_before_it_goes_down() {
         let cell = fetched(&world, &planner, &mut twin, b5, "b5l2");
         let told: Vec<&str> = cell.events.iter().map(|event| event.what.as_str()).collect();
         assert!(told[0].starts_with("grip-moved: b5 has turned by"), "{told:?}");
-        assert_eq!(told[1], "take b5l2 anew");
+        assert_eq!(told[1], "regrasp b5l2");
     }
     let truth = twin.truth();
     let b5_at = truth.x_wp[twin.part_names().position(|part| part == "b5").unwrap()];

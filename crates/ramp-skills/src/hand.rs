@@ -1,5 +1,5 @@
 //! The hand: the only place that talks to the robot. Follows trajectories, moves in straight lines under
-//! impedance, opens and closes, and feels. Every motion is guarded: one that meets more force than any skill needs is
+//! impedance, opens and closes, and measures forces. Every motion is guarded: one that meets more force than any skill needs is
 //! broken off, and the hand yields.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
@@ -122,14 +122,14 @@ impl<'r> Hand<'r> {
     /// [`Fault::Overload`], and the robot's.
     pub fn follow(&mut self, trajectory: &Trajectory) -> Result<(), SkillError> {
         let periods = (trajectory.duration() / PERIOD).ceil() as usize;
-        let felt = |seen: &Observation| {
+        let measured = |seen: &Observation| {
             (seen.wrench.fixed_rows::<3>(0).norm(), seen.wrench.fixed_rows::<3>(3).norm())
         };
-        let (force, moment) = felt(&self.seen);
+        let (force, moment) = measured(&self.seen);
         for period in 1..=periods {
             self.joint_step(trajectory.at(period as f64 * PERIOD))?;
             self.guard()?;
-            let (now, turning) = felt(&self.seen);
+            let (now, turning) = measured(&self.seen);
             self.pushed |= (now - force).abs() > self.parameters.pushed_force
                 || (turning - moment).abs() > self.parameters.pushed_moment;
         }
@@ -311,7 +311,7 @@ impl<'r> Hand<'r> {
     }
 
     /// Wrench of the hand on the world at the wrist since [`Hand::zero`], axes of the world: N, N·m.
-    pub fn felt(&self) -> Vector6<f64> {
+    pub fn wrench(&self) -> Vector6<f64> {
         self.seen.wrench - self.tare
     }
 

@@ -80,7 +80,7 @@ fn note_fault(cell: &mut Workcell, result: Result<(), SkillError>) -> Result<boo
     }
 }
 
-/// After a fault: puts back what is held, or lets it go where it is, retreats, realigns what lies loose, and presses home
+/// After a fault: puts back what is held, or lets it go where it is, retreats, realigns what lies loose, and seats
 /// pegs that fell into holes. Adds to `lost` the pegs that no hand can fetch any more; `refused` is one that could not be
 /// gripped.
 ///

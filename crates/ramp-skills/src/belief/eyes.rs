@@ -1,8 +1,8 @@
 //! The eyes: whatever a track gives to find the parts by, readings of poses or camera images, as sightings.
 //!
 //! A track that gives no poses gives images. Both cameras are then asked; what is found in an image is only as good as
-//! the camera's place is known, and that is found out on the way, from the tags of the clamped beam and of the sheet,
-//! whose places are known.
+//! the camera's place is known, and the agent estimates that while it works, from the tags of the clamped beam
+//! and of the sheet, whose places are known.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -70,7 +70,7 @@ impl Workcell<'_, '_> {
         Ok((goal, angle.abs() * now.norm()))
     }
 
-    /// How far a standing beam is short of its place on its way in, m.
+    /// How far a standing beam is short of its place along its insertion path, m.
     pub fn short(&self, beam: usize) -> Result<f64, SkillError> {
         if !self.paths.contains_key(&beam) {
             return Ok(0.0);

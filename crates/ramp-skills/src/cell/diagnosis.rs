@@ -1,4 +1,4 @@
-//! Puts what skills feel and see down to a cause.
+//! Names the cause of what skills measure and see.
 //!
 //! A skill goes on when it can. What it noticed becomes an event `diagnosis` with the text `CAUSE: evidence`, for people
 //! and for whoever judges how well the agent knows what happens to it.
@@ -124,23 +124,23 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// In free space: does the wrist feel more than the weight of what is held? Asked again at rest, since the hand's own
-    /// mass is felt as it stops; told once.
+    /// In free space, compares the force at the wrist with the weight of what is held. Measures again at rest, since the
+    /// hand's own mass acts on the sensor while the hand stops. Notes the cause once.
     ///
     /// # Errors
     /// The robot's.
     pub fn diagnose_force(&mut self) -> Result<(), RobotError> {
         let mass = self.hand.held.as_ref().map_or(0.0, |held| held.mass);
         let weight = Vector3::new(0.0, 0.0, mass * GRAVITY);
-        let felt = |hand: &Hand| (hand.seen.wrench.fixed_rows::<3>(0) - weight).norm();
-        if self.force_told || felt(&self.hand) < self.parameters.diagnosis.biased {
+        let measured = |hand: &Hand| (hand.seen.wrench.fixed_rows::<3>(0) - weight).norm();
+        if self.force_told || measured(&self.hand) < self.parameters.diagnosis.biased {
             return Ok(());
         }
         self.hand.hold(self.parameters.diagnosis.rest)?;
-        let felt = felt(&self.hand);
-        if felt > self.parameters.diagnosis.biased {
+        let measured = measured(&self.hand);
+        if measured > self.parameters.diagnosis.biased {
             self.force_told = true;
-            self.diagnose(Cause::ForceBias, format!("the wrist feels {felt:.1} N in free space"));
+            self.diagnose(Cause::ForceBias, format!("the wrist measures {measured:.1} N in free space"));
         }
         Ok(())
     }

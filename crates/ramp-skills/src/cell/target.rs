@@ -101,8 +101,8 @@ impl Workcell<'_, '_> {
         through.map(|connection| connection.female)
     }
 
-    /// Distance from j1, m, of the end of a deep beam that is to go into the other joint: the one that leads the way
-    /// out.
+    /// Distance from j1, m, of the end of a deep beam that is to go into the other joint: the one that leads on
+    /// the way out.
     pub fn free_end(&self, beam: usize) -> f64 {
         let placed = &self.assembly.beams[beam];
         let along = placed.x_ab.rotation * nalgebra::Vector3::x();
@@ -110,7 +110,7 @@ impl Workcell<'_, '_> {
         if into > 0.0 { 0.0 } else { placed.beam.span() }
     }
 
-    /// Does a joint lead the way out of a beam that stands too deep?
+    /// Is a joint at the end of a deep beam that leaves the sleeve first?
     pub fn leads(&self, joint: JointRef) -> bool {
         let beam = &self.assembly.beams[joint.beam].beam;
         (beam.joints[joint.joint].offset - self.free_end(joint.beam)).abs() < beam.span() / 2.0

@@ -24,7 +24,7 @@ pub type Point = (String, Point3<f64>);
 pub struct InsertionPath {
     /// Its direction in the assembly frame.
     pub direction: Vector3<f64>,
-    /// Its length, m: from here on nothing is in the way.
+    /// Its length, m: beyond it nothing obstructs the beam.
     pub distance: f64,
     /// How much further than its place the beam goes at first, m.
     pub depth: f64,

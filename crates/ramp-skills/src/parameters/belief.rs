@@ -125,7 +125,7 @@ parameters! {
         /// A force in free space that is further from what the held part weighs tells of a sensor that is off: twelve times the
         /// noise of its filtered reading.
         biased: f64 = "N", 0.01, 100.0;
-        /// So long a hand that stops is still felt.
+        /// How long the hand's own mass acts on the wrist sensor after the hand stops.
         rest: f64 = "s", 0.0, 10.0;
     }
 }

@@ -9,13 +9,13 @@ impl Workcell<'_, '_> {
     /// that at the place, m. Gives the pose of the tip at the place, which is another one when the part moved in the hand.
     ///
     /// # Errors
-    /// [`Fault::NotHeld`] when it left the hand on the way; when there is no way, or the robot stops.
+    /// [`Fault::NotHeld`] when it left the hand meanwhile; [`SkillError::Motion`] when no motion is found; the robot's.
     pub fn carry_above(&mut self, mut down: Pose, height: impl Fn(f64) -> f64) -> Result<Pose, SkillError> {
         for attempt in 1.. {
             let mut above = down;
             above.translation.z = height(down.translation.z);
             self.travel(&above)?;
-            // What sits aslant between the ribs of the fingers may turn back by its own weight.
+            // A part that is tilted between the ribs of the fingers may turn back by its own weight.
             self.hand.pushed |= attempt == 1 && self.is_tilted();
             if !self.hand.pushed || attempt == self.parameters.carry.tries {
                 break;
@@ -32,7 +32,7 @@ impl Workcell<'_, '_> {
         Ok(down)
     }
 
-    /// Brings the held part to a pose in free space, looking again on the way.
+    /// Brings the held part to a pose in free space, looking again as it moves.
     pub fn bring_to(&mut self, part: &str, x_wp_goal: &Pose) -> Result<(), SkillError> {
         for _ in 0..3 {
             self.glance()?;

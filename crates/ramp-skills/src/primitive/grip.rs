@@ -19,7 +19,7 @@ impl Workcell<'_, '_> {
             let link = link
                 .and_then(|name| beam.links.iter().find(|link| link.name == name))
                 .ok_or_else(no_grasp)?;
-            // The hand turns with the beam: what counts is the worse end of its way.
+            // The hand turns with the beam: what counts is the worse of its start and its goal.
             let goal = self.assembly.beam_index(part).map(|index| self.target(index)).transpose()?;
             let mut nearest = None;
             for s in grasp::points_on(link, beam.span() / 2.0, &self.parameters.grip) {
@@ -35,7 +35,7 @@ impl Workcell<'_, '_> {
                 }
                 nearest = nearest.or(Some(x_wt));
             }
-            // With no room anywhere the motion says what is in the way.
+            // With no room anywhere the motion planner names the obstacle.
             let x_wt = nearest.ok_or_else(no_grasp)?;
             return Ok((x_wt, self.parameters.grip.beam_open, BEAM_WIDTH));
         }
@@ -158,7 +158,7 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Does the held beam sit aslant in the hand?
+    /// Is the held beam tilted in the hand?
     pub fn is_tilted(&self) -> bool {
         self.hand
             .held

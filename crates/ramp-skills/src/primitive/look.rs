@@ -15,7 +15,7 @@ use crate::grasp::hand_down;
 
 impl Workcell<'_, '_> {
     /// Looks once, and on until the place of each of these points on the table is known to a standard deviation of
-    /// `within`, m: again and again where noise is what is in the way, and from near by, while the hand is empty, where
+    /// `within`, m: again and again where noise is what limits it, and from near by, while the hand is empty, where
     /// it sees by cameras.
     ///
     /// # Errors
@@ -92,7 +92,7 @@ impl Workcell<'_, '_> {
     }
 
     /// Shows the camera on the empty hand the tag of the sheet, which tells where that camera is. A build shows it tags
-    /// whose places are known on its way, over the sheet and over the assembly; a piece of one begins without.
+    /// whose places are known as it moves, over the sheet and over the assembly; a piece of one begins without.
     ///
     /// # Errors
     /// The robot's.
@@ -135,7 +135,7 @@ impl Workcell<'_, '_> {
         let Some(x_wt) = self.choose(&candidates) else { return Ok(()) };
         self.retreat()?;
         match self.travel(&x_wt) {
-            // No way there: then from where it is.
+            // No motion leads there: then from where the hand is.
             Err(SkillError::Motion(_)) => Ok(()),
             other => other,
         }

@@ -37,12 +37,12 @@ impl Workcell<'_, '_> {
     }
 
     /// Searches for the hole along an Archimedean spiral with constant force down, until the tip drops in, for so many
-    /// seconds at most. A `wary` search soon ends when what is felt cannot be the tip of an upright peg, which would come
+    /// seconds at most. A `wary` search soon ends when what the wrist measures cannot be the tip of an upright peg, which would come
     /// off the plate before it came to the hole.
     pub fn spiral(&mut self, plate: f64, longest: f64, wary: bool) -> Result<(), SkillError> {
         let centre = self.hand.seen.x_wt.translation.vector;
         let begin = self.hand.time();
-        let (mut angle, mut felt, mut period) = (0.0_f64, Vector6::zeros(), 0);
+        let (mut angle, mut measured, mut period) = (0.0_f64, Vector6::zeros(), 0);
         while self.hand.time() - begin < longest {
             let radius = self.parameters.peg_search.pitch * angle / TAU;
             angle += self.parameters.peg_search.speed * PERIOD / radius.max(0.5e-3);
@@ -52,9 +52,9 @@ impl Workcell<'_, '_> {
             }
             if (self.parameters.peg_search.periods / 3..self.parameters.peg_search.periods).contains(&period)
             {
-                felt += self.hand.felt();
+                measured += self.hand.wrench();
             }
-            let beside = || self.tip_beside(&felt, plate).dot(&self.across()).abs();
+            let beside = || self.tip_beside(&measured, plate).dot(&self.across()).abs();
             if wary
                 && period == self.parameters.peg_search.periods
                 && beside() > STEM_RADIUS + self.parameters.peg_search.tilted_least
@@ -79,7 +79,7 @@ impl Workcell<'_, '_> {
 
     /// A hole that is not where it was seen: the peg may have turned between the fingers, about the axis on which they
     /// close, where no camera sees it. Its tip is then beside the hand, along the fingers' other axis, and presses on the
-    /// plate there, which the wrist feels: takes the tip to the hole, and turns the hand until the peg stands upright.
+    /// plate there, which the wrist measures: takes the tip to the hole, and turns the hand until the peg stands upright.
     /// Returns whether it did.
     pub fn search_tilted(&mut self, connection: usize, peg: &str, plate: f64) -> Result<bool, SkillError> {
         let mouth = self.mouth(connection)?;
@@ -91,7 +91,7 @@ impl Workcell<'_, '_> {
         self.lower(plate, self.parameters.peg_search.lift_off)?;
         let axis = self.across();
         let aside = Vector3::z().cross(&axis);
-        // A tip on the edge of the hole does not press straight down: then felt beside it.
+        // A tip on the edge of the hole does not press straight down: then it is measured beside the hole.
         let mut beside = self.measure_tip(plate)?.dot(&axis);
         if beside.abs() > self.parameters.peg_search.tilted_most {
             let p = mouth + aside * self.parameters.peg_search.tilted_around;
@@ -106,7 +106,7 @@ impl Workcell<'_, '_> {
             return Ok(false);
         }
         let lean = beside.abs().atan2(STEM_LENGTH + HEAD_HEIGHT / 2.0).to_degrees();
-        self.diagnose(Cause::GripMoved, format!("{peg} stands aslant in the hand by {lean:.0}°"));
+        self.diagnose(Cause::GripMoved, format!("{peg} is tilted in the hand by {lean:.0}°"));
         let start = self.hand.seen.x_wt.translation.vector;
         let over = mouth - axis * beside;
         let speed = self.parameters.peg_search.tilted_speed;
@@ -137,14 +137,14 @@ impl Workcell<'_, '_> {
     /// m in the world. From force and moment at the wrist, taken over some time.
     fn measure_tip(&mut self, plate: f64) -> Result<Vector3<f64>, SkillError> {
         let here = self.hand.setpoint.translation.vector;
-        let mut felt = Vector6::zeros();
+        let mut measured = Vector6::zeros();
         for period in 0..self.parameters.peg_search.periods {
             self.slide_to(here.x, here.y)?;
             if period >= self.parameters.peg_search.periods / 3 {
-                felt += self.hand.felt();
+                measured += self.hand.wrench();
             }
         }
-        Ok(self.tip_beside(&felt, plate))
+        Ok(self.tip_beside(&measured, plate))
     }
 
     /// The tip of a peg is in the hole at `mouth` (m, in the world) while the hand is beside it: turns the hand about the

@@ -24,11 +24,11 @@ impl Workcell<'_, '_> {
                 break;
             }
             let name = self.assembly.connections[connection].name.clone();
-            let proud = Fault::NotSeated { peg: peg.to_string(), connection: name, gap_mm: gap * 1e3 };
+            let fault = Fault::NotSeated { peg: peg.to_string(), connection: name, gap_mm: gap * 1e3 };
             if attempt == self.parameters.press.tries {
-                return Err(proud.into());
+                return Err(fault.into());
             }
-            self.note("retry", proud.to_string());
+            self.note("retry", fault.to_string());
             let x_wt = peg_grasp(&self.belief.pose(peg)?, 0);
             self.grasp(peg, &x_wt, self.parameters.grip.peg_open, PEG_WIDTH)?;
             self.hand.zero()?;
@@ -44,7 +44,7 @@ impl Workcell<'_, '_> {
         let plate = self.mouth(connection)?.z;
         let mut centre = self.hand.seen.x_wt.translation.vector;
         let mut force: f64 = 0.0;
-        let (mut ticks, mut felt) = (0u32, Vector6::zeros());
+        let (mut ticks, mut measured) = (0u32, Vector6::zeros());
         self.hand.setpoint.translation = self.hand.seen.x_wt.translation;
         while self.hand.time() - begin < self.parameters.press.time {
             let elapsed = self.hand.time() - begin;
@@ -65,7 +65,7 @@ impl Workcell<'_, '_> {
             setpoint.z = (here.z - lead).max(lowest);
             self.hand.tick()?;
             if elapsed > self.parameters.press.time - self.parameters.press.measured {
-                felt += self.hand.felt();
+                measured += self.hand.wrench();
             }
             ticks += 1;
             if ticks.is_multiple_of(20) {
@@ -77,9 +77,9 @@ impl Workcell<'_, '_> {
         }
         let seconds = self.hand.time() - begin;
         if seconds > self.parameters.press.long {
-            let proud = self.belief.pose(peg)?.translation.z - plate;
-            let beside = self.tip_beside(&felt, plate).dot(&self.across()).abs();
-            if proud > STEM_LENGTH / 2.0 && beside > self.parameters.press.beside {
+            let gap = self.belief.pose(peg)?.translation.z - plate;
+            let beside = self.tip_beside(&measured, plate).dot(&self.across()).abs();
+            if gap > STEM_LENGTH / 2.0 && beside > self.parameters.press.beside {
                 self.diagnose(
                     Cause::GripMoved,
                     format!("{peg} presses {:.0} mm beside the hand", beside * 1e3),

@@ -55,7 +55,7 @@ impl Workcell<'_, '_> {
             }
             self.note("retry", format!("let go of {}, which hangs on a finger", held.part));
             self.hand.relax();
-            // A rib that has come out of its slot meets the beam on the way back: then it is free to rise.
+            // A rib that has left its slot meets the beam on the way back: then the hand is free to retreat.
             if !self.hand.drive(&low, 0.05, |hand| -hand.force().z > self.parameters.release.beside_limit)? {
                 self.hand.go(&here, 0.05)?;
                 self.centre_ribs()?;
@@ -65,7 +65,7 @@ impl Workcell<'_, '_> {
     }
 
     /// Turns a hand that leans straight down again: it leans when the beam in it has turned and was made level, and then its
-    /// ribs stand aslant in the beam's slots, which follow a finger that opens. What resists stops it: the fingers open anyway.
+    /// ribs are tilted in the beam's slots, which follow a finger that opens. A resistance stops the turn: the fingers open anyway.
     fn straighten(&mut self) -> Result<(), SkillError> {
         let lean = |x_wt: &Pose| (x_wt.rotation * Vector3::z()).angle(&-Vector3::z());
         if lean(&self.hand.setpoint) < self.parameters.carry.tilted {
@@ -104,7 +104,7 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Rises from what was let go of, as long as it does not meet more than `limit`, N; tells whether it has risen.
+    /// Lifts the hand off what it let go of, while it meets no more than `limit` (N). Returns whether it is off.
     fn lift_off(&mut self, limit: f64) -> Result<bool, SkillError> {
         let mut up = self.hand.setpoint;
         up.translation.z += self.parameters.release.lift_off;

@@ -1,7 +1,7 @@
 //! Compliant search: what an insertion does when it stalls on an edge.
 //!
 //! A touch of the sleeve's floor tells the height. Then the arm pushes the beam softly along its insertion path. While the
-//! beam stands still, the arm sweeps it across that path with growing amplitude, until the edge gives way.
+//! beam stands still, the arm sweeps it across that path with growing amplitude, until it slips off the edge.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::JointRef;
@@ -60,9 +60,9 @@ impl Workcell<'_, '_> {
         Ok(off)
     }
 
-    /// Feels a stalled beam in: a light push along its way, and a slow swing of growing size across it, up and down,
-    /// and about both, until the edge that it stands on gives way. An unchamfered edge (thru-m) stops dead unless it
-    /// meets its female within 0.3 mm. Returns for how long at a time it stood still, s.
+    /// Searches compliantly with a stalled beam: a light push along the insertion path, and a slow swing of growing size
+    /// across it, up and down, and about both, until the beam slips off the edge. An unchamfered edge (thru-m) stops dead
+    /// unless it meets its female within 0.3 mm. Returns the longest time for which the beam stood still, s.
     pub fn compliant_search(
         &mut self,
         part: &str,
@@ -76,7 +76,7 @@ impl Workcell<'_, '_> {
         let mut looked = begin;
         let mut best = self.remaining(part, goal, direction)?;
         let mut paced = (begin, best);
-        // The line of the way in, as a correction of the setpoint taken anew at every look.
+        // The line of the insertion path, as a correction of the setpoint that each look renews.
         let mut line = self.hand.setpoint;
         let mut ticks = 0u32;
         while self.hand.time() - begin < self.parameters.search.longest {
@@ -132,7 +132,7 @@ impl Workcell<'_, '_> {
             self.hand.tick()?;
         }
         let seconds = self.hand.time() - begin;
-        self.note("search", format!("{part} felt its way in for {seconds:.1} s"));
+        self.note("search", format!("{part}: compliant search for {seconds:.1} s"));
         Ok(stood)
     }
 }

@@ -19,7 +19,7 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// The legs of a way through free space to `x_wt`, keeping clear of everything but the held part: the hand rests between
+    /// The legs of a path through free space to `x_wt`, keeping clear of everything but the held part: the hand rests between
     /// them.
     ///
     /// # Errors
@@ -31,7 +31,7 @@ impl Workcell<'_, '_> {
         Ok(self.planner.plan(&q, x_wt, self.parameters.travel.height, &checker, &mut self.stream)?)
     }
 
-    /// Follows one leg of a way ([`Workcell::legs_to`]).
+    /// Follows one leg of a path ([`Workcell::legs_to`]).
     ///
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
@@ -70,7 +70,7 @@ impl Workcell<'_, '_> {
         Checker::new(self.arm, width, boxes, &around, self.parameters.travel.margin)
     }
 
-    /// Raises the hand straight up to travelling height.
+    /// Retreats: raises the hand straight up to travelling height.
     ///
     /// # Errors
     /// The robot's.

@@ -7,10 +7,10 @@ use crate::cell::Workcell;
 impl Workcell<'_, '_> {
     /// Where something presses on the plate at a height (m) beside the hand, by a wrench at the wrist, or the sum of many:
     /// along the table, m in the world.
-    pub fn tip_beside(&self, felt: &Vector6<f64>, plate: f64) -> Vector3<f64> {
+    pub fn tip_beside(&self, measured: &Vector6<f64>, plate: f64) -> Vector3<f64> {
         let x_wt = self.hand.seen.x_wt;
         let wrist = x_wt * Point3::new(0.0, 0.0, -self.arm.hand.tip);
-        let (force, moment) = (felt.fixed_rows::<3>(0), felt.fixed_rows::<3>(3));
+        let (force, moment) = (measured.fixed_rows::<3>(0), measured.fixed_rows::<3>(3));
         // The moment about the wrist is r × F, and the height of r is known.
         let height = plate - wrist.z;
         let x = (height * force.x - moment.y) / force.z;

@@ -86,7 +86,7 @@ impl Assemble {
                 }
                 let stood = cell.compliant_search(&name, &aim.goal, &direction, &cell.compliance(loose))?;
                 remaining = cell.remaining(&name, &aim.goal, &direction)?;
-                // The search gets past edges. What holds a beam for longer is in its way.
+                // The search gets past edges. What holds a beam for longer is an obstacle.
                 stuck = stood > cell.parameters.insertion.stuck || remaining > cell.parameters.search.home;
             }
             if stuck {
@@ -100,7 +100,7 @@ impl Assemble {
     }
 
     /// Brings a held beam that is in its joints all the way to `goal`, as sight says: what remains is mostly a fraction
-    /// of a millimetre, and otherwise felt in.
+    /// of a millimetre, and otherwise a case for the compliant search.
     fn seat(
         &self,
         cell: &mut Workcell,
@@ -133,7 +133,7 @@ impl Assemble {
         Err(Fault::Jammed { part: name, remaining_mm: remaining * 1e3, force }.into())
     }
 
-    /// Grips a beam that stands short of its place on its way in, and takes it there.
+    /// Grasps a beam that stands short of its place on its insertion path, and moves it there.
     ///
     /// # Errors
     /// [`Fault::Jammed`], or what stopped the motion.

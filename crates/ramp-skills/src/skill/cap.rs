@@ -73,7 +73,7 @@ impl Cap {
         self.finish(cell, beam, &(Translation3::new(0.0, 0.0, height) * aim.goal), pushed.force)
     }
 
-    /// Does a beam take in ends that come at an angle to its way in?
+    /// Does a beam take in ends that come at an angle to its insertion path?
     fn meets_angled(&self, cell: &Workcell, beam: usize, direction: &Vector3<f64>) -> bool {
         cell.assembly.connections.iter().filter_map(|connection| cell.assembly.sides(connection, beam)).any(
             |(_, theirs)| {
@@ -103,12 +103,12 @@ impl Cap {
         );
         let leaning = Pose::from_parts(goal.translation, lean * goal.rotation);
         let x_wp = cell.belief.pose(&name)?;
-        let way = [cell.remaining(&name, goal, &direction)?, self.parameters.under].map(|before| {
+        let stations = [cell.remaining(&name, goal, &direction)?, self.parameters.under].map(|before| {
             let mut target = cell.hand.corrected(&x_wp, &leaning);
             target.translation.vector += Vector3::z() * height - direction * before;
             target
         });
-        for target in way {
+        for target in stations {
             if cell.hand.drive(&target, cell.parameters.insertion.speed, |hand| {
                 hand.force().dot(&direction) > self.parameters.limit
             })? {

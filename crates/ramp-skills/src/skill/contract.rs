@@ -317,7 +317,7 @@ pub trait Skill: Send + Sync {
     /// What holds after, as the agent then believes.
     fn expects(&self) -> &[Effect];
 
-    /// The name of the table of the parameter file that has its numbers, if it has any.
+    /// The tables of the parameter file that have its numbers: its own first, then those that it shares.
     fn parameters(&self) -> &[&'static str] {
         &[]
     }

@@ -1,4 +1,4 @@
-//! What all insertions of a held beam share: the tries, the begin, the push, the way back.
+//! What all insertions of a held beam share: the tries, the start, the push, the retreat.
 
 use nalgebra::{Translation3, Vector3};
 

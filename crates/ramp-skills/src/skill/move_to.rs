@@ -96,11 +96,11 @@ impl MoveTo {
         Ok(())
     }
 
-    /// Carries the held beam to where its insertion begins, a little higher than its way. One that the hand holds too far
-    /// out for that, since there was no room for it elsewhere, is laid down where there is and taken anew.
+    /// Carries the held beam to where its insertion begins, a little above its insertion path. A beam that the hand
+    /// holds too far out for that is laid on a free place of the table and grasped again.
     ///
     /// # Errors
-    /// When there is no way, or the robot stops.
+    /// [`SkillError::Motion`] when no motion is found; [`Fault::NotHeld`], [`Fault::Overload`], and the robot's.
     fn approach_beam(&self, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         cell.check_grip(&name)?;
@@ -108,12 +108,12 @@ impl MoveTo {
         let start = cell.insertion_start(beam, cell.parameters.insertion.clear)?;
         match self.carry(cell, beam, &start) {
             Err(SkillError::Motion(MotionError::Unreachable(_))) => {
-                self.regrasp.take_anew(cell, beam)?;
+                self.regrasp.grasp_again(cell, beam)?;
                 self.carry(cell, beam, &start)?;
             }
             other => other?,
         }
-        // A beam that turned in the hand on the way does not go in as it is.
+        // A beam that turned in the hand meanwhile cannot be inserted as it is.
         cell.check_grip(&name)?;
         if !cell.is_tilted() {
             return Ok(());
@@ -122,8 +122,8 @@ impl MoveTo {
         self.carry(cell, beam, &start)
     }
 
-    /// Carries the held beam through free space to a pose. One that something pushed on the way is looked at before it goes
-    /// down: one that turned in the hand would meet the table with an end.
+    /// Carries the held beam through free space to a pose. If something pushed it, the agent looks at it before
+    /// it lowers it: a beam that turned in the hand would meet the table with an end.
     fn carry(&self, cell: &mut Workcell, beam: usize, x_wb_goal: &Pose) -> Result<(), SkillError> {
         let part = &cell.assembly.beams[beam].beam.name;
         for attempt in 1.. {
@@ -146,7 +146,7 @@ impl MoveTo {
     /// Carries the held peg over the hole of a connection.
     ///
     /// # Errors
-    /// When there is no way, or the robot stops.
+    /// [`SkillError::Motion`] when no motion is found; [`Fault::NotHeld`], [`Fault::Overload`], and the robot's.
     fn approach_hole(&self, cell: &mut Workcell, connection: usize) -> Result<(), SkillError> {
         cell.see(
             &[cell.hole(cell.assembly.connections[connection].female)],

@@ -80,19 +80,19 @@ impl Regrasp {
         cell.retreat()
     }
 
-    /// Takes a beam anew that sits aslant in the hand: laid on the table, it lies level.
+    /// Grasps a beam again that is tilted in the hand: laid on the table, it lies level.
     ///
     /// # Errors
     /// As [`Workcell::regrasp`].
     pub fn level(&self, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
-        if cell.is_tilted() { self.take_anew(cell, beam) } else { Ok(()) }
+        if cell.is_tilted() { self.grasp_again(cell, beam) } else { Ok(()) }
     }
 
     /// Lays the held beam down and takes it by the same link again.
     ///
     /// # Errors
     /// As [`Workcell::regrasp`].
-    pub fn take_anew(&self, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
+    pub fn grasp_again(&self, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
         let Some(held) = &cell.hand.held else { return Ok(()) };
         // Where the hand holds it now.
         let s = held.x_tp.inverse_transform_point(&nalgebra::Point3::origin()).x;
@@ -100,12 +100,12 @@ impl Regrasp {
         let off = |link: &ramp_kit::Link| (s - s.clamp(link.grasp[0], link.grasp[1])).abs();
         let Some(link) = links.iter().min_by(|a, b| off(a).total_cmp(&off(b))) else { return Ok(()) };
         let link = link.name.clone();
-        cell.note("retry", format!("take {link} anew"));
+        cell.note("retry", format!("regrasp {link}"));
         self.regrasp(cell, beam, &link)
     }
 
     /// The pose of the tip at which the held beam lies on the table beside everything else, with room for the hand now
-    /// and when it takes the beam by `link`; the nearest one. The hand leans when the beam sits aslant in it.
+    /// and when it takes the beam by `link`; the nearest one. The hand leans when the beam is tilted in it.
     fn free_place(&self, cell: &Workcell, beam: usize, link: &str) -> Result<Pose, SkillError> {
         let beam = &cell.assembly.beams[beam].beam;
         let no_grasp = || Fault::NoGrasp { part: beam.name.clone() };
@@ -131,9 +131,9 @@ impl Regrasp {
                     x_wt.rotation = lean * x_wt.rotation;
                 }
                 x_wt.translation.z = height - (x_wt * held.x_tp).translation.z;
-                let way = (x - tip.translation.x).hypot(y - tip.translation.y);
-                // A turn of the hand takes about as long as this way.
-                places.push((way + 0.1 * angle.abs(), x_wt));
+                let distance = (x - tip.translation.x).hypot(y - tip.translation.y);
+                // A turn of the hand takes about as long as this distance.
+                places.push((distance + 0.1 * angle.abs(), x_wt));
             }
         }
         places.sort_by(|(a, _), (b, _)| a.total_cmp(b));
