@@ -11,7 +11,7 @@ impl Workcell<'_, '_> {
     /// The beams that one peg holds and that have swung from their place, by index.
     ///
     /// # Errors
-    /// [`Fault::Unseen`].
+    /// [`Fault::Unseen`](crate::Fault::Unseen).
     pub fn swung(&self) -> Result<Vec<usize>, SkillError> {
         let mut swung = Vec::new();
         for beam in self.standing.iter().copied().filter(|beam| *beam != self.assembly.base) {
@@ -27,7 +27,7 @@ impl Workcell<'_, '_> {
     /// The beams that lie in the assembly, held by no peg, and are off their place, by index.
     ///
     /// # Errors
-    /// [`Fault::Unseen`].
+    /// [`Fault::Unseen`](crate::Fault::Unseen).
     pub fn displaced(&self) -> Result<Vec<usize>, SkillError> {
         let mut off = Vec::new();
         for beam in self.standing.iter().copied().filter(|beam| *beam != self.assembly.base) {

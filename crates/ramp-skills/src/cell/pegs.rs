@@ -16,7 +16,7 @@ impl Workcell<'_, '_> {
     /// The connection, if any, in whose hole a peg stands that nobody put there: one that fell.
     ///
     /// # Errors
-    /// [`Fault::Unseen`].
+    /// [`Fault::Unseen`](crate::Fault::Unseen).
     pub fn fallen_into(&self, peg: &str) -> Result<Option<usize>, SkillError> {
         let x_wp = self.belief.pose(peg)?;
         if (x_wp.rotation * Vector3::z()).z < 0.99 {

@@ -42,8 +42,8 @@ parameters! {
         /// Push along the path. Through sleeves 4 N: with more, friction holds the edge against the search. A loose beam on
         /// the table slides at 1.4 N and turns at 0.7 N at its end. A cap needs more than the light end weighs.
         force: f64 = "N", 0.0, 50.0;
-        /// Swing across the path, when it begins and when it has grown. A swing of a cap that is wider than the frame gives
-        /// way does nothing.
+        /// Swing across the path, when it begins and when it has grown. With a cap it must be wider than the frame
+        /// gives way.
         across: [f64; 2] = "m", 0.0, 0.05;
         /// How often it swings across.
         across_rate: f64 = "Hz", 0.0, 20.0;
@@ -75,7 +75,7 @@ parameters! {
         found: f64 = "m", 1e-4, 0.02;
         /// Force at which the peg has touched the plate.
         touch: f64 = "N", 0.5, 50.0;
-        /// Force down during the search. Found in simulation.
+        /// Force down during the search. Chosen.
         force: f64 = "N", 0.5, 50.0;
         /// Distance between turns of the spiral.
         pitch: f64 = "m", 1e-5, 0.01;
@@ -101,7 +101,7 @@ parameters! {
 parameters! {
     /// Pressing a peg home.
     PressParameters {
-        /// Largest force. Found in simulation.
+        /// Largest force. Chosen.
         force: f64 = "N", 1.0, 100.0;
         /// Growth of the force.
         rate: f64 = "N/s", 0.1, 1000.0;

@@ -3,7 +3,7 @@
 parameters! {
     /// The hand: impedance, guard, fingers.
     HandParameters {
-        /// Stiffness of the hand in contact, along and about the axes of the world. Found in simulation.
+        /// Stiffness of the hand in contact, along and about the axes of the world. Chosen.
         stiffness: [f64; 6] = "N/m, N·m/rad", 1.0, 5000.0;
         /// This near to the wanted width the fingers are open.
         opened: f64 = "m", 1e-5, 0.02;
@@ -34,10 +34,10 @@ parameters! {
         peg_open: f64 = "m", 0.049, 0.08;
         /// How much further than a part's width the fingers are told to close. Chosen.
         squeeze: f64 = "m", 0.0, 0.02;
-        /// Force of each finger on a part. Within the 70 N of the arm's gripper.
-        force: f64 = "N", 1.0, 70.0;
+        /// Force of each finger on a part. Chosen.
+        force: f64 = "N", 1.0, 140.0;
         /// Force of each finger that opens, or moves beside nothing. Chosen.
-        opening_force: f64 = "N", 1.0, 70.0;
+        opening_force: f64 = "N", 1.0, 140.0;
         /// How near the middle of a finger may come to the end of a bare extrusion: half its width, and what sight and the arm
         /// may be off. With a millimetre less one in forty grasps beside a joint landed on it.
         finger_room: f64 = "m", 0.0, 0.05;
@@ -81,7 +81,7 @@ parameters! {
     /// Letting go, so that the part stays where it is.
     ReleaseParameters {
         /// Force of each finger while the hand turns straight: a beam that is held firmly turns along with it.
-        loose_grip: f64 = "N", 0.1, 70.0;
+        loose_grip: f64 = "N", 0.1, 140.0;
         /// Angle by which a hand that has turned straight may lean.
         straight: f64 = "rad", 1e-4, 0.5;
         /// How often it turns for that. What is left holds against it.

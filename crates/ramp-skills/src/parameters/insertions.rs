@@ -34,7 +34,7 @@ parameters! {
 parameters! {
     /// Inserts a male of the held beam into the assembly.
     AssembleParameters {
-        /// Force against the motion at which an insertion stops. Found in simulation.
+        /// Force against the motion at which an insertion stops. Chosen.
         limit: f64 = "N", 0.5, 100.0;
         /// The same through a sleeve that little holds: a beam on the table turns at 0.7 N at its end.
         loose_limit: f64 = "N", 0.05, 100.0;

@@ -5,7 +5,7 @@ parameters! {
     TravelParameters {
         /// Height of the tip while it travels. A held beam then clears the pegs that stand in the holders.
         height: f64 = "m", 0.02, 0.6;
-        /// Distance that motions keep from everything. Found in simulation: more leaves no room between neighbouring pegs.
+        /// Distance that motions keep from everything. Chosen.
         margin: f64 = "m", 0.0, 0.05;
         /// Share of the arm's limits of velocity, acceleration and jerk that motions use. Chosen.
         share: f64 = "", 0.01, 1.0;
@@ -41,7 +41,7 @@ parameters! {
 parameters! {
     /// How far the beams and pegs of the assembly stand from where they should.
     AlignmentParameters {
-        /// A beam this near to its place is left alone. A third of what a peg or the chamfers of a cap take.
+        /// A beam this near to its place is left alone. Well below what a peg or the chamfers of a cap take.
         good: f64 = "m", 1e-5, 0.05;
         /// Horizontal distance between two holes that a peg still pulls together: its cone takes 1.7 mm.
         peggable: f64 = "m", 1e-5, 0.05;

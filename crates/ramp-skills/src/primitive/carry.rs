@@ -9,7 +9,7 @@ impl Workcell<'_, '_> {
     /// that at the place, m. Gives the pose of the tip at the place, which is another one when the part moved in the hand.
     ///
     /// # Errors
-    /// [`Fault::NotHeld`] when it left the hand meanwhile; [`SkillError::Motion`] when no motion is found; the robot's.
+    /// [`Fault::NotHeld`](crate::Fault::NotHeld) when it left the hand meanwhile; [`SkillError::Motion`] when no motion is found; the robot's.
     pub fn carry_above(&mut self, mut down: Pose, height: impl Fn(f64) -> f64) -> Result<Pose, SkillError> {
         for attempt in 1.. {
             let mut above = down;

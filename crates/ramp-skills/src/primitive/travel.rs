@@ -34,7 +34,7 @@ impl Workcell<'_, '_> {
     /// Follows one leg of a path ([`Workcell::legs_to`]).
     ///
     /// # Errors
-    /// [`Fault::Overload`], and the robot's.
+    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
     pub fn follow_leg(&mut self, leg: Vec<Joints>) -> Result<(), SkillError> {
         self.hand.follow(&Trajectory::new(self.arm, leg, self.parameters.travel.share))
     }

@@ -38,7 +38,7 @@ impl Insertion {
         Insertion { parameters: parameters.insertion.clone() }
     }
 
-    /// Makes up to [`self.parameters.tries`] tries, until one succeeds.
+    /// Tries up to [`InsertionParameters::tries`] times, until one try succeeds.
     ///
     /// # Errors
     /// The fault of the last try; at once [`Fault::NotHeld`] and the robot's errors.
