@@ -10,18 +10,19 @@ use common::World;
 use nalgebra::{Translation3, Vector3};
 use ramp_assembly::Insertion;
 use ramp_motion::{PathPlanner, Trajectory};
-use ramp_robot::random::Stream;
-use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError, Track};
-use ramp_skills::belief::Belief;
-use ramp_skills::hand::Hand;
-use ramp_skills::transport::{Way, Workcell};
-use ramp_skills::{Fault, SkillError};
+use ramp_planner::{CoarseAction, CoarseStep, FineAction, Grasp, Item, Place, Target};
+use ramp_robot::{
+    Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError, Track,
+};
+use ramp_skills::cell::{InsertionPath, Workcell};
+use ramp_skills::skill::{ActionKind, Call, Effect, Skill};
+use ramp_skills::{Baseline, Fault, Parameters, SkillError, SkillTable};
 use ramp_twin::Twin;
 
-/// The way in that the goal's own order of insertions gives a beam.
-fn way(insertion: &Insertion) -> (usize, Way) {
+/// The insertion path that the goal's own order of insertions gives a beam.
+fn path(insertion: &Insertion) -> (usize, InsertionPath) {
     let (direction, distance) = (insertion.direction.into_inner(), insertion.distance);
-    (insertion.beam, Way { direction, distance, depth: 0.0 })
+    (insertion.beam, InsertionPath { direction, distance, depth: 0.0 })
 }
 
 /// The twin, but some beams are read as standing a little beside where they are (m, axes of the world).
@@ -60,22 +61,107 @@ impl Robot for Biased<'_> {
 }
 
 fn cell<'a, 'r>(world: &'a World, planner: &'a PathPlanner, robot: &'r mut dyn Robot) -> Workcell<'a, 'r> {
-    Workcell {
-        kit: &world.kit,
-        assembly: &world.assembly,
-        arm: &world.arm,
-        planner,
-        hand: Hand::new(robot),
-        belief: Belief::new(&world.kit, &world.assembly),
-        standing: vec![world.assembly.base],
-        deep: Vec::new(),
-        pinned: Vec::new(),
-        ways: world.assembly.insertions.iter().map(way).collect(),
-        stream: Stream::new(1, "motion"),
-        events: Vec::new(),
-        force_told: false,
-        stood: std::collections::BTreeMap::new(),
+    let mut cell =
+        Workcell::new(&world.kit, &world.assembly, &world.arm, planner, robot, 1, Parameters::baseline());
+    cell.paths = world.assembly.insertions.iter().map(path).collect();
+    cell
+}
+
+/// Has the baseline's skill carry out an action, as in a build.
+fn act(cell: &mut Workcell, action: &FineAction) {
+    SkillTable::default().execute(cell, &Call::alone(action)).unwrap();
+}
+
+fn name(cell: &Workcell, beam: usize) -> String {
+    cell.assembly.beams[beam].beam.name.clone()
+}
+
+/// The plan's action that picks up a part, a beam by a link.
+fn picking(part: &str, link: Option<&str>) -> (Item, FineAction) {
+    let item = match link {
+        Some(_) => Item::Beam(part.to_string()),
+        None => Item::Peg(part.to_string()),
+    };
+    let grasp = link.map_or(Grasp::Head, |link| Grasp::Link(link.to_string()));
+    (item.clone(), FineAction::PickUp { item, grasp })
+}
+
+fn hover(cell: &mut Workcell, part: &str, link: Option<&str>) {
+    let (item, pick_up) = picking(part, link);
+    let action = FineAction::Move { to: Place::Input(item.clone()) };
+    let rest = [CoarseStep { coarse: CoarseAction::PickUp { item }, fine: vec![pick_up] }];
+    SkillTable::default().execute(cell, &Call { action: &action, rest: &rest }).unwrap();
+}
+
+fn pick_up(cell: &mut Workcell, part: &str, link: Option<&str>) {
+    act(cell, &picking(part, link).1);
+}
+
+fn approach_beam(cell: &mut Workcell, beam: usize) {
+    let to = Place::Approach(Target::Beam(name(cell, beam)));
+    act(cell, &FineAction::Move { to });
+}
+
+fn assemble(cell: &mut Workcell, beam: usize) {
+    let beam = name(cell, beam);
+    act(cell, &FineAction::AssembleSquare { beam, joint: String::new() });
+}
+
+fn approach_hole(cell: &mut Workcell, connection: usize) {
+    let connection = cell.assembly.connections[connection].name.clone();
+    act(cell, &FineAction::Move { to: Place::Approach(Target::Connection(connection)) });
+}
+
+fn fasten(cell: &mut Workcell, connection: usize, peg: &str) {
+    let connection = cell.assembly.connections[connection].name.clone();
+    let (female, male, peg) = (String::new(), String::new(), peg.to_string());
+    act(cell, &FineAction::Fasten { connection, female, male, peg });
+}
+
+/// A skill of one's own that picks up nothing, and says that it has.
+struct Pretend;
+
+impl Skill for Pretend {
+    fn name(&self) -> &str {
+        "pretend"
     }
+
+    fn serves(&self) -> &[ActionKind] {
+        &[ActionKind::PickUp]
+    }
+
+    fn expects(&self) -> &[Effect] {
+        &[Effect::HoldsPart]
+    }
+
+    fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
+        cell.note("seen", format!("pretends to {}", call.action));
+        Ok(())
+    }
+}
+
+/// One entry of the table is replaced alone; the executor checks what skills need and expect, whoever wrote them; and the
+/// result names the skill.
+#[test]
+fn a_skill_of_ones_own_takes_the_place_of_one_of_the_baseline() {
+    let world = World::new("easy-3");
+    let table = SkillTable::default().with(Pretend);
+    let name = |kind: ActionKind| table.get(kind).unwrap().name();
+    assert_eq!((name(ActionKind::PickUp), name(ActionKind::PutDown)), ("pretend", "put_down"));
+    let planner = PathPlanner::new(&world.arm);
+    let mut twin = Twin::new(&world.setup(1)).unwrap();
+    let mut cell = cell(&world, &planner, &mut twin);
+    let (_, pick_up) = picking("b4", Some("b4l2"));
+    let pretended = table.execute(&mut cell, &Call::alone(&pick_up)).unwrap_err();
+    assert!(matches!(&pretended, SkillError::Fault(Fault::Unmet { .. })), "{pretended}");
+    assert_eq!(cell.events[0].what, format!("pretends to {pick_up}"));
+    let beam = "b4".to_string();
+    let lay_down = table.execute(&mut cell, &Call::alone(&FineAction::LayDown { beam })).unwrap_err();
+    assert!(matches!(&lay_down, SkillError::Fault(Fault::NotReady { .. })), "{lay_down}");
+    assert_eq!(cell.hand.time(), 0.0);
+    let baseline = || Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+    assert_eq!(baseline().name().0, "baseline");
+    assert_eq!(baseline().with_skills(table).name().0, "baseline with pretend");
 }
 
 /// Where the holes are believed 2.5 mm beside where they are, the peg lands on the plate, the spiral finds the hole
@@ -91,19 +177,19 @@ fn the_spiral_finds_a_hole_that_is_not_where_it_is_believed() {
         {
             let mut straight = Biased { twin: &mut twin, shift, beams: vec![] };
             let mut cell = cell(&world, &planner, &mut straight);
-            cell.pick_up("b4", Some("b4l2")).unwrap();
-            cell.approach_beam(b4).unwrap();
-            cell.assemble(b4, false).unwrap();
-            cell.rise().unwrap();
+            pick_up(&mut cell, "b4", Some("b4l2"));
+            approach_beam(&mut cell, b4);
+            assemble(&mut cell, b4);
+            cell.retreat().unwrap();
         }
         let beams = vec!["b4".to_string(), "b7".to_string()];
         let mut biased = Biased { twin: &mut twin, shift, beams };
         let mut cell = cell(&world, &planner, &mut biased);
         cell.standing.push(b4);
-        cell.pick_up("p1", None).unwrap();
-        cell.rise().unwrap();
-        cell.approach_hole(connection).unwrap();
-        cell.fasten(connection).unwrap();
+        pick_up(&mut cell, "p1", None);
+        cell.retreat().unwrap();
+        approach_hole(&mut cell, connection);
+        fasten(&mut cell, connection, "p1");
         let events = std::mem::take(&mut cell.events);
         drop(cell);
         let truth = twin.truth();
@@ -128,15 +214,15 @@ fn a_push_brings_a_swinging_beam_back() {
     let mut twin = Twin::new(&world.setup(4)).unwrap();
     let mut straight = Biased { twin: &mut twin, shift: [0.0; 2], beams: vec![] };
     let mut cell = cell(&world, &planner, &mut straight);
-    cell.pick_up("b4", Some("b4l2")).unwrap();
-    cell.approach_beam(b4).unwrap();
-    cell.assemble(b4, false).unwrap();
-    cell.rise().unwrap();
-    cell.pick_up("p1", None).unwrap();
-    cell.rise().unwrap();
-    cell.approach_hole(c1).unwrap();
-    cell.fasten(c1).unwrap();
-    cell.rise().unwrap();
+    pick_up(&mut cell, "b4", Some("b4l2"));
+    approach_beam(&mut cell, b4);
+    assemble(&mut cell, b4);
+    cell.retreat().unwrap();
+    pick_up(&mut cell, "p1", None);
+    cell.retreat().unwrap();
+    approach_hole(&mut cell, c1);
+    fasten(&mut cell, c1, "p1");
+    cell.retreat().unwrap();
     swing_and_push(&world, &mut cell, b4, "b4l2");
 }
 
@@ -150,10 +236,10 @@ fn a_push_brings_a_drooping_beam_back() {
     let mut twin = Twin::new(&world.setup(4)).unwrap();
     let mut straight = Biased { twin: &mut twin, shift: [0.0; 2], beams: vec![] };
     let mut cell = cell(&world, &planner, &mut straight);
-    cell.pick_up("b1", Some("b1l2")).unwrap();
-    cell.approach_beam(b1).unwrap();
-    cell.assemble(b1, false).unwrap();
-    cell.rise().unwrap();
+    pick_up(&mut cell, "b1", Some("b1l2"));
+    approach_beam(&mut cell, b1);
+    assemble(&mut cell, b1);
+    cell.retreat().unwrap();
     swing_and_push(&world, &mut cell, b1, "b1l2");
 }
 
@@ -168,16 +254,16 @@ fn swing_and_push(world: &World, cell: &mut Workcell, beam: usize, link: &str) {
         cell.belief.update(&mut cell.hand).unwrap();
         let x_wb = cell.belief.pose(&name).unwrap();
         let x_wt = ramp_skills::grasp::beam_grasp(&x_wb, 226.0e-3, false);
-        cell.seize(&name, &x_wt, 0.038, 0.022).unwrap();
+        cell.grasp(&name, &x_wt, 0.038, 0.022).unwrap();
         let pivot = x_wb.translation;
         let turn = nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), side * 0.03);
         let aside = pivot * turn * pivot.inverse() * x_wb;
         cell.hand.correct(&x_wb, &aside, 0.03).unwrap();
         cell.release().unwrap();
-        cell.rise().unwrap();
+        cell.retreat().unwrap();
         assert!(off(cell) > 4e-3, "{name} did not swing: {:.2} mm", off(cell) * 1e3);
-        cell.push(beam, link).unwrap();
-        cell.rise().unwrap();
+        act(cell, &FineAction::Push { beam: name.clone(), link: link.to_string() });
+        cell.retreat().unwrap();
         assert!(off(cell) < 1e-3, "{name} is {:.2} mm off after the push", off(cell) * 1e3);
     }
 }
@@ -194,14 +280,14 @@ fn a_beam_is_regrasped_by_another_link_and_inserted() {
     let mut twin = Twin::new(&setup).unwrap();
     let mut robot = Biased { twin: &mut twin, shift: [0.0; 2], beams: vec![] };
     let mut cell = cell(&world, &planner, &mut robot);
-    cell.pick_up("b5", Some("b5l1")).unwrap();
+    pick_up(&mut cell, "b5", Some("b5l1"));
     let held_at = |cell: &Workcell| cell.hand.held.as_ref().unwrap().x_tp.translation.vector.norm();
     let before = held_at(&cell);
-    cell.regrasp(b5, "b5l2").unwrap();
+    act(&mut cell, &FineAction::Regrasp { beam: "b5".to_string(), link: "b5l2".to_string() });
     assert!((held_at(&cell) - before).abs() > 0.05, "the beam is held where it was");
-    cell.rise().unwrap();
-    cell.approach_beam(b5).unwrap();
-    cell.assemble(b5, false).unwrap();
+    cell.retreat().unwrap();
+    approach_beam(&mut cell, b5);
+    assemble(&mut cell, b5);
     drop(cell);
     let truth = twin.truth();
     let b5_at = truth.x_wp[twin.part_names().position(|part| part == "b5").unwrap()];
@@ -219,8 +305,8 @@ fn fingers_that_spring_back_as_far_as_they_open_grip_a_peg_all_the_same() {
     setup.fault = Some("gripper-weak@1".parse().unwrap());
     let mut twin = Twin::new(&setup).unwrap();
     let mut cell = cell(&world, &planner, &mut twin);
-    cell.hover("p1", None).unwrap();
-    cell.pick_up("p1", None).unwrap();
+    hover(&mut cell, "p1", None);
+    pick_up(&mut cell, "p1", None);
     let short = "grip-weak: the fingers stop 4.0 mm before p1";
     assert!(cell.events.iter().any(|event| event.what == short), "{:?}", cell.events);
 }
@@ -238,17 +324,17 @@ fn a_beam_that_is_held_too_far_out_is_taken_anew() {
     let mut twin = Twin::new(&world.setup(4)).unwrap();
     let mut cell = cell(&world, &planner, &mut twin);
     let (direction, distance, depth) = (entry.direction.into(), entry.distance, entry.depth);
-    cell.ways.insert(b6, Way { direction, distance, depth });
+    cell.paths.insert(b6, InsertionPath { direction, distance, depth });
     cell.belief.update(&mut cell.hand).unwrap();
     let x_wt = ramp_skills::grasp::beam_grasp(&cell.belief.pose("b6").unwrap(), 270.0e-3, false);
-    cell.hover("b6", Some("b6l2")).unwrap();
-    cell.seize("b6", &x_wt, 0.038, 0.022).unwrap();
-    cell.rise().unwrap();
-    cell.approach_beam(b6).unwrap();
-    let anew = cell.events.iter().any(|event| event.what == "take b6l2 anew");
-    assert!(anew, "the arm reached it as it was: {:?}", cell.events);
+    hover(&mut cell, "b6", Some("b6l2"));
+    cell.grasp("b6", &x_wt, 0.038, 0.022).unwrap();
+    cell.retreat().unwrap();
+    approach_beam(&mut cell, b6);
+    let again = cell.events.iter().any(|event| event.what == "regrasp b6l2");
+    assert!(again, "the arm reached it as it was: {:?}", cell.events);
     let nominal = world.kit.x_wa() * world.assembly.beams[b6].x_ab;
-    let back = world.kit.x_wa().rotation * cell.ways[&b6].direction * -distance;
+    let back = world.kit.x_wa().rotation * cell.paths[&b6].direction * -distance;
     let p = cell.belief.pose("b6").unwrap().translation.vector;
     let off = (p - nominal.translation.vector - back).xy().norm();
     assert!(off < 3.0e-3, "b6 is {:.1} mm from where its insertion begins", off * 1e3);
@@ -272,10 +358,10 @@ fn fetched<'a, 'r>(
 ) -> Workcell<'a, 'r> {
     let name = &world.assembly.beams[beam].beam.name;
     let mut cell = cell(world, planner, robot);
-    cell.hover(name, Some(link)).unwrap();
-    cell.pick_up(name, Some(link)).unwrap();
-    cell.rise().unwrap();
-    cell.approach_beam(beam).unwrap();
+    hover(&mut cell, name, Some(link));
+    pick_up(&mut cell, name, Some(link));
+    cell.retreat().unwrap();
+    approach_beam(&mut cell, beam);
     cell
 }
 
@@ -288,7 +374,7 @@ fn a_beam_that_turned_in_the_hand_stays_where_it_is_let_go() {
     let mut twin = turning(&world, 5);
     {
         let mut cell = fetched(&world, &planner, &mut twin, b4, "b4l2");
-        cell.assemble(b4, false).unwrap();
+        assemble(&mut cell, b4);
     }
     let truth = twin.truth();
     let b4_at = truth.x_wp[twin.part_names().position(|part| part == "b4").unwrap()];
@@ -310,10 +396,10 @@ fn a_beam_that_hangs_on_a_finger_is_let_go_of_anew() {
     for (high, lift) in [(0.7e-3, 2.0e-3), (0.9e-3, 2.0e-3), (1.0e-3, 4.0e-3)] {
         let mut twin = Twin::new(&world.setup(4)).unwrap();
         let mut cell = fetched(&world, &planner, &mut twin, b4, "b4l2");
-        cell.assemble(b4, false).unwrap();
+        assemble(&mut cell, b4);
         let mut x_wt = ramp_skills::grasp::beam_grasp(&cell.belief.pose("b4").unwrap(), 226.0e-3, false);
         x_wt.translation.z += high;
-        cell.seize("b4", &x_wt, 0.038, 0.022).unwrap();
+        cell.grasp("b4", &x_wt, 0.038, 0.022).unwrap();
         let mut up = cell.hand.setpoint;
         up.translation.z += lift;
         cell.hand.go(&up, 0.01).unwrap();
@@ -339,7 +425,7 @@ fn a_beam_that_is_turned_on_the_way_is_taken_anew_before_it_goes_down() {
         let cell = fetched(&world, &planner, &mut twin, b5, "b5l2");
         let told: Vec<&str> = cell.events.iter().map(|event| event.what.as_str()).collect();
         assert!(told[0].starts_with("grip-moved: b5 has turned by"), "{told:?}");
-        assert_eq!(told[1], "take b5l2 anew");
+        assert_eq!(told[1], "regrasp b5l2");
     }
     let truth = twin.truth();
     let b5_at = truth.x_wp[twin.part_names().position(|part| part == "b5").unwrap()];
@@ -358,11 +444,11 @@ fn a_long_beam_that_turned_in_the_hand_is_not_lost() {
     setup.fault = Some("beam-turned@1".parse().unwrap());
     let mut twin = Twin::new(&setup).unwrap();
     let mut cell = cell(&world, &planner, &mut twin);
-    cell.pick_up("b1", Some("b1l2")).unwrap();
+    pick_up(&mut cell, "b1", Some("b1l2"));
     let before = cell.belief.pose("b1").unwrap().rotation;
-    cell.rise().unwrap();
+    cell.retreat().unwrap();
     cell.hand.wait(4.0).unwrap();
-    cell.regrip("b1").unwrap();
+    cell.check_grip("b1").unwrap();
     let turned = cell.belief.pose("b1").unwrap().rotation.angle_to(&before).to_degrees();
     assert!(turned > 4.0, "it turned by {turned:.1}°");
 }

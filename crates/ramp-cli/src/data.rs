@@ -129,6 +129,15 @@ impl Data {
         Ok(Domains::new(order?, coarse?, fine?)?)
     }
 
+    /// The file of the skills' numbers in the folder that was named, where it is another than the built-in one.
+    pub fn own_skills(&self) -> Option<PathBuf> {
+        const NAME: &str = "skills/baseline.toml";
+        let path = self.folder.as_ref()?.join(NAME);
+        let own = std::fs::read_to_string(&path).ok()?;
+        let same = matches!(File::built_in(NAME), File::BuiltIn(_, text) if text == own);
+        (!same).then_some(path)
+    }
+
     /// The arm.
     pub fn arm(&self) -> Result<ArmModel, Report> {
         let file = self.arm_file();

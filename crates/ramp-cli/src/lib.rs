@@ -73,6 +73,8 @@ enum Command {
     See(command::see::Arguments),
     /// Make the parts: print, saw, lay out
     Kit(command::kit::Arguments),
+    /// Print the skills of the baseline, and their parameters
+    Skills(command::skills::Arguments),
     /// Look into the digital twin
     Twin(command::twin::Arguments),
     /// Write out the built-in kit, goals, domains and arms, to be changed
@@ -108,6 +110,7 @@ pub fn main() -> ExitCode {
         Command::Score(arguments) => command::score::run(&data, &arguments),
         Command::See(arguments) => command::see::run(&data, &arguments),
         Command::Kit(arguments) => command::kit::run(&data, &arguments),
+        Command::Skills(arguments) => command::skills::run(&data, &arguments),
         Command::Twin(arguments) => command::twin::run(&data, &arguments),
         Command::Data(arguments) => command::data::run(&arguments),
         Command::Completions(arguments) => command::completions::run(&arguments, crate::arguments()),

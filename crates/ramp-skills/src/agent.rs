@@ -1,39 +1,41 @@
-//! The baseline agent: plans, runs the plan action by action, notices what goes wrong and plans again from what it
+//! The baseline agent: plans, executes the plan action by action, notices what goes wrong and re-plans from what it
 //! then believes.
 
-use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::Instant;
 
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_motion::PathPlanner;
-use ramp_planner::{
-    CoarseAction, CoarseStep, Domains, FineAction, Grasp, Item, Place, Plan, PlanError, State, Target,
-};
+use ramp_planner::{CoarseAction, Domains, FineAction, Item, Plan, PlanError, State};
 use ramp_robot::arm::ArmModel;
-use ramp_robot::random::Stream;
 use ramp_robot::{Account, Agent, Event, Robot, RobotError};
 
-use crate::belief::Belief;
-use crate::fault::{Fault, SkillError};
-use crate::hand::Hand;
-use crate::insert::PEGGABLE;
-use crate::transport::{Way, Workcell};
+use crate::cell::{InsertionPath, Workcell};
+use crate::fault::SkillError;
+use crate::parameters::Parameters;
+use crate::recovery::{check_holes, recover};
+use crate::skill::Call;
+use crate::table::{SkillTable, baseline};
 
-/// How often the agent plans again before it gives up.
-const REPLANS: usize = 6;
-/// How well two holes must be known to tell whether a peg goes in, m.
-const KNOWN: f64 = 0.3e-3;
-/// A peg further than this from its place in the holder is not fetched any more, m: in its hole it can be 3 mm off.
-const STRAYED: f64 = 6.0e-3;
+/// Name of the agent with no skill replaced.
+const NAME: &str = "baseline";
+/// Version of the agent with the baseline's numbers.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// The baseline.
+/// The baseline agent.
 pub struct Baseline<'a> {
     kit: &'a Kit,
     assembly: &'a Assembly,
     pub(crate) arm: &'a ArmModel,
     domains: &'a Domains,
     seed: u64,
+    parameters: Arc<Parameters>,
+    pub(crate) skills: SkillTable,
+    /// Its name in results.
+    name: String,
+    /// Its version in results.
+    version: String,
     account: Account,
     plan: Option<Plan>,
     /// The peg that is being fetched: one that cannot be gripped is not tried again.
@@ -52,12 +54,18 @@ impl<'a> Baseline<'a> {
         domains: &'a Domains,
         seed: u64,
     ) -> Baseline<'a> {
+        let parameters = Parameters::baseline();
+        let skills = baseline(&parameters);
         Baseline {
             kit,
             assembly,
             arm,
             domains,
             seed,
+            parameters,
+            skills,
+            name: NAME.to_string(),
+            version: VERSION.to_string(),
             account: Account::default(),
             plan: None,
             fetching: None,
@@ -70,6 +78,38 @@ impl<'a> Baseline<'a> {
     #[must_use]
     pub fn with_listener(mut self, listener: impl FnMut(&Event) + 'a) -> Baseline<'a> {
         self.on_event = Box::new(listener);
+        self
+    }
+
+    /// Takes the numbers of a parameter file. The agent's version in results then ends in the hash of that file. The skills
+    /// become the baseline's with these numbers: call it before [`Baseline::with_skills`].
+    #[must_use]
+    pub fn with_parameters(mut self, parameters: Arc<Parameters>) -> Baseline<'a> {
+        let hash = parameters.sha256.as_ref().map(|hash| format!("+skills.{}", &hash[..8]));
+        self.version = format!("{VERSION}{}", hash.unwrap_or_default());
+        self.skills = baseline(&parameters);
+        self.parameters = parameters;
+        self
+    }
+
+    /// Takes the skills from another table. The agent's name in results tells which skills are not the baseline's.
+    ///
+    /// ```
+    /// # use ramp_skills::{Baseline, SkillTable, skill::Skill};
+    /// # use ramp_robot::Agent;
+    /// fn own<'a>(baseline: Baseline<'a>, skill: impl Skill + 'static) -> Baseline<'a> {
+    ///     baseline.with_skills(SkillTable::default().with(skill))
+    /// }
+    /// ```
+    #[must_use]
+    pub fn with_skills(mut self, skills: SkillTable) -> Baseline<'a> {
+        let replaced: Vec<&str> = skills.replaced().collect();
+        self.name = if replaced.is_empty() {
+            NAME.to_string()
+        } else {
+            format!("{NAME} with {}", replaced.join(", "))
+        };
+        self.skills = skills;
         self
     }
 
@@ -90,22 +130,7 @@ impl<'a> Baseline<'a> {
     where
         'a: 'p,
     {
-        Workcell {
-            kit: self.kit,
-            assembly: self.assembly,
-            arm: self.arm,
-            planner,
-            hand: Hand::new(robot),
-            belief: Belief::new(self.kit, self.assembly),
-            standing: vec![self.assembly.base],
-            deep: Vec::new(),
-            pinned: Vec::new(),
-            ways: BTreeMap::new(),
-            stream: Stream::new(self.seed, "motion"),
-            events: Vec::new(),
-            force_told: false,
-            stood: BTreeMap::new(),
-        }
+        Workcell::new(self.kit, self.assembly, self.arm, planner, robot, self.seed, self.parameters.clone())
     }
 
     /// Hands new events on to the listener and into the account.
@@ -126,7 +151,8 @@ impl<'a> Baseline<'a> {
     fn work(&mut self, cell: &mut Workcell) -> Result<(), RobotError> {
         let mut lost: Vec<String> = Vec::new();
         let mut last = String::new();
-        for round in 0..=REPLANS {
+        let replans = self.parameters.agent.replans;
+        for round in 0..=replans {
             cell.belief.update(&mut cell.hand)?;
             let plan = self
                 .state(cell, &lost)
@@ -148,7 +174,7 @@ impl<'a> Baseline<'a> {
                 cell.note("replan", format!("{} coarse actions", plan.steps.len()));
             }
             // Of beams that stand already the new plan says nothing: for them the old one holds.
-            self.learn_ways(cell, &plan);
+            self.learn_paths(cell, &plan);
             match self.run_plan(cell, &plan) {
                 Ok(()) => return Ok(()),
                 Err(SkillError::Robot(error)) => return Err(error),
@@ -156,20 +182,21 @@ impl<'a> Baseline<'a> {
                     last = error.to_string();
                     cell.note("fault", last.clone());
                     self.report(cell);
-                    self.recover(cell, &mut lost)?;
+                    recover(&self.skills, cell, self.fetching.take().as_deref(), &mut lost)?;
+                    self.report(cell);
                 }
             }
         }
-        self.give_up(cell, format!("gave up after {REPLANS} new plans: {last}"));
+        self.give_up(cell, format!("gave up after {replans} new plans: {last}"));
         Ok(())
     }
 
     /// Takes over how a plan brings beams to their places.
-    pub(crate) fn learn_ways(&self, cell: &mut Workcell, plan: &Plan) {
+    pub(crate) fn learn_paths(&self, cell: &mut Workcell, plan: &Plan) {
         for entry in &plan.entries {
             if let Some(beam) = self.assembly.beam_index(&entry.beam) {
                 let (direction, distance, depth) = (entry.direction.into(), entry.distance, entry.depth);
-                cell.ways.insert(beam, Way { direction, distance, depth });
+                cell.paths.insert(beam, InsertionPath { direction, distance, depth });
             }
         }
     }
@@ -192,11 +219,18 @@ impl<'a> Baseline<'a> {
         })
     }
 
+    /// Executes a plan.
     pub(crate) fn run_plan(&mut self, cell: &mut Workcell, plan: &Plan) -> Result<(), SkillError> {
         for (index, step) in plan.steps.iter().enumerate() {
             let rest = &plan.steps[index..];
             if let CoarseAction::PickUp { item: Item::Peg(_) } = &step.coarse {
-                self.check_before_peg(cell, rest)?;
+                let next = rest.iter().find_map(|step| match &step.coarse {
+                    CoarseAction::Fasten { connection, .. } => self.assembly.connection_index(connection),
+                    _ => None,
+                });
+                if let Some(connection) = next {
+                    check_holes(&self.skills, cell, connection)?;
+                }
             }
             for action in &step.fine {
                 cell.note("start", action.to_string());
@@ -205,7 +239,7 @@ impl<'a> Baseline<'a> {
                     FineAction::PickUp { item: Item::Peg(peg), .. } => Some(peg.clone()),
                     _ => None,
                 };
-                self.act(cell, action, rest)?;
+                self.skills.execute(cell, &Call { action, rest })?;
                 cell.remember_standing(&self.touched(action));
                 cell.note("done", action.to_string());
                 self.report(cell);
@@ -233,169 +267,15 @@ impl<'a> Baseline<'a> {
             _ => Vec::new(),
         }
     }
-
-    /// Before a peg is fetched: would it go in? A peg pulls two holes together that are up to 1.7 mm apart, and
-    /// stands on the male when they are further.
-    fn check_before_peg(&mut self, cell: &mut Workcell, rest: &[CoarseStep]) -> Result<(), SkillError> {
-        let next = rest.iter().find_map(|step| match &step.coarse {
-            CoarseAction::Fasten { connection, .. } => self.assembly.connection_index(connection),
-            _ => None,
-        });
-        next.map_or(Ok(()), |index| self.check(cell, index))
-    }
-
-    /// Looks at the holes of a connection, and pushes its beams until a peg would go in.
-    pub(crate) fn check(&mut self, cell: &mut Workcell, index: usize) -> Result<(), SkillError> {
-        let connection = &self.assembly.connections[index];
-        let holes = [cell.hole(connection.female), cell.hole(connection.male)];
-        cell.see(&holes, KNOWN)?;
-        cell.diagnose_standing();
-        let offset = cell.belief.offset(self.assembly, connection)?;
-        if offset <= PEGGABLE {
-            return Ok(());
-        }
-        let misaligned =
-            |offset: f64| Fault::Misaligned { connection: connection.name.clone(), offset_mm: offset * 1e3 };
-        cell.note("fault", misaligned(offset).to_string());
-        self.report(cell);
-        // Beams that have swung about their only peg drag along what is joined to them: they are put right first,
-        // then the two beams themselves.
-        let mut beams = cell.swung()?;
-        let sides = [connection.female.beam, connection.male.beam];
-        beams.extend(sides.into_iter().filter(|beam| *beam != self.assembly.base));
-        for beam in beams {
-            cell.rise()?;
-            cell.push_by_nearest_link(beam)?;
-            cell.rise()?;
-            cell.see(&holes, KNOWN)?;
-            cell.remember_standing(&[beam]);
-            if cell.belief.offset(self.assembly, connection)? <= PEGGABLE {
-                return Ok(());
-            }
-        }
-        Err(misaligned(cell.belief.offset(self.assembly, connection)?).into())
-    }
-
-    /// Carries out one fine action; `rest` is the plan from its coarse action on.
-    fn act(
-        &mut self,
-        cell: &mut Workcell,
-        action: &FineAction,
-        rest: &[CoarseStep],
-    ) -> Result<(), SkillError> {
-        let no_skill = || Fault::NoSkill { action: action.to_string() };
-        let beam = |name: &str| self.assembly.beam_index(name).ok_or_else(no_skill);
-        let connection = |name: &str| self.assembly.connection_index(name).ok_or_else(no_skill);
-        match action {
-            FineAction::Move { to } => match to {
-                Place::Above(_) => cell.rise(),
-                Place::Input(item) => cell.hover(item.name(), link_for(item, rest)),
-                // With an empty hand the skill that follows finds its own way.
-                Place::Approach(_) | Place::Target(_) if cell.hand.held.is_none() => cell.rise(),
-                Place::Approach(Target::Beam(name)) => cell.approach_beam(beam(name)?),
-                Place::Approach(Target::Connection(name)) => cell.approach_hole(connection(name)?),
-                Place::Target(_) => Ok(()),
-            },
-            FineAction::PickUp { item, grasp } => {
-                let link = match grasp {
-                    Grasp::Link(link) => Some(link.as_str()),
-                    Grasp::Head => None,
-                };
-                cell.pick_up(item.name(), link)
-            }
-            FineAction::PutDown { .. } => cell.put_back(),
-            FineAction::AssembleSquare { beam: name, .. } => cell.assemble(beam(name)?, false),
-            // Along the beam's own way, which is a straight line here, too.
-            FineAction::AssembleAngled { beam: name, .. }
-            | FineAction::AssembleThrough { beam: name, .. } => cell.assemble(beam(name)?, false),
-            FineAction::AssembleDeep { beam: name, .. } => cell.assemble(beam(name)?, false),
-            FineAction::LayDown { beam: name } => cell.lay_down(beam(name)?),
-            FineAction::Slide { beam: name, link } => {
-                cell.rise()?;
-                cell.slide(beam(name)?, link)
-            }
-            FineAction::Regrasp { beam: name, link } => cell.regrasp(beam(name)?, link),
-            FineAction::AssembleCap { beam: name, .. } => cell.assemble(beam(name)?, true),
-            FineAction::Fasten { connection: name, .. } => cell.fasten(connection(name)?),
-            FineAction::Push { beam: name, link } => {
-                cell.rise()?;
-                cell.push(beam(name)?, link)
-            }
-        }
-    }
-
-    /// Pushes beams that lie loose in the assembly and were carried off back to their places. The planner knows beams by
-    /// what they meet, and such a beam meets nothing yet.
-    fn put_right(&self, cell: &mut Workcell) -> Result<(), SkillError> {
-        for beam in cell.carried_off()? {
-            cell.rise()?;
-            cell.push_by_nearest_link(beam)?;
-            cell.rise()?;
-            cell.remember_standing(&[beam]);
-        }
-        Ok(())
-    }
-
-    /// After a fault: put back what is held, or let it go where it is, rise, and look which pegs are still where a
-    /// hand can fetch them.
-    fn recover(&mut self, cell: &mut Workcell, lost: &mut Vec<String>) -> Result<(), RobotError> {
-        for mend in [Workcell::put_back, Workcell::release, Workcell::rise] {
-            match mend(cell) {
-                Err(SkillError::Robot(error)) => return Err(error),
-                Err(error) => cell.note("fault", error.to_string()),
-                Ok(()) => {}
-            }
-        }
-        cell.belief.update(&mut cell.hand)?;
-        match self.put_right(cell) {
-            Err(SkillError::Robot(error)) => return Err(error),
-            Err(error) => cell.note("fault", error.to_string()),
-            Ok(()) => {}
-        }
-        for peg in &self.kit.pegs {
-            if cell.pinned.iter().any(|(_, name)| *name == peg.name) {
-                continue;
-            }
-            let Ok(Some(connection)) = cell.fallen_into(&peg.name) else { continue };
-            let name = &self.assembly.connections[connection].name;
-            cell.note("retry", format!("{} has fallen into the hole of {name}", peg.name));
-            match cell.press_home(connection, &peg.name) {
-                Err(SkillError::Robot(error)) => return Err(error),
-                Err(error) => cell.note("fault", error.to_string()),
-                Ok(()) => {}
-            }
-        }
-        let refused = self.fetching.take();
-        for peg in &self.kit.pegs {
-            let pinned = cell.pinned.iter().any(|(_, name)| *name == peg.name);
-            let upright = cell.belief.pose(&peg.name).is_ok_and(|x_wp| {
-                let in_holder = self.kit.x_wp_start(peg).is_some_and(|start| {
-                    (start.translation.vector - x_wp.translation.vector).norm() < STRAYED
-                });
-                in_holder && (x_wp.rotation * nalgebra::Vector3::z()).z > 0.99
-            });
-            let usable = upright && refused.as_ref() != Some(&peg.name);
-            if !pinned && !usable && !lost.contains(&peg.name) {
-                cell.note("fault", Fault::Lost { peg: peg.name.clone() }.to_string());
-                lost.push(peg.name.clone());
-            }
-        }
-        self.report(cell);
-        Ok(())
-    }
-}
-
-/// The link by which the plan next picks up an item.
-fn link_for<'p>(item: &Item, rest: &'p [CoarseStep]) -> Option<&'p str> {
-    rest.iter().flat_map(|step| &step.fine).find_map(|action| match action {
-        FineAction::PickUp { item: other, grasp: Grasp::Link(link) } if other == item => Some(link.as_str()),
-        _ => None,
-    })
 }
 
 impl Agent for Baseline<'_> {
     fn name(&self) -> (&str, &str) {
-        ("baseline", env!("CARGO_PKG_VERSION"))
+        (&self.name, &self.version)
+    }
+
+    fn file_hash(&self) -> Option<&str> {
+        self.parameters.sha256.as_deref()
     }
 
     fn account(&self) -> Account {

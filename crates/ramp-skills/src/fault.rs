@@ -12,7 +12,7 @@ pub enum Fault {
         /// Its name.
         part: String,
     },
-    /// An insertion met more force than it may before it was home.
+    /// An insertion met more force than it may before the beam was seated.
     #[error("{part} jams {remaining_mm:.1} mm before its place at {force:.1} N")]
     Jammed {
         /// Its name.
@@ -44,8 +44,8 @@ pub enum Fault {
         /// The connection.
         connection: String,
     },
-    /// A peg does not go home.
-    #[error("{peg} stands {gap_mm:.2} mm proud at {connection}")]
+    /// A peg is not flush with the plate.
+    #[error("{peg} is not flush at {connection}: {gap_mm:.2} mm")]
     NotSeated {
         /// The peg.
         peg: String,
@@ -55,7 +55,7 @@ pub enum Fault {
         gap_mm: f64,
     },
     /// Nothing is known about where a part is.
-    #[error("{part} is not to be seen")]
+    #[error("{part} was not detected")]
     Unseen {
         /// Its name.
         part: String,
@@ -72,13 +72,29 @@ pub enum Fault {
         /// The action.
         action: String,
     },
+    /// What a skill needs does not hold.
+    #[error("`{action}` cannot begin: {need} does not hold")]
+    NotReady {
+        /// The action.
+        action: String,
+        /// What must hold.
+        need: String,
+    },
+    /// A skill ended without what it promises.
+    #[error("`{action}` has ended, but {effect} does not hold")]
+    Unmet {
+        /// The action.
+        action: String,
+        /// What should hold.
+        effect: String,
+    },
     /// The plan does not say how the part gets to its place.
-    #[error("the plan has no way to its place for {part}")]
-    NoWay {
+    #[error("the plan has no insertion path for {part}")]
+    NoPath {
         /// Its name.
         part: String,
     },
-    /// No grasp of the part can be reached at both ends of its way.
+    /// No grasp of the part can be reached both at its start and at its goal.
     #[error("no reachable grasp for {part}")]
     NoGrasp {
         /// Its name.
@@ -95,7 +111,7 @@ pub enum SkillError {
     /// No motion was found.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// Something went wrong that may be mended.
+    /// Something went wrong that a retry or a new plan may repair.
     #[error(transparent)]
     Fault(#[from] Fault),
 }

@@ -4,32 +4,16 @@ use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_kit::{Beam, Link, joint};
 
 use crate::Pose;
+use crate::parameters::hand::GripParameters;
 
 /// Height of the tip over a beam's axis when the fingertips' ribs are in its slots, m.
 pub const BEAM_HEIGHT: f64 = 17.0e-3;
 /// Height of the tip over the underside of a peg's head when the blocks hold the head, m.
 pub const PEG_HEIGHT: f64 = 20.0e-3;
-/// Distance between the fingers that lets the ribs pass beside an extrusion on the sheet, m.
-pub const BEAM_OPEN: f64 = 38.0e-3;
-/// Distance between the fingers when they let go of a beam in the assembly, where there is more room, m: a beam
-/// that droops as it is let go moves sideways by up to 2.5 mm, and must not hang on a rib.
-pub const BEAM_RELEASE: f64 = 46.0e-3;
 /// Distance between the fingers when they hold an extrusion, m.
 pub const BEAM_WIDTH: f64 = 22.0e-3;
-/// Distance between the fingers that lets the blocks pass beside a peg's head, m.
-pub const PEG_OPEN: f64 = 53.0e-3;
 /// Distance between the fingers when they hold a peg's head, m.
 pub const PEG_WIDTH: f64 = 49.0e-3;
-/// How much further than a part's width the fingers are told to close, m.
-pub const SQUEEZE: f64 = 10.0e-3;
-/// Force of each finger on a part, N.
-pub const GRIP_FORCE: f64 = 60.0;
-/// How near the middle of a finger may come to the end of a bare extrusion, m: half its width, and what sight and the arm
-/// may be off. With a millimetre less one in forty grasps beside a joint landed on it.
-const FINGER_ROOM: f64 = 12.5e-3;
-
-/// Distance between places at which a grasp is tried along a link, m.
-const STEP: f64 = 5.0e-3;
 
 /// The rotation of a hand that points down with its x axis at `yaw` (rad) in the world; it closes across x.
 pub fn hand_down(yaw: f64) -> UnitQuaternion<f64> {
@@ -44,22 +28,22 @@ pub fn yaw_of(x_wb: &Pose) -> f64 {
 }
 
 /// The stretch of a link on which the hand may grip, in metres from the j1 hole.
-pub fn span(link: &Link) -> [f64; 2] {
-    [link.grasp[0] + FINGER_ROOM, link.grasp[1] - FINGER_ROOM]
+pub fn span(link: &Link, grip: &GripParameters) -> [f64; 2] {
+    [link.grasp[0] + grip.finger_room, link.grasp[1] - grip.finger_room]
 }
 
 /// The point of a link's stretch that is nearest to `wanted`, both in metres from the j1 hole.
-pub fn point_on(link: &Link, wanted: f64) -> f64 {
-    let [from, to] = span(link);
+pub fn point_on(link: &Link, wanted: f64, grip: &GripParameters) -> f64 {
+    let [from, to] = span(link, grip);
     if from > to { (from + to) / 2.0 } else { wanted.clamp(from, to) }
 }
 
 /// Points of a link's stretch, the nearest to `wanted` first, then every 5 mm along it; all in metres from the j1 hole.
-pub fn points_on(link: &Link, wanted: f64) -> Vec<f64> {
-    let nearest = point_on(link, wanted);
-    let [from, to] = span(link);
-    let steps = ((to - from) / STEP).max(0.0) as usize;
-    let mut points: Vec<f64> = (0..=steps).map(|step| from + step as f64 * STEP).collect();
+pub fn points_on(link: &Link, wanted: f64, grip: &GripParameters) -> Vec<f64> {
+    let nearest = point_on(link, wanted, grip);
+    let [from, to] = span(link, grip);
+    let steps = ((to - from) / grip.step).max(0.0) as usize;
+    let mut points: Vec<f64> = (0..=steps).map(|step| from + step as f64 * grip.step).collect();
     points.sort_by(|a, b| (a - nearest).abs().total_cmp(&(b - nearest).abs()));
     points.insert(0, nearest);
     points

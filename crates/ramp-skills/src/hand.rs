@@ -1,36 +1,20 @@
 //! The hand: the only place that talks to the robot. Follows trajectories, moves in straight lines under
-//! impedance, opens and closes, and feels. Every motion is guarded: one that meets more force than any skill needs is
+//! impedance, opens and closes, and measures forces. Every motion is guarded: one that meets more force than any skill needs is
 //! broken off, and the hand yields.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_motion::{Joints, Trajectory};
 use ramp_robot::{
-    ArmCommand, Camera, CameraModel, Command, GripperCommand, Image, Impedance, Observation, PartReading,
-    Robot, RobotError,
+    ArmCommand, Camera, CameraModel, Command, GripperCommand, Image, Impedance, Observation, PERIOD,
+    PartReading, Robot, RobotError,
 };
 
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
+use crate::parameters::hand::HandParameters;
 
-/// Length of a control period, s.
-pub const PERIOD: f64 = 0.001;
 /// Standard gravity, m/s².
-const GRAVITY: f64 = 9.81;
-/// Stiffness of the hand in contact: N/m, N·m/rad.
-const STIFFNESS: [f64; 6] = [1500.0, 1500.0, 1500.0, 60.0, 60.0, 60.0];
-/// This near to the wanted width the fingers are open, m.
-const OPENED: f64 = 1.0e-3;
-/// Fastest turn of a straight motion, rad/s.
-const TURN_SPEED: f64 = 0.5;
-
-/// Force on the wrist at which a motion is broken off, N. A cap is swept to and fro with up to 38 N, and fingers that come
-/// down around a beam may brush along it with 30 N.
-const GUARD: f64 = 50.0;
-/// How long the hand yields after that, s.
-const YIELD: f64 = 0.1;
-/// What is held has been pushed when force (N) or moment (N·m) at the wrist change by more while it is carried: a beam that is
-/// only carried changes them by 5 N and 0.13 N·m at most.
-const PUSHED: (f64, f64) = (10.0, 0.4);
+pub const GRAVITY: f64 = 9.81;
 
 /// A part between the fingers.
 #[derive(Clone, Debug)]
@@ -50,6 +34,7 @@ pub struct Held {
 /// The robot with what the skills keep in mind about its hand.
 pub struct Hand<'r> {
     robot: &'r mut dyn Robot,
+    parameters: HandParameters,
     /// What was sensed last.
     pub seen: Observation,
     /// What the gripper is told.
@@ -71,12 +56,13 @@ pub struct Hand<'r> {
 
 impl<'r> Hand<'r> {
     /// Takes over a robot.
-    pub fn new(robot: &'r mut dyn Robot) -> Hand<'r> {
+    pub fn new(robot: &'r mut dyn Robot, parameters: &HandParameters) -> Hand<'r> {
         let seen = robot.observe();
         Hand {
             gripper: GripperCommand { width: seen.width, force: 20.0 },
             setpoint: seen.x_wt,
-            stiffness: Vector6::from(STIFFNESS),
+            stiffness: Vector6::from(parameters.stiffness),
+            parameters: parameters.clone(),
             held: None,
             posture: Joints::from(seen.positions),
             tare: Vector6::zeros(),
@@ -134,15 +120,16 @@ impl<'r> Hand<'r> {
     /// [`Fault::Overload`], and the robot's.
     pub fn follow(&mut self, trajectory: &Trajectory) -> Result<(), SkillError> {
         let periods = (trajectory.duration() / PERIOD).ceil() as usize;
-        let felt = |seen: &Observation| {
+        let measured = |seen: &Observation| {
             (seen.wrench.fixed_rows::<3>(0).norm(), seen.wrench.fixed_rows::<3>(3).norm())
         };
-        let (force, moment) = felt(&self.seen);
+        let (force, moment) = measured(&self.seen);
         for period in 1..=periods {
             self.joint_step(trajectory.at(period as f64 * PERIOD))?;
             self.guard()?;
-            let (now, turning) = felt(&self.seen);
-            self.pushed |= (now - force).abs() > PUSHED.0 || (turning - moment).abs() > PUSHED.1;
+            let (now, turning) = measured(&self.seen);
+            self.pushed |= (now - force).abs() > self.parameters.pushed_force
+                || (turning - moment).abs() > self.parameters.pushed_moment;
         }
         let end = trajectory.at(trajectory.duration());
         for _ in 0..300 {
@@ -183,7 +170,7 @@ impl<'r> Hand<'r> {
     pub fn relax(&mut self) {
         self.setpoint = self.seen.x_wt;
         self.posture = self.joints();
-        self.stiffness = Vector6::from(STIFFNESS);
+        self.stiffness = Vector6::from(self.parameters.stiffness);
     }
 
     /// One control period under impedance at the present setpoint.
@@ -199,15 +186,15 @@ impl<'r> Hand<'r> {
     /// until the force has fallen to half of that, so that it can be led away.
     fn guard(&mut self) -> Result<(), SkillError> {
         let force = self.seen.wrench.fixed_rows::<3>(0).norm();
-        if force < 0.5 * GUARD {
+        if force < 0.5 * self.parameters.guard {
             self.struck = false;
         }
-        if force < GUARD || self.struck {
+        if force < self.parameters.guard || self.struck {
             return Ok(());
         }
         self.struck = true;
         self.relax();
-        for _ in 0..(YIELD / PERIOD).round() as usize {
+        for _ in 0..(self.parameters.yield_time / PERIOD).round() as usize {
             self.impedance_step()?;
         }
         Err(Fault::Overload { force }.into())
@@ -259,7 +246,7 @@ impl<'r> Hand<'r> {
         let distance = (x_wt.translation.vector - from.translation.vector).norm();
         let angle = from.rotation.angle_to(&x_wt.rotation);
         // 3τ² − 2τ³ is fastest in the middle, by half more than on average.
-        let duration = 1.5 * (distance / speed).max(angle / TURN_SPEED).max(0.03);
+        let duration = 1.5 * (distance / speed).max(angle / self.parameters.turn_speed).max(0.03);
         let periods = (duration / PERIOD).ceil() as usize;
         for period in 1..=periods {
             let tau = period as f64 / periods as f64;
@@ -297,7 +284,7 @@ impl<'r> Hand<'r> {
             still = if (self.seen.width - before).abs() < 2e-6 { still + 1 } else { 0 };
             before = self.seen.width;
             // Fingers that squeeze a part hold still for a while before they open.
-            let unloading = opens && period < 600 && width - self.seen.width > OPENED;
+            let unloading = opens && period < 600 && width - self.seen.width > self.parameters.opened;
             if still > 100 && !unloading {
                 break;
             }
@@ -322,7 +309,7 @@ impl<'r> Hand<'r> {
     }
 
     /// Wrench of the hand on the world at the wrist since [`Hand::zero`], axes of the world: N, N·m.
-    pub fn felt(&self) -> Vector6<f64> {
+    pub fn wrench(&self) -> Vector6<f64> {
         self.seen.wrench - self.tare
     }
 

@@ -11,16 +11,9 @@ use ramp_robot::{Account, Agent, Robot, RobotError};
 
 use crate::Pose;
 use crate::agent::Baseline;
+use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
-use crate::insert::PEGGABLE;
-use crate::transport::Workcell;
-
-/// How far a beam that others have put in may be from its place: along the table and in height, m; tilt and turn, rad.
-const BUILT: ([f64; 3], [f64; 3]) = ([5.0e-3, 5.0e-3, 1.5e-3], [0.002, 0.002, 0.05]);
-/// The same for a peg, whose turn in its hole is anyone's guess.
-const PINNED: ([f64; 3], [f64; 3]) = ([5.0e-3, 5.0e-3, 0.5e-3], [0.002, 0.002, 0.8]);
-/// How often all holes that are to be pinned next are looked at, and beams pushed.
-const ROUNDS: usize = 3;
+use crate::recovery::check_holes;
 
 /// The baseline, told to carry out a piece of a plan.
 pub struct Piece<'a> {
@@ -34,27 +27,31 @@ pub struct Piece<'a> {
 
 impl<'a> Piece<'a> {
     /// `state` is what stands when the work begins, with nothing in the hand; `plan` has the steps that are to be carried
-    /// out, and the ways of all beams, those that stand included; `next` are the connections (indices into
+    /// out, and the paths of all beams, those that stand included; `next` are the connections (indices into
     /// [`ramp_assembly::Assembly::connections`]) that pegs are to pin afterwards as they are then.
     pub fn new(baseline: Baseline<'a>, state: State, plan: Plan, next: Vec<usize>) -> Piece<'a> {
         Piece { baseline, state, plan, next, failure: None }
     }
 
     fn work(&mut self, cell: &mut Workcell) -> Result<(), SkillError> {
-        self.baseline.learn_ways(cell, &self.plan);
+        self.baseline.learn_paths(cell, &self.plan);
         take_over(cell, &self.state)?;
         cell.belief.update(&mut cell.hand)?;
         cell.calibrate()?;
         self.baseline.run_plan(cell, &self.plan)?;
         // What a build does before it fetches each of the next pegs, which is no longer part of the piece. To push for one
         // may spoil another.
-        for _ in 0..ROUNDS {
+        for _ in 0..cell.parameters.piece.rounds {
             for &connection in &self.next {
-                self.baseline.check(cell, connection)?;
+                check_holes(&self.baseline.skills, cell, connection)?;
             }
             let connections = self.next.iter().map(|index| &cell.assembly.connections[*index]);
             let offsets = connections.map(|connection| cell.belief.offset(cell.assembly, connection));
-            if offsets.collect::<Result<Vec<f64>, _>>()?.into_iter().all(|offset| offset <= PEGGABLE) {
+            if offsets
+                .collect::<Result<Vec<f64>, _>>()?
+                .into_iter()
+                .all(|offset| offset <= cell.parameters.alignment.peggable)
+            {
                 break;
             }
         }
@@ -65,6 +62,10 @@ impl<'a> Piece<'a> {
 impl Agent for Piece<'_> {
     fn name(&self) -> (&str, &str) {
         self.baseline.name()
+    }
+
+    fn file_hash(&self) -> Option<&str> {
+        self.baseline.file_hash()
     }
 
     fn account(&self) -> Account {
@@ -106,17 +107,25 @@ fn take_over(cell: &mut Workcell, state: &State) -> Result<(), SkillError> {
         cell.pinned.push((connection, peg.clone()));
         let hole = cell.kit.x_wa() * assembly.p_a_hole(assembly.connections[connection].female);
         let x_wp = Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0);
-        cell.belief.expect(peg, x_wp, PINNED);
+        cell.belief.expect(
+            peg,
+            x_wp,
+            (cell.parameters.piece.peg_position, cell.parameters.piece.peg_rotation),
+        );
     }
     let beams: Vec<usize> = cell.standing.iter().copied().filter(|beam| *beam != assembly.base).collect();
     for &beam in &beams {
         let mut x_wb = cell.kit.x_wa() * assembly.beams[beam].x_ab;
         if cell.deep.contains(&beam) {
-            let way = cell.way(beam)?;
-            x_wb = Translation3::from(cell.kit.x_wa().rotation * way.direction * way.depth) * x_wb;
+            let path = cell.path(beam)?;
+            x_wb = Translation3::from(cell.kit.x_wa().rotation * path.direction * path.depth) * x_wb;
         }
         let x_wb = cell.drooped(beam, &x_wb).unwrap_or(x_wb);
-        cell.belief.expect(&assembly.beams[beam].beam.name, x_wb, BUILT);
+        cell.belief.expect(
+            &assembly.beams[beam].beam.name,
+            x_wb,
+            (cell.parameters.piece.beam_position, cell.parameters.piece.beam_rotation),
+        );
     }
     for beam in beams {
         cell.reckon_heights(beam);

@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use miette::{IntoDiagnostic, Report};
@@ -12,19 +13,22 @@ use ramp_kit::Kit;
 use ramp_planner::Domains;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Agent, Event, Track};
-use ramp_skills::Baseline;
+use ramp_skills::{Baseline, Parameters};
 
+use crate::command::skills;
 use crate::data::Texts;
 
 /// What `ramp run` and `ramp bench` are told of the agent.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// An agent of your own instead of the baseline: an executable, or a Python file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "path")]
     pub agent: Option<PathBuf>,
     /// Longest time that your agent may take for a message, after which its episode ends
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
     pub agent_limit: f64,
+    #[command(flatten)]
+    pub skills: skills::File,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -50,6 +54,8 @@ pub struct World<'a> {
     pub texts: &'a Texts,
     pub track: Track,
     pub seed: u64,
+    /// The numbers of the baseline's skills.
+    pub parameters: &'a Arc<Parameters>,
 }
 
 /// Starts the agent. It tells `listener` what it does.
@@ -60,9 +66,10 @@ pub fn start<'a>(
     end: Option<Instant>,
     listener: impl FnMut(&Event) + 'a,
 ) -> Result<Box<dyn Agent + 'a>, Report> {
-    let World { kit, assembly, arm, domains, texts, track, seed } = *world;
+    let World { kit, assembly, arm, domains, texts, track, seed, parameters } = *world;
     let Some(file) = file else {
-        return Ok(Box::new(Baseline::new(kit, assembly, arm, domains, seed).with_listener(listener)));
+        let baseline = Baseline::new(kit, assembly, arm, domains, seed).with_parameters(parameters.clone());
+        return Ok(Box::new(baseline.with_listener(listener)));
     };
     adopt_orphans();
     let goal = Goal::new(kit, assembly, arm, track, texts.sources());

@@ -20,5 +20,6 @@ pub mod run;
 pub mod score;
 pub mod see;
 pub mod show;
+pub mod skills;
 pub mod trials;
 pub mod twin;

@@ -88,6 +88,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let arm = data.arm()?;
     let domains = data.domains()?;
     let agent_file = arguments.agent.file()?;
+    let parameters = arguments.agent.skills.read(data)?;
     let texts = data.texts(&arguments.goal)?;
     let output = match &arguments.output {
         Some(path) => path.clone(),
@@ -127,6 +128,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         texts: &texts,
         track: setup.track,
         seed: setup.seed,
+        parameters: &parameters,
     };
     let mut agent = agent::start(&world, agent_file.as_ref(), arguments.agent.agent_limit, end, |event| {
         display.event(event);

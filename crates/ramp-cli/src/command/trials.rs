@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Diagnostic, IntoDiagnostic, Report, miette};
@@ -21,7 +21,7 @@ use ramp_result::manipulation::{SCHEMA, Trial};
 use ramp_result::write_whole;
 use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
-use ramp_skills::{Baseline, Piece};
+use ramp_skills::{Baseline, Parameters, Piece};
 use ramp_twin::{Disturbance, Setup};
 use tasks::{Goal, Step};
 
@@ -48,6 +48,8 @@ pub struct Arguments {
     /// Trials at a time
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     jobs: u32,
+    #[command(flatten)]
+    file: super::skills::File,
     /// Folder for the results; made if it is not there, continued if it is
     #[arg(short, long, value_name = "DIR", default_value = "results/trials")]
     output: PathBuf,
@@ -70,6 +72,9 @@ enum TrialsError {
         "results of different versions are not added up: name another folder with -o, or move these away"
     ))]
     OtherVersion { file: String, theirs: String, ours: String },
+    #[error("{file} was made with other numbers of the skills")]
+    #[diagnostic(help("name another folder with -o, or give the same file with --skills"))]
+    OtherSkills { file: String },
 }
 
 /// What all trials share.
@@ -82,6 +87,7 @@ struct Trials<'a> {
     steps: BTreeMap<String, Vec<(usize, usize)>>,
     track: Track,
     software: Software,
+    parameters: Arc<Parameters>,
     folder: &'a Path,
 }
 
@@ -115,6 +121,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         steps,
         track: arguments.track.into(),
         software: software(),
+        parameters: arguments.file.read(data)?,
         folder,
     };
     let last = arguments.first_seed + u64::from(arguments.trials) - 1;
@@ -183,6 +190,9 @@ impl Trials<'_> {
             }
             .into());
         }
+        if trial.agent.sha256 != self.parameters.sha256 {
+            return Err(TrialsError::OtherSkills { file: path.display().to_string() }.into());
+        }
         Ok(Some(trial))
     }
 
@@ -245,7 +255,8 @@ impl Trials<'_> {
             disturbance: Disturbance::default(),
             fault: None,
         };
-        let baseline = Baseline::new(&self.kit, &goal.assembly, &self.arm, &self.domains, seed);
+        let baseline = Baseline::new(&self.kit, &goal.assembly, &self.arm, &self.domains, seed)
+            .with_parameters(self.parameters.clone());
         let next = match &step.task.aim {
             Aim::Placed { connections } => connections.clone(),
             _ => Vec::new(),

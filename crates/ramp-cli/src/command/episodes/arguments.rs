@@ -57,6 +57,8 @@ impl Arguments {
             jobs: self.jobs as usize,
             agent: self.agent.file()?,
             agent_limit: self.agent.agent_limit,
+            skills: self.agent.skills.path.clone(),
+            skills_hash: self.agent.skills.read(data)?.sha256.clone(),
             goals,
             count,
             seeds: self.first_seed..=last.ok_or(BatchError::Seeds { repeats: option })?,

@@ -48,6 +48,10 @@ pub struct Batch<'a> {
     pub jobs: usize,
     pub agent: Option<AgentFile>,
     pub agent_limit: f64,
+    /// The file of the numbers of the baseline's skills, if one is given.
+    pub skills: Option<PathBuf>,
+    /// The hash of the file of these numbers, if it is not the baseline's own.
+    pub skills_hash: Option<String>,
     pub goals: Vec<Goal>,
     /// How many episodes of each goal.
     pub count: u32,
@@ -136,7 +140,7 @@ impl Batch<'_> {
                 .into());
             }
             let agent = &value["agent"];
-            if agent["sha256"].as_str() != self.agent.as_ref().map(AgentFile::sha256) {
+            if agent["sha256"].as_str() != self.agent_hash() {
                 let part = |name: &str| agent[name].as_str().unwrap_or("unknown");
                 return Err(BatchError::OtherAgent {
                     file: path.display().to_string(),
@@ -160,7 +164,7 @@ impl Batch<'_> {
             && result.seed == episode.seed
             && result.software == self.software
             && result.fault.as_ref().map(|it| it.kind.as_str()) == episode.fault.map(|it| it.kind.name())
-            && result.agent.sha256.as_deref() == self.agent.as_ref().map(AgentFile::sha256);
+            && result.agent.sha256.as_deref() == self.agent_hash();
         fits.then_some(result)
     }
 
@@ -252,9 +256,17 @@ impl Batch<'_> {
         command.spawn()
     }
 
+    /// The hash of the file that the agent or its numbers were read from.
+    fn agent_hash(&self) -> Option<&str> {
+        self.agent.as_ref().map(AgentFile::sha256).or(self.skills_hash.as_deref())
+    }
+
     /// What an episode is told of the agent: one that would not be done in time is ended before the episode is.
     fn agent_arguments(&self) -> Vec<OsString> {
-        let Some(agent) = &self.agent else { return Vec::new() };
+        let Some(agent) = &self.agent else {
+            let skills = self.skills.iter();
+            return skills.flat_map(|path| ["--skills".into(), path.clone().into_os_string()]).collect();
+        };
         let end_after = self.limit.saturating_sub(SCORING.min(self.limit / 2)).as_secs();
         let words = [
             "--agent-limit".into(),

@@ -1,50 +1,15 @@
-//! Putting what skills feel and see down to a cause.
+//! Names the cause of what skills measure and see.
 //!
-//! Every skill works on when it can; what it noticed goes into the events, as `CAUSE: what tells so`, for people and for
-//! whoever judges how well the agent knows what is happening to it.
+//! A skill goes on when it can. What it noticed becomes an event `diagnosis` with the text `CAUSE: evidence`, for people
+//! and for whoever judges how well the agent knows what happens to it.
 
-use std::fmt;
-
-use nalgebra::{Point2, Point3, Vector3};
+use nalgebra::{Point3, Vector3};
 use ramp_robot::{Cause, RobotError};
 
-use crate::hand::Hand;
-use crate::transport::Workcell;
-
-/// A peg is this far from its outline at most when nobody has touched its holder, m: the start is disturbed by 1 mm and
-/// 1° about the holder's middle, and a peg has a millimetre of room in its hole.
-const IN_PLACE: f64 = 3.0e-3;
-/// When pegs of one holder are on average this far off, it is the holder that has moved, m.
-const HOLDER_OFF: f64 = 2.2e-3;
-/// A part that turns in the hand by more than this, rad, or moves in it by more than this, m, has slipped.
-const SLIPPED: (f64, f64) = (1.5 / 180.0 * std::f64::consts::PI, 3.0e-3);
-/// A beam that stands has moved when one of its ends is further than this from where it was, m.
-const MOVED: f64 = 2.0e-3;
-/// So many standard deviations are no chance.
-const SURE: f64 = 4.0;
-/// A force in free space that is further than this from what the held part weighs tells of a sensor that is off, N:
-/// twelve times the noise of its filtered reading.
-const BIASED: f64 = 0.8;
-/// So long a hand that stops is still felt, s.
-const REST: f64 = 0.3;
-/// Standard gravity, m/s².
-const GRAVITY: f64 = 9.81;
-
-/// How a beam stands in the assembly.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stand {
-    /// Where its ends are on the table, m in the world.
-    pub ends: [Point2<f64>; 2],
-    /// How well that is known: standard deviation, m.
-    pub deviation: f64,
-}
+use super::workcell::{Stand, Workcell};
+use crate::hand::{GRAVITY, Hand};
 
 impl Workcell<'_, '_> {
-    /// Notes a cause and what tells so.
-    pub fn diagnose(&mut self, cause: Cause, why: impl fmt::Display) {
-        self.note("diagnosis", format!("{cause}: {why}"));
-    }
-
     /// Says why a part is not where it was believed to be, `off` metres away.
     pub fn diagnose_astray(&mut self, part: &str, off: f64) {
         if self.hand.held.as_ref().is_some_and(|held| held.part == part) {
@@ -82,7 +47,13 @@ impl Workcell<'_, '_> {
             let Some(before) = self.stood.get(&beam) else { continue };
             let moved = now.ends.iter().zip(before.ends).map(|(now, before)| (now - before).norm());
             let moved = moved.fold(0.0, f64::max);
-            if moved > MOVED.max(SURE * now.deviation.hypot(before.deviation)) {
+            if moved
+                > self
+                    .parameters
+                    .diagnosis
+                    .moved
+                    .max(self.parameters.diagnosis.sure * now.deviation.hypot(before.deviation))
+            {
                 let name = &self.assembly.beams[beam].beam.name;
                 let words = format!("{name} is {:.1} mm from where it stood", moved * 1e3);
                 self.diagnose(Cause::BeamMoved, words);
@@ -108,12 +79,18 @@ impl Workcell<'_, '_> {
     /// Looks whether a peg that is to be fetched has moved with its holder.
     pub fn diagnose_holder(&mut self, peg: &str) {
         let Some(holder) = self.kit.peg(peg).map(|peg| peg.holder.clone()) else { return };
-        let Some(off) = self.off_outline(peg).filter(|off| off.norm() < 10.0 * IN_PLACE) else { return };
+        let Some(off) =
+            self.off_outline(peg).filter(|off| off.norm() < 10.0 * self.parameters.diagnosis.in_place)
+        else {
+            return;
+        };
         let in_holder = |name: &str| !self.pinned.iter().any(|(_, pinned)| pinned == name);
         let mates = self.kit.pegs.iter().filter(|mate| mate.holder == holder && in_holder(&mate.name));
         let shifts: Vec<Vector3<f64>> = mates.filter_map(|mate| self.off_outline(&mate.name)).collect();
         let mean = shifts.iter().sum::<Vector3<f64>>() / shifts.len().max(1) as f64;
-        if shifts.len() > 1 && mean.norm() > HOLDER_OFF || shifts.len() == 1 && off.norm() > IN_PLACE {
+        if shifts.len() > 1 && mean.norm() > self.parameters.diagnosis.holder_off
+            || shifts.len() == 1 && off.norm() > self.parameters.diagnosis.in_place
+        {
             let words = format!("the pegs of {holder} are {:.1} mm from their outlines", mean.norm() * 1e3);
             self.diagnose(Cause::HolderMoved, words);
         }
@@ -123,21 +100,23 @@ impl Workcell<'_, '_> {
     fn off_outline(&self, peg: &str) -> Option<Vector3<f64>> {
         let start = self.kit.x_wp_start(self.kit.peg(peg)?)?;
         let x_wp = self.belief.pose(peg).ok()?;
-        let known = self.belief.deviation(peg, &Point3::origin())[0] < HOLDER_OFF / 3.0;
+        let known =
+            self.belief.deviation(peg, &Point3::origin())[0] < self.parameters.diagnosis.holder_off / 3.0;
         let mut off = x_wp.translation.vector - start.translation.vector;
-        let upright = (x_wp.rotation * Vector3::z()).z > 0.99 && off.z.abs() < IN_PLACE;
+        let upright =
+            (x_wp.rotation * Vector3::z()).z > 0.99 && off.z.abs() < self.parameters.diagnosis.in_place;
         off.z = 0.0;
         (known && upright).then_some(off)
     }
 
     /// Says so when a part has moved in the hand by `moved` (m) and `turned` (rad).
     pub fn diagnose_grip(&mut self, part: &str, moved: f64, turned: f64) {
-        if turned > SLIPPED.0 {
+        if turned > self.parameters.diagnosis.slip_turn / 180.0 * std::f64::consts::PI {
             self.diagnose(
                 Cause::GripMoved,
                 format!("{part} has turned by {:.1}° in the hand", turned.to_degrees()),
             );
-        } else if moved > SLIPPED.1 {
+        } else if moved > self.parameters.diagnosis.slip {
             self.diagnose(
                 Cause::GripMoved,
                 format!("{part} has slipped by {:.1} mm in the hand", moved * 1e3),
@@ -145,23 +124,23 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// In free space: does the wrist feel more than the weight of what is held? Asked again at rest, since the hand's own
-    /// mass is felt as it stops; told once.
+    /// In free space, compares the force at the wrist with the weight of what is held. Measures again at rest, since the
+    /// hand's own mass acts on the sensor while the hand stops. Notes the cause once.
     ///
     /// # Errors
     /// The robot's.
     pub fn diagnose_force(&mut self) -> Result<(), RobotError> {
         let mass = self.hand.held.as_ref().map_or(0.0, |held| held.mass);
         let weight = Vector3::new(0.0, 0.0, mass * GRAVITY);
-        let felt = |hand: &Hand| (hand.seen.wrench.fixed_rows::<3>(0) - weight).norm();
-        if self.force_told || felt(&self.hand) < BIASED {
+        let measured = |hand: &Hand| (hand.seen.wrench.fixed_rows::<3>(0) - weight).norm();
+        if self.force_told || measured(&self.hand) < self.parameters.diagnosis.biased {
             return Ok(());
         }
-        self.hand.hold(REST)?;
-        let felt = felt(&self.hand);
-        if felt > BIASED {
+        self.hand.hold(self.parameters.diagnosis.rest)?;
+        let measured = measured(&self.hand);
+        if measured > self.parameters.diagnosis.biased {
             self.force_told = true;
-            self.diagnose(Cause::ForceBias, format!("the wrist feels {felt:.1} N in free space"));
+            self.diagnose(Cause::ForceBias, format!("the wrist measures {measured:.1} N in free space"));
         }
         Ok(())
     }

@@ -1,34 +1,21 @@
-//! Looking: as often as it takes to know well enough what the next step needs.
+//! Looks as often as it takes to know well enough what the next step needs.
 
 use std::f64::consts::FRAC_PI_4;
 
 use nalgebra::{Point3, Translation3, Vector3};
-use ramp_assembly::JointRef;
 use ramp_kit::tags::x_wg_sheet;
 use ramp_robot::camera::Mount;
 use ramp_robot::{Camera, Cause};
 
 use crate::Pose;
 use crate::belief::Belief;
+use crate::cell::{Point, Workcell};
 use crate::fault::SkillError;
 use crate::grasp::hand_down;
-use crate::transport::{TRAVEL, Workcell};
-
-/// Longest series of looks, s: what is not known well enough by then has to be found by feel.
-const LONGEST: f64 = 15.0;
-
-/// How often a camera looks at the tag of the sheet to find out where it is.
-const CALIBRATING: usize = 3;
-
-/// How well a part must be known before it is gripped, along the table and in height, m.
-const GRASPABLE: [f64; 2] = [0.5e-3, 0.2e-3];
-
-/// A point of a part: its name, and the point in its frame, m.
-pub type Point = (String, Point3<f64>);
 
 impl Workcell<'_, '_> {
     /// Looks once, and on until the place of each of these points on the table is known to a standard deviation of
-    /// `within`, m: again and again where noise is what is in the way, and from near by, while the hand is empty, where
+    /// `within`, m: again and again where noise is what limits it, and from near by, while the hand is empty, where
     /// it sees by cameras.
     ///
     /// # Errors
@@ -43,7 +30,10 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// The robot's.
     pub fn see_to_grip(&mut self, part: &str) -> Result<(), SkillError> {
-        self.see_until(&[self.middle(part)], GRASPABLE)
+        self.see_until(
+            &[self.middle(part)],
+            [self.parameters.look.graspable, self.parameters.look.graspable_height],
+        )
     }
 
     /// As [`Workcell::see`], for the heights of the points.
@@ -79,14 +69,16 @@ impl Workcell<'_, '_> {
                 }
                 visits += 1;
                 self.visit_part(worst)?;
-            } else if self.belief.eyes.cost() <= 0.0 || self.hand.time() - begin > LONGEST {
+            } else if self.belief.eyes.cost() <= 0.0
+                || self.hand.time() - begin > self.parameters.look.longest
+            {
                 return Ok(());
             }
         }
     }
 
     /// Looks once, and notes what was odd.
-    pub(crate) fn look_once(&mut self) -> Result<(), SkillError> {
+    pub fn look_once(&mut self) -> Result<(), SkillError> {
         self.belief.update(&mut self.hand)?;
         for (part, off) in self.belief.astray() {
             self.note("seen", format!("{part} is {:.1} mm from where it was believed", off * 1e3));
@@ -100,7 +92,7 @@ impl Workcell<'_, '_> {
     }
 
     /// Shows the camera on the empty hand the tag of the sheet, which tells where that camera is. A build shows it tags
-    /// whose places are known on its way, over the sheet and over the assembly; a piece of one begins without.
+    /// whose places are known as it moves, over the sheet and over the assembly; a piece of one begins without.
     ///
     /// # Errors
     /// The robot's.
@@ -109,7 +101,7 @@ impl Workcell<'_, '_> {
             return Ok(());
         }
         self.visit(&Point3::from(x_wg_sheet(self.kit).translation.vector))?;
-        for _ in 0..CALIBRATING {
+        for _ in 0..self.parameters.look.calibrating {
             self.look_once()?;
         }
         Ok(())
@@ -134,14 +126,16 @@ impl Workcell<'_, '_> {
         let candidates = [0.0, 0.5, -0.5, 1.0, -1.0, 2.0, -2.0, 3.0].map(|step| {
             let rotation = hand_down(yaw + step * FRAC_PI_4);
             let aside = rotation * x_tc.translation.vector;
-            let x_wt =
-                Pose::from_parts(Translation3::new(aim.x - aside.x, aim.y - aside.y, TRAVEL), rotation);
+            let x_wt = Pose::from_parts(
+                Translation3::new(aim.x - aside.x, aim.y - aside.y, self.parameters.travel.height),
+                rotation,
+            );
             (x_wt, self.reach(&x_wt, &q))
         });
         let Some(x_wt) = self.choose(&candidates) else { return Ok(()) };
-        self.rise()?;
+        self.retreat()?;
         match self.travel(&x_wt) {
-            // No way there: then from where it is.
+            // No motion leads there: then from where the hand is.
             Err(SkillError::Motion(_)) => Ok(()),
             other => other,
         }
@@ -160,15 +154,18 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// The middle of a part.
-    pub fn middle(&self, part: &str) -> Point {
-        let x = self.kit.beam(part).map_or(0.0, |beam| beam.span() / 2.0);
-        (part.to_string(), Point3::new(x, 0.0, 0.0))
+    /// Looks until it is known how high the peg's head is over the female's top plate.
+    pub fn see_gap(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
+        let hole = self.hole(self.assembly.connections[connection].female);
+        self.see_height(&[self.middle(peg), hole], self.parameters.look.seated_known)
     }
 
-    /// The hole of a joint of the assembly.
-    pub fn hole(&self, joint: JointRef) -> Point {
-        let beam = &self.assembly.beams[joint.beam].beam;
-        (beam.name.clone(), beam.p_b_hole(joint.joint))
+    /// Looks until it is known where the pinned joint and the far end of a beam are.
+    pub fn see_ends(&mut self, beam: usize) -> Result<(), SkillError> {
+        let placed = &self.assembly.beams[beam].beam;
+        let far = Point3::new(self.far_end(beam), 0.0, 0.0);
+        let mut points = vec![(placed.name.clone(), far)];
+        points.extend(self.anchor(beam).map(|joint| self.hole(joint)));
+        self.see(&points, self.parameters.look.ends_known)
     }
 }

@@ -9,109 +9,23 @@ use std::collections::BTreeMap;
 use nalgebra::{Point3, Vector3, Vector6};
 use ramp_assembly::{Assembly, Connection, JointRef};
 use ramp_kit::Kit;
-use ramp_kit::shape::{Cuboid, Shape, beam_shapes, peg_head};
-use ramp_kit::{Holder, joint};
 use ramp_motion::Obstacle;
 use ramp_robot::RobotError;
 use ramp_vision::Lying;
 
+use super::estimate::{Estimate, covariance};
+use super::eyes::{Eyes, Sighting};
+use super::obstacles::{beam_boxes, holder_boxes, peg_boxes};
+use super::part::{Frame, Part};
 use crate::Pose;
-use crate::estimate::{Estimate, covariance};
-use crate::eyes::{Eyes, Sighting};
 use crate::fault::{Fault, SkillError};
 use crate::hand::Hand;
-
-const MM: f64 = 1.0e-3;
-const DEGREE: f64 = std::f64::consts::PI / 180.0;
-/// What is known of a part before it is seen: it lies on the outlines of the sheet, flat. Position and rotation.
-const ON_SHEET: ([f64; 3], [f64; 3]) =
-    ([3.0 * MM, 3.0 * MM, 0.05 * MM], [0.02 * DEGREE, 0.02 * DEGREE, 3.0 * DEGREE]);
-/// How well the place of the clamped beam is known.
-const CLAMPED: ([f64; 3], [f64; 3]) = ([0.02 * MM; 3], [0.01 * DEGREE; 3]);
-/// What a second makes of any part.
-const RESTING: (f64, f64) = (0.005 * MM, 0.002 * DEGREE);
-/// What a metre of way makes of a part between the fingers, on the axes of the tip: as the hand speeds up and slows
-/// down it creeps along the fingers' faces, by 1.5 mm on a long way.
-const CARRIED: ([f64; 3], f64) = ([1.0 * MM, 0.03 * MM, 0.3 * MM], 0.05 * DEGREE);
-/// How far the fingers may shift (across the closing direction, along it, along the hand) and turn (about the same)
-/// a part when they close on it.
-const GRIPPED: ([f64; 3], [f64; 3]) =
-    ([0.2 * MM, 3.0 * MM, 0.05 * MM], [0.1 * DEGREE, 0.05 * DEGREE, 3.0 * DEGREE]);
-/// How well the fingers, once closed, centre a part, and how well they turn it square to themselves.
-const CENTRED: (f64, f64) = (0.05 * MM, 0.03 * DEGREE);
-/// How far a part may move as the fingers let go of it, m and rad.
-const RELEASED: ([f64; 3], [f64; 3]) = ([0.2 * MM; 3], [0.1 * DEGREE, 0.1 * DEGREE, 0.05 * DEGREE]);
-/// How far a part that is pushed may move between the fingers (on the axes of the tip, m and rad) ...
-const PUSHED: ([f64; 3], [f64; 3]) =
-    ([5.0 * MM, 0.05 * MM, 0.5 * MM], [0.1 * DEGREE, 0.1 * DEGREE, 0.03 * DEGREE]);
-/// ... and turn about the line from one to the other, rad.
-const PUSHED_TURN: f64 = 15.0 * DEGREE;
-/// A reading with a greater normalised innovation squared is not believed before the next one confirms it: with six
-/// degrees of freedom, chance alone exceeds it once in two million.
-const GATE: f64 = 40.0;
-/// Share of a new reading in the running mean of innovations that tells of a part that has moved a little.
-const DRIFT: f64 = 1.0 / 16.0;
-/// So many images in a row that show a part lying otherwise, and it is believed that it does.
-const DOUBTS: u32 = 3;
-/// A part whose z axis is this upright counts as level: within 0.25°. A beam that one female alone holds hangs by more.
-const LEVEL: f64 = 0.99999;
-/// Above this standard deviation of its tilt nothing is known of how a part lies, rad.
-const TILTED: f64 = 1.0 * DEGREE;
-/// A part whose place is known no better than this is in nobody's way, m.
-const ANYWHERE: f64 = 30.0 * MM;
-/// A part found further than this from where it was believed is worth telling, m.
-const ASTRAY: f64 = 2.5 * MM;
-
-/// Where a part is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Frame {
-    /// In the world, where nothing moves it.
-    Clamped,
-    /// In the world.
-    World,
-    /// In the tip's frame.
-    Tip,
-}
-
-#[derive(Clone, Debug)]
-struct Part {
-    estimate: Estimate,
-    frame: Frame,
-    seen: bool,
-    /// The last reading, in the same frame, if it was too far off to be believed.
-    odd: Option<Estimate>,
-    /// Images since the last sighting that showed it lying otherwise than is believed.
-    doubts: u32,
-    /// Running mean of the innovations, each whitened by its covariance.
-    drift: Vector6<f64>,
-}
-
-impl Part {
-    /// Readings that are each within reason but all on one side say that the part has moved: the estimate then
-    /// forgets as much as they differ from it.
-    fn watch(&mut self, seen: &Estimate) {
-        let Some((white, root)) = self.estimate.whitened(seen) else { return };
-        self.drift += (white - self.drift) * DRIFT;
-        // The mean of white noise so weighed has this share of its variance.
-        let share = DRIFT / (2.0 - DRIFT);
-        if self.drift.norm_squared() / share > GATE {
-            let off = root * self.drift;
-            self.estimate.spread([off[0], off[1], off[2]], [off[3], off[4], off[5]]);
-            self.drift = Vector6::zeros();
-        }
-    }
-
-    /// Begins to be known in another frame.
-    fn rebase(&mut self, frame: Frame, estimate: Estimate) {
-        self.estimate = estimate;
-        self.frame = frame;
-        self.odd = None;
-        self.drift = Vector6::zeros();
-    }
-}
+use crate::parameters::Parameters;
+use crate::parameters::belief::BeliefParameters;
 
 /// Part poses with their covariances, by name, and the eyes that correct them.
 pub struct Belief {
+    parameters: BeliefParameters,
     /// What finds the parts.
     pub eyes: Eyes,
     parts: BTreeMap<String, Part>,
@@ -122,7 +36,10 @@ pub struct Belief {
 
 impl Belief {
     /// What is known before anything is seen.
-    pub fn new(kit: &Kit, assembly: &Assembly) -> Belief {
+    pub fn new(kit: &Kit, assembly: &Assembly, parameters: &Parameters) -> Belief {
+        let own = &parameters.belief;
+        let on_sheet = (own.on_sheet, radians(own.on_sheet_turn));
+        let clamped = ([own.clamped; 3], radians([own.clamped_turn; 3]));
         let base = &assembly.beams[assembly.base];
         let mut parts = BTreeMap::new();
         let mut insert = |name: &str, x: Pose, (position, rotation): ([f64; 3], [f64; 3]), frame| {
@@ -141,18 +58,18 @@ impl Belief {
         };
         for beam in &kit.beams {
             if beam.name == base.beam.name {
-                insert(&beam.name, kit.x_wa() * base.x_ab, CLAMPED, Frame::Clamped);
+                insert(&beam.name, kit.x_wa() * base.x_ab, clamped, Frame::Clamped);
             } else if let Some(x_wb) = kit.x_wb_start(beam) {
-                insert(&beam.name, x_wb, ON_SHEET, Frame::World);
+                insert(&beam.name, x_wb, on_sheet, Frame::World);
             }
         }
         for peg in &kit.pegs {
             if let Some(x_wp) = kit.x_wp_start(peg) {
-                insert(&peg.name, x_wp, ON_SHEET, Frame::World);
+                insert(&peg.name, x_wp, on_sheet, Frame::World);
             }
         }
-        let eyes = Eyes::new(kit, &base.beam.name, kit.x_wa() * base.x_ab);
-        Belief { eyes, parts, time: 0.0, x_wt: Pose::identity(), astray: Vec::new() }
+        let eyes = Eyes::new(kit, &base.beam.name, kit.x_wa() * base.x_ab, &parameters.eyes);
+        Belief { parameters: own.clone(), eyes, parts, time: 0.0, x_wt: Pose::identity(), astray: Vec::new() }
     }
 
     /// Takes one reading of the parts, and another at once if one of them is too odd to be believed.
@@ -187,11 +104,15 @@ impl Belief {
     fn doubt(&mut self, name: &str) {
         let Some(part) = self.parts.get_mut(name).filter(|part| part.frame != Frame::Clamped) else { return };
         part.doubts += 1;
-        if part.doubts >= DOUBTS {
+        if part.doubts >= self.parameters.doubts {
             part.doubts = 0;
             // In the hand it may have tilted, but not gone far.
-            let (way, turn) = if part.frame == Frame::Tip { (3.0, 15.0) } else { (30.0, 30.0) };
-            part.estimate.spread([way * MM; 3], [turn * DEGREE; 3]);
+            let own = &self.parameters;
+            let (distance, turn) = match part.frame {
+                Frame::Tip => (own.doubted_held, own.doubted_held_turn),
+                Frame::World | Frame::Clamped => (own.doubted, own.doubted_turn),
+            };
+            part.estimate.spread([distance; 3], radians([turn; 3]));
         }
     }
 
@@ -201,7 +122,7 @@ impl Belief {
             let x_wp = self.find(name).unwrap_or(part.estimate.x);
             let up = (x_wp.rotation * Vector3::z()).z;
             let tilt = (part.estimate.covariance[(3, 3)] + part.estimate.covariance[(4, 4)]).sqrt();
-            if up.abs() < LEVEL || tilt > TILTED {
+            if up.abs() < self.parameters.level || tilt > self.parameters.tilted.to_radians() {
                 return None;
             }
             let height = part.estimate.covariance[(2, 2)].sqrt();
@@ -218,11 +139,15 @@ impl Belief {
         let way = hand.seen.x_wt.translation.vector - self.x_wt.translation.vector;
         self.time = hand.time();
         self.x_wt = hand.seen.x_wt;
+        let own = &self.parameters;
         for part in self.parts.values_mut().filter(|part| part.frame != Frame::Clamped) {
-            part.estimate.spread([RESTING.0 * share; 3], [RESTING.1 * share; 3]);
+            part.estimate.spread([own.resting * share; 3], [own.resting_turn.to_radians() * share; 3]);
             if part.frame == Frame::Tip {
                 let share = way.norm().sqrt();
-                part.estimate.spread(CARRIED.0.map(|sigma| sigma * share), [CARRIED.1 * share; 3]);
+                part.estimate.spread(
+                    own.carried.map(|sigma| sigma * share),
+                    [own.carried_turn.to_radians() * share; 3],
+                );
             }
         }
     }
@@ -235,8 +160,8 @@ impl Belief {
             Frame::Tip => sighting.estimate.seen_from(&sighting.x_wt.inverse()),
             Frame::World | Frame::Clamped => sighting.estimate.clone(),
         };
-        if part.estimate.surprise(&seen) < GATE {
-            part.watch(&seen);
+        if part.estimate.surprise(&seen) < self.parameters.gate {
+            part.watch(&seen, &self.parameters);
             part.estimate.fuse(&seen);
             part.odd = None;
             part.seen = true;
@@ -244,10 +169,10 @@ impl Belief {
         }
         match part.odd.take() {
             // Two readings agree: the part is not where it was believed.
-            Some(mut before) if before.surprise(&seen) < GATE => {
+            Some(mut before) if before.surprise(&seen) < self.parameters.gate => {
                 before.fuse(&seen);
                 let off = before.error(&part.estimate.x).fixed_rows::<3>(0).norm();
-                if off > ASTRAY && part.seen {
+                if off > self.parameters.astray && part.seen {
                     self.astray.push((sighting.part.clone(), off));
                 }
                 part.estimate = before;
@@ -271,11 +196,12 @@ impl Belief {
     /// themselves: its x axis lies along or against the tip's, that of a peg (`square`) along the nearest of the
     /// tip's axes.
     pub fn gripped(&mut self, part: &str, square: bool) {
+        let own = &self.parameters;
         let x_wt = self.x_wt;
         let Some(part) = self.parts.get_mut(part) else { return };
         let mut estimate = part.estimate.seen_from(&x_wt.inverse());
-        estimate.spread(GRIPPED.0, GRIPPED.1);
-        let (offset, angle) = CENTRED;
+        estimate.spread(own.gripped, radians(own.gripped_turn));
+        let (offset, angle) = (own.centred, own.centred_turn.to_radians());
         let x = estimate.x.rotation * Vector3::x();
         let yaw = x.y.atan2(x.x);
         let step = if square { std::f64::consts::FRAC_PI_2 } else { std::f64::consts::PI };
@@ -302,28 +228,32 @@ impl Belief {
 
     /// A part between the fingers must be at `x_wp` (world), to about a millimetre and a few degrees.
     pub fn reckoned(&mut self, part: &str, x_wp: &Pose) {
+        let own = &self.parameters;
         let x_wt = self.x_wt;
         let Some(part) = self.parts.get_mut(part).filter(|part| part.frame == Frame::Tip) else { return };
-        let covariance = covariance([1.0 * MM; 3], [3.0 * DEGREE; 3]);
+        let covariance = covariance([own.reckoned; 3], radians([own.reckoned_turn; 3]));
         part.rebase(Frame::Tip, Estimate { x: x_wt.inverse() * x_wp, covariance });
     }
 
     /// Something has pushed a part between the fingers: sight will tell how it lies in them now.
     pub fn pushed(&mut self, part: &str) {
+        let own = &self.parameters;
         if let Some(part) = self.parts.get_mut(part).filter(|part| part.frame == Frame::Tip) {
-            part.estimate.spread(PUSHED.0, PUSHED.1);
-            part.estimate.spread_turn(&Vector3::y(), PUSHED_TURN);
+            part.estimate.spread(own.pushed, radians(own.pushed_turn));
+            part.estimate.spread_turn(&Vector3::y(), own.pushed_roll.to_radians());
         }
     }
 
     /// The fingers have let go of a part where it is now.
     pub fn released(&mut self, part: &str) {
-        self.freed(part, RELEASED);
+        let own = &self.parameters;
+        self.freed(part, ([own.released; 3], radians(own.released_turn)));
     }
 
     /// A part has slipped out of the fingers: it may be anywhere below.
     pub fn lost(&mut self, part: &str) {
-        self.freed(part, ([100.0 * MM; 3], [60.0 * DEGREE; 3]));
+        let own = &self.parameters;
+        self.freed(part, ([own.lost; 3], radians([own.lost_turn; 3])));
     }
 
     fn freed(&mut self, part: &str, (position, rotation): ([f64; 3], [f64; 3])) {
@@ -407,59 +337,29 @@ impl Belief {
         let mut obstacles = Vec::new();
         // What was lost may be anywhere but where it was.
         let lost = |name: &str| {
-            self.parts.get(name).is_some_and(|part| part.estimate.covariance[(0, 0)] > ANYWHERE.powi(2))
+            self.parts
+                .get(name)
+                .is_some_and(|part| part.estimate.covariance[(0, 0)] > self.parameters.anywhere.powi(2))
         };
         let left_out = |name: &str| without.contains(&name) || lost(name);
         for beam in kit.beams.iter().filter(|beam| !left_out(&beam.name)) {
             if let Some(x_wb) = self.find(&beam.name) {
-                let cuboids = beam_shapes(beam).into_iter().map(cuboid_of);
-                obstacles.extend(cuboids.map(|cuboid| obstacle(&beam.name, &x_wb, &cuboid)));
+                obstacles.extend(beam_boxes(beam, &x_wb));
             }
         }
         for peg in kit.pegs.iter().filter(|peg| !left_out(&peg.name)) {
             if let Some(x_wp) = self.find(&peg.name) {
-                obstacles.push(obstacle(&peg.name, &x_wp, &peg_head()));
-                obstacles.push(obstacle(&peg.name, &x_wp, &peg_stem()));
+                obstacles.extend(peg_boxes(&peg.name, &x_wp));
             }
         }
-        for holder in &kit.holders {
-            let at = kit.sheet_to_world(holder.centre);
-            let x = Pose::translation(at.x, at.y, 0.0);
-            obstacles.extend(Holder::blocks().map(|block| obstacle(&holder.name, &x, &block)));
-        }
+        obstacles.extend(holder_boxes(kit));
         obstacles
     }
 }
 
-/// The stem of a peg as a box in the peg's frame.
-fn peg_stem() -> Cuboid {
-    let r = joint::STEM_RADIUS;
-    Cuboid::new([-r, r], [-r, r], [-joint::STEM_LENGTH, 0.0])
-}
-
-fn cuboid_of(shape: Shape) -> Cuboid {
-    match shape {
-        Shape::Solid(cuboid) | Shape::Plate { cuboid, .. } | Shape::Foot(cuboid) => cuboid,
-        Shape::Nose { x0, x1 } => {
-            let w = joint::BODY_WIDTH / 2.0;
-            Cuboid::new([x0, x1], [-w, w], [-w, w])
-        }
-        turned @ Shape::Turned { .. } => turned.bounds(),
-    }
-}
-
-fn obstacle(name: &str, x_wp: &Pose, cuboid: &Cuboid) -> Obstacle {
-    let [x, y, z] = cuboid.centre();
-    Obstacle { name: name.to_string(), x: x_wp * nalgebra::Translation3::new(x, y, z), half: cuboid.half() }
-}
-
-/// The boxes of a part that the hand holds, in the tip's frame, given its pose there.
-pub fn held_boxes(kit: &Kit, part: &str, x_tp: &Pose) -> Vec<Obstacle> {
-    if let Some(beam) = kit.beam(part) {
-        beam_shapes(beam).into_iter().map(|shape| obstacle(part, x_tp, &cuboid_of(shape))).collect()
-    } else {
-        vec![obstacle(part, x_tp, &peg_head()), obstacle(part, x_tp, &peg_stem())]
-    }
+/// Degrees about three axes as radians.
+fn radians(degrees: [f64; 3]) -> [f64; 3] {
+    degrees.map(f64::to_radians)
 }
 
 #[cfg(test)]
@@ -474,11 +374,14 @@ mod tests {
 
     use super::*;
 
+    const MM: f64 = 1.0e-3;
+    const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
     fn belief() -> Belief {
         let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
         let kit = ramp_kit::read_kit(&data.join("kit.xml")).unwrap();
         let assembly = ramp_assembly::read_goal(&data.join("goals/easy-3.xml"), &kit).unwrap();
-        Belief::new(&kit, &assembly)
+        Belief::new(&kit, &assembly, &Parameters::baseline())
     }
 
     /// A reading with the noise of track `noisy`.
@@ -554,7 +457,7 @@ mod tests {
         let there = belief.parts["p1"].estimate.x;
         belief.take(&reading(&mut Stream::new(7, "test"), "p1", &there));
         let flat = |belief: &Belief| belief.lying().iter().any(|lying| lying.part == "p1");
-        for _ in 1..DOUBTS {
+        for _ in 1..belief.parameters.doubts {
             belief.doubt("p1");
             assert!(flat(&belief));
         }

@@ -1,12 +1,11 @@
-//! Where a beam is to stand, and how it gets there: the plan's way, aimed at where the joints that it meets are seen.
+//! Where a beam is to stand and how it gets there: the plan's insertion path, aimed at where the joints that it meets are seen.
 
 use nalgebra::{Point2, Translation3, UnitQuaternion, Vector2, Vector3};
 use ramp_assembly::JointRef;
 
+use super::workcell::{InsertionPath, Point, Workcell};
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
-use crate::look::Point;
-use crate::transport::{Way, Workcell};
 
 impl Workcell<'_, '_> {
     /// Where a beam of the assembly is to stand, in the world: its nominal place, moved to where the joints it
@@ -50,7 +49,7 @@ impl Workcell<'_, '_> {
 
     /// Was a beam laid down, rather than inserted?
     pub fn lies(&self, beam: usize) -> bool {
-        self.ways.get(&beam).is_some_and(|way| way.direction.z < -0.5)
+        self.paths.get(&beam).is_some_and(|path| path.direction.z < -0.5)
     }
 
     /// Is a joint of another beam where `beam` meets it? One of a deep beam is not, yet.
@@ -59,26 +58,62 @@ impl Workcell<'_, '_> {
     }
 
     /// How this beam is put in.
-    pub fn way(&self, beam: usize) -> Result<&Way, SkillError> {
+    pub fn path(&self, beam: usize) -> Result<&InsertionPath, SkillError> {
         let name = || self.assembly.beams[beam].beam.name.clone();
-        self.ways.get(&beam).ok_or_else(|| Fault::NoWay { part: name() }.into())
+        self.paths.get(&beam).ok_or_else(|| Fault::NoPath { part: name() }.into())
     }
 
     /// The direction in which a beam is put in so that it ends at `goal`: the nominal one, turned as the goal is
     /// turned from the nominal place. Axes of the world.
-    pub fn way_in(&self, beam: usize, goal: &Pose) -> Result<Vector3<f64>, SkillError> {
+    pub fn insertion_direction(&self, beam: usize, goal: &Pose) -> Result<Vector3<f64>, SkillError> {
         let x_wa = self.kit.x_wa();
         let nominal = x_wa * self.assembly.beams[beam].x_ab;
         let turn = goal.rotation * nominal.rotation.inverse();
-        Ok(turn * x_wa.rotation * self.way(beam)?.direction)
+        Ok(turn * x_wa.rotation * self.path(beam)?.direction)
     }
 
-    /// The pose of a beam on its way in: `share` of the insertion still to go, `height` over its place (m).
-    pub(crate) fn beside(&self, beam: usize, share: f64, height: f64) -> Result<Pose, SkillError> {
-        let way = self.way(beam)?;
-        let back = self.kit.x_wa().rotation * way.direction * (-share * way.distance);
+    /// The pose of a beam where its insertion begins, `height` (m) over its insertion path.
+    pub fn insertion_start(&self, beam: usize, height: f64) -> Result<Pose, SkillError> {
+        let path = self.path(beam)?;
+        let back = self.kit.x_wa().rotation * path.direction * -path.distance;
         let goal = self.target(beam)?;
         Ok(Translation3::new(back.x, back.y, back.z + height) * goal)
+    }
+
+    /// The beams, by name, that this beam passes through, that lie on the table, and that at most `pegs` hold: a beam
+    /// that was inserted is held by its joint as well.
+    pub fn loose_sleeves(&self, beam: usize, pegs: usize) -> Vec<String> {
+        let pins = |beam: usize| {
+            let pinned = self.pinned.iter().map(|(index, _)| &self.assembly.connections[*index]);
+            pinned.filter(|connection| self.assembly.sides(connection, beam).is_some()).count()
+        };
+        let loose = self.sleeves(beam).map(|sleeve| sleeve.beam);
+        let loose = loose.filter(|&sleeve| self.lies(sleeve) && pins(sleeve) <= pegs);
+        loose.map(|sleeve| self.assembly.beams[sleeve].beam.name.clone()).collect()
+    }
+
+    /// The sleeves of other beams that this beam goes through.
+    pub fn sleeves(&self, beam: usize) -> impl Iterator<Item = JointRef> {
+        let through = self.assembly.connections.iter().filter(move |connection| {
+            let male = &self.assembly.beams[connection.male.beam].beam.joints[connection.male.joint];
+            connection.male.beam == beam && !male.kind.is_end() && self.meets(connection.female, beam)
+        });
+        through.map(|connection| connection.female)
+    }
+
+    /// Distance from j1, m, of the end of a deep beam that is to go into the other joint: the one that leads on
+    /// the way out.
+    pub fn free_end(&self, beam: usize) -> f64 {
+        let placed = &self.assembly.beams[beam];
+        let along = placed.x_ab.rotation * nalgebra::Vector3::x();
+        let into = self.paths.get(&beam).map_or(0.0, |path| along.dot(&path.direction));
+        if into > 0.0 { 0.0 } else { placed.beam.span() }
+    }
+
+    /// Is a joint at the end of a deep beam that leaves the sleeve first?
+    pub fn leads(&self, joint: JointRef) -> bool {
+        let beam = &self.assembly.beams[joint.beam].beam;
+        (beam.joints[joint.joint].offset - self.free_end(joint.beam)).abs() < beam.span() / 2.0
     }
 }
 

@@ -1,8 +1,8 @@
 //! The eyes: whatever a track gives to find the parts by, readings of poses or camera images, as sightings.
 //!
 //! A track that gives no poses gives images. Both cameras are then asked; what is found in an image is only as good as
-//! the camera's place is known, and that is found out on the way, from the tags of the clamped beam and of the sheet,
-//! whose places are known.
+//! the camera's place is known, and the agent estimates that while it works, from the tags of the clamped beam
+//! and of the sheet, whose places are known.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,36 +12,14 @@ use ramp_kit::tags::TagPlace;
 use ramp_robot::{Camera, CameraModel, Image, RobotError};
 use ramp_vision::{Calibration, Lying, Oddity, PartFinder, SeenPart};
 
+use super::estimate::{Estimate, covariance};
 use crate::Pose;
-use crate::estimate::{Estimate, covariance};
-use crate::hand::Hand;
 
-/// How far a camera may be from where the robot says it is, 1 σ, m and rad: the benchmark's error of calibration.
-const CALIBRATION: [f64; 2] = [0.5e-3, 0.2 / 180.0 * std::f64::consts::PI];
-/// What remains of it at best, m and rad.
-const REMAINS: [f64; 2] = [0.08e-3, 0.02 / 180.0 * std::f64::consts::PI];
-/// Known points that are enough to calibrate a camera by.
-const ENOUGH: usize = 240;
-/// How much larger than the finder says the covariance of a part in an image is taken to be: images taken from one
-/// place have errors in common.
-const COMMON: f64 = 4.0;
+use crate::hand::Hand;
+use crate::parameters::belief::EyesParameters;
+
 /// Standard deviation of an exact reading, m and rad: nothing is known better than a double can tell.
 const EXACT: f64 = 1.0e-9;
-/// A tag that was never found in so many images in which it should have been in sight is covered or gone.
-const MISSED: u32 = 16;
-/// In sight is a tag this far from the border of the image, pixels, whose edges are this long, pixels, and that faces
-/// the camera this much: the cosine of the angle.
-const BORDER: f64 = 40.0;
-/// See [`BORDER`].
-const LEGIBLE: f64 = 10.0;
-/// See [`BORDER`].
-const FACING: f64 = 0.6;
-/// How long a camera that repeats its image is waited for, and how often it is asked meanwhile, s.
-const PATIENCE: f64 = 10.0;
-/// See [`PATIENCE`].
-const PAUSE: f64 = 0.25;
-/// So many images in a row that show nothing at all, and a camera counts as broken.
-const BROKEN: u32 = 10;
 
 /// A part as it was seen.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,25 +40,31 @@ struct Eye {
     /// Covariance of a small shift (m) and turn (rad) of the camera, in its own axes.
     covariance: Matrix6<f64>,
     /// Images in a row that were of no use.
-    bad: u32,
+    bad: usize,
     /// The last image that was of use: one black image is like another, and no camera repeats it.
     last: Vec<u8>,
 }
 
 impl Eye {
-    fn new(camera: Camera) -> Eye {
-        let [position, angle] = CALIBRATION;
+    fn new(camera: Camera, parameters: &EyesParameters) -> Eye {
+        let [position, angle] = calibration(parameters);
         let covariance = covariance([position; 3], [angle; 3]);
         Eye { camera, model: None, calibration: None, covariance, bad: 0, last: Vec::new() }
     }
 
-    fn broken(&self) -> bool {
-        self.bad >= BROKEN
+    fn broken(&self, parameters: &EyesParameters) -> bool {
+        self.bad >= parameters.broken
     }
+}
+
+/// How far a camera may be from where the robot says it is, 1 σ, m and rad.
+fn calibration(parameters: &EyesParameters) -> [f64; 2] {
+    [parameters.calibration, parameters.calibration_turn.to_radians()]
 }
 
 /// What finds the parts.
 pub struct Eyes {
+    parameters: EyesParameters,
     kit: Kit,
     /// Name and pose of the beam that is clamped.
     base: (String, Pose),
@@ -96,17 +80,18 @@ pub struct Eyes {
     /// Parts that were seen not to lie as they were believed to.
     upset: Vec<String>,
     /// By tag: in how many images it was found, and in how many it was not where it should have been in sight.
-    tags: BTreeMap<u32, (u32, u32)>,
+    tags: BTreeMap<u32, (usize, usize)>,
 }
 
 impl Eyes {
     /// Eyes for the parts of a kit, of which the beam `base` is clamped at `x_wb` in the world.
-    pub fn new(kit: &Kit, base: &str, x_wb: Pose) -> Eyes {
+    pub fn new(kit: &Kit, base: &str, x_wb: Pose, parameters: &EyesParameters) -> Eyes {
         Eyes {
+            parameters: parameters.clone(),
             kit: kit.clone(),
             base: (base.to_string(), x_wb),
             finder: None,
-            eyes: Camera::ALL.map(Eye::new),
+            eyes: Camera::ALL.map(|camera| Eye::new(camera, parameters)),
             images: false,
             cost: 0.0,
             complaints: Vec::new(),
@@ -192,7 +177,7 @@ impl Eyes {
     ) -> Result<Vec<Sighting>, RobotError> {
         let mut sightings = Vec::new();
         for index in 0..self.eyes.len() {
-            if self.eyes[index].broken() {
+            if self.eyes[index].broken(&self.parameters) {
                 continue;
             }
             let why = match self.fresh(index, hand) {
@@ -213,11 +198,14 @@ impl Eyes {
             // Told at the first and at the last of them.
             if eye.bad == 1 {
                 self.complaints.push(why);
-            } else if eye.broken() {
-                self.complaints.push(format!("{why}, {BROKEN} times in a row: not looked through any more"));
+            } else if eye.broken(&self.parameters) {
+                self.complaints.push(format!(
+                    "{why}, {} times in a row: not looked through any more",
+                    self.parameters.broken
+                ));
             }
         }
-        match self.eyes.iter().find(|eye| !eye.broken()) {
+        match self.eyes.iter().find(|eye| !eye.broken(&self.parameters)) {
             Some(_) => Ok(sightings),
             None => Err(RobotError::CameraStopped { camera: Camera::Wrist }),
         }
@@ -237,10 +225,10 @@ impl Eyes {
             if self.told.insert(told.clone()) {
                 self.complaints.push(told);
             }
-            if hand.time() - begin > PATIENCE {
+            if hand.time() - begin > self.parameters.patience {
                 return Err(RobotError::CameraStopped { camera });
             }
-            hand.hold(PAUSE)?;
+            hand.hold(self.parameters.pause)?;
         }
     }
 
@@ -265,9 +253,9 @@ impl Eyes {
                 let (found, missed) = self.tags.entry(place.id).or_default();
                 if part.tags.contains(&place.id) {
                     *found += 1;
-                } else if in_sight(model, &model.x_wc(&image.x_wt), part, place) {
+                } else if in_sight(model, &model.x_wc(&image.x_wt), part, place, &self.parameters) {
                     *missed += 1;
-                    if *found == 0 && *missed == MISSED {
+                    if *found == 0 && *missed == self.parameters.missed {
                         let part = &part.part;
                         self.complaints.push(format!("tag {} of {part} is not to be seen", place.id));
                     }
@@ -276,8 +264,9 @@ impl Eyes {
         }
         let x_wc_before = model.x_wc(&image.x_wt);
         // What is known to be where it is tells where the camera is.
-        let calibration = eye.calibration.get_or_insert_with(|| Calibration::new(&nominal, CALIBRATION));
-        if calibration.len() < ENOUGH {
+        let calibration =
+            eye.calibration.get_or_insert_with(|| Calibration::new(&nominal, calibration(&self.parameters)));
+        if calibration.len() < self.parameters.enough {
             let (name, x_wb) = &self.base;
             let base = seen.parts.iter().filter(|part| part.part == *name).map(|part| (part, *x_wb));
             let known: Vec<(&SeenPart, Pose)> =
@@ -292,7 +281,7 @@ impl Eyes {
             if !known.is_empty() {
                 let (better, left) = calibration.solve();
                 *model = better;
-                let [position, angle] = REMAINS;
+                let (position, angle) = (self.parameters.remains, self.parameters.remains_turn.to_radians());
                 eye.covariance = left + covariance([position; 3], [angle; 3]);
             }
         }
@@ -301,7 +290,8 @@ impl Eyes {
         let (base, error) = (&self.base.0, &eye.covariance);
         let parts = seen.parts.into_iter().filter(|part| part.part != *base);
         let parts = parts.map(|part| SeenPart { x_wp: moved * part.x_wp, ..part });
-        let sightings = parts.map(|part| sighting(part, &x_wc, error, image.x_wt)).collect();
+        let sightings =
+            parts.map(|part| sighting(part, &x_wc, error, image.x_wt, self.parameters.common)).collect();
         for oddity in seen.oddities {
             self.tell(oddity);
         }
@@ -310,7 +300,14 @@ impl Eyes {
 }
 
 /// Should a tag of a part that was seen in an image have been seen, too, with nothing in between?
-fn in_sight(model: &CameraModel, x_wc: &Pose, part: &SeenPart, place: &TagPlace) -> bool {
+fn in_sight(
+    model: &CameraModel,
+    x_wc: &Pose,
+    part: &SeenPart,
+    place: &TagPlace,
+    parameters: &EyesParameters,
+) -> bool {
+    let border = parameters.border;
     let x_cg = x_wc.inverse() * part.x_wp * place.x_pg;
     let towards = -x_cg.translation.vector.normalize();
     let half = place.edge / 2.0;
@@ -319,16 +316,16 @@ fn in_sight(model: &CameraModel, x_wc: &Pose, part: &SeenPart, place: &TagPlace)
     let [Some(a), Some(b), Some(c), Some(d)] = corners else { return false };
     let inside = |[x, y]: [f64; 2]| {
         let [width, height] = [model.width, model.height].map(|size| size as f64);
-        (BORDER..width - BORDER).contains(&x) && (BORDER..height - BORDER).contains(&y)
+        (border..width - border).contains(&x) && (border..height - border).contains(&y)
     };
     let edge = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
-    (x_cg.rotation * Vector3::z()).dot(&towards) > FACING
+    (x_cg.rotation * Vector3::z()).dot(&towards) > parameters.facing
         && [a, b, c, d].into_iter().all(inside)
-        && [edge(a, b), edge(b, c), edge(c, d), edge(d, a)].into_iter().all(|edge| edge > LEGIBLE)
+        && [edge(a, b), edge(b, c), edge(c, d), edge(d, a)].into_iter().all(|edge| edge > parameters.legible)
 }
 
 /// A part that was seen by a camera at `x_wc` whose place has the covariance `error` in its own axes.
-fn sighting(part: SeenPart, x_wc: &Pose, error: &Matrix6<f64>, x_wt: Pose) -> Sighting {
+fn sighting(part: SeenPart, x_wc: &Pose, error: &Matrix6<f64>, x_wt: Pose, common: f64) -> Sighting {
     let axes: Rotation3<f64> = x_wc.rotation.to_rotation_matrix();
     let p_cp = x_wc.inverse_transform_point(&Point3::from(part.x_wp.translation.vector));
     // A camera that is turned by δθ sees a part at p as shifted by δθ × p.
@@ -336,6 +333,6 @@ fn sighting(part: SeenPart, x_wc: &Pose, error: &Matrix6<f64>, x_wt: Pose) -> Si
     jacobian.fixed_view_mut::<3, 3>(0, 0).copy_from(axes.matrix());
     jacobian.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-axes.matrix() * p_cp.coords.cross_matrix()));
     jacobian.fixed_view_mut::<3, 3>(3, 3).copy_from(axes.matrix());
-    let covariance = part.covariance * COMMON + jacobian * error * jacobian.transpose();
+    let covariance = part.covariance * common + jacobian * error * jacobian.transpose();
     Sighting { part: part.part, estimate: Estimate { x: part.x_wp, covariance }, x_wt }
 }

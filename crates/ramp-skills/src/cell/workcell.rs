@@ -1,0 +1,127 @@
+//! What every skill works with: the parts, the goal, the arm, the hand, and what is believed of the assembly.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+use nalgebra::{Point2, Point3, Vector3};
+use ramp_assembly::{Assembly, JointRef};
+use ramp_kit::Kit;
+use ramp_motion::PathPlanner;
+use ramp_robot::arm::ArmModel;
+use ramp_robot::random::Stream;
+use ramp_robot::{Cause, Event, Robot};
+
+use crate::belief::Belief;
+use crate::hand::Hand;
+use crate::parameters::Parameters;
+
+/// A point of a part: its name, and the point in its frame, m.
+pub type Point = (String, Point3<f64>);
+
+/// How a beam gets to its place: a straight motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InsertionPath {
+    /// Its direction in the assembly frame.
+    pub direction: Vector3<f64>,
+    /// Its length, m: beyond it nothing obstructs the beam.
+    pub distance: f64,
+    /// How much further than its place the beam goes at first, m.
+    pub depth: f64,
+}
+
+/// How a beam stands in the assembly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stand {
+    /// Where its ends are on the table, m in the world.
+    pub ends: [Point2<f64>; 2],
+    /// How well that is known: standard deviation, m.
+    pub deviation: f64,
+}
+
+/// What every skill works with.
+pub struct Workcell<'a, 'r> {
+    /// The parts.
+    pub kit: &'a Kit,
+    /// The goal.
+    pub assembly: &'a Assembly,
+    /// The arm.
+    pub arm: &'a ArmModel,
+    /// The motion planner.
+    pub planner: &'a PathPlanner,
+    /// The hand.
+    pub hand: Hand<'r>,
+    /// Where the parts are.
+    pub belief: Belief,
+    /// Beams that stand in the assembly, by index, the base among them.
+    pub standing: Vec<usize>,
+    /// Those of them that stand deeper than their place, by index, until they are slid forward.
+    pub deep: Vec<usize>,
+    /// Connections that are pinned, by index, and by which peg.
+    pub pinned: Vec<(usize, String)>,
+    /// How beams get to their places, by index: as the plan says.
+    pub paths: BTreeMap<usize, InsertionPath>,
+    /// Random numbers for the motion planner.
+    pub stream: Stream,
+    /// The numbers of the skills.
+    pub parameters: Arc<Parameters>,
+    /// What happened.
+    pub events: Vec<Event>,
+    /// It has been told that the wrist sensor is off.
+    pub force_told: bool,
+    /// How the beams of the assembly stood when the hand last left them, by index.
+    pub stood: BTreeMap<usize, Stand>,
+}
+
+impl<'a, 'r> Workcell<'a, 'r> {
+    /// A work cell with nothing built in it but the clamped beam. `seed` feeds the motion planner's random numbers.
+    pub fn new(
+        kit: &'a Kit,
+        assembly: &'a Assembly,
+        arm: &'a ArmModel,
+        planner: &'a PathPlanner,
+        robot: &'r mut dyn Robot,
+        seed: u64,
+        parameters: Arc<Parameters>,
+    ) -> Workcell<'a, 'r> {
+        Workcell {
+            kit,
+            assembly,
+            arm,
+            planner,
+            hand: Hand::new(robot, &parameters.hand),
+            belief: Belief::new(kit, assembly, &parameters),
+            standing: vec![assembly.base],
+            deep: Vec::new(),
+            pinned: Vec::new(),
+            paths: BTreeMap::new(),
+            stream: Stream::new(seed, "motion"),
+            parameters,
+            events: Vec::new(),
+            force_told: false,
+            stood: BTreeMap::new(),
+        }
+    }
+
+    /// Notes what happened.
+    pub fn note(&mut self, kind: &'static str, what: String) {
+        self.events.push(Event { time: self.hand.time(), kind, what });
+    }
+
+    /// Notes a cause and what tells so.
+    pub fn diagnose(&mut self, cause: Cause, why: impl fmt::Display) {
+        self.note("diagnosis", format!("{cause}: {why}"));
+    }
+
+    /// The middle of a part.
+    pub fn middle(&self, part: &str) -> Point {
+        let x = self.kit.beam(part).map_or(0.0, |beam| beam.span() / 2.0);
+        (part.to_string(), Point3::new(x, 0.0, 0.0))
+    }
+
+    /// The hole of a joint of the assembly.
+    pub fn hole(&self, joint: JointRef) -> Point {
+        let beam = &self.assembly.beams[joint.beam].beam;
+        (beam.name.clone(), beam.p_b_hole(joint.joint))
+    }
+}

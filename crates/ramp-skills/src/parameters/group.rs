@@ -1,0 +1,153 @@
+//! A group of parameters: a struct whose fields a parameter file can set, declared with their units and limits.
+
+use std::collections::BTreeMap;
+
+/// The values of a parameter file: by table and field, a single number as a list of one.
+pub type Values = BTreeMap<(String, String), Vec<f64>>;
+
+/// What one parameter is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Field {
+    /// Its name in the parameter file.
+    pub name: &'static str,
+    /// Its unit; empty for a plain number.
+    pub unit: &'static str,
+    /// What it means, and how it was found.
+    pub meaning: &'static str,
+    /// Its form.
+    pub form: Form,
+    /// The least value that it may have.
+    pub least: f64,
+    /// The largest value that it may have.
+    pub most: f64,
+}
+
+/// The form of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// A number.
+    Number,
+    /// A whole number.
+    Count,
+    /// So many numbers.
+    List(usize),
+}
+
+/// A type that a parameter can have.
+pub trait Value: Sized {
+    /// Its form.
+    const FORM: Form;
+
+    /// From the numbers of the file; `None` when they are of another form.
+    fn from_numbers(numbers: &[f64]) -> Option<Self>;
+
+    /// As in the file.
+    fn numbers(&self) -> Vec<f64>;
+}
+
+impl Value for f64 {
+    const FORM: Form = Form::Number;
+
+    fn from_numbers(numbers: &[f64]) -> Option<f64> {
+        numbers.first().copied()
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        vec![*self]
+    }
+}
+
+impl Value for usize {
+    const FORM: Form = Form::Count;
+
+    fn from_numbers(numbers: &[f64]) -> Option<usize> {
+        numbers.first().map(|number| *number as usize)
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        vec![*self as f64]
+    }
+}
+
+impl<const N: usize> Value for [f64; N] {
+    const FORM: Form = Form::List(N);
+
+    fn from_numbers(numbers: &[f64]) -> Option<[f64; N]> {
+        numbers.try_into().ok()
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        self.to_vec()
+    }
+}
+
+/// A group of parameters: one table of the parameter file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// The name of the table.
+    pub table: &'static str,
+    /// What it belongs to.
+    pub about: &'static str,
+    /// Its parameters.
+    pub fields: &'static [Field],
+    /// Their values, in the same order.
+    pub values: Vec<Vec<f64>>,
+}
+
+/// Declares a struct of parameters: each field with its type, its unit, the least and the largest value that it may have.
+macro_rules! parameters {
+    (
+        $(#[doc = $about:literal])+
+        $group:ident {
+            $(
+                $(#[doc = $meaning:literal])+
+                $field:ident: $type:ty = $unit:literal, $least:literal, $most:literal;
+            )+
+        }
+    ) => {
+        $(#[doc = $about])+
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct $group {
+            $(
+                $(#[doc = $meaning])+
+                #[doc = concat!("\n\nUnit: ", $unit, ".")]
+                pub $field: $type,
+            )+
+        }
+
+        impl $group {
+            /// What the group belongs to.
+            pub const ABOUT: &'static str = concat!($($about),+);
+
+            /// What its parameters are.
+            pub const FIELDS: &'static [$crate::parameters::group::Field] = &[
+                $(
+                    $crate::parameters::group::Field {
+                        name: stringify!($field),
+                        unit: $unit,
+                        meaning: concat!($($meaning),+),
+                        form: <$type as $crate::parameters::group::Value>::FORM,
+                        least: $least,
+                        most: $most,
+                    },
+                )+
+            ];
+
+            /// From the values of a table; `None` when one is missing.
+            pub(super) fn from_values(
+                values: &$crate::parameters::group::Values,
+                table: &str,
+            ) -> Option<$group> {
+                let get = |field: &str| values.get(&(table.to_string(), field.to_string()));
+                Some($group {
+                    $($field: $crate::parameters::group::Value::from_numbers(get(stringify!($field))?)?,)+
+                })
+            }
+
+            /// Its values, in the order of [`Self::FIELDS`].
+            pub fn values(&self) -> Vec<Vec<f64>> {
+                vec![$($crate::parameters::group::Value::numbers(&self.$field),)+]
+            }
+        }
+    };
+}

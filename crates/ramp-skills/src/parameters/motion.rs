@@ -1,0 +1,57 @@
+//! Parameters of motions through free space, of looks, and of what counts as aligned.
+
+parameters! {
+    /// Motions through free space.
+    TravelParameters {
+        /// Height of the tip while it travels. A held beam then clears the pegs that stand in the holders.
+        height: f64 = "m", 0.02, 0.6;
+        /// Distance that motions keep from everything. Chosen.
+        margin: f64 = "m", 0.0, 0.05;
+        /// Share of the arm's limits of velocity, acceleration and jerk that motions use. Chosen.
+        share: f64 = "", 0.01, 1.0;
+        /// Distance from the ends of the joints' ranges beyond which more is no better. Chosen.
+        good_margin: f64 = "rad", 0.0, 3.0;
+        /// What a radian of turning the hand counts against a radian of that distance. Chosen.
+        turn_cost: f64 = "", 0.0, 10.0;
+        /// Speed with which the hand retreats to travelling height. Chosen.
+        retreat_speed: f64 = "m/s", 0.001, 1.0;
+    }
+}
+
+parameters! {
+    /// Looks: how often, and how well a thing must be known.
+    LookParameters {
+        /// Longest series of looks. What is not known well enough by then has to be found by contact.
+        longest: f64 = "s", 0.0, 600.0;
+        /// How often a camera looks at the tag of the sheet to find out where it is. Chosen.
+        calibrating: usize = "", 0.0, 100.0;
+        /// How well a part must be known along the table before it is grasped, 1 σ. The fingers centre it, so that half a
+        /// millimetre is enough.
+        graspable: f64 = "m", 1e-5, 0.1;
+        /// How well its height must be known, 1 σ. The ribs of the fingers have 1 mm of room in a beam's slots.
+        graspable_height: f64 = "m", 1e-5, 0.1;
+        /// How well the heights of a peg and its hole must be known to tell whether the peg is seated, 1 σ. The referee asks
+        /// for 0.5 mm.
+        seated_known: f64 = "m", 1e-5, 0.1;
+        /// How well the ends of a beam must be known to tell whether it is aligned, 1 σ.
+        ends_known: f64 = "m", 1e-5, 0.1;
+    }
+}
+
+parameters! {
+    /// How far the beams and pegs of the assembly stand from where they should.
+    AlignmentParameters {
+        /// A beam this near to its place is left alone. Well below what a peg or the chamfers of a cap take.
+        good: f64 = "m", 1e-5, 0.05;
+        /// Horizontal distance between two holes that a peg still pulls together: its cone takes 1.7 mm.
+        peggable: f64 = "m", 1e-5, 0.05;
+        /// A hole this near to a peg tells nothing of how its beam is turned.
+        short: f64 = "m", 0.0, 1.0;
+        /// A beam that lies loose may be this far off its place: another one goes through it all the same.
+        displaced: f64 = "m", 1e-5, 0.1;
+        /// How well the height of a beam that stands is known, 1 σ.
+        level: f64 = "m", 1e-6, 0.1;
+        /// An upright peg this near to a hole, along the table, stands in it.
+        fallen: f64 = "m", 1e-5, 0.1;
+    }
+}

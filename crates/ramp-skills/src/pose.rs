@@ -1,0 +1,4 @@
+//! Poses.
+
+/// A rigid pose.
+pub type Pose = nalgebra::Isometry3<f64>;

@@ -1,0 +1,11 @@
+//! What all skills need: motions, looks, grips, searches.
+
+pub mod carry;
+pub mod grip;
+pub mod look;
+pub mod peg_search;
+pub mod press;
+pub mod release;
+pub mod search;
+pub mod travel;
+pub mod wrench;

@@ -1,0 +1,170 @@
+//! Searches with the tip of a held peg for the hole below it: a spiral, and a line for a peg that is tilted in the hand.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
+use ramp_kit::joint::{HEAD_HEIGHT, STEM_LENGTH, STEM_RADIUS};
+use ramp_robot::Cause;
+
+use crate::Pose;
+use crate::cell::Workcell;
+use crate::fault::SkillError;
+use crate::grasp::PEG_HEIGHT;
+use ramp_robot::PERIOD;
+
+impl Workcell<'_, '_> {
+    /// Is the tip of the held peg so far below the plate (m, in the world) that it must be in the hole?
+    pub fn is_in(&self, plate: f64) -> bool {
+        self.is_deeper(plate, self.parameters.peg_search.found)
+    }
+
+    /// Is the tip of the held peg that far (m) below the plate (m, in the world)?
+    pub fn is_deeper(&self, plate: f64, depth: f64) -> bool {
+        let tip = self.hand.x_wp_held().map(|x| (x * Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate);
+        tip.is_some_and(|tip| tip < -depth)
+    }
+
+    /// Lets the held peg down by `height` (m) and a little further, until it touches the plate (m, in the world) or is in.
+    pub fn lower(&mut self, plate: f64, height: f64) -> Result<(), SkillError> {
+        let mut down = self.hand.setpoint;
+        down.translation.z -= height + 2.0 * self.parameters.peg_search.found;
+        let tip = |x_wp: &Pose| (x_wp * Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate;
+        self.hand.drive(&down, 0.02, |hand| {
+            -hand.force().z > self.parameters.peg_search.touch
+                || hand.x_wp_held().is_some_and(|x| tip(&x) < -self.parameters.peg_search.found)
+        })?;
+        Ok(())
+    }
+
+    /// Searches for the hole along an Archimedean spiral with constant force down, until the tip drops in, for so many
+    /// seconds at most. A `wary` search soon ends when what the wrist measures cannot be the tip of an upright peg, which would come
+    /// off the plate before it came to the hole.
+    pub fn spiral(&mut self, plate: f64, longest: f64, wary: bool) -> Result<(), SkillError> {
+        let centre = self.hand.seen.x_wt.translation.vector;
+        let begin = self.hand.time();
+        let (mut angle, mut measured, mut period) = (0.0_f64, Vector6::zeros(), 0);
+        while self.hand.time() - begin < longest {
+            let radius = self.parameters.peg_search.pitch * angle / TAU;
+            angle += self.parameters.peg_search.speed * PERIOD / radius.max(0.5e-3);
+            self.slide_to(centre.x + radius * angle.cos(), centre.y + radius * angle.sin())?;
+            if self.is_in(plate) {
+                break;
+            }
+            if (self.parameters.peg_search.periods / 3..self.parameters.peg_search.periods).contains(&period)
+            {
+                measured += self.hand.wrench();
+            }
+            let beside = || self.tip_beside(&measured, plate).dot(&self.across()).abs();
+            if wary
+                && period == self.parameters.peg_search.periods
+                && beside() > STEM_RADIUS + self.parameters.peg_search.tilted_least
+            {
+                break;
+            }
+            period += 1;
+        }
+        Ok(())
+    }
+
+    /// One control period of sliding over the plate with constant force down, m in the world.
+    fn slide_to(&mut self, x: f64, y: f64) -> Result<(), SkillError> {
+        let z = self.hand.seen.x_wt.translation.z - self.parameters.peg_search.force / self.hand.stiffness.z;
+        let setpoint = &mut self.hand.setpoint.translation;
+        setpoint.x = x;
+        setpoint.y = y;
+        setpoint.z = setpoint.z.min(z);
+        self.hand.tick()?;
+        Ok(())
+    }
+
+    /// A hole that is not where it was seen: the peg may have turned between the fingers, about the axis on which they
+    /// close, where no camera sees it. Its tip is then beside the hand, along the fingers' other axis, and presses on the
+    /// plate there, which the wrist measures: takes the tip to the hole, and turns the hand until the peg stands upright.
+    /// Returns whether it did.
+    pub fn search_tilted(&mut self, connection: usize, peg: &str, plate: f64) -> Result<bool, SkillError> {
+        let mouth = self.mouth(connection)?;
+        // What turned the peg may have pressed on it while zero was taken.
+        let mut up = self.hand.setpoint;
+        up.translation.z = self.hand.seen.x_wt.translation.z + self.parameters.peg_search.lift_off;
+        self.hand.go(&up, 0.02)?;
+        self.hand.zero()?;
+        self.lower(plate, self.parameters.peg_search.lift_off)?;
+        let axis = self.across();
+        let aside = Vector3::z().cross(&axis);
+        // A tip on the edge of the hole does not press straight down: then it is measured beside the hole.
+        let mut beside = self.measure_tip(plate)?.dot(&axis);
+        if beside.abs() > self.parameters.peg_search.tilted_most {
+            let p = mouth + aside * self.parameters.peg_search.tilted_around;
+            for _ in 0..self.parameters.peg_search.periods {
+                self.slide_to(p.x, p.y)?;
+            }
+            beside = self.measure_tip(plate)?.dot(&axis);
+        }
+        if !(self.parameters.peg_search.tilted_least..self.parameters.peg_search.tilted_most)
+            .contains(&beside.abs())
+        {
+            return Ok(false);
+        }
+        let lean = beside.abs().atan2(STEM_LENGTH + HEAD_HEIGHT / 2.0).to_degrees();
+        self.diagnose(Cause::GripMoved, format!("{peg} is tilted in the hand by {lean:.0}°"));
+        let start = self.hand.seen.x_wt.translation.vector;
+        let over = mouth - axis * beside;
+        let speed = self.parameters.peg_search.tilted_speed;
+        let line = |from: Vector3<f64>, to: Vector3<f64>| {
+            let periods = ((to - from).xy().norm() / speed / PERIOD).ceil().max(1.0);
+            (0..periods as usize).map(move |period| from.lerp(&to, period as f64 / periods))
+        };
+        let ends = [
+            start,
+            over,
+            over + axis * self.parameters.peg_search.tilted_around,
+            over - axis * self.parameters.peg_search.tilted_around,
+        ];
+        for p in ends.windows(2).flat_map(|ends| line(ends[0], ends[1])) {
+            let sway = self.parameters.peg_search.tilted_sway
+                * (TAU * (p - over).dot(&axis) / self.parameters.peg_search.pitch).sin();
+            let p = p + aside * sway;
+            self.slide_to(p.x, p.y)?;
+            if self.is_in(plate) {
+                self.set_upright(peg, &mouth)?;
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Where the tip of the held peg, which is pressed on the plate at a height (m), is beside the hand: along the table,
+    /// m in the world. From force and moment at the wrist, taken over some time.
+    fn measure_tip(&mut self, plate: f64) -> Result<Vector3<f64>, SkillError> {
+        let here = self.hand.setpoint.translation.vector;
+        let mut measured = Vector6::zeros();
+        for period in 0..self.parameters.peg_search.periods {
+            self.slide_to(here.x, here.y)?;
+            if period >= self.parameters.peg_search.periods / 3 {
+                measured += self.hand.wrench();
+            }
+        }
+        Ok(self.tip_beside(&measured, plate))
+    }
+
+    /// The tip of a peg is in the hole at `mouth` (m, in the world) while the hand is beside it: turns the hand about the
+    /// hole until the peg is upright.
+    fn set_upright(&mut self, peg: &str, mouth: &Vector3<f64>) -> Result<(), SkillError> {
+        let off = self.hand.seen.x_wt.translation.vector - mouth;
+        let lean = Vector3::new(off.x, off.y, STEM_LENGTH + HEAD_HEIGHT / 2.0);
+        let Some(turn) = UnitQuaternion::rotation_between(&lean, &Vector3::z()) else { return Ok(()) };
+        self.hand.relax();
+        let about =
+            Translation3::from(Vector3::new(mouth.x, mouth.y, mouth.z - self.parameters.peg_search.found));
+        let upright = about * turn * about.inverse() * self.hand.seen.x_wt;
+        self.hand.go(&upright, 0.03)?;
+        let head = self.hand.seen.x_wt * Point3::new(0.0, 0.0, PEG_HEIGHT - HEAD_HEIGHT / 2.0);
+        let x_wp = Pose::translation(mouth.x, mouth.y, head.z - HEAD_HEIGHT / 2.0);
+        self.belief.follow(&self.hand);
+        self.belief.reckoned(peg, &x_wp);
+        if let Some(held) = &mut self.hand.held {
+            held.x_tp = self.hand.seen.x_wt.inverse() * x_wp;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,93 @@
+//! Presses a peg home: with growing force and a small circle, by its head once it stands.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Vector6;
+use ramp_kit::joint::STEM_LENGTH;
+use ramp_robot::Cause;
+
+use crate::cell::Workcell;
+use crate::fault::{Fault, SkillError};
+use crate::grasp::{PEG_WIDTH, peg_grasp};
+use ramp_robot::PERIOD;
+
+impl Workcell<'_, '_> {
+    /// Presses a peg that stands in its hole home by its head, as often as it takes.
+    ///
+    /// # Errors
+    /// [`Fault::NotSeated`] after the last try.
+    pub fn press_home(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
+        for attempt in 0.. {
+            self.see_gap(connection, peg)?;
+            let gap = self.gap(connection, peg)?;
+            if gap <= 2.0 * self.parameters.press.seated {
+                break;
+            }
+            let name = self.assembly.connections[connection].name.clone();
+            let fault = Fault::NotSeated { peg: peg.to_string(), connection: name, gap_mm: gap * 1e3 };
+            if attempt == self.parameters.press.tries {
+                return Err(fault.into());
+            }
+            self.note("retry", fault.to_string());
+            let x_wt = peg_grasp(&self.belief.pose(peg)?, 0);
+            self.grasp(peg, &x_wt, self.parameters.grip.peg_open, PEG_WIDTH)?;
+            self.hand.zero()?;
+            self.press(connection, peg)?;
+            self.release()?;
+        }
+        Ok(())
+    }
+
+    /// Presses the peg down with growing force and a small circle, until its head is home.
+    pub fn press(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
+        let begin = self.hand.time();
+        let plate = self.mouth(connection)?.z;
+        let mut centre = self.hand.seen.x_wt.translation.vector;
+        let mut force: f64 = 0.0;
+        let (mut ticks, mut measured) = (0u32, Vector6::zeros());
+        self.hand.setpoint.translation = self.hand.seen.x_wt.translation;
+        while self.hand.time() - begin < self.parameters.press.time {
+            let elapsed = self.hand.time() - begin;
+            force = (force + self.parameters.press.rate * PERIOD).min(self.parameters.press.force);
+            // Gently while it falls freely; the circle starts when it has not simply dropped home.
+            let radius = if elapsed < 1.0 { 0.0 } else { self.parameters.press.circle };
+            let phase = TAU * self.parameters.press.circle_rate * elapsed;
+            let here = self.hand.seen.x_wt.translation.vector;
+            // The centre drifts to where the hole draws the peg.
+            centre.x += (here.x - centre.x) * 0.003;
+            centre.y += (here.y - centre.y) * 0.003;
+            let lead = force / self.hand.stiffness.z;
+            // Never faster than 40 mm/s.
+            let lowest = self.hand.setpoint.translation.z - 0.04 * PERIOD;
+            let setpoint = &mut self.hand.setpoint.translation;
+            setpoint.x = centre.x + radius * phase.cos();
+            setpoint.y = centre.y + radius * phase.sin();
+            setpoint.z = (here.z - lead).max(lowest);
+            self.hand.tick()?;
+            if elapsed > self.parameters.press.time - self.parameters.press.measured {
+                measured += self.hand.wrench();
+            }
+            ticks += 1;
+            if ticks.is_multiple_of(20) {
+                self.glance()?;
+                if self.belief.pose(peg)?.translation.z - plate < 0.3 * self.parameters.press.seated {
+                    break;
+                }
+            }
+        }
+        let seconds = self.hand.time() - begin;
+        if seconds > self.parameters.press.long {
+            let gap = self.belief.pose(peg)?.translation.z - plate;
+            let beside = self.tip_beside(&measured, plate).dot(&self.across()).abs();
+            if gap > STEM_LENGTH / 2.0 && beside > self.parameters.press.beside {
+                self.diagnose(
+                    Cause::GripMoved,
+                    format!("{peg} presses {:.0} mm beside the hand", beside * 1e3),
+                );
+            } else {
+                self.diagnose(Cause::Jam, format!("{peg} was pressed for {seconds:.1} s"));
+            }
+        }
+        Ok(())
+    }
+}

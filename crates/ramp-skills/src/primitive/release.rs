@@ -1,0 +1,152 @@
+//! Lets go of what is held, so that it stays where it is.
+
+use nalgebra::Vector3;
+
+use crate::Pose;
+use crate::cell::Workcell;
+use crate::fault::SkillError;
+use crate::grasp::{BEAM_WIDTH, hand_down};
+
+impl Workcell<'_, '_> {
+    /// Lets go of what is held and retreats straight up.
+    ///
+    /// # Errors
+    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
+    pub fn release(&mut self) -> Result<(), SkillError> {
+        self.hand.relax();
+        if self.hand.held.as_ref().is_some_and(|held| self.kit.beam(&held.part).is_some()) {
+            self.straighten()?;
+        }
+        let held = self.hand.held.take();
+        self.belief.update(&mut self.hand)?;
+        if let Some(held) = &held {
+            self.belief.released(&held.part);
+        }
+        let beam = held.as_ref().filter(|held| self.kit.beam(&held.part).is_some());
+        let Some(held) = beam else {
+            self.hand.grip(self.parameters.grip.peg_open, self.parameters.grip.opening_force)?;
+            self.belief.update(&mut self.hand)?;
+            return self.lift_off(f64::INFINITY).map(|_| ());
+        };
+        for attempt in 0..=self.parameters.release.again {
+            self.hand.grip(self.parameters.grip.beam_release, self.parameters.grip.opening_force)?;
+            self.belief.update(&mut self.hand)?;
+            // The beam may have followed one finger: go back to its middle, so that neither rib hangs on it.
+            let middle = self.belief.pose(&held.part)? * held.x_tp.inverse();
+            let here = self.hand.setpoint;
+            let mut over = here;
+            over.translation.x = middle.translation.x;
+            over.translation.y = middle.translation.y;
+            // A finger that meets the beam shows that it is not where it is believed: its rib would lift it.
+            if self
+                .hand
+                .drive(&over, 0.02, |hand| hand.force().norm() > self.parameters.release.beside_limit)?
+            {
+                self.hand.go(&here, 0.02)?;
+            }
+            let low = self.hand.setpoint;
+            let limit = if attempt < self.parameters.release.again {
+                self.parameters.release.beside_limit
+            } else {
+                f64::INFINITY
+            };
+            if self.lift_off(limit)? {
+                break;
+            }
+            self.note("retry", format!("let go of {}, which hangs on a finger", held.part));
+            self.hand.relax();
+            // A rib that has left its slot meets the beam on the way back: then the hand is free to retreat.
+            if !self.hand.drive(&low, 0.05, |hand| -hand.force().z > self.parameters.release.beside_limit)? {
+                self.hand.go(&here, 0.05)?;
+                self.centre_ribs()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Turns a hand that leans straight down again: it leans when the beam in it has turned and was made level, and then its
+    /// ribs are tilted in the beam's slots, which follow a finger that opens. A resistance stops the turn: the fingers open anyway.
+    fn straighten(&mut self) -> Result<(), SkillError> {
+        let lean = |x_wt: &Pose| (x_wt.rotation * Vector3::z()).angle(&-Vector3::z());
+        if lean(&self.hand.setpoint) < self.parameters.carry.tilted {
+            return Ok(());
+        }
+        let Some(mut held) = self.hand.held.clone() else { return Ok(()) };
+        let x_wp = self.belief.pose(&held.part)?;
+        // A beam that is held firmly turns along with the hand.
+        self.hand.grip(BEAM_WIDTH - self.parameters.grip.squeeze, self.parameters.release.loose_grip)?;
+        // What is left holds against it: turned further until the hand is straight, not only where it is told to be.
+        for _ in 0..self.parameters.release.straightenings {
+            let seen = self.hand.seen.x_wt;
+            if lean(&seen) < self.parameters.release.straight {
+                break;
+            }
+            let across = seen.rotation * Vector3::x();
+            let straight = Pose::from_parts(seen.translation, hand_down(across.y.atan2(across.x)));
+            let target = self.hand.corrected(&seen, &straight);
+            if self
+                .hand
+                .drive(&target, 0.02, |hand| hand.force().norm() > self.parameters.release.straighten_limit)?
+            {
+                break;
+            }
+            self.hand.wait(0.1)?;
+        }
+        self.hand.relax();
+        // The hand has turned, and the beam has stayed.
+        self.belief.expect(
+            &held.part,
+            x_wp,
+            (self.parameters.release.stayed_position, self.parameters.release.stayed_rotation),
+        );
+        held.x_tp = self.hand.seen.x_wt.inverse() * x_wp;
+        self.hand.held = Some(held);
+        Ok(())
+    }
+
+    /// Lifts the hand off what it let go of, while it meets no more than `limit` (N). Returns whether it is off.
+    fn lift_off(&mut self, limit: f64) -> Result<bool, SkillError> {
+        let mut up = self.hand.setpoint;
+        up.translation.z += self.parameters.release.lift_off;
+        let before = self.hand.force();
+        if self.hand.drive(&up, 0.2, |hand| (hand.force() - before).norm() > limit)? {
+            return Ok(false);
+        }
+        self.belief.update(&mut self.hand)?;
+        Ok(true)
+    }
+
+    /// Closes on the beam between the fingers, loosely, and brings their ribs to the middle of its slots: on one that presses
+    /// against the upper edge of its slot the beam hangs by friction, and follows that finger however far it opens.
+    fn centre_ribs(&mut self) -> Result<(), SkillError> {
+        self.hand.grip(BEAM_WIDTH - self.parameters.grip.squeeze, self.parameters.release.loose_grip)?;
+        let mut down = self.hand.setpoint;
+        down.translation.z -= self.parameters.release.slot_depth;
+        // Ribs that stand on the edges of the slots come in on the way down.
+        self.hand.drive(&down, 0.01, |hand| {
+            hand.seen.width < BEAM_WIDTH + self.parameters.release.in_slot / 2.0
+        })?;
+        self.hand.relax();
+        self.hand.grip(BEAM_WIDTH + self.parameters.release.in_slot, self.parameters.grip.opening_force)?;
+        self.hand.zero()?;
+        down.translation.z = self.hand.setpoint.translation.z - self.parameters.release.slot_depth;
+        self.hand.drive(&down, 0.01, |hand| -hand.force().z > self.parameters.release.slot_limit)?;
+        self.hand.relax();
+        let mut middle = self.hand.setpoint;
+        middle.translation.z += self.parameters.release.slot_room;
+        self.hand.go(&middle, 0.01)
+    }
+
+    /// Lets the free end of a held beam down on the table before the fingers open: one that fell would hang on them,
+    /// and follow them.
+    pub fn settle(&mut self, beam: usize) -> Result<(), SkillError> {
+        let name = self.assembly.beams[beam].beam.name.clone();
+        let x_wb = self.belief.pose(&name)?;
+        let Some(drooped) = self.drooped(beam, &x_wb) else { return Ok(()) };
+        let down = self.hand.corrected(&x_wb, &drooped);
+        self.hand.zero()?;
+        self.hand.drive(&down, 0.02, |hand| -hand.force().z > self.parameters.release.table_limit)?;
+        self.hand.wait(0.1)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,138 @@
+//! Compliant search: what an insertion does when it stalls on an edge.
+//!
+//! A touch of the sleeve's floor tells the height. Then the arm pushes the beam softly along its insertion path. While the
+//! beam stands still, the arm sweeps it across that path with growing amplitude, until it slips off the edge.
+
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
+use ramp_assembly::JointRef;
+use ramp_kit::joint::{self, BODY_WIDTH, EXTRUSION, FEMALE_HEIGHT};
+
+use crate::Pose;
+use crate::cell::Workcell;
+use crate::fault::SkillError;
+use crate::parameters::contact::ComplianceParameters;
+
+impl Workcell<'_, '_> {
+    /// The motion of a search through sleeves that little holds, or through others.
+    pub fn compliance(&self, loose: bool) -> ComplianceParameters {
+        let (loosely, firmly) = (&self.parameters.search_loose, &self.parameters.search_sleeve);
+        if loose { loosely.clone() } else { firmly.clone() }
+    }
+
+    /// How much higher than believed a beam is to go through a sleeve, m: backs off from the edge that it stands on,
+    /// lowers the beam on the sleeve's floor, and compares. 0 when that tells nothing.
+    pub fn touch_floor(
+        &mut self,
+        part: &str,
+        sleeve: JointRef,
+        direction: &Vector3<f64>,
+    ) -> Result<f64, SkillError> {
+        let hole = self.belief.hole(self.assembly, sleeve)?;
+        let inside = |x_wp: &Pose| Point3::new(x_wp.inverse_transform_point(&hole).x, 0.0, 0.0);
+        if self.belief.deviation(part, &inside(&self.belief.pose(part)?))[1] < self.parameters.search.trusted
+        {
+            return Ok(0.0);
+        }
+        let mut back = self.hand.setpoint;
+        back.translation.vector =
+            self.hand.seen.x_wt.translation.vector - direction * self.parameters.search.touch_back;
+        self.hand.go(&back, self.parameters.search.speed)?;
+        self.hand.wait(0.1)?;
+        self.hand.zero()?;
+        let mut down = self.hand.setpoint;
+        down.translation.z -= 2.0 * self.parameters.search.touch_depth;
+        let touched = self.hand.drive(&down, self.parameters.search.touch_speed, |hand| {
+            -hand.force().z > self.parameters.search.touch_force
+        })?;
+        self.glance()?;
+        let x_wp = self.belief.pose(part)?;
+        let believed = (x_wp * inside(&x_wp)).z;
+        self.hand.go(&back, self.parameters.search.speed)?;
+        self.hand.wait(0.1)?;
+        // On the floor lies the extrusion, or a joint's body.
+        let floor = (FEMALE_HEIGHT - BODY_WIDTH) / 2.0 - joint::CLEARANCE;
+        let off = [EXTRUSION, BODY_WIDTH].map(|width| believed - (floor + width / 2.0));
+        let off = off.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or_default();
+        if !touched || off.abs() > self.parameters.search.touch_depth / 2.0 {
+            return Ok(0.0);
+        }
+        self.note("search", format!("{part} touched the floor {:.2} mm off", off * 1e3));
+        Ok(off)
+    }
+
+    /// Searches compliantly with a stalled beam: a light push along the insertion path, and a slow swing of growing size
+    /// across it, up and down, and about both, until the beam slips off the edge. An unchamfered edge (thru-m) stops dead
+    /// unless it meets its female within 0.3 mm. Returns the longest time for which the beam stood still, s.
+    pub fn compliant_search(
+        &mut self,
+        part: &str,
+        goal: &Pose,
+        direction: &Vector3<f64>,
+        compliance: &ComplianceParameters,
+    ) -> Result<f64, SkillError> {
+        let begin = self.hand.time();
+        let across = Vector3::z().cross(direction);
+        let (mut stalled_since, mut stood) = (begin, 0.0_f64);
+        let mut looked = begin;
+        let mut best = self.remaining(part, goal, direction)?;
+        let mut paced = (begin, best);
+        // The line of the insertion path, as a correction of the setpoint that each look renews.
+        let mut line = self.hand.setpoint;
+        let mut ticks = 0u32;
+        while self.hand.time() - begin < self.parameters.search.longest {
+            if ticks.is_multiple_of(20) {
+                // A part that does not move may have moved in the hand.
+                if stalled_since.max(looked) + self.parameters.search.look_every < self.hand.time() {
+                    self.belief.update(&mut self.hand)?;
+                    looked = self.hand.time();
+                } else {
+                    self.glance()?;
+                }
+                let x_wp = self.belief.pose(part)?;
+                let remaining = self.remaining(part, goal, direction)?;
+                if remaining < compliance.near {
+                    break;
+                }
+                if self.hand.time() - paced.0 > self.parameters.search.pace_time {
+                    if paced.1 - remaining < self.parameters.search.pace_distance {
+                        break;
+                    }
+                    paced = (self.hand.time(), remaining);
+                }
+                stood = stood.max(self.hand.time() - stalled_since);
+                if remaining < best - self.parameters.search.progress {
+                    best = remaining;
+                    stalled_since = self.hand.time();
+                }
+                // Where the tip would be with the part on the line, as far along as it is now.
+                let on_line = Translation3::from(direction * -remaining) * goal;
+                line = on_line * x_wp.inverse() * self.hand.seen.x_wt;
+            }
+            ticks += 1;
+            let time = self.hand.time() - begin;
+            let stalled = self.hand.time() - stalled_since;
+            // Straight on while it moves; then a swing that grows, and begins small again.
+            let grown = ((stalled - self.parameters.search.patience).max(0.0) % self.parameters.search.cycle
+                / self.parameters.search.growth)
+                .min(1.0);
+            let swings = if stalled < self.parameters.search.patience { 0.0 } else { 1.0 };
+            let wave = |hertz: f64| (std::f64::consts::TAU * hertz * time).sin();
+            let swing =
+                |[begin, end]: [f64; 2], hertz: f64| swings * (begin + (end - begin) * grown) * wave(hertz);
+            let lead = compliance.force / self.hand.stiffness.x;
+            let shift = direction * lead
+                + across * swing(compliance.across, compliance.across_rate)
+                + Vector3::z() * swing(compliance.up, compliance.up_rate);
+            let yaw = compliance.yaw * grown * wave(compliance.yaw_rate);
+            let roll = compliance.roll * grown * wave(compliance.roll_rate);
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw)
+                * UnitQuaternion::from_scaled_axis(across * roll);
+            self.hand.setpoint =
+                Pose::from_parts(Translation3::from(line.translation.vector + shift), turn * line.rotation);
+            self.hand.tick()?;
+        }
+        let seconds = self.hand.time() - begin;
+        self.note("search", format!("{part}: compliant search for {seconds:.1} s"));
+        Ok(stood)
+    }
+}

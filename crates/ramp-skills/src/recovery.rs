@@ -1,0 +1,133 @@
+//! What the agent does beside its plan: it aligns beams, and puts the work cell in order after a fault.
+
+use nalgebra::Vector3;
+use ramp_planner::{FineAction, Item};
+use ramp_robot::RobotError;
+
+use crate::cell::Workcell;
+use crate::fault::{Fault, SkillError};
+use crate::skill::Call;
+use crate::table::SkillTable;
+
+/// Pushes a standing beam to its place, by the reachable link that is nearest to its free end.
+fn align(skills: &SkillTable, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
+    cell.retreat()?;
+    let link = cell.nearest_link(beam)?;
+    let push = FineAction::Push { beam: cell.assembly.beams[beam].beam.name.clone(), link };
+    skills.perform(cell, &Call::alone(&push))?;
+    cell.retreat()
+}
+
+/// Before a peg is fetched: looks at the holes of a connection, and pushes its beams until a peg would go in. A peg pulls
+/// two holes together that are up to 1.7 mm apart, and jams on the male beyond that.
+///
+/// # Errors
+/// [`Fault::Misaligned`] when the holes stay too far apart, or what stopped a push.
+pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) -> Result<(), SkillError> {
+    let connection = &cell.assembly.connections[connection];
+    let holes = [cell.hole(connection.female), cell.hole(connection.male)];
+    cell.see(&holes, cell.parameters.agent.holes_known)?;
+    cell.diagnose_standing();
+    let offset = cell.belief.offset(cell.assembly, connection)?;
+    if offset <= cell.parameters.alignment.peggable {
+        return Ok(());
+    }
+    let misaligned =
+        |offset: f64| Fault::Misaligned { connection: connection.name.clone(), offset_mm: offset * 1e3 };
+    cell.note("fault", misaligned(offset).to_string());
+    // Beams that have swung about their only peg drag along what is joined to them: they are aligned first, then the two
+    // beams themselves.
+    let mut beams = cell.swung()?;
+    let sides = [connection.female.beam, connection.male.beam];
+    beams.extend(sides.into_iter().filter(|beam| *beam != cell.assembly.base));
+    for beam in beams {
+        align(skills, cell, beam)?;
+        cell.see(&holes, cell.parameters.agent.holes_known)?;
+        cell.remember_standing(&[beam]);
+        if cell.belief.offset(cell.assembly, connection)? <= cell.parameters.alignment.peggable {
+            return Ok(());
+        }
+    }
+    Err(misaligned(cell.belief.offset(cell.assembly, connection)?).into())
+}
+
+/// Pushes beams that lie loose in the assembly and were displaced back to their places. The planner knows beams by what
+/// they meet, and such a beam meets nothing yet.
+fn realign(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
+    for beam in cell.displaced()? {
+        align(skills, cell, beam)?;
+        cell.remember_standing(&[beam]);
+    }
+    Ok(())
+}
+
+/// Puts back what the hand holds, if it holds anything.
+fn put_down(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
+    let Some(part) = cell.hand.held.as_ref().map(|held| held.part.clone()) else { return Ok(()) };
+    let item = if cell.kit.beam(&part).is_some() { Item::Beam(part) } else { Item::Peg(part) };
+    skills.perform(cell, &Call::alone(&FineAction::PutDown { item }))
+}
+
+/// Notes a fault and goes on; only the robot's own error ends the work.
+fn note_fault(cell: &mut Workcell, result: Result<(), SkillError>) -> Result<bool, RobotError> {
+    match result {
+        Err(SkillError::Robot(error)) => Err(error),
+        Err(error) => {
+            cell.note("fault", error.to_string());
+            Ok(false)
+        }
+        Ok(()) => Ok(true),
+    }
+}
+
+/// After a fault: puts back what is held, or lets it go where it is, retreats, realigns what lies loose, and seats
+/// pegs that fell into holes. Adds to `lost` the pegs that no hand can fetch any more; `refused` is one that could not be
+/// gripped.
+///
+/// # Errors
+/// The robot's.
+pub fn recover(
+    skills: &SkillTable,
+    cell: &mut Workcell,
+    refused: Option<&str>,
+    lost: &mut Vec<String>,
+) -> Result<(), RobotError> {
+    let done = put_down(skills, cell);
+    note_fault(cell, done)?;
+    let done = cell.release();
+    note_fault(cell, done)?;
+    let done = cell.retreat();
+    note_fault(cell, done)?;
+    cell.belief.update(&mut cell.hand)?;
+    let done = realign(skills, cell);
+    note_fault(cell, done)?;
+    let kit = cell.kit;
+    for peg in &kit.pegs {
+        if cell.pinned.iter().any(|(_, name)| *name == peg.name) {
+            continue;
+        }
+        let Ok(Some(connection)) = cell.fallen_into(&peg.name) else { continue };
+        let name = &cell.assembly.connections[connection].name;
+        cell.note("retry", format!("{} has fallen into the hole of {name}", peg.name));
+        let done = cell.press_home(connection, &peg.name);
+        if note_fault(cell, done)? {
+            cell.pinned.push((connection, peg.name.clone()));
+        }
+    }
+    for peg in &kit.pegs {
+        let pinned = cell.pinned.iter().any(|(_, name)| *name == peg.name);
+        let upright = cell.belief.pose(&peg.name).is_ok_and(|x_wp| {
+            let in_holder = kit.x_wp_start(peg).is_some_and(|start| {
+                (start.translation.vector - x_wp.translation.vector).norm()
+                    < cell.parameters.agent.peg_strayed
+            });
+            in_holder && (x_wp.rotation * Vector3::z()).z > 0.99
+        });
+        let usable = upright && refused != Some(peg.name.as_str());
+        if !pinned && !usable && !lost.contains(&peg.name) {
+            cell.note("fault", Fault::Lost { peg: peg.name.clone() }.to_string());
+            lost.push(peg.name.clone());
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,155 @@
+//! Inserts a male of the held beam into the assembly.
+
+use nalgebra::Translation3;
+use ramp_robot::Cause;
+
+use super::contract::{ActionKind, Call, Effect, Need, Skill};
+use super::insertion::Insertion;
+use crate::Pose;
+use crate::cell::Workcell;
+use crate::fault::{Fault, SkillError};
+use crate::parameters::Parameters;
+use crate::parameters::insertions::AssembleParameters;
+
+/// Inserts a male of the held beam into the assembly, along the beam's insertion path: square, at an angle, through
+/// sleeves, or deeper than its place.
+#[derive(Clone)]
+pub struct Assemble {
+    parameters: AssembleParameters,
+    insertion: Insertion,
+}
+
+impl Skill for Assemble {
+    fn name(&self) -> &str {
+        "assemble"
+    }
+
+    fn serves(&self) -> &[ActionKind] {
+        &[
+            ActionKind::AssembleSquare,
+            ActionKind::AssembleAngled,
+            ActionKind::AssembleThrough,
+            ActionKind::AssembleDeep,
+        ]
+    }
+
+    fn needs(&self) -> &[Need] {
+        &[Need::HoldsPart, Need::InsertionPath]
+    }
+
+    fn parameters(&self) -> &[&'static str] {
+        &["assemble", "insertion", "search"]
+    }
+
+    fn expects(&self) -> &[Effect] {
+        &[Effect::BeamStands, Effect::HandEmpty]
+    }
+
+    fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
+        let beam = call.beam(cell)?;
+        self.insertion.tries(cell, beam, |cell, attempt| self.once(cell, beam, attempt))
+    }
+
+    fn let_go(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
+        let beam = call.beam(cell)?;
+        self.insertion.let_go(cell, beam)
+    }
+}
+
+impl Assemble {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> Assemble {
+        Assemble { parameters: parameters.assemble.clone(), insertion: Insertion::new(parameters) }
+    }
+
+    fn once(&self, cell: &mut Workcell, beam: usize, attempt: usize) -> Result<(), SkillError> {
+        let name = cell.assembly.beams[beam].beam.name.clone();
+        let stands = cell.assembly.beams[beam].beam.stands_at_assembled_height();
+        let height = if stands { self.parameters.height } else { 0.0 };
+        let mut aim = self.insertion.begin(cell, beam, height, attempt)?;
+        let loose = !aim.loose.is_empty();
+        let limit = if loose { self.parameters.loose_limit } else { self.parameters.limit };
+        cell.glance()?;
+        let mut target = cell.hand.corrected(&cell.belief.pose(&name)?, &aim.goal);
+        target.translation.z += height;
+        let pushed = self.insertion.push_in(cell, beam, &aim, &target, limit)?;
+        if pushed.stopped {
+            let direction = aim.direction;
+            let mut remaining = cell.remaining(&name, &aim.goal, &direction)?;
+            let met =
+                format!("{name} meets {:.0} N {:.1} mm before its place", pushed.force, remaining * 1e3);
+            let mut stuck = remaining > cell.parameters.search.home;
+            if remaining > cell.parameters.search.home {
+                let sleeve = cell.sleeves(beam).next();
+                if let Some(sleeve) = sleeve {
+                    aim.goal.translation.z += cell.touch_floor(&name, sleeve, &direction)?;
+                }
+                let stood = cell.compliant_search(&name, &aim.goal, &direction, &cell.compliance(loose))?;
+                remaining = cell.remaining(&name, &aim.goal, &direction)?;
+                // The search gets past edges. What holds a beam for longer is an obstacle.
+                stuck = stood > cell.parameters.insertion.stuck || remaining > cell.parameters.search.home;
+            }
+            if stuck {
+                cell.diagnose(Cause::Jam, met);
+            }
+            if remaining > cell.parameters.search.home {
+                return self.insertion.back_out(cell, beam, &direction, remaining, pushed.force);
+            }
+        }
+        self.seat(cell, beam, &aim.goal, height, limit, loose)
+    }
+
+    /// Brings a held beam that is in its joints all the way to `goal`, as sight says: what remains is mostly a fraction
+    /// of a millimetre, and otherwise a case for the compliant search.
+    fn seat(
+        &self,
+        cell: &mut Workcell,
+        beam: usize,
+        goal: &Pose,
+        height: f64,
+        limit: f64,
+        loose: bool,
+    ) -> Result<(), SkillError> {
+        let name = cell.assembly.beams[beam].beam.name.clone();
+        let direction = cell.insertion_direction(beam, goal)?;
+        for _ in 0..cell.parameters.insertion.tries {
+            let x_wp = cell.belief.pose(&name)?;
+            let fine = cell.hand.corrected(&x_wp, &(Translation3::new(0.0, 0.0, height) * goal));
+            cell.hand.drive(&fine, 0.01, |hand| hand.force().norm() > limit)?;
+            cell.hand.wait(0.15)?;
+            cell.see(&[cell.middle(&name)], cell.parameters.insertion.known)?;
+            let remaining = cell.remaining(&name, goal, &direction)?;
+            if remaining < cell.parameters.search.home {
+                return Ok(());
+            }
+            cell.note("retry", format!("insert {name}, {:.1} mm short", remaining * 1e3));
+            cell.compliant_search(&name, goal, &direction, &cell.compliance(loose))?;
+        }
+        let (remaining, force) =
+            (cell.remaining(&name, goal, &direction)?, cell.hand.force().dot(&direction));
+        if remaining < 2.0 * cell.parameters.search.home {
+            return Ok(());
+        }
+        Err(Fault::Jammed { part: name, remaining_mm: remaining * 1e3, force }.into())
+    }
+
+    /// Grasps a beam that stands short of its place on its insertion path, and moves it there.
+    ///
+    /// # Errors
+    /// [`Fault::Jammed`], or what stopped the motion.
+    pub fn reinsert(&self, cell: &mut Workcell, beam: usize, s: f64) -> Result<(), SkillError> {
+        let name = cell.assembly.beams[beam].beam.name.clone();
+        cell.grasp_standing(beam, s)?;
+        let goal = cell.target(beam)?;
+        let direction = cell.insertion_direction(beam, &goal)?;
+        let loose = !cell.loose_sleeves(beam, 1).is_empty();
+        cell.hand.zero()?;
+        cell.compliant_search(&name, &goal, &direction, &cell.compliance(loose))?;
+        let limit = if loose { self.parameters.loose_limit } else { self.parameters.limit };
+        let seated = self.seat(cell, beam, &goal, 0.0, limit, loose);
+        cell.settle(beam)?;
+        cell.release()?;
+        cell.reckon_heights(beam);
+        seated
+    }
+}

@@ -1,0 +1,168 @@
+//! Pins two joints with a peg: touch, search, press, check, try again.
+
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use ramp_kit::joint::STEM_LENGTH;
+use ramp_robot::Cause;
+
+use super::contract::{ActionKind, Call, Effect, Need, Skill};
+use crate::Pose;
+use crate::cell::Workcell;
+use crate::fault::{Fault, SkillError};
+use crate::grasp::PEG_HEIGHT;
+use crate::parameters::Parameters;
+use crate::parameters::skills::FastenParameters;
+
+/// Pins two joints with the held peg.
+#[derive(Clone)]
+pub struct Fasten {
+    parameters: FastenParameters,
+}
+
+impl Skill for Fasten {
+    fn name(&self) -> &str {
+        "fasten"
+    }
+
+    fn serves(&self) -> &[ActionKind] {
+        &[ActionKind::Fasten]
+    }
+
+    fn needs(&self) -> &[Need] {
+        &[Need::HoldsPart]
+    }
+
+    fn parameters(&self) -> &[&'static str] {
+        &["fasten", "peg_search", "press"]
+    }
+
+    fn expects(&self) -> &[Effect] {
+        &[Effect::PegSeated, Effect::HandEmpty]
+    }
+
+    fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
+        let connection = call.connection(cell)?;
+        self.fasten(cell, connection)
+    }
+}
+
+impl Fasten {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> Fasten {
+        Fasten { parameters: parameters.fasten.clone() }
+    }
+
+    /// Pins a connection with the held peg, which is over its hole, and lets go of it.
+    ///
+    /// # Errors
+    /// [`Fault::HoleNotFound`] or [`Fault::NotSeated`] after the last try.
+    fn fasten(&self, cell: &mut Workcell, connection: usize) -> Result<(), SkillError> {
+        let Some(peg) = cell.hand.held.as_ref().map(|held| held.part.clone()) else {
+            return Err(Fault::NotHeld { part: "the peg".into() }.into());
+        };
+        cell.hand.relax();
+        let mut last = None;
+        for attempt in 0..self.parameters.tries {
+            match self.fasten_once(cell, connection, &peg) {
+                Err(SkillError::Fault(fault @ Fault::NotHeld { .. })) => return Err(fault.into()),
+                Err(SkillError::Fault(fault)) => {
+                    cell.note("fault", fault.to_string());
+                    // The hole is where it was seen, so the tip cannot be where it is believed to be.
+                    let lost = matches!(fault, Fault::HoleNotFound { .. });
+                    cell.diagnose(if lost { Cause::GripMoved } else { Cause::Jam }, &fault);
+                    last = Some(fault);
+                }
+                Err(error) => return Err(error),
+                Ok(()) => {
+                    last = None;
+                    break;
+                }
+            }
+            if attempt + 1 < self.parameters.tries {
+                // Up and out of the hole, look again, and once more.
+                let mut up = cell.hand.setpoint;
+                up.translation.z =
+                    cell.mouth(connection)?.z + cell.parameters.peg_search.over + STEM_LENGTH + PEG_HEIGHT;
+                cell.hand.go(&up, 0.05)?;
+                cell.note(
+                    "retry",
+                    format!("fasten {} with {peg}", cell.assembly.connections[connection].name),
+                );
+            }
+        }
+        if let Some(fault) = last {
+            return Err(fault.into());
+        }
+        cell.release()?;
+        // Letting go may draw a peg up a little.
+        cell.press_home(connection, &peg)
+    }
+
+    fn fasten_once(&self, cell: &mut Workcell, connection: usize, peg: &str) -> Result<(), SkillError> {
+        let name = cell.assembly.connections[connection].name.clone();
+        cell.check_grip(peg)?;
+        // Upright over the hole, as exactly as the eyes allow.
+        cell.see(
+            &[cell.hole(cell.assembly.connections[connection].female)],
+            cell.parameters.peg_search.hole_known,
+        )?;
+        cell.see(&[cell.middle(peg)], self.parameters.known)?;
+        cell.diagnose_standing();
+        for _ in 0..3 {
+            cell.glance()?;
+            let x_wp = cell.belief.pose(peg)?;
+            let mouth = cell.mouth(connection)?;
+            let x = x_wp.rotation * Vector3::x();
+            let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), x.y.atan2(x.x));
+            let goal = Pose::from_parts(
+                Translation3::new(mouth.x, mouth.y, mouth.z + cell.parameters.peg_search.over + STEM_LENGTH),
+                yaw,
+            );
+            let off = (goal.translation.vector - x_wp.translation.vector).norm();
+            if off < 0.1e-3 && goal.rotation.angle_to(&x_wp.rotation) < 0.002 {
+                break;
+            }
+            cell.hand.correct(&x_wp, &goal, 0.05)?;
+            cell.hand.wait(0.1)?;
+        }
+        cell.hand.zero()?;
+        let plate = cell.mouth(connection)?.z;
+        cell.check_grip(peg)?;
+        cell.lower(plate, cell.parameters.peg_search.over)?;
+        if !cell.is_in(plate) {
+            let (begin, mut upright) = (cell.hand.time(), false);
+            cell.spiral(plate, self.parameters.near_time, true)?;
+            if !cell.is_in(plate) {
+                upright = cell.search_tilted(connection, peg, plate)?;
+            }
+            if !cell.is_in(plate) {
+                cell.spiral(plate, self.parameters.search_time, false)?;
+            }
+            let seconds = cell.hand.time() - begin;
+            cell.note("search", format!("spiral at {name}, {seconds:.1} s"));
+            if seconds > self.parameters.near_time
+                && cell.is_deeper(plate, 0.5 * cell.parameters.peg_search.found)
+                && !upright
+            {
+                let words = format!("{peg} went into {name} only after {seconds:.0} s");
+                cell.diagnose(Cause::GripMoved, words);
+            }
+        }
+        if !cell.is_deeper(plate, 0.5 * cell.parameters.peg_search.found) {
+            return Err(Fault::HoleNotFound { peg: peg.to_string(), connection: name }.into());
+        }
+        cell.press(connection, peg)?;
+        for joint in
+            [cell.assembly.connections[connection].female, cell.assembly.connections[connection].male]
+        {
+            let (beam, _) = cell.hole(joint);
+            cell.belief.bumped(&beam, (self.parameters.bump, self.parameters.bump_turn.to_radians()));
+        }
+        cell.see_gap(connection, peg)?;
+        let gap = cell.gap(connection, peg)?;
+        // Only what is sure: there is a better look when the hand is off.
+        if gap > cell.parameters.press.seated + 2.0 * cell.gap_deviation(connection, peg) {
+            return Err(Fault::NotSeated { peg: peg.to_string(), connection: name, gap_mm: gap * 1e3 }.into());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,172 @@
+//! What all insertions of a held beam share: the tries, the start, the push, the retreat.
+
+use nalgebra::{Translation3, Vector3};
+
+use crate::Pose;
+use crate::cell::Workcell;
+use crate::fault::{Fault, SkillError};
+use crate::parameters::Parameters;
+use crate::parameters::insertions::InsertionParameters;
+
+/// What all insertions share.
+#[derive(Clone)]
+pub struct Insertion {
+    parameters: InsertionParameters,
+}
+
+/// An insertion that is to be pushed in.
+pub struct Aim {
+    /// Where the beam is to end, in the world.
+    pub goal: Pose,
+    /// The direction of the insertion: a unit vector, axes of the world.
+    pub direction: Vector3<f64>,
+    /// Beams, by name, that the beam passes through and that little holds.
+    pub loose: Vec<String>,
+}
+
+/// How a push ended.
+pub struct Pushed {
+    /// It met more force than its limit.
+    pub stopped: bool,
+    /// The force against it at its end, N.
+    pub force: f64,
+}
+
+impl Insertion {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> Insertion {
+        Insertion { parameters: parameters.insertion.clone() }
+    }
+
+    /// Tries up to [`InsertionParameters::tries`] times, until one try succeeds.
+    ///
+    /// # Errors
+    /// The fault of the last try; at once [`Fault::NotHeld`] and the robot's errors.
+    pub fn tries(
+        &self,
+        cell: &mut Workcell,
+        beam: usize,
+        mut once: impl FnMut(&mut Workcell, usize) -> Result<(), SkillError>,
+    ) -> Result<(), SkillError> {
+        let name = cell.assembly.beams[beam].beam.name.clone();
+        cell.hand.relax();
+        let mut last = None;
+        for attempt in 0..self.parameters.tries {
+            if attempt > 0 {
+                cell.note("retry", format!("insert {name}, try {}", attempt + 1));
+            }
+            match once(cell, attempt) {
+                Err(SkillError::Fault(fault @ Fault::NotHeld { .. })) => return Err(fault.into()),
+                Err(SkillError::Fault(fault)) => last = Some(fault),
+                Err(error) => return Err(error),
+                Ok(()) => {
+                    last = None;
+                    break;
+                }
+            }
+            // A sleeve that was displaced must be realigned first.
+            if !cell.displaced()?.is_empty() {
+                break;
+            }
+        }
+        last.map_or(Ok(()), |fault| Err(fault.into()))
+    }
+
+    /// Looks at the joints that are to meet, and brings the held beam to where its insertion begins, `height` (m) over
+    /// its insertion path and at least a little.
+    ///
+    /// # Errors
+    /// [`Fault::NotHeld`], [`Fault::NoPath`], [`Fault::Unseen`], or what stopped the motion.
+    pub fn begin(
+        &self,
+        cell: &mut Workcell,
+        beam: usize,
+        height: f64,
+        attempt: usize,
+    ) -> Result<Aim, SkillError> {
+        let name = cell.assembly.beams[beam].beam.name.clone();
+        cell.see(&cell.meeting(beam), self.parameters.known)?;
+        if attempt == 0 {
+            cell.diagnose_standing();
+        }
+        cell.check_grip(&name)?;
+        let place = cell.target(beam)?;
+        let direction = cell.insertion_direction(beam, &place)?;
+        let goal = Translation3::from(direction * cell.path(beam)?.depth) * place;
+        cell.bring_to(
+            &name,
+            &cell.insertion_start(beam, if attempt == 0 { self.parameters.clear } else { 0.0 })?,
+        )?;
+        cell.bring_to(&name, &cell.insertion_start(beam, height.max(self.parameters.lowest))?)?;
+        cell.hand.zero()?;
+        // A loose beam turns about a single peg, too.
+        let loose = cell.loose_sleeves(beam, 1);
+        Ok(Aim { goal, direction, loose })
+    }
+
+    /// Pushes the tip to `target` (world) until the beam meets more than `limit` (N), and takes into account what the
+    /// push may have moved.
+    ///
+    /// # Errors
+    /// What stopped the motion, or the robot's error.
+    pub fn push_in(
+        &self,
+        cell: &mut Workcell,
+        beam: usize,
+        aim: &Aim,
+        target: &Pose,
+        limit: f64,
+    ) -> Result<Pushed, SkillError> {
+        let direction = aim.direction;
+        let stopped =
+            cell.hand.drive(target, self.parameters.speed, |hand| hand.force().dot(&direction) > limit)?;
+        let force = cell.hand.force().dot(&direction);
+        cell.hand.wait(0.15)?;
+        // What meets an edge carries the sleeve along: it may turn about two pegs that are near each other.
+        let sleeves = cell.sleeves(beam).map(|sleeve| cell.assembly.beams[sleeve.beam].beam.name.clone());
+        let sleeves: Vec<String> = sleeves.collect();
+        for (met, _) in cell.meeting(beam) {
+            let carried = aim.loose.contains(&met) || (stopped && sleeves.contains(&met));
+            let bump = match sleeves.contains(&met) {
+                _ if carried => (self.parameters.loose_bump, self.parameters.loose_bump_turn.to_radians()),
+                true => (self.parameters.sleeve_bump, self.parameters.sleeve_bump_turn.to_radians()),
+                false => (self.parameters.bump, self.parameters.bump_turn.to_radians()),
+            };
+            cell.belief.bumped(&met, bump);
+        }
+        cell.glance()?;
+        Ok(Pushed { stopped, force })
+    }
+
+    /// Backs a jammed beam out to where its insertion began, free of the joint.
+    ///
+    /// # Errors
+    /// Always: [`Fault::Jammed`], or what stopped the motion.
+    pub fn back_out(
+        &self,
+        cell: &mut Workcell,
+        beam: usize,
+        direction: &Vector3<f64>,
+        remaining: f64,
+        force: f64,
+    ) -> Result<(), SkillError> {
+        let part = cell.assembly.beams[beam].beam.name.clone();
+        let jam = Fault::Jammed { part, remaining_mm: remaining * 1e3, force };
+        cell.note("fault", jam.to_string());
+        let mut back = cell.hand.setpoint;
+        back.translation = cell.hand.seen.x_wt.translation;
+        let path = cell.path(beam)?;
+        back.translation.vector -= direction * (path.distance + path.depth - remaining).max(0.0);
+        cell.hand.go(&back, 0.05)?;
+        Err(jam.into())
+    }
+
+    /// Lowers the free end of the inserted beam onto the table, and lets go.
+    ///
+    /// # Errors
+    /// What stopped the motion, or the robot's error.
+    pub fn let_go(&self, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
+        cell.settle(beam)?;
+        cell.release()
+    }
+}

@@ -1,0 +1,16 @@
+//! The skills, one file each, named by the action.
+
+pub mod assemble;
+pub mod cap;
+pub mod contract;
+pub mod fasten;
+pub mod insertion;
+pub mod lay_down;
+pub mod move_to;
+pub mod pick_up;
+pub mod push;
+pub mod put_down;
+pub mod regrasp;
+pub mod slide;
+
+pub use contract::{ActionKind, Call, Effect, Need, Skill};

@@ -1,0 +1,63 @@
+//! Picks up a part and lifts it a little.
+
+use super::contract::{ActionKind, Call, Effect, Need, Skill};
+use crate::cell::Workcell;
+use crate::fault::SkillError;
+use crate::parameters::Parameters;
+use crate::parameters::skills::PickUpParameters;
+
+/// Grasps a part where it stands, and lifts it.
+#[derive(Clone)]
+pub struct PickUp {
+    parameters: PickUpParameters,
+}
+
+impl Skill for PickUp {
+    fn name(&self) -> &str {
+        "pick_up"
+    }
+
+    fn serves(&self) -> &[ActionKind] {
+        &[ActionKind::PickUp]
+    }
+
+    fn needs(&self) -> &[Need] {
+        &[Need::HandEmpty]
+    }
+
+    fn parameters(&self) -> &[&'static str] {
+        &["pick_up"]
+    }
+
+    fn expects(&self) -> &[Effect] {
+        &[Effect::HoldsPart]
+    }
+
+    fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
+        let part = call.part().ok_or_else(|| call.no_skill())?;
+        self.pick_up(cell, part, call.link())
+    }
+}
+
+impl PickUp {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> PickUp {
+        PickUp { parameters: parameters.pick_up.clone() }
+    }
+
+    /// Picks up a part and lifts it a little.
+    ///
+    /// # Errors
+    /// As [`Workcell::grasp`].
+    pub fn pick_up(&self, cell: &mut Workcell, part: &str, link: Option<&str>) -> Result<(), SkillError> {
+        cell.see_to_grip(part)?;
+        let (x_wt, open, width) = cell.choose_grasp(part, link)?;
+        cell.grasp(part, &x_wt, open, width)?;
+        let mut up = cell.hand.setpoint;
+        // A peg must leave its holder altogether, a beam only the table.
+        up.translation.z +=
+            if cell.kit.beam(part).is_some() { self.parameters.lift } else { self.parameters.peg_lift };
+        cell.hand.go(&up, self.parameters.speed)?;
+        cell.check_grip(part)
+    }
+}

@@ -1,0 +1,132 @@
+//! Brings a beam that already stands in the assembly to its nominal place.
+
+use super::assemble::Assemble;
+use super::contract::{ActionKind, Call, Effect, Need, Skill};
+use crate::cell::Workcell;
+use crate::fault::{Fault, SkillError};
+use crate::grasp;
+use crate::parameters::Parameters;
+use crate::parameters::skills::PushParameters;
+
+/// Grasps a beam in the assembly, and moves it to its nominal place.
+///
+/// A beam that a single peg holds swings by 4° to 5°: its free end must be put where the next beam expects it,
+/// since a cap that meets a tip beside its opening jams whatever is done to it afterwards.
+#[derive(Clone)]
+pub struct Push {
+    parameters: PushParameters,
+    assemble: Assemble,
+}
+
+impl Skill for Push {
+    fn name(&self) -> &str {
+        "push"
+    }
+
+    fn serves(&self) -> &[ActionKind] {
+        &[ActionKind::Push]
+    }
+
+    fn needs(&self) -> &[Need] {
+        &[Need::HandRaised, Need::HandEmpty, Need::BeamStands]
+    }
+
+    fn parameters(&self) -> &[&'static str] {
+        &["push", "alignment"]
+    }
+
+    fn expects(&self) -> &[Effect] {
+        &[Effect::BeamAligned, Effect::HandEmpty]
+    }
+
+    fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
+        let beam = call.beam(cell)?;
+        let link = call.link().ok_or_else(|| call.no_skill())?;
+        self.push(cell, beam, link)
+    }
+}
+
+impl Push {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> Push {
+        Push { parameters: parameters.push.clone(), assemble: Assemble::new(parameters) }
+    }
+
+    /// Aligns a standing beam, holding it by `link`, and lets go.
+    ///
+    /// # Errors
+    /// [`Fault::Misaligned`] when it will not stay, or what stopped the motion.
+    fn push(&self, cell: &mut Workcell, beam: usize, link: &str) -> Result<(), SkillError> {
+        let placed = &cell.assembly.beams[beam];
+        let name = placed.beam.name.clone();
+        let Some(link) = placed.beam.links.iter().find(|candidate| candidate.name == link) else {
+            return Err(Fault::NoGrasp { part: name }.into());
+        };
+        let far = cell.far_end(beam);
+        for attempt in 0..self.parameters.tries {
+            cell.see_ends(beam)?;
+            if attempt == 0 {
+                cell.diagnose_standing();
+            }
+            let (goal, off) = cell.straightened(beam)?;
+            let near_off = cell.near_off(beam, &cell.belief.pose(&name)?, &goal);
+            if off < cell.parameters.alignment.good && near_off < cell.parameters.alignment.peggable {
+                return Ok(());
+            }
+            if attempt > 0 {
+                let off = if off < cell.parameters.alignment.good { near_off } else { off };
+                cell.note("retry", format!("push {name}, {:.2} mm off", off * 1e3));
+            }
+            let s = grasp::point_on(link, far, &cell.parameters.grip);
+            if cell.anchor(beam).is_none() && cell.short(beam)? > self.parameters.short_of {
+                self.assemble.reinsert(cell, beam, s)?;
+                continue;
+            }
+            cell.grasp_standing(beam, s)?;
+            // It stands on the table and in its joint: the hand does not carry it.
+            if let Some(held) = &mut cell.hand.held {
+                held.mass = 0.0;
+            }
+            cell.hand.zero()?;
+            for motion in 0..self.parameters.motions {
+                cell.glance()?;
+                let x_wb = cell.belief.pose(&name)?;
+                let there = cell.off(beam, &x_wb, &goal) < 0.5 * cell.parameters.alignment.good;
+                if motion > 1
+                    && there
+                    && cell.near_off(beam, &x_wb, &goal) < cell.parameters.alignment.peggable
+                {
+                    break;
+                }
+                let target = cell.hand.corrected(&x_wb, &goal);
+                cell.hand.drive(&target, self.parameters.speed, |hand| {
+                    hand.force().norm() > self.parameters.limit
+                })?;
+                cell.hand.wait(0.1)?;
+            }
+            cell.settle(beam)?;
+            cell.release()?;
+            self.drag(cell, beam);
+        }
+        cell.see_ends(beam)?;
+        let (_, off) = cell.straightened(beam)?;
+        // What comes next, a peg or the chamfers of a cap, takes this much.
+        if off < cell.parameters.alignment.peggable {
+            return Ok(());
+        }
+        Err(Fault::Misaligned { connection: name, offset_mm: off * 1e3 }.into())
+    }
+
+    /// A beam was pushed: what it is joined with may have come along.
+    fn drag(&self, cell: &mut Workcell, beam: usize) {
+        let sides = cell.assembly.connections.iter();
+        let joined = sides.filter_map(|connection| Some(cell.assembly.sides(connection, beam)?.1.beam));
+        let joined: Vec<usize> = joined.filter(|other| cell.standing.contains(other)).collect();
+        for other in joined {
+            cell.belief.bumped(
+                &cell.assembly.beams[other].beam.name,
+                (self.parameters.dragged, self.parameters.dragged_turn.to_radians()),
+            );
+        }
+    }
+}

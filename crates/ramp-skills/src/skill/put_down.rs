@@ -1,0 +1,60 @@
+//! Puts a part back where it was picked up.
+
+use super::contract::{ActionKind, Call, Effect, Skill};
+use crate::cell::Workcell;
+use crate::fault::SkillError;
+use crate::parameters::Parameters;
+use crate::parameters::skills::PutDownParameters;
+
+/// Puts the held part back where it was picked up, and lets go of it.
+#[derive(Clone)]
+pub struct PutDown {
+    parameters: PutDownParameters,
+}
+
+impl Skill for PutDown {
+    fn name(&self) -> &str {
+        "put_down"
+    }
+
+    fn serves(&self) -> &[ActionKind] {
+        &[ActionKind::PutDown]
+    }
+
+    fn parameters(&self) -> &[&'static str] {
+        &["put_down"]
+    }
+
+    fn expects(&self) -> &[Effect] {
+        &[Effect::HandEmpty]
+    }
+
+    fn run(&self, cell: &mut Workcell, _: &Call) -> Result<(), SkillError> {
+        self.put_back(cell)
+    }
+}
+
+impl PutDown {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> PutDown {
+        PutDown { parameters: parameters.put_down.clone() }
+    }
+
+    /// Puts the held part back where it was picked up, and lets go of it.
+    ///
+    /// # Errors
+    /// [`Fault::NotHeld`](crate::Fault::NotHeld) when there is nothing in the hand any more, or what stopped the motion.
+    fn put_back(&self, cell: &mut Workcell) -> Result<(), SkillError> {
+        let Some(part) = cell.hand.held.as_ref().map(|held| held.part.clone()) else { return Ok(()) };
+        cell.retreat()?;
+        cell.check_grip(&part)?;
+        let Some(held) = cell.hand.held.clone() else { return Ok(()) };
+        // A peg's stem is above its holder, a beam above the table.
+        let down =
+            cell.carry_above(held.x_wp_origin * held.x_tp.inverse(), |down| down + self.parameters.above)?;
+        cell.hand.relax();
+        cell.hand.zero()?;
+        cell.hand.drive(&down, self.parameters.speed, |hand| -hand.force().z > self.parameters.limit)?;
+        cell.release()
+    }
+}

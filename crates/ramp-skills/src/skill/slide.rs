@@ -1,0 +1,141 @@
+//! Slides a beam that stands deeper than its place forward into the joint that now stands in front of it.
+
+use nalgebra::{Point3, Translation3};
+
+use super::contract::{ActionKind, Call, Effect, Need, Skill};
+use crate::cell::Workcell;
+use crate::fault::{Fault, SkillError};
+use crate::grasp;
+use crate::parameters::Parameters;
+use crate::parameters::skills::SlideParameters;
+
+/// Slides a beam that stands deeper than its place forward to its place.
+///
+/// A beam whose ends are all male droops while one female alone holds it, and no other beam can be put over an end
+/// that hangs on the table. So it is inserted deeper than its place, the other beam is brought, and then this one is
+/// lifted level and slid forward.
+#[derive(Clone)]
+pub struct Slide {
+    parameters: SlideParameters,
+}
+
+impl Skill for Slide {
+    fn name(&self) -> &str {
+        "slide"
+    }
+
+    fn serves(&self) -> &[ActionKind] {
+        &[ActionKind::Slide]
+    }
+
+    fn needs(&self) -> &[Need] {
+        &[Need::HandRaised, Need::HandEmpty, Need::BeamStands]
+    }
+
+    fn parameters(&self) -> &[&'static str] {
+        &["slide"]
+    }
+
+    fn expects(&self) -> &[Effect] {
+        &[Effect::BeamAtPlace, Effect::HandEmpty]
+    }
+
+    fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
+        let beam = call.beam(cell)?;
+        let link = call.link().ok_or_else(|| call.no_skill())?;
+        self.slide(cell, beam, link)
+    }
+
+    fn let_go(&self, cell: &mut Workcell, _: &Call) -> Result<(), SkillError> {
+        cell.release()
+    }
+}
+
+impl Slide {
+    /// With these numbers.
+    pub fn new(parameters: &Parameters) -> Slide {
+        Slide { parameters: parameters.slide.clone() }
+    }
+
+    /// Slides a deep beam forward to its place, holding it by `link`.
+    ///
+    /// # Errors
+    /// [`Fault::Jammed`] when it does not get there, or what stopped the motion.
+    fn slide(&self, cell: &mut Workcell, beam: usize, link: &str) -> Result<(), SkillError> {
+        let placed = &cell.assembly.beams[beam];
+        let name = placed.beam.name.clone();
+        let link = placed.beam.links.iter().find(|candidate| candidate.name == link);
+        let link = link.ok_or_else(|| Fault::NoGrasp { part: name.clone() })?;
+        let s = grasp::point_on(link, cell.free_end(beam), &cell.parameters.grip);
+        cell.see(&cell.meeting(beam), self.parameters.known)?;
+        cell.see_to_grip(&name)?;
+        // How it hangs is known better than seen: 0.2° lower, and its end would go under the joint.
+        cell.reckon_heights(beam);
+        cell.grasp_standing(beam, s)?;
+        cell.hand.zero()?;
+        let mut jam = None;
+        for (attempt, aside) in self.parameters.aside.into_iter().enumerate() {
+            if attempt > 0 {
+                cell.note("retry", format!("slide {name}, {:.1} mm aside", aside * 1e3));
+            }
+            jam = self.slide_once(cell, beam, aside)?;
+            if jam.is_none() {
+                break;
+            }
+        }
+        if let Some(fault) = jam {
+            cell.release()?;
+            return Err(fault.into());
+        }
+        Ok(())
+    }
+
+    /// One try of a beam that is in the hand, its free end aimed `aside` (m) of where its female is.
+    fn slide_once(&self, cell: &mut Workcell, beam: usize, aside: f64) -> Result<Option<Fault>, SkillError> {
+        let placed = &cell.assembly.beams[beam];
+        let name = placed.beam.name.clone();
+        let goal = cell.target(beam)?;
+        let out = -cell.insertion_direction(beam, &goal)?;
+        let across = nalgebra::Vector3::z().cross(&out);
+        let depth = cell.path(beam)?.depth;
+        cell.glance()?;
+        let x_wb = cell.belief.pose(&name)?;
+        let end = Point3::new(cell.free_end(beam), 0.0, 0.0);
+        // Level, and in line with its place, as far in as it is.
+        let to_go = (goal * end - x_wb * end).dot(&out).min(depth);
+        let shift = across * aside - out * to_go;
+        let level = Translation3::from(shift) * goal;
+        let lifted = cell.hand.corrected(&x_wb, &level);
+        cell.hand
+            .drive(&lifted, self.parameters.speed, |hand| hand.force().norm() > self.parameters.lift_limit)?;
+        cell.hand.wait(0.1)?;
+        cell.glance()?;
+        let here = cell.hand.corrected(&cell.belief.pose(&name)?, &level);
+        cell.hand.go(&here, self.parameters.speed)?;
+        let forward = Translation3::from(out * to_go) * here;
+        let stopped = cell
+            .hand
+            .drive(&forward, self.parameters.speed, |hand| hand.force().dot(&out) > self.parameters.limit)?;
+        let force = cell.hand.force().dot(&out);
+        cell.hand.wait(0.15)?;
+        cell.belief.update(&mut cell.hand)?;
+        let remaining = (goal * end - cell.belief.pose(&name)? * end).dot(&out);
+        if stopped && remaining > self.parameters.home {
+            // Back to where it began.
+            let mut back = cell.hand.setpoint;
+            back.translation.vector -= out * (to_go - remaining).max(0.0);
+            cell.hand.go(&back, self.parameters.speed)?;
+            return Ok(Some(Fault::Jammed { part: name, remaining_mm: remaining * 1e3, force }));
+        }
+        let fine = cell.hand.corrected(&cell.belief.pose(&name)?, &goal);
+        cell.hand.drive(&fine, 0.01, |hand| hand.force().norm() > self.parameters.limit)?;
+        cell.hand.wait(0.15)?;
+        cell.see(&[(name.clone(), end)], self.parameters.known)?;
+        let remaining = cell.remaining(&name, &goal, &out)?;
+        if remaining > self.parameters.home {
+            cell.note("retry", format!("slide {name}, {:.1} mm short", remaining * 1e3));
+            cell.compliant_search(&name, &goal, &out, &cell.compliance(false))?;
+        }
+        Ok(None)
+    }
+}
