@@ -7,10 +7,6 @@ use std::path::Path;
 use miette::{Report, miette};
 use ramp_twin::{Setup, Twin};
 
-/// Time between two moments that are recorded, s.
-#[cfg(feature = "rerun")]
-const SHOWN: f64 = 0.04;
-
 /// A recording that is being made.
 pub struct Recording {
     #[cfg(feature = "rerun")]
@@ -76,8 +72,8 @@ mod inner {
     use ramp_twin::{Setup, Twin};
     use rerun::{RecordingStream, RecordingStreamBuilder};
 
-    use super::SHOWN;
-
+    /// Time between two moments that are recorded, s.
+    const SHOWN: f64 = 0.04;
     /// Edge of the table that is shown, and how thick it is, m.
     const TABLE: [f32; 2] = [1.2, 0.01];
     /// Shade of linear light at which a screen's curve turns from a line into a power, and that power: sRGB,

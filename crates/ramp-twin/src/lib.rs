@@ -7,14 +7,18 @@
 //! of that fault.
 
 pub mod cameras;
+mod command;
+mod engine;
 pub mod fault;
 pub mod layout;
 mod looks;
 pub mod scene;
+pub mod setup;
 pub mod twin;
 #[cfg(feature = "view")]
 pub mod view;
 
 pub use fault::{Fault, FaultError, FaultKind, FaultReport};
 pub use layout::{Disturbance, Layout};
-pub use twin::{Setup, Twin, TwinError};
+pub use setup::{Setup, TwinError};
+pub use twin::Twin;

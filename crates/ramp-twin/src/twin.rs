@@ -17,9 +17,12 @@ use ramp_robot::{
 };
 
 use crate::cameras::{self, Cameras};
-use crate::fault::{Fault, FaultReport, Injector, Start};
-use crate::layout::{Disturbance, Layout};
+use crate::command::{check_command, target_velocity};
+use crate::engine::{body_pose, rotation_from_rows};
+use crate::fault::{FaultReport, Injector, Start};
+use crate::layout::Layout;
 use crate::scene::scene_xml;
+use crate::setup::{Setup, TwinError};
 use ramp_control::{
     ArmState, GripperLoop, Jacobian, JointVector, impedance, limit_torques, pose_impedance, track_joints,
     track_velocities,
@@ -44,42 +47,6 @@ pub const READING_STEPS: u32 = 33;
 const GRAVITY: f64 = 9.81;
 /// Width the gripper starts with, m.
 const START_WIDTH: f64 = 0.04;
-
-/// What an episode in the twin is made from.
-#[derive(Clone, Debug)]
-pub struct Setup<'a> {
-    /// The parts.
-    pub kit: &'a Kit,
-    /// The goal.
-    pub assembly: &'a Assembly,
-    /// The arm.
-    pub arm: &'a ArmModel,
-    /// What the agent may see.
-    pub track: Track,
-    /// All randomness flows from here.
-    pub seed: u64,
-    /// How far the start differs from the sheet's outlines.
-    pub disturbance: Disturbance,
-    /// What goes wrong on purpose.
-    pub fault: Option<Fault>,
-}
-
-/// Why a twin could not be made.
-#[derive(Debug, thiserror::Error)]
-pub enum TwinError {
-    /// MuJoCo refused the scene.
-    #[error("MuJoCo cannot compile the scene: {0}")]
-    Scene(String),
-    /// There is no window to be had.
-    #[error("cannot open a window: {0}")]
-    Window(String),
-    /// The cameras have nothing to show.
-    #[error(transparent)]
-    Looks(#[from] LooksError),
-    /// The scene lacks something the twin needs: the kit or the arm file is not what it should be.
-    #[error("the scene has no {0}")]
-    Missing(String),
-}
 
 /// The simulated world with its robot.
 pub struct Twin {
@@ -549,66 +516,6 @@ impl Twin {
     }
 }
 
-/// Pose in the world of a body of the scene.
-pub(crate) fn body_pose(data: &MjData<Arc<MjModel>>, id: usize) -> Pose {
-    let p = data.xpos()[id];
-    let [w, x, y, z] = data.xquat()[id];
-    let rotation = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
-    Pose::from_parts(Translation3::new(p[0], p[1], p[2]), rotation)
-}
-
-/// Velocity of a Cartesian target from one period to the next, limited to what can be a motion and not a jump:
-/// m/s and rad/s, axes of the world.
-fn target_velocity(before: Option<&Pose>, now: &Pose) -> Vector6<f64> {
-    const LIMIT: f64 = 0.5;
-    let Some(before) = before else { return Vector6::zeros() };
-    let shift = (now.translation.vector - before.translation.vector) / PERIOD;
-    let turn = (now.rotation * before.rotation.inverse()).scaled_axis() / PERIOD;
-    Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z).map(|value| value.clamp(-LIMIT, LIMIT))
-}
-
-/// Refuses what is not finite or not sensible, before anything moves.
-fn check_command(command: &Command) -> Result<(), RobotError> {
-    let finite = |values: &[f64], what| {
-        if values.iter().all(|value| value.is_finite()) {
-            Ok(())
-        } else {
-            Err(RobotError::BadCommand { what })
-        }
-    };
-    let pose = |x: &Pose, what| {
-        finite(x.translation.vector.as_slice(), what)?;
-        finite(x.rotation.coords.as_slice(), what)
-    };
-    match &command.arm {
-        ArmCommand::JointPositions(values) => finite(values, "joint positions")?,
-        ArmCommand::JointVelocities(values) => finite(values, "joint velocities")?,
-        ArmCommand::JointTorques(values) => finite(values, "joint torques")?,
-        ArmCommand::CartesianPose(x) => pose(x, "pose")?,
-        ArmCommand::CartesianImpedance(Impedance {
-            x_wt,
-            stiffness,
-            damping_ratio,
-            feed_forward,
-            posture,
-        }) => {
-            pose(x_wt, "target pose")?;
-            finite(stiffness.as_slice(), "stiffness")?;
-            finite(&[*damping_ratio], "damping ratio")?;
-            finite(feed_forward.as_slice(), "feed-forward wrench")?;
-            finite(posture, "posture")?;
-            if stiffness.iter().any(|value| *value < 0.0) || *damping_ratio < 0.0 {
-                return Err(RobotError::BadCommand { what: "stiffness or damping ratio" });
-            }
-        }
-    }
-    finite(&[command.gripper.width, command.gripper.force], "gripper width or force")?;
-    if command.gripper.width < 0.0 || command.gripper.force < 0.0 {
-        return Err(RobotError::BadCommand { what: "gripper width or force" });
-    }
-    Ok(())
-}
-
 impl Robot for Twin {
     fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
         if let Some(error) = &self.failed {
@@ -665,10 +572,4 @@ impl Robot for Twin {
     fn camera(&self, camera: Camera) -> CameraModel {
         CameraModel::nominal(camera, self.arm.hand.tip)
     }
-}
-
-/// The rotation matrix of row-major numbers.
-fn rotation_from_rows(rows: &[f64; 9]) -> UnitQuaternion<f64> {
-    let matrix = Matrix3::from_row_slice(rows);
-    UnitQuaternion::from_rotation_matrix(&nalgebra::Rotation3::from_matrix_unchecked(matrix))
 }

@@ -4,7 +4,8 @@
 use mujoco_rs::prelude::*;
 use mujoco_rs::viewer::MjViewer;
 
-use crate::twin::{Setup, Twin, TwinError};
+use crate::setup::{Setup, TwinError};
+use crate::twin::Twin;
 
 /// Robot time between two pictures, s.
 const INTERVAL: f64 = 0.02;

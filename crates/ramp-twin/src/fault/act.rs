@@ -6,7 +6,7 @@ use mujoco_rs::prelude::*;
 use nalgebra::{Point3, Vector3};
 use ramp_kit::Pose;
 
-use crate::twin::body_pose;
+use crate::engine::body_pose;
 use ramp_robot::PERIOD;
 
 type Data = MjData<Arc<MjModel>>;

@@ -2,7 +2,7 @@
 
 use super::kind::FaultKind;
 use super::spec::Fault;
-use crate::twin::Setup;
+use crate::setup::Setup;
 use ramp_kit::{Kit, tags};
 use ramp_robot::random::Stream;
 

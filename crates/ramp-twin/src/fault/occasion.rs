@@ -8,7 +8,8 @@ use nalgebra::{Point3, Vector3};
 use ramp_kit::Pose;
 
 use super::kind::FaultKind;
-use crate::twin::{Setup, body_pose};
+use crate::engine::body_pose;
+use crate::setup::Setup;
 use ramp_robot::PERIOD;
 
 /// A beam is in its place up to this, m and rad.

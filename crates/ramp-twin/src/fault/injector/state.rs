@@ -5,7 +5,7 @@ use crate::fault::draws::{Draws, Start};
 use crate::fault::kind::FaultKind;
 use crate::fault::occasion::{Cell, Watch};
 use crate::fault::spec::FaultReport;
-use crate::twin::Setup;
+use crate::setup::Setup;
 use mujoco_rs::prelude::*;
 use nalgebra::Vector3;
 use std::sync::Arc;
