@@ -9,6 +9,10 @@ parameters! {
         lowest: f64 = "m", 0.0, 0.02;
         /// Speed of an insertion. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
+        /// How long the hand waits after the motion before it looks. Chosen.
+        rest: f64 = "s", 0.0, 10.0;
+        /// Speed with which a jammed beam is backed out. Chosen.
+        back_speed: f64 = "m/s", 1e-3, 0.5;
         /// How well the joints that are to meet must be known, 1 σ. An unchamfered edge stops dead unless it meets its female
         /// within 0.3 mm.
         known: f64 = "m", 1e-5, 0.1;
@@ -40,6 +44,8 @@ parameters! {
         loose_limit: f64 = "N", 0.05, 100.0;
         /// How high a beam that stands on the table slides over it.
         height: f64 = "m", 0.0, 0.01;
+        /// Speed with which a beam in its joints is brought to its place. Chosen.
+        seat_speed: f64 = "m/s", 1e-3, 0.5;
     }
 }
 
@@ -67,5 +73,7 @@ parameters! {
         angled: f64 = "°", 0.0, 90.0;
         /// Turn to and fro at the end, so that both ends find their walls.
         sweep: f64 = "°", 0.0, 20.0;
+        /// Speed of that turn. Chosen.
+        sweep_speed: f64 = "m/s", 1e-3, 0.5;
     }
 }

@@ -115,8 +115,8 @@ impl Assemble {
         for _ in 0..cell.parameters.insertion.tries {
             let x_wp = cell.belief.pose(&name)?;
             let fine = cell.hand.corrected(&x_wp, &(Translation3::new(0.0, 0.0, height) * goal));
-            cell.hand.drive(&fine, 0.01, |hand| hand.force().norm() > limit)?;
-            cell.hand.wait(0.15)?;
+            cell.hand.drive(&fine, self.parameters.seat_speed, |hand| hand.force().norm() > limit)?;
+            cell.hand.wait(cell.parameters.insertion.rest)?;
             cell.see(&[cell.middle(&name)], cell.parameters.insertion.known)?;
             let remaining = cell.remaining(&name, goal, &direction)?;
             if remaining < cell.parameters.search.home {
