@@ -6,7 +6,7 @@ parameters! {
         /// Speed with which a beam backs off from an edge and goes on. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
         /// Distance from its place at which an inserted beam is seated. A peg pulls twice as much together.
-        home: f64 = "m", 1e-5, 0.02;
+        seated: f64 = "m", 1e-5, 0.02;
         /// The longest search. Chosen.
         longest: f64 = "s", 0.0, 600.0;
         /// A height known this well needs no touch, 1 σ.
@@ -103,7 +103,7 @@ parameters! {
 }
 
 parameters! {
-    /// Pressing a peg home.
+    /// Pressing a peg until it is seated.
     PressParameters {
         /// Largest force. Chosen.
         force: f64 = "N", 1.0, 100.0;

@@ -55,7 +55,7 @@ parameters! {
         /// Force against the motion at which a cap stops. One that finds its males takes 5 N; more on one of them alone turns
         /// it in the hand.
         limit: f64 = "N", 0.5, 100.0;
-        /// Force with which a cap is pressed home over what it was searched past.
+        /// Force with which a cap is pressed to its place over what it was searched past.
         press: f64 = "N", 0.5, 100.0;
         /// An end of a cap this far before its place is blocked. A male that stands on a face stands 22 mm before it.
         blocked: f64 = "m", 1e-4, 0.1;

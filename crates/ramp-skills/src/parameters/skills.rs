@@ -85,7 +85,7 @@ parameters! {
         /// Force against the motion at which sliding stops.
         limit: f64 = "N", 0.5, 100.0;
         /// Distance from its place at which the beam is seated. A peg pulls twice as much together.
-        home: f64 = "m", 1e-5, 0.02;
+        seated: f64 = "m", 1e-5, 0.02;
         /// How well the joints that are to meet must be known, 1 σ.
         known: f64 = "m", 1e-5, 0.1;
         /// Steps aside, in turn, when the end meets an edge.
@@ -150,7 +150,7 @@ parameters! {
         search_time: f64 = "s", 0.0, 600.0;
         /// Speed with which a peg is drawn out of its hole for another try. Chosen.
         back_speed: f64 = "m/s", 1e-3, 0.5;
-        /// How far pressing a peg home may move the two beams.
+        /// How far pressing a peg in may move the two beams.
         bump: f64 = "m", 0.0, 0.05;
         /// How far it may turn them.
         bump_turn: f64 = "°", 0.0, 45.0;

@@ -78,8 +78,8 @@ impl Assemble {
             let mut remaining = cell.remaining(&name, &aim.goal, &direction)?;
             let met =
                 format!("{name} meets {:.0} N {:.1} mm before its place", pushed.force, remaining * 1e3);
-            let mut stuck = remaining > cell.parameters.search.home;
-            if remaining > cell.parameters.search.home {
+            let mut stuck = remaining > cell.parameters.search.seated;
+            if remaining > cell.parameters.search.seated {
                 let sleeve = cell.sleeves(beam).next();
                 if let Some(sleeve) = sleeve {
                     aim.goal.translation.z += cell.touch_floor(&name, sleeve, &direction)?;
@@ -87,12 +87,12 @@ impl Assemble {
                 let stood = cell.compliant_search(&name, &aim.goal, &direction, &cell.compliance(loose))?;
                 remaining = cell.remaining(&name, &aim.goal, &direction)?;
                 // The search gets past edges. What holds a beam for longer is an obstacle.
-                stuck = stood > cell.parameters.insertion.stuck || remaining > cell.parameters.search.home;
+                stuck = stood > cell.parameters.insertion.stuck || remaining > cell.parameters.search.seated;
             }
             if stuck {
                 cell.diagnose(Cause::Jam, met);
             }
-            if remaining > cell.parameters.search.home {
+            if remaining > cell.parameters.search.seated {
                 return self.insertion.back_out(cell, beam, &direction, remaining, pushed.force);
             }
         }
@@ -119,7 +119,7 @@ impl Assemble {
             cell.hand.wait(cell.parameters.insertion.rest)?;
             cell.see(&[cell.middle(&name)], cell.parameters.insertion.known)?;
             let remaining = cell.remaining(&name, goal, &direction)?;
-            if remaining < cell.parameters.search.home {
+            if remaining < cell.parameters.search.seated {
                 return Ok(());
             }
             cell.note("retry", format!("insert {name}, {:.1} mm short", remaining * 1e3));
@@ -127,7 +127,7 @@ impl Assemble {
         }
         let (remaining, force) =
             (cell.remaining(&name, goal, &direction)?, cell.hand.force().dot(&direction));
-        if remaining < 2.0 * cell.parameters.search.home {
+        if remaining < 2.0 * cell.parameters.search.seated {
             return Ok(());
         }
         Err(Fault::Jammed { part: name, remaining_mm: remaining * 1e3, force }.into())

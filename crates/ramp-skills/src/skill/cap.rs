@@ -119,7 +119,7 @@ impl Cap {
     }
 
     /// Ends a cap that has been pushed as far as it went, at `goal` if all is well: searches compliantly for an end that is
-    /// blocked, then sweeps both ends home.
+    /// blocked, then sweeps both ends to their stop walls.
     fn finish(&self, cell: &mut Workcell, beam: usize, goal: &Pose, force: f64) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         let direction = cell.insertion_direction(beam, goal)?;

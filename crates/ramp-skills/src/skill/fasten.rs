@@ -94,7 +94,7 @@ impl Fasten {
         }
         cell.release()?;
         // Letting go may draw a peg up a little.
-        cell.press_home(connection, &peg)
+        cell.seat_peg(connection, &peg)
     }
 
     fn fasten_once(&self, cell: &mut Workcell, connection: usize, peg: &str) -> Result<(), SkillError> {

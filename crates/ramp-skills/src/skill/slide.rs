@@ -120,7 +120,7 @@ impl Slide {
         cell.hand.wait(self.parameters.rest)?;
         cell.belief.update(&mut cell.hand)?;
         let remaining = (goal * end - cell.belief.pose(&name)? * end).dot(&out);
-        if stopped && remaining > self.parameters.home {
+        if stopped && remaining > self.parameters.seated {
             // Back to where it began.
             let mut back = cell.hand.setpoint;
             back.translation.vector -= out * (to_go - remaining).max(0.0);
@@ -133,7 +133,7 @@ impl Slide {
         cell.hand.wait(self.parameters.rest)?;
         cell.see(&[(name.clone(), end)], self.parameters.known)?;
         let remaining = cell.remaining(&name, &goal, &out)?;
-        if remaining > self.parameters.home {
+        if remaining > self.parameters.seated {
             cell.note("retry", format!("slide {name}, {:.1} mm short", remaining * 1e3));
             cell.compliant_search(&name, &goal, &out, &cell.compliance(false))?;
         }
