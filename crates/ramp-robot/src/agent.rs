@@ -43,7 +43,8 @@ pub trait Agent {
     /// What it did, for the result; read after [`Agent::run`].
     fn account(&self) -> Account;
 
-    /// SHA-256, in hex, of the file that the agent was read from; `None` where it is part of the program.
+    /// SHA-256, in hex, of the file that the agent, or its parameters, were read from; `None` where both are part of the
+    /// program.
     fn file_hash(&self) -> Option<&str> {
         None
     }

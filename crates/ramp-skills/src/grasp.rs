@@ -38,7 +38,7 @@ pub fn point_on(link: &Link, wanted: f64, grip: &GripParameters) -> f64 {
     if from > to { (from + to) / 2.0 } else { wanted.clamp(from, to) }
 }
 
-/// Points of a link's stretch, the nearest to `wanted` first, then every 5 mm along it; all in metres from the j1 hole.
+/// Points of a link's stretch, the nearest to `wanted` first, then one for each step along it; all in metres from the j1 hole.
 pub fn points_on(link: &Link, wanted: f64, grip: &GripParameters) -> Vec<f64> {
     let nearest = point_on(link, wanted, grip);
     let [from, to] = span(link, grip);

@@ -298,7 +298,7 @@ impl<'r> Hand<'r> {
     /// [`Fault::Overload`], and the robot's.
     pub fn zero(&mut self) -> Result<(), SkillError> {
         // The sensor's filter has a time constant of 20 ms: let the last motion fade out of it.
-        self.wait(0.1)?;
+        self.wait(self.parameters.rest)?;
         self.tare = self.seen.wrench;
         Ok(())
     }

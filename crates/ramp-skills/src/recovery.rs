@@ -109,7 +109,7 @@ pub fn recover(
         let Ok(Some(connection)) = cell.fallen_into(&peg.name) else { continue };
         let name = &cell.assembly.connections[connection].name;
         cell.note("retry", format!("{} has fallen into the hole of {name}", peg.name));
-        let done = cell.press_home(connection, &peg.name);
+        let done = cell.seat_peg(connection, &peg.name);
         if note_fault(cell, done)? {
             cell.pinned.push((connection, peg.name.clone()));
         }

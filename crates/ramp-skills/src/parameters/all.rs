@@ -106,7 +106,7 @@ groups! {
     search_cap: ComplianceParameters,
     /// The search with a peg.
     peg_search: PegSearchParameters,
-    /// Pressing a peg home.
+    /// Pressing a peg until it is seated.
     press: PressParameters,
     /// How far beams stand from where they should.
     alignment: AlignmentParameters,

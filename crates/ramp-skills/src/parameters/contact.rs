@@ -6,7 +6,7 @@ parameters! {
         /// Speed with which a beam backs off from an edge and goes on. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
         /// Distance from its place at which an inserted beam is seated. A peg pulls twice as much together.
-        home: f64 = "m", 1e-5, 0.02;
+        seated: f64 = "m", 1e-5, 0.02;
         /// The longest search. Chosen.
         longest: f64 = "s", 0.0, 600.0;
         /// A height known this well needs no touch, 1 σ.
@@ -75,6 +75,8 @@ parameters! {
         found: f64 = "m", 1e-4, 0.02;
         /// Force at which the peg has touched the plate.
         touch: f64 = "N", 0.5, 50.0;
+        /// Speed with which the peg is lowered onto the plate, or lifted off it. Chosen.
+        lower_speed: f64 = "m/s", 1e-3, 0.5;
         /// Force down during the search. Chosen.
         force: f64 = "N", 0.5, 50.0;
         /// Distance between turns of the spiral.
@@ -93,13 +95,15 @@ parameters! {
         tilted_speed: f64 = "m/s", 1e-4, 0.1;
         /// Swing across that line.
         tilted_sway: f64 = "m", 0.0, 0.01;
+        /// Speed with which a peg whose tip is in the hole is turned upright. Chosen.
+        upright_speed: f64 = "m/s", 1e-3, 0.5;
         /// How many control periods of 1 ms the tip is measured for.
         periods: usize = "", 3.0, 10000.0;
     }
 }
 
 parameters! {
-    /// Pressing a peg home.
+    /// Pressing a peg until it is seated.
     PressParameters {
         /// Largest force. Chosen.
         force: f64 = "N", 1.0, 100.0;

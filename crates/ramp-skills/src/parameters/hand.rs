@@ -14,6 +14,8 @@ parameters! {
         guard: f64 = "N", 5.0, 200.0;
         /// How long the hand yields after that. Chosen.
         yield_time: f64 = "s", 0.0, 5.0;
+        /// How long the hand waits until a motion has faded. The filter of the wrist sensor has a time constant of 20 ms.
+        rest: f64 = "s", 0.0, 10.0;
         /// What is held has been pushed when the force at the wrist changes by more while it is carried. A beam that is only
         /// carried changes it by 5 N at most.
         pushed_force: f64 = "N", 0.1, 200.0;
@@ -74,6 +76,14 @@ parameters! {
         tries: usize = "", 1.0, 20.0;
         /// An angle by which a part or the hand may be tilted when it lets go.
         tilted: f64 = "rad", 1e-4, 0.5;
+        /// How often a held part is brought nearer to a pose in free space. Chosen.
+        corrections: usize = "", 1.0, 50.0;
+        /// This near to the pose it is there.
+        near: f64 = "m", 1e-6, 0.01;
+        /// This near to it in rotation.
+        near_turn: f64 = "rad", 1e-5, 0.5;
+        /// Speed. Chosen.
+        speed: f64 = "m/s", 1e-3, 0.5;
     }
 }
 
@@ -108,5 +118,17 @@ parameters! {
         table_limit: f64 = "N", 0.5, 100.0;
         /// How far the hand lifts off from what it let go of. Chosen.
         lift_off: f64 = "m", 1e-3, 0.3;
+        /// Speed with which the open hand goes to the middle of the beam. Chosen.
+        centre_speed: f64 = "m/s", 1e-3, 0.5;
+        /// Speed with which it goes back to a beam that hangs on a rib. Chosen.
+        back_speed: f64 = "m/s", 1e-3, 0.5;
+        /// Speed with which it turns straight. Chosen.
+        straighten_speed: f64 = "m/s", 1e-3, 0.5;
+        /// Speed with which it lifts off. Chosen.
+        lift_off_speed: f64 = "m/s", 1e-3, 0.5;
+        /// Speed with which it looks for the side of a slot. Chosen.
+        slot_speed: f64 = "m/s", 1e-3, 0.5;
+        /// Speed with which it lowers the free end of a beam onto the table. Chosen.
+        table_speed: f64 = "m/s", 1e-3, 0.5;
     }
 }

@@ -9,6 +9,10 @@ parameters! {
         lowest: f64 = "m", 0.0, 0.02;
         /// Speed of an insertion. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
+        /// How long the hand waits after the motion before it looks. Chosen.
+        rest: f64 = "s", 0.0, 10.0;
+        /// Speed with which a jammed beam is backed out. Chosen.
+        back_speed: f64 = "m/s", 1e-3, 0.5;
         /// How well the joints that are to meet must be known, 1 σ. An unchamfered edge stops dead unless it meets its female
         /// within 0.3 mm.
         known: f64 = "m", 1e-5, 0.1;
@@ -40,6 +44,8 @@ parameters! {
         loose_limit: f64 = "N", 0.05, 100.0;
         /// How high a beam that stands on the table slides over it.
         height: f64 = "m", 0.0, 0.01;
+        /// Speed with which a beam in its joints is brought to its place. Chosen.
+        seat_speed: f64 = "m/s", 1e-3, 0.5;
     }
 }
 
@@ -49,7 +55,7 @@ parameters! {
         /// Force against the motion at which a cap stops. One that finds its males takes 5 N; more on one of them alone turns
         /// it in the hand.
         limit: f64 = "N", 0.5, 100.0;
-        /// Force with which a cap is pressed home over what it was searched past.
+        /// Force with which a cap is pressed to its place over what it was searched past.
         press: f64 = "N", 0.5, 100.0;
         /// An end of a cap this far before its place is blocked. A male that stands on a face stands 22 mm before it.
         blocked: f64 = "m", 1e-4, 0.1;
@@ -67,5 +73,7 @@ parameters! {
         angled: f64 = "°", 0.0, 90.0;
         /// Turn to and fro at the end, so that both ends find their walls.
         sweep: f64 = "°", 0.0, 20.0;
+        /// Speed of that turn. Chosen.
+        sweep_speed: f64 = "m/s", 1e-3, 0.5;
     }
 }

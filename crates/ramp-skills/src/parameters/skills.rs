@@ -76,12 +76,16 @@ parameters! {
     SlideParameters {
         /// Speed. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
+        /// Speed with which the beam is brought to its place at the end. Chosen.
+        seat_speed: f64 = "m/s", 1e-3, 0.5;
+        /// How long the hand waits after the motion before it looks. Chosen.
+        rest: f64 = "s", 0.0, 10.0;
         /// Force at which lifting stops.
         lift_limit: f64 = "N", 0.5, 100.0;
         /// Force against the motion at which sliding stops.
         limit: f64 = "N", 0.5, 100.0;
         /// Distance from its place at which the beam is seated. A peg pulls twice as much together.
-        home: f64 = "m", 1e-5, 0.02;
+        seated: f64 = "m", 1e-5, 0.02;
         /// How well the joints that are to meet must be known, 1 σ.
         known: f64 = "m", 1e-5, 0.1;
         /// Steps aside, in turn, when the end meets an edge.
@@ -106,6 +110,8 @@ parameters! {
         limit: f64 = "N", 0.5, 100.0;
         /// Speed with which it is lowered. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
+        /// Speed with which the hand goes down to where it lowers the beam slowly. Chosen.
+        down_speed: f64 = "m/s", 1e-3, 0.5;
         /// How far the joints must stay from the ends of their ranges.
         room: f64 = "rad", 0.0, 1.0;
     }
@@ -136,11 +142,15 @@ parameters! {
     FastenParameters {
         /// How well the peg must be known before it is lowered, 1 σ.
         known: f64 = "m", 1e-5, 0.1;
+        /// Angle by which the peg may be off upright when it is lowered.
+        upright: f64 = "rad", 1e-4, 0.5;
         /// How long a hole is searched near where it was seen: up to 3 mm around.
         near_time: f64 = "s", 0.0, 600.0;
         /// Longest search further around. Chosen.
         search_time: f64 = "s", 0.0, 600.0;
-        /// How far pressing a peg home may move the two beams.
+        /// Speed with which a peg is drawn out of its hole for another try. Chosen.
+        back_speed: f64 = "m/s", 1e-3, 0.5;
+        /// How far pressing a peg in may move the two beams.
         bump: f64 = "m", 0.0, 0.05;
         /// How far it may turn them.
         bump_turn: f64 = "°", 0.0, 45.0;

@@ -34,15 +34,17 @@ impl Workcell<'_, '_> {
 
     /// Brings the held part to a pose in free space, looking again as it moves.
     pub fn bring_to(&mut self, part: &str, x_wp_goal: &Pose) -> Result<(), SkillError> {
-        for _ in 0..3 {
+        for _ in 0..self.parameters.carry.corrections {
             self.glance()?;
             let x_wp = self.belief.pose(part)?;
             let shift = (x_wp.translation.vector - x_wp_goal.translation.vector).norm();
-            if shift < 0.1e-3 && x_wp.rotation.angle_to(&x_wp_goal.rotation) < 0.001 {
+            if shift < self.parameters.carry.near
+                && x_wp.rotation.angle_to(&x_wp_goal.rotation) < self.parameters.carry.near_turn
+            {
                 break;
             }
-            self.hand.correct(&x_wp, x_wp_goal, 0.05)?;
-            self.hand.wait(0.1)?;
+            self.hand.correct(&x_wp, x_wp_goal, self.parameters.carry.speed)?;
+            self.hand.wait(self.parameters.hand.rest)?;
         }
         Ok(())
     }

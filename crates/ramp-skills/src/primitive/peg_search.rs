@@ -29,7 +29,7 @@ impl Workcell<'_, '_> {
         let mut down = self.hand.setpoint;
         down.translation.z -= height + 2.0 * self.parameters.peg_search.found;
         let tip = |x_wp: &Pose| (x_wp * Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate;
-        self.hand.drive(&down, 0.02, |hand| {
+        self.hand.drive(&down, self.parameters.peg_search.lower_speed, |hand| {
             -hand.force().z > self.parameters.peg_search.touch
                 || hand.x_wp_held().is_some_and(|x| tip(&x) < -self.parameters.peg_search.found)
         })?;
@@ -86,7 +86,7 @@ impl Workcell<'_, '_> {
         // What turned the peg may have pressed on it while zero was taken.
         let mut up = self.hand.setpoint;
         up.translation.z = self.hand.seen.x_wt.translation.z + self.parameters.peg_search.lift_off;
-        self.hand.go(&up, 0.02)?;
+        self.hand.go(&up, self.parameters.peg_search.lower_speed)?;
         self.hand.zero()?;
         self.lower(plate, self.parameters.peg_search.lift_off)?;
         let axis = self.across();
@@ -157,7 +157,7 @@ impl Workcell<'_, '_> {
         let about =
             Translation3::from(Vector3::new(mouth.x, mouth.y, mouth.z - self.parameters.peg_search.found));
         let upright = about * turn * about.inverse() * self.hand.seen.x_wt;
-        self.hand.go(&upright, 0.03)?;
+        self.hand.go(&upright, self.parameters.peg_search.upright_speed)?;
         let head = self.hand.seen.x_wt * Point3::new(0.0, 0.0, PEG_HEIGHT - HEAD_HEIGHT / 2.0);
         let x_wp = Pose::translation(mouth.x, mouth.y, head.z - HEAD_HEIGHT / 2.0);
         self.belief.follow(&self.hand);

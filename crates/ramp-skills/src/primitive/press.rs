@@ -1,4 +1,4 @@
-//! Presses a peg home: with growing force and a small circle, by its head once it stands.
+//! Seats a peg: presses it with growing force and a small circle, by its head once it stands.
 
 use std::f64::consts::TAU;
 
@@ -12,11 +12,11 @@ use crate::grasp::{PEG_WIDTH, peg_grasp};
 use ramp_robot::PERIOD;
 
 impl Workcell<'_, '_> {
-    /// Presses a peg that stands in its hole home by its head, as often as it takes.
+    /// Seats a peg that stands in its hole: presses it by its head, as often as it takes.
     ///
     /// # Errors
     /// [`Fault::NotSeated`] after the last try.
-    pub fn press_home(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
+    pub fn seat_peg(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
         for attempt in 0.. {
             self.see_gap(connection, peg)?;
             let gap = self.gap(connection, peg)?;
@@ -38,7 +38,7 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Presses the peg down with growing force and a small circle, until its head is home.
+    /// Presses the peg down with growing force and a small circle, until it is seated.
     pub fn press(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
         let begin = self.hand.time();
         let plate = self.mouth(connection)?.z;
@@ -49,7 +49,7 @@ impl Workcell<'_, '_> {
         while self.hand.time() - begin < self.parameters.press.time {
             let elapsed = self.hand.time() - begin;
             force = (force + self.parameters.press.rate * PERIOD).min(self.parameters.press.force);
-            // Gently while it falls freely; the circle starts when it has not simply dropped home.
+            // Gently while it falls freely; the circle starts when it has not simply dropped in.
             let radius = if elapsed < 1.0 { 0.0 } else { self.parameters.press.circle };
             let phase = TAU * self.parameters.press.circle_rate * elapsed;
             let here = self.hand.seen.x_wt.translation.vector;

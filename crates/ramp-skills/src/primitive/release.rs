@@ -38,11 +38,10 @@ impl Workcell<'_, '_> {
             over.translation.x = middle.translation.x;
             over.translation.y = middle.translation.y;
             // A finger that meets the beam shows that it is not where it is believed: its rib would lift it.
-            if self
-                .hand
-                .drive(&over, 0.02, |hand| hand.force().norm() > self.parameters.release.beside_limit)?
-            {
-                self.hand.go(&here, 0.02)?;
+            if self.hand.drive(&over, self.parameters.release.centre_speed, |hand| {
+                hand.force().norm() > self.parameters.release.beside_limit
+            })? {
+                self.hand.go(&here, self.parameters.release.centre_speed)?;
             }
             let low = self.hand.setpoint;
             let limit = if attempt < self.parameters.release.again {
@@ -56,8 +55,10 @@ impl Workcell<'_, '_> {
             self.note("retry", format!("let go of {}, which hangs on a finger", held.part));
             self.hand.relax();
             // A rib that has left its slot meets the beam on the way back: then the hand is free to retreat.
-            if !self.hand.drive(&low, 0.05, |hand| -hand.force().z > self.parameters.release.beside_limit)? {
-                self.hand.go(&here, 0.05)?;
+            if !self.hand.drive(&low, self.parameters.release.back_speed, |hand| {
+                -hand.force().z > self.parameters.release.beside_limit
+            })? {
+                self.hand.go(&here, self.parameters.release.back_speed)?;
                 self.centre_ribs()?;
             }
         }
@@ -84,13 +85,12 @@ impl Workcell<'_, '_> {
             let across = seen.rotation * Vector3::x();
             let straight = Pose::from_parts(seen.translation, hand_down(across.y.atan2(across.x)));
             let target = self.hand.corrected(&seen, &straight);
-            if self
-                .hand
-                .drive(&target, 0.02, |hand| hand.force().norm() > self.parameters.release.straighten_limit)?
-            {
+            if self.hand.drive(&target, self.parameters.release.straighten_speed, |hand| {
+                hand.force().norm() > self.parameters.release.straighten_limit
+            })? {
                 break;
             }
-            self.hand.wait(0.1)?;
+            self.hand.wait(self.parameters.hand.rest)?;
         }
         self.hand.relax();
         // The hand has turned, and the beam has stayed.
@@ -109,7 +109,9 @@ impl Workcell<'_, '_> {
         let mut up = self.hand.setpoint;
         up.translation.z += self.parameters.release.lift_off;
         let before = self.hand.force();
-        if self.hand.drive(&up, 0.2, |hand| (hand.force() - before).norm() > limit)? {
+        if self.hand.drive(&up, self.parameters.release.lift_off_speed, |hand| {
+            (hand.force() - before).norm() > limit
+        })? {
             return Ok(false);
         }
         self.belief.update(&mut self.hand)?;
@@ -123,18 +125,20 @@ impl Workcell<'_, '_> {
         let mut down = self.hand.setpoint;
         down.translation.z -= self.parameters.release.slot_depth;
         // Ribs that stand on the edges of the slots come in on the way down.
-        self.hand.drive(&down, 0.01, |hand| {
+        self.hand.drive(&down, self.parameters.release.slot_speed, |hand| {
             hand.seen.width < BEAM_WIDTH + self.parameters.release.in_slot / 2.0
         })?;
         self.hand.relax();
         self.hand.grip(BEAM_WIDTH + self.parameters.release.in_slot, self.parameters.grip.opening_force)?;
         self.hand.zero()?;
         down.translation.z = self.hand.setpoint.translation.z - self.parameters.release.slot_depth;
-        self.hand.drive(&down, 0.01, |hand| -hand.force().z > self.parameters.release.slot_limit)?;
+        self.hand.drive(&down, self.parameters.release.slot_speed, |hand| {
+            -hand.force().z > self.parameters.release.slot_limit
+        })?;
         self.hand.relax();
         let mut middle = self.hand.setpoint;
         middle.translation.z += self.parameters.release.slot_room;
-        self.hand.go(&middle, 0.01)
+        self.hand.go(&middle, self.parameters.release.slot_speed)
     }
 
     /// Lets the free end of a held beam down on the table before the fingers open: one that fell would hang on them,
@@ -145,8 +149,10 @@ impl Workcell<'_, '_> {
         let Some(drooped) = self.drooped(beam, &x_wb) else { return Ok(()) };
         let down = self.hand.corrected(&x_wb, &drooped);
         self.hand.zero()?;
-        self.hand.drive(&down, 0.02, |hand| -hand.force().z > self.parameters.release.table_limit)?;
-        self.hand.wait(0.1)?;
+        self.hand.drive(&down, self.parameters.release.table_speed, |hand| {
+            -hand.force().z > self.parameters.release.table_limit
+        })?;
+        self.hand.wait(self.parameters.hand.rest)?;
         Ok(())
     }
 }

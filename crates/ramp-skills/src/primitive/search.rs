@@ -37,7 +37,7 @@ impl Workcell<'_, '_> {
         back.translation.vector =
             self.hand.seen.x_wt.translation.vector - direction * self.parameters.search.touch_back;
         self.hand.go(&back, self.parameters.search.speed)?;
-        self.hand.wait(0.1)?;
+        self.hand.wait(self.parameters.hand.rest)?;
         self.hand.zero()?;
         let mut down = self.hand.setpoint;
         down.translation.z -= 2.0 * self.parameters.search.touch_depth;
@@ -48,7 +48,7 @@ impl Workcell<'_, '_> {
         let x_wp = self.belief.pose(part)?;
         let believed = (x_wp * inside(&x_wp)).z;
         self.hand.go(&back, self.parameters.search.speed)?;
-        self.hand.wait(0.1)?;
+        self.hand.wait(self.parameters.hand.rest)?;
         // On the floor lies the extrusion, or a joint's body.
         let floor = (FEMALE_HEIGHT - BODY_WIDTH) / 2.0 - joint::CLEARANCE;
         let off = [EXTRUSION, BODY_WIDTH].map(|width| believed - (floor + width / 2.0));

@@ -78,8 +78,8 @@ impl Assemble {
             let mut remaining = cell.remaining(&name, &aim.goal, &direction)?;
             let met =
                 format!("{name} meets {:.0} N {:.1} mm before its place", pushed.force, remaining * 1e3);
-            let mut stuck = remaining > cell.parameters.search.home;
-            if remaining > cell.parameters.search.home {
+            let mut stuck = remaining > cell.parameters.search.seated;
+            if remaining > cell.parameters.search.seated {
                 let sleeve = cell.sleeves(beam).next();
                 if let Some(sleeve) = sleeve {
                     aim.goal.translation.z += cell.touch_floor(&name, sleeve, &direction)?;
@@ -87,12 +87,12 @@ impl Assemble {
                 let stood = cell.compliant_search(&name, &aim.goal, &direction, &cell.compliance(loose))?;
                 remaining = cell.remaining(&name, &aim.goal, &direction)?;
                 // The search gets past edges. What holds a beam for longer is an obstacle.
-                stuck = stood > cell.parameters.insertion.stuck || remaining > cell.parameters.search.home;
+                stuck = stood > cell.parameters.insertion.stuck || remaining > cell.parameters.search.seated;
             }
             if stuck {
                 cell.diagnose(Cause::Jam, met);
             }
-            if remaining > cell.parameters.search.home {
+            if remaining > cell.parameters.search.seated {
                 return self.insertion.back_out(cell, beam, &direction, remaining, pushed.force);
             }
         }
@@ -115,11 +115,11 @@ impl Assemble {
         for _ in 0..cell.parameters.insertion.tries {
             let x_wp = cell.belief.pose(&name)?;
             let fine = cell.hand.corrected(&x_wp, &(Translation3::new(0.0, 0.0, height) * goal));
-            cell.hand.drive(&fine, 0.01, |hand| hand.force().norm() > limit)?;
-            cell.hand.wait(0.15)?;
+            cell.hand.drive(&fine, self.parameters.seat_speed, |hand| hand.force().norm() > limit)?;
+            cell.hand.wait(cell.parameters.insertion.rest)?;
             cell.see(&[cell.middle(&name)], cell.parameters.insertion.known)?;
             let remaining = cell.remaining(&name, goal, &direction)?;
-            if remaining < cell.parameters.search.home {
+            if remaining < cell.parameters.search.seated {
                 return Ok(());
             }
             cell.note("retry", format!("insert {name}, {:.1} mm short", remaining * 1e3));
@@ -127,7 +127,7 @@ impl Assemble {
         }
         let (remaining, force) =
             (cell.remaining(&name, goal, &direction)?, cell.hand.force().dot(&direction));
-        if remaining < 2.0 * cell.parameters.search.home {
+        if remaining < 2.0 * cell.parameters.search.seated {
             return Ok(());
         }
         Err(Fault::Jammed { part: name, remaining_mm: remaining * 1e3, force }.into())

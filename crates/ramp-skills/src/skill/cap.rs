@@ -119,7 +119,7 @@ impl Cap {
     }
 
     /// Ends a cap that has been pushed as far as it went, at `goal` if all is well: searches compliantly for an end that is
-    /// blocked, then sweeps both ends home.
+    /// blocked, then sweeps both ends to their stop walls.
     fn finish(&self, cell: &mut Workcell, beam: usize, goal: &Pose, force: f64) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         let direction = cell.insertion_direction(beam, goal)?;
@@ -133,7 +133,7 @@ impl Cap {
             cell.hand.drive(&home, cell.parameters.insertion.speed, |hand| {
                 hand.force().dot(&direction) > self.parameters.press
             })?;
-            cell.hand.wait(0.15)?;
+            cell.hand.wait(cell.parameters.insertion.rest)?;
             cell.glance()?;
             remaining = cell.remaining(&name, goal, &direction)?;
             if stood > cell.parameters.insertion.stuck || remaining > self.parameters.blocked {
@@ -155,8 +155,10 @@ impl Cap {
         for angle in [sweep, -sweep, 0.0] {
             let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
             let target = Pose::from_parts(centre.translation, turn * centre.rotation);
-            cell.hand.drive(&target, 0.03, |hand| hand.force().norm() > 1.5 * self.parameters.press)?;
-            cell.hand.wait(0.1)?;
+            cell.hand.drive(&target, self.parameters.sweep_speed, |hand| {
+                hand.force().norm() > 1.5 * self.parameters.press
+            })?;
+            cell.hand.wait(cell.parameters.hand.rest)?;
         }
         Ok(())
     }

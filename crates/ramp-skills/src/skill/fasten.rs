@@ -82,7 +82,7 @@ impl Fasten {
                 let mut up = cell.hand.setpoint;
                 up.translation.z =
                     cell.mouth(connection)?.z + cell.parameters.peg_search.over + STEM_LENGTH + PEG_HEIGHT;
-                cell.hand.go(&up, 0.05)?;
+                cell.hand.go(&up, self.parameters.back_speed)?;
                 cell.note(
                     "retry",
                     format!("fasten {} with {peg}", cell.assembly.connections[connection].name),
@@ -94,7 +94,7 @@ impl Fasten {
         }
         cell.release()?;
         // Letting go may draw a peg up a little.
-        cell.press_home(connection, &peg)
+        cell.seat_peg(connection, &peg)
     }
 
     fn fasten_once(&self, cell: &mut Workcell, connection: usize, peg: &str) -> Result<(), SkillError> {
@@ -107,7 +107,7 @@ impl Fasten {
         )?;
         cell.see(&[cell.middle(peg)], self.parameters.known)?;
         cell.diagnose_standing();
-        for _ in 0..3 {
+        for _ in 0..cell.parameters.carry.corrections {
             cell.glance()?;
             let x_wp = cell.belief.pose(peg)?;
             let mouth = cell.mouth(connection)?;
@@ -118,11 +118,13 @@ impl Fasten {
                 yaw,
             );
             let off = (goal.translation.vector - x_wp.translation.vector).norm();
-            if off < 0.1e-3 && goal.rotation.angle_to(&x_wp.rotation) < 0.002 {
+            if off < cell.parameters.carry.near
+                && goal.rotation.angle_to(&x_wp.rotation) < self.parameters.upright
+            {
                 break;
             }
-            cell.hand.correct(&x_wp, &goal, 0.05)?;
-            cell.hand.wait(0.1)?;
+            cell.hand.correct(&x_wp, &goal, cell.parameters.carry.speed)?;
+            cell.hand.wait(cell.parameters.hand.rest)?;
         }
         cell.hand.zero()?;
         let plate = cell.mouth(connection)?.z;

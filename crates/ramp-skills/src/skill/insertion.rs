@@ -121,7 +121,7 @@ impl Insertion {
         let stopped =
             cell.hand.drive(target, self.parameters.speed, |hand| hand.force().dot(&direction) > limit)?;
         let force = cell.hand.force().dot(&direction);
-        cell.hand.wait(0.15)?;
+        cell.hand.wait(self.parameters.rest)?;
         // What meets an edge carries the sleeve along: it may turn about two pegs that are near each other.
         let sleeves = cell.sleeves(beam).map(|sleeve| cell.assembly.beams[sleeve.beam].beam.name.clone());
         let sleeves: Vec<String> = sleeves.collect();
@@ -157,7 +157,7 @@ impl Insertion {
         back.translation = cell.hand.seen.x_wt.translation;
         let path = cell.path(beam)?;
         back.translation.vector -= direction * (path.distance + path.depth - remaining).max(0.0);
-        cell.hand.go(&back, 0.05)?;
+        cell.hand.go(&back, self.parameters.back_speed)?;
         Err(jam.into())
     }
 

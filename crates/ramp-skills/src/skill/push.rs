@@ -102,7 +102,7 @@ impl Push {
                 cell.hand.drive(&target, self.parameters.speed, |hand| {
                     hand.force().norm() > self.parameters.limit
                 })?;
-                cell.hand.wait(0.1)?;
+                cell.hand.wait(cell.parameters.hand.rest)?;
             }
             cell.settle(beam)?;
             cell.release()?;

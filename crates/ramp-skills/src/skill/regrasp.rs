@@ -68,7 +68,7 @@ impl Regrasp {
         cell.hand.relax();
         let mut low = down;
         low.translation.z += self.parameters.drop;
-        cell.hand.go(&low, 0.2)?;
+        cell.hand.go(&low, self.parameters.down_speed)?;
         cell.hand.zero()?;
         // The beam may sit in the hand otherwise than is believed: the table says when it lies.
         let mut under = down;
@@ -83,7 +83,7 @@ impl Regrasp {
     /// Grasps a beam again that is tilted in the hand: laid on the table, it lies level.
     ///
     /// # Errors
-    /// As [`Workcell::regrasp`].
+    /// As [`Regrasp::regrasp`].
     pub fn level(&self, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
         if cell.is_tilted() { self.grasp_again(cell, beam) } else { Ok(()) }
     }
@@ -91,7 +91,7 @@ impl Regrasp {
     /// Lays the held beam down and takes it by the same link again.
     ///
     /// # Errors
-    /// As [`Workcell::regrasp`].
+    /// As [`Regrasp::regrasp`].
     pub fn grasp_again(&self, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
         let Some(held) = &cell.hand.held else { return Ok(()) };
         // Where the hand holds it now.

@@ -108,7 +108,7 @@ impl Slide {
         let lifted = cell.hand.corrected(&x_wb, &level);
         cell.hand
             .drive(&lifted, self.parameters.speed, |hand| hand.force().norm() > self.parameters.lift_limit)?;
-        cell.hand.wait(0.1)?;
+        cell.hand.wait(cell.parameters.hand.rest)?;
         cell.glance()?;
         let here = cell.hand.corrected(&cell.belief.pose(&name)?, &level);
         cell.hand.go(&here, self.parameters.speed)?;
@@ -117,10 +117,10 @@ impl Slide {
             .hand
             .drive(&forward, self.parameters.speed, |hand| hand.force().dot(&out) > self.parameters.limit)?;
         let force = cell.hand.force().dot(&out);
-        cell.hand.wait(0.15)?;
+        cell.hand.wait(self.parameters.rest)?;
         cell.belief.update(&mut cell.hand)?;
         let remaining = (goal * end - cell.belief.pose(&name)? * end).dot(&out);
-        if stopped && remaining > self.parameters.home {
+        if stopped && remaining > self.parameters.seated {
             // Back to where it began.
             let mut back = cell.hand.setpoint;
             back.translation.vector -= out * (to_go - remaining).max(0.0);
@@ -128,11 +128,12 @@ impl Slide {
             return Ok(Some(Fault::Jammed { part: name, remaining_mm: remaining * 1e3, force }));
         }
         let fine = cell.hand.corrected(&cell.belief.pose(&name)?, &goal);
-        cell.hand.drive(&fine, 0.01, |hand| hand.force().norm() > self.parameters.limit)?;
-        cell.hand.wait(0.15)?;
+        cell.hand
+            .drive(&fine, self.parameters.seat_speed, |hand| hand.force().norm() > self.parameters.limit)?;
+        cell.hand.wait(self.parameters.rest)?;
         cell.see(&[(name.clone(), end)], self.parameters.known)?;
         let remaining = cell.remaining(&name, &goal, &out)?;
-        if remaining > self.parameters.home {
+        if remaining > self.parameters.seated {
             cell.note("retry", format!("slide {name}, {:.1} mm short", remaining * 1e3));
             cell.compliant_search(&name, &goal, &out, &cell.compliance(false))?;
         }
