@@ -4,16 +4,15 @@ use std::sync::Arc;
 
 use mujoco_rs::prelude::*;
 use mujoco_rs::wrappers::mj_model::MjtObjBase;
-use nalgebra::{Matrix3, SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
-use ramp_assembly::{Assembly, Truth};
-use ramp_kit::Kit;
+use nalgebra::{SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
+use ramp_assembly::Truth;
 use ramp_render::looks::HOUSING;
-use ramp_render::{Looks, LooksError, Scene};
+use ramp_render::{Looks, Scene};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_robot::{
-    ArmCommand, Camera, CameraModel, Command, DOF, GripperCommand, Image, Impedance, Observation, PERIOD,
-    PartReading, Pose, Robot, RobotError, TIME_LIMIT, Track,
+    ArmCommand, Camera, CameraModel, Command, DOF, GripperCommand, Image, Observation, PERIOD, PartReading,
+    Pose, Robot, RobotError, TIME_LIMIT, Track,
 };
 
 use crate::cameras::{self, Cameras};

@@ -42,7 +42,9 @@ pub enum GenerateError {
     NoBase,
     /// Nothing was found.
     #[error("found no {}goal of {beams} beams with the seed {seed}", class.map_or(String::new(), |class| format!("{} ", class.name())))]
-    #[diagnostic(help("try another seed, another number of beams, or another class"))]
+    #[diagnostic(help(
+        "try another seed, class or number of beams; the published kit gives easy goals of 2 to 5 beams, medium ones of 3 to 7 and hard ones of 4 to 8, and frames of 10 beams and more come with a kit of their own"
+    ))]
     NotFound {
         /// The number of beams.
         beams: usize,
