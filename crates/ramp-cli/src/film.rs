@@ -18,6 +18,7 @@ use ramp_robot::{Camera, CameraModel, Pose, Robot};
 use ramp_twin::{Setup, Twin};
 use resvg::{tiny_skia, usvg};
 
+use crate::output::make_folder_of;
 use form::SIZE;
 
 /// It is drawn so many times larger, so that edges are smooth.
@@ -67,8 +68,14 @@ enum Writer {
 impl Writer {
     fn new(path: &Path) -> Result<Writer, Report> {
         match path.extension().and_then(|ending| ending.to_str()) {
-            Some("gif") => Ok(Writer::Gif(gif::Gif::new(path)?)),
-            Some("mp4") => Ok(Writer::Mp4(mp4::Mp4::new(path)?)),
+            Some("gif") => {
+                make_folder_of(path)?;
+                Ok(Writer::Gif(gif::Gif::new(path)?))
+            }
+            Some("mp4") => {
+                make_folder_of(path)?;
+                Ok(Writer::Mp4(mp4::Mp4::new(path)?))
+            }
             _ => Err(miette!(
                 help = "end the file's name in .gif or .mp4",
                 "{} is neither a GIF nor an MP4 file",

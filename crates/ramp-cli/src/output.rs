@@ -13,14 +13,29 @@ pub fn print(text: &str) -> Result<(), Report> {
     }
 }
 
-/// Makes the folder of a file that is to be written, and refuses a path that no file can have, before any work is done.
-pub fn make_folder_of(path: &Path) -> Result<(), Report> {
+/// Refuses a path that no file can have, before any work is done. Makes nothing: [`write_file`] does.
+pub fn check_place(path: &Path) -> Result<(), Report> {
     if path.is_dir() {
         return Err(miette!("cannot write {}: it is a folder", path.display()));
     }
+    let existing = path.ancestors().skip(1).find(|folder| folder.exists());
+    match existing.filter(|folder| !folder.is_dir()) {
+        Some(file) => Err(miette!("cannot write {}: {} is no folder", path.display(), file.display())),
+        None => Ok(()),
+    }
+}
+
+/// Makes the folder of a file that is about to be written.
+pub fn make_folder_of(path: &Path) -> Result<(), Report> {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => std::fs::create_dir_all(folder)
             .map_err(|error| miette!("cannot make the folder {}: {error}", folder.display())),
         _ => Ok(()),
     }
+}
+
+/// Writes a file, whole or not at all, in a folder that is made if it is not there.
+pub fn write_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Report> {
+    make_folder_of(path)?;
+    Ok(ramp_result::write_whole(path, bytes)?)
 }

@@ -7,7 +7,7 @@ use ramp_episode::Progress;
 use ramp_twin::{Setup, Twin};
 
 use crate::film::{self, Film};
-use crate::output::make_folder_of;
+use crate::output::check_place;
 use crate::recording::Recording;
 
 /// What is to be made.
@@ -38,7 +38,7 @@ impl Pictures {
     /// Files that cannot be written, and what cannot be drawn.
     pub fn new(arguments: &Arguments, setup: &Setup) -> Result<Pictures, Report> {
         for path in [&arguments.video, &arguments.rerun].into_iter().flatten() {
-            make_folder_of(path)?;
+            check_place(path)?;
         }
         let film = arguments.video.as_ref().map(|path| Film::new(path, setup, arguments.video_from));
         let recording = arguments.rerun.as_ref().map(|path| Recording::new(path, setup));

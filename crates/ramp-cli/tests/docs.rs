@@ -54,7 +54,8 @@ fn commands(block: &str) -> Vec<String> {
 fn wrong(command: &str) -> Option<String> {
     let command = command.split(" > ").next().unwrap_or(command).split(" | ").next().unwrap_or(command);
     let Some(words) = shlex::split(command) else {
-        return Some("it is no command of a shell".to_string());
+        // A text in quotes that goes on in the next line.
+        return command.starts_with("ramp ").then(|| "it is no command of a shell".to_string());
     };
     let ours = match words.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
         ["ramp", ..] => &words[1..],

@@ -135,10 +135,11 @@ fn bad_usage_is_refused() {
     refused(&folder, &["fly", "easy-1"], &["fly"]);
     refused(&folder, &["run", "easy-1", "--seed", "three"], &["seed", "three"]);
     refused(&folder, &["run", "easy-1", "--track", "telepathy"], &["telepathy"]);
-    refused(&folder, &["run", "easy-1", "-o", "nowhere/out.json"], &["no folder nowhere"]);
+    write(&folder, "file", "");
+    refused(&folder, &["run", "easy-1", "-o", "file/out.json"], &["file is no folder"]);
     refused(&folder, &["run", "easy-1", "-o", "out.svg"], &["where the curve goes"]);
     refused(&folder, &["run", "easy-1", "-o", "out.mcap"], &["where the log goes"]);
-    refused(&folder, &["run", "easy-1", "--record", "nowhere/out.mcap"], &["no folder nowhere"]);
+    refused(&folder, &["run", "easy-1", "--record", "file/out.mcap"], &["file is no folder"]);
     refused(&folder, &["run", "easy-1", "--agent-limit", "nan"], &["a number of seconds"]);
     refused(&folder, &["run", "easy-1", "--video", "film.avi"], &["neither a GIF nor an MP4"]);
     refused(&folder, &["replay", "nowhere.mcap"], &["nowhere.mcap"]);

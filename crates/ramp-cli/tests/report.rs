@@ -127,8 +127,18 @@ fn a_leaderboard_takes_whole_classes_only() {
     assert!(folder.path().join("site/agent-1.html").exists());
     std::fs::remove_file(folder.path().join("all/one/easy-3-tags-4.json")).unwrap();
     let output = ramp(&folder, &["leaderboard", "all", "-o", "site2"]);
-    refused(&output, "easy-3 was run with seeds 1, 2, 3, 5");
+    assert_eq!(output.status.code(), Some(1));
+    assert!(words(&output.stdout).contains("easy-3 was run with seeds 1, 2, 3, 5"));
     assert!(!folder.path().join("site2").exists());
+    // An entry that is wrong does not keep another one from the board.
+    let other = log.replace("our-system", "their-system");
+    std::fs::write(folder.path().join("other.csv"), other).unwrap();
+    done(&ramp(&folder, &["score", "other.csv", "-o", "all/two"]));
+    let output = ramp(&folder, &["leaderboard", "all", "-o", "site3"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(words(&output.stdout).contains("refused all/one: "));
+    let page = std::fs::read_to_string(folder.path().join("site3/index.html")).unwrap();
+    assert!(page.contains("their-system") && !page.contains("our-system"));
 }
 
 #[test]

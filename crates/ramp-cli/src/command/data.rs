@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use miette::{IntoDiagnostic, Report, miette};
+use miette::{Report, miette};
 
 use crate::data::built_in;
-use crate::output::{make_folder_of, print};
+use crate::output::{print, write_file};
 use crate::status::DONE;
 
 #[derive(clap::Args)]
@@ -38,8 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Report> {
     }
     let mut list = String::new();
     for (file, text) in files() {
-        make_folder_of(&file)?;
-        std::fs::write(&file, text).into_diagnostic()?;
+        write_file(&file, text)?;
         list.push_str(&format!("{}\n", file.display()));
     }
     print(&list)?;

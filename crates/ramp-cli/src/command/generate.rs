@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use miette::{IntoDiagnostic, Report, miette};
+use miette::{Report, miette};
 use ramp_assembly::{Generated, Request, generate_many};
 
 use crate::data::Data;
-use crate::output::print;
+use crate::output::{print, write_file};
 use crate::status::DONE;
 
 #[derive(clap::Args)]
@@ -80,10 +80,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             file.display()
         ));
     }
-    std::fs::create_dir_all(folder).into_diagnostic()?;
     let mut list = String::new();
     for (file, text) in files {
-        std::fs::write(&file, text).into_diagnostic()?;
+        write_file(&file, text)?;
         list.push_str(&format!("{}\n", file.display()));
     }
     print(&list)?;

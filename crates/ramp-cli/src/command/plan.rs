@@ -8,11 +8,10 @@ use miette::{IntoDiagnostic, Report, WrapErr, miette};
 use ramp_assembly::Assembly;
 use ramp_planner::{CoarseStep, Diagnosis, History, Options, PlanError, Replayer, State};
 use ramp_result::planning::{self, PlanVerdict};
-use ramp_result::write_whole;
 use serde_json::json;
 
 use crate::data::Data;
-use crate::output::{make_folder_of, print};
+use crate::output::{check_place, print, write_file};
 use crate::software::software;
 use crate::status::{DONE, INCOMPLETE};
 
@@ -87,7 +86,7 @@ fn write_verdict(
     seconds: Option<f64>,
 ) -> Result<(), Report> {
     let Some(path) = &arguments.output else { return Ok(()) };
-    make_folder_of(path)?;
+    check_place(path)?;
     let result = PlanVerdict {
         schema: planning::SCHEMA.to_string(),
         goal: goal.name.clone(),
@@ -100,7 +99,7 @@ fn write_verdict(
         seconds,
     };
     let text = serde_json::to_string_pretty(&result).into_diagnostic()? + "\n";
-    write_whole(path, &text).map_err(|error| miette!("{error}"))
+    write_file(path, &text)
 }
 
 fn write_steps(text: &mut String, steps: &[CoarseStep]) {

@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 use miette::{Report as Failure, miette};
 use ramp_report::{Named, Report, page, paper, table};
 use ramp_result::collection::collect;
-use ramp_result::write_whole;
 
-use crate::output::{make_folder_of, print};
+use crate::output::{check_place, print, write_file};
 use crate::status::DONE;
 
 #[derive(clap::Args)]
@@ -28,9 +27,9 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    make_folder_of(&arguments.output)?;
+    check_place(&arguments.output)?;
     if let Some(path) = &arguments.paper {
-        make_folder_of(path)?;
+        check_place(path)?;
     }
     let report = Report::new(collect(&arguments.folders)?);
     let mut written = vec![arguments.output.display().to_string()];
@@ -54,7 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    write_whole(path, text).map_err(|error| miette!("{error}"))
+    write_file(path, text)
 }
 
 /// One line for each agent and class.

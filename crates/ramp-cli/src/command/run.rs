@@ -11,14 +11,13 @@ use miette::{IntoDiagnostic, Report, miette};
 use ramp_episode::{Progress, record_episode};
 use ramp_report::curve::completion_svg;
 use ramp_result::episode::EpisodeResult;
-use ramp_result::write_whole;
 use ramp_robot::Event;
 use ramp_twin::{Disturbance, Fault, Setup, Twin};
 
 use crate::command::agent;
 use crate::data::Data;
 use crate::options::TrackName;
-use crate::output::{make_folder_of, print};
+use crate::output::{check_place, make_folder_of, print, write_file};
 use crate::pictures::{self, Pictures};
 use crate::software::software;
 use crate::status::{DONE, INCOMPLETE};
@@ -106,7 +105,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         }
     }
     for path in [Some(&output), Some(&curve), Some(&log), arguments.scene.as_ref()].into_iter().flatten() {
-        make_folder_of(path)?;
+        check_place(path)?;
     }
     let setup = Setup {
         kit: &kit,
@@ -117,8 +116,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         disturbance: Disturbance::default(),
         fault: arguments.fault,
     };
-    let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
     let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
+    let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
+    make_folder_of(&log)?;
     let display = Display::new(assembly.connections.len());
     let world = agent::World {
         kit: &kit,
@@ -151,12 +151,12 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             .into_diagnostic()?;
     display.finish();
     pictures.end()?;
-    write_whole(&output, &result.to_json()).into_diagnostic()?;
-    write_whole(&curve, &completion_svg(&result)).into_diagnostic()?;
+    write_file(&output, result.to_json())?;
+    write_file(&curve, completion_svg(&result))?;
     if let Some(path) = &arguments.scene {
         let start = Twin::new(&setup).into_diagnostic()?;
         let scene = start.scene_with_keyframes(&[("start", start.qpos()), ("end", &end)]);
-        write_whole(path, &scene).into_diagnostic()?;
+        write_file(path, &scene)?;
     }
     print(&if arguments.json { result.to_json() } else { summary(&result, [&output, &curve, &log]) })?;
     Ok(if result.counted() == result.pegs.len() { DONE } else { INCOMPLETE })

@@ -14,7 +14,7 @@ use ramp_real_run::stopwatch::{Log, read_log};
 use ramp_result::write_whole;
 
 use crate::data::Data;
-use crate::output::{make_folder_of, print};
+use crate::output::{check_place, print, write_file};
 use crate::software::software;
 use crate::status::DONE;
 
@@ -100,13 +100,13 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
 }
 
 fn write_form(data: &Data, kit: &Kit, goal: &str, path: &Path) -> Result<u8, Report> {
-    make_folder_of(path)?;
+    check_place(path)?;
     if path.extension().is_none_or(|ending| ending != "pdf") {
         return Err(miette!(help = "end the file's name in .pdf", "{} is no PDF file", path.display()));
     }
     let goal = data.goal(goal, kit)?;
     let page = form(kit, &goal).into_diagnostic()?;
-    std::fs::write(path, pdf(&page.title, std::slice::from_ref(&page))).into_diagnostic()?;
+    write_file(path, pdf(&page.title, std::slice::from_ref(&page)))?;
     print(&format!("form: {}\n", path.display()))?;
     Ok(DONE)
 }

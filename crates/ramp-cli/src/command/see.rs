@@ -11,14 +11,13 @@ use ramp_abilities::perception::{
 use ramp_kit::strokes::{self, Align};
 use ramp_result::perception::FALSE;
 use ramp_result::sha256;
-use ramp_result::write_whole;
 use ramp_robot::{Camera, CameraModel, Image, Pose, Robot, Track};
 use ramp_twin::{Disturbance, Setup, Twin};
 use ramp_vision::{Lying, PartFinder, Sighting};
 use resvg::{tiny_skia, usvg};
 
 use crate::data::Data;
-use crate::output::{make_folder_of, print};
+use crate::output::{check_place, print, write_file};
 use crate::software::software;
 use crate::status::{DONE, INCOMPLETE};
 
@@ -51,7 +50,7 @@ pub struct Arguments {
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     if let Some([file, folder]) = arguments.judge.as_deref() {
         if let Some(path) = &arguments.output {
-            make_folder_of(path)?;
+            check_place(path)?;
         }
         let estimates: Vec<Estimate> = read(file)?;
         let path = folder.join(LABELS);
@@ -62,7 +61,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             let hash = sha256(&std::fs::read(&path).into_diagnostic()?);
             let result = verdict.to_result(&detector, &hash, labels.views.len(), &software());
             let text = serde_json::to_string_pretty(&result).into_diagnostic()? + "\n";
-            write_whole(output, &text).into_diagnostic()?;
+            write_file(output, &text)?;
         }
         print(&table(&verdict))?;
         return Ok(if verdict.false_poses.is_empty() { DONE } else { INCOMPLETE });

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use miette::{IntoDiagnostic, Report, miette};
 
 use crate::data::Data;
-use crate::output::{make_folder_of, print};
+use crate::output::{check_place, print, write_file};
 use crate::status::DONE;
 
 /// Width of a PNG, pixels.
@@ -46,7 +46,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         print(&svg)?;
         return Ok(DONE);
     };
-    make_folder_of(path)?;
+    check_place(path)?;
     let bytes = match path.extension().and_then(|ending| ending.to_str()) {
         Some("svg") => svg.into_bytes(),
         Some("png") => match goals.as_slice() {
@@ -61,7 +61,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             ));
         }
     };
-    std::fs::write(path, bytes).into_diagnostic()?;
+    write_file(path, bytes)?;
     eprintln!("{}: {}", names.join(", "), path.display());
     Ok(DONE)
 }

@@ -263,7 +263,7 @@ impl Trials<'_> {
         };
         let mut agent = Piece::new(baseline, step.state.clone(), step.plan.clone(), next);
         let trial = run_trial(&setup, &step.task, &mut agent, &self.software).into_diagnostic()?;
-        write_whole(&self.path(skill, seed), &trial.to_json()).into_diagnostic()?;
+        write_whole(&self.path(skill, seed), trial.to_json()).into_diagnostic()?;
         Ok(trial)
     }
 }

@@ -7,7 +7,7 @@ use ramp_robot::Track;
 use ramp_twin::{Disturbance, Setup, Twin};
 
 use crate::data::Data;
-use crate::output::{make_folder_of, print};
+use crate::output::{check_place, print, write_file};
 use crate::status::DONE;
 
 #[derive(clap::Args)]
@@ -37,7 +37,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let assembly = data.goal(goal, &kit)?;
     let arm = data.arm()?;
     if let Some(path) = output {
-        make_folder_of(path)?;
+        check_place(path)?;
     }
     let setup = Setup {
         kit: &kit,
@@ -50,7 +50,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     };
     let twin = Twin::new(&setup).into_diagnostic()?;
     match output {
-        Some(path) => std::fs::write(path, twin.scene()).into_diagnostic()?,
+        Some(path) => write_file(path, twin.scene())?,
         None => print(twin.scene())?,
     }
     Ok(DONE)
