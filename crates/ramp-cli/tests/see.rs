@@ -54,8 +54,8 @@ fn a_data_set_is_the_same_again_and_can_be_judged() {
 fn a_film_with_nowhere_to_go_is_refused_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("file"), "").unwrap();
-    let path = folder.path().join("file/film.gif");
-    let error = ramp().args(["run", "easy-1", "--video"]).arg(&path).current_dir(&folder).assert().code(2);
+    let error =
+        ramp().args(["run", "easy-1", "--video", "file/film.gif"]).current_dir(&folder).assert().code(2);
     assert!(String::from_utf8_lossy(&error.get_output().stderr).contains("is no folder"));
     assert!(!folder.path().join("results").exists());
 }
