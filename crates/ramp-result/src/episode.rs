@@ -61,7 +61,8 @@ pub struct AgentInfo {
     pub name: String,
     /// Its version.
     pub version: String,
-    /// SHA-256 of its file, in hex; `None` for the baseline, which the software's commit tells.
+    /// SHA-256 of its file, in hex. For the baseline that of a file of parameters of its skills; `None` with its own ones,
+    /// which the software's commit tells.
     pub sha256: Option<String>,
 }
 
