@@ -1,6 +1,6 @@
 //! One episode (section III-D of the paper): an agent works in the twin, the referee watches the truth, the log keeps it.
 //!
-//! Data passes one way: [`episode`] lets an agent work through [`judged`], which stands between agent and twin, and hands
+//! Data passes one way: [`episode`] lets an agent work through `judged`, which stands between agent and twin, and hands
 //! on an [`EpisodeResult`](ramp_result::EpisodeResult) and a log. [`mod@replay`] runs the same episode again from its log.
 //! [`faults`] judges episodes in which something went wrong on purpose.
 
