@@ -1,7 +1,7 @@
 //! Logs and messages that nobody meant: no panic, and no more memory than the bytes deserve.
 //!
 //! `cargo test` tries a few thousand. For an hour of it:
-//! `RAMP_FUZZ_SECONDS=3600 cargo test --release -p ramp-eval --test fuzz -- --ignored --nocapture`
+//! `RAMP_FUZZ_SECONDS=3600 cargo test --release -p ramp-episode --test fuzz -- --ignored --nocapture`
 
 // A failed unwrap here is a failed test; an allocator that counts cannot be written without `unsafe`.
 #![allow(clippy::unwrap_used, unsafe_code)]

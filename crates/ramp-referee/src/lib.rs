@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn a_seated_peg_counts_and_a_proud_or_sunken_one_does_not() {
+    fn a_seated_peg_counts_and_one_too_high_or_too_low_does_not() {
         assert!(judge(&peg(0.0, 0.0, 0.0), 0.0));
         assert!(judge(&peg(0.0, 0.0, 0.00049), 0.0));
         assert!(!judge(&peg(0.0, 0.0, 0.00051), 0.0));

@@ -1,5 +1,5 @@
 //! Whatever somebody does to a result, a stopwatch log or a reveal, reading it ends: with something that is sound, or with
-//! one error. For hours of it: `RAMP_FUZZ_SECONDS=3600 cargo test --release -p ramp-eval --test results_fuzz -- --ignored`.
+//! one error. For hours of it: `RAMP_FUZZ_SECONDS=3600 cargo test --release -p ramp-report --test results_fuzz -- --ignored`.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
