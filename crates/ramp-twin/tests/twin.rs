@@ -5,6 +5,8 @@
 
 mod common;
 
+use std::path::{Path, PathBuf};
+
 use common::World;
 use mujoco_rs::prelude::*;
 use ramp_robot::{ArmCommand, Command, GripperCommand, Impedance, Robot, RobotError, Track};
@@ -55,22 +57,50 @@ fn the_code_writes_only_commands_after_the_start() {
     }
 }
 
-/// A fault acts by forces alone.
+/// The sources below a folder of `src`, with their paths.
+fn sources(folder: &str) -> Vec<(PathBuf, String)> {
+    let mut found = Vec::new();
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(folder)];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let text = std::fs::read_to_string(&path).unwrap();
+                found.push((path, text));
+            }
+        }
+    }
+    found
+}
+
+/// A fault acts by forces alone, whichever of its files the code is in.
 #[test]
 fn the_code_of_faults_writes_only_forces() {
-    let files = [
-        include_str!("../src/fault/act.rs"),
-        include_str!("../src/fault/injector/mod.rs"),
-        include_str!("../src/fault/injector/strike.rs"),
-        include_str!("../src/fault/occasion.rs"),
-    ];
-    for source in files {
+    let files = sources("fault");
+    assert!(files.iter().any(|(_, source)| source.contains("xfrc_applied_mut()[")));
+    for (path, source) in files {
         for (at, _) in source.match_indices("_mut()[") {
             let call = source[..at].rsplit('.').next().unwrap();
-            assert_eq!(call, "xfrc_applied", "a fault writes to {call}");
+            assert_eq!(call, "xfrc_applied", "{} writes to {call}", path.display());
         }
         for word in ["qpos_mut", "qvel_mut", "mocap", "set_state", "reset", "ffi_mut", "unsafe"] {
-            assert!(!source.contains(word), "{word} in a fault");
+            assert!(!source.contains(word), "{word} in {}", path.display());
+        }
+    }
+}
+
+/// No other file of the twin writes to the physics at all. The live window has a copy of the state to show.
+#[test]
+fn nothing_else_writes_to_the_physics() {
+    for (path, source) in sources("") {
+        let fault = path.components().any(|part| part.as_os_str() == "fault");
+        if fault || path.ends_with("src/twin.rs") || path.ends_with("src/view.rs") {
+            continue;
+        }
+        for word in ["qpos_mut", "qvel_mut", "ctrl_mut", "_applied", "mocap", "set_state", "ffi_mut"] {
+            assert!(!source.contains(word), "{word} in {}", path.display());
         }
     }
 }
