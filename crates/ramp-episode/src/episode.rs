@@ -20,7 +20,7 @@ pub enum EpisodeError {
     /// The twin cannot be made.
     #[error(transparent)]
     Twin(#[from] TwinError),
-    /// The log cannot be written.
+    /// The log cannot be begun.
     #[error(transparent)]
     Log(#[from] LogError),
 }
@@ -41,11 +41,20 @@ pub fn run_episode(
     Ok(run(&mut judged, setup, agent, software, repeat))
 }
 
+/// An episode that was run and recorded.
+#[derive(Debug)]
+pub struct Recorded {
+    /// Its result; it names the log, if there is one.
+    pub result: EpisodeResult,
+    /// Why there is no log, if it could not be written.
+    pub unlogged: Option<LogError>,
+}
+
 /// Runs one episode to its end, judges it, and leaves its log at `path`: whole, or not at all. `sources` are the texts
-/// that the setup was read from.
+/// that the setup was read from. A log that cannot be written costs the log, and not the result.
 ///
 /// # Errors
-/// When the twin cannot be made or the log cannot be written.
+/// When the twin cannot be made or the log cannot be begun.
 pub fn record_episode(
     setup: &Setup,
     sources: &Sources,
@@ -54,7 +63,7 @@ pub fn record_episode(
     repeat: u32,
     path: &Path,
     watcher: &mut Watcher,
-) -> Result<EpisodeResult, EpisodeError> {
+) -> Result<Recorded, EpisodeError> {
     let mut twin = Twin::new(setup)?;
     let recorder = Recorder::create(
         path,
@@ -64,10 +73,16 @@ pub fn record_episode(
     )?;
     let mut judged = Judged::new(&mut twin, setup, Some(recorder), watcher);
     let mut result = run(&mut judged, setup, agent, software, repeat);
-    if let Some(recorder) = judged.recorder.take() {
-        result.log = Some(recorder.finish(twin.state_hash(), &result)?);
-    }
-    Ok(result)
+    let recorder = judged.recorder.take();
+    let unlogged = match recorder.map(|recorder| recorder.finish(twin.state_hash(), &result)) {
+        Some(Ok(hash)) => {
+            result.log = Some(hash);
+            None
+        }
+        Some(Err(error)) => Some(error),
+        None => None,
+    };
+    Ok(Recorded { result, unlogged })
 }
 
 /// The head of an episode's log.

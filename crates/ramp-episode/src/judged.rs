@@ -8,6 +8,8 @@ use ramp_result::episode::{FaultInfo, PegResult, Physics};
 use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
 use ramp_twin::{FaultReport, Setup, Twin};
 
+use crate::answer;
+
 /// The referee looks once in so many steps (10 ms).
 const WATCH_EVERY: u64 = 10;
 
@@ -81,6 +83,17 @@ impl<'a, 'w> Judged<'a, 'w> {
             let truth = due.truth.then(|| self.twin.truth());
             let state = due.state.then(|| self.twin.state_hash());
             recorder.watch(due, seen.as_ref(), truth.as_ref(), state);
+        }
+    }
+
+    /// The log keeps what is given, and that something is refused. What stops the robot for good is no answer.
+    fn record_answer<T>(&mut self, result: &Result<T, RobotError>, hash: impl Fn(&T) -> u64) {
+        if let Some(recorder) = self.recorder() {
+            match result {
+                Ok(given) => recorder.answered(hash(given)),
+                Err(error) if !error.is_final() => recorder.refused(),
+                Err(_) => {}
+            }
         }
     }
 
@@ -178,6 +191,7 @@ impl Robot for Judged<'_, '_> {
             Some(error) => Err(error.clone()),
             None => self.twin.read_parts(),
         };
+        self.record_answer(&result, |parts| answer::of_readings(parts));
         // Where a reading takes time, the world has moved on.
         if self.twin.time() > before {
             self.judge();
@@ -194,6 +208,7 @@ impl Robot for Judged<'_, '_> {
             Some(error) => Err(error.clone()),
             None => self.twin.look(camera),
         };
+        self.record_answer(&result, answer::of_image);
         self.judge();
         self.answer(result)
     }

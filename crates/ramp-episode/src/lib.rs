@@ -1,14 +1,21 @@
 //! One episode (section III-D of the paper): an agent works in the twin, the referee watches the truth, the log keeps it.
 //!
 //! Data passes one way: [`episode`] lets an agent work through `judged`, which stands between agent and twin, and hands
-//! on an [`EpisodeResult`](ramp_result::EpisodeResult) and a log. [`mod@replay`] runs the same episode again from its log.
+//! on an [`EpisodeResult`](ramp_result::EpisodeResult) and a log. [`mod@replay`] runs the same episode again from its log,
+//! tells each [`Difference`], and whether the agent kept to its track ([`Breach`]).
 //! [`faults`] judges episodes in which something went wrong on purpose.
 
+mod again;
+mod answer;
+mod conduct;
+mod difference;
 pub mod episode;
 pub mod faults;
 mod judged;
 pub mod replay;
 
-pub use episode::{EpisodeError, record_episode, run_episode};
+pub use conduct::Breach;
+pub use difference::Difference;
+pub use episode::{EpisodeError, Recorded, record_episode, run_episode};
 pub use judged::{Progress, Watcher};
 pub use replay::{ReplayError, Replayed, replay};

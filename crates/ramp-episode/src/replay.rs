@@ -6,17 +6,18 @@ use std::path::Path;
 use ramp_assembly::{Assembly, GoalError};
 use ramp_kit::{Kit, KitError};
 use ramp_robot::arm::{ArmError, ArmModel};
-use ramp_robot::{Robot, RobotError, Track};
+use ramp_robot::Track;
 use ramp_twin::{Disturbance, Fault, Setup, Twin, TwinError};
 
+use crate::again::{AgainError, call_again};
+use crate::conduct::Breach;
+use crate::difference::{Difference, compare};
 use crate::judged::{Judged, Watcher};
-use ramp_log::calls::{CallsError, Entry};
+use ramp_log::calls::CallsError;
 use ramp_log::{Header, Log};
 use ramp_result::episode::completion;
 use ramp_result::episode::{EpisodeResult, RULES};
 
-/// The most entries in a row that let no robot time pass: more than any agent has use for.
-const MOST_IDLE: u32 = 1_000_000;
 /// The largest disturbance of the start that is believed, m or rad.
 const LARGEST_DISTURBANCE: f64 = 0.1;
 
@@ -28,6 +29,8 @@ pub struct Replayed {
     pub result: EpisodeResult,
     /// What differs; empty when all is equal.
     pub differences: Vec<Difference>,
+    /// What the agent did that its track does not allow. An episode with a breach counts on no board.
+    pub breach: Option<Breach>,
 }
 
 impl Replayed {
@@ -35,19 +38,6 @@ impl Replayed {
     pub fn is_equal(&self) -> bool {
         self.differences.is_empty()
     }
-}
-
-/// Something that differs between a log and its replay.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Difference {
-    /// Robot time at which it was found, s.
-    pub time: f64,
-    /// What it is.
-    pub what: String,
-    /// What the log says.
-    pub logged: String,
-    /// What the replay found.
-    pub replayed: String,
 }
 
 /// Why a log cannot be replayed.
@@ -179,8 +169,11 @@ pub fn replay_watched(log: &Log, world: &World, watcher: &mut Watcher) -> Result
     let setup = world.setup();
     let mut twin = Twin::new(&setup)?;
     let mut judged = Judged::new(&mut twin, &setup, None, watcher);
-    let mut differences = Vec::new();
-    let stopped = call_again(&mut judged, log, &mut differences)?;
+    let again = call_again(&mut judged, log.calls()).map_err(|error| match error {
+        AgainError::Calls(error) => ReplayError::Calls(error),
+        AgainError::Idle => ReplayError::Impossible { what: "calls", found: error.to_string() },
+    })?;
+    let mut differences = Vec::from_iter(again.difference);
     judged.judge();
     let mut result = log.result.clone();
     result.pegs = judged.pegs(&setup);
@@ -189,7 +182,8 @@ pub fn replay_watched(log: &Log, world: &World, watcher: &mut Watcher) -> Result
     result.completion = completion(&result.pegs);
     result.time.robot = judged.twin.time();
     let end = result.time.robot;
-    compare(&log.result, &result, stopped.as_ref(), end, &mut differences);
+    compare(&log.result, &result, again.stopped.as_ref(), end, &mut differences);
+    let breach = again.conduct.breach(world.track, &result.pegs);
     for (peg, logged) in result.pegs.iter_mut().zip(&log.result.pegs) {
         if let (Some(peg), Some(logged)) = (peg, logged)
             && (peg.t_robot, &peg.peg) == (logged.t_robot, &logged.peg)
@@ -197,91 +191,7 @@ pub fn replay_watched(log: &Log, world: &World, watcher: &mut Watcher) -> Result
             peg.t_total = logged.t_total;
         }
     }
-    Ok(Replayed { result, differences })
-}
-
-/// Makes the log's calls; what stopped the robot for good.
-fn call_again(
-    judged: &mut Judged,
-    log: &Log,
-    differences: &mut Vec<Difference>,
-) -> Result<Option<RobotError>, ReplayError> {
-    let mut idle = 0;
-    for entry in log.calls() {
-        let time = judged.twin.time();
-        let outcome = match entry? {
-            Entry::Step(command, periods) => (0..periods).try_for_each(|_| judged.step(&command).map(|_| ())),
-            Entry::ReadParts => judged.read_parts().map(|_| ()),
-            Entry::Look(camera) => judged.look(camera).map(|_| ()),
-            Entry::State(logged) => {
-                let hash = judged.twin.state_hash();
-                // Once it differs it goes on differing: the first time tells where.
-                if hash != logged && differences.is_empty() {
-                    differences.push(Difference {
-                        time: judged.twin.time(),
-                        what: "state of the physics".to_string(),
-                        logged: format!("{logged:016x}"),
-                        replayed: format!("{hash:016x}"),
-                    });
-                }
-                Ok(())
-            }
-        };
-        match outcome {
-            Err(error) if error.is_final() => return Ok(Some(error)),
-            _ => {}
-        }
-        idle = if judged.twin.time() > time { 0 } else { idle + 1 };
-        if idle > MOST_IDLE {
-            let found = format!("more than {MOST_IDLE} in a row let no robot time pass");
-            return Err(ReplayError::Impossible { what: "calls", found });
-        }
-    }
-    Ok(None)
-}
-
-fn compare(
-    logged: &EpisodeResult,
-    replayed: &EpisodeResult,
-    stopped: Option<&RobotError>,
-    time: f64,
-    differences: &mut Vec<Difference>,
-) {
-    let mut differ = |what: String, logged: String, replayed: String| {
-        if logged != replayed {
-            differences.push(Difference { time, what, logged, replayed });
-        }
-    };
-    let peg = |peg: &ramp_result::episode::PegResult| format!("{} since {} s", peg.peg, peg.t_robot);
-    let pegs = |result: &EpisodeResult, index: usize| match result.pegs.get(index) {
-        Some(found) => found.as_ref().map_or_else(|| "no peg".to_string(), peg),
-        None => "no such connection".to_string(),
-    };
-    for index in 0..logged.pegs.len().max(replayed.pegs.len()) {
-        let what = format!("connection {}", index + 1);
-        differ(what, pegs(logged, index), pegs(replayed, index));
-    }
-    differ("completion".into(), logged.completion.to_string(), replayed.completion.to_string());
-    differ("robot time".into(), logged.time.robot.to_string(), replayed.time.robot.to_string());
-    let told = |told: bool| if told { "told" } else { "missing" }.to_string();
-    differ("physics".into(), told(logged.physics.is_some()), told(replayed.physics.is_some()));
-    if let (Some(logged), Some(replayed)) = (&logged.physics, &replayed.physics) {
-        differ(
-            "deepest penetration".into(),
-            logged.deepest_penetration.to_string(),
-            replayed.deepest_penetration.to_string(),
-        );
-        differ("largest force".into(), logged.largest_force.to_string(), replayed.largest_force.to_string());
-        differ("final state of the physics".into(), logged.state.clone(), replayed.state.clone());
-    }
-    let fault = |result: &EpisodeResult| match &result.fault {
-        Some(fault) => format!("{fault:?}"),
-        None => "none".to_string(),
-    };
-    differ("fault".into(), fault(logged), fault(replayed));
-    if let Some(error) = stopped {
-        differ("reason of the end".into(), logged.ended.reason.clone(), error.to_string());
-    }
+    Ok(Replayed { result, differences, breach })
 }
 
 /// What the start of the log and its result must both say.

@@ -7,10 +7,10 @@ mod common;
 
 use std::path::Path;
 
-use common::{Swing, World, as_log, data, messages};
+use common::{Swing, World, as_log, data, entries, messages, with_entries};
 use ramp_episode::{ReplayError, replay};
 use ramp_log::Log;
-use ramp_log::calls::{Decoder, Encoder, Entry};
+use ramp_log::calls::Entry;
 use ramp_robot::{Account, Agent, ArmCommand, Camera, Command, GripperCommand, Robot, RobotError};
 
 fn read(bytes: &[u8]) -> Result<Log, String> {
@@ -19,23 +19,9 @@ fn read(bytes: &[u8]) -> Result<Log, String> {
 
 /// A log with its calls changed.
 fn with_calls(bytes: &[u8], change: impl Fn(usize, &mut Entry)) -> Vec<u8> {
-    let mut messages = messages(bytes);
-    let calls: Vec<u8> =
-        messages.iter().filter(|(topic, _)| topic == "/calls").flat_map(|(_, data)| data.clone()).collect();
-    let mut encoder = Encoder::default();
-    for (index, entry) in Decoder::new(&calls).enumerate() {
-        let mut entry = entry.unwrap();
-        change(index, &mut entry);
-        match entry {
-            Entry::Step(command, periods) => (0..periods).for_each(|_| encoder.step(&command)),
-            Entry::ReadParts => encoder.read_parts(),
-            Entry::Look(camera) => encoder.look(camera),
-            Entry::State(hash) => encoder.state(hash),
-        }
-    }
-    messages.retain(|(topic, _)| topic != "/calls");
-    messages.insert(1, ("/calls".to_string(), encoder.take()));
-    as_log(&messages)
+    let mut entries = entries(bytes);
+    entries.iter_mut().enumerate().for_each(|(index, entry)| change(index, entry));
+    with_entries(bytes, &entries)
 }
 
 #[test]
@@ -119,7 +105,7 @@ fn what_is_wrong_with_a_log_is_told() {
         assert!(read(&with(topic, b"{}")).unwrap_err().contains("missing field `schema`"));
     }
     let error = read(&with("/episode", br#"{"schema": "ramp-log-9"}"#)).unwrap_err();
-    assert!(error.contains("`ramp-log-9`, and `ramp-log-1` is what this program knows"), "{error}");
+    assert!(error.contains("`ramp-log-9`, and `ramp-log-2` is what this program knows"), "{error}");
     let error = replay(&read(&with("/calls", &[77])).unwrap()).unwrap_err();
     assert!(matches!(error, ReplayError::Calls(_)), "{error}");
 

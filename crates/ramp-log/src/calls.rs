@@ -21,6 +21,8 @@ const READ_PARTS: u8 = 7;
 const LOOK_WRIST: u8 = 8;
 const LOOK_BIRDS_EYE: u8 = 9;
 const STATE: u8 = 10;
+const ANSWERED: u8 = 11;
+const REFUSED: u8 = 12;
 
 /// One entry of the record of an episode.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +33,10 @@ pub enum Entry {
     ReadParts,
     /// An image was taken.
     Look(Camera),
+    /// Not a call: the reading or image before this was given, and what was given has this hash.
+    Answered(u64),
+    /// Not a call: the reading or image before this was refused.
+    Refused,
     /// Not a call: the hash of the physics state at this point.
     State(u64),
 }
@@ -266,6 +272,19 @@ impl Encoder {
         });
     }
 
+    /// The last reading or image was given; `hash` is that of what was given.
+    pub fn answered(&mut self, hash: u64) {
+        self.end_repeats();
+        self.bytes.push(ANSWERED);
+        self.bytes.extend_from_slice(&hash.to_le_bytes());
+    }
+
+    /// The last reading or image was refused.
+    pub fn refused(&mut self) {
+        self.end_repeats();
+        self.bytes.push(REFUSED);
+    }
+
     /// The physics state has this hash now.
     pub fn state(&mut self, hash: u64) {
         self.end_repeats();
@@ -312,6 +331,13 @@ impl<'b> Decoder<'b> {
         Ok(*first)
     }
 
+    fn hash(&mut self) -> Result<u64, CallsError> {
+        let (hash, rest) =
+            self.bytes.split_first_chunk::<8>().ok_or(CallsError::Short { entry: self.entry })?;
+        self.bytes = rest;
+        Ok(u64::from_le_bytes(*hash))
+    }
+
     fn number(&mut self) -> Result<u64, CallsError> {
         let mut number = 0;
         for shift in (0..64).step_by(7) {
@@ -335,11 +361,9 @@ impl<'b> Decoder<'b> {
             READ_PARTS => Ok(Entry::ReadParts),
             LOOK_WRIST => Ok(Entry::Look(Camera::Wrist)),
             LOOK_BIRDS_EYE => Ok(Entry::Look(Camera::BirdsEye)),
-            STATE => {
-                let (hash, rest) = self.bytes.split_first_chunk::<8>().ok_or(CallsError::Short { entry })?;
-                self.bytes = rest;
-                Ok(Entry::State(u64::from_le_bytes(*hash)))
-            }
+            STATE => Ok(Entry::State(self.hash()?)),
+            ANSWERED => Ok(Entry::Answered(self.hash()?)),
+            REFUSED => Ok(Entry::Refused),
             REPEAT => {
                 let count = self.number()?;
                 match self.past.last {
@@ -429,7 +453,9 @@ mod tests {
             encoder.step(command);
             if index % 700 == 0 {
                 encoder.read_parts();
+                encoder.refused();
                 encoder.look(Camera::BirdsEye);
+                encoder.answered(index as u64);
                 encoder.state(index as u64);
                 bytes.extend(encoder.take());
             }
@@ -443,7 +469,7 @@ mod tests {
                 _ => others += 1,
             }
         }
-        assert_eq!(others, 15);
+        assert_eq!(others, 25);
         assert_eq!(back, commands().iter().map(bits).collect::<Vec<_>>());
         // 3000 commands of 72 or 232 bytes.
         assert!(bytes.len() < 60_000, "{} bytes", bytes.len());

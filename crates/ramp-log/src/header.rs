@@ -4,9 +4,9 @@ use ramp_result::episode::Software;
 use serde::{Deserialize, Serialize};
 
 /// The version of the form of logs.
-pub const SCHEMA: &str = "ramp-log-1";
+pub const SCHEMA: &str = "ramp-log-2";
 /// How the channel of the calls is encoded.
-pub const CALLS: &str = "ramp-calls-1";
+pub const CALLS: &str = "ramp-calls-2";
 /// The ending of a log's name.
 pub const ENDING: &str = "mcap";
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use mcap::records::{MessageHeader, Metadata};
@@ -60,10 +60,10 @@ pub struct Due {
     pub state: bool,
 }
 
-/// A log that is being written. It has its name only when it is whole.
+/// A log that is being written. Until it is whole it is in a file without a name, so that nobody else can open it, and
+/// nothing of it is left when the program ends early.
 pub struct Recorder {
     path: PathBuf,
-    partial: PathBuf,
     /// `None` once something went wrong.
     file: Option<mcap::Writer<BufWriter<File>>>,
     failed: Option<mcap::McapError>,
@@ -85,7 +85,8 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Opens a log for an episode. It is written beside `path` and moved there when it is whole. `parts` names the
+    /// Opens a log for an episode. It is written to a file without a name in the folder of `path`, and put there when it
+    /// is whole. `parts` names the
     /// parts in the order of the truths that will come, `connections` those of the goal.
     ///
     /// # Errors
@@ -96,10 +97,9 @@ impl Recorder {
         parts: Vec<String>,
         connections: Vec<String>,
     ) -> Result<Recorder, LogError> {
-        let mut partial = path.as_os_str().to_owned();
-        partial.push(".partial");
-        let partial = PathBuf::from(partial);
-        let file = File::create(&partial).map_err(|source| LogError::Io { path: partial.clone(), source })?;
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let file = tempfile::tempfile_in(folder.unwrap_or(Path::new(".")))
+            .map_err(|source| LogError::Io { path: path.to_path_buf(), source })?;
         let options = mcap::WriteOptions::new()
             .profile("ramp")
             .library("ramp")
@@ -110,7 +110,6 @@ impl Recorder {
             .map_err(|source| LogError::Write { path: path.to_path_buf(), source })?;
         let mut recorder = Recorder {
             path: path.to_path_buf(),
-            partial,
             file: Some(file),
             failed: None,
             channels: BTreeMap::new(),
@@ -192,6 +191,16 @@ impl Recorder {
     /// The agent is about to take an image.
     pub fn look(&mut self, camera: Camera) {
         self.calls.look(camera);
+    }
+
+    /// The last reading or image was given; `hash` is that of what was given.
+    pub fn answered(&mut self, hash: u64) {
+        self.calls.answered(hash);
+    }
+
+    /// The last reading or image was refused.
+    pub fn refused(&mut self) {
+        self.calls.refused();
     }
 
     /// What of the world is to be written now; `time` is robot time, s.
@@ -315,30 +324,23 @@ impl Recorder {
         }
         let text = result.to_json();
         self.attempt(|recorder| recorder.put("/result", end, text.as_bytes()));
-        let io = |path: &Path| {
-            let path = path.to_path_buf();
-            move |source| LogError::Io { path, source }
-        };
         let fail = |source| LogError::Write { path: self.path.clone(), source };
         if let Some(source) = self.failed.take() {
             return Err(fail(source));
         }
+        let mut bytes = Vec::new();
         if let Some(mut file) = self.file.take() {
             file.finish().map_err(fail)?;
-            let file =
-                file.into_inner().into_inner().map_err(|error| io(&self.partial)(error.into_error()))?;
-            file.sync_all().map_err(io(&self.partial))?;
+            let file = file.into_inner().into_inner().map_err(std::io::IntoInnerError::into_error);
+            file.and_then(|mut file| {
+                file.rewind()?;
+                file.read_to_end(&mut bytes)
+            })
+            .map_err(|source| LogError::Io { path: self.path.clone(), source })?;
         }
-        let bytes = std::fs::read(&self.partial).map_err(io(&self.partial))?;
-        std::fs::rename(&self.partial, &self.path).map_err(io(&self.path))?;
+        ramp_result::write_whole(&self.path, &bytes)
+            .map_err(|error| LogError::Io { path: error.path, source: error.source })?;
         Ok(sha256(&bytes))
-    }
-}
-
-impl Drop for Recorder {
-    /// What is not whole is taken away.
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.partial);
     }
 }
 

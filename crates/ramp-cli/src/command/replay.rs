@@ -53,7 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Report> {
     }
     pictures.end()?;
     print(&if arguments.json { as_json(&log, &replayed)? } else { as_text(&log, &replayed) })?;
-    Ok(if replayed.is_equal() { DONE } else { INCOMPLETE })
+    Ok(if replayed.is_equal() && replayed.breach.is_none() { DONE } else { INCOMPLETE })
 }
 
 /// What the agent does at a time, from its events.
@@ -110,6 +110,9 @@ fn as_text(log: &Log, replayed: &Replayed) -> String {
             );
         }
     }
+    if let Some(breach) = &replayed.breach {
+        let _ = writeln!(text, "the episode counts on no board: {breach}");
+    }
     let _ = writeln!(text, "log: sha256 {}", log.sha256);
     text
 }
@@ -124,6 +127,7 @@ fn as_json(log: &Log, replayed: &Replayed) -> Result<String, Report> {
         "sha256": log.sha256,
         "equal": replayed.is_equal(),
         "differences": differences,
+        "breach": replayed.breach.as_ref().map(ToString::to_string),
         "made_by": log.header.software,
         "result": replayed.result,
     });

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use ramp_assembly::Assembly;
 use ramp_episode::run_episode;
 use ramp_kit::Kit;
+use ramp_log::calls::{Decoder, Encoder, Entry};
 use ramp_planner::Domains;
 use ramp_result::EpisodeResult;
 use ramp_result::episode::Software;
@@ -100,15 +101,32 @@ impl ramp_robot::Agent for Swing {
 }
 
 impl World {
-    /// A log of a short episode.
+    /// A log of a short episode on the track `noisy`.
     #[allow(dead_code)]
     pub fn record(&self, goal: &str, agent: &mut dyn ramp_robot::Agent, path: &Path) -> EpisodeResult {
+        self.record_on(Track::Noisy, 3, goal, agent, path)
+    }
+
+    /// A log of an episode.
+    #[allow(dead_code)]
+    pub fn record_on(
+        &self,
+        track: Track,
+        seed: u64,
+        goal: &str,
+        agent: &mut dyn ramp_robot::Agent,
+        path: &Path,
+    ) -> EpisodeResult {
         let read = |name: &str| std::fs::read_to_string(data().join(name)).unwrap();
         let (goal, kit, arm) = (read(&format!("goals/{goal}.xml")), read("kit.xml"), read("arms/panda.json"));
         let sources = ramp_log::Sources { goal: &goal, kit: &kit, arm: &arm };
         let software = Software { version: "test".into(), commit: "test".into() };
-        let setup = self.setup_on(Track::Noisy, 3);
-        ramp_episode::record_episode(&setup, &sources, agent, &software, 1, path, &mut |_, _| {}).unwrap()
+        let setup = self.setup_on(track, seed);
+        let recorded =
+            ramp_episode::record_episode(&setup, &sources, agent, &software, 1, path, &mut |_, _| {});
+        let recorded = recorded.unwrap();
+        assert!(recorded.unlogged.is_none());
+        recorded.result
     }
 }
 
@@ -145,4 +163,35 @@ pub fn write_log(messages: &[(String, Vec<u8>)], options: mcap::WriteOptions) ->
     file.finish().unwrap();
     drop(file);
     bytes.into_inner()
+}
+
+/// The entries of a log's calls.
+#[allow(dead_code)]
+pub fn entries(bytes: &[u8]) -> Vec<Entry> {
+    let calls: Vec<u8> = messages(bytes)
+        .iter()
+        .filter(|(topic, _)| topic == "/calls")
+        .flat_map(|(_, data)| data.clone())
+        .collect();
+    Decoder::new(&calls).map(Result::unwrap).collect()
+}
+
+/// A log with other calls.
+#[allow(dead_code)]
+pub fn with_entries(bytes: &[u8], entries: &[Entry]) -> Vec<u8> {
+    let mut messages = messages(bytes);
+    let mut encoder = Encoder::default();
+    for entry in entries {
+        match entry {
+            Entry::Step(command, periods) => (0..*periods).for_each(|_| encoder.step(command)),
+            Entry::ReadParts => encoder.read_parts(),
+            Entry::Look(camera) => encoder.look(*camera),
+            Entry::Answered(hash) => encoder.answered(*hash),
+            Entry::Refused => encoder.refused(),
+            Entry::State(hash) => encoder.state(*hash),
+        }
+    }
+    messages.retain(|(topic, _)| topic != "/calls");
+    messages.insert(1, ("/calls".to_string(), encoder.take()));
+    as_log(&messages)
 }

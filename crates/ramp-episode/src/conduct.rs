@@ -1,0 +1,88 @@
+//! Whether an agent kept to its track: what it asked for, and whether it saw before it built.
+
+use ramp_result::episode::PegResult;
+use ramp_robot::{RobotError, Track};
+
+/// What an agent did that its track does not allow, or cannot have done on its track.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Breach {
+    /// It asked for what its track does not give. The robot refused it.
+    #[error("at {time:.3} s the agent asked for {what}, and track `{}` gives none", track.name())]
+    Forbidden {
+        /// The track.
+        track: Track,
+        /// What was asked for.
+        what: &'static str,
+        /// Robot time, s.
+        time: f64,
+    },
+    /// A peg counts, and the agent had seen nothing before.
+    #[error(
+        "a peg counts from {time:.3} s on, and the agent never got {what} before, which is all that track `{}` shows of \
+         the parts",
+        track.name()
+    )]
+    NeverLooked {
+        /// The track.
+        track: Track,
+        /// What it should have asked for.
+        what: &'static str,
+        /// Robot time since which the first peg counts, s.
+        time: f64,
+    },
+}
+
+/// What an agent has asked for so far.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Conduct {
+    /// The first thing that was refused because of the track, and when.
+    forbidden: Option<(f64, &'static str)>,
+    /// When the first image was given.
+    image: Option<f64>,
+    /// When the parts were first read.
+    reading: Option<f64>,
+}
+
+impl Conduct {
+    /// An image was asked for; `time` is robot time after it, s.
+    pub(crate) fn looked<T>(&mut self, time: f64, answer: &Result<T, RobotError>) {
+        Conduct::note(&mut self.image, &mut self.forbidden, time, answer);
+    }
+
+    /// The parts were read; `time` is robot time after it, s.
+    pub(crate) fn read<T>(&mut self, time: f64, answer: &Result<T, RobotError>) {
+        Conduct::note(&mut self.reading, &mut self.forbidden, time, answer);
+    }
+
+    fn note<T>(
+        given: &mut Option<f64>,
+        forbidden: &mut Option<(f64, &'static str)>,
+        time: f64,
+        answer: &Result<T, RobotError>,
+    ) {
+        match answer {
+            Ok(_) => {
+                given.get_or_insert(time);
+            }
+            Err(RobotError::NotOnTrack { what, .. }) => {
+                forbidden.get_or_insert((time, what));
+            }
+            Err(_) => {}
+        }
+    }
+
+    /// What of it does not go with the track and with the pegs that count.
+    pub(crate) fn breach(&self, track: Track, pegs: &[Option<PegResult>]) -> Option<Breach> {
+        if let Some((time, what)) = self.forbidden {
+            return Some(Breach::Forbidden { track, what, time });
+        }
+        let (seen, what) = match track {
+            Track::State => return None,
+            Track::Noisy => (self.reading, "a reading of the parts"),
+            Track::Tags => (self.image, "an image"),
+        };
+        let first = pegs.iter().flatten().map(|peg| peg.t_robot).min_by(f64::total_cmp)?;
+        let blind = seen.is_none_or(|seen| seen > first);
+        blind.then_some(Breach::NeverLooked { track, what, time: first })
+    }
+}
