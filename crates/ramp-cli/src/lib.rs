@@ -1,25 +1,32 @@
 //! The `ramp` command: goals, checks, pictures, plans and runs.
 //!
 //! Results go to standard output, everything else to standard error. Exit status: 0 done; 1 the run ended without
-//! completing the goal, or a check failed; 2 bad usage or bad input; 130 a bench or a fault suite was stopped by Ctrl-C.
+//! completing the goal, or a check failed; 2 bad usage or bad input; 3 the machine failed, so that nothing of it counts;
+//! 130 stopped by Ctrl-C or a request to end.
 
 mod command;
 mod data;
+mod ending;
 mod film;
 mod options;
 mod output;
 mod pictures;
 mod recording;
+mod seal;
 mod software;
 mod status;
+mod unfinished;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
+use miette::Report;
 
 use crate::data::Data;
-use crate::status::BAD_INPUT;
+use crate::seal::Seal;
+use crate::status::{BAD_INPUT, MACHINE, MachineFault};
 
 #[derive(Parser)]
 #[command(
@@ -69,6 +76,8 @@ enum Command {
     Leaderboard(command::leaderboard::Arguments),
     /// Score a real robot's run from a stopwatch log or from poses, or print the form for it
     Score(command::score::Arguments),
+    /// Make a secret for the seeds of a bench, and check one
+    Seeds(command::seeds::Arguments),
     /// See a goal through the cameras: images, what is found in them, data sets
     See(command::see::Arguments),
     /// Make the parts: print, saw, lay out
@@ -88,11 +97,42 @@ enum Command {
     AgentProcess(command::agent::ProcessArguments),
 }
 
+impl Command {
+    /// Whether a program of somebody else will be at work.
+    fn starts_an_agent(&self) -> bool {
+        match self {
+            Command::Run(arguments) => arguments.has_agent(),
+            Command::Bench(arguments) => arguments.has_agent(),
+            Command::Faults(arguments) => arguments.has_agent(),
+            _ => false,
+        }
+    }
+}
+
 /// Runs the program with the arguments of this process.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    match seal::arguments() {
+        Ok((words, seal)) => work(&words, seal),
+        Err(error) => {
+            eprintln!("the arguments cannot be read: {error}");
+            ExitCode::from(BAD_INPUT)
+        }
+    }
+}
+
+/// Does what the arguments say; their first word is the program's name.
+fn work(words: &[OsString], seal: Seal) -> ExitCode {
+    let arguments = Arguments::parse_from(words);
     if let Command::AgentProcess(arguments) = &arguments.command {
         return command::agent::become_agent(arguments);
+    }
+    if arguments.command.starts_an_agent() {
+        if seal == Seal::Open {
+            return end(Err(seal::seal(&words[1..])));
+        }
+        if seal == Seal::Sealed && matches!(arguments.command, Command::Run(_)) {
+            return end(seal::guard(&words[1..]));
+        }
     }
     // A closed pipe (`ramp goals | head -1`) ends the program quietly, as it does any other.
     let result = Data::find(arguments.data, arguments.kit).and_then(|data| match arguments.command {
@@ -108,6 +148,7 @@ pub fn main() -> ExitCode {
         Command::Report(arguments) => command::report::run(&arguments),
         Command::Leaderboard(arguments) => command::leaderboard::run(&data, &arguments),
         Command::Score(arguments) => command::score::run(&data, &arguments),
+        Command::Seeds(arguments) => command::seeds::run(&arguments),
         Command::See(arguments) => command::see::run(&data, &arguments),
         Command::Kit(arguments) => command::kit::run(&data, &arguments),
         Command::Skills(arguments) => command::skills::run(&data, &arguments),
@@ -117,11 +158,17 @@ pub fn main() -> ExitCode {
         Command::Man(arguments) => command::man::run(&arguments, crate::arguments()),
         Command::AgentProcess(_) => Ok(BAD_INPUT),
     });
+    end(result)
+}
+
+/// The exit status, and the error for a person.
+fn end(result: Result<u8, Report>) -> ExitCode {
     match result {
         Ok(status) => ExitCode::from(status),
         Err(report) => {
             eprintln!("{report:?}");
-            ExitCode::from(BAD_INPUT)
+            let machine = report.downcast_ref::<MachineFault>().is_some();
+            ExitCode::from(if machine { MACHINE } else { BAD_INPUT })
         }
     }
 }

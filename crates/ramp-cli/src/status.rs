@@ -6,5 +6,25 @@ pub const DONE: u8 = 0;
 pub const INCOMPLETE: u8 = 1;
 /// Bad usage or bad input.
 pub const BAD_INPUT: u8 = 2;
-/// Many episodes were stopped by Ctrl-C.
+/// The machine failed, such as a full disk: what was being made counts as neither done nor failed.
+pub const MACHINE: u8 = 3;
+/// Stopped by Ctrl-C, or by a request to end.
 pub const STOPPED: u8 = 130;
+
+/// The machine failed.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("{what}")]
+#[diagnostic(help(
+    "this is a fault of the machine, such as a full or read-only disk: mend it, and give the same command"
+))]
+pub struct MachineFault {
+    /// What could not be done, and what the system said.
+    pub what: String,
+}
+
+impl MachineFault {
+    /// From the error of something that only a machine can fail at.
+    pub fn of(error: impl std::fmt::Display) -> MachineFault {
+        MachineFault { what: error.to_string() }
+    }
+}

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use ramp_log::header::{ArmText, DisturbanceText, GoalText, Header, KitText, SCHEMA as LOG_SCHEMA, Sources};
-use ramp_log::{LogError, Recorder};
+use ramp_log::{LogError, Recorder, SecretSeed};
 use ramp_result::episode::{
     AgentInfo, Ended, EpisodeResult, EventInfo, Host, PlanInfo, RULES, SCHEMA, Software, Time, completion,
 };
@@ -25,6 +25,29 @@ pub enum EpisodeError {
     Log(#[from] LogError),
 }
 
+/// What an episode is called in its result and its log.
+#[derive(Clone, Debug)]
+pub struct Label {
+    /// With what it is run.
+    pub software: Software,
+    /// Which of several runs in a row this is, from 1.
+    pub repeat: u32,
+    /// Where a secret was mixed into the seed: the number that stands for the seed, and the secret's commitment. The
+    /// seed of the setup is the one that came of both.
+    pub secret: Option<(u64, String)>,
+}
+
+impl Label {
+    /// The number that stands for the seed.
+    fn seed(&self, setup: &Setup) -> u64 {
+        self.secret.as_ref().map_or(setup.seed, |(number, _)| *number)
+    }
+
+    fn commitment(&self) -> Option<String> {
+        self.secret.as_ref().map(|(_, commitment)| commitment.clone())
+    }
+}
+
 /// Runs one episode to its end and judges it.
 ///
 /// # Errors
@@ -38,7 +61,7 @@ pub fn run_episode(
 ) -> Result<EpisodeResult, TwinError> {
     let mut twin = Twin::new(setup)?;
     let mut judged = Judged::new(&mut twin, setup, None, watcher);
-    Ok(run(&mut judged, setup, agent, software, repeat))
+    Ok(run(&mut judged, setup, agent, &Label { software: software.clone(), repeat, secret: None }))
 }
 
 /// An episode that was run and recorded.
@@ -59,20 +82,19 @@ pub fn record_episode(
     setup: &Setup,
     sources: &Sources,
     agent: &mut dyn Agent,
-    software: &Software,
-    repeat: u32,
+    label: &Label,
     path: &Path,
     watcher: &mut Watcher,
 ) -> Result<Recorded, EpisodeError> {
     let mut twin = Twin::new(setup)?;
     let recorder = Recorder::create(
         path,
-        &header(setup, sources, software, repeat),
+        &header(setup, sources, label),
         twin.part_names().map(str::to_string).collect(),
         setup.assembly.connections.iter().map(|connection| connection.name.clone()).collect(),
     )?;
     let mut judged = Judged::new(&mut twin, setup, Some(recorder), watcher);
-    let mut result = run(&mut judged, setup, agent, software, repeat);
+    let mut result = run(&mut judged, setup, agent, label);
     let recorder = judged.recorder.take();
     let unlogged = match recorder.map(|recorder| recorder.finish(twin.state_hash(), &result)) {
         Some(Ok(hash)) => {
@@ -86,7 +108,7 @@ pub fn record_episode(
 }
 
 /// The head of an episode's log.
-fn header(setup: &Setup, sources: &Sources, software: &Software, repeat: u32) -> Header {
+fn header(setup: &Setup, sources: &Sources, label: &Label) -> Header {
     Header {
         schema: LOG_SCHEMA.to_string(),
         rules: RULES.to_string(),
@@ -94,21 +116,16 @@ fn header(setup: &Setup, sources: &Sources, software: &Software, repeat: u32) ->
         kit: KitText { sha256: sha256(sources.kit.as_bytes()), xml: sources.kit.to_string() },
         arm: ArmText { sha256: sha256(sources.arm.as_bytes()), json: sources.arm.to_string() },
         track: setup.track.name().to_string(),
-        seed: setup.seed,
-        repeat,
+        seed: label.seed(setup),
+        secret: label.commitment().map(|commitment| SecretSeed { commitment, seed: setup.seed }),
+        repeat: label.repeat,
         disturbance: DisturbanceText { position: setup.disturbance.position, angle: setup.disturbance.angle },
         fault: setup.fault.map(|fault| fault.to_string()),
-        software: software.clone(),
+        software: label.software.clone(),
     }
 }
 
-fn run(
-    judged: &mut Judged,
-    setup: &Setup,
-    agent: &mut dyn Agent,
-    software: &Software,
-    repeat: u32,
-) -> EpisodeResult {
+fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label) -> EpisodeResult {
     judged.answered = Instant::now();
     let outcome = agent.run(judged);
     judged.called();
@@ -131,14 +148,15 @@ fn run(
         class: setup.assembly.class.map(|class| class.name().to_string()),
         track: setup.track.name().to_string(),
         real: None,
-        seed: setup.seed,
-        repeat,
+        seed: label.seed(setup),
+        secret: label.commitment(),
+        repeat: label.repeat,
         agent: AgentInfo {
             name: name.to_string(),
             version: version.to_string(),
             sha256: agent.file_hash().map(str::to_string),
         },
-        software: software.clone(),
+        software: label.software.clone(),
         host: Host::here(),
         completion: completion(&pegs),
         pegs,

@@ -16,6 +16,6 @@ pub mod replay;
 
 pub use conduct::Breach;
 pub use difference::Difference;
-pub use episode::{EpisodeError, Recorded, record_episode, run_episode};
+pub use episode::{EpisodeError, Label, Recorded, record_episode, run_episode};
 pub use judged::{Progress, Watcher};
 pub use replay::{ReplayError, Replayed, replay};

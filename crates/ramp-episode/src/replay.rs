@@ -5,8 +5,8 @@ use std::path::Path;
 
 use ramp_assembly::{Assembly, GoalError};
 use ramp_kit::{Kit, KitError};
-use ramp_robot::arm::{ArmError, ArmModel};
 use ramp_robot::Track;
+use ramp_robot::arm::{ArmError, ArmModel};
 use ramp_twin::{Disturbance, Fault, Setup, Twin, TwinError};
 
 use crate::again::{AgainError, call_again};
@@ -134,7 +134,8 @@ impl World {
             ),
             None => None,
         };
-        Ok(World { kit, assembly, arm, track, seed: header.seed, disturbance, fault })
+        let seed = header.secret.as_ref().map_or(header.seed, |secret| secret.seed);
+        Ok(World { kit, assembly, arm, track, seed, disturbance, fault })
     }
 
     /// As the twin is made from it.
@@ -201,11 +202,13 @@ fn check_agreement(header: &Header, result: &EpisodeResult) -> Result<(), Replay
         Some(fault) => fault.split('@').next().unwrap_or_default().to_string(),
         None => "none".to_string(),
     };
+    let secret = |commitment: Option<&String>| commitment.map_or("none", String::as_str).to_string();
     let pairs = [
         ("rules", header.rules.clone(), result.rules.clone()),
         ("goal", header.goal.name.clone(), result.goal.clone()),
         ("track", header.track.clone(), result.track.clone()),
         ("seed", header.seed.to_string(), result.seed.to_string()),
+        ("secret", secret(header.secret.as_ref().map(|it| &it.commitment)), secret(result.secret.as_ref())),
         ("repeat", header.repeat.to_string(), result.repeat.to_string()),
         ("fault", kind(header.fault.as_deref()), kind(result.fault.as_ref().map(|it| it.kind.as_str()))),
         ("software's version", header.software.version.clone(), result.software.version.clone()),

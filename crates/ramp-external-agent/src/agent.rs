@@ -7,10 +7,13 @@ use crate::goal::Goal;
 use crate::limits::{MOST_EVENTS, MOST_IDLE, Patience};
 use crate::process::Process;
 use crate::protocol::{self, Answer, Request};
+use crate::sandbox::Sandbox;
 
 /// An agent in a process of its own.
 pub struct ExternalAgent<'a> {
     process: Process,
+    /// What surrounds it; its folder must be there for as long as the process is.
+    _sandbox: Option<Sandbox>,
     goal: Goal<'a>,
     name: String,
     version: String,
@@ -45,7 +48,8 @@ impl From<String> for End {
 impl<'a> ExternalAgent<'a> {
     /// Starts an agent and waits until it has said hello: until then no clock of the episode runs. What goes wrong
     /// with that is the agent's failure, told by [`Agent::failure`]. `command` is what starts it, usually
-    /// [`AgentFile::command`].
+    /// [`AgentFile::command`]; with a sandbox, a program that goes [`Inside`](crate::sandbox::Inside) and then becomes
+    /// the agent.
     ///
     /// # Errors
     /// When the system does not start the program.
@@ -54,12 +58,14 @@ impl<'a> ExternalAgent<'a> {
         command: &[std::ffi::OsString],
         goal: Goal<'a>,
         patience: Patience,
+        sandbox: Option<Sandbox>,
     ) -> Result<ExternalAgent<'a>, AgentFileError> {
-        let process = Process::start(command, patience)
+        let process = Process::start(command, patience, sandbox.as_ref())
             .map_err(|source| AgentFileError::Start { path: file.path().to_path_buf(), source })?;
         let name = file.path().file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
         let mut agent = ExternalAgent {
             process,
+            _sandbox: sandbox,
             goal,
             name: protocol::as_name(&name),
             version: "unknown".to_string(),
@@ -205,6 +211,8 @@ impl Agent for ExternalAgent<'_> {
             let reason = outcome.as_ref().err().map_or("done".to_string(), RobotError::to_string);
             self.process.dismiss(Answer::End(reason).to_bytes());
         }
+        // What is written after this is not for the agent.
+        self.process.end();
         outcome
     }
 }

@@ -70,10 +70,15 @@ impl AgentFile {
         &self.path
     }
 
+    /// Whether it is a Python file; every other is an executable.
+    pub fn is_python(&self) -> bool {
+        self.path.extension().is_some_and(|ending| ending == "py")
+    }
+
     /// What starts it: the program and its arguments.
     pub fn command(&self) -> Vec<std::ffi::OsString> {
         let path = self.path.clone().into_os_string();
-        if self.path.extension().is_some_and(|ending| ending == "py") {
+        if self.is_python() {
             // Unbuffered, so that `print` is a message sent.
             vec!["python3".into(), "-u".into(), path]
         } else {

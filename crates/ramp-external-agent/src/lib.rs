@@ -4,18 +4,24 @@
 //! Nothing that such a program does can stop or bend a bench: whether it hangs, crashes, floods or talks nonsense, it
 //! ends its own episode, which is scored, with a reason that says so.
 //!
-//! Data passes one way: an [`AgentFile`] is started as a [`process`], told its [`Goal`], and heard through [`protocol`];
-//! [`ExternalAgent`] is what an episode sees of it.
+//! Data passes one way: an [`AgentFile`] is started as a [`process`], in a [`sandbox`] if its author is a stranger, told
+//! its [`Goal`], and heard through [`protocol`]; [`ExternalAgent`] is what an episode sees of it.
 
 mod agent;
+mod become_agent;
+mod family;
 mod file;
 mod goal;
 pub mod limits;
 pub mod process;
 pub mod protocol;
+pub mod sandbox;
 
 pub use agent::ExternalAgent;
+pub use become_agent::{become_agent, hide};
+pub use family::{adopt_orphans, end_orphans};
 pub use file::{AgentFile, AgentFileError};
 pub use goal::Goal;
 pub use limits::Patience;
-pub use process::{Silence, adopt_orphans, end_orphans, exec_with_parent};
+pub use process::Silence;
+pub use sandbox::{Sandbox, SandboxError};

@@ -10,8 +10,10 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal};
 
+use crate::family::{children, end_orphans};
 use crate::limits::Patience;
 use crate::protocol::LONGEST_MESSAGE;
+use crate::sandbox::{Sandbox, Watch};
 
 /// How much of an agent's standard error is passed on, bytes.
 const MOST_WORDS: u64 = 1 << 20;
@@ -67,11 +69,18 @@ pub struct Process {
     before: Vec<i32>,
     /// Whether it was told the end, and gets a moment to go by itself.
     dismissed: bool,
+    /// Who watches what it uses, where it is in a sandbox.
+    watch: Option<Watch>,
 }
 
 impl Process {
-    /// Starts a program with pipes to its standard input and output.
-    pub fn start(command: &[OsString], patience: Patience) -> std::io::Result<Process> {
+    /// Starts a program with pipes to its standard input and output. What it uses is watched where there is a sandbox;
+    /// that `command` puts up the walls is up to the caller.
+    pub fn start(
+        command: &[OsString],
+        patience: Patience,
+        sandbox: Option<&Sandbox>,
+    ) -> std::io::Result<Process> {
         let (program, arguments) =
             command.split_first().ok_or_else(|| std::io::Error::from(std::io::ErrorKind::InvalidInput))?;
         let before = children();
@@ -102,7 +111,9 @@ impl Process {
         if let Some(words) = child.stderr.take() {
             std::thread::spawn(move || pass_on(words));
         }
-        Ok(Process { child, group, patience, heard, to_say: Some(to_say), said, before, dismissed: false })
+        let watch = sandbox.map(|sandbox| sandbox.watch(before.clone()));
+        let (to_say, dismissed) = (Some(to_say), false);
+        Ok(Process { child, group, patience, heard, to_say, said, before, dismissed, watch })
     }
 
     /// How long is waited now, and whether that is less than the agent's own time.
@@ -148,7 +159,11 @@ impl Process {
 
     /// What became of an agent that closed a pipe.
     fn how_it_ended(&mut self) -> Silence {
-        let how = match self.wait_for_end(FAREWELL) {
+        let status = self.wait_for_end(FAREWELL);
+        if let Some(how) = self.watch.as_ref().and_then(Watch::found) {
+            return Silence::Ended { how };
+        }
+        let how = match status {
             Some(status) => match (status.signal(), status.code()) {
                 (Some(signal), _) => format!("was killed by signal {signal}"),
                 (None, Some(0)) => "ended without saying that it is done".to_string(),
@@ -176,7 +191,8 @@ impl Process {
     }
 
     /// Ends the agent and all that it has started.
-    fn end(&mut self) {
+    pub fn end(&mut self) {
+        self.watch = None;
         // With this its standard input is at an end.
         self.to_say = None;
         if self.dismissed {
@@ -225,51 +241,4 @@ fn pass_on(mut words: impl Read) {
         eprintln!("\n(the agent says more than is shown)");
     }
     let _ = std::io::copy(&mut words, &mut std::io::sink());
-}
-
-/// From now on, processes whose parents are gone become children of this one, so that they can be ended.
-pub fn adopt_orphans() {
-    let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
-}
-
-/// Numbers of all children of this process.
-fn children() -> Vec<i32> {
-    let Ok(tasks) = std::fs::read_dir("/proc/self/task") else { return Vec::new() };
-    let lists = tasks.flatten().filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
-    lists
-        .flat_map(|list| list.split_whitespace().filter_map(|it| it.parse().ok()).collect::<Vec<_>>())
-        .collect()
-}
-
-/// Ends all children of this process but these.
-pub fn end_orphans(but: &[i32]) {
-    // Each that ends may leave children of its own.
-    for _ in 0..100 {
-        let orphans: Vec<Pid> =
-            children().into_iter().filter(|it| !but.contains(it)).filter_map(Pid::from_raw).collect();
-        if orphans.is_empty() {
-            return;
-        }
-        for orphan in orphans {
-            let _ = rustix::process::kill_process(orphan, Signal::KILL);
-            let _ = rustix::process::waitpid(Some(orphan), rustix::process::WaitOptions::empty());
-        }
-    }
-}
-
-/// Becomes another program that is killed when the process `parent`, which started this one, is gone. Returns only
-/// when that cannot be done.
-pub fn exec_with_parent(parent: u32, command: &[OsString]) -> std::io::Error {
-    if let Err(error) = rustix::process::set_parent_process_death_signal(Some(Signal::KILL)) {
-        return error.into();
-    }
-    // It may have gone before this process began to watch.
-    let present = rustix::process::getppid().map(|pid| pid.as_raw_nonzero().get());
-    if present != i32::try_from(parent).ok() {
-        return std::io::Error::other("its parent is gone");
-    }
-    match command.split_first() {
-        Some((program, arguments)) => Command::new(program).args(arguments).exec(),
-        None => std::io::ErrorKind::InvalidInput.into(),
-    }
 }

@@ -36,8 +36,11 @@ pub struct Header {
     pub arm: ArmText,
     /// What the agent might see.
     pub track: String,
-    /// All randomness of the world came from here.
+    /// All randomness of the world came from here, if there is no secret.
     pub seed: u64,
+    /// Where the randomness came from otherwise; `None` without a secret, and then not in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub secret: Option<SecretSeed>,
     /// Which of several runs in a row this is, from 1.
     pub repeat: u32,
     /// How far the start differs from the sheet's outlines.
@@ -47,6 +50,15 @@ pub struct Header {
     pub fault: Option<String>,
     /// With what the episode was run.
     pub software: Software,
+}
+
+/// A seed into which a secret was mixed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SecretSeed {
+    /// What the secret is known by ([`ramp_result::secret::Secret::commitment`]).
+    pub commitment: String,
+    /// The seed that came of it: all randomness of the world.
+    pub seed: u64,
 }
 
 /// A goal in a log.

@@ -13,6 +13,6 @@ pub mod records;
 pub mod write;
 
 pub use error::LogError;
-pub use header::{CALLS, ENDING, Header, SCHEMA, Sources};
+pub use header::{CALLS, ENDING, Header, SCHEMA, SecretSeed, Sources};
 pub use read::Log;
 pub use write::{Due, Recorder};

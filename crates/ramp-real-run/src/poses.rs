@@ -414,6 +414,7 @@ impl Run<'_> {
             track: head.track,
             real: Some(RealRun { robot: head.robot, scorer: head.scorer, source: head.source }),
             seed: u64::from(head.repeat),
+            secret: None,
             repeat: head.repeat,
             agent: AgentInfo { name: head.agent, version: head.version, sha256: None },
             software: software.clone(),

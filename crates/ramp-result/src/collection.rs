@@ -42,6 +42,9 @@ pub struct Identity {
     pub version: String,
     /// The commit it was built from.
     pub commit: String,
+    /// The commitment of the secret that was mixed into the seeds, where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub secret: Option<String>,
     /// Of a real run, what is known of it.
     pub real: Option<RealRun>,
 }
@@ -254,7 +257,7 @@ impl Identity {
     }
 
     fn of(result: &EpisodeResult) -> Identity {
-        let EpisodeResult { track, agent, software, real, .. } = result;
+        let EpisodeResult { track, agent, software, secret, real, .. } = result;
         let AgentInfo { name, version: agent_version, sha256 } = agent;
         let Software { version, commit } = software;
         Identity {
@@ -264,6 +267,7 @@ impl Identity {
             agent_sha256: sha256.clone(),
             version: version.clone(),
             commit: commit.clone(),
+            secret: secret.clone(),
             real: real.clone(),
         }
     }
@@ -285,6 +289,9 @@ fn label(entrants: &mut [Entrant]) {
         }
         if words > 2 {
             label = format!("{label}, ramp {} ({})", it.version, it.commit);
+            if let Some(secret) = &it.secret {
+                label = format!("{label}, secret {}", ramp_kit::source::shorten(secret));
+            }
         }
         label
     };

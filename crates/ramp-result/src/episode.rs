@@ -23,8 +23,11 @@ pub struct EpisodeResult {
     pub track: String,
     /// Where a real robot worked and a person held the stopwatch: who and what; `None` in the twin.
     pub real: Option<RealRun>,
-    /// All randomness of the world came from here; of a real run, the repeat.
+    /// All randomness of the world came from here; with a secret, from both together; of a real run, the repeat.
     pub seed: u64,
+    /// The commitment of the secret that was mixed into the seed; `None` without one, and then not in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub secret: Option<String>,
     /// Which of several runs in a row this is, from 1.
     pub repeat: u32,
     /// Who worked.

@@ -16,6 +16,7 @@ pub fn episode(goal: &str, seed: u64, since: &[f64], pegs: usize) -> EpisodeResu
         track: "state".into(),
         real: None,
         seed,
+        secret: None,
         repeat: seed as u32,
         agent: AgentInfo { name: "hand".into(), version: "1".into(), sha256: None },
         software: Software { version: "0.1.0".into(), commit: "abc".into() },

@@ -1,14 +1,15 @@
 //! Who works: the baseline, or a program of one's own.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use miette::{IntoDiagnostic, Report};
+use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
-use ramp_external_agent::{AgentFile, ExternalAgent, Goal, Patience, adopt_orphans, exec_with_parent};
+use ramp_external_agent::sandbox::{Inside, open_ends};
+use ramp_external_agent::{AgentFile, ExternalAgent, Goal, Patience, Sandbox, SandboxError, adopt_orphans};
 use ramp_kit::Kit;
 use ramp_planner::Domains;
 use ramp_robot::arm::ArmModel;
@@ -27,6 +28,9 @@ pub struct Arguments {
     /// Longest time that your agent may take for a message, after which its episode ends
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
     pub agent_limit: f64,
+    /// Keep your agent away from your files, the network and other processes: for agents whose authors you do not know
+    #[arg(long, requires = "agent")]
+    pub sandbox: bool,
     #[command(flatten)]
     pub skills: skills::File,
 }
@@ -43,6 +47,30 @@ impl Arguments {
     pub fn file(&self) -> Result<Option<AgentFile>, Report> {
         self.agent.as_deref().map(AgentFile::find).transpose().into_diagnostic()
     }
+
+    /// What surrounds the agent, where it is asked for. `hidden` are files and folders that it must not see.
+    ///
+    /// # Errors
+    /// When this system has no sandbox, or the agent's own folder holds what it must not see.
+    pub fn sandbox(&self, file: Option<&AgentFile>, hidden: &[&Path]) -> Result<Option<Sandbox>, Report> {
+        let Some(file) = file.filter(|_| self.sandbox) else { return Ok(None) };
+        Sandbox::find(file, hidden).map(Some).map_err(|error| match error {
+            SandboxError::NoLandlock => miette!(
+                help = "run agents of strangers in a container (docs/src/howto/run-a-strangers-agent.md)",
+                "{error}"
+            ),
+            SandboxError::Exposed { .. } => {
+                miette!(help = "put the agent into a folder of its own, away from the results", "{error}")
+            }
+            _ => miette!("{error}"),
+        })
+    }
+}
+
+/// Tells a person what a sandbox does not keep out here.
+pub fn tell_open_ends() {
+    let ends = open_ends().unwrap_or_default();
+    eprintln!("the sandbox does not hide: {}", ends.join("; "));
 }
 
 /// What an agent is made from.
@@ -62,6 +90,7 @@ pub struct World<'a> {
 pub fn start<'a>(
     world: &World<'a>,
     file: Option<&AgentFile>,
+    sandbox: Option<Sandbox>,
     limit: f64,
     end: Option<Instant>,
     listener: impl FnMut(&Event) + 'a,
@@ -78,10 +107,17 @@ pub fn start<'a>(
         std::env::current_exe().into_diagnostic()?.into(),
         "agent-process".into(),
         std::process::id().to_string().into(),
-        "--".into(),
     ];
-    command.extend(file.command());
-    let agent = ExternalAgent::start(file, &command, goal, patience).into_diagnostic()?;
+    let program = match &sandbox {
+        Some(sandbox) => {
+            command.extend(words_of(&sandbox.inside()));
+            sandbox.command().to_vec()
+        }
+        None => file.command(),
+    };
+    command.push("--".into());
+    command.extend(program);
+    let agent = ExternalAgent::start(file, &command, goal, patience, sandbox).into_diagnostic()?;
     Ok(Box::new(agent.with_listener(listener)))
 }
 
@@ -90,15 +126,39 @@ pub fn start<'a>(
 pub struct ProcessArguments {
     /// Number of the run's process
     parent: u32,
+    /// The agent's own folder, where it is in a sandbox
+    #[arg(long, requires = "largest_file")]
+    folder: Option<PathBuf>,
+    /// Largest file that it may write there, bytes
+    #[arg(long)]
+    largest_file: Option<u64>,
+    /// What else it may read there
+    #[arg(long)]
+    readable: Vec<PathBuf>,
     /// The agent's program and its arguments
     #[arg(last = true, required = true)]
     command: Vec<OsString>,
 }
 
+/// The arguments for [`ProcessArguments`] that put up the walls of a sandbox.
+fn words_of(inside: &Inside) -> Vec<OsString> {
+    let Inside { readable, folder, largest_file } = inside;
+    let mut words: Vec<OsString> = vec!["--folder".into(), folder.into()];
+    words.extend(["--largest-file".into(), largest_file.to_string().into()]);
+    words.extend(readable.iter().flat_map(|path| ["--readable".into(), path.into()]));
+    words
+}
+
 /// Replaces this program by the agent's.
 pub fn become_agent(arguments: &ProcessArguments) -> ExitCode {
-    let error = exec_with_parent(arguments.parent, &arguments.command);
-    let program = arguments.command.first().map(|it| it.to_string_lossy()).unwrap_or_default();
+    let ProcessArguments { parent, folder, largest_file, readable, command } = arguments;
+    let inside = folder.clone().zip(*largest_file).map(|(folder, largest_file)| Inside {
+        readable: readable.clone(),
+        folder,
+        largest_file,
+    });
+    let error = ramp_external_agent::become_agent(*parent, inside.as_ref(), command);
+    let program = command.first().map(|it| it.to_string_lossy()).unwrap_or_default();
     eprintln!("{program} cannot be started: {error}");
     ExitCode::from(127)
 }

@@ -5,10 +5,12 @@ use std::path::PathBuf;
 
 use miette::{IntoDiagnostic, Report};
 use ramp_assembly::Class;
+use ramp_result::secret::Secret;
 use ramp_result::summary::{Entry, Summary, shortfall};
 use serde_json::{Value, json};
 
 use super::episodes::{self, Batch, Episode, Outcome};
+use super::seeds;
 use crate::data::Data;
 use crate::output::print;
 use crate::status::{DONE, INCOMPLETE, STOPPED};
@@ -23,6 +25,9 @@ pub struct Arguments {
     /// Episodes of each goal, with seeds in a row
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     repeats: u32,
+    /// Secret to be mixed into the seeds, as `ramp seeds commit` makes it
+    #[arg(long, value_name = "FILE")]
+    secret: Option<PathBuf>,
     /// Folder for the results; made if it is not there, continued if it is
     #[arg(short, long, value_name = "DIR", default_value = "results/bench")]
     output: PathBuf,
@@ -31,10 +36,20 @@ pub struct Arguments {
 /// The episodes of a bench.
 struct Bench<'a>(Batch<'a>);
 
+impl Arguments {
+    /// Whether a program of somebody else works.
+    pub fn has_agent(&self) -> bool {
+        self.shared.has_agent()
+    }
+}
+
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let goals = episodes::find(data, &arguments.goals)?;
     let shared = &arguments.shared;
-    let bench = Bench(shared.batch(data, &arguments.output, goals, arguments.repeats, "--repeats")?);
+    let secret = arguments.secret.as_deref();
+    let mut batch = shared.batch(data, &arguments.output, goals, arguments.repeats, "--repeats", secret)?;
+    batch.secret = secret.map(seeds::read).transpose()?;
+    let bench = Bench(batch);
     let mut episodes = bench.episodes();
     if !bench.0.run(&mut episodes)? {
         return Ok(STOPPED);
@@ -127,6 +142,7 @@ impl Bench<'_> {
             "track": self.0.track,
             "first_seed": self.0.seeds.start(),
             "repeats": self.0.count,
+            "secret": self.0.secret.as_ref().map(Secret::commitment),
             "software": self.0.software,
             "goals": goals,
             "classes": classes,
@@ -140,7 +156,11 @@ impl Bench<'_> {
     fn sums_text(&self, episodes: &[Episode]) -> String {
         let (goals, classes) = self.sums(episodes);
         let (first, last) = (self.0.seeds.start(), self.0.seeds.end());
-        let mut text = format!("track {}, seeds {first} to {last}\n", self.0.track);
+        let mut text = format!("track {}, seeds {first} to {last}", self.0.track);
+        if let Some(secret) = &self.0.secret {
+            let _ = write!(text, " with the secret {}", secret.commitment());
+        }
+        text.push('\n');
         let width = self.0.goals.iter().map(|goal| goal.name.chars().count()).max().unwrap_or(0).max(16);
         let _ = writeln!(
             text,

@@ -43,6 +43,13 @@ struct Row<'a> {
     tally: Tally,
 }
 
+impl Arguments {
+    /// Whether a program of somebody else works.
+    pub fn has_agent(&self) -> bool {
+        self.shared.has_agent()
+    }
+}
+
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let goals = episodes::find(data, &arguments.goals)?;
     let mut faults = Vec::new();
@@ -53,7 +60,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         }
     }
     let shared = &arguments.shared;
-    let batch = shared.batch(data, &arguments.output, goals, arguments.seeds, "--seeds")?;
+    let batch = shared.batch(data, &arguments.output, goals, arguments.seeds, "--seeds", None)?;
     let mut episodes = plan(&batch, &faults);
     if !batch.run(&mut episodes)? {
         return Ok(STOPPED);

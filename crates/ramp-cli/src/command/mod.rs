@@ -19,6 +19,7 @@ pub mod report;
 pub mod run;
 pub mod score;
 pub mod see;
+pub mod seeds;
 pub mod show;
 pub mod skills;
 pub mod trials;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Report, miette};
-use ramp_episode::{Progress, record_episode};
+use ramp_episode::{EpisodeError, Label, Progress, Recorded, record_episode};
 use ramp_report::curve::completion_svg;
 use ramp_result::episode::EpisodeResult;
 use ramp_robot::Event;
@@ -20,7 +20,8 @@ use crate::options::TrackName;
 use crate::output::{check_place, make_folder_of, print, write_file};
 use crate::pictures::{self, Pictures};
 use crate::software::software;
-use crate::status::{DONE, INCOMPLETE};
+use crate::status::{DONE, INCOMPLETE, MachineFault};
+use crate::unfinished;
 
 /// Folder for results that are given no name.
 const RESULTS: &str = "results";
@@ -61,27 +62,26 @@ pub struct Arguments {
     /// Which of several runs in a row this is
     #[arg(long, default_value_t = 1, hide = true, value_parser = clap::value_parser!(u32).range(1..))]
     repeat: u32,
+    /// Seed of the world that came of a secret and of the number given with --seed
+    #[arg(long, hide = true, value_name = "SEED", requires = "secret")]
+    world_seed: Option<u64>,
+    /// Commitment of that secret
+    #[arg(long, hide = true, value_name = "HEX", requires = "world_seed")]
+    secret: Option<String>,
     /// Time on the wall after which the agent's work is ended and scored
     #[arg(long, hide = true, value_name = "SECONDS")]
     end_after: Option<u64>,
-    /// End when standard input does: whoever started this run is gone
-    #[arg(long, hide = true)]
-    leash: bool,
 }
 
-/// Ends the program when standard input does.
-fn hold_leash() {
-    std::thread::spawn(|| {
-        let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
-        std::process::exit(INCOMPLETE.into());
-    });
+impl Arguments {
+    /// Whether a program of somebody else works.
+    pub fn has_agent(&self) -> bool {
+        self.agent.agent.is_some()
+    }
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let end = arguments.end_after.and_then(|after| Instant::now().checked_add(Duration::from_secs(after)));
-    if arguments.leash {
-        hold_leash();
-    }
     let kit = data.kit()?;
     let assembly = data.goal(&arguments.goal, &kit)?;
     let arm = data.arm()?;
@@ -107,16 +107,21 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     for path in [Some(&output), Some(&curve), Some(&log), arguments.scene.as_ref()].into_iter().flatten() {
         check_place(path)?;
     }
+    let sandbox = arguments.agent.sandbox(agent_file.as_ref(), &[&output, &log])?;
+    if sandbox.is_some() {
+        agent::tell_open_ends();
+    }
     let setup = Setup {
         kit: &kit,
         assembly: &assembly,
         arm: &arm,
         track: arguments.track.into(),
-        seed: arguments.seed,
+        seed: arguments.world_seed.unwrap_or(arguments.seed),
         disturbance: Disturbance::default(),
         fault: arguments.fault,
     };
     let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
+    unfinished::end_on_request()?;
     let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
     make_folder_of(&log)?;
     let display = Display::new(assembly.connections.len());
@@ -130,7 +135,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         seed: setup.seed,
         parameters: &parameters,
     };
-    let mut agent = agent::start(&world, agent_file.as_ref(), arguments.agent.agent_limit, end, |event| {
+    let limit = arguments.agent.agent_limit;
+    let mut agent = agent::start(&world, agent_file.as_ref(), sandbox, limit, end, |event| {
         display.event(event);
     })?;
     let mut end = Vec::new();
@@ -145,21 +151,33 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         }
         pictures.show(twin, &display.action(), progress);
     };
-    let (sources, software) = (texts.sources(), software());
-    let result =
-        record_episode(&setup, &sources, agent.as_mut(), &software, arguments.repeat, &log, &mut watcher)
-            .into_diagnostic()?;
+    let label = Label {
+        software: software(),
+        repeat: arguments.repeat,
+        secret: arguments.secret.clone().map(|commitment| (arguments.seed, commitment)),
+    };
+    let recorded =
+        record_episode(&setup, &texts.sources(), agent.as_mut(), &label, &log, &mut watcher);
     display.finish();
+    let Recorded { result, unlogged } = recorded.map_err(|error| match error {
+        EpisodeError::Log(error) => MachineFault::of(error).into(),
+        EpisodeError::Twin(error) => Report::msg(error),
+    })?;
+    // What the work has brought is kept first.
+    write_file(&output, result.to_json()).map_err(MachineFault::of)?;
+    write_file(&curve, completion_svg(&result)).map_err(MachineFault::of)?;
     pictures.end()?;
-    write_file(&output, result.to_json())?;
-    write_file(&curve, completion_svg(&result))?;
     if let Some(path) = &arguments.scene {
         let start = Twin::new(&setup).into_diagnostic()?;
         let scene = start.scene_with_keyframes(&[("start", start.qpos()), ("end", &end)]);
         write_file(path, &scene)?;
     }
     print(&if arguments.json { result.to_json() } else { summary(&result, [&output, &curve, &log]) })?;
-    Ok(if result.counted() == result.pegs.len() { DONE } else { INCOMPLETE })
+    match unlogged {
+        Some(error) => Err(MachineFault { what: format!("there is no log: {error}") }.into()),
+        None if result.counted() == result.pegs.len() => Ok(DONE),
+        None => Ok(INCOMPLETE),
+    }
 }
 
 /// The result for a person.

@@ -61,10 +61,12 @@ def main():
     elif way == "chatters":
         while True:
             sys.stderr.write("and then, and then, " * 1000)
-    elif way == "leaves children":
+    elif way in ("leaves children", "kills its parent"):
         for _ in range(3):
             quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL}
             subprocess.Popen(["sleep", os.environ["BAD_SLEEP"]], start_new_session=True, **quiet)
+        if way == "kills its parent":
+            os.kill(os.getppid(), signal.SIGKILL)
         tell({"done": {}})
     hear()
 

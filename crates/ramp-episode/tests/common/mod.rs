@@ -122,8 +122,8 @@ impl World {
         let sources = ramp_log::Sources { goal: &goal, kit: &kit, arm: &arm };
         let software = Software { version: "test".into(), commit: "test".into() };
         let setup = self.setup_on(track, seed);
-        let recorded =
-            ramp_episode::record_episode(&setup, &sources, agent, &software, 1, path, &mut |_, _| {});
+        let label = ramp_episode::Label { software, repeat: 1, secret: None };
+        let recorded = ramp_episode::record_episode(&setup, &sources, agent, &label, path, &mut |_, _| {});
         let recorded = recorded.unwrap();
         assert!(recorded.unlogged.is_none());
         recorded.result

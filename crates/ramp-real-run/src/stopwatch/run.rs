@@ -76,6 +76,7 @@ impl<'a> Run<'a> {
             track: track.to_string(),
             real: Some(real.clone()),
             seed: u64::from(self.repeat),
+            secret: None,
             repeat: self.repeat,
             agent: agent.clone(),
             software: software.clone(),

@@ -36,7 +36,13 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// What the episodes of these goals share, `count` of each goal, and their folder; `option` is where the count was given.
+    /// Whether a program of somebody else works.
+    pub fn has_agent(&self) -> bool {
+        self.agent.agent.is_some()
+    }
+
+    /// What the episodes of these goals share, `count` of each goal, and their folder; `option` is where the count was
+    /// given, and `hidden` a file that the agent must not see.
     ///
     /// # Errors
     /// When the agent's file is none, or the seeds go past the largest number there is.
@@ -47,16 +53,24 @@ impl Arguments {
         goals: Vec<Goal>,
         count: u32,
         option: &'static str,
+        hidden: Option<&Path>,
     ) -> Result<Batch<'a>, Report> {
         let last = self.first_seed.checked_add(u64::from(count) - 1);
+        let agent = self.agent.file()?;
+        // What is wrong with the sandbox is told before any episode is begun.
+        if self.agent.sandbox(agent.as_ref(), &Vec::from_iter([Some(folder), hidden].into_iter().flatten()))?.is_some() {
+            agent::tell_open_ends();
+        }
         Ok(Batch {
             data,
             folder,
             track: Track::from(self.track).name(),
             limit: Duration::from_secs(self.limit),
             jobs: self.jobs as usize,
-            agent: self.agent.file()?,
+            agent,
             agent_limit: self.agent.agent_limit,
+            sandbox: self.agent.sandbox,
+            secret: None,
             skills: self.agent.skills.path.clone(),
             skills_hash: self.agent.skills.read(data)?.sha256.clone(),
             goals,

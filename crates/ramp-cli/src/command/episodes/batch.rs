@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use std::fs::{File, TryLockError};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -14,13 +14,16 @@ use miette::{IntoDiagnostic, Report, miette};
 use ramp_external_agent::{AgentFile, adopt_orphans, end_orphans};
 use ramp_log::ENDING;
 use ramp_result::episode::{EpisodeResult, SCHEMA, Software};
+use ramp_result::secret::Secret;
 use serde_json::Value;
 
 use super::display::Display;
 use super::episode::{Episode, Outcome};
 use super::goals::{BatchError, Goal};
 use crate::data::Data;
-use crate::status::{DONE, INCOMPLETE};
+use crate::ending::end_of;
+use crate::seal;
+use crate::status::{DONE, INCOMPLETE, MACHINE, MachineFault};
 
 /// Folder in the results' folder for what is not finished.
 const RUNNING: &str = ".running";
@@ -28,6 +31,8 @@ const RUNNING: &str = ".running";
 const LOCK: &str = ".lock";
 /// What is left of an episode's time on the wall to score it when an agent is not done.
 const SCORING: Duration = Duration::from_secs(20);
+/// How much of what an episode has said is told when the machine fails, bytes.
+const LAST_WORDS: usize = 400;
 /// How often it is looked after the episodes.
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -48,6 +53,10 @@ pub struct Batch<'a> {
     pub jobs: usize,
     pub agent: Option<AgentFile>,
     pub agent_limit: f64,
+    /// Whether the agent is in a sandbox.
+    pub sandbox: bool,
+    /// What is mixed into the seeds.
+    pub secret: Option<Secret>,
     /// The file of the numbers of the baseline's skills, if one is given.
     pub skills: Option<PathBuf>,
     /// The hash of the file of these numbers, if it is not the baseline's own.
@@ -139,6 +148,9 @@ impl Batch<'_> {
                 }
                 .into());
             }
+            if value["secret"].as_str() != self.commitment().as_deref() {
+                return Err(BatchError::OtherSecret { file: path.display().to_string() }.into());
+            }
             let agent = &value["agent"];
             if agent["sha256"].as_str() != self.agent_hash() {
                 let part = |name: &str| agent[name].as_str().unwrap_or("unknown");
@@ -162,6 +174,7 @@ impl Batch<'_> {
             && result.pegs.len() == goal.pegs
             && result.track == self.track
             && result.seed == episode.seed
+            && result.secret == self.commitment()
             && result.software == self.software
             && result.fault.as_ref().map(|it| it.kind.as_str()) == episode.fault.map(|it| it.kind.name())
             && result.agent.sha256.as_deref() == self.agent_hash();
@@ -180,7 +193,9 @@ impl Batch<'_> {
         if open.is_empty() {
             return Ok(true);
         }
-        std::fs::create_dir_all(&running).into_diagnostic()?;
+        std::fs::create_dir_all(&running).map_err(MachineFault::of)?;
+        // What an episode leaves behind when it is killed is in there.
+        let temporary = tempfile::tempdir().map_err(MachineFault::of)?;
         let display = Display::new(open.len(), episodes.len() - open.len(), self.jobs);
         let mut workers: Vec<Worker> = Vec::new();
         let mut failure = None;
@@ -191,9 +206,13 @@ impl Batch<'_> {
             while workers.len() < self.jobs
                 && let Some(episode) = open.pop_front()
             {
-                match self.start(&running, &episodes[episode]) {
+                match self.start(&running, temporary.path(), &episodes[episode]) {
                     Ok(child) => workers.push(Worker { episode, child, since: Instant::now() }),
-                    Err(error) => episodes[episode].outcome = Outcome::Lost(format!("not started: {error}")),
+                    Err(error) => {
+                        let what = format!("{} is not started: {error}", episodes[episode].stem);
+                        failure = Some(MachineFault { what }.into());
+                        break;
+                    }
                 }
             }
             let mut index = 0;
@@ -232,28 +251,30 @@ impl Batch<'_> {
         }
     }
 
-    /// Starts an episode in its own process. The pipe to its standard input is its leash: it closes when the bench
-    /// dies, however that happens.
-    fn start(&self, running: &Path, episode: &Episode) -> std::io::Result<Child> {
-        let log = File::create(running.join(format!("{}.log", episode.stem)))?;
-        let mut command = Command::new(std::env::current_exe()?);
-        command
-            .args(self.data.arguments())
-            .args(["run", "--leash", "--track", self.track])
-            .args(["--seed", &episode.seed.to_string(), "--repeat", &episode.repeat.to_string()])
-            .args(episode.fault.iter().flat_map(|fault| ["--fault".to_string(), fault.to_string()]))
-            .args(self.agent_arguments())
-            .arg("-o")
-            .arg(running.join(format!("{}.json", episode.stem)))
-            .arg("--")
-            .arg(&self.goals[episode.goal].argument)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::null())
-            .stderr(log);
-        // Ctrl-C on a terminal is for the bench alone, which then ends its episodes.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        command.spawn()
+    /// Starts an episode in its own process, which ends with this one. Its arguments are sealed: the seed is among them.
+    fn start(&self, running: &Path, temporary: &Path, episode: &Episode) -> std::io::Result<Child> {
+        let log = File::create_new(running.join(format!("{}.log", episode.stem)))?;
+        let mut words = self.data.arguments();
+        words.extend(["run".into(), "--track".into(), self.track.into()]);
+        words.extend(["--seed".into(), episode.seed.to_string().into()]);
+        words.extend(["--repeat".into(), episode.repeat.to_string().into()]);
+        words.extend(episode.fault.iter().flat_map(|fault| ["--fault".into(), fault.to_string().into()]));
+        if let Some(secret) = &self.secret {
+            let seed = secret.seed(&self.goals[episode.goal].name, self.track, episode.seed);
+            words.extend(["--world-seed".into(), seed.to_string().into()]);
+            words.extend(["--secret".into(), secret.commitment().into()]);
+        }
+        words.extend(self.agent_arguments());
+        words.extend(["-o".into(), running.join(format!("{}.json", episode.stem)).into()]);
+        words.extend(["--".into(), self.goals[episode.goal].argument.clone().into()]);
+        seal::child(&words, |command| {
+            command.stdout(Stdio::null()).stderr(log).env("TMPDIR", temporary);
+        })
+    }
+
+    /// What the secret is known by.
+    fn commitment(&self) -> Option<String> {
+        self.secret.as_ref().map(Secret::commitment)
     }
 
     /// The hash of the file that the agent or its numbers were read from.
@@ -275,7 +296,8 @@ impl Batch<'_> {
             end_after.to_string(),
             "--agent".into(),
         ];
-        words.into_iter().map(OsString::from).chain([agent.path().into()]).collect()
+        let sandbox = self.sandbox.then(|| "--sandbox".into());
+        words.into_iter().map(OsString::from).chain([agent.path().into()]).chain(sandbox).collect()
     }
 
     /// Whether an episode has ended, and how. What it wrote is moved to its place.
@@ -308,12 +330,15 @@ impl Batch<'_> {
         let (record_from, record_to) = place(ENDING);
         let (log_from, log_to) = place("log");
         let result = self.read(&result_from, episode);
+        if status.is_some_and(|status| status.code() == Some(MACHINE.into())) {
+            return Err(MachineFault { what: format!("{stem} has failed: {}", last_words(&log_from)) }.into());
+        }
         if let (Some(status), Some(result)) = (status, result)
             && status.code().is_some_and(|code| [DONE, INCOMPLETE].map(i32::from).contains(&code))
         {
-            std::fs::rename(&curve_from, &curve_to).into_diagnostic()?;
-            std::fs::rename(&record_from, &record_to).into_diagnostic()?;
-            std::fs::rename(&result_from, &result_to).into_diagnostic()?;
+            std::fs::rename(&curve_from, &curve_to).map_err(MachineFault::of)?;
+            std::fs::rename(&record_from, &record_to).map_err(MachineFault::of)?;
+            std::fs::rename(&result_from, &result_to).map_err(MachineFault::of)?;
             // What an agent of one's own has said is kept.
             if self.agent.is_some() {
                 let _ = std::fs::rename(&log_from, &log_to);
@@ -335,14 +360,9 @@ impl Batch<'_> {
     }
 }
 
-/// How a process ended, in words.
-fn end_of(status: ExitStatus) -> String {
-    #[cfg(unix)]
-    if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
-        return format!("killed by signal {signal}");
-    }
-    match status.code() {
-        Some(code) => format!("ended with status {code} and no result"),
-        None => "ended without a result".to_string(),
-    }
+/// The end of what a process has said.
+fn last_words(log: &Path) -> String {
+    let text = std::fs::read(log).unwrap_or_default();
+    let text = String::from_utf8_lossy(&text[text.len().saturating_sub(LAST_WORDS)..]).into_owned();
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

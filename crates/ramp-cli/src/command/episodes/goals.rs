@@ -38,6 +38,9 @@ pub enum BatchError {
         "a class is run with one unchanged agent: name another folder with -o, or move these away"
     ))]
     OtherAgent { file: String, theirs: String },
+    #[error("{file} is of another secret, or of none")]
+    #[diagnostic(help("a folder is of one secret: name another folder with -o, or give the same --secret"))]
+    OtherSecret { file: String },
     #[error("another bench is at work in {folder}")]
     #[diagnostic(help("wait for it, or name another folder with -o"))]
     Busy { folder: String },

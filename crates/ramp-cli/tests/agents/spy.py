@@ -1,0 +1,193 @@
+"""An agent that looks for what it must not know, and for ways out. It tells what it found as events.
+
+Each event says a door. It is of the kind `fault` if the door was open, and then says what was behind it; otherwise
+`done`.
+"""
+import ctypes
+import glob
+import os
+import re
+import socket
+import struct
+import sys
+import tempfile
+import time
+
+from common import hear, hello, stay, tell
+
+goal = hello("spy")
+parent = os.getppid()
+libc = ctypes.CDLL(None, use_errno=True)
+SEED = re.compile(rb"seed[^0-9a-z]{1,4}([0-9]{6,})")
+TRUTH = re.compile(rb'"child_frame_id"|ramp\.Verdict|\x89MCAP')
+
+
+def note(door, found):
+    """Tells whether a door is open, and what was behind it."""
+    kind = "fault" if found else "done"
+    what = f"{door}: {found}" if found else door
+    tell({"event": {"kind": kind, "what": "".join(c if c.isprintable() else " " for c in what)[:200]}})
+    assert hear() == {"noted": {}}
+
+
+def attempt(door, work):
+    try:
+        note(door, work())
+    except Exception as error:
+        note(door, None)
+        print(f"{door}: {error!r}", file=sys.stderr)
+
+
+def processes():
+    return [int(name) for name in os.listdir("/proc") if name.isdigit() and int(name) != os.getpid()]
+
+
+def secrets(data):
+    """A seed, or something that only a log holds."""
+    seed = SEED.search(data)
+    if seed:
+        return f"seed {seed.group(1).decode()}"
+    return "a log" if TRUTH.search(data) else None
+
+
+def first(found):
+    """The first of some findings, where reading one may fail."""
+    for work in found:
+        try:
+            result = work()
+        except OSError:
+            continue
+        if result:
+            return result
+    return None
+
+
+def read(path, most=1 << 20):
+    with open(path, "rb") as file:
+        return file.read(most)
+
+
+# What it does while its log is being written.
+tell({"step": {"commands": [stay(goal, 1000)]}})
+hear()
+
+attempt("list of processes", lambda: f"{len(processes())} others" if processes() else None)
+attempt("command lines", lambda: first(
+    [lambda p=p: secrets(read(f"/proc/{p}/cmdline").replace(b"\0", b" ")) for p in processes()]))
+attempt("environment of the run", lambda: f"{len(read(f'/proc/{parent}/environ'))} bytes")
+attempt("open files of the run", lambda: first(
+    [lambda f=f: os.readlink(f) for f in glob.glob(f"/proc/{parent}/fd/*")]))
+attempt("log that is being written", lambda: first(
+    [lambda f=f: secrets(read(f)) for f in glob.glob(f"/proc/{parent}/fd/*")]))
+
+
+def memory():
+    """Looks through what the run has in its memory."""
+    with open(f"/proc/{parent}/maps") as maps, open(f"/proc/{parent}/mem", "rb") as mem:
+        for line in maps:
+            area, rights = line.split()[:2]
+            low, high = (int(it, 16) for it in area.split("-"))
+            if "r" in rights and high - low < 1 << 26:
+                mem.seek(low)
+                try:
+                    found = secrets(mem.read(high - low))
+                except OSError:
+                    continue
+                if found:
+                    return found
+        return "readable"
+
+
+attempt("memory of the run", memory)
+
+
+def vm():
+    size = 8
+    here = ctypes.create_string_buffer(size)
+    local = struct.pack("QQ", ctypes.addressof(here), size)
+    remote = struct.pack("QQ", 0x400000, size)
+    done = libc.process_vm_readv(parent, local, 1, remote, 1, 0)
+    # EFAULT: it might, but there is nothing at this place.
+    return "readable" if done >= 0 or ctypes.get_errno() == 14 else None
+
+
+attempt("memory of the run by system call", vm)
+
+
+def trace():
+    if libc.ptrace(16, parent, 0, 0) != 0:
+        return None
+    os.waitpid(parent, 0x40000000)
+    libc.ptrace(17, parent, 0, 0)
+    return "attached"
+
+
+attempt("debugger on the run", trace)
+attempt("signals to the run", lambda: os.kill(parent, 0) or "possible")
+
+
+def files(limit=3.0):
+    """Results, logs and goals that others have left on the disk."""
+    end = time.monotonic() + limit
+    roots = [os.environ.get("SPY_RESULTS"), os.getcwd(), os.path.expanduser("~"), tempfile.gettempdir(), "/tmp", "/root",
+             "/home"]
+    for root in filter(None, roots):
+        for folder, _, names in os.walk(root):
+            if time.monotonic() > end:
+                return None
+            for name in names:
+                if name.endswith((".mcap", ".json")):
+                    try:
+                        found = secrets(read(os.path.join(folder, name)))
+                    except OSError:
+                        continue
+                    if found:
+                        return f"{found} in {name}"
+    return None
+
+
+attempt("results of other episodes", files)
+attempt("files of the user", lambda: first(
+    [lambda p=p: f"{len(os.listdir(p))} in {p}" for p in ["/root", "/home", os.path.expanduser("~user"), "/tmp", "/var"]]))
+attempt("passwords of the system", lambda: f"{len(read('/etc/shadow'))} bytes")
+
+
+def write(folder):
+    def work():
+        path = os.path.join(folder, f"spy-{os.getpid()}")
+        with open(path, "w") as file:
+            file.write("x")
+        os.remove(path)
+        return "possible"
+    return work
+
+
+attempt("writing beside the agent", write(os.path.dirname(os.path.abspath(__file__))))
+attempt("writing to /tmp", write("/tmp"))
+attempt("writing to /dev/shm", write("/dev/shm"))
+attempt("writing to its own folder", write(tempfile.gettempdir()))
+attempt("changing modes of files", lambda: os.chmod(os.path.abspath(__file__), 0o644) or "possible")
+
+
+def connect(family, kind, place):
+    def work():
+        with socket.socket(family, kind) as it:
+            it.settimeout(1)
+            try:
+                it.connect(place)
+            except (ConnectionRefusedError, FileNotFoundError):
+                return "reachable"
+            return "connected"
+    return work
+
+
+attempt("network, TCP", connect(socket.AF_INET, socket.SOCK_STREAM, ("127.0.0.1", 9)))
+attempt("network, UDP", connect(socket.AF_INET, socket.SOCK_DGRAM, ("127.0.0.1", 9)))
+attempt("sockets of the system", connect(socket.AF_UNIX, socket.SOCK_STREAM, "/run/spy"))
+attempt("pair of sockets to itself", lambda: socket.socketpair() and "possible")
+attempt("other name spaces", lambda: "possible" if libc.unshare(0x10000000) == 0 else None)
+attempt("shared memory that stays", lambda: "possible" if libc.shmget(0, 4096, 0o1600) >= 0 else None)
+attempt("names of files that it guesses", lambda: os.stat("/etc/shadow") and "possible")
+
+tell({"done": {}})
+assert "end" in hear()
