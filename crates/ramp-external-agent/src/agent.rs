@@ -61,7 +61,7 @@ impl<'a> ExternalAgent<'a> {
         let mut agent = ExternalAgent {
             process,
             goal,
-            name: protocol::as_name(&name),
+            name: ramp_kit::source::to_name(&name),
             version: "unknown".to_string(),
             sha256: file.sha256().to_string(),
             account: Account::default(),
