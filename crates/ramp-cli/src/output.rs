@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use miette::{IntoDiagnostic, Report, miette};
+use ramp_kit::source::write_whole;
 
 /// Prints to standard output; whoever closed it early has seen enough.
 pub fn print(text: &str) -> Result<(), Report> {
@@ -37,5 +38,5 @@ pub fn make_folder_of(path: &Path) -> Result<(), Report> {
 /// Writes a file, whole or not at all, in a folder that is made if it is not there.
 pub fn write_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Report> {
     make_folder_of(path)?;
-    Ok(ramp_result::write_whole(path, bytes)?)
+    Ok(write_whole(path, bytes)?)
 }

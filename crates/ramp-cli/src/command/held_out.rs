@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, Report, miette};
+use ramp_kit::source::{MAX_SENTENCE, plain, read_text};
 use ramp_report::held_out::{Commitments, Reveal, SALT, promise, verify};
 use ramp_result::write_whole;
 
@@ -14,6 +15,8 @@ use crate::status::{DONE, INCOMPLETE};
 const COMMITMENTS: &str = "commitments.json";
 /// Kept back until after.
 const REVEAL: &str = "reveal.json";
+/// The largest of both, bytes.
+const LARGEST: usize = 16 << 20;
 
 #[derive(clap::Args)]
 pub struct CommitArguments {
@@ -93,18 +96,19 @@ pub fn check(arguments: &VerifyArguments) -> Result<u8, Report> {
 
 fn write<T: serde::Serialize>(path: &Path, value: &T) -> Result<(), Report> {
     let text = serde_json::to_string_pretty(value).into_diagnostic()?;
-    write_whole(path, &(text + "\n")).map_err(|error| miette!("{error}"))
+    Ok(write_whole(path, text + "\n")?)
 }
 
 fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, Report> {
     let name = path.display();
-    let text = std::fs::read_to_string(path).map_err(|error| miette!("{name} cannot be read: {error}"))?;
+    let text = read_text(path, LARGEST)?;
     serde_json::from_str(&text).map_err(|error| {
         miette!(
             help = "expected a file that `ramp goals commit` wrote",
-            "{name}:{}:{}: {error}",
+            "{name}:{}:{}: {}",
             error.line(),
-            error.column()
+            error.column(),
+            plain(&error.to_string(), MAX_SENTENCE)
         )
     })
 }
