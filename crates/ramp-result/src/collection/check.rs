@@ -109,3 +109,31 @@ fn words(result: &EpisodeResult) -> Result<(), String> {
     words::sentence("why it ended", &ended.reason)?;
     log.as_ref().map_or(Ok(()), |log| words::hash("the hash of the log", log, 64))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collection::LARGEST;
+    use crate::episode::EventInfo;
+    use crate::testing::episode;
+    use crate::words::MOST_EVENTS;
+
+    #[test]
+    fn the_longest_result_that_an_agent_can_make_is_read_and_a_longer_one_is_not() {
+        // As many events, each as long, as the protocol lets an agent tell of, in letters of four bytes.
+        let event = EventInfo { t: 1.0, kind: "fault".into(), what: "\u{1f980}".repeat(200) };
+        let mut result = episode("easy-1", 1, &[20.0], 3);
+        result.events = vec![event.clone(); MOST_EVENTS];
+        assert_eq!(check(&result), Ok(()));
+        assert!(result.to_json().len() < LARGEST);
+        result.events.push(event);
+        assert!(check(&result).is_err_and(|why| why.contains("10001 events, expected at most 10000")));
+    }
+
+    #[test]
+    fn hashes_are_hashes() {
+        let mut result = episode("easy-1", 1, &[20.0], 3);
+        result.log = Some("=1+1".into());
+        assert!(check(&result).is_err_and(|why| why.contains("the hash of the log is `=1+1`")));
+    }
+}
