@@ -88,6 +88,29 @@ fn broken_xml_and_unreadable_files() {
 }
 
 #[test]
+fn a_name_that_leads_elsewhere_is_refused_where_it_stands() {
+    let rule = ramp_kit::source::A_NAME;
+    for (name, shown) in [
+        ("../../x", "../../x"),
+        ("/abs/x", "/abs/x"),
+        ("..", ".."),
+        ("-rf", "-rf"),
+        ("a&#10;b", "a\\nb"),
+        ("=1+1", "=1+1"),
+    ] {
+        let error = broken("name=\"easy-3\"", &format!("name=\"{name}\""));
+        says(&error, &format!("1:17: found the name \"{shown}\", expected {rule}"));
+    }
+    says(&broken("name=\"C1\"", "name=\"C/1\""), &format!("6:21: found the name \"C/1\", expected {rule}"));
+    // Without a name of its own it has the file's.
+    let nameless = RECTANGLE.replacen(" name=\"easy-3\"", "", 1);
+    let error = fails(read_goal_str("goals/my goal.xml", &nameless, &kit()));
+    let place = "goals/my goal.xml:1:1: no name stands here, and that of the file, \"my goal\", is none";
+    assert_eq!(format!("{error:#}"), format!("{place}: expected {rule}"));
+    assert_eq!(read_goal_str("goals/mine.xml", &nameless, &kit()).unwrap().name, "mine");
+}
+
+#[test]
 fn elements_attributes_and_values() {
     says(
         &broken("<component beam=\"b4\"", "<componnet beam=\"b4\""),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
-use ramp_kit::source::SourceFile;
+use ramp_kit::source::{MAX_FILE, SourceFile, read_text};
 use ramp_log::Sources;
 use ramp_planner::Domains;
 use ramp_robot::arm::ArmModel;
@@ -133,7 +133,7 @@ impl Data {
     pub fn own_skills(&self) -> Option<PathBuf> {
         const NAME: &str = "skills/baseline.toml";
         let path = self.folder.as_ref()?.join(NAME);
-        let own = std::fs::read_to_string(&path).ok()?;
+        let own = read_text(&path, MAX_FILE).ok()?;
         let same = matches!(File::built_in(NAME), File::BuiltIn(_, text) if text == own);
         (!same).then_some(path)
     }
@@ -170,8 +170,7 @@ impl File {
 
     fn text(&self) -> Result<String, Report> {
         match self {
-            File::Path(path) => std::fs::read_to_string(path)
-                .map_err(|error| miette!("{} cannot be read: {error}", path.display())),
+            File::Path(path) => Ok(read_text(path, MAX_FILE)?),
             File::BuiltIn(_, text) => Ok((*text).to_string()),
         }
     }

@@ -15,7 +15,6 @@ mod recording;
 mod seal;
 mod software;
 mod status;
-mod unfinished;
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -4,6 +4,10 @@ use std::io::Write;
 use std::path::Path;
 
 use miette::{IntoDiagnostic, Report, miette};
+use ramp_kit::source::{MAX_SENTENCE, plain, read_text, write_whole};
+
+/// The largest file of an organiser, bytes.
+const LARGEST: usize = 16 << 20;
 
 /// Prints to standard output; whoever closed it early has seen enough.
 pub fn print(text: &str) -> Result<(), Report> {
@@ -37,5 +41,38 @@ pub fn make_folder_of(path: &Path) -> Result<(), Report> {
 /// Writes a file, whole or not at all, in a folder that is made if it is not there.
 pub fn write_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Report> {
     make_folder_of(path)?;
-    Ok(ramp_result::write_whole(path, bytes)?)
+    Ok(write_whole(path, bytes)?)
+}
+
+/// Writes an organiser's file as JSON, whole or not at all.
+pub fn write_json<T: serde::Serialize>(path: &Path, value: &T) -> Result<(), Report> {
+    let text = serde_json::to_string_pretty(value).into_diagnostic()?;
+    write_file(path, text + "\n")
+}
+
+/// Reads an organiser's file; `writer` is the command that makes such files.
+pub fn read_json<T: serde::de::DeserializeOwned>(path: &Path, writer: &str) -> Result<T, Report> {
+    let text = read_text(path, LARGEST)?;
+    serde_json::from_str(&text).map_err(|error| {
+        miette!(
+            help = format!("expected a file that `{writer}` wrote"),
+            "{}:{}:{}: {}",
+            path.display(),
+            error.line(),
+            error.column(),
+            plain(&error.to_string(), MAX_SENTENCE)
+        )
+    })
+}
+
+/// Refuses to write over what was promised.
+pub fn refuse_existing(paths: [&Path; 2]) -> Result<(), Report> {
+    match paths.into_iter().find(|path| path.exists()) {
+        Some(path) => Err(miette!(
+            help = "name another folder: what was promised must not be lost",
+            "{} is there already",
+            path.display()
+        )),
+        None => Ok(()),
+    }
 }

@@ -9,7 +9,6 @@ use ramp_twin::{Setup, Twin};
 use crate::film::{self, Film};
 use crate::output::check_place;
 use crate::recording::Recording;
-use crate::unfinished::Unfinished;
 
 /// What is to be made.
 #[derive(clap::Args)]
@@ -30,7 +29,6 @@ pub struct Pictures {
     film: Option<Film>,
     recording: Option<Recording>,
     error: Option<Report>,
-    files: Vec<Unfinished>,
 }
 
 impl Pictures {
@@ -42,11 +40,9 @@ impl Pictures {
         for path in [&arguments.video, &arguments.rerun].into_iter().flatten() {
             check_place(path)?;
         }
-        let files = [&arguments.video, &arguments.rerun].into_iter().flatten();
-        let files = files.map(|path| Unfinished::new(path)).collect();
         let film = arguments.video.as_ref().map(|path| Film::new(path, setup, arguments.video_from));
         let recording = arguments.rerun.as_ref().map(|path| Recording::new(path, setup));
-        Ok(Pictures { film: film.transpose()?, recording: recording.transpose()?, error: None, files })
+        Ok(Pictures { film: film.transpose()?, recording: recording.transpose()?, error: None })
     }
 
     /// Shows a moment. What goes wrong is told at the end, and the work goes on.
@@ -77,10 +73,6 @@ impl Pictures {
         if let Some(film) = self.film {
             film.end()?;
         }
-        if let Some(recording) = self.recording {
-            recording.end()?;
-        }
-        self.files.into_iter().for_each(Unfinished::finish);
-        Ok(())
+        self.recording.map_or(Ok(()), Recording::end)
     }
 }

@@ -54,7 +54,8 @@ fn a_log_that_cannot_be_written_does_not_cost_the_result() {
     assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("there is no log"), "{}", text(&output.stderr));
     assert_eq!(names(folder.path()), ["mover.py", "out.json", "out.svg"]);
-    let result: Value = serde_json::from_slice(&std::fs::read(folder.path().join("out.json")).unwrap()).unwrap();
+    let result: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("out.json")).unwrap()).unwrap();
     assert_eq!(result["ended"]["reason"], "done");
     assert_eq!(result["log"], Value::Null);
 }

@@ -37,17 +37,23 @@ fn refused(output: &Output, sentence: &str) {
     assert!(output.stdout.is_empty());
 }
 
-/// Two agents by stopwatch, one with a name that would be markup, and the published means.
+/// Two agents by stopwatch, one with words that a spreadsheet would run, and the published means, with a title that would
+/// be markup.
 fn results() -> TempDir {
     let folder = TempDir::new().unwrap();
     let log = std::fs::read_to_string(data("examples/stopwatch.csv")).unwrap();
     std::fs::write(folder.path().join("log.csv"), &log).unwrap();
-    let other =
-        log.replace("agent,our-system", "agent,<script>alert(1)</script>").replace("1:51.2", "1:59.9");
+    let formula = "easy-1,1,end,2:44,,\"=HYPERLINK(\"\"x\"\")\"";
+    let other = log.replace("agent,our-system", "agent,theirs").replace("1:51.2", "1:59.9");
+    let other = other.replace("easy-1,1,end,2:44", formula);
     std::fs::write(folder.path().join("other.csv"), other).unwrap();
     done(&ramp(&folder, &["score", "log.csv", "-o", "one"]));
     done(&ramp(&folder, &["score", "other.csv", "-o", "two"]));
-    done(&ramp(&folder, &["score", &data("published/ramp-baseline.csv"), "-o", "means"]));
+    let means = std::fs::read_to_string(data("published/ramp-baseline.csv")).unwrap();
+    let markup = "agent,RAMP baseline as published [1] <script>alert(1)</script>";
+    let means = means.replace("agent,RAMP baseline as published", markup);
+    std::fs::write(folder.path().join("means.csv"), means).unwrap();
+    done(&ramp(&folder, &["score", "means.csv", "-o", "means"]));
     folder
 }
 
@@ -65,7 +71,9 @@ fn from_the_stopwatch_to_the_page_to_the_same_bits() {
         let without_names = page.replace("http://www.w3.org/2000/svg", "");
         assert!(!without_names.contains(word), "{word}");
     }
-    assert!(read("table.tex").contains("\\textless{}script\\textgreater{}"));
+    assert!(read("table.tex").contains("published {[}1{]} \\textless{}script\\textgreater{}"));
+    let episodes = read("figures/episodes.csv");
+    assert!(episodes.contains(",\"'=HYPERLINK("), "a spreadsheet runs this: {episodes}");
     assert_eq!(read("figures/sums.csv").lines().count(), 5);
     assert!(read("figures/curves-tags-easy.svg").starts_with("<svg"));
     done(&ramp(&folder, &report));

@@ -306,8 +306,7 @@ fn a_replay_has_the_fault_too() {
     let mut agent = Short(Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1));
     let setup = setup(&world, "beam-slipped@1");
     let label = ramp_episode::Label { software: software.clone(), repeat: 1, secret: None };
-    let result =
-        record_episode(&setup, &sources, &mut agent, &label, &path, &mut |_, _| {}).unwrap().result;
+    let result = record_episode(&setup, &sources, &mut agent, &label, &path, &mut |_, _| {}).unwrap().result;
     let fault = result.fault.clone().unwrap();
     assert_eq!((fault.kind.as_str(), fault.occasion, fault.part.as_deref()), ("beam-slipped", 1, Some("b4")));
 

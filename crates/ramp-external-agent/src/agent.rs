@@ -67,7 +67,7 @@ impl<'a> ExternalAgent<'a> {
             process,
             _sandbox: sandbox,
             goal,
-            name: protocol::as_name(&name),
+            name: ramp_kit::source::to_name(&name),
             version: "unknown".to_string(),
             sha256: file.sha256().to_string(),
             account: Account::default(),

@@ -2,6 +2,7 @@
 //! pixels as bytes.
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector6};
+use ramp_kit::source::{A_NAME, is_name, is_text, plain, shorten};
 use ramp_robot::{
     ArmCommand, Camera, Command, DOF, Event, GripperCommand, Image, Impedance, Observation, PartReading,
     Pose, RobotError,
@@ -15,8 +16,6 @@ use crate::limits::{MOST_EVENTS, MOST_PERIODS};
 pub const PROTOCOL: u32 = 1;
 /// The longest message of an agent, bytes.
 pub const LONGEST_MESSAGE: usize = 4 << 20;
-/// The longest name and the longest version, characters.
-const LONGEST_NAME: usize = 64;
 /// The longest reason that may hold an agent's own words, characters.
 const LONGEST_REASON: usize = 200;
 /// How far the length of a quaternion may be from one.
@@ -68,23 +67,12 @@ impl Hello {
             return Err(format!("the agent speaks protocol {theirs}, and {PROTOCOL} is spoken here"));
         }
         for (what, text) in [("name", &self.name), ("version", &self.version)] {
-            if as_name(text) != *text {
-                return Err(format!(
-                    "the agent's {what} must be 1 to {LONGEST_NAME} letters, digits, spaces and `.-_+`, and it is `{}`",
-                    as_name(text)
-                ));
+            if !is_name(text) {
+                return Err(format!("the agent's {what} must be {A_NAME}, and it is `{}`", shorten(text)));
             }
         }
         Ok(())
     }
-}
-
-/// What is left of a text when it becomes a name.
-pub fn as_name(text: &str) -> String {
-    let plain = |it: &char| it.is_ascii_alphanumeric() || " .-_+".contains(*it);
-    let name: String = text.chars().filter(plain).take(LONGEST_NAME).collect();
-    let name = name.trim();
-    if name.is_empty() { "unnamed".to_string() } else { name.to_string() }
 }
 
 /// Commands, one after the other.
@@ -257,12 +245,9 @@ impl EventText {
     pub fn at(self, time: f64) -> Result<Event, String> {
         let Some(kind) = Event::KINDS.into_iter().find(|kind| *kind == self.kind) else {
             let kinds = Event::KINDS.join(", ");
-            return Err(format!(
-                "has an event of the kind `{}`; the kinds are {kinds}",
-                ramp_kit::source::shorten(&self.kind)
-            ));
+            return Err(format!("has an event of the kind `{}`; the kinds are {kinds}", shorten(&self.kind)));
         };
-        if self.what.chars().count() > MOST_EVENTS[1] || self.what.chars().any(char::is_control) {
+        if !is_text(&self.what, MOST_EVENTS[1]) {
             return Err(format!(
                 "has an event of more than {} characters, or with a control character",
                 MOST_EVENTS[1]
@@ -282,14 +267,9 @@ pub fn parse(line: &[u8]) -> Result<Request, String> {
         let no_number = ["NaN", "Infinity"].into_iter().find(|word| text.contains(word));
         match no_number {
             Some(word) if error.is_syntax() => format!("holds {word}, which is no number for a robot"),
-            _ => format!("is not understood: {}", plain(&error.to_string())),
+            _ => format!("is not understood: {}", plain(&error.to_string(), LONGEST_REASON)),
         }
     })
-}
-
-/// A message that may hold an agent's own words: not longer than a line or two, and no control characters.
-fn plain(text: &str) -> String {
-    text.chars().take(LONGEST_REASON).map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 /// What an agent is told.
@@ -356,4 +336,28 @@ impl Answer {
 pub(super) fn pose(x: &Pose) -> Value {
     let (p, q) = (x.translation.vector, x.rotation.quaternion());
     json!({"position": [p.x, p.y, p.z], "quat_wxyz": [q.w, q.i, q.j, q.k]})
+}
+
+#[cfg(test)]
+mod tests {
+    // A failed unwrap here is a failed test.
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn an_agent_says_a_name_and_a_version_that_are_names() {
+        let hello = |name: &str, version: &str| {
+            let hello = json!({"hello": {"protocol": PROTOCOL, "name": name, "version": version}});
+            let Request::Hello(hello) = parse(hello.to_string().as_bytes()).unwrap() else {
+                panic!("{name}")
+            };
+            hello.check()
+        };
+        assert_eq!(hello("my-agent_2", "1.0+a"), Ok(()));
+        for bad in ["", "my agent", "-x", "../x", ".x", "=x", "a\n", "\u{1b}[2J", &"x".repeat(65)] {
+            assert!(hello(bad, "1").is_err_and(|why| why.contains("the agent's name must be")), "{bad:?}");
+            assert!(hello("x", bad).is_err_and(|why| why.contains("the agent's version must be")), "{bad:?}");
+        }
+    }
 }

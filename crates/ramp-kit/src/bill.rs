@@ -4,6 +4,7 @@ use crate::beam::Kit;
 use crate::dimensions::{EXTRUSION_MASS, PLA_DENSITY};
 use crate::joint::JointType;
 use crate::solid::{self, Solid, SolidError};
+use ramp_source::cell;
 use std::fmt::Write;
 
 /// One line of the bill of parts.
@@ -139,7 +140,12 @@ pub(crate) fn length_words(length: f64) -> String {
 
 /// Text as one field of a CSV line.
 fn field(text: &str) -> String {
-    if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.into() }
+    let text = cell(text);
+    if text.contains([',', '"', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.into_owned()
+    }
 }
 
 /// The bill as CSV, with a line of headings.
@@ -203,7 +209,7 @@ pub fn cutting_list(kit: &Kit) -> String {
             .filter(|link| (link.length - length).abs() < 1e-5)
             .map(|link| link.name.as_str())
             .collect();
-        let _ = writeln!(text, "{},{count},{}", length_words(length), names.join(" "));
+        let _ = writeln!(text, "{},{count},{}", length_words(length), field(&names.join(" ")));
     }
     text
 }

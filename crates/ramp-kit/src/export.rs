@@ -10,6 +10,7 @@ use crate::drawing::{self, Drawing};
 use crate::solid::{self, SolidError};
 use crate::threemf::Item;
 use crate::{guide, sheet, stl, threemf};
+use ramp_source::{MAX_FILE, read_bytes, read_text, write_whole};
 use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -21,6 +22,8 @@ pub const PLATE: f64 = 256.0;
 /// Kept free along the plate's edges, and between two parts on it, mm.
 const MARGIN: f64 = 5.0;
 const BETWEEN: f64 = 4.0;
+/// The largest file that an export may have written, bytes.
+const LARGEST: usize = 256 << 20;
 
 /// Why a kit could not be exported; nothing has been written then, except where the system stopped half way.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -178,14 +181,14 @@ pub fn export(kit: &Kit, folder: &Path, force: bool) -> Result<Vec<PathBuf>, Exp
     let files = files(kit)?;
     let list = folder.join(LIST);
     let before: HashMap<String, u64> =
-        std::fs::read_to_string(&list).map(|text| parse_list(&text)).unwrap_or_default();
+        read_text(&list, MAX_FILE).map(|text| parse_list(&text)).unwrap_or_default();
     let mut foreign = Vec::new();
     for file in &files {
         let path = folder.join(&file.path);
-        let ours = match std::fs::read(&path) {
-            Ok(there) => there == file.bytes || before.get(&file.path) == Some(&checksum(&there)),
-            Err(error) => error.kind() == std::io::ErrorKind::NotFound,
-        };
+        let known = |there: Vec<u8>| there == file.bytes || before.get(&file.path) == Some(&checksum(&there));
+        // A link is something that is there, wherever it leads.
+        let ours = path.symlink_metadata().is_err_and(|error| error.kind() == std::io::ErrorKind::NotFound)
+            || read_bytes(&path, LARGEST).is_ok_and(known);
         if !ours {
             foreign.push(path);
         }
@@ -205,12 +208,12 @@ pub fn export(kit: &Kit, folder: &Path, force: bool) -> Result<Vec<PathBuf>, Exp
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(failed(parent))?;
         }
-        std::fs::write(&path, &file.bytes).map_err(failed(&path))?;
+        write_whole(&path, &file.bytes).map_err(|error| failed(&path)(error.source))?;
         // Writing to a string does not fail.
         let _ = writeln!(text, "{:016x} {}", checksum(&file.bytes), file.path);
         written.push(path);
     }
-    std::fs::write(&list, text).map_err(failed(&list))?;
+    write_whole(&list, text).map_err(|error| failed(&list)(error.source))?;
     written.sort();
     Ok(written)
 }

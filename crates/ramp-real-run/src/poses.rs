@@ -11,7 +11,7 @@ use std::path::Path;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use ramp_assembly::Assembly;
 use ramp_assembly::Truth;
-use ramp_kit::source::{nearest, shorten};
+use ramp_kit::source::{A_NAME, MAX_TITLE, is_name, is_text, nearest, plain, shorten};
 use ramp_kit::tags::{self, SHEET_ID, TagPlace};
 use ramp_kit::{Kit, Pose};
 use ramp_robot::Track;
@@ -197,11 +197,13 @@ impl Reader<'_> {
         struct Only {
             schema: String,
         }
-        let Only { schema } = serde_json::from_slice(data).map_err(|error| error.to_string())?;
+        let Only { schema } =
+            serde_json::from_slice(data).map_err(|error| plain(&error.to_string(), MAX_TITLE))?;
         if schema != SCHEMA {
             return Err(format!("found the schema `{}`, expected `{SCHEMA}`", shorten(&schema)));
         }
-        let head: Head = serde_json::from_slice(data).map_err(|error| error.to_string())?;
+        let head: Head =
+            serde_json::from_slice(data).map_err(|error| plain(&error.to_string(), MAX_TITLE))?;
         if head.rules != RULES {
             return Err(format!("the rules are of version `{}`, expected {RULES}", shorten(&head.rules)));
         }
@@ -216,17 +218,28 @@ impl Reader<'_> {
         if tracks().all(|name| name != head.track) {
             return Err(unknown("track", &head.track, nearest(&head.track, tracks())));
         }
+        for (what, text) in [("agent", &head.agent), ("version", &head.version)] {
+            if !is_name(text) {
+                return Err(format!("`{what}` is `{}`, expected {A_NAME}", shorten(text)));
+            }
+        }
         let words = [
-            ("agent", &head.agent),
-            ("version", &head.version),
             ("robot", &head.robot),
             ("computer", &head.computer),
             ("scorer", &head.scorer),
             ("source", &head.source),
             ("ended", &head.ended),
         ];
-        if let Some((name, _)) = words.iter().find(|(_, text)| text.trim().is_empty()) {
-            return Err(format!("`{name}` is empty"));
+        for (what, text) in words {
+            if text.trim().is_empty() {
+                return Err(format!("`{what}` is empty"));
+            }
+            if !is_text(text, MAX_TITLE) {
+                let text = shorten(text);
+                return Err(format!(
+                    "`{what}` is `{text}`, expected at most {MAX_TITLE} characters and no control character"
+                ));
+            }
         }
         for (name, count) in [("repeat", head.repeat as usize), ("cores", head.cores)] {
             if !(1..=100_000).contains(&count) {
@@ -280,7 +293,8 @@ struct Run<'a> {
 impl Run<'_> {
     /// Takes in one message, and lets the referee look.
     fn see(&mut self, data: &[u8]) -> Result<(), String> {
-        let sight: Sight = serde_json::from_slice(data).map_err(|error| error.to_string())?;
+        let sight: Sight =
+            serde_json::from_slice(data).map_err(|error| plain(&error.to_string(), MAX_TITLE))?;
         // How many tags have told of each part, by its index.
         let mut tags = BTreeMap::new();
         for transform in &sight.transforms {

@@ -12,6 +12,7 @@ use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_kit::source::{Fault, FormProblem, Problem, SourceFile, nearest, shorten};
 
+use ramp_result::MOST_EVENTS;
 use ramp_result::episode::{AgentInfo, EpisodeResult, Host, RULES, RealRun, Software};
 use ramp_result::published::{self, Published};
 use run::Run;
@@ -169,7 +170,7 @@ impl Reader<'_> {
 
     fn episodes(&self, head: &Head, table: &[Vec<Cell>]) -> Read<Vec<EpisodeResult>> {
         let agent =
-            AgentInfo { name: self.text(head, "agent")?, version: self.text(head, "version")?, sha256: None };
+            AgentInfo { name: self.name(head, "agent")?, version: self.name(head, "version")?, sha256: None };
         let track = self.track(head)?;
         let real = RealRun {
             robot: self.text(head, "robot")?,
@@ -274,6 +275,10 @@ impl Reader<'_> {
             "touch" => {
                 let note = if note.text.is_empty() { "" } else { &format!(": {}", note.text) };
                 run.ended = Some(format!("a person touched the robot or a part{note}"));
+            }
+            "fault" if run.faults.len() >= MOST_EVENTS => {
+                let words = format!("this is more than {MOST_EVENTS} faults of an episode");
+                return Err(self.fault(what.span.clone(), words, "expected fewer", None));
             }
             "fault" => run.faults.push((seconds, note.text.clone())),
             text => {

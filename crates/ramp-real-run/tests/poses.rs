@@ -193,6 +193,10 @@ fn what_cannot_have_happened_is_refused_with_its_place() {
     refused(&with(0, "/track", "tag".into()), &["no track `tag`", "`tags`"]);
     refused(&with(0, "/rules", "ramp-rules-0".into()), &["ramp-rules-0"]);
     refused(&with(0, "/scorer", " ".into()), &["`scorer` is empty"]);
+    refused(&with(0, "/agent", "=1+1".into()), &["`agent` is `=1+1`, expected 1 to 64 letters"]);
+    refused(&with(0, "/version", "v\u{1b}[2J".into()), &["`version` is `v\\u{1b}[2J`"]);
+    refused(&with(0, "/ended", "done\u{202e}".into()), &["`ended` is `done\\u{202e}`"]);
+    refused(&with(0, "/robot", "r".repeat(257).into()), &["`robot` is `rrr", "at most 256 characters"]);
     refused(&with(0, "/repeat", 0.into()), &["`repeat` is 0"]);
     refused(&with(0, "/planning", 300.0.into()), &["free to move after 300 s"]);
     refused(&with(0, "/planning", 100.0.into()), &["C1 is pinned since 60.000 s", "before 100 s"]);

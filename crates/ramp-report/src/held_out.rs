@@ -6,12 +6,15 @@
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use ramp_kit::source::{A_NAME, is_name, shorten};
 use ramp_result::episode::RULES;
 
 /// The version of the form of both files.
 pub const SCHEMA: &str = "ramp-held-out-1";
 /// Bytes of a salt.
 pub const SALT: usize = 32;
+/// The most goals of one promise.
+const MOST_GOALS: usize = 1000;
 
 /// What is published before.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -63,6 +66,12 @@ pub enum VerifyError {
     /// A file of another form.
     #[error("found the form `{0}`, expected {SCHEMA}")]
     Schema(String),
+    /// A name that is none.
+    #[error("a goal is called `{0}`, expected {A_NAME}")]
+    Name(String),
+    /// More goals than anybody promises.
+    #[error("there are {0} goals, expected at most {MOST_GOALS}")]
+    TooMany(usize),
     /// A goal was promised and is not revealed.
     #[error("{0} was promised and is not revealed")]
     Missing(String),
@@ -120,20 +129,29 @@ pub fn promise(goals: &[(String, [u8; SALT], String)]) -> (Commitments, Reveal) 
 pub fn verify(promised: &Commitments, revealed: &Reveal) -> Result<(), VerifyError> {
     for schema in [&promised.schema, &revealed.schema] {
         if schema != SCHEMA {
-            return Err(VerifyError::Schema(ramp_kit::source::shorten(schema)));
+            return Err(VerifyError::Schema(shorten(schema)));
         }
     }
-    let say = ramp_kit::source::shorten;
+    for count in [promised.commitments.len(), revealed.goals.len()] {
+        if count > MOST_GOALS {
+            return Err(VerifyError::TooMany(count));
+        }
+    }
+    let names =
+        promised.commitments.iter().map(|it| &it.goal).chain(revealed.goals.iter().map(|it| &it.goal));
+    if let Some(name) = names.into_iter().find(|name| !is_name(name)) {
+        return Err(VerifyError::Name(shorten(name)));
+    }
     for (index, it) in promised.commitments.iter().enumerate() {
         if promised.commitments[..index].iter().any(|other| other.goal == it.goal) {
-            return Err(VerifyError::Twice(say(&it.goal)));
+            return Err(VerifyError::Twice(it.goal.clone()));
         }
         if !revealed.goals.iter().any(|secret| secret.goal == it.goal) {
-            return Err(VerifyError::Missing(say(&it.goal)));
+            return Err(VerifyError::Missing(it.goal.clone()));
         }
     }
     for (index, secret) in revealed.goals.iter().enumerate() {
-        let name = || say(&secret.goal);
+        let name = || secret.goal.clone();
         if revealed.goals[..index].iter().any(|other| other.goal == secret.goal) {
             return Err(VerifyError::Twice(name()));
         }
@@ -186,5 +204,12 @@ mod tests {
         let mut longer = revealed.clone();
         longer.goals[0].salt.push_str("00");
         assert_eq!(verify(&promised, &longer), Err(VerifyError::Salt("held-1".into())));
+        // A name that would not stay in its folder, and more goals than anybody promises.
+        let mut named = revealed.clone();
+        named.goals[0].goal = "../held-1".into();
+        assert_eq!(verify(&promised, &named), Err(VerifyError::Name("../held-1".into())));
+        let mut many = promised.clone();
+        many.commitments = vec![promised.commitments[0].clone(); 1001];
+        assert_eq!(verify(&many, &revealed), Err(VerifyError::TooMany(1001)));
     }
 }

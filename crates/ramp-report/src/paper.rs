@@ -84,6 +84,12 @@ fn escape(text: &str) -> String {
                 out.push('\\');
                 out.push(c);
             }
+            // Behind the end of a line, `[` and `*` belong to it.
+            '[' | ']' | '*' => {
+                out.push('{');
+                out.push(c);
+                out.push('}');
+            }
             c if c.is_control() => out.push(' '),
             c => out.push(c),
         }
@@ -97,6 +103,7 @@ mod tests {
 
     #[test]
     fn names_cannot_be_commands() {
+        assert_eq!(escape("[5cm] a*"), "{[}5cm{]} a{*}");
         assert_eq!(escape("my_agent 100% \\input{x}"), "my\\_agent 100\\% \\textbackslash{}input\\{x\\}");
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::report::{Named, Report};
 use crate::sums::{self, Line, Scope};
+use ramp_kit::source::cell;
 use ramp_result::activity::Activity;
 use ramp_result::manipulation::{self, sums::SkillSum};
 
@@ -17,12 +18,12 @@ pub fn tables(report: &Report) -> Vec<Named> {
     ]
 }
 
-/// Rows of fields as CSV.
+/// Rows of fields as CSV that no spreadsheet takes for formulas.
 fn write(rows: impl IntoIterator<Item = Vec<String>>) -> String {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
     for row in rows {
         // Writing to memory cannot fail.
-        let _ = writer.write_record(row);
+        let _ = writer.write_record(row.iter().map(|text| cell(text).into_owned()));
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
 }

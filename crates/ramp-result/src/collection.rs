@@ -1,12 +1,14 @@
 //! Results read from folders, and who they belong to. Files come from anywhere: nothing in them is believed before it
 //! is checked.
 
+mod check;
 mod read;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use ramp_assembly::Class;
+use ramp_kit::source::{is_name, shorten};
 use ramp_robot::Track;
 use serde::Serialize;
 
@@ -15,8 +17,8 @@ use crate::manipulation::Trial;
 use crate::perception::PerceptionVerdict;
 use crate::planning::PlanVerdict;
 use crate::published::Published;
-pub use read::{CollectError, Parsed, ResultFile, parse};
-use read::{Found, read, unreadable};
+pub use read::{CollectError, LARGEST, Parsed, ResultFile, parse};
+use read::{Found, read, shown, unreadable};
 
 /// An episode that was begun and has no result.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -126,7 +128,7 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
                         Found::Episode(file) if file.result.fault.is_some() => {
                             notes.push(format!(
                                 "{} is of an episode with a fault and is left out",
-                                path.display()
+                                shown(path)
                             ));
                         }
                         Found::Episode(file) => files.push(*file),
@@ -135,7 +137,7 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
                         Found::Perception(verdict) => perception.push(verdict),
                         Found::Trial(trial) => trials.push((path.clone(), *trial)),
                         Found::Other => {
-                            notes.push(format!("{} is no result and is left out", path.display()));
+                            notes.push(format!("{} is no result and is left out", shown(path)));
                         }
                     }
                 }
@@ -147,7 +149,7 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
             }
         }
         if !found {
-            return Err(CollectError::Empty { folder: folder.display().to_string() });
+            return Err(CollectError::Empty { folder: shown(folder) });
         }
     }
     let goals = goals(&files)?;
@@ -168,7 +170,7 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
         };
         files.sort_by_key(order);
         if let Some(pair) = files.windows(2).find(|pair| order(&pair[0]) == order(&pair[1])) {
-            let name = |file: &ResultFile| file.path.display().to_string();
+            let name = |file: &ResultFile| shown(&file.path);
             return Err(CollectError::Twice { first: name(&pair[0]), second: name(&pair[1]) });
         }
         entrants.push(Entrant { label: identity.agent.clone(), identity, files, lost: Vec::new() });
@@ -195,7 +197,7 @@ fn once(mut trials: Vec<(PathBuf, Trial)>) -> Result<Vec<Trial>, CollectError> {
     };
     trials.sort_by_cached_key(|(_, trial)| own(trial));
     if let Some(pair) = trials.windows(2).find(|pair| own(&pair[0].1) == own(&pair[1].1)) {
-        let name = |(path, _): &(PathBuf, Trial)| path.display().to_string();
+        let name = |(path, _): &(PathBuf, Trial)| shown(path);
         return Err(CollectError::Twice { first: name(&pair[0]), second: name(&pair[1]) });
     }
     Ok(trials.into_iter().map(|(_, trial)| trial).collect())
@@ -228,9 +230,9 @@ fn goals(files: &[ResultFile]) -> Result<Vec<Goal>, CollectError> {
                     format!("{} pegs, class {}", goal.pegs, goal.class.as_deref().unwrap_or("none"))
                 };
                 return Err(CollectError::TwoGoals {
-                    goal: ramp_kit::source::shorten(&goal.name),
-                    first: first.path.display().to_string(),
-                    second: file.path.display().to_string(),
+                    goal: shorten(&goal.name),
+                    first: shown(&first.path),
+                    second: shown(&file.path),
                     why: format!("{}; {}", say(other), say(&goal)),
                 });
             }
@@ -318,12 +320,13 @@ fn assign(entrants: &mut [Entrant], folder: &Path, stem: &str, notes: &mut Vec<S
     let mut parts = stem.rsplitn(3, '-');
     let seed = parts.next().and_then(|seed| seed.parse().ok());
     let track = parts.next().filter(|track| Track::ALL.iter().any(|known| known.name() == *track));
-    let (Some(seed), Some(track), Some(goal)) = (seed, track, parts.next()) else { return };
+    let goal = parts.next().filter(|goal| is_name(goal));
+    let (Some(seed), Some(track), Some(goal)) = (seed, track, goal) else { return };
     let mut here = entrants.iter_mut().filter(|entrant| {
         entrant.identity.track == track && entrant.files.iter().any(|file| file.path.parent() == Some(folder))
     });
     match (here.next(), here.next()) {
         (Some(entrant), None) => entrant.lost.push(Lost { goal: goal.to_string(), seed }),
-        _ => notes.push(format!("{stem} in {} was lost, and whose it was is not known", folder.display())),
+        _ => notes.push(format!("{stem} in {} was lost, and whose it was is not known", shown(folder))),
     }
 }

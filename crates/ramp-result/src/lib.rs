@@ -18,6 +18,9 @@ pub mod statistics;
 pub mod summary;
 #[doc(hidden)]
 pub mod testing;
+mod words;
 
 pub use episode::EpisodeResult;
-pub use file::{WriteError, sha256, write_whole};
+pub use file::sha256;
+pub use ramp_kit::source::{WriteError, write_whole};
+pub use words::{MOST_EVENTS, MOST_PEGS};

@@ -5,6 +5,7 @@ pub mod sums;
 use serde::{Deserialize, Serialize};
 
 use crate::episode::{AgentInfo, EventInfo, Host, Physics, Software};
+use crate::words;
 
 /// The version of the schema of these files.
 pub const SCHEMA: &str = "ramp-manipulation-1";
@@ -85,9 +86,18 @@ impl Trial {
         if self.success == self.missing.is_some() {
             return Err("a trial is a success, or lacks something".to_string());
         }
-        if ramp_robot::Track::ALL.iter().all(|track| track.name() != self.track) {
-            return Err(format!("there is no track `{}`", ramp_kit::source::shorten(&self.track)));
+        words::name("the skill", &self.skill)?;
+        words::name("the goal", &self.goal)?;
+        words::class_and_track(self.class.as_deref(), &self.track)?;
+        words::sentence("the action", &self.action)?;
+        words::agent(&self.agent)?;
+        words::software(&self.software)?;
+        words::host(&self.host)?;
+        for (what, text) in [("what is missing", &self.missing), ("the cause", &self.cause)] {
+            text.as_ref().map_or(Ok(()), |text| words::sentence(what, text))?;
         }
+        words::events(&self.events, 1e7)?;
+        words::hash("the state of the physics", &self.physics.state, 16)?;
         if !(0.0..=1e7).contains(&self.time) {
             return Err(format!("`time` is {} s", self.time));
         }

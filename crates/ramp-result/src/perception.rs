@@ -3,11 +3,16 @@
 use serde::{Deserialize, Serialize};
 
 use crate::episode::Software;
+use crate::words;
 
 /// The version of the schema of these files.
 pub const SCHEMA: &str = "ramp-perception-1";
 /// A pose that is further off than this is false, m.
 pub const FALSE: f64 = 5.0e-3;
+/// The most cells of a table.
+const MOST_CELLS: usize = 1000;
+/// The most false poses: more than fit a result file.
+const MOST_FALSE: usize = 1_000_000;
 
 /// What came of judging one detector on one set of images.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,7 +79,17 @@ impl PerceptionVerdict {
     /// # Errors
     /// What contradicts what, in words.
     pub fn check(&self) -> Result<(), String> {
+        words::name("the detector", &self.detector)?;
+        words::hash("the hash of the labels", &self.labels, 64)?;
+        words::software(&self.software)?;
+        words::few("cells", &self.cells, MOST_CELLS)?;
+        words::few("false poses", &self.false_poses, MOST_FALSE)?;
+        for it in &self.false_poses {
+            words::name("an image", &it.file)?;
+            words::name("a part", &it.part)?;
+        }
         for cell in &self.cells {
+            words::name("a camera", &cell.camera)?;
             if cell.found > cell.parts {
                 return Err(format!("{} of {} parts were found", cell.found, cell.parts));
             }

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::episode::Software;
+use crate::words;
 
 /// The version of the schema of these files.
 pub const SCHEMA: &str = "ramp-planning-1";
@@ -40,6 +41,11 @@ impl PlanVerdict {
         if self.accepted == self.refused.is_some() {
             return Err("a plan is accepted, or refused with a reason".to_string());
         }
+        words::name("the goal", &self.goal)?;
+        self.class.as_deref().map_or(Ok(()), words::known_class)?;
+        words::name("the planner", &self.planner)?;
+        words::software(&self.software)?;
+        self.refused.as_ref().map_or(Ok(()), |why| words::sentence("why it is refused", why))?;
         match self.seconds {
             Some(seconds) if !(0.0..=1e7).contains(&seconds) => Err(format!("planning took {seconds} s")),
             _ => Ok(()),

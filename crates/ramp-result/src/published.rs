@@ -3,6 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::words;
+
 /// The version of the schema of these files.
 pub const SCHEMA: &str = "ramp-published-1";
 
@@ -40,12 +42,10 @@ impl Published {
     /// # Errors
     /// What is wrong, in words.
     pub fn check(&self) -> Result<(), String> {
-        if ramp_assembly::Class::ALL.iter().all(|class| class.name() != self.class) {
-            return Err(format!("there is no class `{}`", ramp_kit::source::shorten(&self.class)));
-        }
-        if ramp_robot::Track::ALL.iter().all(|track| track.name() != self.track) {
-            return Err(format!("there is no track `{}`", ramp_kit::source::shorten(&self.track)));
-        }
+        words::title("the name", &self.name)?;
+        words::title("the robot", &self.robot)?;
+        words::title("the source", &self.source)?;
+        words::class_and_track(Some(&self.class), &self.track)?;
         if self.goals == 0 || self.repeats == 0 {
             return Err("no goal was run".to_string());
         }

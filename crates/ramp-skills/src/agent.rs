@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
+use ramp_kit::source::{MAX_SENTENCE, plain};
 use ramp_motion::PathPlanner;
 use ramp_planner::{CoarseAction, Domains, FineAction, Item, Plan, PlanError, State};
 use ramp_robot::arm::ArmModel;
@@ -142,10 +143,10 @@ impl<'a> Baseline<'a> {
     }
 
     /// Nothing more can be done.
-    fn give_up(&mut self, cell: &mut Workcell, why: String) {
-        cell.note("fault", why.clone());
+    fn give_up(&mut self, cell: &mut Workcell, why: &str) {
+        cell.note("fault", why.to_string());
         self.report(cell);
-        self.failure = Some(why);
+        self.failure = Some(plain(why, MAX_SENTENCE - 1));
     }
 
     fn work(&mut self, cell: &mut Workcell) -> Result<(), RobotError> {
@@ -161,7 +162,7 @@ impl<'a> Baseline<'a> {
             let plan = match plan {
                 Ok(plan) => plan,
                 Err(why) => {
-                    self.give_up(cell, why);
+                    self.give_up(cell, &why);
                     return Ok(());
                 }
             };
@@ -187,7 +188,7 @@ impl<'a> Baseline<'a> {
                 }
             }
         }
-        self.give_up(cell, format!("gave up after {replans} new plans: {last}"));
+        self.give_up(cell, &format!("gave up after {replans} new plans: {last}"));
         Ok(())
     }
 

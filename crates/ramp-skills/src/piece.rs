@@ -5,6 +5,7 @@
 
 use nalgebra::Translation3;
 use ramp_kit::joint::FEMALE_HEIGHT;
+use ramp_kit::source::{MAX_SENTENCE, plain};
 use ramp_motion::PathPlanner;
 use ramp_planner::{Plan, State};
 use ramp_robot::{Account, Agent, Robot, RobotError};
@@ -82,7 +83,7 @@ impl Agent for Piece<'_> {
         let result = self.work(&mut cell);
         if let Err(error) = &result {
             cell.note("fault", error.to_string());
-            self.failure = Some(error.to_string());
+            self.failure = Some(plain(&error.to_string(), MAX_SENTENCE - 1));
         }
         self.baseline.report(&mut cell);
         match result {

@@ -1,6 +1,8 @@
 //! A problem at its place, and how it prints.
 
 use crate::file::Place;
+use crate::text::visible;
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
@@ -32,7 +34,14 @@ struct Inner<P> {
 impl<P: Problem> Fault<P> {
     /// A problem at a place.
     pub fn new(problem: P, place: Place) -> Fault<P> {
-        let text = place.file().kept_text().cloned().unwrap_or_default();
+        // A terminal must not obey what stands in the lines that it shows.
+        let text: Arc<str> = match place.file().kept_text() {
+            Some(text) => match visible(text) {
+                Cow::Borrowed(_) => text.clone(),
+                Cow::Owned(text) => text.into(),
+            },
+            None => Arc::default(),
+        };
         let named = miette::NamedSource::new(place.file().name(), text);
         Fault { inner: Box::new(Inner { problem, place, also: Vec::new(), named }) }
     }

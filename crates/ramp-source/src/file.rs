@@ -1,5 +1,6 @@
 //! A text with its name, and places in it: what every message points at.
 
+use crate::text::plain;
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
@@ -24,12 +25,12 @@ impl fmt::Debug for SourceFile {
 impl SourceFile {
     /// A file that is already in memory; `name` is what messages call it.
     pub fn new(name: &str, text: &str) -> SourceFile {
-        SourceFile { name: name.into(), text: Some(text.into()) }
+        SourceFile { name: plain(name, usize::MAX).into(), text: Some(text.into()) }
     }
 
     /// A file that could not be read.
     pub(crate) fn unreadable(name: &str) -> SourceFile {
-        SourceFile { name: name.into(), text: None }
+        SourceFile { name: plain(name, usize::MAX).into(), text: None }
     }
 
     /// Its text as it is kept; `None` when it could not be read.

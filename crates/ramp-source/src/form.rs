@@ -2,7 +2,7 @@
 
 use crate::fault::Problem;
 use crate::file::MAX_FILE;
-use crate::names::MAX_NAME;
+use crate::names::A_NAME;
 
 /// What can be wrong with the form of a file: unreadable, not UTF-8, not XML, or not the elements and attributes
 /// that were expected.
@@ -90,10 +90,16 @@ pub enum FormProblem {
         /// What it may be.
         expected: &'static str,
     },
-    /// A name that is empty or too long or has blanks at its ends.
-    #[error("found the name \"{found}\", expected 1 to {MAX_NAME} characters without blanks")]
+    /// A name that is none.
+    #[error("found the name \"{found}\", expected {A_NAME}")]
     Name {
         /// The name, shortened.
+        found: String,
+    },
+    /// A file that says no name, and is itself called what is none.
+    #[error("no name stands here, and that of the file, \"{found}\", is none: expected {A_NAME}")]
+    FileName {
+        /// The name of the file without its ending, shortened.
         found: String,
     },
 }
@@ -111,6 +117,7 @@ impl Problem for FormProblem {
             FormProblem::Number { expected, .. } => format!("expected {expected}"),
             FormProblem::Choice { expected, .. } => format!("expected {expected}"),
             FormProblem::Name { .. } => "not a name".to_string(),
+            FormProblem::FileName { .. } => "needs name=\"…\"".to_string(),
         }
     }
 

@@ -6,6 +6,10 @@
 //! [`parse_xml`] and [`Element`] do the same for XML files: whatever an element or an attribute lacks is a fault at its
 //! place. [`nearest`] finds the name that a misspelt one was meant to be.
 //!
+//! What every file of the project has in common, whoever wrote it, is here as well: what a name is ([`is_name`]), what a
+//! text for a person is ([`is_text`]), how large a file may be ([`read_bytes`], [`read_text`]), how one is written
+//! ([`write_whole`]) and what may stand in a cell of a spreadsheet ([`cell`]).
+//!
 //! ```
 //! use ramp_source::{Fault, Problem, SourceFile};
 //!
@@ -24,15 +28,22 @@
 //! assert_eq!(format!("{fault:#}"), "wall.txt:2:1: there is no colour `rad`");
 //! ```
 
+mod cell;
 mod fault;
 mod file;
 mod form;
 mod names;
 mod read;
+mod text;
+mod write;
 mod xml;
 
+pub use cell::cell;
 pub use fault::{Fault, Problem};
 pub use file::{MAX_FILE, Place, SourceFile};
 pub use form::FormProblem;
-pub use names::{MAX_NAME, nearest, shorten};
+pub use names::{A_NAME, MAX_NAME, is_name, nearest, to_name};
+pub use read::{ReadError, read_bytes, read_text};
+pub use text::{MAX_SENTENCE, MAX_TITLE, is_text, plain, shorten};
+pub use write::{WholeFile, WriteError, remove_unfinished, write_whole};
 pub use xml::{Element, Value, parse_xml};

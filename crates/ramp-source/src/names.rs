@@ -1,7 +1,51 @@
-//! Names: how long they may be, which one was meant, and how they stand in a message.
+//! Names: what a name is, and which one was meant.
+//!
+//! Files are named after goals and agents, tables and pages show them, and rules are made of them. So a name is the same
+//! everywhere, and nothing in one can be a path, a formula, an option or a line of its own.
 
-/// The longest name, in bytes; also keeps the search for the nearest name fast.
+/// The longest name, in characters; also keeps the search for the nearest name fast.
 pub const MAX_NAME: usize = 64;
+
+/// What a name is, for a message.
+pub const A_NAME: &str =
+    "1 to 64 letters (a to z, A to Z), digits and `-_.+`, of which the first is a letter or a digit";
+
+/// Is this a name: [`A_NAME`]?
+///
+/// ```
+/// # use ramp_source::is_name;
+/// assert!(is_name("hard-2_b.v1+c") && is_name("7"));
+/// assert!(!is_name("") && !is_name("..") && !is_name("../x") && !is_name("-x") && !is_name("é"));
+/// assert!(!is_name(&"x".repeat(65)));
+/// ```
+pub fn is_name(text: &str) -> bool {
+    text.len() <= MAX_NAME
+        && text.starts_with(|first: char| first.is_ascii_alphanumeric())
+        && text.chars().all(may_stand)
+}
+
+/// What is left of a text, such as the name of a file, when it becomes a name; `unnamed` where that is nothing.
+///
+/// ```
+/// # use ramp_source::to_name;
+/// assert_eq!(to_name("my agent.py"), "myagent.py");
+/// assert_eq!(to_name("../=x"), "x");
+/// assert_eq!(to_name("–"), "unnamed");
+/// ```
+pub fn to_name(text: &str) -> String {
+    let name: String = text
+        .chars()
+        .filter(|c| may_stand(*c))
+        .skip_while(|c| !c.is_ascii_alphanumeric())
+        .take(MAX_NAME)
+        .collect();
+    if name.is_empty() { "unnamed".to_string() } else { name }
+}
+
+/// May this stand in a name?
+fn may_stand(c: char) -> bool {
+    c.is_ascii_alphanumeric() || "-_.+".contains(c)
+}
 
 /// The name among `names` that is most like `wanted`, when one is like enough to be worth suggesting.
 ///
@@ -46,15 +90,4 @@ fn edits(a: &str, b: &str) -> Option<usize> {
         }
     }
     table.last().copied()
-}
-
-/// Text from a file as it may stand in a message: at most [`MAX_NAME`] characters, none of them a control
-/// character.
-pub fn shorten(text: &str) -> String {
-    let mut short: String =
-        text.chars().take(MAX_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if text.chars().count() > MAX_NAME {
-        short.push('…');
-    }
-    short
 }

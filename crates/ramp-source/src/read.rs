@@ -1,9 +1,66 @@
-//! From a path to a [`SourceFile`]: UTF-8 text of a sensible size, or what is wrong with it.
+//! Reading files within limits, whoever wrote them: as bytes, as text, and as a [`SourceFile`].
 
 use crate::fault::{Fault, Problem};
 use crate::file::{MAX_FILE, SourceFile};
 use crate::form::FormProblem;
+use crate::text::plain;
+use std::io::Read;
 use std::path::Path;
+
+/// Why a file was not read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The system cannot read it.
+    #[error("{file} cannot be read: {why}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// The system's reason, in plain words.
+        why: String,
+    },
+    /// It is larger than such a file can be.
+    #[error("{file} is larger than {} kB", most / 1024)]
+    TooLarge {
+        /// The file.
+        file: String,
+        /// What it may have, bytes.
+        most: usize,
+    },
+    /// It is not UTF-8.
+    #[error("{file} is not UTF-8 text: found the byte 0x{byte:02x}")]
+    NotUtf8 {
+        /// The file.
+        file: String,
+        /// The first byte that does not fit.
+        byte: u8,
+    },
+}
+
+/// The bytes of a file of at most `most` bytes. No more than that is read, whatever size the system tells.
+///
+/// # Errors
+/// When the system cannot read it, or it is larger.
+pub fn read_bytes(path: &Path, most: usize) -> Result<Vec<u8>, ReadError> {
+    let file = || plain(&path.display().to_string(), usize::MAX);
+    let mut bytes = Vec::new();
+    // One byte more than allowed tells a file that is too large from one that just fits.
+    std::fs::File::open(path)
+        .and_then(|file| file.take(most as u64 + 1).read_to_end(&mut bytes))
+        .map_err(|error| ReadError::Unreadable { file: file(), why: describe_io(&error) })?;
+    if bytes.len() > most { Err(ReadError::TooLarge { file: file(), most }) } else { Ok(bytes) }
+}
+
+/// The text of a file of at most `most` bytes.
+///
+/// # Errors
+/// When the system cannot read it, it is larger, or not UTF-8.
+pub fn read_text(path: &Path, most: usize) -> Result<String, ReadError> {
+    String::from_utf8(read_bytes(path, most)?).map_err(|error| ReadError::NotUtf8 {
+        file: plain(&path.display().to_string(), usize::MAX),
+        byte: error.as_bytes().get(error.utf8_error().valid_up_to()).copied().unwrap_or_default(),
+    })
+}
 
 impl SourceFile {
     /// Reads a file, which must be UTF-8 and no larger than [`MAX_FILE`].
@@ -11,21 +68,15 @@ impl SourceFile {
     /// # Errors
     /// When the system cannot read it, when it is too large, or at its first byte that is not UTF-8.
     pub fn read<P: Problem + From<FormProblem>>(path: &Path) -> Result<SourceFile, Fault<P>> {
-        use std::io::Read;
-        let name = path.display().to_string();
+        let name = plain(&path.display().to_string(), usize::MAX);
         let unreadable = |why: String| {
             let file = SourceFile::unreadable(&name);
             Fault::new(FormProblem::Unreadable { file: name.clone(), why }.into(), file.place(0..0))
         };
-        let mut bytes = Vec::new();
-        // One byte more than allowed tells a file that is too large from one that just fits.
-        let limit = MAX_FILE as u64 + 1;
-        std::fs::File::open(path)
-            .and_then(|file| file.take(limit).read_to_end(&mut bytes))
-            .map_err(|error| unreadable(describe_io(&error)))?;
-        if bytes.len() > MAX_FILE {
-            return Err(unreadable(FormProblem::TooLarge.to_string()));
-        }
+        let bytes = read_bytes(path, MAX_FILE).map_err(|error| match error {
+            ReadError::Unreadable { why, .. } => unreadable(why),
+            _ => unreadable(FormProblem::TooLarge.to_string()),
+        })?;
         match String::from_utf8(bytes) {
             Ok(text) => Ok(SourceFile::new(&name, &text)),
             Err(error) => {

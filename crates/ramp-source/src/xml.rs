@@ -6,7 +6,8 @@
 use crate::fault::{Fault, Problem};
 use crate::file::{MAX_FILE, SourceFile};
 use crate::form::FormProblem;
-use crate::names::{MAX_NAME, nearest, shorten};
+use crate::names::{is_name, nearest};
+use crate::text::shorten;
 use std::marker::PhantomData;
 use std::ops::{Range, RangeInclusive};
 
@@ -201,13 +202,12 @@ impl<'a, P: Problem + From<FormProblem>> Value<'a, P> {
         Fault::new(problem, self.file.place(self.span()))
     }
 
-    /// As a name: 1 to [`MAX_NAME`] bytes without blanks or control characters.
+    /// As a name: [`A_NAME`](crate::A_NAME).
     ///
     /// # Errors
-    /// When it is empty or too long, or holds a blank or a control character.
+    /// When it is none.
     pub fn name(&self) -> Result<&'a str, Fault<P>> {
-        let fits = (1..=MAX_NAME).contains(&self.text.len());
-        if fits && !self.text.contains(|c: char| c.is_whitespace() || c.is_control()) {
+        if is_name(self.text) {
             return Ok(self.text);
         }
         Err(self.fault(FormProblem::Name { found: shorten(self.text) }.into()))

@@ -32,7 +32,7 @@ use self::connections::{Pair, read_connections};
 use self::problem::{Node, Result};
 use crate::assembly::{Assembly, Class};
 use ramp_kit::Kit;
-use ramp_source::{Fault, SourceFile, parse_xml, shorten};
+use ramp_source::{Fault, FormProblem, SourceFile, is_name, parse_xml, shorten};
 use std::path::Path;
 
 /// Reads a goal file.
@@ -84,7 +84,8 @@ fn read(file: &SourceFile, stem: &str, kit: &Kit) -> Result<Assembly> {
     root.check_attributes(&["name", "class"])?;
     let name = match root.optional("name") {
         Some(value) => value.name()?.to_string(),
-        None => shorten(stem),
+        None if is_name(stem) => stem.to_string(),
+        None => return Err(root.fault(FormProblem::FileName { found: shorten(stem) }.into())),
     };
     let class = match root.optional("class") {
         Some(value) => match Class::ALL.into_iter().find(|class| class.name() == value.text()) {

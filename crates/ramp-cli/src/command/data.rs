@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use miette::{Report, miette};
+use ramp_kit::source::read_text;
 
 use crate::data::built_in;
 use crate::output::{print, write_file};
@@ -31,7 +32,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Report> {
     let files = || built_in().iter().map(|(name, text)| (folder.join(name), *text));
     // All or nothing: first see whether anything is in the way.
     let differs = |(file, text): &(PathBuf, &str)| {
-        file.exists() && std::fs::read_to_string(file).ok().as_deref() != Some(*text)
+        file.exists() && read_text(file, text.len()).ok().as_deref() != Some(*text)
     };
     if let Some((file, _)) = files().find(|it| !force && differs(it)) {
         return Err(miette!(help = "--force overwrites it", "{} is another file", file.display()));

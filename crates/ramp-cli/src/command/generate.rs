@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use miette::{Report, miette};
 use ramp_assembly::{Generated, Request, generate_many};
+use ramp_kit::source::read_text;
 
 use crate::data::Data;
 use crate::output::{print, write_file};
@@ -97,5 +98,5 @@ fn files<'a>(folder: &Path, made: &'a Generated) -> Vec<(PathBuf, &'a str)> {
 
 /// Is there a file already with something else in it?
 fn differs(file: &Path, text: &str) -> bool {
-    file.exists() && std::fs::read_to_string(file).ok().as_deref() != Some(text)
+    file.exists() && read_text(file, text.len()).ok().as_deref() != Some(text)
 }

@@ -1,19 +1,20 @@
 //! `ramp goals commit` and `ramp goals verify`: goals that an organiser keeps back.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use miette::{IntoDiagnostic, Report, miette};
+use miette::{Report, miette};
 use ramp_report::held_out::{Commitments, Reveal, SALT, promise, verify};
-use ramp_result::write_whole;
 
 use crate::data::Data;
-use crate::output::print;
+use crate::output::{print, read_json, refuse_existing, write_json};
 use crate::status::{DONE, INCOMPLETE};
 
 /// Published before.
 const COMMITMENTS: &str = "commitments.json";
 /// Kept back until after.
 const REVEAL: &str = "reveal.json";
+/// Who wrote both files.
+const WRITER: &str = "ramp goals commit";
 
 #[derive(clap::Args)]
 pub struct CommitArguments {
@@ -46,42 +47,28 @@ pub fn commit(data: &Data, arguments: &CommitArguments) -> Result<u8, Report> {
         getrandom::fill(&mut salt).map_err(|error| miette!("the system gives no random numbers: {error}"))?;
         goals.push((goal.name.clone(), salt, data.texts(file)?.sources().goal.to_string()));
     }
-    let folder = &arguments.output;
-    for name in [COMMITMENTS, REVEAL] {
-        if folder.join(name).exists() {
-            return Err(miette!(
-                help = "name another folder: what was promised must not be lost",
-                "{} is there already",
-                folder.join(name).display()
-            ));
-        }
-    }
-    std::fs::create_dir_all(folder)
-        .map_err(|error| miette!("cannot make the folder {}: {error}", folder.display()))?;
+    let [commitments, reveal] = [COMMITMENTS, REVEAL].map(|name| arguments.output.join(name));
+    refuse_existing([&commitments, &reveal])?;
     let (promised, revealed) = promise(&goals);
-    write(&folder.join(REVEAL), &revealed)?;
-    write(&folder.join(COMMITMENTS), &promised)?;
+    write_json(&reveal, &revealed)?;
+    write_json(&commitments, &promised)?;
     let mut text = String::new();
     for it in &promised.commitments {
         text.push_str(&format!("{}  {}\n", it.commitment, it.goal));
     }
-    text.push_str(&format!(
-        "publish {}; keep {} back\n",
-        folder.join(COMMITMENTS).display(),
-        folder.join(REVEAL).display()
-    ));
+    text.push_str(&format!("publish {}; keep {} back\n", commitments.display(), reveal.display()));
     print(&text)?;
     Ok(DONE)
 }
 
 pub fn check(arguments: &VerifyArguments) -> Result<u8, Report> {
-    let promised: Commitments = read(&arguments.commitments)?;
-    let revealed: Reveal = read(&arguments.reveal)?;
+    let promised: Commitments = read_json(&arguments.commitments, WRITER)?;
+    let revealed: Reveal = read_json(&arguments.reveal, WRITER)?;
     match verify(&promised, &revealed) {
         Ok(()) => {
             let count = promised.commitments.len();
-            let goals = if count == 1 { "goal is the one" } else { "goals are those" };
-            print(&format!("{count} {goals} that was promised, for the rules {}\n", promised.rules))?;
+            let goals = if count == 1 { "goal is the one that was" } else { "goals are those that were" };
+            print(&format!("{count} {goals} promised, for the rules {}\n", promised.rules))?;
             Ok(DONE)
         }
         Err(error) => {
@@ -89,22 +76,4 @@ pub fn check(arguments: &VerifyArguments) -> Result<u8, Report> {
             Ok(INCOMPLETE)
         }
     }
-}
-
-fn write<T: serde::Serialize>(path: &Path, value: &T) -> Result<(), Report> {
-    let text = serde_json::to_string_pretty(value).into_diagnostic()?;
-    write_whole(path, &(text + "\n")).map_err(|error| miette!("{error}"))
-}
-
-fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, Report> {
-    let name = path.display();
-    let text = std::fs::read_to_string(path).map_err(|error| miette!("{name} cannot be read: {error}"))?;
-    serde_json::from_str(&text).map_err(|error| {
-        miette!(
-            help = "expected a file that `ramp goals commit` wrote",
-            "{name}:{}:{}: {error}",
-            error.line(),
-            error.column()
-        )
-    })
 }

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use miette::{IntoDiagnostic, Report, WrapErr, miette};
 use ramp_assembly::Assembly;
+use ramp_kit::source::{MAX_SENTENCE, plain, read_text, to_name};
 use ramp_planner::{CoarseStep, Diagnosis, History, Options, PlanError, Replayer, State};
 use ramp_result::planning::{self, PlanVerdict};
 use serde_json::json;
@@ -58,6 +59,9 @@ pub struct Arguments {
     disassemble: bool,
 }
 
+/// The largest plan, state or history, bytes.
+const LARGEST: usize = 16 << 20;
+
 /// The two resolutions.
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Level {
@@ -68,11 +72,10 @@ enum Level {
 /// Reads a JSON file; `expected` says what of.
 fn read_json<T: serde::de::DeserializeOwned>(path: &Path, expected: &'static str) -> Result<T, Report> {
     let name = path.display();
-    let text =
-        std::fs::read_to_string(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?;
+    let text = read_text(path, LARGEST)?;
     serde_json::from_str(&text).map_err(|error| {
         let place = format!("{name}:{}:{}", error.line(), error.column());
-        miette!(help = expected, "{place}: {error}")
+        miette!(help = expected, "{place}: {}", plain(&error.to_string(), MAX_SENTENCE))
     })
 }
 
@@ -91,10 +94,10 @@ fn write_verdict(
         schema: planning::SCHEMA.to_string(),
         goal: goal.name.clone(),
         class: goal.class.map(|class| class.name().to_string()),
-        planner: plan.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        planner: to_name(&plan.file_stem().unwrap_or_default().to_string_lossy()),
         software: software(),
         accepted: verdict.is_ok(),
-        refused: verdict.as_ref().err().cloned(),
+        refused: verdict.as_ref().err().map(|why| plain(why, MAX_SENTENCE - 1)),
         coarse: *coarse,
         seconds,
     };
@@ -132,15 +135,10 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     }
     if let Some(folder) = &arguments.pddl {
         let written = ramp_planner::pddl(&goal, &kit, &state, &domains).into_diagnostic()?;
-        std::fs::create_dir_all(folder)
-            .into_diagnostic()
-            .wrap_err_with(|| format!("cannot make the folder {}", folder.display()))?;
         let mut text = String::new();
         for (name, content) in [("domain.pddl", &written.domain), ("problem.pddl", &written.problem)] {
             let path = folder.join(name);
-            std::fs::write(&path, content)
-                .into_diagnostic()
-                .wrap_err_with(|| format!("cannot write {}", path.display()))?;
+            write_file(&path, content)?;
             let _ = writeln!(text, "{}", path.display());
         }
         print(&text)?;
@@ -162,9 +160,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     }
     if let Some(path) = &arguments.from {
         let name = path.display();
-        let text = std::fs::read_to_string(path)
-            .into_diagnostic()
-            .wrap_err_with(|| format!("cannot read {name}"))?;
+        let text = read_text(path, LARGEST)?;
         if !text.trim_start().starts_with('{') {
             let steps = ramp_planner::pddl_plan(&goal, &kit, &state, &domains, &text);
             let steps = match steps {

@@ -13,11 +13,11 @@ use ramp_result::episode::EventInfo;
 use ramp_twin::Twin;
 use serde_json::json;
 
+use crate::ending::end_on_request;
 use crate::output::print;
 use crate::pictures::{self, Pictures};
 use crate::software::software;
 use crate::status::{DONE, INCOMPLETE};
-use crate::unfinished;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -33,7 +33,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<u8, Report> {
     let log = Log::read(&arguments.log).into_diagnostic()?;
     let world = World::of(&log).into_diagnostic()?;
-    unfinished::end_on_request()?;
+    end_on_request()?;
     let mut pictures = Pictures::new(&arguments.pictures, &world.setup())?;
     let bar = std::io::stderr().is_terminal().then(|| {
         let bar = ProgressBar::new(log.result.time.robot.clamp(0.0, 1e6) as u64);

@@ -16,12 +16,12 @@ use ramp_twin::{Disturbance, Fault, Setup, Twin};
 
 use crate::command::agent;
 use crate::data::Data;
+use crate::ending::end_on_request;
 use crate::options::TrackName;
 use crate::output::{check_place, make_folder_of, print, write_file};
 use crate::pictures::{self, Pictures};
 use crate::software::software;
 use crate::status::{DONE, INCOMPLETE, MachineFault};
-use crate::unfinished;
 
 /// Folder for results that are given no name.
 const RESULTS: &str = "results";
@@ -121,7 +121,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         fault: arguments.fault,
     };
     let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
-    unfinished::end_on_request()?;
+    end_on_request()?;
     let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
     make_folder_of(&log)?;
     let display = Display::new(assembly.connections.len());
@@ -156,8 +156,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         repeat: arguments.repeat,
         secret: arguments.secret.clone().map(|commitment| (arguments.seed, commitment)),
     };
-    let recorded =
-        record_episode(&setup, &texts.sources(), agent.as_mut(), &label, &log, &mut watcher);
+    let recorded = record_episode(&setup, &texts.sources(), agent.as_mut(), &label, &log, &mut watcher);
     display.finish();
     let Recorded { result, unlogged } = recorded.map_err(|error| match error {
         EpisodeError::Log(error) => MachineFault::of(error).into(),

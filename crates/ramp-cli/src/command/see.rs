@@ -8,6 +8,7 @@ use miette::{IntoDiagnostic, Report, miette};
 use ramp_abilities::perception::{
     Estimate, Labels, Photographer, PoseLabel, SCHEMA, Verdict, areas, coco, judge,
 };
+use ramp_kit::source::{A_NAME, MAX_SENTENCE, is_name, plain, read_bytes, shorten, to_name};
 use ramp_kit::strokes::{self, Align};
 use ramp_result::perception::FALSE;
 use ramp_result::sha256;
@@ -52,13 +53,19 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         if let Some(path) = &arguments.output {
             check_place(path)?;
         }
-        let estimates: Vec<Estimate> = read(file)?;
+        let (estimates, _): (Vec<Estimate>, _) = read(file)?;
         let path = folder.join(LABELS);
-        let labels: Labels = read(&path)?;
+        let (labels, hash): (Labels, String) = read(&path)?;
+        check_names(file, estimates.iter().flat_map(|it| [&it.file, &it.part]))?;
+        for view in &labels.views {
+            check_names(
+                &path,
+                [&view.file, &view.camera].into_iter().chain(view.parts.iter().map(|it| &it.part)),
+            )?;
+        }
         let verdict = judge(&labels, &estimates);
         if let Some(output) = &arguments.output {
-            let detector = file.file_stem().unwrap_or_default().to_string_lossy();
-            let hash = sha256(&std::fs::read(&path).into_diagnostic()?);
+            let detector = to_name(&file.file_stem().unwrap_or_default().to_string_lossy());
             let result = verdict.to_result(&detector, &hash, labels.views.len(), &software());
             let text = serde_json::to_string_pretty(&result).into_diagnostic()? + "\n";
             write_file(output, &text)?;
@@ -103,6 +110,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     Ok(DONE)
 }
 
+/// The largest file of labels or poses, bytes: a hundred thousand images.
+const LARGEST: usize = 512 << 20;
 /// So many of a data set's images are also written with what is found drawn on them.
 const DRAWN: u32 = 10;
 /// Files of a data set.
@@ -188,15 +197,28 @@ fn data_set(
     Ok(DONE)
 }
 
-fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, Report> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| miette!("{} cannot be read: {error}", path.display()))?;
-    serde_json::from_str(&text).map_err(|error| miette!("{}: {error}", path.display()))
+/// What a JSON file says, and its hash.
+fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<(T, String), Report> {
+    let bytes = read_bytes(path, LARGEST)?;
+    let value = serde_json::from_slice(&bytes)
+        .map_err(|error| miette!("{}: {}", path.display(), plain(&error.to_string(), MAX_SENTENCE)))?;
+    Ok((value, sha256(&bytes)))
+}
+
+/// Is everything a name that should be one?
+fn check_names<'a>(path: &Path, mut names: impl Iterator<Item = &'a String>) -> Result<(), Report> {
+    match names.find(|name| !is_name(name)) {
+        None => Ok(()),
+        Some(name) => {
+            let expected = format!("images, cameras and parts have names: {A_NAME}");
+            Err(miette!(help = expected, "{}: `{}` is no name", path.display(), shorten(name)))
+        }
+    }
 }
 
 fn write_json<T: serde::Serialize>(path: &Path, value: &T) -> Result<(), Report> {
     let text = serde_json::to_string(value).into_diagnostic()?;
-    std::fs::write(path, text).into_diagnostic()
+    write_file(path, text)
 }
 
 fn write_png(path: &Path, image: &Image, pixels: &[u8]) -> Result<(), Report> {
@@ -211,13 +233,15 @@ fn write_pixels(
     colour: png::ColorType,
     bits: png::BitDepth,
 ) -> Result<(), Report> {
-    let file = std::fs::File::create(path).into_diagnostic()?;
+    let mut bytes = Vec::new();
     let (width, height) = (image.width as u32, image.height as u32);
-    let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), width, height);
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(colour);
     encoder.set_depth(bits);
     let mut writer = encoder.write_header().into_diagnostic()?;
-    writer.write_image_data(pixels).into_diagnostic()
+    writer.write_image_data(pixels).into_diagnostic()?;
+    writer.finish().into_diagnostic()?;
+    write_file(path, bytes)
 }
 
 fn write_depth(path: &Path, image: &Image, depth: &[f32]) -> Result<(), Report> {

@@ -57,8 +57,9 @@ pub fn run(arguments: &Arguments) -> Result<u8, Report> {
 /// When the file holds none.
 pub fn read(path: &Path) -> Result<Secret, Report> {
     let kept: Kept = read_json(path, WRITER)?;
-    Secret::from_kept(&kept)
-        .map_err(|error| miette!(help = format!("expected a file that `{WRITER}` wrote"), "{}: {error}", path.display()))
+    Secret::from_kept(&kept).map_err(|error| {
+        miette!(help = format!("expected a file that `{WRITER}` wrote"), "{}: {error}", path.display())
+    })
 }
 
 fn commit(arguments: &CommitArguments) -> Result<u8, Report> {

@@ -13,8 +13,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Diagnostic, IntoDiagnostic, Report, miette};
 use ramp_abilities::manipulation::{Aim, run_trial};
 use ramp_kit::Kit;
-use ramp_kit::source::{nearest, shorten};
+use ramp_kit::source::{nearest, read_text, shorten};
 use ramp_planner::Domains;
+use ramp_result::collection::LARGEST;
 use ramp_result::episode::Software;
 use ramp_result::manipulation::sums::{SkillSum, sums};
 use ramp_result::manipulation::{SCHEMA, Trial};
@@ -171,7 +172,7 @@ impl Trials<'_> {
     /// The result that is there already; `None` when there is none, or something that is no trial.
     fn read(&self, skill: &str, seed: u64) -> Result<Option<Trial>, Report> {
         let path = self.path(skill, seed);
-        let Ok(text) = std::fs::read_to_string(&path) else { return Ok(None) };
+        let Ok(text) = read_text(&path, LARGEST) else { return Ok(None) };
         let trial = serde_json::from_str::<Trial>(&text).ok();
         let fits = |trial: &Trial| {
             let own = (trial.skill.as_str(), trial.seed, trial.track.as_str());

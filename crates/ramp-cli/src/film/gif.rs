@@ -1,10 +1,10 @@
 //! Frames as GIF: colours from the first frame, and of each frame only what has changed.
 
-use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
 use miette::{IntoDiagnostic, Report};
+use ramp_kit::source::WholeFile;
 use resvg::tiny_skia;
 
 use super::form::{LAST, SIZE};
@@ -16,7 +16,7 @@ const COLOURS: usize = 255;
 
 /// A GIF that is being written.
 pub struct Gif {
-    encoder: ::gif::Encoder<BufWriter<File>>,
+    encoder: ::gif::Encoder<BufWriter<WholeFile>>,
     palette: Option<Palette>,
     /// Colours on the screen, as numbers of the palette.
     screen: Vec<u8>,
@@ -48,7 +48,7 @@ impl Gif {
     /// When the file cannot be written.
     pub fn new(path: &Path) -> Result<Gif, Report> {
         let [width, height] = SIZE.map(|edge| edge as u16);
-        let file = BufWriter::new(File::create(path).into_diagnostic()?);
+        let file = BufWriter::new(WholeFile::new(path)?);
         let mut encoder = ::gif::Encoder::new(file, width, height, &[]).into_diagnostic()?;
         encoder.set_repeat(::gif::Repeat::Infinite).into_diagnostic()?;
         Ok(Gif { encoder, palette: None, screen: Vec::new() })
@@ -92,7 +92,10 @@ impl Gif {
     /// # Errors
     /// When the file cannot be written.
     pub fn end(mut self) -> Result<(), Report> {
-        self.write_part([0, 0, 1, 1], vec![COLOURS as u8], LAST)
+        self.write_part([0, 0, 1, 1], vec![COLOURS as u8], LAST)?;
+        let file = self.encoder.into_inner().into_diagnostic()?;
+        let file = file.into_inner().map_err(std::io::IntoInnerError::into_error).into_diagnostic()?;
+        Ok(file.finish()?)
     }
 
     /// Writes colours into a part of the screen: left, top, width and height.

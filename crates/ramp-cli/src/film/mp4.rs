@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 use miette::{IntoDiagnostic, Report, miette};
+use ramp_kit::source::WholeFile;
 use resvg::tiny_skia;
 
 use super::form::{LAST, SIZE};
@@ -15,6 +16,7 @@ pub const SHOWN: f64 = 0.04;
 /// An MP4 that is being written.
 pub struct Mp4 {
     path: PathBuf,
+    file: WholeFile,
     ffmpeg: Child,
     last: Vec<u8>,
 }
@@ -26,12 +28,14 @@ impl Mp4 {
     /// When there is no ffmpeg.
     pub fn new(path: &Path) -> Result<Mp4, Report> {
         let [width, height] = SIZE;
+        let file = WholeFile::new(path)?;
         let ffmpeg = Command::new("ffmpeg")
             .args(["-y", "-loglevel", "error", "-f", "rawvideo", "-pixel_format", "rgba"])
             .args(["-video_size", &format!("{width}x{height}"), "-framerate", &(1.0 / SHOWN).to_string()])
             .args(["-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart"])
+            .args(["-f", "mp4"])
             // A name that begins with a dash is still a name.
-            .arg(Path::new(".").join(path))
+            .arg(Path::new(".").join(file.place()))
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .spawn()
@@ -46,7 +50,7 @@ impl Mp4 {
                     path.display()
                 )
             })?;
-        Ok(Mp4 { path: path.to_path_buf(), ffmpeg, last: Vec::new() })
+        Ok(Mp4 { path: path.to_path_buf(), file, ffmpeg, last: Vec::new() })
     }
 
     /// Adds a frame.
@@ -75,6 +79,9 @@ impl Mp4 {
         }
         drop(self.ffmpeg.stdin.take());
         let status = self.ffmpeg.wait().into_diagnostic()?;
-        if status.success() { Ok(()) } else { Err(miette!("ffmpeg could not write {}", self.path.display())) }
+        if !status.success() {
+            return Err(miette!("ffmpeg could not write {}", self.path.display()));
+        }
+        Ok(self.file.finish()?)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use ramp_kit::source::{Fault, MAX_NAME, nearest, shorten};
+use ramp_kit::source::{A_NAME, Fault, MAX_TITLE, is_name, is_text, nearest, shorten};
 use ramp_robot::Track;
 
 use super::{Cell, Head, LONGEST, LogProblem, Read, Reader};
@@ -28,7 +28,14 @@ impl Reader<'_> {
             for field in &record {
                 // A quoted cell with quotes in it is not found as it stands; its row is.
                 let at = text.get(from..).and_then(|rest| rest.find(field)).map_or(from, |at| from + at);
-                row.push(Cell { text: field.to_string(), span: at..at + field.len() });
+                let cell = Cell { text: field.to_string(), span: at..at + field.len() };
+                if !is_text(field, MAX_TITLE) {
+                    let words = format!("found `{}`", shorten(field));
+                    let expected =
+                        format!("expected at most {MAX_TITLE} characters and no control character");
+                    return Err(self.fault(cell.span, words, &expected, None));
+                }
+                row.push(cell);
                 from = at + field.len();
             }
             while row.last().is_some_and(|cell| cell.text.is_empty()) {
@@ -55,11 +62,7 @@ impl Reader<'_> {
     /// What the head says of `name`.
     pub(super) fn entry<'h>(&self, head: &'h Head, name: &str) -> Read<&'h Cell> {
         match head.entries.iter().find(|(known, _)| known.text == name) {
-            Some((_, value)) if value.text.chars().count() <= 4 * MAX_NAME => Ok(value),
-            Some((_, value)) => {
-                let words = format!("`{name}` is longer than {} characters", 4 * MAX_NAME);
-                Err(self.fault(value.span.clone(), words, "expected less", None))
-            }
+            Some((_, value)) => Ok(value),
             None => {
                 let near = nearest(name, head.entries.iter().map(|(known, _)| known.text.as_str()));
                 Err(self.fault(
@@ -74,6 +77,16 @@ impl Reader<'_> {
 
     pub(super) fn text(&self, head: &Head, name: &str) -> Read<String> {
         Ok(self.entry(head, name)?.text.clone())
+    }
+
+    /// What the head says of `name`, which must be a name itself.
+    pub(super) fn name(&self, head: &Head, name: &str) -> Read<String> {
+        let cell = self.entry(head, name)?;
+        if is_name(&cell.text) {
+            return Ok(cell.text.clone());
+        }
+        let words = format!("the {name} is `{}`", shorten(&cell.text));
+        Err(self.fault(cell.span.clone(), words, &format!("expected {A_NAME}"), None))
     }
 
     pub(super) fn track(&self, head: &Head) -> Read<String> {

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use ramp_assembly::Class;
-use ramp_robot::Track;
+use ramp_kit::source::{ReadError, plain, read_bytes, shorten};
 use serde_json::Value;
 
+use super::check::check;
 use crate::episode::{EpisodeResult, RULES, SCHEMA};
 use crate::file::sha256;
 use crate::manipulation::{self, Trial};
@@ -13,12 +13,10 @@ use crate::perception::{self, PerceptionVerdict};
 use crate::planning::{self, PlanVerdict};
 use crate::published::{self, Published};
 
-/// The largest file that is read, bytes.
-const LARGEST: u64 = 64 << 20;
-/// The longest time that an episode can have, s: more than any protocol asks for, and what a picture can show.
-const LONGEST: f64 = 1e7;
-/// By how much times that should agree may differ, s: rounding of whoever wrote them.
-const SLACK: f64 = 1e-3;
+/// The largest file that is read, bytes: more than all the events that an agent may tell of need.
+pub const LARGEST: usize = 16 << 20;
+/// The longest message of the parser that is passed on, characters.
+const LONGEST_WHY: usize = 300;
 
 /// One result file.
 #[derive(Clone, Debug)]
@@ -42,6 +40,10 @@ pub enum CollectError {
         /// What the system said.
         why: String,
     },
+    /// A file that cannot be read, or is too large.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Read(#[from] ReadError),
     /// A file that is no JSON, or no episode.
     #[error("{place}: {why}")]
     #[diagnostic(help("expected a result of `ramp run`, `ramp bench` or `ramp score`"))]
@@ -121,12 +123,8 @@ pub(super) enum Found {
 }
 
 pub(super) fn read(path: &Path) -> Result<Found, CollectError> {
-    let size = std::fs::metadata(path).map_err(|error| unreadable(path, &error))?.len();
-    let name = path.display().to_string();
-    if size > LARGEST {
-        return Err(CollectError::Form { place: name, why: format!("it has {size} bytes") });
-    }
-    let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
+    let name = shown(path);
+    let bytes = read_bytes(path, LARGEST)?;
     let Some(found) = parse(&name, &bytes)? else { return Ok(Found::Other) };
     Ok(match found {
         Parsed::Episode(result) => Found::Episode(Box::new(ResultFile {
@@ -163,7 +161,7 @@ pub enum Parsed {
 pub fn parse(name: &str, bytes: &[u8]) -> Result<Option<Parsed>, CollectError> {
     let bad = |error: serde_json::Error| {
         let text = error.to_string();
-        let why = text.split(" at line ").next().unwrap_or(&text).to_string();
+        let why = plain(text.split(" at line ").next().unwrap_or(&text), LONGEST_WHY);
         CollectError::Form { place: format!("{name}:{}:{}", error.line(), error.column()), why }
     };
     // Twice, so that a wrong schema is told before everything that follows from it.
@@ -194,91 +192,15 @@ pub fn parse(name: &str, bytes: &[u8]) -> Result<Option<Parsed>, CollectError> {
         return Ok(None);
     }
     if schema != SCHEMA {
-        return Err(CollectError::Schema {
-            file: name.to_string(),
-            found: ramp_kit::source::shorten(schema),
-        });
+        return Err(CollectError::Schema { file: name.to_string(), found: shorten(schema) });
     }
     if let Some(rules) = value["rules"].as_str().filter(|rules| *rules != RULES) {
-        let found = ramp_kit::source::shorten(rules);
+        let found = shorten(rules);
         return Err(CollectError::Rules { file: name.to_string(), found });
     }
     let result: EpisodeResult = serde_json::from_slice(bytes).map_err(bad)?;
     check(&result).map_err(impossible)?;
     Ok(Some(Parsed::Episode(Box::new(result))))
-}
-
-/// Can an episode have ended like this?
-fn check(result: &EpisodeResult) -> Result<(), String> {
-    if let Some(class) = &result.class
-        && Class::ALL.iter().all(|known| known.name() != class)
-    {
-        return Err(format!("there is no class `{}`", ramp_kit::source::shorten(class)));
-    }
-    if Track::ALL.iter().all(|known| known.name() != result.track) {
-        return Err(format!("there is no track `{}`", ramp_kit::source::shorten(&result.track)));
-    }
-    if result.real.is_some() != result.physics.is_none() {
-        return Err("a run of a real robot has no physics of the twin, and every other has one".to_string());
-    }
-    let time = &result.time;
-    let parts = [
-        ("time.planning", time.planning),
-        ("time.compute", time.compute),
-        ("time.robot", time.robot),
-        ("time.total", time.total),
-    ];
-    for (name, value) in parts {
-        if !(0.0..=LONGEST).contains(&value) {
-            return Err(format!("`{name}` is {value} s, expected 0 to {LONGEST}"));
-        }
-    }
-    let sum = time.planning + time.compute + time.robot;
-    if (sum - time.total).abs() > SLACK {
-        return Err(format!(
-            "`time.total` is {} s, and planning, compute and robot time are {sum} s together",
-            time.total
-        ));
-    }
-    let counted: Vec<_> = result.pegs.iter().flatten().collect();
-    for (index, peg) in counted.iter().enumerate() {
-        let name = ramp_kit::source::shorten(&peg.connection);
-        if !(0.0..=time.robot + SLACK).contains(&peg.t_robot) {
-            return Err(format!(
-                "{name} is pinned since {} s of robot time, and all of it is {} s",
-                peg.t_robot, time.robot
-            ));
-        }
-        if !(peg.t_robot - SLACK..=time.total + SLACK).contains(&peg.t_total) {
-            return Err(format!(
-                "{name} is pinned since {} s in total, which is not between its robot time, {} s, and the end, {} s",
-                peg.t_total, peg.t_robot, time.total
-            ));
-        }
-        for other in &counted[..index] {
-            if other.connection == peg.connection {
-                return Err(format!("{name} counts twice"));
-            }
-            // A person with a stopwatch may not have noted which peg it was.
-            if other.peg == peg.peg && !peg.peg.is_empty() {
-                return Err(format!("the peg {} counts twice", ramp_kit::source::shorten(&peg.peg)));
-            }
-        }
-    }
-    let completion =
-        if result.pegs.is_empty() { 0.0 } else { counted.len() as f64 / result.pegs.len() as f64 };
-    if (completion - result.completion).abs() > 1e-9 {
-        return Err(format!(
-            "`completion` is {}, and {} of {} pegs count",
-            result.completion,
-            counted.len(),
-            result.pegs.len()
-        ));
-    }
-    match result.events.iter().find(|event| !(0.0..=LONGEST).contains(&event.t)) {
-        Some(event) => Err(format!("an event is at {} s", event.t)),
-        None => Ok(()),
-    }
 }
 
 /// The error of a file or folder that the system does not let be read.
@@ -288,5 +210,10 @@ pub(super) fn unreadable(path: &Path, error: &std::io::Error) -> CollectError {
         std::io::ErrorKind::NotADirectory => "it is not a folder".to_string(),
         _ => error.to_string(),
     };
-    CollectError::Unreadable { path: path.display().to_string(), why }
+    CollectError::Unreadable { path: shown(path), why }
+}
+
+/// A path as it may stand in a message: who made the folder has named its files.
+pub(super) fn shown(path: &Path) -> String {
+    plain(&path.display().to_string(), usize::MAX)
 }

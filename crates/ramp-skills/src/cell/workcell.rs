@@ -7,6 +7,7 @@ use std::sync::Arc;
 use nalgebra::{Point2, Point3, Vector3};
 use ramp_assembly::{Assembly, JointRef};
 use ramp_kit::Kit;
+use ramp_kit::source::{MAX_SENTENCE, plain};
 use ramp_motion::PathPlanner;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
@@ -103,8 +104,9 @@ impl<'a, 'r> Workcell<'a, 'r> {
         }
     }
 
-    /// Notes what happened.
+    /// Notes what happened, as a text that a result may hold.
     pub fn note(&mut self, kind: &'static str, what: String) {
+        let what = plain(&what, MAX_SENTENCE - 1);
         self.events.push(Event { time: self.hand.time(), kind, what });
     }
 

@@ -58,7 +58,11 @@ impl Arguments {
         let last = self.first_seed.checked_add(u64::from(count) - 1);
         let agent = self.agent.file()?;
         // What is wrong with the sandbox is told before any episode is begun.
-        if self.agent.sandbox(agent.as_ref(), &Vec::from_iter([Some(folder), hidden].into_iter().flatten()))?.is_some() {
+        if self
+            .agent
+            .sandbox(agent.as_ref(), &Vec::from_iter([Some(folder), hidden].into_iter().flatten()))?
+            .is_some()
+        {
             agent::tell_open_ends();
         }
         Ok(Batch {

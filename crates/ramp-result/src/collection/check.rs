@@ -1,0 +1,139 @@
+//! An episode's result, checked before anything in it is believed.
+
+use ramp_kit::source::shorten;
+
+use crate::episode::EpisodeResult;
+use crate::words::{self, MOST_PEGS};
+
+/// The longest time that an episode can have, s: more than any protocol asks for, and what a picture can show.
+const LONGEST: f64 = 1e7;
+/// By how much times that should agree may differ, s: rounding of whoever wrote them.
+const SLACK: f64 = 1e-3;
+
+/// Can an episode have ended like this?
+pub(super) fn check(result: &EpisodeResult) -> Result<(), String> {
+    words(result)?;
+    if result.real.is_some() != result.physics.is_none() {
+        return Err("a run of a real robot has no physics of the twin, and every other has one".to_string());
+    }
+    let time = &result.time;
+    let parts = [
+        ("time.planning", time.planning),
+        ("time.compute", time.compute),
+        ("time.robot", time.robot),
+        ("time.total", time.total),
+    ];
+    for (name, value) in parts {
+        if !(0.0..=LONGEST).contains(&value) {
+            return Err(format!("`{name}` is {value} s, expected 0 to {LONGEST}"));
+        }
+    }
+    let sum = time.planning + time.compute + time.robot;
+    if (sum - time.total).abs() > SLACK {
+        return Err(format!(
+            "`time.total` is {} s, and planning, compute and robot time are {sum} s together",
+            time.total
+        ));
+    }
+    let counted: Vec<_> = result.pegs.iter().flatten().collect();
+    for (index, peg) in counted.iter().enumerate() {
+        let name = shorten(&peg.connection);
+        if !(0.0..=time.robot + SLACK).contains(&peg.t_robot) {
+            return Err(format!(
+                "{name} is pinned since {} s of robot time, and all of it is {} s",
+                peg.t_robot, time.robot
+            ));
+        }
+        if !(peg.t_robot - SLACK..=time.total + SLACK).contains(&peg.t_total) {
+            return Err(format!(
+                "{name} is pinned since {} s in total, which is not between its robot time, {} s, and the end, {} s",
+                peg.t_total, peg.t_robot, time.total
+            ));
+        }
+        for other in &counted[..index] {
+            if other.connection == peg.connection {
+                return Err(format!("{name} counts twice"));
+            }
+            // A person with a stopwatch may not have noted which peg it was.
+            if other.peg == peg.peg && !peg.peg.is_empty() {
+                return Err(format!("the peg {} counts twice", shorten(&peg.peg)));
+            }
+        }
+    }
+    let completion =
+        if result.pegs.is_empty() { 0.0 } else { counted.len() as f64 / result.pegs.len() as f64 };
+    if (completion - result.completion).abs() > 1e-9 {
+        return Err(format!(
+            "`completion` is {}, and {} of {} pegs count",
+            result.completion,
+            counted.len(),
+            result.pegs.len()
+        ));
+    }
+    words::events(&result.events, LONGEST)
+}
+
+/// Is everything in it that is shown to a person, or that a file is called after, what it should be?
+fn words(result: &EpisodeResult) -> Result<(), String> {
+    let EpisodeResult { goal, class, track, real, agent, software, host, pegs, fault, ended, log, .. } =
+        result;
+    words::name("the goal", goal)?;
+    words::class_and_track(class.as_deref(), track)?;
+    words::agent(agent)?;
+    words::software(software)?;
+    words::host(host)?;
+    if let Some(real) = real {
+        words::title("the robot", &real.robot)?;
+        words::title("the scorer", &real.scorer)?;
+        words::title("the source", &real.source)?;
+    }
+    words::few("pegs", pegs, MOST_PEGS)?;
+    for peg in pegs.iter().flatten() {
+        words::name("a connection", &peg.connection)?;
+        for joint in &peg.joints {
+            words::name("a joint", joint)?;
+        }
+        // A person with a stopwatch may not have noted which peg it was.
+        if !peg.peg.is_empty() {
+            words::name("a peg", &peg.peg)?;
+        }
+    }
+    if let Some(physics) = &result.physics {
+        words::hash("the state of the physics", &physics.state, 16)?;
+    }
+    if let Some(fault) = fault {
+        words::name("the kind of the fault", &fault.kind)?;
+        fault.part.as_ref().map_or(Ok(()), |part| words::name("the part of the fault", part))?;
+        words::sentence("the text of the fault", &fault.text)?;
+    }
+    words::sentence("why it ended", &ended.reason)?;
+    log.as_ref().map_or(Ok(()), |log| words::hash("the hash of the log", log, 64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collection::LARGEST;
+    use crate::episode::EventInfo;
+    use crate::testing::episode;
+    use crate::words::MOST_EVENTS;
+
+    #[test]
+    fn the_longest_result_that_an_agent_can_make_is_read_and_a_longer_one_is_not() {
+        // As many events, each as long, as the protocol lets an agent tell of, in letters of four bytes.
+        let event = EventInfo { t: 1.0, kind: "fault".into(), what: "\u{1f980}".repeat(200) };
+        let mut result = episode("easy-1", 1, &[20.0], 3);
+        result.events = vec![event.clone(); MOST_EVENTS];
+        assert_eq!(check(&result), Ok(()));
+        assert!(result.to_json().len() < LARGEST);
+        result.events.push(event);
+        assert!(check(&result).is_err_and(|why| why.contains("10001 events, expected at most 10000")));
+    }
+
+    #[test]
+    fn hashes_are_hashes() {
+        let mut result = episode("easy-1", 1, &[20.0], 3);
+        result.log = Some("=1+1".into());
+        assert!(check(&result).is_err_and(|why| why.contains("the hash of the log is `=1+1`")));
+    }
+}

@@ -1,0 +1,103 @@
+//! What may stand in the words and lists of a result file: names, text for a person, hashes, and how many of each. Whoever
+//! shows a result, or calls a file after something in it, relies on this.
+
+use ramp_kit::source::{A_NAME, MAX_SENTENCE, MAX_TITLE, is_name, is_text, shorten};
+
+use crate::episode::{AgentInfo, EventInfo, Host, Software};
+
+/// The most pegs of a goal.
+pub const MOST_PEGS: usize = 1000;
+/// The most events of an episode or a trial.
+pub const MOST_EVENTS: usize = 10_000;
+
+/// Is it a name?
+pub(crate) fn name(what: &str, text: &str) -> Result<(), String> {
+    match is_name(text) {
+        true => Ok(()),
+        false => Err(format!("{what} is `{}`, expected {A_NAME}", shorten(text))),
+    }
+}
+
+/// Is it a text for a person, no longer than a title?
+pub(crate) fn title(what: &str, text: &str) -> Result<(), String> {
+    words(what, text, MAX_TITLE)
+}
+
+/// Is it a text for a person, no longer than a sentence or two?
+pub(crate) fn sentence(what: &str, text: &str) -> Result<(), String> {
+    words(what, text, MAX_SENTENCE)
+}
+
+fn words(what: &str, text: &str, most: usize) -> Result<(), String> {
+    match is_text(text, most) {
+        true => Ok(()),
+        false => Err(format!(
+            "{what} is `{}`, expected at most {most} characters and no control character",
+            shorten(text)
+        )),
+    }
+}
+
+/// Is it a hash of so many hexadecimal digits?
+pub(crate) fn hash(what: &str, text: &str, digits: usize) -> Result<(), String> {
+    match text.len() == digits && text.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+        true => Ok(()),
+        false => Err(format!("{what} is `{}`, expected {digits} hexadecimal digits", shorten(text))),
+    }
+}
+
+/// Are they few enough?
+pub(crate) fn few<T>(what: &str, list: &[T], most: usize) -> Result<(), String> {
+    match list.len() <= most {
+        true => Ok(()),
+        false => Err(format!("it has {} {what}, expected at most {most}", list.len())),
+    }
+}
+
+/// The agent's name, version and hash.
+pub(crate) fn agent(agent: &AgentInfo) -> Result<(), String> {
+    name("the agent's name", &agent.name)?;
+    name("the agent's version", &agent.version)?;
+    agent.sha256.as_ref().map_or(Ok(()), |text| hash("the agent's hash", text, 64))
+}
+
+/// The version and the commit of the software.
+pub(crate) fn software(software: &Software) -> Result<(), String> {
+    name("the version of the software", &software.version)?;
+    name("the commit of the software", &software.commit)
+}
+
+/// The machine.
+pub(crate) fn host(host: &Host) -> Result<(), String> {
+    title("the processor", &host.cpu)
+}
+
+/// Class, where there is one, and track.
+pub(crate) fn class_and_track(class: Option<&str>, track: &str) -> Result<(), String> {
+    class.map_or(Ok(()), known_class)?;
+    match ramp_robot::Track::ALL.iter().any(|known| known.name() == track) {
+        true => Ok(()),
+        false => Err(format!("there is no track `{}`", shorten(track))),
+    }
+}
+
+/// Is there such a class?
+pub(crate) fn known_class(class: &str) -> Result<(), String> {
+    match ramp_assembly::Class::ALL.iter().any(|known| known.name() == class) {
+        true => Ok(()),
+        false => Err(format!("there is no class `{}`", shorten(class))),
+    }
+}
+
+/// What happened, and when: up to the latest time, s.
+pub(crate) fn events(events: &[EventInfo], latest: f64) -> Result<(), String> {
+    few("events", events, MOST_EVENTS)?;
+    for event in events {
+        if !(0.0..=latest).contains(&event.t) {
+            return Err(format!("an event is at {} s", event.t));
+        }
+        name("the kind of an event", &event.kind)?;
+        sentence("an event", &event.what)?;
+    }
+    Ok(())
+}
