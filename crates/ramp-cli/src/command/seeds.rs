@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use miette::{IntoDiagnostic, Report, miette};
+use miette::{Report, miette};
 use ramp_result::secret::{Kept, LENGTH, Promise, Secret, verify};
 
 use crate::output::{print, read_json, refuse_existing, write_json};
