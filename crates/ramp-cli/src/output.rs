@@ -22,6 +22,10 @@ pub fn check_place(path: &Path) -> Result<(), Report> {
     if path.is_dir() {
         return Err(miette!("cannot write {}: it is a folder", path.display()));
     }
+    // A file takes the place of what is there: that of a device must stay.
+    if path.exists() && !path.is_file() {
+        return Err(miette!("cannot write {}: it is no ordinary file", path.display()));
+    }
     let existing = path.ancestors().skip(1).find(|folder| folder.exists());
     match existing.filter(|folder| !folder.is_dir()) {
         Some(file) => Err(miette!("cannot write {}: {} is no folder", path.display(), file.display())),

@@ -103,7 +103,7 @@ pub fn seal(words: &[OsString]) -> Report {
         Ok(Command::new(std::env::current_exe()?).arg(SEALED).stdin(file).exec())
     };
     let error = start().unwrap_or_else(|error| error);
-    miette::miette!("this program cannot be started anew: {error}")
+    MachineFault { what: format!("this program cannot be started anew: {error}") }.into()
 }
 
 /// Starts this program as a child with sealed arguments. The pipe to its standard input is its leash: it closes when
