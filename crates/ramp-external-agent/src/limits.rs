@@ -1,4 +1,4 @@
-//! How much an agent may send, and how long it may take.
+//! How much an agent may send, how long it may take, and in a sandbox how much of the machine it may use.
 
 use std::time::{Duration, Instant};
 
@@ -15,4 +15,21 @@ pub struct Patience {
     pub answer: Duration,
     /// When the episode has to be over, whatever the agent does.
     pub end: Option<Instant>,
+}
+
+/// What an agent in a sandbox may use, together with all processes that it has started.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Allowance {
+    /// Memory, bytes: enough for a policy of a few hundred million parameters.
+    pub memory: u64,
+    /// Processes.
+    pub processes: usize,
+    /// Files in its own folder, bytes.
+    pub disk: u64,
+}
+
+impl Default for Allowance {
+    fn default() -> Allowance {
+        Allowance { memory: 8 << 30, processes: 128, disk: 2 << 30 }
+    }
 }

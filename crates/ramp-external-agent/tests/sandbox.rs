@@ -5,8 +5,8 @@
 
 use std::time::Duration;
 
+use ramp_external_agent::limits::Allowance;
 use ramp_external_agent::process::Process;
-use ramp_external_agent::sandbox::Allowance;
 use ramp_external_agent::{AgentFile, Patience, Sandbox, Silence};
 
 /// Each way takes more in several processes or files than it would in one.

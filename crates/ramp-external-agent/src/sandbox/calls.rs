@@ -95,7 +95,7 @@ pub fn refuse() -> Result<(), FilterError> {
     let rules: BTreeMap<i64, Vec<seccompiler::SeccompRule>> = REFUSED
         .iter()
         .chain(REFUSED_HERE)
-        .flat_map(|call| FORMS.map(|form| (i64::from(call | form), Vec::new())))
+        .flat_map(|call| FORMS.map(|form| (call | form, Vec::new())))
         .collect();
     let arch = TargetArch::try_from(std::env::consts::ARCH)?;
     let refused = SeccompAction::Errno(libc::EPERM as u32);

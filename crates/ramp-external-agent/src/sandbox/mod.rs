@@ -16,25 +16,9 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 use crate::file::AgentFile;
+use crate::limits::Allowance;
 pub use walls::{Inside, WallError, open_ends};
 pub(crate) use watch::Watch;
-
-/// What an agent in a sandbox may use, together with all processes that it has started.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Allowance {
-    /// Memory, bytes: enough for a policy of a few hundred million parameters.
-    pub memory: u64,
-    /// Processes.
-    pub processes: usize,
-    /// Files in its own folder, bytes.
-    pub disk: u64,
-}
-
-impl Default for Allowance {
-    fn default() -> Allowance {
-        Allowance { memory: 8 << 30, processes: 128, disk: 2 << 30 }
-    }
-}
 
 /// Folders and files of the system that every program may read and execute, where they exist.
 const SYSTEM: [&str; 22] = [

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use crate::family::{descendants, kill};
 
-use super::Allowance;
+use crate::limits::Allowance;
 
 /// Time between two looks.
 const EVERY: Duration = Duration::from_millis(100);
