@@ -10,6 +10,7 @@ mod options;
 mod output;
 mod pictures;
 mod recording;
+mod site;
 mod software;
 mod status;
 
@@ -86,6 +87,9 @@ enum Command {
     /// Become an agent's program that ends with the run that started it
     #[command(hide = true)]
     AgentProcess(command::agent::ProcessArguments),
+    /// Run a log again, and print the verdict for the leaderboard that asked
+    #[command(hide = true)]
+    JudgeLog(command::leaderboard::JudgeArguments),
 }
 
 /// Runs the program with the arguments of this process.
@@ -115,6 +119,7 @@ pub fn main() -> ExitCode {
         Command::Data(arguments) => command::data::run(&arguments),
         Command::Completions(arguments) => command::completions::run(&arguments, crate::arguments()),
         Command::Man(arguments) => command::man::run(&arguments, crate::arguments()),
+        Command::JudgeLog(arguments) => command::leaderboard::judge(&arguments),
         Command::AgentProcess(_) => Ok(BAD_INPUT),
     });
     match result {

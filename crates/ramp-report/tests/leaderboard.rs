@@ -22,7 +22,8 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
     let collection = collect(&[folder.path().to_path_buf()]).unwrap();
     let read = |name: &str| std::fs::read_to_string(data().join(name)).unwrap();
     let Disturbance { position, angle } = Disturbance::default();
-    let goal = Goal { name: "easy-1".into(), class: Some("easy".into()), xml: read("goals/easy-1.xml") };
+    let goal =
+        Goal { name: "easy-1".into(), class: Some("easy".into()), pegs: 3, xml: read("goals/easy-1.xml") };
     let terms = Terms {
         goals: vec![goal],
         kit: read("kit.xml"),
@@ -33,6 +34,14 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
     assert_eq!(check_log(file, &log, &terms), Ok(()));
     // One episode is not a class.
     assert!(matches!(check_whole(&collection, &terms), Err(Refused::Part { .. })));
+
+    // On the board of a class that is not the goal's, or with fewer pegs to count.
+    let mut elsewhere = collection.clone();
+    elsewhere.entrants[0].files[0].result.class = Some("hard".into());
+    assert!(matches!(check_whole(&elsewhere, &terms), Err(Refused::Goal { .. })));
+    let mut fewer = collection.clone();
+    fewer.entrants[0].files[0].result.pegs.pop();
+    assert!(matches!(check_whole(&fewer, &terms), Err(Refused::Goal { .. })));
 
     // Better than the log says, by a digit.
     let mut better = file.clone();
