@@ -146,6 +146,7 @@ fn bad_entries_are_told_and_the_others_are_on_the_board() {
         "refused g-class: easy-1-state-1.json: the goal is not the one of this name here",
         "refused i-again: entry h-good has these episodes of good 1.0 already",
         "warning j-copy: 5 of its 5 episodes make the same calls, to the last bit, as entry h-good (good 1.0)",
+        "admitted h-good: good 1.0",
         "2 of 11 entries admitted; 10 logs run again, 0 known from before",
     ] {
         assert!(told.contains(sentence), "{sentence}: {told}");

@@ -1,10 +1,11 @@
-//! A report of many agents: its front page grows with its agents a little, and not with their episodes or pairs.
+//! Reports and boards of many agents: a front page grows with the agents a little, and not with their episodes or pairs.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
 
 use std::time::Instant;
 
+use ramp_report::leaderboard::{Boards, Refusal, pages, standings};
 use ramp_report::{Report, page, table};
 use ramp_result::collection::{Collection, collect};
 use ramp_result::episode::EventInfo;
@@ -62,6 +63,52 @@ fn the_front_page_of_many_has_sums_and_links_and_the_tables_have_all() {
     assert!(own.contains("href=\"../report.html\"") && own.contains("Every episode over time"));
     assert!(own.contains(">7-easy-2-2.json") && !own.contains(">8-easy-2-2.json"));
     assert!(own.contains("was run with seeds 1, 2"), "its notes are on its page");
+}
+
+#[test]
+fn a_board_has_fifty_on_a_page_and_the_front_page_the_best_of_each() {
+    let mut collection = results(60, 2);
+    // Some of them on another track.
+    for entrant in collection.entrants.iter_mut().skip(55) {
+        for file in &mut entrant.files {
+            file.result.track = "tags".into();
+        }
+        entrant.identity.track = "tags".into();
+    }
+    let mut boards = Boards::default();
+    for (key, mut standing) in standings("<i>entry", "<b>one", &collection, page::agent_page, |_| false) {
+        standing.warnings.push("as <b>another".into());
+        boards.add(key, standing);
+    }
+    let refused = vec![Refusal { entry: "<u>bad".into(), reason: "no <s>log".into() }; 51];
+    let pages = pages::pages(&boards, &refused);
+    let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
+    let state = "board-easy-state-ramp-rules-1";
+    let expected = [
+        format!("{state}.html"),
+        format!("{state}-2.html"),
+        "board-easy-tags-ramp-rules-1.html".into(),
+        "refused.html".into(),
+        "refused-2.html".into(),
+        "index.html".into(),
+    ];
+    assert_eq!(names, expected);
+    let rows = |text: &str| text.matches("<tr><td>").count();
+    assert_eq!(pages.iter().map(|(_, text)| rows(text)).collect::<Vec<_>>(), [50, 5, 5, 0, 0, 6]);
+    assert!(pages[1].1.contains("<tr><td>51</td>") && pages[1].1.contains(&format!("href=\"{state}.html\"")));
+    for (name, text) in &pages {
+        for markup in ["<i>", "<b>", "<u>", "<s>"] {
+            assert!(!text.contains(markup), "{name}: a name became markup");
+        }
+    }
+    // The best comes first: most pegs, then least time.
+    let best = &boards.boards()[0].standings;
+    let of = |index: usize| &best[index].line.summary;
+    assert!(
+        best.windows(2)
+            .all(|two| { two[0].line.summary.completion.mean >= two[1].line.summary.completion.mean })
+    );
+    assert!(of(0).completion.mean > of(54).completion.mean);
 }
 
 #[test]

@@ -130,12 +130,15 @@ impl Board {
                 warnings.extend(timing.warning.map(|warning| (Some(track), warning)));
             }
         }
+        print(&format!("admitted {}: {}\n", entry.name, checked.agent))?;
         for (_, warning) in &warnings {
             print(&format!("warning {}: {warning}\n", entry.name))?;
         }
         let before = self.agents;
         let agent_page = |index: usize| page::agent_page(before + index);
-        for (key, mut standing) in standings(&entry.name, &timed, agent_page, |index| timed_here[index]) {
+        for (key, mut standing) in
+            standings(&entry.name, &checked.agent, &timed, agent_page, |index| timed_here[index])
+        {
             let here = |track: &Option<String>| track.as_ref().is_none_or(|track| *track == key.track);
             standing.warnings =
                 warnings.iter().filter(|(track, _)| here(track)).map(|(_, text)| text.clone()).collect();

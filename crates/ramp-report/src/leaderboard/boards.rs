@@ -4,7 +4,6 @@ use ramp_result::collection::{Collection, class_rank};
 use ramp_result::episode::{EpisodeResult, RealRun};
 use ramp_robot::Track;
 
-use super::terms::agent;
 use crate::sums::{self, Line, Scope};
 
 /// What episodes must share to be ranked together.
@@ -113,9 +112,10 @@ impl Boards {
     }
 }
 
-/// Where the agents of an entry stand, one for each track and class, without warnings.
+/// Where the agent of an entry stands on each track and class, without warnings.
 pub fn standings(
     entry: &str,
+    agent: &str,
     collection: &Collection,
     page: impl Fn(usize) -> String,
     timed_here: impl Fn(usize) -> bool,
@@ -137,7 +137,7 @@ pub fn standings(
             };
             let standing = Standing {
                 entry: entry.to_string(),
-                agent: agent(it),
+                agent: agent.to_string(),
                 page: page(index),
                 line,
                 host: host.map_or_else(String::new, |it| format!("{}, {} threads", it.cpu, it.cores)),

@@ -14,6 +14,8 @@ use super::judge::LogFile;
 const MOST_FILES: usize = 5_000;
 /// The largest results of an entry together, bytes: those of every goal on every track have a tenth of it.
 const LARGEST_RESULTS: u64 = 64 << 20;
+/// The longest name of an entry or agent that is shown, letters.
+const LONGEST_NAME: usize = 80;
 /// The longest reason, letters.
 const LONGEST_REASON: usize = 300;
 
@@ -95,7 +97,7 @@ pub fn folders(entries: &Path) -> Result<Vec<PathBuf>, Failure> {
 
 /// What the board calls the entry in a folder.
 pub fn name(folder: &Path) -> String {
-    plain(&folder.file_name().unwrap_or_default().to_string_lossy(), 80)
+    plain(&folder.file_name().unwrap_or_default().to_string_lossy(), LONGEST_NAME)
 }
 
 /// Text from a stranger, for a terminal and for a page: one line without letters that control either, and not too long.
@@ -119,7 +121,7 @@ impl Entry {
     pub fn read(&self, terms: &Terms, known: &Known) -> Result<Checked, Failure> {
         self.check_files()?;
         let collection = collect(std::slice::from_ref(&self.folder))?;
-        let agent = agent(one_agent(&collection).into_diagnostic()?);
+        let agent = plain(&agent(one_agent(&collection).into_diagnostic()?), LONGEST_NAME);
         check_whole(&collection, terms).into_diagnostic()?;
         if let Some(other) = known.find(&collection) {
             return Err(miette!(
