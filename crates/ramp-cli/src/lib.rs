@@ -13,6 +13,7 @@ mod output;
 mod pictures;
 mod recording;
 mod seal;
+mod site;
 mod software;
 mod status;
 
@@ -94,6 +95,9 @@ enum Command {
     /// Become an agent's program that ends with the run that started it
     #[command(hide = true)]
     AgentProcess(command::agent::ProcessArguments),
+    /// Run a log again, and print the verdict for the leaderboard that asked
+    #[command(hide = true)]
+    JudgeLog(command::leaderboard::JudgeArguments),
 }
 
 impl Command {
@@ -155,6 +159,7 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
         Command::Data(arguments) => command::data::run(&arguments),
         Command::Completions(arguments) => command::completions::run(&arguments, crate::arguments()),
         Command::Man(arguments) => command::man::run(&arguments, crate::arguments()),
+        Command::JudgeLog(arguments) => command::leaderboard::judge(&arguments),
         Command::AgentProcess(_) => Ok(BAD_INPUT),
     });
     end(result)

@@ -81,6 +81,30 @@ fn from_the_stopwatch_to_the_page_to_the_same_bits() {
 }
 
 #[test]
+fn many_agents_have_a_front_page_and_a_page_each() {
+    let folder = results();
+    let log = std::fs::read_to_string(data("examples/stopwatch.csv")).unwrap();
+    let mut report: Vec<String> = vec!["report".into(), "-o".into(), "out/all.html".into()];
+    for agent in 1..=11 {
+        let own = log.replace("agent,our-system", &format!("agent,system-{agent}"));
+        std::fs::write(folder.path().join("own.csv"), own).unwrap();
+        let name = format!("agent-{agent}");
+        done(&ramp(&folder, &["score", "own.csv", "-o", &name]));
+        report.push(name);
+    }
+    let arguments: Vec<&str> = report.iter().map(String::as_str).collect();
+    done(&ramp(&folder, &arguments));
+    let read = |name: &str| std::fs::read_to_string(folder.path().join("out").join(name)).unwrap();
+    let front = read("all.html");
+    assert!(front.contains("href=\"all-agents/agent-11.html\"") && !front.contains("SHA-256"));
+    let own = read("all-agents/agent-11.html");
+    assert!(own.contains("href=\"../all.html\"") && own.contains("SHA-256") && own.contains("system-11"));
+    // As few as fit on one page are on one page.
+    done(&ramp(&folder, &[&arguments[..3], &arguments[4..]].concat()));
+    assert!(read("all.html").contains("SHA-256"));
+}
+
+#[test]
 fn what_does_not_belong_together_is_refused() {
     let folder = results();
     let path = folder.path().join("one/easy-1-tags-1.json");
@@ -130,22 +154,24 @@ fn a_leaderboard_takes_whole_classes_only() {
     std::fs::write(folder.path().join("log.csv"), &log).unwrap();
     done(&ramp(&folder, &["score", "log.csv", "-o", "all/one"]));
     done(&ramp(&folder, &["leaderboard", "all", "-o", "site"]));
-    let page = std::fs::read_to_string(folder.path().join("site/index.html")).unwrap();
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let page = read("site/board-easy-tags-real-ramp-rules-1.html");
     assert!(page.contains("real robots") && page.contains("agent-1.html") && page.contains("our-system"));
     assert!(folder.path().join("site/agent-1.html").exists());
     std::fs::remove_file(folder.path().join("all/one/easy-3-tags-4.json")).unwrap();
     let output = ramp(&folder, &["leaderboard", "all", "-o", "site2"]);
     assert_eq!(output.status.code(), Some(1));
+    assert!(words(&output.stdout).contains("refused one: our-system"));
     assert!(words(&output.stdout).contains("easy-3 was run with seeds 1, 2, 3, 5"));
-    assert!(!folder.path().join("site2").exists());
+    assert!(read("site2/index.html").contains("No entry is on a board"));
     // An entry that is wrong does not keep another one from the board.
     let other = log.replace("our-system", "their-system");
     std::fs::write(folder.path().join("other.csv"), other).unwrap();
     done(&ramp(&folder, &["score", "other.csv", "-o", "all/two"]));
     let output = ramp(&folder, &["leaderboard", "all", "-o", "site3"]);
     assert_eq!(output.status.code(), Some(1));
-    assert!(words(&output.stdout).contains("refused all/one: "));
-    let page = std::fs::read_to_string(folder.path().join("site3/index.html")).unwrap();
+    assert!(words(&output.stdout).contains("refused one: "));
+    let page = read("site3/index.html");
     assert!(page.contains("their-system") && !page.contains("our-system"));
 }
 

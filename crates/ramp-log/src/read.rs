@@ -48,6 +48,12 @@ impl Log {
     pub fn calls(&self) -> Decoder<'_> {
         Decoder::new(&self.calls)
     }
+
+    /// SHA-256 of the bytes of the calls, in hex: two episodes of one goal, seed and track that share it were driven
+    /// alike, to the last bit.
+    pub fn calls_sha256(&self) -> String {
+        sha256(&self.calls)
+    }
 }
 
 /// What is found in the file.

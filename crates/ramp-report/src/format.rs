@@ -11,6 +11,11 @@ pub(crate) fn share(share: f64) -> String {
     format!("{:.1}", 100.0 * share)
 }
 
+/// A share as per cent, with the sign.
+pub(crate) fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
 /// Seconds without the unit.
 pub(crate) fn time(time: f64) -> String {
     format!("{time:.1}")

@@ -15,6 +15,7 @@ pub mod page;
 pub mod paper;
 pub mod plot;
 pub mod report;
+mod shell;
 pub mod sums;
 pub mod table;
 

@@ -3,14 +3,19 @@
 //! [`Report`] holds all numbers, which the other files write as a page, as CSV and as LaTeX. Agents of different tracks
 //! are never compared.
 
+mod notes;
+
+pub use self::notes::REPEATS;
+use self::notes::notes;
 use crate::sums::{Comparison, Line, Scope};
 use crate::{curves, plot, sums};
 use ramp_result::collection::{Collection, class_rank};
 use ramp_result::published::Published;
 use ramp_result::statistics::holm;
 
-/// Repeats of each goal that the protocol asks for.
-pub const REPEATS: u64 = 5;
+/// Up to so many agents are shown in full on one page. Of more, a page draws and compares the best ones of each class, so
+/// many, and each agent has a page of its own.
+pub const MOST: usize = 10;
 
 /// All that is reported.
 #[derive(Clone, Debug)]
@@ -47,6 +52,8 @@ pub struct ClassPart {
     pub lines: Vec<Line>,
     /// Each pair of agents.
     pub comparisons: Vec<Comparison>,
+    /// The agents that are drawn and compared on a page, as indices into the collection: all, or the best ones of many.
+    pub shown: Vec<usize>,
     /// What others have published of it.
     pub published: Vec<Published>,
 }
@@ -82,10 +89,21 @@ impl Report {
         Report { collection, tracks: parts, notes }
     }
 
-    /// The place of an agent among those of its track: its colour.
-    pub fn place(&self, entrant: usize) -> usize {
-        let mut tracks = self.tracks.iter();
-        tracks.find_map(|part| part.entrants.iter().position(|it| *it == entrant)).unwrap_or(0)
+    /// Too many agents for one page?
+    pub fn is_large(&self) -> bool {
+        is_large(&self.collection)
+    }
+
+    /// The report of one agent of many.
+    pub fn of_agent(&self, entrant: usize) -> Report {
+        Report::new(one_agent(&self.collection, entrant))
+    }
+
+    /// The place of an agent among those of its track that are drawn: its colour.
+    pub fn place(&self, entrant: usize) -> Option<usize> {
+        let part = self.tracks.iter().find(|part| part.entrants.contains(&entrant))?;
+        let drawn = |it: &&usize| part.classes.iter().any(|class| class.shown.contains(it));
+        part.entrants.iter().filter(drawn).position(|it| *it == entrant)
     }
 
     /// The label of an agent.
@@ -93,11 +111,11 @@ impl Report {
         &self.collection.entrants[entrant].label
     }
 
-    /// The curves of a goal or class as a figure.
-    pub fn curves(&self, part: &TrackPart, scope: &Scope, published: &[Published]) -> String {
+    /// The curves of a class, or of a goal in it, as a figure.
+    pub fn curves(&self, class: &ClassPart, scope: &Scope, published: &[Published]) -> String {
         let collection = &self.collection;
-        let curves: Vec<(usize, curves::Curves)> = part
-            .entrants
+        let curves: Vec<(usize, curves::Curves)> = class
+            .shown
             .iter()
             .filter_map(|&entrant| {
                 let who = &collection.entrants[entrant];
@@ -112,7 +130,7 @@ impl Report {
             .iter()
             .map(|(entrant, curves)| plot::Series {
                 label: self.label(*entrant),
-                place: self.place(*entrant),
+                place: self.place(*entrant).unwrap_or(0),
                 curves,
             })
             .collect();
@@ -129,6 +147,7 @@ impl Report {
             .goal_lines
             .iter()
             .chain(&class.lines)
+            .filter(|line| class.shown.contains(&line.entrant))
             .filter_map(|line| {
                 let time = line.summary.time?;
                 let mut parts = vec![time.planning, time.compute];
@@ -160,12 +179,12 @@ impl Report {
             let track = &part.track;
             for class in &part.classes {
                 for goal in &class.goals {
-                    let svg = self.curves(part, &Scope::Goal(goal.clone()), &[]);
+                    let svg = self.curves(class, &Scope::Goal(goal.clone()), &[]);
                     add(&format!("curves-{track}-{goal}"), &svg);
                 }
                 let scope = Scope::Class(class.class.clone());
                 let name = scope.name();
-                add(&format!("curves-{track}-{name}"), &self.curves(part, &scope, &class.published));
+                add(&format!("curves-{track}-{name}"), &self.curves(class, &scope, &class.published));
                 if class.lines.is_empty() {
                     continue;
                 }
@@ -245,10 +264,45 @@ impl TrackPart {
                 let published = collection.published.iter();
                 let published = published.filter(|it| Some(&it.class) == class.as_ref() && it.track == track);
                 let published = published.cloned().collect();
-                ClassPart { lines: lines(&scope), class, goals, goal_lines, comparisons, published }
+                let lines = lines(&scope);
+                let shown = shown(&lines, is_large(collection));
+                ClassPart { lines, class, goals, goal_lines, comparisons, shown, published }
             })
             .collect();
         TrackPart { track, entrants, classes }
+    }
+}
+
+fn is_large(collection: &Collection) -> bool {
+    collection.entrants.len() > MOST
+}
+
+/// The agents of a class that are drawn: all, in their order, or the best ones of many, the best first.
+fn shown(lines: &[Line], is_large: bool) -> Vec<usize> {
+    let mut lines: Vec<&Line> = lines.iter().collect();
+    if is_large {
+        lines.sort_by(|a, b| sums::better(a, b).then(a.entrant.cmp(&b.entrant)));
+        lines.truncate(MOST);
+    }
+    lines.into_iter().map(|line| line.entrant).collect()
+}
+
+/// What belongs to one agent of many.
+pub fn one_agent(collection: &Collection, entrant: usize) -> Collection {
+    let entrants = vec![collection.entrants[entrant].clone()];
+    let worked_on = |goal: &str| {
+        let mut files = entrants.iter().flat_map(|it| &it.files).map(|file| &file.result.goal);
+        let mut lost = entrants.iter().flat_map(|it| &it.lost).map(|lost| &lost.goal);
+        files.any(|it| it == goal) || lost.any(|it| it == goal)
+    };
+    Collection {
+        goals: collection.goals.iter().filter(|goal| worked_on(&goal.name)).cloned().collect(),
+        entrants,
+        published: Vec::new(),
+        plans: Vec::new(),
+        perception: Vec::new(),
+        trials: Vec::new(),
+        notes: Vec::new(),
     }
 }
 
@@ -264,74 +318,4 @@ fn correct(parts: &mut [TrackPart]) {
     for (test, corrected) in tests.iter_mut().zip(corrected) {
         test.corrected = corrected;
     }
-}
-
-/// Where results are not those of a whole protocol.
-fn notes(collection: &Collection) -> Vec<String> {
-    let mut notes = collection.notes.clone();
-    for entrant in &collection.entrants {
-        let name = format!("{} on track {}", entrant.label, entrant.identity.track);
-        for goal in &collection.goals {
-            let mut seeds: Vec<u64> = entrant
-                .files
-                .iter()
-                .filter(|file| file.result.goal == goal.name)
-                .map(|file| file.result.seed)
-                .chain(entrant.lost.iter().filter(|lost| lost.goal == goal.name).map(|lost| lost.seed))
-                .collect();
-            seeds.sort_unstable();
-            if !seeds.is_empty() && seeds != (1..=REPEATS).collect::<Vec<u64>>() {
-                let seeds: Vec<String> = seeds.iter().map(u64::to_string).collect();
-                notes.push(format!(
-                    "{name}: {} was run with seeds {}, the protocol asks for 1 to {REPEATS}",
-                    goal.name,
-                    seeds.join(", ")
-                ));
-            }
-        }
-        if !entrant.lost.is_empty() {
-            notes.push(format!(
-                "{name}: {} without a result (crashed, killed or out of time); each counts as an episode without pegs",
-                match entrant.lost.len() {
-                    1 => "1 episode is".to_string(),
-                    count => format!("{count} episodes are"),
-                }
-            ));
-        }
-        let mut hosts: Vec<String> = entrant.files.iter().map(|file| file.result.host.cpu.clone()).collect();
-        hosts.sort();
-        hosts.dedup();
-        if hosts.len() > 1 {
-            notes.push(format!(
-                "{name}: run on different computers ({}); planning and compute time are not those of one",
-                hosts.join("; ")
-            ));
-        }
-    }
-    let mut software: Vec<String> = collection
-        .entrants
-        .iter()
-        .map(|it| format!("ramp {} ({})", it.identity.version, it.identity.commit))
-        .collect();
-    software.sort();
-    software.dedup();
-    if software.len() > 1 {
-        notes.push(format!(
-            "results of different versions of the software stand side by side ({}); they are not added up, and a \
-             difference between them may be that of the software",
-            software.join("; ")
-        ));
-    }
-    let twin = collection.entrants.iter().any(|it| it.identity.real.is_none());
-    if twin && collection.entrants.iter().any(|it| it.identity.real.is_some()) {
-        notes.push(
-            "real robots and the twin stand side by side; a repeat of one is paired with the seed of the other, which \
-             have nothing in common but the goal"
-                .to_string(),
-        );
-    }
-    if twin && !collection.published.is_empty() {
-        notes.push("published figures are of real robots, and others here of the twin".to_string());
-    }
-    notes
 }

@@ -1,5 +1,7 @@
 //! What the report says of each agent, goal and class, as numbers.
 
+use std::cmp::Ordering;
+
 use serde::Serialize;
 
 use ramp_result::activity::{self, Activity};
@@ -159,6 +161,13 @@ pub fn line(collection: &Collection, entrant: usize, scope: &Scope) -> Option<Li
         complete_total: Spread::of(&done.iter().map(|it| it.time.total).collect::<Vec<_>>()),
         activities,
     })
+}
+
+/// Which of two agents stands first: higher completion, then less time.
+pub fn better(a: &Line, b: &Line) -> Ordering {
+    let total = |line: &Line| line.summary.time.map_or(f64::INFINITY, |time| time.total);
+    let completion = b.summary.completion.mean.total_cmp(&a.summary.completion.mean);
+    completion.then(total(a).total_cmp(&total(b)))
 }
 
 /// Does every peg count?

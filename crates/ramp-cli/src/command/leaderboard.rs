@@ -1,115 +1,191 @@
-//! `ramp leaderboard`: results of many as a static site, each run again from its log before it goes on it.
+//! `ramp leaderboard`: entries of many as a static site, each run again from its logs before it goes on it.
+
+mod entry;
+mod judge;
+mod rerun;
+mod verdicts;
 
 use std::path::{Path, PathBuf};
 
-use indicatif::ProgressBar;
-use miette::{IntoDiagnostic, Report as Failure, miette};
-use ramp_log::{ENDING, Log};
-use ramp_report::leaderboard::{Goal, Terms, agent_page, check_log, check_whole, front};
+use miette::{Report as Failure, miette};
+use ramp_report::leaderboard::{Boards, Goal, Refusal, Streams, Terms, pages, standings};
 use ramp_report::{Report, page};
-use ramp_result::collection::{Collection, ResultFile, collect};
-use ramp_result::write_whole;
+use ramp_result::secret::Secret;
 use ramp_twin::Disturbance;
 
+use self::entry::{Entry, Known};
+use self::verdicts::Verdicts;
+use super::seeds;
 use crate::data::Data;
 use crate::output::print;
+use crate::site::Site;
 use crate::status::{DONE, INCOMPLETE};
+
+pub use self::judge::{Arguments as JudgeArguments, judge};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Folder of results, or of folders of results, each with its log beside it
-    folder: PathBuf,
-    /// Folder for the site; made if it is not there
+    /// Folder of entries: each folder in it holds the results of one agent, with their logs
+    entries: PathBuf,
+    /// Folder for the site and for what is remembered of the replays; made if it is not there
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// The secret that was mixed into the seeds of all entries, as `ramp seeds commit` makes it
+    #[arg(long, value_name = "FILE")]
+    secret: Option<PathBuf>,
+    /// Run the agents again for their planning and compute times, in a sandbox: each entry's `agent.py` or `agent`, or
+    /// the baseline
+    #[arg(long)]
+    rerun_agents: bool,
+}
+
+/// All that one leaderboard is made with.
+struct Board {
+    boards: Boards,
+    refused: Vec<Refusal>,
+    known: Known,
+    streams: Streams,
+    verdicts: Verdicts,
+    site: Site,
+    /// Pages of agents so far.
+    agents: usize,
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Failure> {
-    let folders = folders(&arguments.folder)?;
-    let terms = terms(data)?;
-    let mut admitted: Vec<PathBuf> = Vec::new();
-    let mut refused = String::new();
-    let mut count = 0;
-    let bar = ProgressBar::new(0);
-    for folder in folders {
-        match admit(&admitted, &folder, &terms, &bar) {
-            Ok(episodes) => {
-                count += episodes;
-                admitted.push(folder);
-            }
-            // One entry that is wrong is left out, and the others go on the board all the same.
-            Err(why) => {
-                let why = bar.suspend(|| format!("{why:?}"));
-                refused.push_str(&format!("refused {}: {}\n", folder.display(), why.trim()));
+    let folders = entry::folders(&arguments.entries)?;
+    check_apart(&arguments.entries, &arguments.output)?;
+    let secret = arguments.secret.as_deref();
+    let terms = terms(data, secret.map(seeds::read).transpose()?)?;
+    let site = Site::open(&arguments.output)?;
+    let mut board = Board {
+        boards: Boards::default(),
+        refused: Vec::new(),
+        known: Known::default(),
+        streams: Streams::default(),
+        verdicts: Verdicts::open(&arguments.output)?,
+        site,
+        agents: 0,
+    };
+    let mut admitted = 0;
+    for folder in &folders {
+        let entry = Entry { name: entry::name(folder), folder: folder.clone() };
+        // One entry that is wrong is left out, and the others go on the board all the same.
+        match board.admit(data, &entry, &terms, arguments.rerun_agents, secret)? {
+            Ok(()) => admitted += 1,
+            Err(reason) => {
+                print(&format!("refused {}: {reason}\n", entry.name))?;
+                board.refused.push(Refusal { entry: entry.name, reason });
             }
         }
     }
-    bar.finish_and_clear();
-    print(&refused)?;
-    if admitted.is_empty() {
-        return Ok(INCOMPLETE);
+    // Last: who sees the front page finds what it leads to.
+    for (name, text) in pages::pages(&board.boards, &board.refused) {
+        board.site.write(&name, &text)?;
     }
-    let agents = write_site(collect(&admitted)?, &arguments.output)?;
+    board.site.remove_others(&["agent-", "board-", "refused"])?;
+    let [run, remembered] = board.verdicts.counts();
     print(&format!(
-        "{count} episodes run again, equal to the last bit; {agents} {}: {}\n",
-        if agents == 1 { "agent" } else { "agents" },
-        arguments.output.join("index.html").display()
+        "{admitted} of {} entries admitted; {run} logs run again, {remembered} known from before\nsite: {}\n",
+        folders.len(),
+        arguments.output.join(pages::INDEX).display()
     ))?;
-    Ok(if refused.is_empty() { DONE } else { INCOMPLETE })
+    Ok(if board.refused.is_empty() { DONE } else { INCOMPLETE })
 }
 
-/// May a folder go on the board beside those that are on it? Runs each of its episodes again. How many they are.
-fn admit(admitted: &[PathBuf], folder: &Path, terms: &Terms, bar: &ProgressBar) -> Result<usize, Failure> {
-    let own = collect(&[folder.to_path_buf()])?;
-    check_whole(&own, terms).into_diagnostic()?;
-    let files: Vec<&ResultFile> = own
-        .entrants
-        .iter()
-        .flat_map(|entrant| &entrant.files)
-        .filter(|file| file.result.real.is_none())
-        .collect();
-    bar.inc_length(files.len() as u64);
-    for file in &files {
-        let log = log_of(file)?;
-        check_log(file, &log, terms).into_diagnostic()?;
-        let replayed = ramp_episode::replay(&log)
-            .map_err(|error| miette!("{} cannot be run again: {error}", file.path.display()))?;
-        if let Some(first) = replayed.differences.first() {
-            return Err(miette!(
-                "{} does not replay: at {:.3} s, {} is {} in the log and {} in the replay",
-                file.path.display(),
-                first.time,
-                first.what,
-                first.logged,
-                first.replayed
+impl Board {
+    /// May an entry go on the boards? Then it does; else the reason. Every reason to refuse is found here.
+    ///
+    /// # Errors
+    /// When the site cannot be written: then no entry could be shown.
+    fn admit(
+        &mut self,
+        data: &Data,
+        entry: &Entry,
+        terms: &Terms,
+        rerun_agents: bool,
+        secret: Option<&Path>,
+    ) -> Result<Result<(), String>, Failure> {
+        let checked = match entry.read(terms, &self.known) {
+            Ok(checked) => checked,
+            Err(why) => return Ok(Err(entry.reason(&why))),
+        };
+        if let Err(reason) = self.verdicts.replay(&checked.logs)? {
+            return Ok(Err(entry.reason(&miette!("{reason}"))));
+        }
+        self.known.add(&entry.name, &checked.collection);
+        let mut warnings: Vec<(Option<String>, String)> = Vec::new();
+        for copy in self.streams.add(&entry.name, &checked.agent, &checked.streams) {
+            let all = checked.streams.len();
+            warnings.push((
+                None,
+                format!(
+                    "{} of its {all} episodes make the same calls, to the last bit, as entry {} ({})",
+                    copy.episodes, copy.entry, copy.agent
+                ),
             ));
         }
-        bar.inc(1);
+        let mut timed = checked.collection.clone();
+        let mut timed_here = vec![false; timed.entrants.len()];
+        if rerun_agents {
+            for (entrant, timed_here) in timed.entrants.iter_mut().zip(&mut timed_here) {
+                if entrant.identity.real.is_some() {
+                    continue;
+                }
+                let timing = rerun::time(data, entry, entrant, &checked.streams, secret)?;
+                *timed_here = timing.timed;
+                let track = entrant.identity.track.clone();
+                warnings.extend(timing.warning.map(|warning| (Some(track), warning)));
+            }
+        }
+        print(&format!("admitted {}: {}\n", entry.name, checked.agent))?;
+        for (_, warning) in &warnings {
+            print(&format!("warning {}: {warning}\n", entry.name))?;
+        }
+        let before = self.agents;
+        let agent_page = |index: usize| page::agent_page(before + index);
+        for (key, mut standing) in
+            standings(&entry.name, &checked.agent, &timed, agent_page, |index| timed_here[index])
+        {
+            let here = |track: &Option<String>| track.as_ref().is_none_or(|track| *track == key.track);
+            standing.warnings =
+                warnings.iter().filter(|(track, _)| here(track)).map(|(_, text)| text.clone()).collect();
+            self.boards.add(key, standing);
+        }
+        let report = Report::new(checked.collection);
+        for index in 0..report.collection.entrants.len() {
+            let text = page::of_agent(&report.of_agent(index), (pages::INDEX, pages::TITLE));
+            self.site.write(&agent_page(index), &text)?;
+            self.agents += 1;
+        }
+        Ok(Ok(()))
     }
-    // The same goal and seed of an agent may not come twice.
-    collect(&admitted.iter().cloned().chain([folder.to_path_buf()]).collect::<Vec<_>>())?;
-    Ok(files.len())
 }
 
-/// The folder itself where it holds results, and those in it that do.
-fn folders(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let entries =
-        std::fs::read_dir(folder).map_err(|error| miette!("{} cannot be read: {error}", folder.display()))?;
-    let has_json = |folder: &Path| {
-        std::fs::read_dir(folder).is_ok_and(|entries| {
-            entries.flatten().any(|entry| entry.path().extension().is_some_and(|ending| ending == "json"))
-        })
+/// The entries and the site are apart: entrants must not write into the site, and the site is no entry.
+fn check_apart(entries: &Path, site: &Path) -> Result<(), Failure> {
+    if site.exists() && !site.is_dir() {
+        return Err(miette!("cannot write to {}: it is not a folder", site.display()));
+    }
+    // The nearest folder above that is there: what is not there yet has no links in it.
+    let whole = |path: &Path| {
+        let path = std::path::absolute(path).ok()?;
+        let there = path.ancestors().find(|it| it.exists())?;
+        Some(there.canonicalize().ok()?.join(path.strip_prefix(there).ok()?))
     };
-    let mut inner: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    inner.retain(|path| path.is_dir() && has_json(path));
-    inner.sort();
-    if has_json(folder) || inner.is_empty() {
-        inner.insert(0, folder.to_path_buf());
+    match (whole(entries), whole(site)) {
+        (Some(entries), Some(site)) if entries.starts_with(&site) || site.starts_with(&entries) => {
+            Err(miette!(
+                help = "name a folder with -o that entrants cannot write to",
+                "the site and the entries lie in one another: {} and {}",
+                site.display(),
+                entries.display()
+            ))
+        }
+        _ => Ok(()),
     }
-    Ok(inner)
 }
 
-fn terms(data: &Data) -> Result<Terms, Failure> {
+fn terms(data: &Data, secret: Option<Secret>) -> Result<Terms, Failure> {
     let kit = data.kit()?;
     let mut goals = Vec::new();
     let mut files = None;
@@ -119,49 +195,12 @@ fn terms(data: &Data) -> Result<Terms, Failure> {
         let sources = texts.sources();
         files = Some((sources.kit.to_string(), sources.arm.to_string()));
         let class = goal.class.map(|class| class.name().to_string());
-        goals.push(Goal { name: goal.name, class, xml: sources.goal.to_string() });
+        let pegs = goal.connections.len();
+        goals.push(Goal { name: goal.name, class, pegs, xml: sources.goal.to_string() });
     }
     let Some((kit, arm)) = files else {
         return Err(miette!("there is no goal in {}", data.goals()));
     };
     let Disturbance { position, angle } = Disturbance::default();
-    Ok(Terms { goals, kit, arm, disturbance: [position, angle] })
-}
-
-fn log_of(file: &ResultFile) -> Result<Log, Failure> {
-    let path = file.path.with_extension(ENDING);
-    if !path.exists() {
-        return Err(miette!(
-            help = "a result goes on the board only if it can be run again: put its log beside it",
-            "{} has no log {}",
-            file.path.display(),
-            path.display()
-        ));
-    }
-    Log::read(&path).into_diagnostic()
-}
-
-/// Writes the site; how many agents are on it.
-fn write_site(collection: Collection, folder: &Path) -> Result<usize, Failure> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| miette!("cannot make the folder {}: {error}", folder.display()))?;
-    let write =
-        |name: &str, text: &str| write_whole(&folder.join(name), text).map_err(|error| miette!("{error}"));
-    let agents = collection.entrants.len();
-    for index in 0..agents {
-        let entrants = vec![collection.entrants[index].clone()];
-        let one = Collection {
-            entrants,
-            published: Vec::new(),
-            plans: Vec::new(),
-            perception: Vec::new(),
-            trials: Vec::new(),
-            notes: Vec::new(),
-            ..collection.clone()
-        };
-        write(&agent_page(index), &page::html(&Report::new(one)))?;
-    }
-    // Last: who sees the front page finds what it leads to.
-    write("index.html", &front(&Report::new(collection)))?;
-    Ok(agents)
+    Ok(Terms { goals, kit, arm, disturbance: [position, angle], secret })
 }

@@ -1,4 +1,4 @@
-//! `ramp report`: results of one or several agents as one HTML file, as figures and tables, and as LaTeX.
+//! `ramp report`: results of one or several agents as an HTML page, as figures and tables, and as LaTeX.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -8,6 +8,7 @@ use ramp_report::{Named, Report, page, paper, table};
 use ramp_result::collection::collect;
 
 use crate::output::{check_place, print, write_file};
+use crate::site::Site;
 use crate::status::DONE;
 
 #[derive(clap::Args)]
@@ -15,7 +16,7 @@ pub struct Arguments {
     /// Folders of results, of one or several agents
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
-    /// The page to write
+    /// The page to write; of more than ten agents, each has a page of its own in a folder beside it
     #[arg(short, long, value_name = "FILE", default_value = "report.html")]
     output: PathBuf,
     /// Also write a LaTeX table, for the package booktabs
@@ -33,7 +34,11 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     }
     let report = Report::new(collect(&arguments.folders)?);
     let mut written = vec![arguments.output.display().to_string()];
-    write(&arguments.output, &page::html(&report))?;
+    if report.is_large() {
+        written.push(write_many(&report, &arguments.output)?);
+    } else {
+        write(&arguments.output, &page::html(&report))?;
+    }
     if let Some(path) = &arguments.paper {
         write(path, &paper::latex(&report))?;
         written.push(path.display().to_string());
@@ -50,6 +55,23 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     }
     print(&summary(&report, &written))?;
     Ok(DONE)
+}
+
+/// The report of many agents: a front page, and a page for each agent in a folder beside it, which is returned.
+fn write_many(report: &Report, output: &Path) -> Result<String, Failure> {
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let folder = format!("{}-agents", name(&output.with_extension("")));
+    let place = output.with_file_name(&folder);
+    let mut site = Site::open(&place)?;
+    let back = format!("../{}", name(output));
+    for entrant in 0..report.collection.entrants.len() {
+        let text = page::of_agent(&report.of_agent(entrant), (&back, "RAMP report"));
+        site.write(&page::agent_page(entrant), &text)?;
+    }
+    site.remove_others(&["agent-"])?;
+    // Last: who sees the front page finds what it leads to.
+    write(output, &page::front(report, &folder))?;
+    Ok(place.display().to_string())
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Failure> {

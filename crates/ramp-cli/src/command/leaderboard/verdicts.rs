@@ -1,0 +1,151 @@
+//! The verdicts on logs, which are remembered from one leaderboard to the next.
+
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use miette::{IntoDiagnostic, Report as Failure};
+use ramp_result::episode::Software;
+use ramp_result::write_whole;
+use serde::{Deserialize, Serialize};
+
+use super::judge::{LogFile, Verdict, replay};
+use crate::output::print;
+use crate::software::software;
+
+/// The file in the site's folder.
+const FILE: &str = "replayed.json";
+/// The version of its form.
+const SCHEMA: &str = "ramp-replayed-1";
+/// The largest such file that is read, bytes.
+const LARGEST: u64 = 256 << 20;
+/// What is remembered.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Remembered {
+    schema: String,
+    /// The program that ran the logs again.
+    software: Software,
+    /// By the SHA-256 of the log.
+    logs: BTreeMap<String, Verdict>,
+}
+
+/// All verdicts.
+pub struct Verdicts {
+    path: PathBuf,
+    remembered: Remembered,
+    /// Logs run again, and logs that were known.
+    counts: [usize; 2],
+}
+
+impl Verdicts {
+    /// Those of the site's folder that this program has found.
+    ///
+    /// # Errors
+    /// When standard output cannot be written to.
+    pub fn open(folder: &Path) -> Result<Verdicts, Failure> {
+        let path = folder.join(FILE);
+        let empty = Remembered { schema: SCHEMA.to_string(), software: software(), logs: BTreeMap::new() };
+        let remembered = match read(&path) {
+            Ok(None) => empty,
+            Ok(Some(found)) if found.software == empty.software => found,
+            Ok(Some(found)) => {
+                let Software { version, commit } = found.software;
+                print(&format!(
+                    "{} is of ramp {version} ({commit}): every log is run again\n",
+                    path.display()
+                ))?;
+                empty
+            }
+            Err(why) => {
+                print(&format!("{} is damaged ({why}): every log is run again\n", path.display()))?;
+                empty
+            }
+        };
+        Ok(Verdicts { path, remembered, counts: [0, 0] })
+    }
+
+    /// Logs run again, and logs that were known from before.
+    pub fn counts(&self) -> [usize; 2] {
+        self.counts
+    }
+
+    /// Runs the logs again whose verdict is not known, several at a time, and remembers. The reason of the first that is
+    /// not equal.
+    ///
+    /// # Errors
+    /// When nothing can be remembered.
+    pub fn replay(&mut self, logs: &[LogFile]) -> Result<Result<(), String>, Failure> {
+        let known = |log: &&LogFile| self.remembered.logs.contains_key(&log.sha256);
+        let (old, new): (Vec<&LogFile>, Vec<&LogFile>) = logs.iter().partition(known);
+        let found = replay_all(&new);
+        self.counts[0] += found.iter().flatten().count();
+        self.counts[1] += old.len();
+        let mut failure = None;
+        for (log, found) in new.iter().zip(found) {
+            match found {
+                Some(Ok(verdict)) => {
+                    self.remembered.logs.insert(log.sha256.clone(), verdict);
+                }
+                // That depends on more than the log, and is tried again the next time.
+                Some(Err(why)) => failure = failure.or(Some(format!("{}: {why}", log.path.display()))),
+                None => {}
+            }
+        }
+        if !new.is_empty() {
+            let mut text = serde_json::to_string_pretty(&self.remembered).into_diagnostic()?;
+            text.push('\n');
+            write_whole(&self.path, text)?;
+        }
+        for log in logs {
+            if let Some(Verdict::Refused(why)) = self.remembered.logs.get(&log.sha256) {
+                return Ok(Err(format!("{}: {why}", log.path.display())));
+            }
+        }
+        Ok(failure.map_or(Ok(()), Err))
+    }
+}
+
+/// What is in the file, if there is one.
+fn read(path: &Path) -> Result<Option<Remembered>, String> {
+    let file = match std::fs::File::open(path) {
+        Ok(file) => file,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(error.to_string()),
+    };
+    let mut bytes = Vec::new();
+    file.take(LARGEST).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    let found: Remembered = serde_json::from_slice(&bytes).map_err(|error| error.to_string())?;
+    if found.schema != SCHEMA {
+        return Err(format!("its schema is not {SCHEMA}"));
+    }
+    Ok(Some(found))
+}
+
+/// Runs logs again, as many at a time as there are cores. After the first that is not equal no other is begun: `None`.
+fn replay_all(logs: &[&LogFile]) -> Vec<Option<Result<Verdict, String>>> {
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let next = AtomicUsize::new(0);
+    let found = Mutex::new(vec![None; logs.len()]);
+    std::thread::scope(|scope| {
+        for _ in 0..cores.min(logs.len()) {
+            scope.spawn(|| {
+                while let Some((index, log)) = {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    logs.get(index).map(|log| (index, *log))
+                } {
+                    let verdict = replay(log);
+                    if verdict != Ok(Verdict::Equal) {
+                        next.store(logs.len(), Ordering::Relaxed);
+                    }
+                    if let Ok(mut found) = found.lock() {
+                        found[index] = Some(verdict);
+                    }
+                }
+            });
+        }
+    });
+    found.into_inner().unwrap_or_default()
+}

@@ -1,0 +1,153 @@
+//! Who stands where: one board for each class, track and rules, the best agent first.
+
+use ramp_result::collection::{Collection, class_rank};
+use ramp_result::episode::{EpisodeResult, RealRun};
+use ramp_robot::Track;
+
+use crate::sums::{self, Line, Scope};
+
+/// What episodes must share to be ranked together.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Key {
+    /// The class, or none.
+    pub class: Option<String>,
+    /// The track.
+    pub track: String,
+    /// The rules of judging.
+    pub rules: String,
+    /// Whether real robots worked.
+    pub real: bool,
+}
+
+impl Key {
+    /// Of an episode: what else sets boards apart is added here.
+    pub fn of(result: &EpisodeResult) -> Key {
+        Key {
+            class: result.class.clone(),
+            track: result.track.clone(),
+            rules: result.rules.clone(),
+            real: result.real.is_some(),
+        }
+    }
+
+    /// For a person.
+    pub fn title(&self) -> String {
+        let class =
+            self.class.as_ref().map_or("Goals without a class".to_string(), |it| format!("Class {it}"));
+        let real = if self.real { ", real robots" } else { "" };
+        format!("{class}, track {}{real}", self.track)
+    }
+
+    /// For the name of a file: letters, digits and hyphens.
+    pub fn slug(&self) -> String {
+        let class = self.class.as_deref().unwrap_or("no-class");
+        let real = if self.real { "-real" } else { "" };
+        format!("{class}-{}{real}-{}", self.track, self.rules)
+            .chars()
+            .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' })
+            .collect()
+    }
+
+    /// Easy ones first, tracks in their order, real robots last.
+    fn rank(&self) -> (usize, usize, bool, &str) {
+        let track = Track::ALL.iter().position(|known| known.name() == self.track);
+        (class_rank(self.class.as_deref()), track.unwrap_or(Track::ALL.len()), self.real, &self.rules)
+    }
+}
+
+/// One agent on one board.
+#[derive(Clone, Debug)]
+pub struct Standing {
+    /// The entry.
+    pub entry: String,
+    /// The agent's name and version.
+    pub agent: String,
+    /// The file of its own page.
+    pub page: String,
+    /// Its sums.
+    pub line: Line,
+    /// The computer.
+    pub host: String,
+    /// The program that made the results.
+    pub software: [String; 2],
+    /// Of a real robot, what is known of it.
+    pub real: Option<RealRun>,
+    /// Whether planning and compute are times that the organiser has taken.
+    pub timed_here: bool,
+    /// What a reader must know of it.
+    pub warnings: Vec<String>,
+}
+
+/// One board.
+#[derive(Clone, Debug)]
+pub struct Board {
+    /// What all on it share.
+    pub key: Key,
+    /// The best first.
+    pub standings: Vec<Standing>,
+}
+
+/// All boards.
+#[derive(Debug, Default)]
+pub struct Boards {
+    boards: Vec<Board>,
+}
+
+impl Boards {
+    /// Puts an agent in its place: higher completion first, then less time, then the earlier entry.
+    pub fn add(&mut self, key: Key, standing: Standing) {
+        let index = self.boards.iter().position(|board| board.key == key).unwrap_or_else(|| {
+            let index = self.boards.partition_point(|board| board.key.rank() < key.rank());
+            self.boards.insert(index, Board { key, standings: Vec::new() });
+            index
+        });
+        let standings = &mut self.boards[index].standings;
+        let place = standings.partition_point(|other| sums::better(&other.line, &standing.line).is_le());
+        standings.insert(place, standing);
+    }
+
+    /// In order.
+    pub fn boards(&self) -> &[Board] {
+        &self.boards
+    }
+}
+
+/// Where the agent of an entry stands on each track and class, without warnings.
+pub fn standings(
+    entry: &str,
+    agent: &str,
+    collection: &Collection,
+    page: impl Fn(usize) -> String,
+    timed_here: impl Fn(usize) -> bool,
+) -> Vec<(Key, Standing)> {
+    let mut standings = Vec::new();
+    for (index, entrant) in collection.entrants.iter().enumerate() {
+        let mut keys: Vec<Key> = Vec::new();
+        for file in &entrant.files {
+            let key = Key::of(&file.result);
+            if !keys.contains(&key) {
+                keys.push(key);
+            }
+        }
+        let it = &entrant.identity;
+        let host = entrant.files.first().map(|file| &file.result.host);
+        for key in keys {
+            let Some(line) = sums::line(collection, index, &Scope::Class(key.class.clone())) else {
+                continue;
+            };
+            let standing = Standing {
+                entry: entry.to_string(),
+                agent: agent.to_string(),
+                page: page(index),
+                line,
+                host: host.map_or_else(String::new, |it| format!("{}, {} threads", it.cpu, it.cores)),
+                software: [it.version.clone(), it.commit.clone()],
+                real: it.real.clone(),
+                timed_here: timed_here(index),
+                warnings: Vec::new(),
+            };
+            standings.push((key, standing));
+        }
+    }
+    standings
+}

@@ -1,0 +1,181 @@
+//! The boards as static pages: a front page with the best of each board, pages of each board, and the entries that were
+//! refused.
+
+use maud::{Markup, html};
+
+use super::boards::{Board, Boards, Standing};
+use crate::format::{NONE, share, small};
+use crate::shell::page;
+
+/// Entries on one page.
+pub const PAGE: usize = 50;
+/// Entries of each board on the front page.
+const BEST: usize = 3;
+/// The front page.
+pub const INDEX: &str = "index.html";
+/// What the site is called.
+pub const TITLE: &str = "RAMP leaderboard";
+
+/// Whose times they are.
+const TIMES: &str =
+    "Planning and compute times are the entrants' own, unless “timed here” stands beside them.";
+
+/// An entry that is on no board.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// Its name.
+    pub entry: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// All pages but those of the agents: their file names and texts, the front page last.
+pub fn pages(boards: &Boards, refused: &[Refusal]) -> Vec<(String, String)> {
+    let mut pages = Vec::new();
+    for board in boards.boards() {
+        let stem = format!("board-{}", board.key.slug());
+        let chunks: Vec<&[Standing]> = board.standings.chunks(PAGE).collect();
+        for (number, chunk) in chunks.iter().enumerate() {
+            let body = html! {
+                (way_back())
+                h1 { (board.key.title()) }
+                (board_words(board))
+                (turn(&stem, number, chunks.len()))
+                (table(chunk, number * PAGE))
+                (turn(&stem, number, chunks.len()))
+            };
+            pages.push((file(&stem, number), page(&format!("{TITLE}: {}", board.key.title()), &body)));
+        }
+    }
+    let chunks: Vec<&[Refusal]> = refused.chunks(PAGE).collect();
+    for (number, chunk) in chunks.iter().enumerate() {
+        let body = html! {
+            (way_back())
+            h1 { "Refused" }
+            p.soft { (count(refused.len(), "entry is", "entries are")) " on no board, each with the first reason found." }
+            (turn(REFUSED, number, chunks.len()))
+            div.wide {
+                table {
+                    thead { tr { th.name { "entry" } th.name { "reason" } } }
+                    tbody { @for it in *chunk { tr { td.name { (it.entry) } td.long { (it.reason) } } } }
+                }
+            }
+            (turn(REFUSED, number, chunks.len()))
+        };
+        pages.push((file(REFUSED, number), page(&format!("{TITLE}: refused"), &body)));
+    }
+    pages.push((INDEX.to_string(), front(boards, refused.len())));
+    pages
+}
+
+/// The name of the pages of refused entries.
+const REFUSED: &str = "refused";
+
+/// The file of a page, from 0.
+fn file(stem: &str, number: usize) -> String {
+    if number == 0 { format!("{stem}.html") } else { format!("{stem}-{}.html", number + 1) }
+}
+
+fn count(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
+fn way_back() -> Markup {
+    html! { p { a href=(INDEX) { "← " (TITLE) } } }
+}
+
+/// Links to the other pages, if there are some.
+fn turn(stem: &str, number: usize, pages: usize) -> Markup {
+    html! {
+        @if pages > 1 {
+            p {
+                "Page "
+                @for other in 0..pages {
+                    @if other == number { strong { (other + 1) } } @else { a href=(file(stem, other)) { (other + 1) } }
+                    " "
+                }
+            }
+        }
+    }
+}
+
+fn front(boards: &Boards, refused: usize) -> String {
+    let body = html! {
+        header {
+            div {
+                h1 { (TITLE) }
+                p.soft {
+                    "Whole classes, every goal five times. Every result of the twin was run again from its log and is equal \
+                     to the last bit. " (TIMES) " Intervals are of 95 %."
+                }
+            }
+            button type="button" { "light / dark" }
+        }
+        @for board in boards.boards() {
+            h2 { a href=(file(&format!("board-{}", board.key.slug()), 0)) { (board.key.title()) } }
+            p.soft { (count(board.standings.len(), "entry", "entries")) ", rules " (board.key.rules) "." }
+            (table(&board.standings[..board.standings.len().min(BEST)], 0))
+        }
+        @if boards.boards().is_empty() { p { "No entry is on a board." } }
+        @if refused > 0 {
+            h2 { a href=(file(REFUSED, 0)) { "Refused" } }
+            p { (count(refused, "entry was", "entries were")) " refused; the page tells why." }
+        }
+    };
+    page(TITLE, &body)
+}
+
+/// What a reader must know of a board.
+fn board_words(board: &Board) -> Markup {
+    html! {
+        p.soft {
+            (count(board.standings.len(), "entry", "entries")) ", rules " (board.key.rules)
+            ". Higher completion first, then less total time. Intervals are of 95 %. "
+            @if board.key.real {
+                "By stopwatch: nobody can run these again."
+            } @else {
+                "Every result was run again from its log and is equal to the last bit. " (TIMES)
+            }
+        }
+    }
+}
+
+fn table(standings: &[Standing], above: usize) -> Markup {
+    html! {
+        div.wide {
+            table {
+                thead { tr {
+                    th { "" } th.name { "agent" small { "entry" } } th { "completion" small { "%" } } th { "complete" } th { "pegs" }
+                    th { "total time" small { "s" } } th { "planning" small { "s" } } th { "compute" small { "s" } }
+                    th.name { "robot or computer" } th.name { "software" }
+                } }
+                tbody { @for (index, it) in standings.iter().enumerate() { (row(it, above + index + 1)) } }
+            }
+        }
+    }
+}
+
+fn row(it: &Standing, place: usize) -> Markup {
+    let sum = &it.line.summary;
+    let mean = |digits: usize, time: Option<f64>| {
+        time.map_or_else(|| NONE.to_string(), |time| format!("{time:.digits$}"))
+    };
+    html! {
+        tr {
+            td { (place) }
+            td.name {
+                a href=(it.page) { (it.agent) }
+                small { (it.entry) }
+                @for warning in &it.warnings { div.warning { (warning) } }
+            }
+            td { (share(sum.completion.mean)) (small(it.line.completion_interval, share)) }
+            td { (it.line.complete) "/" (sum.episodes) }
+            td { (sum.pegs_counted) "/" (sum.pegs) }
+            td { (mean(1, sum.time.map(|time| time.total))) }
+            td { (mean(2, sum.time.map(|time| time.planning))) @if it.timed_here { small { "timed here" } } }
+            td { (mean(2, sum.time.map(|time| time.compute))) @if it.timed_here { small { "timed here" } } }
+            td.long { @if let Some(real) = &it.real { (real.robot) } @else { (it.host) } }
+            td.name { "ramp " (it.software[0]) small { (it.software[1]) } }
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! What an entry must be to go on a board: of one agent, whole classes of the organiser's goals, and results of their logs.
+
+use crate::report::REPEATS;
+use ramp_log::{Log, SecretSeed};
+use ramp_result::collection::{Collection, Identity, ResultFile};
+use ramp_result::secret::Secret;
+
+/// A goal of the organiser.
+#[derive(Clone, Debug)]
+pub struct Goal {
+    /// Its name.
+    pub name: String,
+    /// Its class.
+    pub class: Option<String>,
+    /// Pegs in it.
+    pub pegs: usize,
+    /// Its file.
+    pub xml: String,
+}
+
+/// What results must have been made with.
+#[derive(Clone, Debug)]
+pub struct Terms {
+    /// The goals.
+    pub goals: Vec<Goal>,
+    /// The kit file.
+    pub kit: String,
+    /// The arm file.
+    pub arm: String,
+    /// Largest shift (m) and turn (rad) of the start.
+    pub disturbance: [f64; 2],
+    /// What is mixed into the seeds; `None` where everybody knows them.
+    pub secret: Option<Secret>,
+}
+
+/// Why a result does not go on the board.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refused {
+    /// Nothing for a board.
+    #[error("there is no episode of an agent in it")]
+    NoEpisode,
+    /// More than one agent.
+    #[error("it holds results of {first} and of {second}; an entry is of one agent")]
+    Agents {
+        /// One agent.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// Part of a class.
+    #[error(
+        "{who}: {goal} was run with seeds {found}; a class is every goal of it with seeds 1 to {REPEATS}"
+    )]
+    Part {
+        /// The agent and track.
+        who: String,
+        /// The goal.
+        goal: String,
+        /// The seeds that are there.
+        found: String,
+    },
+    /// A goal of somebody else.
+    #[error("{file}: the goal is not the one of this name here")]
+    Goal {
+        /// The result.
+        file: String,
+    },
+    /// Other parts or start than everybody's.
+    #[error("{file}: the {what} is not the one here")]
+    Other {
+        /// The result.
+        file: String,
+        /// Kit, arm or disturbance.
+        what: &'static str,
+    },
+    /// Seeds that are not the organiser's.
+    #[error("{file}: it was run with {found}, and {expected} is expected here")]
+    Seed {
+        /// The result.
+        file: String,
+        /// The secret of its seeds, in words.
+        found: String,
+        /// The organiser's, in words.
+        expected: String,
+    },
+    /// The result is not that of its log.
+    #[error("{file}: the result is not the one that its log ends with")]
+    NotOfLog {
+        /// The result.
+        file: String,
+    },
+}
+
+/// The agent of an entry: one name, version, file and program, on one or several tracks.
+///
+/// # Errors
+/// When there is none, or more than one.
+pub fn one_agent(collection: &Collection) -> Result<&Identity, Refused> {
+    let mut identities = collection.entrants.iter().map(|entrant| &entrant.identity);
+    let first = identities.next().ok_or(Refused::NoEpisode)?;
+    let without_track = |it: &Identity| Identity { track: String::new(), ..it.clone() };
+    match identities.find(|it| without_track(it) != without_track(first)) {
+        Some(second) => Err(Refused::Agents { first: agent(first), second: agent(second) }),
+        None => Ok(first),
+    }
+}
+
+/// An agent in words.
+pub fn agent(identity: &Identity) -> String {
+    format!("{} {}", identity.agent, identity.agent_version)
+}
+
+/// Is every class that an agent has begun whole? A lost episode is part of it.
+///
+/// # Errors
+/// The first goal that is not the organiser's, lacks a seed, or has one too many.
+pub fn check_whole(collection: &Collection, terms: &Terms) -> Result<(), Refused> {
+    for entrant in &collection.entrants {
+        let of = |goal: &str| {
+            let files = entrant.files.iter().filter(|file| file.result.goal == goal);
+            let lost = entrant.lost.iter().filter(|lost| lost.goal == goal);
+            let mut seeds: Vec<u64> =
+                files.map(|file| file.result.seed).chain(lost.map(|lost| lost.seed)).collect();
+            seeds.sort_unstable();
+            seeds
+        };
+        let who = format!("{}, track {}", entrant.label, entrant.identity.track);
+        // The class that a result tells decides on which board it goes.
+        let known = |file: &&ResultFile| {
+            terms.goals.iter().any(|goal| {
+                let it = &file.result;
+                (&goal.name, &goal.class, goal.pegs) == (&it.goal, &it.class, it.pegs.len())
+            })
+        };
+        if let Some(file) = entrant.files.iter().find(|file| !known(file)) {
+            return Err(Refused::Goal { file: file.path.display().to_string() });
+        }
+        for goal in &terms.goals {
+            let begun = terms.goals.iter().any(|other| {
+                other.class == goal.class && goal.class.is_some() && !of(&other.name).is_empty()
+            });
+            let seeds = of(&goal.name);
+            let whole = seeds == (1..=REPEATS).collect::<Vec<u64>>();
+            if (begun || !seeds.is_empty()) && !whole {
+                let list: Vec<String> = seeds.iter().map(u64::to_string).collect();
+                let found = if list.is_empty() { "none".to_string() } else { list.join(", ") };
+                return Err(Refused::Part { who, goal: goal.name.clone(), found });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Was a result made with everybody's goal, parts and start, and is it that of its log?
+///
+/// # Errors
+/// What differs.
+pub fn check_log(file: &ResultFile, log: &Log, terms: &Terms) -> Result<(), Refused> {
+    let name = || file.path.display().to_string();
+    let header = &log.header;
+    let goal = terms.goals.iter().find(|goal| goal.name == file.result.goal);
+    if goal.is_none_or(|goal| goal.xml != header.goal.xml || goal.name != header.goal.name) {
+        return Err(Refused::Goal { file: name() });
+    }
+    let other = |what| Err(Refused::Other { file: name(), what });
+    if header.kit.xml != terms.kit {
+        return other("kit");
+    }
+    if header.arm.json != terms.arm {
+        return other("arm");
+    }
+    if [header.disturbance.position, header.disturbance.angle] != terms.disturbance {
+        return other("disturbance of the start");
+    }
+    let name_of = |commitment: Option<&String>| match commitment {
+        Some(commitment) => format!("the secret {}", ramp_kit::source::shorten(commitment)),
+        None => "no secret in its seeds".to_string(),
+    };
+    let expected = terms.secret.as_ref().map(|secret| SecretSeed {
+        commitment: secret.commitment(),
+        seed: secret.seed(&header.goal.name, &header.track, header.seed),
+    });
+    let commitment = |seed: &Option<SecretSeed>| seed.as_ref().map(|seed| seed.commitment.clone());
+    if commitment(&header.secret) != commitment(&expected) {
+        let found = name_of(commitment(&header.secret).as_ref());
+        return Err(Refused::Seed { file: name(), found, expected: name_of(commitment(&expected).as_ref()) });
+    }
+    if header.secret != expected {
+        return other("seed of the world");
+    }
+    let mut logged = log.result.clone();
+    logged.log = Some(log.sha256.clone());
+    if logged != file.result {
+        return Err(Refused::NotOfLog { file: name() });
+    }
+    Ok(())
+}

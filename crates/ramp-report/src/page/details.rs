@@ -1,0 +1,113 @@
+//! What a page tells of each agent alone: failures, every episode over time, and where its results come from.
+
+use maud::{Markup, PreEscaped, html};
+
+use super::view::View;
+use crate::format::{NONE, percent, seconds};
+use crate::sums;
+
+/// What ended the episodes that are not complete.
+pub fn failures(view: View) -> Markup {
+    let report = view.report;
+    html! {
+        h2 { "Failures by cause" }
+        @for (index, entrant) in report.collection.entrants.iter().enumerate() {
+            @let failures = sums::failures(entrant);
+            h3 { (view.swatch(index)) (entrant.label) ", track " (entrant.identity.track) }
+            @if failures.is_empty() {
+                p { "Every episode is complete." }
+            } @else {
+                div.wide {
+                    table {
+                        thead { tr { th { "episodes" } th.name { "cause" } th.name { "which, and what was said" } } }
+                        tbody {
+                            @for failure in &failures {
+                                tr {
+                                    td { (failure.episodes.len()) }
+                                    td.long { (failure.cause) }
+                                    td.long {
+                                        @for (goal, seed, reason) in &failure.episodes {
+                                            div { (goal) ", seed " (seed) ": " span.soft { (reason) } }
+                                        }
+                                    }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Each episode as a line.
+pub fn episodes_over_time(view: View) -> Markup {
+    let report = view.report;
+    html! {
+        h2 { "Every episode over time" }
+        p.soft { "A line is an episode: its goal and seed. Point at a mark or a stretch to read what it was." }
+        @for part in &report.tracks {
+            @for class in &part.classes {
+                @for &entrant in &part.entrants {
+                    @if let Some(svg) = report.timeline(entrant, class) {
+                        h3 {
+                            (view.swatch(entrant)) (report.label(entrant)) ": " (class.name()) ", track " (part.track)
+                        }
+                        figure.wide { (PreEscaped(svg)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The first digits of a hash from a file.
+fn short(hash: Option<&str>) -> String {
+    hash.map_or_else(|| NONE.to_string(), |hash| hash.chars().take(16).collect())
+}
+
+/// Versions, computers, and the hash of every file.
+pub fn origin(view: View) -> Markup {
+    let report = view.report;
+    html! {
+        h2 { "Where this comes from" }
+        @for (index, entrant) in report.collection.entrants.iter().enumerate() {
+            @let it = &entrant.identity;
+            h3 { (view.swatch(index)) (it.agent) " " (it.agent_version) ", track " (it.track) }
+            p {
+                @if let Some(real) = &it.real {
+                    "A real robot: " (real.robot) ". Scored by " (real.scorer) ". " (real.source) ". "
+                } @else {
+                    "In the twin. "
+                }
+                "ramp " (it.version) " (" code { (it.commit) } "), rules " (ramp_result::episode::RULES) ", schema "
+                code { (ramp_result::episode::SCHEMA) } "."
+                @if let Some(file) = entrant.files.first() {
+                    " Computer: " (file.result.host.cpu) ", " (file.result.host.cores) " threads."
+                }
+            }
+            div.wide {
+                table {
+                    thead { tr {
+                        th.name { "file" } th.name { "goal" } th { "seed" } th { "completion" } th { "total time" }
+                        th.name { "ended" } th.name { "SHA-256" } th.name { "of its log" }
+                    } }
+                    tbody {
+                        @for file in &entrant.files {
+                            tr {
+                                td.name { (file.path.file_name().unwrap_or_default().to_string_lossy()) }
+                                td.name { (file.result.goal) }
+                                td { (file.result.seed) }
+                                td { (percent(file.result.completion)) }
+                                td { (seconds(file.result.time.total)) }
+                                td.long { (file.result.ended.reason) }
+                                td.name { code { (&file.sha256[..16]) } }
+                                td.name { code { (short(file.result.log.as_deref())) } }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
