@@ -168,7 +168,8 @@ impl Entry {
     pub fn reason(&self, why: &Failure) -> String {
         let whole = why.chain().map(ToString::to_string).collect::<Vec<_>>().join(": ");
         let folder = format!("{}{}", self.folder.display(), std::path::MAIN_SEPARATOR);
-        plain(&whole.replace(&folder, ""), LONGEST_REASON)
+        let shown = plain(&folder, usize::MAX);
+        plain(&whole.replace(&folder, "").replace(&shown, ""), LONGEST_REASON)
     }
 }
 

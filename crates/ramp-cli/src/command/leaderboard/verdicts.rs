@@ -79,7 +79,11 @@ impl Verdicts {
     /// When nothing can be remembered.
     pub fn replay(&mut self, logs: &[LogFile]) -> Result<Result<(), String>, Failure> {
         let known = |log: &&LogFile| self.remembered.logs.contains_key(&log.sha256);
-        let (old, new): (Vec<&LogFile>, Vec<&LogFile>) = logs.iter().partition(known);
+        let (old, mut new): (Vec<&LogFile>, Vec<&LogFile>) = logs.iter().partition(known);
+        // One that is known to be refused is enough.
+        if self.refused(logs).is_some() {
+            new.clear();
+        }
         let found = replay_all(&new);
         self.counts[0] += found.iter().flatten().count();
         self.counts[1] += old.len();
@@ -99,12 +103,15 @@ impl Verdicts {
             text.push('\n');
             write_whole(&self.path, text)?;
         }
-        for log in logs {
-            if let Some(Verdict::Refused(why)) = self.remembered.logs.get(&log.sha256) {
-                return Ok(Err(format!("{}: {why}", log.path.display())));
-            }
-        }
-        Ok(failure.map_or(Ok(()), Err))
+        Ok(self.refused(logs).or(failure).map_or(Ok(()), Err))
+    }
+
+    /// The first log that is known to be refused, and why.
+    fn refused(&self, logs: &[LogFile]) -> Option<String> {
+        logs.iter().find_map(|log| match self.remembered.logs.get(&log.sha256) {
+            Some(Verdict::Refused(why)) => Some(format!("{}: {why}", log.path.display())),
+            _ => None,
+        })
     }
 }
 
