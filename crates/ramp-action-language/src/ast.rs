@@ -138,6 +138,15 @@ impl Expression {
         }
     }
 
+    /// Does it name a number, or add numbers up?
+    pub fn reckons(&self) -> bool {
+        match &self.what {
+            Shape::Number(_) | Shape::Sum(..) => true,
+            Shape::Variable(_) | Shape::Quoted(_) => false,
+            Shape::Function(_, arguments) => arguments.iter().any(Expression::reckons),
+        }
+    }
+
     /// Calls `with` for every variable in it.
     pub fn variables(&self, with: &mut impl FnMut(&str, &Span)) {
         match &self.what {

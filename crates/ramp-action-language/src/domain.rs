@@ -1,6 +1,6 @@
 //! A checked domain as data: every name is known and every variable has a sort.
 
-use crate::ast::{Atom, Condition, Law, Span};
+use crate::ast::{Atom, Condition, Expression, Law, Span};
 use ramp_source::SourceFile;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -106,6 +106,20 @@ impl Domain {
     /// The objects that laws name: they are not like others.
     pub fn quoted(&self) -> BTreeSet<String> {
         let mut names = BTreeSet::new();
+        self.expressions(&mut |expression| expression.quoted(&mut names));
+        names
+    }
+
+    /// Whether the laws do nothing with numbers but compare them with each other: then problems whose numbers have the same
+    /// order are alike.
+    pub fn only_compares_numbers(&self) -> bool {
+        let mut only = true;
+        self.expressions(&mut |expression| only &= !expression.reckons());
+        only
+    }
+
+    /// Calls `with` for every term in a law.
+    fn expressions(&self, with: &mut impl FnMut(&Expression)) {
         for law in &self.laws {
             let heads: Vec<&Atom> = match &law.law {
                 Law::Causal { action, heads } => {
@@ -115,23 +129,19 @@ impl Domain {
                 Law::Impossible { action } => vec![action],
                 Law::Bridge { head } => vec![head],
             };
-            for atom in heads {
-                atom.arguments.iter().for_each(|term| term.quoted(&mut names));
-            }
+            heads.iter().flat_map(|atom| &atom.arguments).for_each(&mut *with);
             for condition in &law.body {
                 match condition {
-                    Condition::Literal(literal) => {
-                        literal.atom.arguments.iter().for_each(|term| term.quoted(&mut names));
-                    }
+                    Condition::Literal(literal) => literal.atom.arguments.iter().for_each(&mut *with),
                     Condition::Comparison(comparison) => {
-                        comparison.left.quoted(&mut names);
-                        comparison.right.quoted(&mut names);
+                        with(&comparison.left);
+                        with(&comparison.right);
                     }
                 }
             }
         }
-        names
     }
+
     /// The file.
     pub fn file(&self) -> &SourceFile {
         &self.file

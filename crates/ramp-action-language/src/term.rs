@@ -66,6 +66,28 @@ impl Term {
             other => other.clone(),
         }
     }
+
+    /// The numbers in it.
+    pub fn numbers(&self) -> Vec<i64> {
+        match self {
+            Term::Number(number) => vec![*number],
+            Term::Function(_, arguments) => arguments.iter().flat_map(Term::numbers).collect(),
+            Term::Text(_) | Term::Other(_) => Vec::new(),
+        }
+    }
+
+    /// The same term with other numbers.
+    #[must_use]
+    pub fn with_numbers(&self, change: &mut impl FnMut(i64) -> i64) -> Term {
+        match self {
+            Term::Number(number) => Term::Number(change(*number)),
+            Term::Function(name, arguments) => {
+                let arguments = arguments.iter().map(|argument| argument.with_numbers(change)).collect();
+                Term::Function(name.clone(), arguments)
+            }
+            other => other.clone(),
+        }
+    }
 }
 
 /// Takes a term off the beginning of a text.

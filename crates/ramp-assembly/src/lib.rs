@@ -2,8 +2,8 @@
 //!
 //! Data passes one way: [`read`] turns `goal.xml` into beams and connections, with positions so that every error
 //! can point at its place; `pose` places every beam, starting from the clamped one; [`check`] proves that holes
-//! meet, that nothing overlaps and that some order of straight insertions builds it, with the boxes of [`block`] and
-//! the swept-box test of [`sweep`];
+//! meet, that nothing overlaps and that some order of straight insertions builds it; [`paths`] decides what blocks what,
+//! with the boxes of [`block`] and the swept-box test of [`sweep`];
 //! [`draw`] shows it from above. [`catalogue`] finds goals by name, and [`generate()`] makes new ones.
 //! [`truth`] is where the parts of a world really are.
 //!
@@ -16,6 +16,8 @@ pub mod catalogue;
 pub mod check;
 pub mod draw;
 pub mod generate;
+pub mod paths;
+mod placed;
 mod pose;
 pub mod read;
 pub mod sweep;

@@ -78,7 +78,13 @@ impl Solid {
     /// Where this one, drawn out along the unit vector `back`, reaches deeper than `slack` (m) into the other: ranges of
     /// the distance gone, m. `axes` is [`ALL_AXES`], or [`FROM_ABOVE`] to look from above.
     pub fn ranges(&self, other: &Solid, back: &Vector3<f64>, slack: f64, axes: usize) -> Vec<[f64; 2]> {
-        merge(self.pairs(other).filter_map(|(a, b)| a.meets(b, back, slack, axes)).collect())
+        // Most of their blocks are nowhere near the other part. What is around a part has other axes than its blocks: where
+        // two blocks are apart by the slack along both axes of the plane, they may be by half as much more along another.
+        let loose = 1.5 * slack.min(0.0);
+        let near = self.blocks.iter().filter(|a| a.meets(&other.around, back, loose, axes).is_some());
+        let theirs = other.blocks.iter().filter(|b| self.around.meets(b, back, loose, axes).is_some());
+        let theirs: Vec<&Block> = theirs.collect();
+        merge(near.flat_map(|a| theirs.iter().filter_map(|b| a.meets(b, back, slack, axes))).collect())
     }
 
     /// How this one, drawn out along the unit vector `back`, meets the other. They collide deeper than [`TOUCH`], and

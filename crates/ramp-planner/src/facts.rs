@@ -3,8 +3,9 @@
 //! `docs/src/reference/action-language.md` lists them. Lengths in them are whole millimetres, because the rules know whole numbers
 //! only.
 
-use crate::geometry::{Geometry, middle};
+use crate::geometry::Geometry;
 use ramp_action_language::Term;
+use ramp_assembly::paths::middle;
 use ramp_assembly::{Assembly, JointRef};
 use ramp_kit::JointType;
 
@@ -32,12 +33,12 @@ pub(crate) fn coarse(assembly: &Assembly, geometry: &Geometry) -> Vec<Term> {
         {
             facts.push(Term::new("awkward", [beam(index)]));
         }
-        for (number, way) in geometry.ways[index].iter().enumerate() {
+        for (number, way) in geometry.paths.ways(index).iter().enumerate() {
             if !ways.contains(&way.name) {
                 ways.push(way.name);
             }
             facts.push(Term::new("entry", [beam(index), way.name.into()]));
-            for other in geometry.blocked(index, number) {
+            for other in geometry.paths.blocked(index, number) {
                 facts.push(Term::new("blocked", [beam(index), way.name.into(), beam(other)]));
             }
         }

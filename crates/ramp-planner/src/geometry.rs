@@ -1,25 +1,19 @@
-//! What the shapes of an assembly say to the planner: which insertion paths lead to a beam's place and what blocks them,
-//! where a beam can be pushed back, and by which links a hand can hold it.
-//!
-//! Every beam is a [`Solid`]; what it meets on an insertion path is known without steps in between.
+//! What the shapes of an assembly say to the planner besides its [`Paths`]: where a beam can be pushed back, and by which
+//! links a hand can hold it.
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
-use ramp_assembly::block::{ALL_AXES, FROM_ABOVE, LEAST_DISTANCE, TOUCH};
-use ramp_assembly::sweep::{Meeting, Solid, clear_distance};
-use ramp_assembly::{Assembly, Connection, PlacedBeam, Pose};
+use ramp_assembly::block::{ALL_AXES, FROM_ABOVE, TOUCH};
+use ramp_assembly::paths::{DOWN, FINGER, Paths, Way, middle, usable};
+use ramp_assembly::sweep::Solid;
+use ramp_assembly::{Assembly, Connection, Pose};
 use ramp_kit::joint::{BODY_WIDTH, HEAD_WIDTH};
 use ramp_kit::shape::{Cuboid, Shape, beam_shapes, peg_head};
 use ramp_kit::{Holder, Kit, Link};
-use std::collections::HashMap;
 
 /// A beam is pushed back this much further than it must be, m: it covers the arm's error on both sides.
 const SHUTTLE_MARGIN: f64 = 5.0e-3;
 /// How much of a male's section must stay in its female while it is pushed back, m.
 const SHOULDER: f64 = 2.0e-3;
-/// Half a fingertip and 1 mm, which a grasp keeps from both ends of a link, m.
-const FINGER: f64 = 11.0e-3;
-/// What must then be left of the link, for the skill to choose from, m.
-const ROOM: f64 = 5.0e-3;
 /// How far the hand reaches with the gripper down, m.
 const RADIUS: f64 = 0.78;
 /// Where a finger is when it lets go, m: across the beam, and up from its axis.
@@ -28,18 +22,6 @@ const FINGERS: [[[f64; 2]; 2]; 1] = [[[11.0e-3, 30.0e-3], [-2.0e-3, 60.0e-3]]];
 /// This includes room for parts that lie off their outlines.
 const OPEN_FINGERS: [[[f64; 2]; 2]; 2] =
     [[[11.0e-3, 32.0e-3], [-2.0e-3, 38.0e-3]], [[24.0e-3, 42.0e-3], [36.0e-3, 55.0e-3]]];
-
-/// A straight insertion path to a beam's place.
-#[derive(Clone, Debug)]
-pub(crate) struct Way {
-    /// For people and for the rules.
-    pub name: &'static str,
-    /// The direction of the motion, in the assembly frame.
-    pub direction: Vector3<f64>,
-}
-
-/// The insertion path from above.
-pub(crate) const DOWN: &str = "down";
 
 /// A beam that can be pushed back through an open joint until another one can be put on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,89 +36,19 @@ pub(crate) struct Shuttle {
 pub(crate) struct Geometry<'a> {
     assembly: &'a Assembly,
     kit: &'a Kit,
-    solids: Vec<Solid>,
-    pub ways: Vec<Vec<Way>>,
-    /// By beam and path: the beams that are near it, and where they meet.
-    obstacles: Vec<Vec<HashMap<usize, Obstacle>>>,
+    pub paths: &'a Paths,
     pub shuttles: Vec<Shuttle>,
-}
-
-/// How a beam that is drawn out meets one that stands.
-#[derive(Clone, Debug, Default)]
-struct Obstacle {
-    meeting: Meeting,
-    /// No link would stay behind this beam, where a hand has room.
-    handless: bool,
 }
 
 impl<'a> Geometry<'a> {
     pub(crate) fn new(assembly: &'a Assembly, kit: &'a Kit) -> Geometry<'a> {
-        let solids: Vec<Solid> = assembly
-            .beams
-            .iter()
-            .map(|placed| Solid::new(&beam_shapes(&placed.beam), &placed.x_ab))
-            .collect();
-        let ways: Vec<Vec<Way>> = assembly.beams.iter().map(ways).collect();
-        let mut geometry =
-            Geometry { assembly, kit, solids, ways, obstacles: Vec::new(), shuttles: Vec::new() };
-        geometry.obstacles = (0..assembly.beams.len()).map(|beam| geometry.obstacles_of(beam)).collect();
+        let mut geometry = Geometry { assembly, kit, paths: &assembly.paths, shuttles: Vec::new() };
         geometry.shuttles = geometry.find_shuttles();
         geometry
     }
 
-    fn obstacles_of(&self, beam: usize) -> Vec<HashMap<usize, Obstacle>> {
-        let of_way = |way: &Way| {
-            let back = -way.direction;
-            let others = (0..self.solids.len()).filter(|&other| other != beam && beam != self.assembly.base);
-            let near = others.filter(|&other| self.solids[beam].may_meet(&self.solids[other], &back));
-            near.map(|other| (other, self.obstacle(beam, other, way))).collect()
-        };
-        self.ways[beam].iter().map(of_way).collect()
-    }
-
-    fn obstacle(&self, beam: usize, other: usize, way: &Way) -> Obstacle {
-        let meeting = self.solids[beam].meeting(&self.solids[other], &-way.direction);
-        let handless =
-            meeting.covers.first().is_some_and(|cover| cover[0] <= 0.0 && cover[1] > LEAST_DISTANCE)
-                && self.handless(beam, other, way);
-        Obstacle { meeting, handless }
-    }
-
-    /// Must every link of a beam go through a joint of the other one on this path?
-    fn handless(&self, beam: usize, other: usize, way: &Way) -> bool {
-        let placed = &self.assembly.beams[beam];
-        let holes: Vec<Point3<f64>> = self
-            .assembly
-            .connections
-            .iter()
-            .filter(|connection| connection.male.beam == beam && connection.female.beam == other)
-            .map(|connection| self.assembly.p_a_hole(connection.male))
-            .collect();
-        let behind = |link: &Link| {
-            let p = placed.x_ab * Point3::new(middle(link), 0.0, 0.0);
-            usable(link) && holes.iter().all(|hole| (p - hole).dot(&way.direction) < 0.0)
-        };
-        !holes.is_empty() && !placed.beam.links.iter().any(behind)
-    }
-
-    /// Which beams block a path of a beam, each by itself.
-    pub(crate) fn blocked(&self, beam: usize, way: usize) -> Vec<usize> {
-        let blocks = |obstacle: &Obstacle| obstacle.handless || obstacle.meeting.blocks();
-        let obstacles = self.obstacles[beam][way].iter();
-        let mut blocked: Vec<usize> =
-            obstacles.filter(|(_, obstacle)| blocks(obstacle)).map(|(&other, _)| other).collect();
-        blocked.sort_unstable();
-        blocked
-    }
-
-    /// The length of the straight motion with which a beam gets to its place while others stand, m; `None` when
-    /// something blocks this path.
-    pub(crate) fn distance(&self, beam: usize, way: usize, stands: &[bool]) -> Option<f64> {
-        let near = self.obstacles[beam][way].iter().filter(|(other, _)| stands[**other]).map(|(_, o)| o);
-        if near.clone().any(|obstacle| obstacle.handless) {
-            return None;
-        }
-        clear_distance(near.map(|obstacle| &obstacle.meeting))
+    fn solid(&self, beam: usize) -> &Solid {
+        &self.paths.solids()[beam]
     }
 
     /// The insertion path of a beam while others stand, with its length, m: that of the proven order if it is clear, else
@@ -144,13 +56,12 @@ impl<'a> Geometry<'a> {
     pub(crate) fn way(&self, beam: usize, stands: &[bool], laid: bool) -> Option<(&Way, f64)> {
         let proven = self.assembly.insertions.iter().find(|insertion| insertion.beam == beam);
         let usual = |way: &Way| proven.is_some_and(|i| i.direction.dot(&way.direction) > 1.0 - 1e-6);
-        let mut order: Vec<usize> = (0..self.ways[beam].len()).collect();
-        order.sort_by_key(|&index| {
-            let way = &self.ways[beam][index];
-            (laid != (way.name == DOWN), !usual(way), index)
-        });
+        let ways = self.paths.ways(beam);
+        let mut order: Vec<usize> = (0..ways.len()).collect();
+        order.sort_by_key(|&index| (laid != (ways[index].name == DOWN), !usual(&ways[index]), index));
         order.into_iter().find_map(|index| {
-            self.distance(beam, index, stands).map(|distance| (&self.ways[beam][index], distance))
+            let distance = self.paths.distance(beam, index, |other| stands[other])?;
+            Some((&ways[index], distance))
         })
     }
 
@@ -182,19 +93,18 @@ impl<'a> Geometry<'a> {
 
     /// How far a beam must be pushed back to clear another one, m; `None` when it cannot be.
     fn depth(&self, beam: usize, cap: usize, through: &Connection, back: &Vector3<f64>) -> Option<f64> {
-        let covers = self.solids[beam].ranges(&self.solids[cap], back, 0.0, FROM_ABOVE);
+        let covers = self.solid(beam).ranges(self.solid(cap), back, 0.0, FROM_ABOVE);
         let depth = covers.first().filter(|cover| cover[0] <= 0.0)?[1] + SHUTTLE_MARGIN;
         // Its section must not leave the joint in which it rests: it would drop off the floor of that.
         let male = self.assembly.beams[beam].beam.joints[through.male.joint].kind;
         let across = self.assembly.beams[through.female.beam].x_ab.rotation * Vector3::x();
         let straight = (1.0 - across.dot(back).powi(2)).sqrt().max(0.1);
         let most = male.sleeve() + BODY_WIDTH / 2.0 / straight - SHOULDER;
-        let others = (0..self.solids.len()).filter(|&other| other != beam && other != cap);
-        let free =
-            others.filter(|&other| self.solids[beam].may_meet(&self.solids[other], back)).all(|other| {
-                let hits = self.solids[beam].ranges(&self.solids[other], back, TOUCH, ALL_AXES);
-                hits.iter().all(|hit| hit[0] > depth)
-            });
+        let others = (0..self.assembly.beams.len()).filter(|&other| other != beam && other != cap);
+        let free = others.filter(|&other| self.solid(beam).may_meet(self.solid(other), back)).all(|other| {
+            let hits = self.solid(beam).ranges(self.solid(other), back, TOUCH, ALL_AXES);
+            hits.iter().all(|hit| hit[0] > depth)
+        });
         (depth <= most && free).then_some(depth)
     }
 
@@ -242,7 +152,7 @@ impl<'a> Geometry<'a> {
             return false;
         }
         let beams = (0..stands.len()).filter(|&other| other != beam && stands[other]);
-        let beams: Vec<&Solid> = beams.map(|other| &self.solids[other]).collect();
+        let beams: Vec<&Solid> = beams.map(|other| self.solid(other)).collect();
         let pegs = self.assembly.connections.iter().zip(pinned).filter(|(_, pinned)| **pinned);
         let heads: Vec<Solid> = pegs
             .map(|(connection, _)| {
@@ -265,15 +175,6 @@ fn upright(x_ab: &Pose) -> Pose {
     Pose::from_parts(x_ab.translation, yaw)
 }
 
-/// Where the fingers close on a link, from j1, m.
-pub(crate) fn middle(link: &Link) -> f64 {
-    0.5 * (link.grasp[0] + link.grasp[1])
-}
-
-fn usable(link: &Link) -> bool {
-    link.grasp[1] - link.grasp[0] - 2.0 * FINGER >= ROOM
-}
-
 /// Is there a place on a link where the pieces of both fingers, each across the beam and up from its axis, m, meet
 /// nothing?
 fn has_room(link: &Link, x: &Pose, pieces: &[[[f64; 2]; 2]], meets: impl Fn(&Solid) -> bool) -> bool {
@@ -293,19 +194,4 @@ fn has_room(link: &Link, x: &Pose, pieces: &[[[f64; 2]; 2]], meets: impl Fn(&Sol
 fn reaches(x_wb: &Pose, link: &Link) -> bool {
     let p = x_wb * Point3::new(middle(link), 0.0, 0.0);
     p.x.hypot(p.y) <= RADIUS
-}
-
-/// The directions that are tried: a beam at an angle along its own axis first, any other towards the clamped beam.
-fn ways(placed: &PlacedBeam) -> Vec<Way> {
-    let axis = placed.x_ab.rotation * Vector3::x();
-    let along = Vector3::new(axis.x, axis.y, 0.0).normalize();
-    let square = [("-Y", 0.0, -1.0), ("-X", -1.0, 0.0), ("+X", 1.0, 0.0), ("+Y", 0.0, 1.0)];
-    let mut ways: Vec<Way> = Vec::new();
-    if !placed.is_square() {
-        ways.push(Way { name: "backwards", direction: -along });
-        ways.push(Way { name: "forwards", direction: along });
-    }
-    ways.extend(square.map(|(name, x, y)| Way { name, direction: Vector3::new(x, y, 0.0) }));
-    ways.push(Way { name: DOWN, direction: Vector3::new(0.0, 0.0, -1.0) });
-    ways
 }

@@ -5,6 +5,7 @@
 
 mod order;
 mod report;
+mod set;
 mod solids;
 
 pub use order::MAX_BEAMS;

@@ -48,6 +48,6 @@ pub fn report(assembly: &Assembly) -> Report {
         fits: assembly.connections.iter().map(fit).collect(),
         smallest_gap: solids.smallest_gap(),
         overlaps: solids.overlaps(),
-        insertions: find_order(&assembly.beams, assembly.base, &assembly.connections).ok(),
+        insertions: find_order(&assembly.beams, assembly.base, &assembly.connections, &assembly.paths).ok(),
     }
 }

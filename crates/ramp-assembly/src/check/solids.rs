@@ -76,9 +76,4 @@ impl Solids {
         }
         smallest
     }
-
-    /// The beams as solids.
-    pub fn all(&self) -> &[Solid] {
-        &self.0
-    }
 }

@@ -5,9 +5,11 @@ use super::connections::Pair;
 use super::problem::{GoalError, GoalProblem, Node, Result};
 use crate::assembly::{Assembly, Class, Connection, JointRef, PlacedBeam};
 use crate::check::{self, Overlap, Solids};
+use crate::paths::Paths;
 use crate::pose::{self, Misfit, Piece, Planar};
 use ramp_kit::Kit;
 use ramp_source::{Fault, SourceFile};
+use std::sync::Arc;
 
 /// A goal that has been read but not placed.
 pub(super) struct Draft {
@@ -48,13 +50,14 @@ pub(super) fn build(file: &SourceFile, root: Node<'_>, kit: &Kit, draft: Draft) 
         let fault = Fault::new(problem, file.place(second.span.clone()));
         return Err(fault.also(first.span.clone(), "with this one"));
     }
-    let insertions = check::find_order(&beams, base, &connections).map_err(|stuck| {
+    let paths = Paths::new(&beams, base, &connections);
+    let insertions = check::find_order(&beams, base, &connections, &paths).map_err(|stuck| {
         let problem = GoalProblem::Stuck { beams: stuck.beams.iter().map(|&beam| beam_name(beam)).collect() };
         let mut spans = stuck.beams.iter().map(|&beam| components[beam].span.clone());
         let place = spans.next().unwrap_or_else(|| root.span());
         spans.fold(Fault::new(problem, file.place(place)), |fault, span| fault.also(span, "with this one"))
     })?;
-    Ok(Assembly { name, class, beams, base, connections, insertions })
+    Ok(Assembly { name, class, beams, base, connections, insertions, paths: Arc::new(paths) })
 }
 
 /// What to look at when two connected beams overlap and the female is open to one side only.

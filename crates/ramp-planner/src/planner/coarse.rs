@@ -109,7 +109,7 @@ impl Planner<'_> {
         let told = self.model.inertial_about(state, keep.as_ref());
         problem.extend(told.into_iter().map(|fluent| Term::new("told", [fluent])));
         problem.extend(task.iter().map(goal));
-        let shape = Shape::of(&problem, &self.coarse_names);
+        let shape = Shape::of(&problem, &self.coarse_sight);
         let most = most_steps(self.assembly);
         let found = self.coarse_answers.shortest(&mut self.solver, self.domains.coarse(), &shape, most)?;
         let Some(Found { mut actions, .. }) = found else { return Ok(None) };
@@ -122,7 +122,7 @@ impl Planner<'_> {
 
     /// The names that a task can have to do with: its beams and those around them, so many joints away.
     fn around(&self, task: &Task, state: &Fluents, reach: usize) -> BTreeSet<String> {
-        let mut names = self.coarse_names.clone();
+        let mut names = self.coarse_sight.known.clone();
         let in_hand = ["in_hand", "stuck"].map(|name| self.model.true_of(state, name)).concat();
         let texts = task.iter().map(|(fluent, _)| fluent).chain(&in_hand).flat_map(Term::texts);
         let mut beams: BTreeSet<usize> = BTreeSet::new();
@@ -133,16 +133,20 @@ impl Planner<'_> {
                 beams.extend([connection.female.beam, connection.male.beam]);
             }
         }
+        // What does not stand yet changes nothing.
+        let (stands, _) = self.standing(state);
         let in_the_way: Vec<usize> = beams
             .iter()
-            .flat_map(|&beam| (0..self.geometry.ways[beam].len()).map(move |way| (beam, way)))
-            .flat_map(|(beam, way)| self.geometry.blocked(beam, way))
+            .flat_map(|&beam| (0..self.geometry.paths.ways(beam).len()).map(move |way| (beam, way)))
+            .flat_map(|(beam, way)| self.geometry.paths.blocked(beam, way))
+            .filter(|&other| stands[other])
             .collect();
         for _ in 0..reach {
             let next: Vec<usize> = beams
                 .iter()
                 .flat_map(|&beam| facts::partners(self.assembly, beam))
                 .map(|(_, other)| other)
+                .filter(|&other| stands[other])
                 .collect();
             beams.extend(next);
         }

@@ -3,6 +3,7 @@
 use super::fact_index::Facts;
 use super::memo::{KnownAnswers, refusal_words};
 use super::options::Options;
+use super::shape::Sight;
 use crate::domains::Domains;
 use crate::error::PlanError;
 use crate::facts::{self, beam_name};
@@ -12,7 +13,7 @@ use crate::state;
 use ramp_action_language::{Model, Refusal, State as Fluents, Term};
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 
 /// What every step of planning needs.
 pub(crate) struct Planner<'a> {
@@ -25,9 +26,9 @@ pub(crate) struct Planner<'a> {
     pub(crate) model: Model<'a>,
     /// The beams by name.
     pub(crate) numbers: HashMap<String, usize>,
-    /// Names that the laws themselves mention, and those of ways: these are always in sight, and not like others.
-    pub(crate) coarse_names: BTreeSet<String>,
-    pub(crate) fine_names: BTreeSet<String>,
+    /// What the laws see of names and numbers. Names that they know, and those of ways, are in every coarse problem.
+    pub(crate) coarse_sight: Sight,
+    pub(crate) fine_sight: Sight,
     pub(crate) solver: Solver,
     pub(crate) options: Options,
     /// Answers to problems of the same shape.
@@ -57,14 +58,14 @@ impl<'a> Planner<'a> {
         let facts = facts::coarse(assembly, &geometry);
         let model = Model::new(domains.coarse(), &facts);
         let facts = Facts::new(facts);
-        let mut coarse_names = domains.coarse().quoted();
-        coarse_names.extend(geometry.ways.iter().flatten().map(|way| way.name.to_string()));
+        let ways = (0..assembly.beams.len()).flat_map(|beam| geometry.paths.ways(beam));
+        let coarse_sight = Sight::of(domains.coarse(), ways.map(|way| way.name.to_string()));
         let numbers =
             assembly.beams.iter().enumerate().map(|(index, placed)| (placed.beam.name.clone(), index));
         Planner {
             numbers: numbers.collect(),
-            coarse_names,
-            fine_names: domains.fine().quoted(),
+            coarse_sight,
+            fine_sight: Sight::of(domains.fine(), []),
             assembly,
             pegs: state::peg_names(assembly, kit),
             domains,

@@ -85,7 +85,7 @@ impl Planner<'_> {
                 problem.push(Term::new("goal", [Term::new("coarse", [fluent])]));
             }
         }
-        let shape = Shape::of(&problem, &self.fine_names);
+        let shape = Shape::of(&problem, &self.fine_sight);
         let found = self.fine_answers.shortest(&mut self.solver, fine, &shape, MOST_FINE_STEPS)?;
         let Some(Found { actions, mut end }) = found else { return Err(self.no_fine_plan(transition)) };
         // Where the hand ends up, the next action begins. What was left out of sight stays, unless something else of

@@ -4,6 +4,7 @@ use super::core::Planner;
 use crate::answer::{Answers, meaningless};
 use crate::error::PlanError;
 use crate::facts::beam_name;
+use crate::solver::SolveError;
 use crate::state::Known;
 use ramp_action_language::Term;
 use std::collections::BTreeSet;
@@ -25,6 +26,14 @@ impl Planner<'_> {
         let rules = self.domains.order();
         let name = |beam: usize| beam_name(self.assembly, beam);
         let mut facts = self.facts.all.clone();
+        let paths = &self.assembly.paths;
+        for beam in (0..self.assembly.beams.len()).filter(|&beam| !known.stands[beam]) {
+            for (number, way) in paths.ways(beam).iter().enumerate() {
+                facts.extend(paths.blocked_together(beam, number).into_iter().map(|[first, second]| {
+                    Term::new("blocked", [name(beam), way.name.into(), name(first), name(second)])
+                }));
+            }
+        }
         for (rank, insertion) in self.assembly.insertions.iter().enumerate() {
             facts.push(Term::new("proven", [name(insertion.beam), rank.into()]));
         }
@@ -41,7 +50,11 @@ impl Planner<'_> {
             let deep = order.deep.iter();
             facts.extend(deep.map(|&beam| Term::new("refused_deep", [number.into(), name(beam)])));
         }
-        let solved = self.solver.best(rules, &facts).map_err(|error| PlanError::solver(rules, &error))?;
+        let solved = match self.solver.best(rules, &facts) {
+            // The order that comes with the goal is proven to work for the beams alone.
+            Err(SolveError::Limit { .. }) if refused.is_empty() => return Ok(self.proven(known)),
+            other => other.map_err(|error| PlanError::solver(rules, &error))?,
+        };
         let answer = solved.ok_or_else(|| PlanError::NoOrder { goal: self.assembly.name.clone() })?;
         let answers = Answers { assembly: self.assembly, pegs: &self.pegs, rules };
 
@@ -97,6 +110,14 @@ impl Planner<'_> {
             return Err(PlanError::NoOrder { goal: self.assembly.name.clone() });
         }
         Ok(order)
+    }
+
+    /// The order that comes with the goal, as far as its beams do not stand yet.
+    fn proven(&self, known: &Known) -> Order {
+        let proven = self.assembly.insertions.iter().map(|insertion| insertion.beam);
+        let sequence: Vec<usize> = proven.filter(|&beam| !known.stands[beam]).collect();
+        let before = sequence.windows(2).map(|pair| (pair[0], pair[1])).collect();
+        Order { sequence, before, deep: Vec::new() }
     }
 
     /// A problem in the words of the rules as an error.
