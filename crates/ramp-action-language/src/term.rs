@@ -2,6 +2,9 @@
 
 use std::fmt::{self, Display, Write};
 
+/// How deep a term that is read may be nested; laws have it two deep.
+const MAX_DEPTH: usize = 16;
+
 /// A ground term, such as `move(input)`, `"b4"` or `(1,0)`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Term {
@@ -24,7 +27,7 @@ impl Term {
     /// Reads a term such as `in_hand(beam("b4"))`; `None` when it is none.
     pub fn read(text: &str) -> Option<Term> {
         let mut rest = text.trim();
-        let term = read(&mut rest)?;
+        let term = read(&mut rest, MAX_DEPTH)?;
         rest.is_empty().then_some(term)
     }
 
@@ -91,7 +94,7 @@ impl Term {
 }
 
 /// Takes a term off the beginning of a text.
-fn read(rest: &mut &str) -> Option<Term> {
+fn read(rest: &mut &str, depth: usize) -> Option<Term> {
     if let Some(quoted) = rest.strip_prefix('"') {
         let (text, after) = quoted.split_once('"')?;
         *rest = after.trim_start();
@@ -110,7 +113,7 @@ fn read(rest: &mut &str) -> Option<Term> {
     *rest = inside.trim_start();
     let mut arguments = Vec::new();
     loop {
-        arguments.push(read(rest)?);
+        arguments.push(read(rest, depth.checked_sub(1)?)?);
         if let Some(after) = rest.strip_prefix(')') {
             *rest = after.trim_start();
             return Some(Term::Function(word.to_string(), arguments));

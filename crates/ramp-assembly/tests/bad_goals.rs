@@ -87,6 +87,29 @@ fn broken_xml_and_unreadable_files() {
     assert!(error.location().ends_with("goal.xml:2:1"));
 }
 
+/// Files that a parser would work on for a minute, or that would exhaust its stack.
+#[test]
+fn xml_larger_in_some_way_than_any_honest_file_is_refused() {
+    let many: String = (0..80_000).map(|number| format!(" a{number:x}=\"\"")).collect();
+    says(
+        &broken("<component beam=\"b4\"/>", &format!("<component beam=\"b4\"{many}/>")),
+        "3:452: this has an element with more attributes than are read, expected at most 64",
+    );
+    let deep = format!("{}{}", "<a>".repeat(40_000), "</a>".repeat(40_000));
+    says(
+        &broken("  <component beam=\"b4\"/>", &deep),
+        "3:94: this has more elements around one another than are read, expected at most 32",
+    );
+    let long = "b".repeat(100_000);
+    let error = broken("\"b4\"", &format!("\"{long}\""));
+    assert!(error.to_string().starts_with("this has a longer name or value than is read"), "{error}");
+    let error = broken("<component beam=\"b4\"/>", &format!("<{long}/>"));
+    assert!(error.to_string().starts_with("this has a longer name or value than is read"), "{error}");
+    // What stands in a comment is no element.
+    let comment = format!("<!-- {} <a <a =\" -->\n  <component beam=\"b4\"/>", "=".repeat(100));
+    read_goal_str("goal.xml", &RECTANGLE.replacen("<component beam=\"b4\"/>", &comment, 1), &kit()).unwrap();
+}
+
 #[test]
 fn a_name_that_leads_elsewhere_is_refused_where_it_stands() {
     let rule = ramp_kit::source::A_NAME;

@@ -8,8 +8,10 @@ use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_kit::source::{MAX_FILE, SourceFile, read_text};
 use ramp_log::Sources;
-use ramp_planner::Domains;
+use ramp_planner::{Domains, Limits};
 use ramp_robot::arm::ArmModel;
+
+use crate::ending::end_planning;
 
 include!(concat!(env!("OUT_DIR"), "/built_in.rs"));
 
@@ -116,17 +118,31 @@ impl Data {
         })
     }
 
-    /// The planner's rules.
-    pub fn domains(&self) -> Result<Domains, Report> {
-        if let Some(folder) = &self.folder {
-            return Ok(Domains::read(&folder.join("domains"))?);
-        }
-        let file = |name: &str| -> Result<SourceFile, Report> {
-            let file = self.file(&format!("domains/{name}"));
-            Ok(SourceFile::new(&file.name(), &file.text()?))
+    /// The planner's rules, with another file in place of the one of its kind where one is named. Rules that are not the
+    /// built-in ones are read, and work, within limits.
+    pub fn domains(&self, other: Option<&Path>) -> Result<Domains, Report> {
+        let limits = Limits::new(end_planning);
+        let names = Domains::FILES.map(|name| format!("domains/{name}"));
+        let mut files: Vec<String> = names.iter().map(|name| self.file(name).name()).collect();
+        files.extend(other.map(|path| path.display().to_string()));
+        let watched = self.folder.is_some() || other.is_some();
+        let _watch = watched.then(|| limits.watch(files));
+        let mut domains = match &self.folder {
+            Some(folder) => Domains::read(&folder.join("domains"))?,
+            None => {
+                let [order, coarse, fine] = names.each_ref().map(|name| {
+                    let file = self.file(name);
+                    file.text().map(|text| SourceFile::new(&file.name(), &text))
+                });
+                Domains::new(order?, coarse?, fine?)?
+            }
         };
-        let [order, coarse, fine] = Domains::FILES.map(file);
-        Ok(Domains::new(order?, coarse?, fine?)?)
+        if let Some(path) = other {
+            domains = domains.with(path)?;
+        }
+        let texts = [domains.order(), domains.coarse().file(), domains.fine().file()].map(SourceFile::text);
+        let known = |(name, text): (&String, &str)| matches!(File::built_in(name), File::BuiltIn(_, own) if own == text);
+        Ok(if names.iter().zip(texts).all(known) { domains } else { domains.within(limits) })
     }
 
     /// The file of the skills' numbers in the folder that was named, where it is another than the built-in one.

@@ -114,6 +114,9 @@ impl Command {
 
 /// Runs the program with the arguments of this process.
 pub fn main() -> ExitCode {
+    if std::env::args_os().skip(1).eq([ending::ENDED]) {
+        return ExitCode::from(BAD_INPUT);
+    }
     match seal::arguments() {
         Ok((words, seal)) => work(&words, seal),
         Err(error) => {

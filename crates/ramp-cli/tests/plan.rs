@@ -134,3 +134,50 @@ fn why_tells_laws_and_places() {
     let (status, _, told) = plan(&folder, &["easy-3", "--why", "assemble(b88)"]);
     assert!(status == 2 && told.contains("did you mean"), "{told}");
 }
+
+/// Rules of strangers that would take the machine's memory, in `ramp plan` and before `ramp run` has written anything.
+#[cfg(target_os = "linux")]
+#[test]
+fn rules_that_never_end_are_ended_and_nothing_is_written() {
+    let folder = TempDir::new().unwrap();
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+    let rules = std::fs::read_to_string(data.join("domains/order.lp")).unwrap();
+    let endless = format!("{rules}\nmany(1..9999, 1..9999).\n");
+    std::fs::write(folder.path().join("mine.lp"), endless).unwrap();
+    let (status, said, told) = plan(&folder, &["easy-1", "--domain", "mine.lp", "--json"]);
+    assert_eq!((status, said.as_str()), (2, ""), "{told}");
+    let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        told.contains("the rules took more than 1024 MiB of memory") && told.contains("mine.lp"),
+        "{told}"
+    );
+    assert!(told.contains("make the rules or the goal smaller"), "{told}");
+
+    let ramp = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("ramp").unwrap();
+        command.current_dir(folder.path()).args(arguments).output().unwrap()
+    };
+    assert!(ramp(&["data", "export", "own"]).status.success());
+    let beams = ["beam"; 13].join(", ");
+    let endless = format!("{}\naction many({beams}).\n", coarse_rules());
+    std::fs::write(folder.path().join("own/domains/coarse.al"), endless).unwrap();
+    let output = ramp(&["--data", "own", "run", "hard-1", "-o", "results/one.json"]);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("the rules took more than"), "{told}");
+    let left: Vec<_> =
+        std::fs::read_dir(folder.path().join("results")).into_iter().flatten().flatten().collect();
+    assert!(left.is_empty(), "{left:?}");
+}
+
+#[test]
+fn rules_that_read_files_are_refused_at_their_place() {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("mine.lp"), "a.\n#include \"/etc/passwd\".\n").unwrap();
+    let (status, said, told) = plan(&folder, &["easy-1", "--domain", "mine.lp"]);
+    assert_eq!((status, said.as_str()), (2, ""), "{told}");
+    assert!(
+        told.contains("mine.lp:2:1") && told.contains("`#include` may not stand in a rule file"),
+        "{told}"
+    );
+}

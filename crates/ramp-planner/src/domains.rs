@@ -1,5 +1,6 @@
 //! The rules of the planner: two domains in the action language and the rules for the order, which people may edit.
 
+use crate::limits::{Limits, Watch};
 use crate::solver::{self, OrderProblem};
 use ramp_action_language::{Domain, LanguageError};
 use ramp_source::{Fault, SourceFile};
@@ -33,6 +34,7 @@ pub struct Domains {
     order: SourceFile,
     coarse: Domain,
     fine: Domain,
+    limits: Option<Limits>,
 }
 
 impl Domains {
@@ -59,7 +61,21 @@ impl Domains {
         solver::check(&order)?;
         let coarse = Domain::new(&coarse, None)?;
         let fine = Domain::new(&fine, Some(&coarse))?;
-        Ok(Domains { order, coarse, fine })
+        Ok(Domains { order, coarse, fine, limits: None })
+    }
+
+    /// The same rules, every plan with which is watched: for rules of strangers.
+    #[must_use]
+    pub fn within(mut self, limits: Limits) -> Domains {
+        self.limits = Some(limits);
+        self
+    }
+
+    /// Watches this process while these rules are at work, where they have limits.
+    pub(crate) fn watch(&self, proof: bool) -> Option<Watch> {
+        let limits = self.limits?;
+        let files = [&self.order, self.coarse.file(), self.fine.file()].map(|file| file.name().to_string());
+        Some(limits.watch_for(files.into(), if proof { limits.proof } else { limits.time }))
     }
 
     /// The same rules with another file in place of one of them: a file with `bridge` laws for the fine domain, one
@@ -77,7 +93,8 @@ impl Domains {
             let bridges = file.text().lines().any(|line| line.trim_start().starts_with("bridge "));
             *(if bridges { &mut fine } else { &mut coarse }) = file;
         }
-        Domains::new(order, coarse, fine)
+        let limits = self.limits;
+        Ok(Domains { limits, ..Domains::new(order, coarse, fine)? })
     }
 
     /// The rules for the order of the beams.

@@ -19,6 +19,7 @@ mod error;
 mod explain;
 mod facts;
 mod geometry;
+mod limits;
 mod pddl;
 mod pegs;
 pub mod plan;
@@ -32,6 +33,7 @@ pub use disassemble::{Disassembly, FineRemoval, Removal, RemovalStep, disassembl
 pub use domains::{DomainError, Domains};
 pub use error::{PlanError, Refused};
 pub use explain::{Explanation, Reason, why};
+pub use limits::{Exceeded, Limit, Limits, Watch};
 pub use pddl::{pddl, pddl_plan};
 pub use plan::{
     Area, CoarseAction, CoarseStep, Entry, FineAction, Grasp, Item, Place, Plan, State, Statistics, Target,

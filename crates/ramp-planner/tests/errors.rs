@@ -7,7 +7,7 @@ mod common;
 
 use common::{data, domains, goal, kit};
 use ramp_kit::source::SourceFile;
-use ramp_planner::{Domains, PlanError, State, plan};
+use ramp_planner::{Domains, History, PlanError, Record, State, diagnose, plan};
 
 fn rules(file: &str) -> String {
     std::fs::read_to_string(data().join("domains").join(file)).unwrap()
@@ -74,6 +74,56 @@ fn a_zero_byte_is_no_rule() {
     assert!(format!("{error:#}").starts_with("order.lp:"), "{error:#}");
 }
 
+/// What would make clingo read `/etc/passwd`, run a program or exhaust its stack, in every disguise that its lexer allows.
+#[test]
+fn rules_that_reach_outside_or_are_nested_without_end_are_refused_at_their_place() {
+    let refused = |rules: &str| {
+        let order = SourceFile::new("order.lp", rules);
+        let [coarse, fine] = ["coarse.al", "fine.al"].map(|name| SourceFile::new(name, &self::rules(name)));
+        Domains::new(order, coarse, fine).err().map(|error| format!("{error:#}"))
+    };
+    let foreign = |word: &str, place: &str| {
+        Some(format!(
+            "order.lp:{place}: `{word}` may not stand in a rule file, also not in a comment or in quotes (put all rules \
+             into this one file)"
+        ))
+    };
+    for (rules, word, place) in [
+        ("a.\n #include \"/etc/passwd\".", "#include", "2:2"),
+        ("#include\n\t<incmode>.", "#include", "1:1"),
+        ("%* %\n*%#include \"/etc/passwd\".", "#include", "2:3"),
+        ("a(\"\\\\\").#include\"/etc/passwd\".", "#include", "1:9"),
+        ("#!%*\n#include \"/etc/passwd\".", "#include", "2:1"),
+        ("#script (python)\nimport os\n#end.", "#script", "1:1"),
+        ("#script(lua) #end.", "#script", "1:1"),
+        ("#theory t { u { - : 1, unary }; &a/0 : u, head }.", "#theory", "1:1"),
+        ("asp 1 0 0\n0\n", "asp", "1:1"),
+    ] {
+        assert_eq!(refused(rules), foreign(word, place), "{rules}");
+    }
+    // What is not these words in one piece means nothing to clingo, so it cannot read a file either.
+    for rules in ["# include \"/etc/passwd\".", "#inc\\\nlude \"/etc/passwd\".", "#INCLUDE \"/etc/passwd\"."]
+    {
+        let message = refused(rules).unwrap();
+        assert!(message.contains("lexer error"), "{message}");
+    }
+    for rules in [
+        format!("a. b({}X).", "1+".repeat(100_000)),
+        format!("a. b({}1).", "-".repeat(100_000)),
+        format!("a. b({}1{}).", "f(".repeat(100_000), ")".repeat(100_000)),
+        format!("a. b({}X).", "1%*.*%+\n%.\n".repeat(20_000)),
+        format!("a. b({}X).", "\".\"..".repeat(20_000)),
+    ] {
+        let message = refused(&rules).unwrap();
+        let start = "order.lp:1:4: this statement has more than 2048 bytes besides comments";
+        assert!(message.starts_with(start), "{message}");
+    }
+    // As much as may stand in a statement is no trouble.
+    for rules in [format!("b({}1).", "-".repeat(2000)), format!("b({}1).", "1+".repeat(1000))] {
+        assert_eq!(refused(&rules), None);
+    }
+}
+
 #[test]
 fn rules_without_a_plan_come_to_an_end() {
     // The order of these rules is fine, but nothing can be pushed.
@@ -101,6 +151,18 @@ fn an_answer_without_a_meaning_is_shown() {
     .unwrap();
     let error = plan_with("easy-1", &domains).unwrap_err();
     assert_eq!(error.to_string(), "fine.al gave the answer `glue(\"C1\")`, which has no meaning here");
+}
+
+#[test]
+fn terms_nested_without_end_exhaust_no_stack() {
+    let nested = "at(x,0). at(f(X),N+1) :- at(X,N), N < 10000. before(1,X) :- at(X,10000). #show before/2.";
+    let domains = edited("order.lp", "#show before/2.", nested).unwrap();
+    let error = plan_with("easy-1", &domains).unwrap_err();
+    assert!(matches!(error, PlanError::Answer { .. }), "{error}");
+    let saw = format!("in_hand({}b4{})", "beam(".repeat(100_000), ")".repeat(100_000));
+    let history = History { records: vec![Record::Saw(saw)], ..History::default() };
+    let error = diagnose(&goal("easy-1"), kit(), common::domains(), &history).unwrap_err();
+    assert!(error.to_string().contains("is not a fluent"));
 }
 
 #[test]

@@ -32,6 +32,14 @@ pub enum FormProblem {
         /// The parser's reason.
         why: String,
     },
+    /// XML that is larger in some way than any honest file.
+    #[error("this has {what}, expected at most {most}")]
+    TooMuch {
+        /// Of what there is too much, such as `an element with more attributes than are read`.
+        what: &'static str,
+        /// How much there may be.
+        most: usize,
+    },
     /// The outermost element is another one.
     #[error("found the outermost element <{found}>, expected <{expected}>")]
     Root {
@@ -110,6 +118,7 @@ impl Problem for FormProblem {
             FormProblem::Unreadable { .. } | FormProblem::TooLarge => String::new(),
             FormProblem::NotUtf8 { .. } => "from here on".to_string(),
             FormProblem::Xml { .. } => "here".to_string(),
+            FormProblem::TooMuch { most, .. } => format!("expected at most {most}"),
             FormProblem::Root { expected, .. } => format!("expected <{expected}>"),
             FormProblem::Element { expected, .. } => format!("expected {expected}"),
             FormProblem::Attribute { .. } => "unknown attribute".to_string(),

@@ -37,6 +37,7 @@ mod read;
 mod text;
 mod write;
 mod xml;
+mod xml_size;
 
 pub use cell::cell;
 pub use fault::{Fault, Problem};

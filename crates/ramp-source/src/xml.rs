@@ -8,6 +8,7 @@ use crate::file::{MAX_FILE, SourceFile};
 use crate::form::FormProblem;
 use crate::names::{is_name, nearest};
 use crate::text::shorten;
+use crate::xml_size::check_size;
 use std::marker::PhantomData;
 use std::ops::{Range, RangeInclusive};
 
@@ -33,13 +34,15 @@ impl<P> Copy for Element<'_, P> {}
 /// Parses the XML of a file; the tree borrows its text.
 ///
 /// # Errors
-/// When the file is too large, or at the place where it is not XML.
+/// When the file is too large, where an element has too many attributes, too long ones or too many elements around it,
+/// or at the place where it is not XML.
 pub fn parse_xml<P: Problem + From<FormProblem>>(
     file: &SourceFile,
 ) -> Result<roxmltree::Document<'_>, Fault<P>> {
     if file.text().len() > MAX_FILE {
         return Err(Fault::new(FormProblem::TooLarge.into(), file.place(0..0)));
     }
+    check_size(file.text()).map_err(|(problem, at)| Fault::new(problem.into(), file.place(at)))?;
     let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES, ..Default::default() };
     roxmltree::Document::parse_with_options(file.text(), options).map_err(|error| {
         let at = error.pos();

@@ -117,10 +117,7 @@ fn write_steps(text: &mut String, steps: &[CoarseStep]) {
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let kit = data.kit()?;
     let goal = data.goal(&arguments.goal, &kit)?;
-    let mut domains = data.domains()?;
-    if let Some(file) = &arguments.domain {
-        domains = domains.with(file)?;
-    }
+    let domains = data.domains(arguments.domain.as_deref())?;
     let mut state = match &arguments.state {
         Some(file) => read_json(
             file,

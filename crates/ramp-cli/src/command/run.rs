@@ -85,7 +85,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let kit = data.kit()?;
     let assembly = data.goal(&arguments.goal, &kit)?;
     let arm = data.arm()?;
-    let domains = data.domains()?;
+    let domains = data.domains(None)?;
     let agent_file = arguments.agent.file()?;
     let parameters = arguments.agent.skills.read(data)?;
     let texts = data.texts(&arguments.goal)?;

@@ -101,7 +101,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         return Err(miette!(help = "name a folder with -o", "{} is not a folder", folder.display()));
     }
     let kit = data.kit()?;
-    let domains = data.domains()?;
+    let domains = data.domains(None)?;
     let names = data.goal_names()?;
     let goals: Vec<Goal> = names
         .iter()

@@ -8,6 +8,7 @@ use crate::domains::Domains;
 use crate::error::PlanError;
 use crate::facts::{self, beam_name};
 use crate::geometry::Geometry;
+use crate::limits::Watch;
 use crate::solver::Solver;
 use crate::state;
 use ramp_action_language::{Model, Refusal, State as Fluents, Term};
@@ -36,6 +37,8 @@ pub(crate) struct Planner<'a> {
     pub(crate) fine_answers: KnownAnswers,
     /// The first beam for which no link was found that can be held where the beam starts and at its place.
     pub(crate) ungrasped: Option<usize>,
+    /// Ends with the planner.
+    _watch: Option<Watch>,
 }
 
 /// A coarse action with the states around it.
@@ -54,6 +57,7 @@ impl<'a> Planner<'a> {
         domains: &'a Domains,
         options: Options,
     ) -> Planner<'a> {
+        let watch = domains.watch(options.optimal);
         let geometry = Geometry::new(assembly, kit);
         let facts = facts::coarse(assembly, &geometry);
         let model = Model::new(domains.coarse(), &facts);
@@ -77,6 +81,7 @@ impl<'a> Planner<'a> {
             coarse_answers: KnownAnswers::default(),
             fine_answers: KnownAnswers::default(),
             ungrasped: None,
+            _watch: watch,
         }
     }
 

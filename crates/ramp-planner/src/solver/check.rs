@@ -1,46 +1,19 @@
 //! A rule file checked by clingo without running it: its first message becomes an error at its place.
 
 use super::control::alone;
+use super::problem::OrderProblem;
+use super::scan::scan;
 use clingo::{
     ClingoError, ControlCtx, ExternalError, FunctionHandler, GenericControl, GroundProgramObserver, Logger,
     Propagator, Symbol, Warning,
 };
-use ramp_source::{Fault, FormProblem, Problem, SourceFile};
+use ramp_source::{Fault, SourceFile};
 use std::cell::RefCell;
 
-/// What can be wrong with the rules for the order, which are a program for clingo.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum OrderProblem {
-    /// The file cannot be read.
-    #[error(transparent)]
-    Form(#[from] FormProblem),
-    /// The file is not a valid program.
-    #[error("{why}")]
-    Rule {
-        /// The solver's reason.
-        why: String,
-    },
-}
-
-impl Problem for OrderProblem {
-    fn label(&self) -> String {
-        match self {
-            OrderProblem::Form(problem) => problem.label(),
-            OrderProblem::Rule { .. } => "here".to_string(),
-        }
-    }
-
-    fn help(&self) -> Option<String> {
-        match self {
-            OrderProblem::Form(problem) => problem.help(),
-            OrderProblem::Rule { .. } => None,
-        }
-    }
-}
-
-/// Checks that a rule file is a valid program, without running it.
+/// Checks that a rule file is a valid program, without running it. The file can be anybody's: clingo gets it only when it
+/// cannot make clingo read other files, run programs or exhaust its stack.
 pub(crate) fn check(file: &SourceFile) -> Result<(), Fault<OrderProblem>> {
+    scan(file.text()).map_err(|(problem, at)| Fault::new(problem, file.place(at)))?;
     let _alone = alone();
     MESSAGES.take();
     // Grounding no part at all still parses the rules and checks their variables.

@@ -10,6 +10,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Conflicts after which one call gives up: a few seconds of work, or, where no effort is spared, some minutes.
 const CONFLICT_LIMITS: [u32; 2] = [200_000, 5_000_000];
 
+/// How deep the terms of an answer may be nested.
+const MAX_DEPTH: usize = 16;
+
 /// Held while clingo works, one call at a time: its grounder crashes now and then when two threads use it, each with
 /// a control of its own (clingo 5.6, in `Gringo::Input::Program::rewrite`).
 static CLINGO: Mutex<()> = Mutex::new(());
@@ -37,7 +40,7 @@ pub(crate) fn last_answer<T>(
 
 /// What the rules show of an answer.
 pub(crate) fn shown(model: &Model) -> Result<Vec<Term>, ClingoError> {
-    model.symbols(ShowType::SHOWN)?.into_iter().map(term).collect()
+    model.symbols(ShowType::SHOWN)?.into_iter().map(|symbol| term(symbol, MAX_DEPTH)).collect()
 }
 
 /// An empty control; `thorough` spares no effort.
@@ -93,13 +96,15 @@ pub(crate) fn literal(atoms: &[Atom], literal: Literal) -> SolverLiteral {
     if literal < 0 { positive.negate() } else { positive }
 }
 
-/// A symbol of clingo as a term.
-fn term(symbol: Symbol) -> Result<Term, ClingoError> {
+/// A symbol of clingo as a term; what is nested deeper has no meaning for any level.
+fn term(symbol: Symbol, depth: usize) -> Result<Term, ClingoError> {
+    let Some(depth) = depth.checked_sub(1) else { return Ok(Term::Other("…".to_string())) };
     Ok(match symbol.symbol_type()? {
         SymbolType::Number => Term::Number(symbol.number()?.into()),
         SymbolType::String => Term::from(symbol.string()?),
         SymbolType::Function => {
-            let arguments = symbol.arguments()?.into_iter().map(term).collect::<Result<_, _>>()?;
+            let arguments =
+                symbol.arguments()?.into_iter().map(|inner| term(inner, depth)).collect::<Result<_, _>>()?;
             Term::Function(symbol.name()?.to_string(), arguments)
         }
         SymbolType::Infimum | SymbolType::Supremum => Term::Other(symbol.to_string()),

@@ -1,18 +1,20 @@
 //! clingo, behind four calls: check a rule file, find its best answer, find the shortest plan, find explanations.
 //!
 //! Everything is deterministic: one thread, a fixed seed, and limits counted in conflicts instead of seconds. `control`
-//! talks to clingo; `search`, `explanations` and `check` are what is asked of it.
+//! talks to clingo; `scan` keeps from it what rules need not; `search`, `explanations` and `check` are what is asked of it.
 
 mod check;
 mod control;
 mod error;
 mod explanations;
+mod problem;
+mod scan;
 mod search;
 
-pub use check::OrderProblem;
 pub(crate) use check::check;
 pub(crate) use error::SolveError;
 pub(crate) use explanations::Happening;
+pub use problem::OrderProblem;
 pub(crate) use search::Solver;
 #[cfg(test)]
 pub(crate) use search::shortest_by_clingo;
