@@ -1,6 +1,6 @@
 //! What can be wrong with a domain.
 
-use ramp_source::{Fault, FormProblem, Problem};
+use ramp_source::{Fault, FormProblem, Problem, shorten};
 
 /// What is wrong with a domain, and where.
 pub type LanguageError = Fault<LanguageProblem>;
@@ -13,7 +13,7 @@ pub enum LanguageProblem {
     #[error(transparent)]
     Form(#[from] FormProblem),
     /// A character that no word begins with.
-    #[error("found the character `{found}`, which means nothing here")]
+    #[error("found the character `{}`, which means nothing here", shorten(&found.to_string()))]
     Character {
         /// The character.
         found: char,

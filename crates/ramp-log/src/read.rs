@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use ramp_kit::source::{MAX_SENTENCE, plain};
 use ramp_result::episode::{self, EpisodeResult};
 use ramp_result::sha256;
 
@@ -111,16 +112,14 @@ impl Parts {
                     return Err("it has two messages on /episode, and one is expected".to_string());
                 }
                 same_schema(data, SCHEMA, "/episode")?;
-                self.header =
-                    Some(serde_json::from_slice(data).map_err(|error| format!("/episode: {error}"))?);
+                self.header = Some(serde_json::from_slice(data).map_err(|error| wrong("/episode", &error))?);
             }
             Topic::Result => {
                 if self.result.is_some() {
                     return Err("it has two messages on /result, and one is expected".to_string());
                 }
                 same_schema(data, episode::SCHEMA, "/result")?;
-                self.result =
-                    Some(serde_json::from_slice(data).map_err(|error| format!("/result: {error}"))?);
+                self.result = Some(serde_json::from_slice(data).map_err(|error| wrong("/result", &error))?);
             }
             Topic::Calls => {
                 if self.calls.len() + data.len() > MOST_CALLS {
@@ -153,11 +152,16 @@ fn same_schema(data: &[u8], expected: &str, topic: &str) -> Result<(), String> {
     struct Only {
         schema: String,
     }
-    let Only { schema } = serde_json::from_slice(data).map_err(|error| format!("{topic}: {error}"))?;
+    let Only { schema } = serde_json::from_slice(data).map_err(|error| wrong(topic, &error))?;
     if schema == expected {
         Ok(())
     } else {
         let schema: String = schema.chars().take(40).collect();
         Err(format!("{topic} is of the schema `{schema}`, and `{expected}` is what this program knows"))
     }
+}
+
+/// What a library says of a message, which may repeat what stands in it.
+fn wrong(topic: &str, error: &serde_json::Error) -> String {
+    format!("{topic}: {}", plain(&error.to_string(), MAX_SENTENCE))
 }

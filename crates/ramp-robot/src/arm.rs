@@ -3,6 +3,7 @@
 //! Shared by motion planning (kinematics, collisions, limits) and the twin (dynamics), so that both have the same
 //! arm. All lengths m, angles rad, masses kg.
 
+use ramp_source::{MAX_SENTENCE, plain};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -171,7 +172,7 @@ impl ArmModel {
     pub fn from_json(path: &Path, text: &str) -> Result<ArmModel, ArmError> {
         let at = |line, column, message| ArmError::Format { path: path.to_path_buf(), line, column, message };
         let model: ArmModel = serde_json::from_str(text)
-            .map_err(|error| at(error.line(), error.column(), error.to_string()))?;
+            .map_err(|error| at(error.line(), error.column(), plain(&error.to_string(), MAX_SENTENCE)))?;
         for (index, joint) in model.joints.iter().enumerate() {
             let limits = [joint.velocity, joint.acceleration, joint.jerk, joint.torque, joint.link.mass];
             if !(joint.range[0] < joint.range[1] && limits.iter().all(|limit| *limit > 0.0)) {

@@ -7,7 +7,7 @@ use crate::fault::{Fault, Problem};
 use crate::file::{MAX_FILE, SourceFile};
 use crate::form::FormProblem;
 use crate::names::{is_name, nearest};
-use crate::text::shorten;
+use crate::text::{MAX_SENTENCE, plain, shorten};
 use crate::xml_size::check_size;
 use std::marker::PhantomData;
 use std::ops::{Range, RangeInclusive};
@@ -49,7 +49,8 @@ pub fn parse_xml<P: Problem + From<FormProblem>>(
         let offset = offset_of(file.text(), at.row as usize, at.col as usize);
         // The parser puts " at line:column" at the end, which the place says already.
         let why = error.to_string();
-        let why = why.strip_suffix(&format!(" at {at}")).unwrap_or(&why).to_string();
+        let why = why.strip_suffix(&format!(" at {at}")).unwrap_or(&why);
+        let why = plain(why, MAX_SENTENCE);
         Fault::new(FormProblem::Xml { why }.into(), file.place(offset..offset))
     })
 }
