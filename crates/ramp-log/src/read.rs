@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use ramp_kit::source::{MAX_SENTENCE, plain};
+use ramp_kit::source::{MAX_SENTENCE, plain, shorten};
 use ramp_result::episode::{self, EpisodeResult};
 use ramp_result::sha256;
 
@@ -91,7 +91,7 @@ impl Parts {
             b"/result" => Topic::Result,
             b"/calls" if channel.encoding == CALLS.as_bytes() => Topic::Calls,
             b"/calls" => {
-                let found = ramp_kit::source::shorten(&String::from_utf8_lossy(channel.encoding));
+                let found = shorten(&String::from_utf8_lossy(channel.encoding));
                 return Err(format!(
                     "its calls are encoded as `{found}`, and `{CALLS}` is what this program knows"
                 ));
@@ -156,7 +156,7 @@ fn same_schema(data: &[u8], expected: &str, topic: &str) -> Result<(), String> {
     if schema == expected {
         Ok(())
     } else {
-        let schema: String = schema.chars().take(40).collect();
+        let schema = shorten(&schema);
         Err(format!("{topic} is of the schema `{schema}`, and `{expected}` is what this program knows"))
     }
 }

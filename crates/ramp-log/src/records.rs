@@ -4,6 +4,7 @@ use std::io::Read;
 use std::path::Path;
 
 use mcap::records::op;
+use ramp_kit::source::{MAX_SENTENCE, plain};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::error::LogError;
@@ -56,7 +57,7 @@ impl From<mcap::McapError> for Wrong {
 fn in_words(error: &mcap::McapError) -> String {
     match error {
         mcap::McapError::UnexpectedEof | mcap::McapError::UnexpectedEoc => "it ends too early".to_string(),
-        error => error.to_string(),
+        error => plain(&error.to_string(), MAX_SENTENCE),
     }
 }
 

@@ -8,7 +8,8 @@ mod common;
 
 use common::{domains, kit, replay};
 use ramp_assembly::{Assembly, Request, generate_many};
-use ramp_planner::{CoarseAction, CoarseStep, PlanError, State, plan};
+use ramp_planner::{CoarseAction, CoarseStep, Options, PlanError, State, plan, plan_with};
+use std::collections::BTreeSet;
 
 /// Another beam than this one.
 fn another(assembly: &Assembly, beam: &str) -> String {
@@ -69,4 +70,21 @@ fn plans_of_a_thousand_goals_are_accepted_and_wrong_ones_refused() {
         }
     }
     assert!(planned >= 1000, "only {planned} goals have a plan");
+}
+
+/// A large frame has a proven order, and so it has a plan. These were refused for an insertion path that their order
+/// leaves open.
+#[test]
+fn large_frames_that_can_be_built_are_planned() {
+    for (beams, seed) in [(88, 1), (100, 1), (200, 1)] {
+        let made = generate_many(kit(), Request { beams, seed, class: None }, 1).unwrap().remove(0);
+        let larger = ramp_kit::read_kit_str("kit.xml", made.kit.as_deref().unwrap()).unwrap();
+        let options = Options { fine: false, ..Options::default() };
+        let found = plan_with(&made.assembly, &larger, &State::default(), domains(), options).unwrap();
+        let placed = found.entries.iter().map(|entry| &entry.beam).collect::<BTreeSet<_>>();
+        assert_eq!(placed.len(), beams - 1, "{beams} beams");
+        // Three to five actions in a hundred are beyond the bound.
+        let bound = found.statistics.lower_bound;
+        assert!(found.steps.len() * 20 <= bound * 21, "{} actions, bound {bound}", found.steps.len());
+    }
 }
