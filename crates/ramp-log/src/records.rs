@@ -4,8 +4,8 @@ use std::io::Read;
 use std::path::Path;
 
 use mcap::records::op;
-use ramp_kit::source::{MAX_SENTENCE, plain};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use ramp_kit::source::{MAX_SENTENCE, plain};
 
 use crate::error::LogError;
 

@@ -8,8 +8,8 @@ mod report;
 mod set;
 mod solids;
 
-pub use order::MAX_BEAMS;
 pub(crate) use order::find_order;
 pub use report::{Fit, Report, report};
+pub use set::MAX_BEAMS;
 pub(crate) use solids::Solids;
 pub use solids::{Gap, Overlap};

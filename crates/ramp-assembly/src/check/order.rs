@@ -1,13 +1,11 @@
 //! An order of straight insertions: the best one of a small assembly, a good one of a large one.
 
-use super::set::Set;
+use super::set::{MAX_BEAMS, Set};
 use crate::block::LEAST_DISTANCE;
 use crate::paths::Paths;
 use crate::placed::{Connection, Insertion, PlacedBeam};
 use std::collections::HashMap;
 
-/// The most beams in one goal.
-pub const MAX_BEAMS: usize = 256;
 /// Up to so many beams the best of all orders is found, for which every subset of them may have to be looked at;
 /// with more, one good order.
 const MAX_EXACT: usize = 16;

@@ -1,6 +1,7 @@
 //! Sets of beams, one bit each.
 
-use super::order::MAX_BEAMS;
+/// The most beams in one goal.
+pub const MAX_BEAMS: usize = 256;
 
 const WORDS: usize = MAX_BEAMS / 64;
 
