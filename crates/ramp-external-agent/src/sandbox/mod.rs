@@ -1,9 +1,9 @@
 //! The sandbox of an agent whose author is a stranger.
 //!
 //! The run looks for what the agent must read ([`Sandbox::find`]) and gives it a folder of its own. The process that is
-//! about to become the agent puts up the walls around itself ([`walls`]): which files it may open (Landlock), which
-//! system calls it may make ([`calls`]), and limits of each process. The run then watches the memory, processes and
-//! disk space that the agent uses with all that it has started ([`Watch`]).
+//! about to become the agent puts up the walls around itself (`walls`): which files it may open (Landlock), which
+//! system calls it may make (`calls`), and limits of each process. The run then watches the memory, processes and
+//! disk space that the agent uses with all that it has started (`watch`).
 
 mod calls;
 mod python;
