@@ -17,7 +17,7 @@ pub struct PlacedBeam {
 /// A joint of a beam of the assembly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct JointRef {
-    /// Index into [`Assembly::beams`].
+    /// Index into [`Assembly::beams`](crate::Assembly::beams).
     pub beam: usize,
     /// Index into that beam's joints.
     pub joint: usize,
@@ -37,7 +37,7 @@ pub struct Connection {
 /// One straight insertion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Insertion {
-    /// Index into [`Assembly::beams`].
+    /// Index into [`Assembly::beams`](crate::Assembly::beams).
     pub beam: usize,
     /// Direction of the motion in the assembly frame.
     pub direction: Unit<Vector3<f64>>,
