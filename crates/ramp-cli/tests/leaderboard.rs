@@ -227,6 +227,10 @@ fn a_site_is_written_when_all_are_refused_and_none_into_the_entries() {
 
 #[test]
 fn agents_are_run_again_for_their_times() {
+    if ramp_external_agent::sandbox::open_ends().is_none() {
+        eprintln!("this system has no sandbox, and no agent is run again");
+        return;
+    }
     let place = Place::new();
     place.enter("a-same", "same", 1);
     place.enter("b-other", "other", 2);

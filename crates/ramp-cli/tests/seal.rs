@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use ramp_external_agent::sandbox::open_ends;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -117,6 +118,10 @@ fn a_plain_agent_learns_nothing_of_its_own_episode() {
 
 #[test]
 fn an_agent_in_a_sandbox_gets_nothing() {
+    if open_ends().is_none() {
+        eprintln!("this system has no sandbox, and nothing is tested");
+        return;
+    }
     let results = TempDir::new().unwrap();
     std::fs::write(results.path().join("old.json"), r#"{"seed": 123456789}"#).unwrap();
     let found = spied(&results, &["--sandbox"]);
@@ -127,6 +132,7 @@ fn an_agent_in_a_sandbox_gets_nothing() {
 #[test]
 fn results_in_the_folder_of_the_agent_are_refused() {
     let agents = agents();
+    let expected = if open_ends().is_some() { "may read" } else { "Landlock" };
     for (command, name) in [("run", "results/out.json"), ("bench", "results")] {
         let output = Command::new(env!("CARGO_BIN_EXE_ramp"))
             .current_dir(&agents)
@@ -134,7 +140,7 @@ fn results_in_the_folder_of_the_agent_are_refused() {
             .output()
             .unwrap();
         assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
-        assert!(text(&output.stderr).contains("may read"), "{}", text(&output.stderr));
+        assert!(text(&output.stderr).contains(expected), "{}", text(&output.stderr));
         assert!(!agents.path().join("results").exists());
     }
 }
@@ -178,18 +184,21 @@ fn names(folder: &Path) -> Vec<String> {
 /// A request to end (SIGTERM) leaves nothing that is half done: no file, no process, no folder of an agent.
 #[test]
 fn a_request_to_end_leaves_nothing_behind() {
-    let agents = agents();
-    let agent: PathBuf = agents.path().join("bad.py");
-    for (arguments, agent) in [
+    let agents = TempDir::new().unwrap();
+    let agent: PathBuf = agents.path().join("silent.py");
+    std::fs::write(&agent, "import time\ntime.sleep(1000)\n").unwrap();
+    let sandboxed = [(&["run", "easy-1", "-o", "out.json", "--sandbox"][..], Some((&agent, true)))];
+    let plain = [
         (&["run", "easy-1", "-o", "out.json", "--video", "film.gif"][..], None),
         (&["run", "easy-1", "-o", "out.json"][..], Some((&agent, false))),
-        (&["run", "easy-1", "-o", "out.json", "--sandbox"][..], Some((&agent, true))),
         (&["bench", "easy-1", "-o", "."][..], Some((&agent, false))),
-    ] {
+    ];
+    let sandboxed = sandboxed.into_iter().filter(|_| open_ends().is_some());
+    for (arguments, agent) in plain.into_iter().chain(sandboxed) {
         let (results, temporary) = (TempDir::new().unwrap(), TempDir::new().unwrap());
         let mut command = Command::new(env!("CARGO_BIN_EXE_ramp"));
         command.current_dir(&results).args(arguments).env("TMPDIR", temporary.path());
-        command.env("BAD_WAY", "silent").stdout(Stdio::null()).stderr(Stdio::null());
+        command.stdout(Stdio::null()).stderr(Stdio::null());
         if let Some((agent, _)) = agent {
             command.arg("--agent").arg(agent);
         }

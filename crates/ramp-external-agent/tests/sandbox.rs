@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use ramp_external_agent::limits::Allowance;
 use ramp_external_agent::process::Process;
+use ramp_external_agent::sandbox::open_ends;
 use ramp_external_agent::{AgentFile, Patience, Sandbox, Silence};
 
 /// Each way takes more in several processes or files than it would in one.
@@ -33,6 +34,10 @@ time.sleep(60)
 /// One after the other: ending an agent ends all children of the process that were not there before.
 #[test]
 fn agents_are_kept_within_their_sandbox() {
+    if open_ends().is_none() {
+        eprintln!("this system has no sandbox, and nothing is tested");
+        return;
+    }
     an_agent_that_takes_too_much_is_ended_with_all_that_it_has_started();
     what_is_hidden_must_not_lie_where_the_agent_may_read();
 }
