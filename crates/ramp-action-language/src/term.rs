@@ -96,9 +96,9 @@ impl Term {
 /// Takes a term off the beginning of a text.
 fn read(rest: &mut &str, depth: usize) -> Option<Term> {
     if let Some(quoted) = rest.strip_prefix('"') {
-        let (text, after) = quoted.split_once('"')?;
+        let (text, after) = read_text(quoted)?;
         *rest = after.trim_start();
-        return Some(Term::Text(text.to_string()));
+        return Some(Term::Text(text));
     }
     let end = rest.find(|c: char| !c.is_alphanumeric() && !matches!(c, '_' | '-')).unwrap_or(rest.len());
     let (word, after) = rest.split_at(end);
@@ -119,6 +119,23 @@ fn read(rest: &mut &str, depth: usize) -> Option<Term> {
             return Some(Term::Function(word.to_string(), arguments));
         }
         *rest = rest.strip_prefix(',')?.trim_start();
+    }
+}
+
+/// Reads a text after its opening quote, with the escapes of [`Display`]: the text, and what follows its closing quote.
+fn read_text(quoted: &str) -> Option<(String, &str)> {
+    let mut text = String::new();
+    let mut chars = quoted.chars();
+    loop {
+        match chars.next()? {
+            '"' => return Some((text, chars.as_str())),
+            '\\' => text.push(match chars.next()? {
+                'n' => '\n',
+                escaped @ ('"' | '\\') => escaped,
+                _ => return None,
+            }),
+            other => text.push(other),
+        }
     }
 }
 
@@ -178,6 +195,15 @@ mod tests {
     fn names_are_quoted() {
         let term = Term::new("beam", [Term::from("a\"b\\c\nd")]);
         assert_eq!(term.to_string(), r#"beam("a\"b\\c\nd")"#);
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        for text in ["a\"b\\c\nd", "\\", "\\n", "\u{1}\r", ""] {
+            let term = Term::new("beam", [Term::from(text)]);
+            assert_eq!(Term::read(&term.to_string()), Some(term));
+        }
+        assert_eq!(Term::read(r#"beam("\x")"#), None);
     }
 
     #[test]
