@@ -25,6 +25,9 @@ static blocked(beam, way, beam).         % the last one, at its place, is in thi
 static shuttle(beam, beam).              % the first, pushed back through an open joint, lets the second be put on
 static can_shuttle(beam).
 static awkward(beam).                    % no link can be held both where the beam starts and at its place
+static waits(beam, way, beam).           % the last one, where it starts, is in this way
+static bars(beam, beam).                 % the first, at its place, leaves the hand no grasp of the second at its own
+static hides(beam, connection).          % the first, at its place, is in the way of the hand with the peg
 static before(beam, beam).               % the order of the beams that is being tried
 static beside(area, area).
 
@@ -84,6 +87,7 @@ crooked(C) if joins(C, B, _), -aligned(B).
 
 rests(B) if joins(_, B, A), in_assembly(A).
 shut(B, W) if blocked(B, W, A), in_assembly(A).
+shut(B, W) if waits(B, W, A), on_sheet(beam(A)).
 can_enter(B) if entry(B, W), -shut(B, W).
 
 level(A) if enters(A, F), in_assembly(F), enters(A, G), in_assembly(G), F != G.
@@ -144,6 +148,7 @@ impossible assemble(B) if before(A, B), -in_assembly(A).
 % It needs something to rest on, and a way in.
 impossible assemble(B) if -rests(B).
 impossible assemble(B) if -can_enter(B).
+impossible assemble(B) if bars(A, B), in_assembly(A).
 % What it meets stands at its place, or aside.
 impossible assemble(B) if joins(_, B, A), in_assembly(A), -aligned(A), -deep(A).
 % A droops by 3 mm at the end that B would be put over; pushed back, it is not in the way.
@@ -164,6 +169,7 @@ impossible lay_down(B) if rests(B).
 % Without the feet or females that carry it at its height, nothing could be put into it.
 impossible lay_down(B) if low(B).
 impossible lay_down(B) if shut(B, "down").
+impossible lay_down(B) if bars(A, B), in_assembly(A).
 
 % Shuttle, first half: insert the held beam deeper than its place, through a joint that is open behind.
 action assemble_deep(beam).
@@ -176,6 +182,7 @@ impossible assemble_deep(B) if awkward(B), -regrasped(B).
 impossible assemble_deep(B) if before(A, B), -in_assembly(A).
 impossible assemble_deep(B) if -rests(B).
 impossible assemble_deep(B) if -can_enter(B).
+impossible assemble_deep(B) if bars(A, B), in_assembly(A).
 impossible assemble_deep(B) if joins(_, B, A), in_assembly(A), -aligned(A).
 impossible assemble_deep(B) if -can_shuttle(B).
 impossible assemble_deep(B) if shuttle(B, A), in_assembly(A).
@@ -202,6 +209,7 @@ impossible fasten(C) if -in_hand(peg(C)).
 impossible fasten(_) if -at(assembly).
 impossible fasten(C) if -open(C).
 impossible fasten(C) if crooked(C).
+impossible fasten(C) if hides(B, C), in_assembly(B).
 
 % Bring a beam exactly to its place: a free end before a cap, a carrier after another beam was slid through it.
 action push(beam).

@@ -2,7 +2,7 @@
 
 use crate::ast::Span;
 use crate::problem::{LanguageError, LanguageProblem};
-use ramp_source::{Fault, SourceFile};
+use ramp_source::{Fault, SourceFile, is_text};
 
 /// A word with its place.
 #[derive(Clone, Debug)]
@@ -77,6 +77,12 @@ pub(crate) fn words(file: &SourceFile) -> Result<Vec<Word>, LanguageError> {
         } else if first == '"' {
             match rest[1..].find(['"', '\n']) {
                 Some(end) if rest[1 + end..].starts_with('"') => {
+                    let hidden = |c: &char| !is_text(c.encode_utf8(&mut [0; 4]), 1);
+                    if let Some((before, found)) = rest[1..=end].char_indices().find(|(_, c)| hidden(c)) {
+                        let place = at + 1 + before;
+                        let span = file.place(place..place + found.len_utf8());
+                        return Err(Fault::new(LanguageProblem::Character { found }, span));
+                    }
                     (Token::Quoted(rest[1..1 + end].to_string()), end + 2)
                 }
                 _ => return fault(LanguageProblem::Quote, 1),

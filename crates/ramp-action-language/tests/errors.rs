@@ -42,6 +42,7 @@ fn every_error_has_its_place_and_says_what_was_expected() {
         ("sort lamp.", "lamp.al:3:6: `lamp` is declared twice"),
         ("sort a = b. sort b = a.", "lamp.al:3:6: the sort `a` is a part of itself"),
         ("on(red) if ?.", "lamp.al:3:12: found the character `?`, which means nothing here"),
+        ("on(\"r\u{1b}d\").", "lamp.al:3:6: found the character `\\u{1b}`, which means nothing here"),
         ("on(red) if in(red, \"hall).", "lamp.al:3:20: this name has no closing quote on its line"),
     ] {
         assert_eq!(message(laws), expected, "{laws}");

@@ -21,6 +21,7 @@ pub struct Obstacle {
 }
 
 struct Placed {
+    name: String,
     pose: ParryPose,
     shape: Cuboid,
     low: Point3<f64>,
@@ -116,6 +117,7 @@ impl Checker {
                 let pose = parry(&obstacle.x);
                 let bounds = shape.aabb(&pose);
                 Placed {
+                    name: obstacle.name.clone(),
                     pose,
                     shape,
                     low: Point3::new(bounds.mins.x, bounds.mins.y, bounds.mins.z),
@@ -136,41 +138,53 @@ impl Checker {
 
     /// Is the arm clear of everything with its frames here?
     pub fn is_free(&self, frames: &Frames) -> bool {
-        let links = self.links.iter().all(|(link, solid)| self.solid_is_free(&frames.links[*link], solid));
-        let hand = self.hand.iter().all(|solid| self.solid_is_free(&frames.hand, solid));
-        let fingers = self.fingers.iter().enumerate().all(|(index, solids)| {
-            let turn = if index == 0 { 0.0 } else { std::f64::consts::PI };
-            let x = frames.hand
-                * nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), turn)
-                * nalgebra::Translation3::new(0.0, self.width / 2.0, 0.0);
-            solids.iter().all(|solid| self.solid_is_free(&x, solid))
-        });
-        let tip = frames.hand * nalgebra::Translation3::new(0.0, 0.0, self.tip);
-        let held = self.held.iter().all(|piece| {
-            let [x, y, z] = piece.half;
-            let solid = Solid::Box(ParryPose::IDENTITY, Cuboid::new(Vector::new(x, y, z)));
-            self.solid_is_free(&(tip * piece.x), &solid)
-        });
-        links && hand && fingers && held
+        self.touched(frames).is_none()
     }
 
-    fn solid_is_free(&self, frame: &Pose, solid: &Solid) -> bool {
+    /// What the arm touches with its frames here: the name of a part, or `the table`.
+    pub fn touched(&self, frames: &Frames) -> Option<&str> {
+        let mut links = self.links.iter();
+        let links = links.find_map(|(link, solid)| self.touched_by(&frames.links[*link], solid));
+        let hand = || self.hand.iter().find_map(|solid| self.touched_by(&frames.hand, solid));
+        let mut fingers = self.fingers.iter().enumerate();
+        let fingers = || {
+            fingers.find_map(|(index, solids)| {
+                let turn = if index == 0 { 0.0 } else { std::f64::consts::PI };
+                let x = frames.hand
+                    * nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), turn)
+                    * nalgebra::Translation3::new(0.0, self.width / 2.0, 0.0);
+                solids.iter().find_map(|solid| self.touched_by(&x, solid))
+            })
+        };
+        let tip = frames.hand * nalgebra::Translation3::new(0.0, 0.0, self.tip);
+        let held = || {
+            self.held.iter().find_map(|piece| {
+                let [x, y, z] = piece.half;
+                let solid = Solid::Box(ParryPose::IDENTITY, Cuboid::new(Vector::new(x, y, z)));
+                self.touched_by(&(tip * piece.x), &solid)
+            })
+        };
+        links.or_else(hand).or_else(fingers).or_else(held)
+    }
+
+    fn touched_by(&self, frame: &Pose, solid: &Solid) -> Option<&str> {
         let centre = frame.translation.vector;
         let reach = solid.reach();
         let (shape, offset) = solid.shape();
         let pose = parry(frame) * offset;
         // The table: nothing may reach below it.
         if centre.z < reach && shape.compute_aabb(&pose).mins.z < 0.0 {
-            return false;
+            return Some("the table");
         }
-        self.around.iter().all(|placed| {
+        let touched = self.around.iter().find(|placed| {
             // A box around the obstacle and a ball around the solid rule most pairs out.
             let apart = (0..3).any(|axis| {
                 centre[axis] + reach < placed.low[axis] || centre[axis] - reach > placed.high[axis]
             });
-            apart
-                || intersection_test(&pose, shape, &placed.pose, &placed.shape)
+            !apart
+                && !intersection_test(&pose, shape, &placed.pose, &placed.shape)
                     .is_ok_and(|result| !result.intersecting)
-        })
+        });
+        touched.map(|placed| placed.name.as_str())
     }
 }

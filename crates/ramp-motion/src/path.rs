@@ -23,6 +23,8 @@ const LEAN: f64 = 0.05;
 const LARGEST_STEP: f64 = 0.35;
 /// Distance from the joints' ends at which a path's end is good enough, rad.
 const GOOD_MARGIN: f64 = 0.15;
+/// Turns of the shoulder beside its usual one that are tried where that does not do, rad. Chosen.
+const SIDES: [f64; 7] = [0.0, 0.3, -0.3, 0.6, -0.6, 0.9, -0.9];
 /// Growth of a tree in one step, rad.
 const TREE_STEP: f64 = 0.1;
 /// Nodes of both trees together before the search gives up.
@@ -86,6 +88,18 @@ impl PathPlanner {
             .into_iter()
             .find_map(|seed| self.kinematics.inverse(x_wt, seed, &posture, LEAN))
             .ok_or_else(|| MotionError::Unreachable(x_wt.translation.vector.into()))
+    }
+
+    /// Joint positions for the tip at `from` from which it can go straight to `x_wt`: the shoulder turned towards it, or to a
+    /// side of it.
+    pub fn posture_for(&self, from: &Pose, x_wt: &Pose) -> Option<Joints> {
+        let posture = self.posture(x_wt);
+        SIDES.iter().find_map(|turn| {
+            let mut seed = posture;
+            seed[0] += turn;
+            let q = self.kinematics.inverse(from, &seed, &seed, LEAN)?;
+            self.straight(&q, x_wt).map(|_| q)
+        })
     }
 
     /// A straight motion of the tip from `q` to `x_wt`, sampled, the hand turning the short way or, where the arm

@@ -1,5 +1,6 @@
 //! Why there is no plan.
 
+use crate::motion::Motion;
 use crate::solver::SolveError;
 use ramp_action_language::PddlError;
 use ramp_source::SourceFile;
@@ -65,6 +66,16 @@ pub enum PlanError {
         why: String,
         /// The beams that this is about.
         beams: Vec<String>,
+    },
+    /// It cannot be built with what the arm and the hand were found not to be able to do.
+    #[error("{goal} cannot be built: {why}. What the arm cannot do: {reasons}")]
+    Motion {
+        /// The goal.
+        goal: String,
+        /// Why, as the rules say it.
+        why: String,
+        /// The motion facts.
+        reasons: String,
     },
     /// No order of the beams is left to try.
     #[error("{goal} cannot be built: no order of its beams can be carried out")]
@@ -142,6 +153,18 @@ pub enum PlanError {
 }
 
 impl PlanError {
+    /// Where there is no plan and motion facts are known, they are the reason.
+    pub(crate) fn with_motion(self, goal: &str, motion: &Motion) -> PlanError {
+        let why = match &self {
+            _ if motion.facts.is_empty() => return self,
+            PlanError::Illegal { why, .. } => why.clone(),
+            PlanError::NoOrder { .. } => "no order of its beams can be carried out".to_string(),
+            PlanError::NoPlan { task, .. } => format!("the rules do not allow `{task}`"),
+            _ => return self,
+        };
+        PlanError::Motion { goal: goal.to_string(), why, reasons: motion.reasons() }
+    }
+
     /// A failure of the solver on one rule file.
     pub(crate) fn solver(rules: &SourceFile, error: &SolveError) -> PlanError {
         let file = rules.name().to_string();

@@ -59,7 +59,7 @@ pub fn why(
     action: &str,
 ) -> Result<Explanation, PlanError> {
     let known = look_up(assembly, kit, state)?;
-    let mut planner = Planner::new(assembly, kit, domains, Options::default());
+    let mut planner = Planner::new(assembly, kit, domains, Options::default(), known.motion.clone());
     let transitions = planner.transitions(&known)?;
     let plain = |text: &str| text.chars().filter(|c| !c.is_whitespace() && *c != '"').collect::<String>();
     let wanted = plain(action);

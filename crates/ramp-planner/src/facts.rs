@@ -25,7 +25,7 @@ pub(crate) fn coarse(assembly: &Assembly, geometry: &Geometry) -> Vec<Term> {
         }
         let links = &placed.beam.links;
         let (stands, pinned) = (vec![false; assembly.beams.len()], vec![false; assembly.connections.len()]);
-        let start = |link| geometry.graspable_at_start(index, link);
+        let start = |link| geometry.graspable_at_start(index, link, &stands);
         let place = |link| geometry.graspable_at_place(index, link, &stands, &pinned);
         if !links.iter().any(|link| start(link) && place(link))
             && links.iter().any(start)
@@ -33,11 +33,26 @@ pub(crate) fn coarse(assembly: &Assembly, geometry: &Geometry) -> Vec<Term> {
         {
             facts.push(Term::new("awkward", [beam(index)]));
         }
+        for other in geometry.motion.grasps_barred_by(index) {
+            let mut alone = stands.clone();
+            alone[other] = true;
+            let graspable = |link| geometry.graspable_at_place(index, link, &alone, &pinned);
+            if !links.iter().any(graspable) {
+                facts.push(Term::new("bars", [beam(other), beam(index)]));
+            }
+        }
         for (number, way) in geometry.paths.ways(index).iter().enumerate() {
             if !ways.contains(&way.name) {
                 ways.push(way.name);
             }
+            if geometry.motion.closed_by(index, number).any(|past| past.is_none()) {
+                continue;
+            }
             facts.push(Term::new("entry", [beam(index), way.name.into()]));
+            for past in geometry.motion.closed_by(index, number).flatten() {
+                let fact = if past.stands { "blocked" } else { "waits" };
+                facts.push(Term::new(fact, [beam(index), way.name.into(), beam(past.beam)]));
+            }
             for other in geometry.paths.blocked(index, number) {
                 facts.push(Term::new("blocked", [beam(index), way.name.into(), beam(other)]));
             }
@@ -56,6 +71,11 @@ pub(crate) fn coarse(assembly: &Assembly, geometry: &Geometry) -> Vec<Term> {
         }
         if is_tight(assembly, index) {
             facts.push(Term::new("tight", [name]));
+        }
+    }
+    for &(connection, past) in &geometry.motion.fastenings {
+        if let Some(past) = past.filter(|past| past.stands) {
+            facts.push(Term::new("hides", [beam(past.beam), connection_name(assembly, connection)]));
         }
     }
     for shuttle in &geometry.shuttles {
@@ -116,7 +136,7 @@ pub(crate) fn fine(
             }
             let leverage = mm((middle(link) - placed.beam.span() / 2.0).abs());
             facts.push(Term::new("leverage", [name.clone(), leverage]));
-            if geometry.graspable_at_start(index, link) {
+            if geometry.graspable_at_start(index, link, stands) {
                 facts.push(Term::new("graspable", [name.clone(), Term::new("start", [])]));
             }
             if geometry.graspable_at_place(index, link, stands, pinned) {

@@ -1,6 +1,7 @@
 //! What the shapes of an assembly say to the planner besides its [`Paths`]: where a beam can be pushed back, and by which
 //! links a hand can hold it.
 
+use crate::motion::{End, Motion};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use ramp_assembly::block::{ALL_AXES, FROM_ABOVE, TOUCH};
 use ramp_assembly::paths::{DOWN, FINGER, Paths, Way, middle, usable};
@@ -38,11 +39,14 @@ pub(crate) struct Geometry<'a> {
     kit: &'a Kit,
     pub paths: &'a Paths,
     pub shuttles: Vec<Shuttle>,
+    /// What the arm and the hand were found not to be able to do.
+    pub motion: Motion,
 }
 
 impl<'a> Geometry<'a> {
-    pub(crate) fn new(assembly: &'a Assembly, kit: &'a Kit) -> Geometry<'a> {
-        let mut geometry = Geometry { assembly, kit, paths: &assembly.paths, shuttles: Vec::new() };
+    pub(crate) fn new(assembly: &'a Assembly, kit: &'a Kit, motion: Motion) -> Geometry<'a> {
+        let paths = &assembly.paths;
+        let mut geometry = Geometry { assembly, kit, paths, shuttles: Vec::new(), motion };
         geometry.shuttles = geometry.find_shuttles();
         geometry
     }
@@ -59,7 +63,7 @@ impl<'a> Geometry<'a> {
         let ways = self.paths.ways(beam);
         let mut order: Vec<usize> = (0..ways.len()).collect();
         order.sort_by_key(|&index| (laid != (ways[index].name == DOWN), !usual(&ways[index]), index));
-        order.into_iter().find_map(|index| {
+        order.into_iter().filter(|&index| self.motion.allows_path(beam, index, stands)).find_map(|index| {
             let distance = self.paths.distance(beam, index, |other| stands[other])?;
             Some((&ways[index], distance))
         })
@@ -112,7 +116,10 @@ impl<'a> Geometry<'a> {
 
     /// Can a hand hold a link where the beam starts? Of a beam without a place on the sheet only the shape counts: no arm
     /// has to reach it.
-    pub(crate) fn graspable_at_start(&self, beam: usize, link: &Link) -> bool {
+    pub(crate) fn graspable_at_start(&self, beam: usize, link: &Link, stands: &[bool]) -> bool {
+        if !self.motion.allows_grasp(beam, &link.name, End::Start, stands) {
+            return false;
+        }
         let beam = &self.assembly.beams[beam].beam;
         let Some(x_wb) = self.kit.x_wb_start(beam) else { return usable(link) };
         if !usable(link) || !reaches(&x_wb, link) {
@@ -148,7 +155,7 @@ impl<'a> Geometry<'a> {
     ) -> bool {
         let placed = &self.assembly.beams[beam];
         let near = placed.beam.start.is_none() || reaches(&(self.kit.x_wa() * placed.x_ab), link);
-        if !usable(link) || !near {
+        if !usable(link) || !near || !self.motion.allows_grasp(beam, &link.name, End::Place, stands) {
             return false;
         }
         let beams = (0..stands.len()).filter(|&other| other != beam && stands[other]);

@@ -20,6 +20,7 @@ mod explain;
 mod facts;
 mod geometry;
 mod limits;
+mod motion;
 mod pddl;
 mod pegs;
 pub mod plan;
@@ -34,6 +35,7 @@ pub use domains::{DomainError, Domains};
 pub use error::{PlanError, Refused};
 pub use explain::{Explanation, Reason, why};
 pub use limits::{Exceeded, Limit, Limits, Watch};
+pub use motion::{End, Impossible, InTheWay, MotionFact};
 pub use pddl::{pddl, pddl_plan};
 pub use plan::{
     Area, CoarseAction, CoarseStep, Entry, FineAction, Grasp, Item, Place, Plan, State, Statistics, Target,

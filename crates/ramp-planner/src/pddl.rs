@@ -28,7 +28,7 @@ use ramp_kit::Kit;
 /// ```
 pub fn pddl(assembly: &Assembly, kit: &Kit, state: &State, domains: &Domains) -> Result<Pddl, PlanError> {
     let known = state::look_up(assembly, kit, state)?;
-    let planner = Planner::new(assembly, kit, domains, Options::default());
+    let planner = Planner::new(assembly, kit, domains, Options::default(), known.motion.clone());
     let start = planner.fluents(&known)?;
     let file = domains.coarse().file().name();
     let mut written = Pddl::new(&planner.model, &planner.facts.all, &start, "ramp", &assembly.name)?;
@@ -53,7 +53,7 @@ pub fn pddl_plan(
     let written = pddl(assembly, kit, state, domains)?;
     let actions = written.read_plan(domains.coarse(), text)?;
     let known = state::look_up(assembly, kit, state)?;
-    let mut planner = Planner::new(assembly, kit, domains, Options::default());
+    let mut planner = Planner::new(assembly, kit, domains, Options::default(), known.motion.clone());
     let mut now = planner.fluents(&known)?;
     let mut transitions = Vec::new();
     for (index, action) in actions.iter().enumerate() {

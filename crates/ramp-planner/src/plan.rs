@@ -1,5 +1,6 @@
 //! What goes into the planner and what comes out: plain data, names as in the kit and the goal.
 
+use crate::motion::MotionFact;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display};
 
@@ -23,6 +24,8 @@ pub struct State {
     pub slipped: bool,
     /// Where the hand is.
     pub hand_over: Area,
+    /// What the arm and the hand were found not to be able to do.
+    pub motion: Vec<MotionFact>,
 }
 
 /// Coarse places: three areas in a line.
@@ -271,6 +274,8 @@ pub struct Plan {
 pub struct Entry {
     /// Which beam.
     pub beam: String,
+    /// The name of the insertion path.
+    pub path: String,
     /// Direction of the motion in the assembly frame.
     pub direction: [f64; 3],
     /// Its length, m: it is free from its start to the place.

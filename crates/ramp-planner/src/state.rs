@@ -2,6 +2,7 @@
 
 use crate::error::PlanError;
 use crate::facts::{beam_item, beam_name, connection_name};
+use crate::motion::Motion;
 use crate::plan::{Area, Item, State};
 use ramp_action_language::Term;
 use ramp_assembly::Assembly;
@@ -26,9 +27,19 @@ pub(crate) struct Known {
     pub(crate) held_peg: Option<usize>,
     pub(crate) slipped: bool,
     pub(crate) area: Area,
+    /// What the arm and the hand cannot do.
+    pub(crate) motion: Motion,
 }
 
 impl Known {
+    /// A connection without a peg, by index, that was found to be out of the hand's reach whatever stands.
+    pub(crate) fn unreachable(&self) -> Option<usize> {
+        let fastenings = self.motion.fastenings.iter();
+        let mut never = fastenings
+            .filter(|(index, past)| past.is_none_or(|past| !past.stands) && self.pinned[*index].is_none());
+        never.next().map(|(index, _)| *index)
+    }
+
     /// The coarse fluents that are told; the domain says what else is true.
     pub(crate) fn told(&self, assembly: &Assembly) -> Vec<Term> {
         let mut told = vec![Term::new("at", [area_name(self.area)])];
@@ -161,7 +172,8 @@ pub(crate) fn look_up(assembly: &Assembly, kit: &Kit, state: &State) -> Result<K
     let mut pegs: Vec<usize> = (0..all_pegs.len()).filter(|&index| !used[index]).collect();
     pegs.sort_by_key(|&index| (Some(index) != held_peg, index));
     let (slipped, area) = (state.slipped, state.hand_over);
-    Ok(Known { stands, pinned, misaligned, deep, pegs, held_beam, held_peg, slipped, area })
+    let motion = Motion::look_up(assembly, &state.motion)?;
+    Ok(Known { stands, pinned, misaligned, deep, pegs, held_beam, held_peg, slipped, area, motion })
 }
 
 fn unknown(kind: &'static str, name: &str, place: &str, nearest: Option<&str>) -> PlanError {

@@ -8,14 +8,18 @@ use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_kit::source::{MAX_SENTENCE, plain};
 use ramp_motion::PathPlanner;
-use ramp_planner::{CoarseAction, Domains, FineAction, Item, Plan, PlanError, State};
+use ramp_planner::{
+    CoarseAction, Domains, End, FineAction, Grasp, Impossible, Item, MotionFact, Place, Plan, PlanError,
+    State, Target,
+};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Account, Agent, Event, Robot, RobotError};
 
 use crate::cell::{InsertionPath, Workcell};
-use crate::fault::SkillError;
+use crate::fault::{Fault, SkillError};
 use crate::parameters::Parameters;
 use crate::recovery::{check_holes, recover};
+use crate::rehearsal::{Rehearsal, plan_with_motion};
 use crate::skill::Call;
 use crate::table::{SkillTable, baseline};
 
@@ -39,6 +43,8 @@ pub struct Baseline<'a> {
     version: String,
     account: Account,
     plan: Option<Plan>,
+    /// What skills have found that the arm cannot do.
+    learned: Vec<MotionFact>,
     /// The peg that is being fetched: one that cannot be gripped is not tried again.
     fetching: Option<String>,
     /// Why it gave up.
@@ -69,6 +75,7 @@ impl<'a> Baseline<'a> {
             version: VERSION.to_string(),
             account: Account::default(),
             plan: None,
+            learned: Vec::new(),
             fetching: None,
             failure: None,
             on_event: Box::new(|_| {}),
@@ -119,11 +126,59 @@ impl<'a> Baseline<'a> {
         self.plan.as_ref()
     }
 
-    fn make_plan(&mut self, state: &State) -> Result<Plan, PlanError> {
+    /// Plans from a state with what the arm cannot do from here. Where no such plan is left, the goal is built as far as it
+    /// goes without.
+    fn make_plan(&mut self, cell: &mut Workcell, mut state: State) -> Result<Plan, PlanError> {
         let begin = Instant::now();
-        let plan = ramp_planner::plan(self.assembly, self.kit, state, self.domains);
+        state.motion.clone_from(&self.learned);
+        let parts =
+            self.kit.beams.iter().map(|beam| &beam.name).chain(self.kit.pegs.iter().map(|peg| &peg.name));
+        let believed: Vec<_> =
+            parts.filter_map(|name| Some((name.clone(), cell.belief.pose(name).ok()?))).collect();
+        let q = cell.hand.joints();
+        let rehearsed = plan_with_motion(self.assembly, self.kit, &state, self.domains, || {
+            Rehearsal::nominal(
+                self.kit,
+                self.assembly,
+                self.arm,
+                cell.planner,
+                self.parameters.clone(),
+                &state,
+            )
+            .from_here(believed.clone(), q)
+        });
+        let plan = match rehearsed {
+            Ok(rehearsed) => {
+                for fact in rehearsed.facts.iter().skip(self.learned.len()) {
+                    cell.note("motion", fact.to_string());
+                }
+                cell.grasps = rehearsed.grasps;
+                Ok(rehearsed.plan)
+            }
+            Err(error @ PlanError::Motion { .. }) => {
+                cell.note("motion", error.to_string());
+                self.learned.clear();
+                state.motion.clear();
+                cell.grasps.clear();
+                ramp_planner::plan(self.assembly, self.kit, &state, self.domains)
+            }
+            Err(error) => Err(error),
+        };
         self.account.planning += begin.elapsed().as_secs_f64();
         plan
+    }
+
+    /// Takes over from the error of an action what the arm cannot do.
+    fn learn(&mut self, cell: &mut Workcell, plan: &Plan, action: &FineAction, error: &SkillError) {
+        if !matches!(error, SkillError::Motion(_) | SkillError::Fault(Fault::NoGrasp { .. })) {
+            return;
+        }
+        let Some(cannot) = cannot(plan, action) else { return };
+        let fact = MotionFact { cannot, past: None, because: plain(&error.to_string(), MAX_SENTENCE - 1) };
+        if !self.learned.contains(&fact) {
+            cell.note("motion", fact.to_string());
+            self.learned.push(fact);
+        }
     }
 
     /// A work cell with nothing built in it.
@@ -158,7 +213,7 @@ impl<'a> Baseline<'a> {
             let plan = self
                 .state(cell, &lost)
                 .map_err(|error| error.to_string())
-                .and_then(|state| self.make_plan(&state).map_err(|error| format!("no plan: {error}")));
+                .and_then(|state| self.make_plan(cell, state).map_err(|error| format!("no plan: {error}")));
             let plan = match plan {
                 Ok(plan) => plan,
                 Err(why) => {
@@ -240,7 +295,10 @@ impl<'a> Baseline<'a> {
                     FineAction::PickUp { item: Item::Peg(peg), .. } => Some(peg.clone()),
                     _ => None,
                 };
-                self.skills.execute(cell, &Call { action, rest })?;
+                if let Err(error) = self.skills.execute(cell, &Call { action, rest }) {
+                    self.learn(cell, plan, action, &error);
+                    return Err(error);
+                }
                 cell.remember_standing(&self.touched(action));
                 cell.note("done", action.to_string());
                 self.report(cell);
@@ -267,6 +325,34 @@ impl<'a> Baseline<'a> {
             }
             _ => Vec::new(),
         }
+    }
+}
+
+/// What a plan must do without when an action of it cannot be carried out.
+fn cannot(plan: &Plan, action: &FineAction) -> Option<Impossible> {
+    let grasp = |beam: &str, link: &str, at: End| {
+        let (beam, link) = (beam.to_string(), link.to_string());
+        Some(Impossible::Grasp { beam, link, at })
+    };
+    // By which link a plan holds a beam when it is brought to its place.
+    let held = |beam: &str, last: bool| {
+        let mut links = plan.fine().filter_map(|action| match action {
+            FineAction::PickUp { item: Item::Beam(other), grasp: Grasp::Link(link) } if other == beam => {
+                Some(link)
+            }
+            FineAction::Regrasp { beam: other, link } if other == beam => Some(link),
+            _ => None,
+        });
+        if last { links.last() } else { links.next() }
+    };
+    match action {
+        FineAction::Move { to: Place::Input(Item::Beam(beam)) }
+        | FineAction::PickUp { item: Item::Beam(beam), .. } => grasp(beam, held(beam, false)?, End::Start),
+        FineAction::Move { to: Place::Approach(Target::Beam(beam)) } => {
+            grasp(beam, held(beam, true)?, End::Place)
+        }
+        FineAction::Push { beam, link } | FineAction::Slide { beam, link } => grasp(beam, link, End::Place),
+        _ => None,
     }
 }
 

@@ -15,6 +15,15 @@ pub const BEAM_WIDTH: f64 = 22.0e-3;
 /// Distance between the fingers when they hold a peg's head, m.
 pub const PEG_WIDTH: f64 = 49.0e-3;
 
+/// How a beam is gripped: distance of the tip from its j1 hole, m, and whether the hand is turned by 180°.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BeamGrasp {
+    /// m.
+    pub s: f64,
+    /// By 180° from the beam's own x.
+    pub reverse: bool,
+}
+
 /// The rotation of a hand that points down with its x axis at `yaw` (rad) in the world; it closes across x.
 pub fn hand_down(yaw: f64) -> UnitQuaternion<f64> {
     UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw)

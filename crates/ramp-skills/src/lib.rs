@@ -16,6 +16,7 @@ pub mod piece;
 pub mod pose;
 pub mod primitive;
 pub mod recovery;
+pub mod rehearsal;
 pub mod skill;
 pub mod table;
 

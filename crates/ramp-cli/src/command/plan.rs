@@ -54,6 +54,9 @@ pub struct Arguments {
     /// Explain the actions and observations in this file (JSON), and plan from what is believed then
     #[arg(long, value_name = "FILE", conflicts_with_all = ["emit_asp", "from", "why", "state"])]
     history: Option<PathBuf>,
+    /// Go through the plan with the arm's model, and plan around what the arm cannot do
+    #[arg(long, conflicts_with_all = ["emit_asp", "from", "pddl", "disassemble"])]
+    check_motion: bool,
     /// Take the built goal apart: the same rules, run backwards
     #[arg(long, conflicts_with_all = ["emit_asp", "from", "why", "state", "history", "optimal"])]
     disassemble: bool,
@@ -155,6 +158,11 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         state = first.state.clone();
         diagnoses = Some(found);
     }
+    let begin = Instant::now();
+    if arguments.check_motion {
+        let rehearsed = ramp_skills::rehearsal::plan_for_arm(&goal, &kit, &data.arm()?, &state, &domains);
+        state.motion = rehearsed.into_diagnostic()?.facts;
+    }
     if let Some(path) = &arguments.from {
         let name = path.display();
         let text = read_text(path, LARGEST)?;
@@ -233,7 +241,6 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         print(&text)?;
         return Ok(DONE);
     }
-    let begin = Instant::now();
     let options = Options { optimal: arguments.optimal, fine: !arguments.coarse, ..Options::default() };
     if arguments.disassemble {
         let plan = ramp_planner::disassemble(&goal, &kit, &domains).into_diagnostic()?;
@@ -258,6 +265,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let mut text = String::new();
     if arguments.json {
         let mut value = json!({ "goal": goal.name, "seconds": seconds, "plan": plan });
+        if !state.motion.is_empty() {
+            value["motion"] = json!(state.motion);
+        }
         if let Some(diagnoses) = &diagnoses {
             value["diagnoses"] = json!(diagnoses);
         }
@@ -269,6 +279,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
                 diagnosis.events.iter().map(|event| event.event.as_str()).collect::<Vec<_>>().join(", ");
             let events = if events.is_empty() { "all went as it should".to_string() } else { events };
             let _ = writeln!(text, "{}{events}", if number == 0 { "believed: " } else { "      or: " });
+        }
+        for fact in &state.motion {
+            let _ = writeln!(text, "{fact}");
         }
         write_steps(&mut text, &plan.steps);
         let fine: usize = plan.steps.iter().map(|step| step.fine.len()).sum();

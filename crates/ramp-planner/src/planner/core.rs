@@ -9,6 +9,7 @@ use crate::error::PlanError;
 use crate::facts::{self, beam_name};
 use crate::geometry::Geometry;
 use crate::limits::Watch;
+use crate::motion::Motion;
 use crate::solver::Solver;
 use crate::state;
 use ramp_action_language::{Model, Refusal, State as Fluents, Term};
@@ -50,15 +51,16 @@ pub(crate) struct Transition {
 }
 
 impl<'a> Planner<'a> {
-    /// A planner for one goal; nothing is solved yet.
+    /// A planner for one goal, which knows some motion facts; nothing is solved yet.
     pub(crate) fn new(
         assembly: &'a Assembly,
         kit: &'a Kit,
         domains: &'a Domains,
         options: Options,
+        motion: Motion,
     ) -> Planner<'a> {
         let watch = domains.watch(options.optimal);
-        let geometry = Geometry::new(assembly, kit);
+        let geometry = Geometry::new(assembly, kit, motion);
         let facts = facts::coarse(assembly, &geometry);
         let model = Model::new(domains.coarse(), &facts);
         let facts = Facts::new(facts);

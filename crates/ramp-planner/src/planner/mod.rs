@@ -23,6 +23,7 @@ pub use options::Options;
 use crate::domains::Domains;
 use crate::error::PlanError;
 use crate::facts;
+use crate::motion::Motion;
 use crate::plan::{Plan, State};
 use crate::state;
 use ramp_assembly::Assembly;
@@ -66,13 +67,22 @@ pub fn plan_with(
     if needed > known.pegs.len() {
         return Err(PlanError::Pegs { goal: assembly.name.clone(), needed, left: known.pegs.len() });
     }
-    Planner::new(assembly, kit, domains, options).plan(&known)
+    if let Some(connection) = known.unreachable() {
+        return Err(PlanError::Motion {
+            goal: assembly.name.clone(),
+            why: format!("{} cannot be fastened", assembly.connections[connection].name),
+            reasons: known.motion.reasons(),
+        });
+    }
+    let mut planner = Planner::new(assembly, kit, domains, options, known.motion.clone());
+    let plan = planner.plan(&known);
+    plan.map_err(|error| error.with_motion(&assembly.name, &known.motion))
 }
 
 /// A domain with a goal as a program for clingo's incremental mode: `ramp plan GOAL --emit-asp > goal.lp`, then
 /// `clingo goal.lp`. The fine domain is emitted for the state at the beginning and with no goals of its own.
 pub fn asp(assembly: &Assembly, kit: &Kit, domains: &Domains, fine: bool) -> String {
-    let planner = Planner::new(assembly, kit, domains, Options::default());
+    let planner = Planner::new(assembly, kit, domains, Options::default(), Motion::default());
     let mut facts = planner.facts.all;
     let domain = match fine {
         false => domains.coarse(),
@@ -117,7 +127,7 @@ mod tests {
         for name in ["easy-3", "medium-3", "hard-3"] {
             let assembly = goal(name, &kit);
             let known = state::look_up(&assembly, &kit, &State::default()).unwrap();
-            let mut planner = Planner::new(&assembly, &kit, &domains, Options::default());
+            let mut planner = Planner::new(&assembly, &kit, &domains, Options::default(), Motion::default());
             planner.plan(&known).unwrap();
             for (answers, domain) in
                 [(&planner.coarse_answers, domains.coarse()), (&planner.fine_answers, domains.fine())]

@@ -132,6 +132,7 @@ impl Planner<'_> {
                 let depth = shuttles.map(|shuttle| shuttle.depth).fold(0.0, f64::max);
                 entries.push(Entry {
                     beam: self.assembly.beams[beam].beam.name.clone(),
+                    path: way.name.to_string(),
                     direction: way.direction.into_inner().into(),
                     distance,
                     depth: if name == "assemble_deep" { depth } else { 0.0 },

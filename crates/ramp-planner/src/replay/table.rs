@@ -48,7 +48,7 @@ impl<'a> Replayer<'a> {
         state: &State,
     ) -> Result<Replayer<'a>, PlanError> {
         let known = look_up(assembly, kit, state)?;
-        let planner = Planner::new(assembly, kit, domains, Options::default());
+        let planner = Planner::new(assembly, kit, domains, Options::default(), known.motion.clone());
         let fluents = planner.fluents(&known)?;
         let pinned = known.pinned.iter().map(|peg| peg.map(|peg| planner.pegs[peg].clone())).collect();
         Ok(Replayer {
@@ -102,6 +102,7 @@ impl<'a> Replayer<'a> {
             in_hand: self.hand.clone(),
             slipped: (0..stands.len()).any(|beam| holds("slipped", beam)),
             hand_over: areas.into_iter().find(over).unwrap_or_default(),
+            motion: self.start.motion.facts.clone(),
         }
     }
 }

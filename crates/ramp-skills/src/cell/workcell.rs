@@ -14,6 +14,7 @@ use ramp_robot::random::Stream;
 use ramp_robot::{Cause, Event, Robot};
 
 use crate::belief::Belief;
+use crate::grasp::BeamGrasp;
 use crate::hand::Hand;
 use crate::parameters::Parameters;
 
@@ -62,6 +63,8 @@ pub struct Workcell<'a, 'r> {
     pub pinned: Vec<(usize, String)>,
     /// How beams get to their places, by index: as the plan says.
     pub paths: BTreeMap<usize, InsertionPath>,
+    /// How beams are to be gripped for which the usual grasp would not do, by name.
+    pub grasps: BTreeMap<String, BeamGrasp>,
     /// Random numbers for the motion planner.
     pub stream: Stream,
     /// The numbers of the skills.
@@ -96,6 +99,7 @@ impl<'a, 'r> Workcell<'a, 'r> {
             deep: Vec::new(),
             pinned: Vec::new(),
             paths: BTreeMap::new(),
+            grasps: BTreeMap::new(),
             stream: Stream::new(seed, "motion"),
             parameters,
             events: Vec::new(),

@@ -21,6 +21,17 @@ impl Workcell<'_, '_> {
                 .ok_or_else(no_grasp)?;
             // The hand turns with the beam: what counts is the worse of its start and its goal.
             let goal = self.assembly.beam_index(part).map(|index| self.target(index)).transpose()?;
+            if let Some(known) = self.grasps.get(part) {
+                let x_wt = beam_grasp(&x_wp, known.s, known.reverse);
+                let [from, to] = grasp::span(link, &self.parameters.grip);
+                let on_link = (from..=to).contains(&known.s);
+                if on_link
+                    && self.reach(&x_wt, &q) > 0.0
+                    && self.has_room(&x_wt, self.parameters.grip.beam_open, part)
+                {
+                    return Ok((x_wt, self.parameters.grip.beam_open, BEAM_WIDTH));
+                }
+            }
             let mut nearest = None;
             for s in grasp::points_on(link, beam.span() / 2.0, &self.parameters.grip) {
                 let senses = [false, true].map(|reverse| {

@@ -46,10 +46,18 @@ impl Workcell<'_, '_> {
         self.travel(&above)?;
         let checker = self.checker(Some(part));
         let q = self.hand.joints();
-        let leg = self
-            .planner
-            .straight(&q, x_wt)
-            .ok_or(MotionError::Unreachable(x_wt.translation.vector.into()))?;
+        let mut leg = self.planner.straight(&q, x_wt);
+        if leg.is_none()
+            && let Some(turned) = self.planner.posture_for(&self.hand.seen.x_wt, x_wt)
+        {
+            // Not from the posture in which the arm has arrived: it takes another one.
+            let way = self.planner.connect(&q, &turned, &checker, &mut self.stream);
+            for corner in way.ok_or(MotionError::NoWay)?.windows(2) {
+                self.follow_leg(corner.to_vec())?;
+            }
+            leg = self.planner.straight(&self.hand.joints(), x_wt);
+        }
+        let leg = leg.ok_or(MotionError::Unreachable(x_wt.translation.vector.into()))?;
         if !leg.iter().all(|q| checker.is_free(&self.planner.kinematics.frames(q))) {
             return Err(MotionError::Blocked("end").into());
         }

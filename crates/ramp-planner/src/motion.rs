@@ -1,0 +1,220 @@
+//! What the motion side answers: facts about what the arm and the hand cannot do, each with its reason.
+//!
+//! Whoever knows the arm finds them, before anything moves or when a skill fails, and puts them into
+//! [`State::motion`](crate::State). Here their names are looked up. The geometry of the planner asks [`Motion`] where a
+//! hand can hold a beam and which insertion paths are open; `facts` tells the rules.
+
+use crate::error::PlanError;
+use ramp_assembly::Assembly;
+use ramp_source::nearest;
+use serde::{Deserialize, Serialize};
+use std::fmt::{self, Display};
+
+/// Something that the arm or the hand cannot do, and why.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MotionFact {
+    /// What cannot be done.
+    pub cannot: Impossible,
+    /// The beam that is in the way; without one it cannot be done at all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub past: Option<InTheWay>,
+    /// Why, in a few words, such as `the fingers would touch b3`.
+    pub because: String,
+}
+
+/// What cannot be done.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Impossible {
+    /// Holding a beam by a link.
+    Grasp {
+        /// The beam.
+        beam: String,
+        /// Its link.
+        link: String,
+        /// Where.
+        at: End,
+    },
+    /// Bringing a beam to its place along an insertion path.
+    Insert {
+        /// The beam.
+        beam: String,
+        /// The name of the path, as in [`Entry::path`](crate::Entry).
+        path: String,
+    },
+    /// Pinning a connection.
+    Fasten {
+        /// Its name in the goal.
+        connection: String,
+    },
+}
+
+/// A beam that is in the way, by name.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum InTheWay {
+    /// Where it stands in the assembly.
+    Stands(String),
+    /// Where it starts.
+    OnSheet(String),
+}
+
+impl InTheWay {
+    fn beam(&self) -> &str {
+        match self {
+            InTheWay::Stands(beam) | InTheWay::OnSheet(beam) => beam,
+        }
+    }
+}
+
+/// An end of the way of a beam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// Where it starts.
+    Start,
+    /// Its place in the assembly.
+    Place,
+}
+
+impl Display for MotionFact {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.cannot {
+            Impossible::Grasp { beam, link, at } => {
+                let place = match at {
+                    End::Start => "where it starts",
+                    End::Place => "at its place",
+                };
+                write!(f, "{beam} cannot be held by {link} {place}")?;
+            }
+            Impossible::Insert { beam, path } => {
+                write!(f, "{beam} cannot be inserted along the path {path}")?
+            }
+            Impossible::Fasten { connection } => write!(f, "{connection} cannot be fastened")?,
+        }
+        if let Some(past) = &self.past {
+            match past {
+                InTheWay::Stands(beam) => write!(f, " while {beam} stands")?,
+                InTheWay::OnSheet(beam) => write!(f, " while {beam} is where it starts")?,
+            }
+        }
+        write!(f, ": {}", self.because)
+    }
+}
+
+/// A beam that is in the way, by index: in the assembly, or where it starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Obstructing {
+    pub(crate) beam: usize,
+    pub(crate) stands: bool,
+}
+
+/// Is it in the way while some beams stand? What is always so has none.
+fn obstructs(past: Option<Obstructing>, stands: &[bool]) -> bool {
+    past.is_none_or(|past| stands[past.beam] == past.stands)
+}
+
+/// Motion facts with their names looked up.
+#[derive(Clone, Default)]
+pub(crate) struct Motion {
+    /// As they were told.
+    pub(crate) facts: Vec<MotionFact>,
+    /// The beam, its link, the end, and the beam in the way.
+    grasps: Vec<(usize, String, End, Option<Obstructing>)>,
+    /// The beam, its path and the beam in the way.
+    paths: Vec<(usize, usize, Option<Obstructing>)>,
+    /// The connection and the beam in the way.
+    pub(crate) fastenings: Vec<(usize, Option<Obstructing>)>,
+}
+
+impl Motion {
+    /// Looks up the names of some facts.
+    pub(crate) fn look_up(assembly: &Assembly, facts: &[MotionFact]) -> Result<Motion, PlanError> {
+        let mut motion = Motion { facts: facts.to_vec(), ..Motion::default() };
+        let unknown =
+            |kind: &'static str, name: &str, place: &str, nearest: Option<&str>| PlanError::UnknownName {
+                kind,
+                name: name.to_string(),
+                place: place.to_string(),
+                nearest: nearest.map(str::to_string),
+            };
+        let beam = |name: &str| {
+            let names = assembly.beams.iter().map(|placed| placed.beam.name.as_str());
+            assembly
+                .beam_index(name)
+                .ok_or_else(|| unknown("beam", name, &assembly.name, nearest(name, names)))
+        };
+        for fact in facts {
+            let past = fact.past.as_ref().map(|past| {
+                Ok::<_, PlanError>(Obstructing {
+                    beam: beam(past.beam())?,
+                    stands: matches!(past, InTheWay::Stands(_)),
+                })
+            });
+            let past = past.transpose()?;
+            match &fact.cannot {
+                Impossible::Grasp { beam: name, link, at } => {
+                    let index = beam(name)?;
+                    let links = || assembly.beams[index].beam.links.iter().map(|link| link.name.as_str());
+                    if !links().any(|other| other == link) {
+                        return Err(unknown("link", link, name, nearest(link, links())));
+                    }
+                    motion.grasps.push((index, link.clone(), *at, past));
+                }
+                Impossible::Insert { beam: name, path } => {
+                    let index = beam(name)?;
+                    let paths = || assembly.paths.ways(index).iter().map(|way| way.name);
+                    let number = paths().position(|other| other == path);
+                    let number = number.ok_or_else(|| unknown("path", path, name, nearest(path, paths())))?;
+                    motion.paths.push((index, number, past));
+                }
+                Impossible::Fasten { connection } => {
+                    let names = assembly.connections.iter().map(|connection| connection.name.as_str());
+                    let index = assembly.connection_index(connection).ok_or_else(|| {
+                        unknown("connection", connection, &assembly.name, nearest(connection, names))
+                    })?;
+                    motion.fastenings.push((index, past));
+                }
+            }
+        }
+        Ok(motion)
+    }
+
+    /// The beams that stand in the way of some grasp of a beam at its place.
+    pub(crate) fn grasps_barred_by(&self, beam: usize) -> impl Iterator<Item = usize> + '_ {
+        let barred =
+            self.grasps.iter().filter(move |(other, _, end, _)| *other == beam && *end == End::Place);
+        barred.filter_map(|(_, _, _, past)| past.filter(|past| past.stands).map(|past| past.beam))
+    }
+
+    /// Can a hand hold a beam by a link at one end of its way, while other beams stand?
+    pub(crate) fn allows_grasp(&self, beam: usize, link: &str, at: End, stands: &[bool]) -> bool {
+        !self.grasps.iter().any(|(other, name, end, past)| {
+            *other == beam && name == link && *end == at && obstructs(*past, stands)
+        })
+    }
+
+    /// Can a beam be brought along a path, while other beams stand?
+    pub(crate) fn allows_path(&self, beam: usize, path: usize, stands: &[bool]) -> bool {
+        !self
+            .paths
+            .iter()
+            .any(|(other, number, past)| *other == beam && *number == path && obstructs(*past, stands))
+    }
+
+    /// The beams that close a path of a beam; `None` where it is always closed.
+    pub(crate) fn closed_by(
+        &self,
+        beam: usize,
+        path: usize,
+    ) -> impl Iterator<Item = Option<Obstructing>> + '_ {
+        let closed = self.paths.iter().filter(move |(other, number, _)| *other == beam && *number == path);
+        closed.map(|(_, _, past)| *past)
+    }
+
+    /// The reasons, as text, for an error.
+    pub(crate) fn reasons(&self) -> String {
+        self.facts.iter().map(MotionFact::to_string).collect::<Vec<_>>().join("; ")
+    }
+}

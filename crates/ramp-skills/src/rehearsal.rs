@@ -1,0 +1,621 @@
+//! Goes through a plan with the arm's model before anything moves, and answers what the arm or the hand cannot do.
+//!
+//! A [`Rehearsal`] begins with where the parts are believed to be, and carries out one coarse action after another with
+//! the kinematics and the motion planner alone: a grasp that is reachable and has room, a path there, a path with the
+//! part to where its insertion begins, a straight insertion, room for the fingers that open. What cannot be done becomes
+//! a [`MotionFact`] for the planner. [`plan_with_motion`] plans and rehearses by turns until a plan passes.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
+use ramp_assembly::Assembly;
+use ramp_kit::Kit;
+use ramp_kit::joint::{FEMALE_HEIGHT, STEM_LENGTH};
+use ramp_motion::{Checker, Joints, MotionError, Obstacle, PathPlanner};
+use ramp_planner::{
+    CoarseAction, CoarseStep, Domains, End, Entry, FineAction, Grasp, Impossible, InTheWay, Item, MotionFact,
+    Plan, PlanError, State,
+};
+use ramp_robot::arm::ArmModel;
+use ramp_robot::random::Stream;
+
+use crate::Pose;
+use crate::belief::obstacles::{beam_boxes, held_boxes, holder_boxes, peg_boxes};
+use crate::grasp::{BEAM_WIDTH, BeamGrasp, PEG_HEIGHT, beam_grasp, hand_down, peg_grasp, points_on};
+use crate::parameters::Parameters;
+
+/// The most facts that plan and rehearsal exchange before they give up: each takes away one grasp, path or order.
+const MOST_FACTS: usize = 60;
+
+/// A plan that the arm can carry out, and what was learned on the way to it.
+#[derive(Clone, Debug)]
+pub struct Rehearsed {
+    /// The plan.
+    pub plan: Plan,
+    /// What the arm cannot do, in the order in which it was found; those of the given state come first.
+    pub facts: Vec<MotionFact>,
+    /// How beams are to be gripped for which the usual grasp would not do, by name.
+    pub grasps: BTreeMap<String, BeamGrasp>,
+}
+
+/// Why a motion does not exist.
+#[derive(Clone, Debug)]
+struct Refusal {
+    because: String,
+    /// What is in the way.
+    touched: Option<String>,
+    /// How far the motion got: the later refusal of two says more.
+    stage: Stage,
+}
+
+/// The stages of bringing a beam to its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Stage {
+    Grip,
+    Reach,
+    Approach,
+    Insertion,
+    Release,
+}
+
+/// A plan that is gone through with the arm's model.
+pub struct Rehearsal<'a> {
+    kit: &'a Kit,
+    assembly: &'a Assembly,
+    arm: &'a ArmModel,
+    planner: &'a PathPlanner,
+    parameters: Arc<Parameters>,
+    /// Where the parts are, in the world, by name.
+    parts: BTreeMap<String, Pose>,
+    /// Beams in the assembly, by index.
+    standing: BTreeSet<usize>,
+    q: Joints,
+    stream: Stream,
+    grasps: BTreeMap<String, BeamGrasp>,
+}
+
+impl<'a> Rehearsal<'a> {
+    /// With every part where it nominally is in a state, and the arm in its home pose.
+    pub fn nominal(
+        kit: &'a Kit,
+        assembly: &'a Assembly,
+        arm: &'a ArmModel,
+        planner: &'a PathPlanner,
+        parameters: Arc<Parameters>,
+        state: &State,
+    ) -> Rehearsal<'a> {
+        let mut parts = BTreeMap::new();
+        let standing: BTreeSet<usize> = state
+            .in_assembly
+            .iter()
+            .filter_map(|name| assembly.beam_index(name))
+            .chain([assembly.base])
+            .collect();
+        for beam in &kit.beams {
+            let place = assembly.beam_index(&beam.name).filter(|index| standing.contains(index));
+            let pose = match place {
+                Some(index) => Some(kit.x_wa() * assembly.beams[index].x_ab),
+                None => kit.x_wb_start(beam),
+            };
+            parts.extend(pose.map(|pose| (beam.name.clone(), pose)));
+        }
+        for peg in &kit.pegs {
+            if !state.lost_pegs.contains(&peg.name) {
+                parts.extend(kit.x_wp_start(peg).map(|pose| (peg.name.clone(), pose)));
+            }
+        }
+        let q = Joints::from(arm.home);
+        let (stream, grasps) = (Stream::new(0, "rehearsal"), BTreeMap::new());
+        let mut rehearsal =
+            Rehearsal { kit, assembly, arm, planner, parameters, parts, standing, q, stream, grasps };
+        for (connection, peg) in &state.fastened {
+            if let Some(index) = assembly.connection_index(connection) {
+                let x_wp = rehearsal.seated(index);
+                rehearsal.parts.insert(peg.clone(), x_wp);
+            }
+        }
+        rehearsal
+    }
+
+    /// With the parts where they are believed to be (poses in the world, by name), and the arm at `q` (rad); other parts stay
+    /// where they nominally are.
+    #[must_use]
+    pub fn from_here(
+        mut self,
+        believed: impl IntoIterator<Item = (String, Pose)>,
+        q: Joints,
+    ) -> Rehearsal<'a> {
+        self.parts.extend(believed);
+        self.q = q;
+        self
+    }
+
+    /// Goes through a plan; the grasps of beams for which the usual one would not do, by name.
+    ///
+    /// # Errors
+    /// The first thing that the arm or the hand cannot do.
+    pub fn check(mut self, plan: &Plan) -> Result<BTreeMap<String, BeamGrasp>, MotionFact> {
+        for (index, step) in plan.steps.iter().enumerate() {
+            self.step(step, &plan.steps[index + 1..], &plan.entries)?;
+        }
+        Ok(self.grasps)
+    }
+
+    fn step(&mut self, step: &CoarseStep, rest: &[CoarseStep], entries: &[Entry]) -> Result<(), MotionFact> {
+        for action in &step.fine {
+            match action {
+                FineAction::PickUp { item: Item::Beam(beam), grasp: Grasp::Link(link) } => {
+                    let Some(index) = self.assembly.beam_index(beam) else { continue };
+                    let regrasp = regrasped_by(beam, rest);
+                    self.pick_up_beam(index, link, regrasp, entry_of(beam, entries))?;
+                }
+                FineAction::Fasten { connection, peg, .. } => {
+                    if let Some(index) = self.assembly.connection_index(connection) {
+                        self.fasten(index, peg)?;
+                    }
+                }
+                FineAction::Push { beam, link } | FineAction::Slide { beam, link } => {
+                    if let Some(index) = self.assembly.beam_index(beam) {
+                        self.grip_standing(index, link)?;
+                    }
+                }
+                _ => {}
+            }
+        }
+        let placed = match &step.coarse {
+            CoarseAction::Assemble { beam }
+            | CoarseAction::LayDown { beam }
+            | CoarseAction::AssembleDeep { beam } => self.assembly.beam_index(beam),
+            _ => None,
+        };
+        if let Some(beam) = placed {
+            self.standing.insert(beam);
+            let name = self.assembly.beams[beam].beam.name.clone();
+            let depth = entry_of(&name, entries).map_or(0.0, |entry| entry.depth);
+            let goal = self.goal(beam, entry_of(&name, entries), depth);
+            self.parts.insert(name, goal);
+        }
+        if let CoarseAction::Slide { beam } = &step.coarse
+            && let Some(index) = self.assembly.beam_index(beam)
+        {
+            self.parts.insert(beam.clone(), self.goal(index, None, 0.0));
+        }
+        Ok(())
+    }
+
+    // ---- Beams ------------------------------------------------------------------------------------------------
+
+    /// A beam is picked up by a link, and brought to its place: by the same link, or by another one that it is regrasped by.
+    fn pick_up_beam(
+        &mut self,
+        beam: usize,
+        link: &str,
+        regrasp: Option<&str>,
+        entry: Option<&Entry>,
+    ) -> Result<(), MotionFact> {
+        let name = self.assembly.beams[beam].beam.name.clone();
+        let before = self.q;
+        let tried = self.bring(beam, link, regrasp, entry);
+        let refusal = match tried {
+            Ok(()) => return Ok(()),
+            Err(refusal) => refusal,
+        };
+        let fact = |cannot: Impossible| self.fact(cannot, &refusal);
+        if refusal.stage == Stage::Grip {
+            return Err(fact(Impossible::Grasp { beam: name, link: link.to_string(), at: End::Start }));
+        }
+        let last = regrasp.unwrap_or(link);
+        // Where no other link would do, either, it is the path that cannot be gone.
+        let links = &self.assembly.beams[beam].beam.links;
+        let others: Vec<String> =
+            links.iter().map(|other| other.name.clone()).filter(|other| other != last).collect();
+        let cannot = Impossible::Grasp { beam: name.clone(), link: last.to_string(), at: End::Place };
+        let grasp = fact(cannot);
+        let Some(entry) = entry else { return Err(grasp) };
+        let path = fact(Impossible::Insert { beam: name, path: entry.path.clone() });
+        for other in others {
+            self.q = before;
+            // Whether it can be gripped where it starts is another question.
+            if self.bring(beam, &other, Some(&other), Some(entry)).is_ok() {
+                return Err(grasp);
+            }
+        }
+        Err(path)
+    }
+
+    /// Grips a beam where it starts and brings it to its place, the hand at any point of the link and in either sense.
+    fn bring(
+        &mut self,
+        beam: usize,
+        link: &str,
+        regrasp: Option<&str>,
+        entry: Option<&Entry>,
+    ) -> Result<(), Refusal> {
+        let placed = &self.assembly.beams[beam].beam;
+        let (name, before) = (placed.name.clone(), self.q);
+        let x_wb = self.parts.get(&name).copied();
+        let mut worst: Option<Refusal> = None;
+        for grasp in self.candidates(beam, link, x_wb) {
+            self.q = before;
+            if regrasp.is_none_or(|other| other != link) {
+                let Some(x_wb) = x_wb else { continue };
+                if let Err(refusal) = self.grip(&name, &beam_grasp(&x_wb, grasp.s, grasp.reverse)) {
+                    keep(&mut worst, refusal);
+                    continue;
+                }
+            }
+            if regrasp.is_some_and(|other| other != link) {
+                // By which point it is held at its place is chosen when it lies on the table.
+                return regrasp.map_or(Ok(()), |other| self.bring(beam, other, Some(other), entry));
+            }
+            match self.place(beam, grasp, entry) {
+                Ok(()) => {
+                    // One that would be gripped sooner does not do.
+                    let unusual = worst.as_ref().is_some_and(|refusal| refusal.stage > Stage::Grip);
+                    if unusual && regrasp.is_none() {
+                        self.grasps.insert(name, grasp);
+                    }
+                    return Ok(());
+                }
+                Err(refusal) => keep(&mut worst, refusal),
+            }
+        }
+        self.q = before;
+        Err(worst.unwrap_or(Refusal {
+            because: "the link has no room for the fingers".to_string(),
+            touched: None,
+            stage: Stage::Grip,
+        }))
+    }
+
+    /// The hand comes down on a part, open, with the tip at `x_wt`, and lifts it.
+    fn grip(&mut self, part: &str, x_wt: &Pose) -> Result<(), Refusal> {
+        let open = match self.kit.beam(part) {
+            Some(_) => self.parameters.grip.beam_open,
+            None => self.parameters.grip.peg_open,
+        };
+        let above = self.raised(x_wt);
+        let around = self.obstacles(&[]);
+        let checker = self.checker(open, Vec::new(), &around);
+        self.travel(&above, &checker, Stage::Grip)?;
+        let around = self.obstacles(&[part]);
+        let checker = self.checker(open, Vec::new(), &around);
+        self.straight(x_wt, &checker, Stage::Grip, "the fingers would touch")?;
+        self.straight(&above, &checker, Stage::Grip, "the hand would touch")
+    }
+
+    /// The held beam is brought to its place, and the hand retreats.
+    fn place(&mut self, beam: usize, grasp: BeamGrasp, entry: Option<&Entry>) -> Result<(), Refusal> {
+        let name = self.assembly.beams[beam].beam.name.clone();
+        let goal = self.goal(beam, entry, entry.map_or(0.0, |entry| entry.depth));
+        let down = beam_grasp(&goal, grasp.s, grasp.reverse);
+        let back = entry.map_or(Vector3::zeros(), |entry| {
+            self.kit.x_wa().rotation * Vector3::from(entry.direction) * -(entry.distance + entry.depth)
+        });
+        let begin = Translation3::from(back + Vector3::z() * self.parameters.insertion.clear) * down;
+        let held = held_boxes(self.kit, &name, &(down.inverse() * goal));
+        let around = self.obstacles(&[&name]);
+        let checker = self.checker(BEAM_WIDTH, held, &around);
+        self.travel(&begin, &checker, Stage::Approach)?;
+        // Where joints go into each other the boxes of the beams overlap: what counts is the arm and the hand.
+        let checker = Checker::new(self.arm, BEAM_WIDTH, Vec::new(), &around, 0.0);
+        self.straight(&down, &checker, Stage::Insertion, "on its insertion path the hand would touch")?;
+        let open = Checker::new(self.arm, self.parameters.grip.beam_release, Vec::new(), &around, 0.0);
+        self.is_free(&open, Stage::Release, "the fingers that open would touch")?;
+        let up = self.raised(&down);
+        self.straight(&up, &open, Stage::Release, "the hand that retreats would touch")
+    }
+
+    /// The grasps of a link in the order in which the skills try them: near the middle of the beam first, and of the two
+    /// senses of the hand the one that keeps the joints from their ends, here and at the place.
+    fn candidates(&self, beam: usize, link: &str, x_wb: Option<Pose>) -> Vec<BeamGrasp> {
+        let placed = &self.assembly.beams[beam].beam;
+        let Some(link) = placed.links.iter().find(|candidate| candidate.name == link) else {
+            return Vec::new();
+        };
+        let goal = self.goal(beam, None, 0.0);
+        let now = self.planner.kinematics.tip(&self.q).rotation;
+        let margin = |x_wt: &Pose| {
+            let q = self.planner.solve(x_wt, &self.q);
+            q.map_or(-1.0, |q| self.planner.kinematics.range_margin(&q))
+        };
+        let score = |grasp: &BeamGrasp| {
+            let here = beam_grasp(&x_wb.unwrap_or(goal), grasp.s, grasp.reverse);
+            let least = margin(&here).min(margin(&beam_grasp(&goal, grasp.s, grasp.reverse)));
+            let travel = &self.parameters.travel;
+            least.min(travel.good_margin) - travel.turn_cost * now.angle_to(&here.rotation)
+        };
+        let mut grasps = Vec::new();
+        for s in points_on(link, placed.span() / 2.0, &self.parameters.grip) {
+            let mut senses = [false, true].map(|reverse| {
+                let grasp = BeamGrasp { s, reverse };
+                (grasp, score(&grasp))
+            });
+            senses.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+            grasps.extend(senses.map(|(grasp, _)| grasp));
+        }
+        grasps
+    }
+
+    /// A beam that stands is gripped by a link, to be pushed.
+    fn grip_standing(&mut self, beam: usize, link: &str) -> Result<(), MotionFact> {
+        let placed = &self.assembly.beams[beam].beam;
+        let Some(x_wb) = self.parts.get(&placed.name).copied() else { return Ok(()) };
+        let mut refused = None;
+        for grasp in self.candidates(beam, link, Some(x_wb)) {
+            let before = self.q;
+            match self.grip(&placed.name, &beam_grasp(&x_wb, grasp.s, grasp.reverse)) {
+                Ok(()) => return Ok(()),
+                Err(refusal) => refused = refused.or(Some(refusal)),
+            }
+            self.q = before;
+        }
+        let cannot = Impossible::Grasp { beam: placed.name.clone(), link: link.to_string(), at: End::Place };
+        match refused {
+            Some(refusal) => Err(self.fact(cannot, &refusal)),
+            None => Ok(()),
+        }
+    }
+
+    // ---- Pegs -------------------------------------------------------------------------------------------------
+
+    /// A peg is fetched and pressed into the hole of a connection.
+    fn fasten(&mut self, connection: usize, peg: &str) -> Result<(), MotionFact> {
+        let Some(x_wp) = self.parts.get(peg).copied() else { return Ok(()) };
+        let before = self.q;
+        let seated = self.seated(connection);
+        let mut refused: Option<Refusal> = None;
+        'grips: for quarter in [0, 2] {
+            self.q = before;
+            let down = peg_grasp(&x_wp, quarter);
+            if let Err(refusal) = self.grip(peg, &down) {
+                refused = refused.or(Some(refusal));
+                continue;
+            }
+            let gripped = self.q;
+            for step in [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0, 5.0, -5.0, 6.0] {
+                self.q = gripped;
+                match self.press(peg, &seated, step * TAU / 12.0) {
+                    Ok(()) => {
+                        refused = None;
+                        break 'grips;
+                    }
+                    Err(refusal) => keep(&mut refused, refusal),
+                }
+            }
+        }
+        match refused {
+            None => {
+                self.parts.insert(peg.to_string(), seated);
+                Ok(())
+            }
+            Some(refusal) => {
+                let name = self.assembly.connections[connection].name.clone();
+                Err(self.fact(Impossible::Fasten { connection: name }, &refusal))
+            }
+        }
+    }
+
+    /// The held peg goes to its hole with the hand turned by `turn` (rad) from how it was gripped.
+    fn press(&mut self, peg: &str, seated: &Pose, turn: f64) -> Result<(), Refusal> {
+        let x = self.planner.kinematics.tip(&self.q).rotation * Vector3::x();
+        let rotation = hand_down(x.y.atan2(x.x) + turn);
+        let p = seated.translation.vector;
+        let down = Pose::from_parts(Translation3::new(p.x, p.y, p.z + PEG_HEIGHT), rotation);
+        let over = Translation3::new(0.0, 0.0, STEM_LENGTH + self.parameters.peg_search.over) * down;
+        let around = self.obstacles(&[peg]);
+        let x_tp = Pose::from_parts(
+            Translation3::new(0.0, 0.0, PEG_HEIGHT),
+            UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI),
+        );
+        let held = held_boxes(self.kit, peg, &x_tp);
+        let open = self.parameters.grip.peg_open;
+        let carried = self.checker(open, held, &around);
+        self.travel(&over, &carried, Stage::Approach)?;
+        let checker = Checker::new(self.arm, open, Vec::new(), &around, 0.0);
+        self.straight(&down, &checker, Stage::Insertion, "the hand with the peg would touch")?;
+        let up = self.raised(&down);
+        self.straight(&up, &checker, Stage::Release, "the hand that retreats would touch")
+    }
+
+    // ---- Motions ----------------------------------------------------------------------------------------------
+
+    /// Through free space to a pose of the tip.
+    fn travel(&mut self, x_wt: &Pose, checker: &Checker, stage: Stage) -> Result<(), Refusal> {
+        let travel = self.parameters.travel.height;
+        match self.planner.plan(&self.q, x_wt, travel, checker, &mut self.stream) {
+            Ok(legs) => {
+                self.q = legs.last().and_then(|leg| leg.last()).copied().unwrap_or(self.q);
+                Ok(())
+            }
+            Err(error) => Err(self.refusal(&error, x_wt, checker, stage)),
+        }
+    }
+
+    /// Why there is no path to a pose of the tip.
+    fn refusal(&self, error: &MotionError, x_wt: &Pose, checker: &Checker, stage: Stage) -> Refusal {
+        let solved = self.planner.solve(x_wt, &self.q).ok();
+        let touched =
+            solved.and_then(|q| checker.touched(&self.planner.kinematics.frames(&q)).map(str::to_string));
+        match (error, &touched) {
+            (MotionError::Unreachable(_), _) => Refusal {
+                because: error.to_string(),
+                touched: None,
+                stage: if stage == Stage::Grip { Stage::Grip } else { Stage::Reach },
+            },
+            (_, Some(name)) => Refusal { because: format!("the arm would touch {name}"), touched, stage },
+            _ => Refusal { because: error.to_string(), touched, stage },
+        }
+    }
+
+    /// Straight to a pose of the tip, touching nothing. Where the arm cannot follow from the posture in which it arrived,
+    /// it takes another one first, as the skills do. The hand that retreats follows no path.
+    fn straight(
+        &mut self,
+        x_wt: &Pose,
+        checker: &Checker,
+        stage: Stage,
+        would_touch: &str,
+    ) -> Result<(), Refusal> {
+        let planner = self.planner;
+        let leg = planner.straight(&self.q, x_wt).or_else(|| {
+            planner
+                .posture_for(&planner.kinematics.tip(&self.q), x_wt)
+                .and_then(|q| planner.straight(&q, x_wt))
+        });
+        let Some(leg) = leg else {
+            if stage == Stage::Release {
+                self.q = planner.solve(x_wt, &self.q).unwrap_or(self.q);
+                return Ok(());
+            }
+            let because = "the arm cannot follow the straight motion".to_string();
+            return Err(Refusal { because, touched: None, stage });
+        };
+        for q in &leg {
+            if let Some(name) = checker.touched(&planner.kinematics.frames(q)) {
+                let because = format!("{would_touch} {name}");
+                return Err(Refusal { because, touched: Some(name.to_string()), stage });
+            }
+        }
+        self.q = leg.last().copied().unwrap_or(self.q);
+        Ok(())
+    }
+
+    fn is_free(&self, checker: &Checker, stage: Stage, would_touch: &str) -> Result<(), Refusal> {
+        match checker.touched(&self.planner.kinematics.frames(&self.q)) {
+            None => Ok(()),
+            Some(name) => Err(Refusal {
+                because: format!("{would_touch} {name}"),
+                touched: Some(name.to_string()),
+                stage,
+            }),
+        }
+    }
+
+    fn checker(&self, width: f64, held: Vec<Obstacle>, around: &[Obstacle]) -> Checker {
+        Checker::new(self.arm, width, held, around, self.parameters.travel.margin)
+    }
+
+    /// Everything but some parts, in the world.
+    fn obstacles(&self, without: &[&str]) -> Vec<Obstacle> {
+        let mut obstacles = holder_boxes(self.kit);
+        for (name, x) in &self.parts {
+            if without.contains(&name.as_str()) {
+                continue;
+            }
+            match self.kit.beam(name) {
+                Some(beam) => obstacles.extend(beam_boxes(beam, x)),
+                None => obstacles.extend(peg_boxes(name, x)),
+            }
+        }
+        obstacles
+    }
+
+    /// The same pose of the tip at travelling height.
+    fn raised(&self, x_wt: &Pose) -> Pose {
+        let mut up = *x_wt;
+        up.translation.z = up.translation.z.max(self.parameters.travel.height);
+        up
+    }
+
+    /// Where a beam is to stand, in the world, `depth` (m) further along its path than its place.
+    fn goal(&self, beam: usize, entry: Option<&Entry>, depth: f64) -> Pose {
+        let x_wa = self.kit.x_wa();
+        let along = entry.map_or(Vector3::zeros(), |entry| Vector3::from(entry.direction) * depth);
+        Translation3::from(x_wa.rotation * along) * x_wa * self.assembly.beams[beam].x_ab
+    }
+
+    /// Where a peg is when it is seated, in the world.
+    fn seated(&self, connection: usize) -> Pose {
+        let hole: Point3<f64> =
+            self.kit.x_wa() * self.assembly.p_a_hole(self.assembly.connections[connection].female);
+        Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0)
+    }
+
+    /// What cannot be done, with what is in the way where that is a beam which was put there.
+    fn fact(&self, cannot: Impossible, refusal: &Refusal) -> MotionFact {
+        let past = refusal.touched.as_deref().and_then(|name| self.assembly.beam_index(name));
+        let past = past.filter(|beam| *beam != self.assembly.base).map(|beam| {
+            let name = self.assembly.beams[beam].beam.name.clone();
+            if self.standing.contains(&beam) { InTheWay::Stands(name) } else { InTheWay::OnSheet(name) }
+        });
+        MotionFact { cannot, past, because: refusal.because.clone() }
+    }
+}
+
+/// Keeps the refusal of the motion that got furthest.
+fn keep(worst: &mut Option<Refusal>, refusal: Refusal) {
+    if worst.as_ref().is_none_or(|other| refusal.stage > other.stage) {
+        *worst = Some(refusal);
+    }
+}
+
+/// How a plan brings a beam to its place.
+fn entry_of<'e>(beam: &str, entries: &'e [Entry]) -> Option<&'e Entry> {
+    entries.iter().find(|entry| entry.beam == beam)
+}
+
+/// By which link a beam is regrasped before it is placed.
+fn regrasped_by<'s>(beam: &str, rest: &'s [CoarseStep]) -> Option<&'s str> {
+    let placed = |step: &CoarseStep| match &step.coarse {
+        CoarseAction::Assemble { beam: placed }
+        | CoarseAction::LayDown { beam: placed }
+        | CoarseAction::AssembleDeep { beam: placed } => placed == beam,
+        _ => false,
+    };
+    let way = rest.iter().take_while(|step| !placed(step));
+    way.flat_map(|step| &step.fine).find_map(|action| match action {
+        FineAction::Regrasp { beam: other, link } if other == beam => Some(link.as_str()),
+        _ => None,
+    })
+}
+
+/// Plans for parts that are where they nominally are, and goes through the plan with the arm's model.
+///
+/// # Errors
+/// As [`plan_with_motion`].
+pub fn plan_for_arm(
+    assembly: &Assembly,
+    kit: &Kit,
+    arm: &ArmModel,
+    state: &State,
+    domains: &Domains,
+) -> Result<Rehearsed, PlanError> {
+    let (planner, parameters) = (PathPlanner::new(arm), Parameters::baseline());
+    plan_with_motion(assembly, kit, state, domains, || {
+        Rehearsal::nominal(kit, assembly, arm, &planner, parameters.clone(), state)
+    })
+}
+
+/// Plans, and goes through the plan with the arm's model; what the arm cannot do becomes a fact, and the planner plans
+/// again, until a plan passes. `rehearsal` gives the world at the beginning.
+///
+/// # Errors
+/// The planner's, when no plan is left; it then says what the arm cannot do.
+pub fn plan_with_motion<'a>(
+    assembly: &Assembly,
+    kit: &Kit,
+    state: &State,
+    domains: &Domains,
+    mut rehearsal: impl FnMut() -> Rehearsal<'a>,
+) -> Result<Rehearsed, PlanError> {
+    let mut state = state.clone();
+    loop {
+        let plan = ramp_planner::plan(assembly, kit, &state, domains)?;
+        match rehearsal().check(&plan) {
+            Ok(grasps) => return Ok(Rehearsed { plan, facts: state.motion, grasps }),
+            // The same answer again, or too many: the plan is carried out as far as it goes.
+            Err(fact) if state.motion.contains(&fact) || state.motion.len() >= MOST_FACTS => {
+                let facts = state.motion;
+                return Err(PlanError::Motion {
+                    goal: assembly.name.clone(),
+                    why: "the arm finds no plan that it can carry out".to_string(),
+                    reasons: facts.iter().map(MotionFact::to_string).collect::<Vec<_>>().join("; "),
+                });
+            }
+            Err(fact) => state.motion.push(fact),
+        }
+    }
+}
