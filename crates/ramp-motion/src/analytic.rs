@@ -443,6 +443,7 @@ mod tests {
     #[test]
     fn every_branch_of_random_poses_reaches_the_pose() {
         check(&arm("panda.json"));
+        check(&arm("fr3.json"));
     }
 
     /// Where branches meet, and next to it: axes 1 and 3 in line, the elbow stretched, axis 6 in the arm's plane.
