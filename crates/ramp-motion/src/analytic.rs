@@ -45,8 +45,9 @@ const FINE: f64 = 1e-4;
 pub struct Solution {
     /// Joint positions, rad; each is the one nearest to the middle of its joint's range.
     pub q: Joints,
-    /// Which of the [`BRANCHES`]: bit 0 elbow, bit 1 wrist, bit 2 shoulder. It stays the same along a continuous
-    /// motion, unless two branches meet on the way.
+    /// Which of the [`BRANCHES`]: bit 0 elbow, bit 1 wrist, bit 2 shoulder. Within the joint ranges it stays the same
+    /// along a continuous motion, unless two branches meet on the way. For the Panda the bits are set where q4 is beyond
+    /// the outstretched arm, cos q5 is positive and q2 is negative.
     pub branch: u8,
 }
 
@@ -446,12 +447,35 @@ mod tests {
         check(&arm("fr3.json"));
     }
 
+    /// Within the Panda's ranges the bits are signs: of q4 from outstretched, of cos q5 and of q2. So a branch is left only
+    /// where two meet.
+    #[test]
+    fn the_branch_tells_signs_of_the_joints() {
+        let arm = arm("panda.json");
+        let (kinematics, analytic) = (Kinematics::new(&arm), Analytic::new(&arm).unwrap());
+        let mut stream = Stream::new(4, "branch");
+        for _ in 0..10_000 {
+            let q = uniform(&arm, &mut stream);
+            for solution in analytic.within(&kinematics.tip(&q), q[6], 0.0).iter() {
+                let q = &solution.q;
+                let bits = [q[3] > outstretched(), q[4].cos() > 0.0, q[1] < 0.0];
+                let branch = bits.iter().rev().fold(0, |branch, bit| branch << 1 | u8::from(*bit));
+                assert_eq!(solution.branch, branch, "{q}");
+            }
+        }
+    }
+
+    /// q4 of the Panda where S, joint 4 and W are in line.
+    fn outstretched() -> f64 {
+        -(0.0825_f64 / 0.316).atan() - (0.0825_f64 / 0.384).atan()
+    }
+
     /// Where branches meet, and next to it: axes 1 and 3 in line, the elbow stretched, axis 6 in the arm's plane.
     #[test]
     fn poses_next_to_singular_ones_are_reached() {
         let arm = arm("panda.json");
         let (kinematics, analytic) = (Kinematics::new(&arm), Analytic::new(&arm).unwrap());
-        let stretched = -(0.0825_f64 / 0.316).atan() - (0.0825_f64 / 0.384).atan();
+        let stretched = outstretched();
         let mut stream = Stream::new(2, "singular");
         let mut worst: f64 = 0.0;
         for round in 0..20_000 {
