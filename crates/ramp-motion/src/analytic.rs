@@ -97,6 +97,25 @@ pub struct GeometryError {
 }
 
 /// The closed-form inverse of one arm.
+///
+/// ```
+/// # use std::path::Path;
+/// # use ramp_motion::{Analytic, Joints, Kinematics};
+/// # use ramp_robot::arm::ArmModel;
+/// let arm = ArmModel::read(Path::new("../../data/arms/panda.json"))?;
+/// let analytic = Analytic::new(&arm)?;
+/// let home = Joints::from(arm.home);
+/// let mut x_wt = Kinematics::new(&arm).tip(&home);
+/// x_wt.translation.y += 0.2;
+/// // Of all ways to reach the pose with q7 as at home:
+/// let all = analytic.all(&x_wt, home[6]);
+/// let within = analytic.within(&x_wt, home[6], 0.05);
+/// assert!(within.len() < all.len());
+/// // Over all q7, the way that takes least time from home:
+/// let choice = analytic.quickest(&x_wt, &home, 0.05).ok_or("out of reach")?;
+/// assert!(within.iter().all(|other| choice.cost <= analytic.least_time(&home, &other.q)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Analytic {
     /// Frame 1 at angle zero in the world; its origin is S.
@@ -124,10 +143,10 @@ pub struct Analytic {
     velocity: Joints,
 }
 
-/// Rotation about z.
-fn turn(angle: f64) -> Matrix3<f64> {
+/// `v`, turned by `angle` about z.
+fn turned(angle: f64, v: &Vector3<f64>) -> Vector3<f64> {
     let (sin, cos) = angle.sin_cos();
-    Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
+    Vector3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z)
 }
 
 /// Angle of the projection on xy, rad.
@@ -236,12 +255,12 @@ impl Analytic {
         }
         // Link 6 in the world; its origin is W.
         let x_w7 = x_wt * self.x_t7;
-        let r_w7 = x_w7.rotation.to_rotation_matrix().into_inner() * turn(-q7);
-        let r_w6 = r_w7 * self.r_76;
+        let r_w7 = x_w7.rotation * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -q7);
+        let r_w6 = r_w7.to_rotation_matrix().into_inner() * self.r_76;
         let p_ww = x_w7.translation.vector + r_w7 * self.p_7w;
         // From W to S, in frame 6.
-        let d_6 = r_w6.transpose() * (self.p_ws - p_ww);
-        let r_16 = self.r_w1.transpose() * r_w6;
+        let d_6 = r_w6.tr_mul(&(self.p_ws - p_ww));
+        let r_16 = self.r_w1.tr_mul(&r_w6);
         // Axis 5 in frame 6 at q6 = 0.
         let axis_5 = self.r_56.row(2).transpose();
 
@@ -250,10 +269,10 @@ impl Analytic {
         let (elbows, count) = roots(radius(s) * radius(w), along, angle(s) - angle(w), middle[3]);
         for (elbow, q4) in elbows.into_iter().take(count).enumerate() {
             let Some(q4) = allowed(3, q4) else { continue };
-            let r_4 = turn(-q4);
-            // From W to S, in frame 5 at q5 = 0.
-            let d_5 = self.r_45.transpose() * (r_4 * s - w);
-            let r_53 = self.r_45.transpose() * r_4 * self.r_34.transpose();
+            // From W to S, and axes x and z of frame 3, in frame 5 at q5 = 0.
+            let d_5 = self.r_45.tr_mul(&(turned(-q4, s) - w));
+            let [x_5, z_5] =
+                [0, 2].map(|axis| self.r_45.tr_mul(&turned(-q4, &self.r_34.row(axis).transpose())));
             let (wrists, count) = roots(
                 radius(&axis_5) * radius(&d_6),
                 d_5.z - axis_5.z * d_6.z,
@@ -262,20 +281,19 @@ impl Analytic {
             );
             for (wrist, q6) in wrists.into_iter().take(count).enumerate() {
                 let Some(q6) = allowed(5, q6) else { continue };
-                let r_65 = turn(-q6) * self.r_56.transpose();
                 let q5 = if radius(&d_5) > ROUNDING {
-                    angle(&d_5) - angle(&(r_65.transpose() * d_6))
+                    angle(&d_5) - angle(&(self.r_56 * turned(q6, &d_6)))
                 } else {
                     middle[4]
                 };
                 let Some(q5) = allowed(4, q5) else { continue };
-                let r_13 = r_16 * r_65 * turn(-q5) * r_53;
-                let (shoulders, count) = self.shoulder(&r_13);
-                for (shoulder, [q1, q2, q3]) in shoulders.into_iter().take(count).enumerate() {
-                    let (Some(q1), Some(q2), Some(q3)) = (allowed(0, q1), allowed(1, q2), allowed(2, q3))
-                    else {
-                        continue;
-                    };
+                // The same axes in frame 1 at q1 = 0.
+                let [x_3, z_3] =
+                    [x_5, z_5].map(|axis| r_16 * turned(-q6, &self.r_56.tr_mul(&turned(-q5, &axis))));
+                let (shoulders, count) = self.shoulder(&x_3, &z_3);
+                for (shoulder, [q1, q2]) in shoulders.into_iter().take(count).enumerate() {
+                    let (Some(q1), Some(q2)) = (allowed(0, q1), allowed(1, q2)) else { continue };
+                    let Some(q3) = allowed(2, self.third(&x_3, q1, q2)) else { continue };
                     solutions.push(Solution {
                         q: Joints::from([q1, q2, q3, q4, q5, q6, q7]),
                         branch: (elbow | wrist << 1 | shoulder << 2) as u8,
@@ -286,30 +304,28 @@ impl Analytic {
         solutions
     }
 
-    /// The first three joints for the orientation of link 3 in frame 1 at q1 = 0, and how many ways: 1 or 2.
-    fn shoulder(&self, r_13: &Matrix3<f64>) -> ([[f64; 3]; 2], usize) {
+    /// The first two joints for axes x and z of link 3 in frame 1 at q1 = 0, and how many ways: 1 or 2.
+    fn shoulder(&self, x_3: &Vector3<f64>, z_3: &Vector3<f64>) -> ([[f64; 2]; 2], usize) {
         // Axis 3 leans by `tilt` from axis 1, to one side or the other of the line on which q2 moves it.
-        let z_3 = r_13.column(2).into_owned();
-        let sine = radius(&z_3);
+        let sine = radius(z_3);
         let tilt = sine.atan2(z_3.z);
-        // What is left for q3 once q1 and q2 are given.
-        let rest = |q1: f64, q2: f64| {
-            let r_13_zero = turn(q1) * self.r_12 * turn(q2) * self.r_23;
-            angle(&r_13_zero.tr_mul(&r_13.column(0)))
-        };
         if sine <= ROUNDING {
             // Only the sum of q1 and q3 matters (their difference, when axis 3 points backwards).
             let q2 = self.straight + tilt;
-            let q3 = rest(0.0, q2) / 2.0;
-            let q1 = if z_3.z > 0.0 { q3 } else { -q3 };
-            return ([[q1, q2, q3]; 2], 1);
+            let q1 = self.third(x_3, 0.0, q2) / 2.0 * z_3.z.signum();
+            return ([[q1, q2]; 2], 1);
         }
         let solution = |side: f64| {
             let q1 = (side * z_3.y).atan2(side * z_3.x) - self.lean;
-            let q2 = self.straight + side * tilt;
-            [q1, q2, rest(q1, q2)]
+            [q1, self.straight + side * tilt]
         };
         ([solution(1.0), solution(-1.0)], 2)
+    }
+
+    /// The third joint, once the first two are given.
+    fn third(&self, x_3: &Vector3<f64>, q1: f64, q2: f64) -> f64 {
+        let x_2 = turned(-q2, &self.r_12.tr_mul(&turned(-q1, x_3)));
+        angle(&self.r_23.tr_mul(&x_2))
     }
 
     /// The solution of least `cost` over all q7 and branches, every joint at least `margin` (rad) inside its range;
