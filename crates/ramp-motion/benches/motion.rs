@@ -3,12 +3,15 @@
 //! A hundred moves between random hovers over the table, among boxes of the size of joints. Printed beside: the
 //! obvious algorithm (RRT-Connect in joint space for every move) and a lower bound on the motion's time (each joint
 //! straight to its end at its largest speed).
+//!
+//! Then the closed-form inverse on random poses: all branches at one q7, and the quickest solution over all q7, each
+//! beside one call of the iterative inverse for the same pose.
 
 use std::path::Path;
 use std::time::Instant;
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
-use ramp_motion::{Checker, Joints, Obstacle, PathPlanner, Pose, Trajectory};
+use ramp_motion::{Analytic, Checker, Joints, Obstacle, PathPlanner, Pose, Trajectory};
 use ramp_robot::DOF;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
@@ -65,6 +68,51 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     if planned == 0 {
         return Err("no move was planned".into());
+    }
+    inverse(&arm, &planner, if short { 100 } else { 10_000 }, &mut stream)
+}
+
+/// Times the inverses on `count` poses that joint positions uniform in their ranges give.
+fn inverse(
+    arm: &ArmModel,
+    planner: &PathPlanner,
+    count: usize,
+    stream: &mut Stream,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let analytic = Analytic::new(arm)?;
+    let goals: Vec<(Joints, Pose)> = (0..count)
+        .map(|_| {
+            let q = Joints::from_fn(|joint, _| {
+                let [low, high] = arm.joints[joint].range;
+                low + (high - low) * stream.uniform()
+            });
+            (q, planner.kinematics.tip(&q))
+        })
+        .collect();
+    let home = Joints::from(arm.home);
+    let timed = |call: &dyn Fn(&Joints, &Pose) -> usize| {
+        let begin = Instant::now();
+        let found: usize = goals.iter().map(|(q, x_wt)| call(q, x_wt)).sum();
+        (begin.elapsed().as_secs_f64() * 1e6 / count as f64, found as f64 / count as f64)
+    };
+    let (numeric, solved) =
+        timed(&|_, x_wt| usize::from(planner.kinematics.inverse(x_wt, &home, &home, 0.0).is_some()));
+    println!("{count} random poses");
+    println!("iterative inverse      {numeric:8.2} µs a call, {solved:.2} solutions");
+    let (all, found) = timed(&|q, x_wt| analytic.all(x_wt, q[6]).len());
+    println!("all branches, one q7   {all:8.2} µs a call, {found:.2} solutions, ratio {:.4}", all / numeric);
+    let (within, found) = timed(&|q, x_wt| analytic.within(x_wt, q[6], 0.0).len());
+    println!(
+        "those within ranges    {within:8.2} µs a call, {found:.2} solutions, ratio {:.4}",
+        within / numeric
+    );
+    let (quickest, found) = timed(&|_, x_wt| usize::from(analytic.quickest(x_wt, &home, 0.05).is_some()));
+    println!(
+        "quickest over all q7   {quickest:8.2} µs a call, {found:.2} solutions, ratio {:.4}",
+        quickest / numeric
+    );
+    if solved == 0.0 || found == 0.0 {
+        return Err("no pose was solved".into());
     }
     Ok(())
 }

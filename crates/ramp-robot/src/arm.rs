@@ -47,6 +47,9 @@ pub struct ArmJoint {
     pub range: [f64; 2],
     /// Largest speed, rad/s.
     pub velocity: f64,
+    /// How that speed falls towards the ends of the range; it is the same everywhere when this is missing.
+    #[serde(default)]
+    pub braking: Option<Braking>,
     /// Largest acceleration, rad/s².
     pub acceleration: f64,
     /// Largest jerk, rad/s³.
@@ -55,6 +58,42 @@ pub struct ArmJoint {
     pub torque: f64,
     /// The link.
     pub link: ArmLink,
+}
+
+/// The fall of the largest speed towards an end of the range, by Franka's law for the Research 3: at distance d (rad)
+/// from the end towards which the joint moves, it is √(2 · deceleration · d) − offset, and at least zero.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Braking {
+    /// rad/s².
+    pub deceleration: f64,
+    /// rad/s.
+    pub offset: f64,
+}
+
+impl ArmJoint {
+    /// The limits of velocity at angle `q` (rad), rad/s: towards smaller angles, not positive, and towards larger ones.
+    ///
+    /// ```
+    /// # use std::path::Path;
+    /// # use ramp_robot::arm::ArmModel;
+    /// let arm = ArmModel::read(Path::new("../../data/arms/fr3.json"))?;
+    /// let joint = &arm.joints[0];
+    /// assert_eq!(joint.velocity_at(0.0), [-2.62, 2.62]);
+    /// let [backwards, forwards] = joint.velocity_at(2.8);
+    /// assert!(backwards == -2.62 && forwards < 0.45);
+    /// # Ok::<(), ramp_robot::arm::ArmError>(())
+    /// ```
+    pub fn velocity_at(&self, q: f64) -> [f64; 2] {
+        let towards = |distance: f64| match &self.braking {
+            Some(braking) => {
+                let brake = (2.0 * braking.deceleration * distance.max(0.0)).sqrt() - braking.offset;
+                brake.max(0.0).min(self.velocity)
+            }
+            None => self.velocity,
+        };
+        let [low, high] = self.range;
+        [-towards(q - low), towards(high - q)]
+    }
 }
 
 /// A moving link, in its joint's frame.
@@ -175,15 +214,67 @@ impl ArmModel {
             .map_err(|error| at(error.line(), error.column(), plain(&error.to_string(), MAX_SENTENCE)))?;
         for (index, joint) in model.joints.iter().enumerate() {
             let limits = [joint.velocity, joint.acceleration, joint.jerk, joint.torque, joint.link.mass];
-            if !(joint.range[0] < joint.range[1] && limits.iter().all(|limit| *limit > 0.0)) {
-                let number = index + 1;
-                return Err(at(
-                    1,
-                    1,
-                    format!("joint {number}: its range is empty or a limit is not positive"),
-                ));
+            let checks = [
+                (
+                    joint.range[0] < joint.range[1] && limits.iter().all(|limit| *limit > 0.0),
+                    "its range is empty or a limit is not positive",
+                ),
+                (
+                    joint.braking.iter().all(|it| it.deceleration > 0.0 && it.offset >= 0.0),
+                    "its deceleration in braking is not positive or its offset is negative",
+                ),
+            ];
+            if let Some((_, problem)) = checks.iter().find(|(holds, _)| !holds) {
+                return Err(at(1, 1, format!("joint {}: {problem}", index + 1)));
             }
         }
         Ok(model)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(name: &str) -> ArmModel {
+        ArmModel::read(&Path::new("../../data/arms").join(name)).unwrap()
+    }
+
+    /// At the ends of its range the speed towards the end is zero, away from it full; never more than the largest.
+    #[test]
+    fn velocity_falls_towards_the_ends_of_the_range() {
+        for joint in &read("fr3.json").joints {
+            let [low, high] = joint.range;
+            assert_eq!(joint.velocity_at(low), [0.0, joint.velocity]);
+            assert_eq!(joint.velocity_at(high), [-joint.velocity, 0.0]);
+            assert_eq!(joint.velocity_at((low + high) / 2.0), [-joint.velocity, joint.velocity]);
+            assert_eq!(joint.velocity_at(high + 1.0)[1], 0.0);
+            let speeds =
+                (0..=100).map(|step| joint.velocity_at(low + (high - low) * f64::from(step) / 100.0)[1]);
+            assert!(speeds.is_sorted_by(|a, b| a >= b));
+        }
+        // √(2 · 6 · 0.1507) − 0.6599.
+        assert!((read("fr3.json").joints[0].velocity_at(2.75)[1] - 0.68487).abs() < 1e-5);
+    }
+
+    #[test]
+    fn without_braking_velocity_is_the_same_everywhere() {
+        for joint in &read("panda.json").joints {
+            assert_eq!(joint.velocity_at(joint.range[1]), [-joint.velocity, joint.velocity]);
+        }
+    }
+
+    #[test]
+    fn bad_braking_is_refused() {
+        let text = std::fs::read_to_string("../../data/arms/fr3.json").unwrap();
+        let refused = |from: &str, to: &str| {
+            ArmModel::from_json(Path::new("arm.json"), &text.replace(from, to)).unwrap_err().to_string()
+        };
+        let sign =
+            "arm.json:1:1: joint 2: its deceleration in braking is not positive or its offset is negative";
+        assert_eq!(refused("\"deceleration\": 2.585", "\"deceleration\": 0"), sign);
+        assert_eq!(refused("\"offset\": 0.2517", "\"offset\": -0.1"), sign);
+        let missing = refused("    \"deceleration\": 2.585,\n", "");
+        assert!(missing.contains("missing field `deceleration`"), "{missing}");
     }
 }
