@@ -19,7 +19,7 @@ use crate::cell::{InsertionPath, Workcell};
 use crate::fault::{Fault, SkillError};
 use crate::parameters::Parameters;
 use crate::recovery::{check_holes, recover};
-use crate::rehearsal::{Rehearsal, plan_with_motion};
+use crate::rehearsal::{Rehearsal, UnusualGrasp, plan_with_motion};
 use crate::skill::Call;
 use crate::table::{SkillTable, baseline};
 
@@ -45,6 +45,8 @@ pub struct Baseline<'a> {
     plan: Option<Plan>,
     /// What skills have found that the arm cannot do.
     learned: Vec<MotionFact>,
+    /// What an event has told that the arm cannot do.
+    told: Vec<MotionFact>,
     /// The peg that is being fetched: one that cannot be gripped is not tried again.
     fetching: Option<String>,
     /// Why it gave up.
@@ -76,6 +78,7 @@ impl<'a> Baseline<'a> {
             account: Account::default(),
             plan: None,
             learned: Vec::new(),
+            told: Vec::new(),
             fetching: None,
             failure: None,
             on_event: Box::new(|_| {}),
@@ -149,10 +152,20 @@ impl<'a> Baseline<'a> {
         });
         let plan = match rehearsed {
             Ok(rehearsed) => {
-                for fact in rehearsed.facts.iter().skip(self.learned.len()) {
-                    cell.note("motion", fact.to_string());
+                for fact in rehearsed.facts {
+                    if !self.told.contains(&fact) {
+                        cell.note("motion", fact.to_string());
+                        self.told.push(fact);
+                    }
                 }
-                cell.grasps = rehearsed.grasps;
+                for (beam, UnusualGrasp { grasp, because }) in &rehearsed.grasps {
+                    let turned = if grasp.reverse { ", the hand turned by 180°" } else { "" };
+                    let words = format!("{beam} is gripped {:.0} mm from its j1 hole{turned}", grasp.s * 1e3);
+                    if cell.grasps.get(beam) != Some(grasp) {
+                        cell.note("motion", format!("{words}; by the usual grasp {because}"));
+                    }
+                }
+                cell.grasps = rehearsed.grasps.into_iter().map(|(beam, it)| (beam, it.grasp)).collect();
                 Ok(rehearsed.plan)
             }
             Err(error @ PlanError::Motion { .. }) => {
@@ -177,6 +190,7 @@ impl<'a> Baseline<'a> {
         let fact = MotionFact { cannot, past: None, because: plain(&error.to_string(), MAX_SENTENCE - 1) };
         if !self.learned.contains(&fact) {
             cell.note("motion", fact.to_string());
+            self.told.push(fact.clone());
             self.learned.push(fact);
         }
     }

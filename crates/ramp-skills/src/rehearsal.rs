@@ -37,7 +37,16 @@ pub struct Rehearsed {
     /// What the arm cannot do, in the order in which it was found; those of the given state come first.
     pub facts: Vec<MotionFact>,
     /// How beams are to be gripped for which the usual grasp would not do, by name.
-    pub grasps: BTreeMap<String, BeamGrasp>,
+    pub grasps: BTreeMap<String, UnusualGrasp>,
+}
+
+/// A grasp that is taken because the usual one would not do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnusualGrasp {
+    /// The grasp.
+    pub grasp: BeamGrasp,
+    /// Why the usual one would not do.
+    pub because: String,
 }
 
 /// Why a motion does not exist.
@@ -73,7 +82,7 @@ pub struct Rehearsal<'a> {
     standing: BTreeSet<usize>,
     q: Joints,
     stream: Stream,
-    grasps: BTreeMap<String, BeamGrasp>,
+    grasps: BTreeMap<String, UnusualGrasp>,
 }
 
 impl<'a> Rehearsal<'a> {
@@ -136,7 +145,7 @@ impl<'a> Rehearsal<'a> {
     ///
     /// # Errors
     /// The first thing that the arm or the hand cannot do.
-    pub fn check(mut self, plan: &Plan) -> Result<BTreeMap<String, BeamGrasp>, MotionFact> {
+    pub fn check(mut self, plan: &Plan) -> Result<BTreeMap<String, UnusualGrasp>, MotionFact> {
         for (index, step) in plan.steps.iter().enumerate() {
             self.step(step, &plan.steps[index + 1..], &plan.entries)?;
         }
@@ -253,9 +262,9 @@ impl<'a> Rehearsal<'a> {
             match self.place(beam, grasp, entry) {
                 Ok(()) => {
                     // One that would be gripped sooner does not do.
-                    let unusual = worst.as_ref().is_some_and(|refusal| refusal.stage > Stage::Grip);
-                    if unusual && regrasp.is_none() {
-                        self.grasps.insert(name, grasp);
+                    let refusal = worst.filter(|refusal| refusal.stage > Stage::Grip && regrasp.is_none());
+                    if let Some(Refusal { because, .. }) = refusal {
+                        self.grasps.insert(name, UnusualGrasp { grasp, because });
                     }
                     return Ok(());
                 }

@@ -175,7 +175,21 @@ impl MoveTo {
             let arrival = arrival.as_ref().and_then(|legs| legs.last()?.last());
             (over, arrival.map_or(-1.0, |arrival| cell.planner.straight_margin(arrival, &seated)))
         });
-        let x_wt = cell.choose(&candidates).ok_or(Fault::NoGrasp { part })?;
-        cell.travel(&x_wt)
+        if let Some(x_wt) = cell.choose(&candidates) {
+            return cell.travel(&x_wt);
+        }
+        // On no level path does the arm arrive so that the peg can go in: it takes another posture over the hole.
+        for (over, _) in candidates {
+            let down = Translation3::new(0.0, 0.0, mouth.z + PEG_HEIGHT - height) * over;
+            if let Some(arrival) = cell.planner.posture_for(&over, &down)
+                && let Some(way) = cell.planner.connect(&q, &arrival, &checker, &mut cell.stream)
+            {
+                for leg in way.windows(2) {
+                    cell.follow_leg(leg.to_vec())?;
+                }
+                return Ok(());
+            }
+        }
+        Err(Fault::NoGrasp { part }.into())
     }
 }

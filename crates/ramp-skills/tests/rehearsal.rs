@@ -1,0 +1,107 @@
+//! A plan that the arm cannot carry out is changed before anything moves, and for the true reason.
+
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
+use std::path::{Path, PathBuf};
+
+use ramp_assembly::Assembly;
+use ramp_kit::Kit;
+use ramp_motion::PathPlanner;
+use ramp_planner::{CoarseAction, Domains, PlanError, State};
+use ramp_robot::arm::ArmModel;
+use ramp_skills::Parameters;
+use ramp_skills::rehearsal::{Rehearsal, Rehearsed, plan_for_arm};
+
+struct Data {
+    kit: Kit,
+    domains: Domains,
+    arm: ArmModel,
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn data() -> Data {
+    let data = root().join("data");
+    Data {
+        kit: ramp_kit::read_kit(&data.join("kit.xml")).unwrap(),
+        domains: Domains::read(&data.join("domains")).unwrap(),
+        arm: ArmModel::read(&data.join("arms/panda.json")).unwrap(),
+    }
+}
+
+impl Data {
+    /// A goal of the tests.
+    fn goal(&self, name: &str) -> Assembly {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/goals");
+        ramp_assembly::read_goal(&folder.join(format!("{name}.xml")), &self.kit).unwrap()
+    }
+
+    fn rehearsed(&self, goal: &Assembly) -> Result<Rehearsed, PlanError> {
+        plan_for_arm(goal, &self.kit, &self.arm, &State::default(), &self.domains)
+    }
+}
+
+#[test]
+fn the_nine_goals_need_no_other_plan() {
+    let data = data();
+    for name in
+        ["easy-1", "easy-2", "easy-3", "medium-1", "medium-2", "medium-3", "hard-1", "hard-2", "hard-3"]
+    {
+        let goal =
+            ramp_assembly::read_goal(&root().join(format!("data/goals/{name}.xml")), &data.kit).unwrap();
+        let rehearsed = data.rehearsed(&goal).unwrap();
+        assert!(rehearsed.facts.is_empty(), "{name}: {:?}", rehearsed.facts);
+        let plan = ramp_planner::plan(&goal, &data.kit, &State::default(), &data.domains).unwrap();
+        assert_eq!(rehearsed.plan.steps, plan.steps, "{name}");
+    }
+}
+
+#[test]
+fn a_plan_that_fails_for_motion_is_changed() {
+    let data = data();
+    let planner = PathPlanner::new(&data.arm);
+    for (name, expected) in [
+        ("medium-5-beams-2005", "b4 cannot be inserted along the path +X: the arm would touch b5"),
+        (
+            "medium-6-beams-2049",
+            "b9 cannot be inserted along the path +X while b5 is where it starts: the arm would touch b5",
+        ),
+        ("hard-6-beams-1016", "b4 cannot be inserted along the path +X: the arm would touch b5"),
+        ("hard-6-beams-1027", "b4 cannot be inserted along the path +X: the arm would touch b5"),
+        ("medium-6-beams-1039", "b4 cannot be inserted along the path +X: the arm would touch b5"),
+    ] {
+        let goal = data.goal(name);
+        let state = State::default();
+        let first = ramp_planner::plan(&goal, &data.kit, &state, &data.domains).unwrap();
+        let rehearse =
+            || Rehearsal::nominal(&data.kit, &goal, &data.arm, &planner, Parameters::baseline(), &state);
+        assert_eq!(rehearse().check(&first).unwrap_err().to_string(), expected, "{name}");
+        let rehearsed = data.rehearsed(&goal).unwrap();
+        let facts: Vec<String> = rehearsed.facts.iter().map(ToString::to_string).collect();
+        assert_eq!(facts, [expected], "{name}");
+        assert!(rehearse().check(&rehearsed.plan).is_ok(), "{name}");
+        let pegs = |plan: &ramp_planner::Plan| {
+            plan.steps.iter().filter(|step| matches!(step.coarse, CoarseAction::Fasten { .. })).count()
+        };
+        assert_eq!(pegs(&rehearsed.plan), pegs(&first), "{name}");
+    }
+}
+
+#[test]
+fn a_place_that_only_another_grasp_reaches_is_reached() {
+    let data = data();
+    let rehearsed = data.rehearsed(&data.goal("medium-5-beams-1010")).unwrap();
+    assert!(rehearsed.facts.is_empty());
+    let unusual = &rehearsed.grasps["b4"];
+    assert!(unusual.because.contains("touch") || unusual.because.contains("reach"), "{}", unusual.because);
+}
+
+#[test]
+fn without_a_plan_the_reason_is_told() {
+    let data = data();
+    let error = data.rehearsed(&data.goal("medium-5-beams-1008")).unwrap_err().to_string();
+    assert!(error.contains("cannot be inserted along the path +X: the arm would touch b5"), "{error}");
+}
