@@ -7,7 +7,7 @@ use std::time::Instant;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_kit::source::{MAX_SENTENCE, plain};
-use ramp_motion::PathPlanner;
+use ramp_motion::{MotionError, PathPlanner};
 use ramp_planner::{
     CoarseAction, Domains, End, FineAction, Grasp, Impossible, Item, MotionFact, Place, Plan, PlanError,
     State, Target,
@@ -183,7 +183,13 @@ impl<'a> Baseline<'a> {
 
     /// Takes over from the error of an action what the arm cannot do.
     fn learn(&mut self, cell: &mut Workcell, plan: &Plan, action: &FineAction, error: &SkillError) {
-        if !matches!(error, SkillError::Motion(_) | SkillError::Fault(Fault::NoGrasp { .. })) {
+        let unable = match error {
+            // How the arm gets away from where it stands says nothing of the plan.
+            SkillError::Motion(error) => *error != MotionError::Blocked("start"),
+            SkillError::Fault(fault) => matches!(fault, Fault::NoGrasp { .. }),
+            SkillError::Robot(_) => false,
+        };
+        if !unable {
             return;
         }
         let Some(cannot) = cannot(plan, action) else { return };

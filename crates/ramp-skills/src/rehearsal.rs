@@ -439,6 +439,11 @@ impl<'a> Rehearsal<'a> {
                 self.q = legs.last().and_then(|leg| leg.last()).copied().unwrap_or(self.q);
                 Ok(())
             }
+            // How the arm gets away from where it stands says nothing of the plan.
+            Err(MotionError::Blocked("start")) => {
+                self.q = self.planner.solve(x_wt, &self.q).unwrap_or(self.q);
+                Ok(())
+            }
             Err(error) => Err(self.refusal(&error, x_wt, checker, stage)),
         }
     }

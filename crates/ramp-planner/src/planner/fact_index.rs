@@ -6,8 +6,12 @@ use std::collections::{BTreeSet, HashMap};
 /// Facts, to be picked by the names in them.
 pub(crate) struct Facts {
     pub(crate) all: Vec<Term>,
-    /// By name: where it occurs, in order.
-    of: HashMap<String, Vec<usize>>,
+    /// The names, by number.
+    numbers: HashMap<String, usize>,
+    /// By number of the name: where it occurs, in order.
+    of: Vec<Vec<usize>>,
+    /// By fact: the numbers of its names.
+    names: Vec<Vec<usize>>,
     /// Facts without any name.
     nameless: Vec<usize>,
 }
@@ -15,18 +19,26 @@ pub(crate) struct Facts {
 impl Facts {
     /// Facts with their index.
     pub(crate) fn new(all: Vec<Term>) -> Facts {
-        let mut of: HashMap<String, Vec<usize>> = HashMap::new();
-        let mut nameless = Vec::new();
-        for (index, fact) in all.iter().enumerate() {
+        let mut facts =
+            Facts { all, numbers: HashMap::new(), of: Vec::new(), names: Vec::new(), nameless: Vec::new() };
+        for (index, fact) in facts.all.iter().enumerate() {
             let texts: BTreeSet<&str> = fact.texts().into_iter().collect();
             if texts.is_empty() {
-                nameless.push(index);
+                facts.nameless.push(index);
             }
+            let mut names = Vec::new();
             for text in texts {
-                of.entry(text.to_string()).or_default().push(index);
+                let next = facts.numbers.len();
+                let number = *facts.numbers.entry(text.to_string()).or_insert(next);
+                if number == next {
+                    facts.of.push(Vec::new());
+                }
+                facts.of[number].push(index);
+                names.push(number);
             }
+            facts.names.push(names);
         }
-        Facts { all, of, nameless }
+        facts
     }
 
     /// The facts that name nothing but these, in order; without names, all.
@@ -34,11 +46,18 @@ impl Facts {
         let picked = match names {
             None => (0..self.all.len()).collect(),
             Some(names) => {
-                let near = names.iter().filter_map(|name| self.of.get(name)).flatten().chain(&self.nameless);
-                let near: BTreeSet<usize> = near.copied().collect();
-                let inside =
-                    |index: &usize| self.all[*index].texts().into_iter().all(|text| names.contains(text));
-                near.into_iter().filter(inside).collect::<Vec<_>>()
+                let mut wanted = vec![false; self.of.len()];
+                let numbers: Vec<usize> =
+                    names.iter().filter_map(|name| self.numbers.get(name)).copied().collect();
+                for &number in &numbers {
+                    wanted[number] = true;
+                }
+                let near = numbers.iter().flat_map(|&number| &self.of[number]);
+                let inside = |index: &&usize| self.names[**index].iter().all(|&name| wanted[name]);
+                let mut picked: Vec<usize> = near.filter(inside).chain(&self.nameless).copied().collect();
+                picked.sort_unstable();
+                picked.dedup();
+                picked
             }
         };
         picked.into_iter().map(|index| &self.all[index])

@@ -57,7 +57,17 @@ impl Planner<'_> {
         let beams: Vec<usize> =
             all.filter(|&beam| !zoom || names.contains(&self.assembly.beams[beam].beam.name)).collect();
         let named = transition.action.texts();
-        let handled = |beam: usize| !zoom || named.contains(&self.assembly.beams[beam].beam.name.as_str());
+        // How a beam is held matters until it is in its place.
+        let gained = self.model.gained(&transition.before, &transition.after);
+        let placed: BTreeSet<&str> = gained
+            .iter()
+            .filter(|fluent| name_of(fluent) == Some("in_assembly"))
+            .flat_map(Term::texts)
+            .collect();
+        let handled = |beam: usize| {
+            let name = self.assembly.beams[beam].beam.name.as_str();
+            !zoom || named.contains(&name) && !placed.contains(name)
+        };
         let facts = facts::fine(self.assembly, &self.geometry, &beams, &handled, &stands, &pinned);
         // What belongs to a relevant thing is relevant.
         for fact in &facts {
@@ -77,7 +87,7 @@ impl Planner<'_> {
         let told = shared.chain(own.iter().filter(|fluent| matters(fluent)));
         problem.extend(told.map(|fluent| Term::new("told", [fluent.clone()])));
         // The coarse fluents that become true, as far as the fine domain knows of them.
-        for fluent in self.model.gained(&transition.before, &transition.after) {
+        for fluent in gained.iter().cloned() {
             let Some(name) = name_of(&fluent) else { continue };
             if fine.kind(name) == Some(Kind::Fluent(FluentKind::Inertial)) {
                 problem.push(Term::new("goal", [fluent]));
