@@ -9,7 +9,7 @@ mod common;
 use common::World;
 use nalgebra::{Translation3, Vector3};
 use ramp_assembly::Insertion;
-use ramp_motion::{PathPlanner, Trajectory};
+use ramp_motion::{Pace, PathPlanner, TimeLaw};
 use ramp_planner::{CoarseAction, CoarseStep, FineAction, Grasp, Item, Place, Target};
 use ramp_robot::{
     Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError, Track,
@@ -471,7 +471,8 @@ fn a_hand_that_meets_the_table_yields() {
             let table = Translation3::new(0.0, 0.0, -0.143) * over;
             let met = if free {
                 let path = planner.straight(&cell.hand.joints(), &table).unwrap();
-                cell.hand.follow(&Trajectory::new(&world.arm, path, 0.3)).unwrap_err()
+                let pace = Pace { velocity: 0.3, acceleration: 0.3, jerk: 0.3, ramp: 0.02 };
+                cell.hand.follow(&TimeLaw::new(&world.arm, &pace).time(&path)).unwrap_err()
             } else {
                 cell.hand.relax();
                 cell.hand.go(&table, 0.2).unwrap_err()

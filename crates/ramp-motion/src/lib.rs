@@ -2,16 +2,19 @@
 //!
 //! Data passes one way: [`kinematics`] turns joint positions into poses and back; [`collision`] holds what stands
 //! around the arm and what it carries; [`path`] finds a joint path between two poses that keeps clear of it;
-//! [`trajectory`] times the path within the arm's limits.
+//! [`time_law`] says when the arm is where on it, within its limits: a [`trajectory`].
 
 pub mod collision;
 pub mod kinematics;
 pub mod path;
 mod space;
+mod spline;
+pub mod time_law;
 pub mod trajectory;
 
 pub use collision::{Checker, Obstacle};
 pub use kinematics::Kinematics;
-pub use path::{MotionError, PathPlanner};
+pub use path::{MotionError, PathPlanner, Terms};
 pub use space::{Joints, Pose};
+pub use time_law::{Pace, TimeLaw};
 pub use trajectory::Trajectory;

@@ -119,19 +119,18 @@ impl<'r> Hand<'r> {
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
     pub fn follow(&mut self, trajectory: &Trajectory) -> Result<(), SkillError> {
-        let periods = (trajectory.duration() / PERIOD).ceil() as usize;
         let measured = |seen: &Observation| {
             (seen.wrench.fixed_rows::<3>(0).norm(), seen.wrench.fixed_rows::<3>(3).norm())
         };
         let (force, moment) = measured(&self.seen);
-        for period in 1..=periods {
-            self.joint_step(trajectory.at(period as f64 * PERIOD))?;
+        for q in trajectory.samples().iter().skip(1) {
+            self.joint_step(*q)?;
             self.guard()?;
             let (now, turning) = measured(&self.seen);
             self.pushed |= (now - force).abs() > self.parameters.pushed_force
                 || (turning - moment).abs() > self.parameters.pushed_moment;
         }
-        let end = trajectory.at(trajectory.duration());
+        let end = trajectory.end();
         for _ in 0..300 {
             self.joint_step(end)?;
             self.guard()?;

@@ -1,6 +1,6 @@
 //! Motions through free space, and which poses of the tip the arm reaches.
 
-use ramp_motion::{Checker, Joints, MotionError, Trajectory};
+use ramp_motion::{Checker, Joints, MotionError, Pace, Terms, TimeLaw};
 
 use crate::Pose;
 use crate::belief::obstacles::held_boxes;
@@ -13,30 +13,45 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// When no motion is found or the robot stops.
     pub fn travel(&mut self, x_wt: &Pose) -> Result<(), SkillError> {
-        for leg in self.legs_to(x_wt)? {
-            self.follow_leg(leg)?;
-        }
-        Ok(())
-    }
-
-    /// The legs of a path through free space to `x_wt`, keeping clear of everything but the held part: the hand rests between
-    /// them.
-    ///
-    /// # Errors
-    /// When no motion is found or the robot stops.
-    pub fn legs_to(&mut self, x_wt: &Pose) -> Result<Vec<Vec<Joints>>, SkillError> {
         self.belief.update(&mut self.hand)?;
-        let checker = self.checker(None);
-        let q = self.hand.joints();
-        Ok(self.planner.plan(&q, x_wt, self.parameters.travel.height, &checker, &mut self.stream)?)
+        let (checker, law) = (self.checker(None), self.law());
+        let terms = Terms {
+            height: self.parameters.travel.height,
+            level: self.hand.held.is_some(),
+            checker: &checker,
+            law: &law,
+        };
+        let trajectory = self.planner.plan(&self.hand.joints(), x_wt, &terms, &mut self.stream)?;
+        self.hand.follow(&trajectory)
     }
 
-    /// Follows one leg of a path ([`Workcell::legs_to`]).
+    /// Moves the tip in a straight line through free space to `x_wt`, keeping clear of everything but the held part and
+    /// `part`.
     ///
     /// # Errors
-    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
-    pub fn follow_leg(&mut self, leg: Vec<Joints>) -> Result<(), SkillError> {
-        self.hand.follow(&Trajectory::new(self.arm, leg, self.parameters.travel.share))
+    /// When the arm cannot follow the line, or something is in its way; [`Fault::Overload`](crate::Fault::Overload), and the
+    /// robot's.
+    pub fn travel_straight(&mut self, x_wt: &Pose, part: Option<&str>) -> Result<(), SkillError> {
+        let checker = self.checker(part);
+        let line = self
+            .planner
+            .straight(&self.hand.joints(), x_wt)
+            .ok_or(MotionError::Unreachable(x_wt.translation.vector.into()))?;
+        if !line.iter().all(|q| checker.is_free(&self.planner.kinematics.frames(q))) {
+            return Err(MotionError::Blocked("end").into());
+        }
+        let trajectory = self.law().time(&line);
+        self.hand.follow(&trajectory)
+    }
+
+    /// How fast the arm goes through free space with what it holds.
+    pub fn law(&self) -> TimeLaw {
+        let travel = &self.parameters.travel;
+        let (velocity, acceleration) = match self.hand.held {
+            Some(_) => (travel.held_velocity, travel.held_acceleration),
+            None => (travel.velocity, travel.acceleration),
+        };
+        TimeLaw::new(self.arm, &Pace { velocity, acceleration, jerk: travel.jerk, ramp: travel.ramp })
     }
 
     /// Moves the open hand from above down to `x_wt`, around `part`.
@@ -44,16 +59,7 @@ impl Workcell<'_, '_> {
         let mut above = *x_wt;
         above.translation.z = above.translation.z.max(self.parameters.travel.height);
         self.travel(&above)?;
-        let checker = self.checker(Some(part));
-        let q = self.hand.joints();
-        let leg = self
-            .planner
-            .straight(&q, x_wt)
-            .ok_or(MotionError::Unreachable(x_wt.translation.vector.into()))?;
-        if !leg.iter().all(|q| checker.is_free(&self.planner.kinematics.frames(q))) {
-            return Err(MotionError::Blocked("end").into());
-        }
-        self.follow_leg(leg)
+        self.travel_straight(x_wt, Some(part))
     }
 
     /// What the arm must keep clear of now: everything but what it holds and `without`.

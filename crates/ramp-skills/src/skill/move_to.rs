@@ -129,13 +129,11 @@ impl MoveTo {
         for attempt in 1.. {
             let Some(held) = &cell.hand.held else { break };
             let x_wt = x_wb_goal * held.x_tp.inverse();
-            let mut legs = cell.legs_to(&x_wt)?;
-            let down = legs.pop();
-            for leg in legs {
-                cell.follow_leg(leg)?;
-            }
+            let mut above = x_wt;
+            above.translation.z = above.translation.z.max(cell.parameters.travel.height);
+            cell.travel(&above)?;
             if !cell.hand.pushed || attempt == cell.parameters.insertion.tries {
-                return down.map_or(Ok(()), |down| cell.follow_leg(down));
+                return cell.travel(&x_wt);
             }
             cell.check_grip(part)?;
             self.regrasp.level(cell, beam)?;
@@ -165,15 +163,13 @@ impl MoveTo {
         let yaw = x.y.atan2(x.x);
         // Any turn of the square head will do. What counts is how far the joints stay from their ends while the peg
         // goes in, in the posture in which the arm arrives there.
-        let checker = cell.checker(None);
         let candidates = [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0, 5.0, -5.0, 6.0].map(|step| {
             let rotation = hand_down(yaw + step * TAU / 12.0);
             let over = Pose::from_parts(Translation3::new(mouth.x, mouth.y, height), rotation);
             let seated =
                 Pose::from_parts(Translation3::new(mouth.x, mouth.y, mouth.z + PEG_HEIGHT), rotation);
-            let arrival = cell.planner.level(&q, &over, cell.parameters.travel.height, &checker);
-            let arrival = arrival.as_ref().and_then(|legs| legs.last()?.last());
-            (over, arrival.map_or(-1.0, |arrival| cell.planner.straight_margin(arrival, &seated)))
+            let arrival = cell.planner.solve(&over, &q);
+            (over, arrival.map_or(-1.0, |arrival| cell.planner.straight_margin(&arrival, &seated)))
         });
         let x_wt = cell.choose(&candidates).ok_or(Fault::NoGrasp { part })?;
         cell.travel(&x_wt)
