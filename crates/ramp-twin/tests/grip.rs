@@ -26,7 +26,8 @@ fn slip(speed: f64, pads: Option<&str>) -> (f64, f64) {
     let world = World::new("easy-3");
     let twin = world.twin(Track::State, 1);
     let line = |start: &str| twin.scene().lines().find(|line| line.starts_with(start)).unwrap().to_string();
-    let (option, part, mut pad) = (line("<option"), line("<default class=\"part\">"), line("<default class=\"pad\">"));
+    let (option, part, mut pad) =
+        (line("<option"), line("<default class=\"part\">"), line("<default class=\"pad\">"));
     if let Some(other) = pads {
         let from = pad.find("solref=").unwrap();
         let to = from + pad[from..].find("solimp").unwrap();

@@ -9,6 +9,13 @@ parameters! {
         opened: f64 = "m", 1e-5, 0.02;
         /// Fastest turn of a straight motion. Chosen.
         turn_speed: f64 = "rad/s", 0.01, 3.0;
+        /// How fast a straight motion gains and loses speed. Chosen: what the hand weighs is then 3 N.
+        acceleration: f64 = "m/s²", 0.05, 10.0;
+        /// The same for a turn. Chosen.
+        turn_acceleration: f64 = "rad/s²", 0.05, 50.0;
+        /// How long the fingers stand still when they have closed or opened. Chosen: twice the time constant of the wrist's
+        /// sensor.
+        still: f64 = "s", 0.001, 1.0;
         /// Force on the wrist at which a motion is broken off. A cap is swept to and fro with up to 38 N, and fingers that come
         /// down around a beam may brush along it with 30 N.
         guard: f64 = "N", 5.0, 200.0;

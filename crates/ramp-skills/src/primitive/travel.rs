@@ -1,6 +1,6 @@
 //! Motions through free space, and which poses of the tip the arm reaches.
 
-use ramp_motion::{Checker, Joints, MotionError, Pace, Terms, TimeLaw};
+use ramp_motion::{Checker, Joints, MotionError, Pace, Terms, TimeLaw, Trajectory};
 
 use crate::Pose;
 use crate::belief::obstacles::held_boxes;
@@ -8,12 +8,23 @@ use crate::cell::Workcell;
 use crate::fault::SkillError;
 
 impl Workcell<'_, '_> {
-    /// Moves the tip through free space to `x_wt`, keeping clear of everything but the held part.
+    /// Moves the tip through free space to `x_wt`, keeping clear of everything but the held part. A hand that stands too near
+    /// to something to begin is raised first.
     ///
     /// # Errors
     /// When no motion is found or the robot stops.
     pub fn travel(&mut self, x_wt: &Pose) -> Result<(), SkillError> {
         self.belief.update(&mut self.hand)?;
+        match self.plan(x_wt) {
+            Err(MotionError::Blocked("start")) => self.retreat()?,
+            planned => return self.hand.follow(&planned?),
+        }
+        let trajectory = self.plan(x_wt)?;
+        self.hand.follow(&trajectory)
+    }
+
+    /// The motion through free space to `x_wt`.
+    fn plan(&mut self, x_wt: &Pose) -> Result<Trajectory, MotionError> {
         let (checker, law) = (self.checker(None), self.law());
         let terms = Terms {
             height: self.parameters.travel.height,
@@ -21,8 +32,7 @@ impl Workcell<'_, '_> {
             checker: &checker,
             law: &law,
         };
-        let trajectory = self.planner.plan(&self.hand.joints(), x_wt, &terms, &mut self.stream)?;
-        self.hand.follow(&trajectory)
+        self.planner.plan(&self.hand.joints(), x_wt, &terms, &mut self.stream)
     }
 
     /// Moves the tip in a straight line through free space to `x_wt`, keeping clear of everything but the held part and

@@ -44,10 +44,11 @@ impl Skill for MoveTo {
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
         let FineAction::Move { to } = call.action else { return Err(call.no_skill().into()) };
         match to {
-            Place::Above(_) => cell.retreat(),
+            // The motion that follows goes by way of travelling height on its own, without a rest there.
+            Place::Above(_) => Ok(()),
             Place::Input(item) => self.hover(cell, item.name(), call.link()),
             // With an empty hand the skill that follows moves on its own.
-            Place::Approach(_) | Place::Target(_) if cell.hand.held.is_none() => cell.retreat(),
+            Place::Approach(_) | Place::Target(_) if cell.hand.held.is_none() => Ok(()),
             Place::Approach(Target::Beam(_)) => {
                 let beam = call.beam(cell)?;
                 self.approach_beam(cell, beam)
