@@ -20,6 +20,10 @@ pub struct Obstacle {
     pub half: [f64; 3],
 }
 
+/// How much further than its margin the arm keeps from everything where it could take another way, m: parts are not exactly
+/// where they are believed to be.
+const CLEAR: f64 = 5.0e-3;
+
 struct Placed {
     pose: ParryPose,
     shape: Cuboid,
@@ -60,6 +64,8 @@ pub struct Checker {
     fingers: [Vec<Solid>; 2],
     held: Vec<Obstacle>,
     around: Vec<Placed>,
+    /// The same with more room.
+    widely: Vec<Placed>,
     tip: f64,
     width: f64,
 }
@@ -108,9 +114,8 @@ impl Checker {
             let pieces = arm.finger.pads.iter().chain(&arm.finger.boxes);
             pieces.map(|piece| finger_box(piece, arm.hand.tip)).collect::<Vec<_>>()
         };
-        let around = around
-            .iter()
-            .map(|obstacle| {
+        let placed = |margin: f64| {
+            let place = move |obstacle: &Obstacle| {
                 let [x, y, z] = obstacle.half;
                 let shape = Cuboid::new(Vector::new(x + margin, y + margin, z + margin));
                 let pose = parry(&obstacle.x);
@@ -121,14 +126,16 @@ impl Checker {
                     low: Point3::new(bounds.mins.x, bounds.mins.y, bounds.mins.z),
                     high: Point3::new(bounds.maxs.x, bounds.maxs.y, bounds.maxs.z),
                 }
-            })
-            .collect();
+            };
+            around.iter().map(place).collect()
+        };
         Checker {
             links,
             hand: arm.hand.boxes.iter().map(boxed).collect(),
             fingers: [finger(), finger()],
             held,
-            around,
+            around: placed(margin),
+            widely: placed(margin + CLEAR),
             tip: arm.hand.tip,
             width,
         }
@@ -136,41 +143,49 @@ impl Checker {
 
     /// Is the arm clear of everything with its frames here?
     pub fn is_free(&self, frames: &Frames) -> bool {
-        let links = self.links.iter().all(|(link, solid)| self.solid_is_free(&frames.links[*link], solid));
-        let hand = self.hand.iter().all(|solid| self.solid_is_free(&frames.hand, solid));
+        self.is_free_of(frames, &self.around)
+    }
+
+    /// Is it clear of everything by some millimetres more?
+    pub fn is_clear(&self, frames: &Frames) -> bool {
+        self.is_free_of(frames, &self.widely)
+    }
+
+    fn is_free_of(&self, frames: &Frames, around: &[Placed]) -> bool {
+        let links = self.links.iter().all(|(link, solid)| solid_is_free(&frames.links[*link], solid, around));
+        let hand = self.hand.iter().all(|solid| solid_is_free(&frames.hand, solid, around));
         let fingers = self.fingers.iter().enumerate().all(|(index, solids)| {
             let turn = if index == 0 { 0.0 } else { std::f64::consts::PI };
             let x = frames.hand
                 * nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), turn)
                 * nalgebra::Translation3::new(0.0, self.width / 2.0, 0.0);
-            solids.iter().all(|solid| self.solid_is_free(&x, solid))
+            solids.iter().all(|solid| solid_is_free(&x, solid, around))
         });
         let tip = frames.hand * nalgebra::Translation3::new(0.0, 0.0, self.tip);
         let held = self.held.iter().all(|piece| {
             let [x, y, z] = piece.half;
             let solid = Solid::Box(ParryPose::IDENTITY, Cuboid::new(Vector::new(x, y, z)));
-            self.solid_is_free(&(tip * piece.x), &solid)
+            solid_is_free(&(tip * piece.x), &solid, around)
         });
         links && hand && fingers && held
     }
+}
 
-    fn solid_is_free(&self, frame: &Pose, solid: &Solid) -> bool {
-        let centre = frame.translation.vector;
-        let reach = solid.reach();
-        let (shape, offset) = solid.shape();
-        let pose = parry(frame) * offset;
-        // The table: nothing may reach below it.
-        if centre.z < reach && shape.compute_aabb(&pose).mins.z < 0.0 {
-            return false;
-        }
-        self.around.iter().all(|placed| {
-            // A box around the obstacle and a ball around the solid rule most pairs out.
-            let apart = (0..3).any(|axis| {
-                centre[axis] + reach < placed.low[axis] || centre[axis] - reach > placed.high[axis]
-            });
-            apart
-                || intersection_test(&pose, shape, &placed.pose, &placed.shape)
-                    .is_ok_and(|result| !result.intersecting)
-        })
+fn solid_is_free(frame: &Pose, solid: &Solid, around: &[Placed]) -> bool {
+    let centre = frame.translation.vector;
+    let reach = solid.reach();
+    let (shape, offset) = solid.shape();
+    let pose = parry(frame) * offset;
+    // The table: nothing may reach below it.
+    if centre.z < reach && shape.compute_aabb(&pose).mins.z < 0.0 {
+        return false;
     }
+    around.iter().all(|placed| {
+        // A box around the obstacle and a ball around the solid rule most pairs out.
+        let apart = (0..3)
+            .any(|axis| centre[axis] + reach < placed.low[axis] || centre[axis] - reach > placed.high[axis]);
+        apart
+            || intersection_test(&pose, shape, &placed.pose, &placed.shape)
+                .is_ok_and(|result| !result.intersecting)
+    })
 }

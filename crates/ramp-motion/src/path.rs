@@ -18,7 +18,7 @@ use crate::time_law::TimeLaw;
 use crate::trajectory::Trajectory;
 
 /// Distance between samples along a path of the tip: m, and rad of hand rotation counted as m.
-const SAMPLE: f64 = 0.01;
+const SAMPLE: f64 = 0.0075;
 /// Metres that a radian of the hand's turn counts as.
 const TURN_WEIGHT: f64 = 0.15;
 /// Largest distance between samples of a path in joint space, rad.
@@ -32,9 +32,9 @@ const GOOD_MARGIN: f64 = 0.15;
 /// How much higher a motion goes that finds no way at travelling height, m: over most of what is built.
 const OVER: f64 = 0.08;
 /// Half the lengths, in samples, of the curves that are tried in place of a corner.
-const ROUNDINGS: [usize; 4] = [12, 8, 4, 2];
-/// A motion of the tip that is no motion: m, and rad.
-const STILL: (f64, f64) = (1e-4, 1e-3);
+const ROUNDINGS: [usize; 5] = [16, 10, 6, 4, 2];
+/// A corner that is so near to an end of the motion is left out: m, and rad.
+const NEAR: (f64, f64) = (3e-3, 0.02);
 /// Growth of a tree in one step, rad.
 const TREE_STEP: f64 = 0.1;
 /// Nodes of both trees together before the search gives up.
@@ -123,9 +123,9 @@ fn turns(from: &Pose, to: &Pose) -> Vec<Vector3<f64>> {
     turns
 }
 
-fn is_still(from: &Pose, to: &Pose) -> bool {
-    (from.translation.vector - to.translation.vector).norm() < STILL.0
-        && from.rotation.angle_to(&to.rotation) < STILL.1
+fn is_near(from: &Pose, to: &Pose) -> bool {
+    (from.translation.vector - to.translation.vector).norm() < NEAR.0
+        && from.rotation.angle_to(&to.rotation) < NEAR.1
 }
 
 /// Samples in joint space, and the numbers of those at which the path has a corner.
@@ -301,14 +301,22 @@ impl PathPlanner {
             Pose::from_parts(Translation3::new(p.x, p.y, height), upright(&x.rotation))
         };
         let (up, down) = (raised(&from), raised(x_wt));
+        // A hand that is nearly there already goes no extra way.
+        let up = if is_near(&from, &up) { from } else { up };
+        let down = if is_near(&down, x_wt) { *x_wt } else { down };
         let straight = |from: &Pose, to: &Pose| {
             let turn = turns(from, to)[0];
-            (!is_still(from, to)).then_some(Piece { from: *from, to: *to, turn, around: false })
+            (from != to).then_some(Piece { from: *from, to: *to, turn, around: false })
         };
+        if is_near(&up, &down) {
+            let pieces: Vec<Piece> =
+                [straight(&from, &up), straight(&up, x_wt)].into_iter().flatten().collect();
+            return self.lead(q, goal, &pieces).into_iter().collect();
+        }
         let mut ways = Vec::new();
         for around in [false, true] {
             for turn in turns(&up, &down) {
-                let across = (!is_still(&up, &down)).then_some(Piece { from: up, to: down, turn, around });
+                let across = Some(Piece { from: up, to: down, turn, around });
                 let pieces = [straight(&from, &up), across, straight(&down, x_wt)];
                 let pieces: Vec<Piece> = pieces.into_iter().flatten().collect();
                 ways.extend(self.lead(q, goal, &pieces));
@@ -333,7 +341,7 @@ impl PathPlanner {
             None => *goal,
         };
         let first = *line.samples.last()?;
-        if (last - first).amax() > STILL.1 {
+        if (last - first).amax() > ARRIVED {
             let way = self.kinematics.tip(&last).translation.vector
                 - self.kinematics.tip(&first).translation.vector;
             let count =
@@ -354,18 +362,23 @@ impl PathPlanner {
         if !way.samples.iter().all(free) {
             return None;
         }
+        let clear = |q: &Joints| terms.checker.is_clear(&self.kinematics.frames(q));
         let last = way.samples.len() - 1;
         let mut parts: Vec<Vec<Joints>> = Vec::new();
         let (mut part, mut from) = (Vec::new(), 0);
         for (index, &corner) in way.corners.iter().enumerate() {
             let before = if index == 0 { 0 } else { way.corners[index - 1] };
             let after = way.corners.get(index + 1).copied().unwrap_or(last);
-            // The curves of two corners have no sample in common.
-            let room = (corner - before).min(after - corner).saturating_sub(1) / 2;
+            // The curves of two corners have no sample in common, and the ends stay as they are.
+            let room = |from: usize, to: usize, end: usize| {
+                let length = (to - from).saturating_sub(1);
+                if from == end || to == end { length * 3 / 4 } else { length / 2 }
+            };
+            let room = room(before, corner, 0).min(room(corner, after, last));
             let curve =
                 ROUNDINGS.into_iter().map(|half| half.min(room)).filter(|half| *half > 0).find_map(|half| {
                     let curve = round(&way.samples, corner, half);
-                    curve.iter().all(free).then_some((half, curve))
+                    curve.iter().all(clear).then_some((half, curve))
                 });
             if let Some((half, curve)) = curve {
                 part.extend_from_slice(&way.samples[from..corner - half]);

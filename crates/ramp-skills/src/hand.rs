@@ -262,6 +262,20 @@ impl<'r> Hand<'r> {
         Ok(())
     }
 
+    /// Waits under impedance until the arm is still, at most as long as a motion takes to fade.
+    ///
+    /// # Errors
+    /// [`Fault::Overload`], and the robot's.
+    pub fn settle(&mut self) -> Result<(), SkillError> {
+        for _ in 0..(self.parameters.rest / PERIOD).round() as usize {
+            self.tick()?;
+            if Joints::from(self.seen.velocities).amax() < self.parameters.at_rest {
+                break;
+            }
+        }
+        Ok(())
+    }
+
     /// Moves the setpoint in a straight line to `x_wt` with `speed` (m/s) as its largest speed, until it is there
     /// or `stop` says so: it speeds up evenly, goes on, and slows down evenly. Returns whether it was stopped; the setpoint then
     /// stays where it was.

@@ -23,6 +23,8 @@ parameters! {
         yield_time: f64 = "s", 0.0, 5.0;
         /// How long the hand waits until a motion has faded. The filter of the wrist sensor has a time constant of 20 ms.
         rest: f64 = "s", 0.0, 10.0;
+        /// Speed of the joints below which the arm is still. Chosen: a tenth of a millimetre in the time of a look.
+        at_rest: f64 = "rad/s", 1e-5, 0.1;
         /// What is held has been pushed when the force at the wrist changes by more while it is carried. A beam that is only
         /// carried changes it by 5 N at most.
         pushed_force: f64 = "N", 0.1, 200.0;
