@@ -31,8 +31,10 @@ const ARRIVED: f64 = 1e-3;
 const GOOD_MARGIN: f64 = 0.15;
 /// How much higher a motion goes that finds no way at travelling height, m: over most of what is built.
 const OVER: f64 = 0.08;
-/// Half the lengths, in samples, of the curves that are tried in place of a corner.
-const ROUNDINGS: [usize; 5] = [16, 10, 6, 4, 2];
+/// Most samples before and after a corner that a curve takes the place of: 15 cm.
+const ROUNDING: usize = 20;
+/// Shares of the room for a curve that are tried.
+const ROUNDING_SHARES: [f64; 5] = [1.0, 0.7, 0.5, 0.3, 0.15];
 /// A corner that is so near to an end of the motion is left out: m, and rad.
 const NEAR: (f64, f64) = (3e-3, 0.02);
 /// Growth of a tree in one step, rad.
@@ -61,7 +63,7 @@ pub enum MotionError {
 pub struct Terms<'a> {
     /// Travelling height, m, of the tip.
     pub height: f64,
-    /// The hand stays level: something is in it.
+    /// The hand stays level: a beam is in it.
     pub level: bool,
     /// What the arm must keep clear of.
     pub checker: &'a Checker,
@@ -370,20 +372,21 @@ impl PathPlanner {
             let before = if index == 0 { 0 } else { way.corners[index - 1] };
             let after = way.corners.get(index + 1).copied().unwrap_or(last);
             // The curves of two corners have no sample in common, and the ends stay as they are.
-            let room = |from: usize, to: usize, end: usize| {
+            let room = |from: usize, to: usize| {
                 let length = (to - from).saturating_sub(1);
-                if from == end || to == end { length * 3 / 4 } else { length / 2 }
+                let most = if from == 0 || to == last { length * 3 / 4 } else { length / 2 };
+                most.min(ROUNDING)
             };
-            let room = room(before, corner, 0).min(room(corner, after, last));
-            let curve =
-                ROUNDINGS.into_iter().map(|half| half.min(room)).filter(|half| *half > 0).find_map(|half| {
-                    let curve = round(&way.samples, corner, half);
-                    curve.iter().all(clear).then_some((half, curve))
-                });
-            if let Some((half, curve)) = curve {
-                part.extend_from_slice(&way.samples[from..corner - half]);
+            let room = [room(before, corner), room(corner, after)];
+            let curve = ROUNDING_SHARES.into_iter().find_map(|share| {
+                let halves = room.map(|room| (room as f64 * share) as usize);
+                let curve = round(&way.samples, corner, halves)?;
+                curve.iter().all(clear).then_some((halves, curve))
+            });
+            if let Some((halves, curve)) = curve {
+                part.extend_from_slice(&way.samples[from..corner - halves[0]]);
                 part.extend(curve);
-                from = corner + half + 1;
+                from = corner + halves[1] + 1;
             } else {
                 part.extend_from_slice(&way.samples[from..=corner]);
                 parts.push(std::mem::take(&mut part));
@@ -496,17 +499,22 @@ fn interpolate(a: &Joints, b: &Joints) -> Vec<Joints> {
     (0..=steps).map(|step| a.lerp(b, step as f64 / steps as f64)).collect()
 }
 
-/// A curve in place of the samples from `half` before a corner to `half` after it: it begins and ends as they do, and
-/// leaves out the corner (a quadratic Bézier curve).
-fn round(samples: &[Joints], corner: usize, half: usize) -> Vec<Joints> {
-    let (a, b, c) = (samples[corner - half], samples[corner], samples[corner + half]);
-    let count = 2 * half;
-    (0..=count)
-        .map(|step| {
-            let t = step as f64 / count as f64;
-            a.lerp(&b, t).lerp(&b.lerp(&c, t), t)
-        })
-        .collect()
+/// A curve in place of the samples from so many before a corner to so many after it: it begins and ends as they do, and
+/// leaves out the corner (a quadratic Bézier curve). `None` when one of them is none.
+fn round(samples: &[Joints], corner: usize, halves: [usize; 2]) -> Option<Vec<Joints>> {
+    if halves.contains(&0) {
+        return None;
+    }
+    let (a, b, c) = (samples[corner - halves[0]], samples[corner], samples[corner + halves[1]]);
+    // The curve's parameter gains on each sample as much as its ends' distances ask for, evenly more or less in between.
+    let gains = halves.map(|half| 0.5 / half as f64);
+    let count = (2.0 / (gains[0] + gains[1])).round().max(2.0);
+    let parameter = |step: f64| gains[0] * step + (gains[1] - gains[0]) * step * step / (2.0 * count);
+    let curve = (0..=count as usize).map(|step| {
+        let t = parameter(step as f64) / parameter(count);
+        a.lerp(&b, t).lerp(&b.lerp(&c, t), t)
+    });
+    Some(curve.collect())
 }
 
 const _: () = assert!(DOF == 7);

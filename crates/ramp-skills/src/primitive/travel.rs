@@ -28,7 +28,7 @@ impl Workcell<'_, '_> {
         let (checker, law) = (self.checker(None), self.law());
         let terms = Terms {
             height: self.parameters.travel.height,
-            level: self.hand.held.is_some(),
+            level: self.hand.held.as_ref().is_some_and(|held| self.kit.beam(&held.part).is_some()),
             checker: &checker,
             law: &law,
         };
