@@ -34,6 +34,9 @@ parameters! {
     LookParameters {
         /// Longest series of looks. What is not known well enough by then has to be found by contact.
         longest: f64 = "s", 0.0, 600.0;
+        /// How often a camera looks again from where it is before it goes to another place. Chosen: a look takes a tenth of the time
+        /// that a way does.
+        again: usize = "", 1.0, 100.0;
         /// How often a camera looks at the tag of the sheet to find out where it is. Chosen.
         calibrating: usize = "", 0.0, 100.0;
         /// How well a part must be known along the table before it is grasped, 1 σ. The fingers centre it, so that half a
