@@ -63,8 +63,10 @@ impl Workcell<'_, '_> {
                 .filter(|worst| excess(&self.belief, worst) > 1.0);
             let Some(worst) = worst else { return Ok(()) };
             if self.belief.eyes.images() {
-                // Images from one place have their errors in common: after some of them only another place helps.
-                for _ in 0..self.parameters.look.again {
+                // Images from one place have their errors in common: after some of them only another place helps, and there is
+                // none for a hand that holds something.
+                let again = if self.hand.held.is_some() { 1 } else { self.parameters.look.again };
+                for _ in 0..again {
                     self.look_once()?;
                 }
                 if excess(&self.belief, worst) <= 1.0 {
