@@ -83,7 +83,7 @@ fn run(seed: u64, trouble: Trouble) -> (usize, Vec<Event>, usize) {
 #[test]
 fn a_dropped_peg_is_replaced_by_another() {
     for seed in [2, 3, 4] {
-        let (seated, events, replans) = run(seed, Trouble::Drops { peg: "p1", ticks_left: 200 });
+        let (seated, events, replans) = run(seed, Trouble::Drops { peg: "p1", ticks_left: 400 });
         assert!(events.iter().any(|event| event.kind == "fault" && event.what.contains("p1")), "{events:?}");
         assert!(replans >= 1);
         assert_eq!(seated, 3, "seed {seed}: {events:?}");
