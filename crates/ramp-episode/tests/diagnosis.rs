@@ -35,7 +35,7 @@ fn a_peg_that_stands_aslant_is_set_upright() {
 /// One whose tip caught the rim of its hole at once does not go in, however it is pressed.
 #[test]
 fn a_peg_that_is_pressed_aslant_is_no_jam() {
-    told("easy-3", 12, "peg-tilted", "grip-moved: p1 presses");
+    told("easy-3", 12, "peg-tilted", "grip-moved: p1 ");
 }
 
 /// The pixels that a frozen camera repeats would put parts where they were seen from another place of the hand.

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
-use ramp_motion::{Analytic, Checker, Joints, Obstacle, PathPlanner, Pose, Trajectory};
+use ramp_motion::{Analytic, Checker, Joints, Obstacle, Pace, PathPlanner, Pose, Terms, TimeLaw};
 use ramp_robot::DOF;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
@@ -32,6 +32,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         })
         .collect();
     let checker = Checker::new(&arm, 0.04, Vec::new(), &around, 0.5e-3);
+    let law = TimeLaw::new(&arm, &Pace { velocity: 1.0, acceleration: 1.0, jerk: 1.0, ramp: 0.0 });
+    let terms = Terms { height: 0.15, level: true, checker: &checker, law: &law };
     let hover = |stream: &mut Stream| {
         let down = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), stream.symmetric(1.5))
             * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
@@ -44,15 +46,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for _ in 0..moves {
         let goal = hover(&mut stream);
         let begin = Instant::now();
-        let legs = planner.plan(&q, &goal, 0.15, &checker, &mut stream);
+        let motion = planner.plan(&q, &goal, &terms, &mut stream);
         level += begin.elapsed().as_secs_f64();
-        let Ok(legs) = legs else { continue };
+        let Ok(motion) = motion else { continue };
         planned += 1;
-        let Some(end) = legs.last().and_then(|leg| leg.last()).copied() else { continue };
+        let end = motion.end();
         let begin = Instant::now();
         found += usize::from(planner.connect(&q, &end, &checker, &mut stream).is_some());
         tree += begin.elapsed().as_secs_f64();
-        moving += legs.into_iter().map(|leg| Trajectory::new(&arm, leg, 1.0).duration()).sum::<f64>();
+        moving += motion.duration();
         bound += (0..DOF).map(|j| (end[j] - q[j]).abs() / arm.joints[j].velocity).fold(0.0, f64::max);
         q = end;
     }

@@ -20,6 +20,10 @@ pub struct Obstacle {
     pub half: [f64; 3],
 }
 
+/// How much further than its margin the arm keeps from everything where it could take another way, m: parts are not exactly
+/// where they are believed to be.
+const CLEAR: f64 = 5.0e-3;
+
 struct Placed {
     name: String,
     pose: ParryPose,
@@ -61,6 +65,8 @@ pub struct Checker {
     fingers: [Vec<Solid>; 2],
     held: Vec<Obstacle>,
     around: Vec<Placed>,
+    /// The same with more room.
+    widely: Vec<Placed>,
     tip: f64,
     width: f64,
 }
@@ -109,9 +115,8 @@ impl Checker {
             let pieces = arm.finger.pads.iter().chain(&arm.finger.boxes);
             pieces.map(|piece| finger_box(piece, arm.hand.tip)).collect::<Vec<_>>()
         };
-        let around = around
-            .iter()
-            .map(|obstacle| {
+        let placed = |margin: f64| {
+            let place = move |obstacle: &Obstacle| {
                 let [x, y, z] = obstacle.half;
                 let shape = Cuboid::new(Vector::new(x + margin, y + margin, z + margin));
                 let pose = parry(&obstacle.x);
@@ -123,14 +128,16 @@ impl Checker {
                     low: Point3::new(bounds.mins.x, bounds.mins.y, bounds.mins.z),
                     high: Point3::new(bounds.maxs.x, bounds.maxs.y, bounds.maxs.z),
                 }
-            })
-            .collect();
+            };
+            around.iter().map(place).collect()
+        };
         Checker {
             links,
             hand: arm.hand.boxes.iter().map(boxed).collect(),
             fingers: [finger(), finger()],
             held,
-            around,
+            around: placed(margin),
+            widely: placed(margin + CLEAR),
             tip: arm.hand.tip,
             width,
         }
@@ -141,11 +148,20 @@ impl Checker {
         self.touched(frames).is_none()
     }
 
+    /// Is it clear of everything by some millimetres more?
+    pub fn is_clear(&self, frames: &Frames) -> bool {
+        self.touched_of(frames, &self.widely).is_none()
+    }
+
     /// What the arm touches with its frames here: the name of a part, or `the table`.
     pub fn touched(&self, frames: &Frames) -> Option<&str> {
+        self.touched_of(frames, &self.around)
+    }
+
+    fn touched_of<'p>(&self, frames: &Frames, around: &'p [Placed]) -> Option<&'p str> {
         let mut links = self.links.iter();
-        let links = links.find_map(|(link, solid)| self.touched_by(&frames.links[*link], solid));
-        let hand = || self.hand.iter().find_map(|solid| self.touched_by(&frames.hand, solid));
+        let links = links.find_map(|(link, solid)| touched_by(&frames.links[*link], solid, around));
+        let hand = || self.hand.iter().find_map(|solid| touched_by(&frames.hand, solid, around));
         let mut fingers = self.fingers.iter().enumerate();
         let fingers = || {
             fingers.find_map(|(index, solids)| {
@@ -153,7 +169,7 @@ impl Checker {
                 let x = frames.hand
                     * nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), turn)
                     * nalgebra::Translation3::new(0.0, self.width / 2.0, 0.0);
-                solids.iter().find_map(|solid| self.touched_by(&x, solid))
+                solids.iter().find_map(|solid| touched_by(&x, solid, around))
             })
         };
         let tip = frames.hand * nalgebra::Translation3::new(0.0, 0.0, self.tip);
@@ -161,30 +177,29 @@ impl Checker {
             self.held.iter().find_map(|piece| {
                 let [x, y, z] = piece.half;
                 let solid = Solid::Box(ParryPose::IDENTITY, Cuboid::new(Vector::new(x, y, z)));
-                self.touched_by(&(tip * piece.x), &solid)
+                touched_by(&(tip * piece.x), &solid, around)
             })
         };
         links.or_else(hand).or_else(fingers).or_else(held)
     }
+}
 
-    fn touched_by(&self, frame: &Pose, solid: &Solid) -> Option<&str> {
-        let centre = frame.translation.vector;
-        let reach = solid.reach();
-        let (shape, offset) = solid.shape();
-        let pose = parry(frame) * offset;
-        // The table: nothing may reach below it.
-        if centre.z < reach && shape.compute_aabb(&pose).mins.z < 0.0 {
-            return Some("the table");
-        }
-        let touched = self.around.iter().find(|placed| {
-            // A box around the obstacle and a ball around the solid rule most pairs out.
-            let apart = (0..3).any(|axis| {
-                centre[axis] + reach < placed.low[axis] || centre[axis] - reach > placed.high[axis]
-            });
-            !apart
-                && !intersection_test(&pose, shape, &placed.pose, &placed.shape)
-                    .is_ok_and(|result| !result.intersecting)
-        });
-        touched.map(|placed| placed.name.as_str())
+fn touched_by<'p>(frame: &Pose, solid: &Solid, around: &'p [Placed]) -> Option<&'p str> {
+    let centre = frame.translation.vector;
+    let reach = solid.reach();
+    let (shape, offset) = solid.shape();
+    let pose = parry(frame) * offset;
+    // The table: nothing may reach below it.
+    if centre.z < reach && shape.compute_aabb(&pose).mins.z < 0.0 {
+        return Some("the table");
     }
+    let touched = around.iter().find(|placed| {
+        // A box around the obstacle and a ball around the solid rule most pairs out.
+        let apart = (0..3)
+            .any(|axis| centre[axis] + reach < placed.low[axis] || centre[axis] - reach > placed.high[axis]);
+        !apart
+            && !intersection_test(&pose, shape, &placed.pose, &placed.shape)
+                .is_ok_and(|result| !result.intersecting)
+    });
+    touched.map(|placed| placed.name.as_str())
 }

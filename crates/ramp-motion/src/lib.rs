@@ -2,18 +2,22 @@
 //!
 //! Data passes one way: [`kinematics`] turns joint positions into poses and back, and [`analytic`] gives every way back
 //! where the arm's build allows it; [`collision`] holds what stands around the arm and what it carries; [`path`] finds a
-//! joint path between two poses that keeps clear of it; [`trajectory`] times the path within the arm's limits.
+//! joint path between two poses that keeps clear of it; [`time_law`] says when the arm is where on it, within its limits:
+//! a [`trajectory`].
 
 pub mod analytic;
 pub mod collision;
 pub mod kinematics;
 pub mod path;
 mod space;
+mod spline;
+pub mod time_law;
 pub mod trajectory;
 
 pub use analytic::Analytic;
 pub use collision::{Checker, Obstacle};
 pub use kinematics::Kinematics;
-pub use path::{MotionError, PathPlanner};
+pub use path::{MotionError, PathPlanner, Terms};
 pub use space::{Joints, Pose};
+pub use time_law::{Pace, TimeLaw};
 pub use trajectory::Trajectory;

@@ -1,8 +1,10 @@
 //! Joint paths that keep clear of everything.
 //!
-//! First the level path: up to travelling height, straight across with the hand turning the short way, down. It
-//! keeps a held beam level and its collisions are checked at every sample. Where something blocks it, a
-//! bidirectional random tree (Kuffner and LaValle's RRT-Connect) looks for a way around in joint space.
+//! Most motions are level: up to travelling height, across, down, with the corners rounded where there is room. There
+//! are three ways across: straight, on an arc around the base, and straight in joint space, which tilts the hand on the
+//! way and is for an empty one. Of those that are free the one that takes the least time is taken; if none is, all are
+//! tried again higher up. Where that is blocked, too, a bidirectional random tree (Kuffner and LaValle's RRT-Connect)
+//! looks for a way around in joint space.
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_robot::DOF;
@@ -12,19 +14,31 @@ use ramp_robot::random::Stream;
 use crate::collision::Checker;
 use crate::kinematics::Kinematics;
 use crate::space::{Joints, Pose};
+use crate::time_law::TimeLaw;
+use crate::trajectory::Trajectory;
 
-/// Distance between samples along a straight path: m, and rad of hand rotation counted as m.
-const SAMPLE: f64 = 0.01;
+/// Distance between samples along a path of the tip: m, and rad of hand rotation counted as m.
+const SAMPLE: f64 = 0.0075;
 /// Metres that a radian of the hand's turn counts as.
 const TURN_WEIGHT: f64 = 0.15;
-/// Pull towards the resting posture while following a path.
-const LEAN: f64 = 0.05;
+/// Largest distance between samples of a path in joint space, rad.
+const JOINT_SAMPLE: f64 = 0.05;
 /// Largest joint step between samples that still counts as continuous, rad.
 const LARGEST_STEP: f64 = 0.35;
+/// How near to its goal in joint space a path of the tip ends, rad: one that ends elsewhere is on another branch.
+const ARRIVED: f64 = 1e-3;
 /// Distance from the joints' ends at which a path's end is good enough, rad.
 const GOOD_MARGIN: f64 = 0.15;
 /// Turns of the shoulder beside its usual one that are tried where that does not do, rad. Chosen.
 const SIDES: [f64; 7] = [0.0, 0.3, -0.3, 0.6, -0.6, 0.9, -0.9];
+/// How much higher a motion goes that finds no way at travelling height, m: over most of what is built.
+const OVER: f64 = 0.08;
+/// Most samples before and after a corner that a curve takes the place of: 15 cm.
+const ROUNDING: usize = 20;
+/// Shares of the room for a curve that are tried.
+const ROUNDING_SHARES: [f64; 5] = [1.0, 0.7, 0.5, 0.3, 0.15];
+/// A corner that is so near to an end of the motion is left out: m, and rad.
+const NEAR: (f64, f64) = (3e-3, 0.02);
 /// Growth of a tree in one step, rad.
 const TREE_STEP: f64 = 0.1;
 /// Nodes of both trees together before the search gives up.
@@ -41,9 +55,107 @@ pub enum MotionError {
     /// The start or the end of the motion touches something.
     #[error("the arm would touch something at the {0} of the motion")]
     Blocked(&'static str),
-    /// Neither the level path nor the search found a way.
+    /// Neither a level path nor the search found a way.
     #[error("no way around the obstacles was found")]
     NoWay,
+}
+
+/// What a motion through free space keeps to.
+#[derive(Clone, Copy)]
+pub struct Terms<'a> {
+    /// Travelling height, m, of the tip.
+    pub height: f64,
+    /// The hand stays level: a beam is in it.
+    pub level: bool,
+    /// What the arm must keep clear of.
+    pub checker: &'a Checker,
+    /// How fast it may go.
+    pub law: &'a TimeLaw,
+}
+
+/// A piece of a path of the tip.
+struct Piece {
+    from: Pose,
+    to: Pose,
+    /// By what the hand turns on the way: a rotation vector, rad, axes of the world.
+    turn: Vector3<f64>,
+    /// Around the base, and not straight.
+    around: bool,
+}
+
+impl Piece {
+    fn length(&self) -> f64 {
+        let (a, b) = (self.from.translation.vector, self.to.translation.vector);
+        let way = if self.around {
+            let swept = a.xy().norm().max(b.xy().norm()) * (angle(&b) - angle(&a)).abs();
+            swept.hypot(b.xy().norm() - a.xy().norm()).hypot(b.z - a.z)
+        } else {
+            (b - a).norm()
+        };
+        way.max(self.turn.norm() * TURN_WEIGHT)
+    }
+
+    /// The pose at a share of the way: position, or angle, distance and height, and turn change evenly.
+    fn at(&self, share: f64) -> Pose {
+        let (a, b) = (self.from.translation.vector, self.to.translation.vector);
+        let mut p = a.lerp(&b, share);
+        if self.around {
+            let radius = a.xy().norm() + (b.xy().norm() - a.xy().norm()) * share;
+            let angle = angle(&a) + (angle(&b) - angle(&a)) * share;
+            (p.x, p.y) = (radius * angle.cos(), radius * angle.sin());
+        }
+        Pose::from_parts(
+            Translation3::from(p),
+            UnitQuaternion::from_scaled_axis(self.turn * share) * self.from.rotation,
+        )
+    }
+}
+
+/// The angle of a point around the base, rad: never through the back, which no arm reaches.
+fn angle(p: &Vector3<f64>) -> f64 {
+    p.y.atan2(p.x)
+}
+
+/// The turns that take one rotation to another: the short one and, where it is not much longer, the other way round.
+fn turns(from: &Pose, to: &Pose) -> Vec<Vector3<f64>> {
+    let short = (to.rotation * from.rotation.inverse()).scaled_axis();
+    let angle = short.norm();
+    let mut turns = vec![short];
+    if angle > std::f64::consts::FRAC_PI_2 {
+        turns.push(short * ((angle - std::f64::consts::TAU) / angle));
+    }
+    turns
+}
+
+fn is_near(from: &Pose, to: &Pose) -> bool {
+    (from.translation.vector - to.translation.vector).norm() < NEAR.0
+        && from.rotation.angle_to(&to.rotation) < NEAR.1
+}
+
+/// Samples in joint space, and the numbers of those at which the path has a corner.
+#[derive(Clone, Debug, Default)]
+struct Polyline {
+    samples: Vec<Joints>,
+    corners: Vec<usize>,
+}
+
+impl Polyline {
+    /// Goes on with samples that begin at the end of this one.
+    fn extend(&mut self, next: Polyline) {
+        if self.samples.is_empty() {
+            *self = next;
+            return;
+        }
+        if next.samples.len() < 2 {
+            return;
+        }
+        let corner = self.samples.len() - 1;
+        if corner > 0 {
+            self.corners.push(corner);
+        }
+        self.corners.extend(next.corners.iter().map(|other| corner + other));
+        self.samples.extend(next.samples.into_iter().skip(1));
+    }
 }
 
 /// Plans motions of one arm.
@@ -78,15 +190,14 @@ impl PathPlanner {
         posture
     }
 
-    /// Joint positions for a pose of the tip, near `seed` if possible.
+    /// Joint positions for a pose of the tip, near `seed` if possible, and rather well inside their ranges.
     ///
     /// # Errors
     /// [`MotionError::Unreachable`].
     pub fn solve(&self, x_wt: &Pose, seed: &Joints) -> Result<Joints, MotionError> {
-        let posture = self.posture(x_wt);
-        [seed, &posture, &self.rest]
-            .into_iter()
-            .find_map(|seed| self.kinematics.inverse(x_wt, seed, &posture, LEAN))
+        self.solutions(x_wt, seed)
+            .first()
+            .copied()
             .ok_or_else(|| MotionError::Unreachable(x_wt.translation.vector.into()))
     }
 
@@ -97,56 +208,69 @@ impl PathPlanner {
         SIDES.iter().find_map(|turn| {
             let mut seed = posture;
             seed[0] += turn;
-            let q = self.kinematics.inverse(from, &seed, &seed, LEAN)?;
+            let q = self.kinematics.inverse(from, &seed, &seed)?;
             self.straight(&q, x_wt).map(|_| q)
         })
+    }
+
+    /// All joint positions that are found for a pose of the tip, the best first.
+    fn solutions(&self, x_wt: &Pose, seed: &Joints) -> Vec<Joints> {
+        let posture = self.posture(x_wt);
+        let mut found: Vec<Joints> = Vec::new();
+        for seed in [seed, &posture, &self.rest] {
+            if let Some(q) = self.kinematics.inverse(x_wt, seed, &posture)
+                && found.iter().all(|other| (other - q).amax() > ARRIVED)
+            {
+                found.push(q);
+            }
+        }
+        // Stable: those with room to spare stay in their order.
+        let room = |q: &Joints| self.kinematics.range_margin(q).min(GOOD_MARGIN);
+        found.sort_by(|a, b| room(b).total_cmp(&room(a)));
+        found
     }
 
     /// A straight motion of the tip from `q` to `x_wt`, sampled, the hand turning the short way or, where the arm
     /// cannot, the other; `None` when it would have to jump or leave its ranges on the way.
     pub fn straight(&self, q: &Joints, x_wt: &Pose) -> Option<Vec<Joints>> {
         let from = self.kinematics.tip(q);
-        let turn = (x_wt.rotation * from.rotation.inverse()).scaled_axis();
-        let angle = turn.norm();
-        let other = if angle > 1e-6 { turn * ((angle - std::f64::consts::TAU) / angle) } else { turn };
-        self.straight_turning(q, &from, x_wt, &turn).or_else(|| {
-            if angle < std::f64::consts::FRAC_PI_2 {
-                return None;
-            }
-            self.straight_turning(q, &from, x_wt, &other)
+        self.solutions(x_wt, q).iter().find_map(|goal| {
+            turns(&from, x_wt).into_iter().find_map(|turn| {
+                let piece = Piece { from, to: *x_wt, turn, around: false };
+                Some(self.lead(q, goal, &[piece])?.samples)
+            })
         })
     }
 
-    /// As [`PathPlanner::straight`], turning by the rotation vector `turn` (rad, axes of the world) on the way.
-    fn straight_turning(
-        &self,
-        q: &Joints,
-        from: &Pose,
-        x_wt: &Pose,
-        turn: &Vector3<f64>,
-    ) -> Option<Vec<Joints>> {
-        let distance = (x_wt.translation.vector - from.translation.vector).norm();
-        let samples = ((distance.max(turn.norm() * TURN_WEIGHT) / SAMPLE).ceil() as usize).max(2);
-        let mut knots = vec![*q];
-        let mut last = *q;
-        for sample in 1..=samples {
-            let share = sample as f64 / samples as f64;
-            let x = Pose::from_parts(
-                Translation3::from(from.translation.vector.lerp(&x_wt.translation.vector, share)),
-                UnitQuaternion::from_scaled_axis(turn * share) * from.rotation,
-            );
-            let next = self.kinematics.inverse(&x, &last, &self.posture(&x), LEAN)?;
-            if (next - last).amax() > LARGEST_STEP {
-                return None;
+    /// The tip along pieces from `q` to `goal`, the posture changing evenly from that of one to that of the other; `None`
+    /// when the arm would have to jump or leave its ranges on the way.
+    fn lead(&self, q: &Joints, goal: &Joints, pieces: &[Piece]) -> Option<Polyline> {
+        let total: f64 = pieces.iter().map(Piece::length).sum();
+        let spacing = SAMPLE.min(total / ((goal - q).amax() / JOINT_SAMPLE).max(2.0));
+        let mut line = Polyline { samples: vec![*q], corners: Vec::new() };
+        let (mut last, mut passed) = (*q, 0.0);
+        for piece in pieces {
+            if passed > 0.0 {
+                line.corners.push(line.samples.len() - 1);
             }
-            knots.push(next);
-            last = next;
+            let length = piece.length();
+            let count = (length / spacing).ceil().max(2.0) as usize;
+            for sample in 1..=count {
+                let share = sample as f64 / count as f64;
+                let posture = q.lerp(goal, (passed + share * length) / total);
+                let next = self.kinematics.inverse(&piece.at(share), &last, &posture)?;
+                if (next - last).amax() > LARGEST_STEP {
+                    return None;
+                }
+                line.samples.push(next);
+                last = next;
+            }
+            passed += length;
         }
-        Some(knots)
+        ((last - goal).amax() < ARRIVED).then_some(line)
     }
 
-    /// A path from `q` to `x_wt` by way of travelling height `travel` (m, of the tip), free of collision: legs of
-    /// joint knots, the arm at rest between them.
+    /// The fastest motion from `q` to `x_wt` that is found and free of collision.
     ///
     /// # Errors
     /// When the goal is out of reach, its start or end touches something, or no way is found.
@@ -154,95 +278,160 @@ impl PathPlanner {
         &self,
         q: &Joints,
         x_wt: &Pose,
-        travel: f64,
-        checker: &Checker,
+        terms: &Terms,
         stream: &mut Stream,
-    ) -> Result<Vec<Vec<Joints>>, MotionError> {
-        if !checker.is_free(&self.kinematics.frames(q)) {
+    ) -> Result<Trajectory, MotionError> {
+        let free = |q: &Joints| terms.checker.is_free(&self.kinematics.frames(q));
+        if !free(q) {
             return Err(MotionError::Blocked("start"));
         }
-        if let Some(legs) = self.level(q, x_wt, travel, checker) {
-            return Ok(legs);
+        let mut goals = self.solutions(x_wt, q);
+        if goals.is_empty() {
+            return Err(MotionError::Unreachable(x_wt.translation.vector.into()));
         }
-        let goal = self.solve(x_wt, q)?;
-        if !checker.is_free(&self.kinematics.frames(&goal)) {
-            return Err(MotionError::Blocked("end"));
-        }
-        let way = self.connect(q, &goal, checker, stream).ok_or(MotionError::NoWay)?;
-        // Straight in joint space between the corners, at rest in each, so that the path checked is the path run.
-        Ok(way.windows(2).map(|pair| interpolate(&pair[0], &pair[1])).collect())
-    }
-
-    /// The level path alone: up to `travel` (m, of the tip), across, down; `None` when it is blocked or the arm cannot
-    /// follow it. Across is straight where that ends well inside the joints' ranges, else by way of a point further
-    /// out from the base, which the arm must not fold up to pass.
-    pub fn level(&self, q: &Joints, x_wt: &Pose, travel: f64, checker: &Checker) -> Option<Vec<Vec<Joints>>> {
-        let mut best: Option<(f64, Vec<Vec<Joints>>)> = None;
-        for radius in [None, Some(0.45), Some(0.55)] {
-            let Some(legs) = self.level_by(q, x_wt, travel, radius, checker) else { continue };
-            let margin =
-                legs.last().and_then(|leg| leg.last()).map_or(0.0, |q| self.kinematics.range_margin(q));
-            if margin > GOOD_MARGIN {
-                return Some(legs);
-            }
-            if best.as_ref().is_none_or(|(other, _)| margin > *other) {
-                best = Some((margin, legs));
+        goals.retain(free);
+        let nearest = goals.first().ok_or(MotionError::Blocked("end"))?;
+        for height in [terms.height, terms.height + OVER] {
+            for goal in &goals {
+                let ways = self.level(q, goal, x_wt, height, terms.level);
+                let timed = ways.into_iter().filter_map(|way| self.timed(&way, terms));
+                if let Some(best) = timed.min_by(|a, b| a.duration().total_cmp(&b.duration())) {
+                    return Ok(best);
+                }
             }
         }
-        best.map(|(_, legs)| legs)
+        self.plan_to(q, nearest, terms, stream)
     }
 
-    /// A level path by way of a point half way around the base, `radius` (m) from it.
-    fn level_by(
+    /// A motion from `q` to other joint positions that goes around everything, found by random search.
+    ///
+    /// # Errors
+    /// When no way is found.
+    pub fn plan_to(
         &self,
         q: &Joints,
-        x_wt: &Pose,
-        travel: f64,
-        radius: Option<f64>,
-        checker: &Checker,
-    ) -> Option<Vec<Vec<Joints>>> {
+        goal: &Joints,
+        terms: &Terms,
+        stream: &mut Stream,
+    ) -> Result<Trajectory, MotionError> {
+        let way = self.connect(q, goal, terms.checker, stream).ok_or(MotionError::NoWay)?;
+        let mut line = Polyline::default();
+        for pair in way.windows(2) {
+            line.extend(Polyline { samples: interpolate(&pair[0], &pair[1]), corners: Vec::new() });
+        }
+        self.timed(&line, terms).ok_or(MotionError::NoWay)
+    }
+
+    /// The level ways to `goal`, where the tip is at `x_wt`, by way of a height (m, of the tip).
+    fn level(&self, q: &Joints, goal: &Joints, x_wt: &Pose, height: f64, level: bool) -> Vec<Polyline> {
         let from = self.kinematics.tip(q);
-        let height = travel.max(x_wt.translation.z).max(from.translation.z);
+        let height = height.max(x_wt.translation.z).max(from.translation.z);
         let raised = |x: &Pose| {
             let p = x.translation.vector;
             Pose::from_parts(Translation3::new(p.x, p.y, height), upright(&x.rotation))
         };
         let (up, down) = (raised(&from), raised(x_wt));
-        let mut way = vec![up];
-        if let Some(radius) = radius {
-            let angle = |x: &Pose| x.translation.y.atan2(x.translation.x);
-            let middle = (angle(&up) + angle(&down)) / 2.0;
-            let rotation = up.rotation.try_slerp(&down.rotation, 0.5, 1e-6)?;
-            way.push(Pose::from_parts(
-                Translation3::new(radius * middle.cos(), radius * middle.sin(), height),
-                rotation,
-            ));
+        // A hand that is nearly there already goes no extra way.
+        let up = if is_near(&from, &up) { from } else { up };
+        let down = if is_near(&down, x_wt) { *x_wt } else { down };
+        let straight = |from: &Pose, to: &Pose| {
+            let turn = turns(from, to)[0];
+            (from != to).then_some(Piece { from: *from, to: *to, turn, around: false })
+        };
+        if is_near(&up, &down) {
+            let pieces: Vec<Piece> =
+                [straight(&from, &up), straight(&up, x_wt)].into_iter().flatten().collect();
+            return self.lead(q, goal, &pieces).into_iter().collect();
         }
-        way.extend([down, *x_wt]);
-        let mut legs = Vec::new();
-        let mut at = *q;
-        for target in way {
-            let here = self.kinematics.tip(&at);
-            let near = (here.translation.vector - target.translation.vector).norm() < 1e-4
-                && here.rotation.angle_to(&target.rotation) < 1e-3;
-            if near && target != *x_wt {
-                continue;
+        let mut ways = Vec::new();
+        for around in [false, true] {
+            for turn in turns(&up, &down) {
+                let across = Some(Piece { from: up, to: down, turn, around });
+                let pieces = [straight(&from, &up), across, straight(&down, x_wt)];
+                let pieces: Vec<Piece> = pieces.into_iter().flatten().collect();
+                ways.extend(self.lead(q, goal, &pieces));
             }
-            let leg = self.straight(&at, &target)?;
-            if !leg.iter().all(|q| checker.is_free(&self.kinematics.frames(q))) {
-                return None;
-            }
-            at = *leg.last()?;
-            legs.push(leg);
         }
-        Some(legs)
+        if !level {
+            ways.extend(self.in_joint_space(q, goal, [straight(&from, &up), straight(&down, x_wt)]));
+        }
+        ways
+    }
+
+    /// A level way that is straight in joint space between its vertical ends.
+    fn in_joint_space(&self, q: &Joints, goal: &Joints, ends: [Option<Piece>; 2]) -> Option<Polyline> {
+        let [up, down] = ends;
+        let mut line = Polyline { samples: vec![*q], corners: Vec::new() };
+        if let Some(piece) = up {
+            let raised = self.kinematics.inverse(&piece.to, q, q)?;
+            line = self.lead(q, &raised, &[piece])?;
+        }
+        let last = match &down {
+            Some(piece) => self.kinematics.inverse(&piece.from, goal, goal)?,
+            None => *goal,
+        };
+        let first = *line.samples.last()?;
+        if (last - first).amax() > ARRIVED {
+            let way = self.kinematics.tip(&last).translation.vector
+                - self.kinematics.tip(&first).translation.vector;
+            let count =
+                (way.norm() / SAMPLE).max((last - first).amax() / JOINT_SAMPLE).ceil().max(2.0) as usize;
+            let samples = (0..=count).map(|sample| first.lerp(&last, sample as f64 / count as f64)).collect();
+            line.extend(Polyline { samples, corners: Vec::new() });
+        }
+        if let Some(piece) = down {
+            line.extend(self.lead(&last, goal, &[piece])?);
+        }
+        Some(line)
+    }
+
+    /// The motion along a way with its corners rounded where there is room, and at rest in those that are not; `None`
+    /// when it is not free.
+    fn timed(&self, way: &Polyline, terms: &Terms) -> Option<Trajectory> {
+        let free = |q: &Joints| terms.checker.is_free(&self.kinematics.frames(q));
+        if !way.samples.iter().all(free) {
+            return None;
+        }
+        let clear = |q: &Joints| terms.checker.is_clear(&self.kinematics.frames(q));
+        let last = way.samples.len() - 1;
+        let mut parts: Vec<Vec<Joints>> = Vec::new();
+        let (mut part, mut from) = (Vec::new(), 0);
+        for (index, &corner) in way.corners.iter().enumerate() {
+            let before = if index == 0 { 0 } else { way.corners[index - 1] };
+            let after = way.corners.get(index + 1).copied().unwrap_or(last);
+            // The curves of two corners have no sample in common, and the ends stay as they are.
+            let room = |from: usize, to: usize| {
+                let length = (to - from).saturating_sub(1);
+                let most = if from == 0 || to == last { length * 3 / 4 } else { length / 2 };
+                most.min(ROUNDING)
+            };
+            let room = [room(before, corner), room(corner, after)];
+            let curve = ROUNDING_SHARES.into_iter().find_map(|share| {
+                let halves = room.map(|room| (room as f64 * share) as usize);
+                let curve = round(&way.samples, corner, halves)?;
+                curve.iter().all(clear).then_some((halves, curve))
+            });
+            if let Some((halves, curve)) = curve {
+                part.extend_from_slice(&way.samples[from..corner - halves[0]]);
+                part.extend(curve);
+                from = corner + halves[1] + 1;
+            } else {
+                part.extend_from_slice(&way.samples[from..=corner]);
+                parts.push(std::mem::take(&mut part));
+                from = corner;
+            }
+        }
+        part.extend_from_slice(&way.samples[from..]);
+        parts.push(part);
+        parts.iter().map(|part| terms.law.time(part)).reduce(Trajectory::then)
     }
 
     /// How far the joints stay from the ends of their ranges on a straight motion of the tip from `q` to `x_wt`, rad;
     /// negative when the arm cannot follow it.
     pub fn straight_margin(&self, q: &Joints, x_wt: &Pose) -> f64 {
-        self.straight(q, x_wt)
-            .map_or(-1.0, |leg| leg.iter().map(|q| self.kinematics.range_margin(q)).fold(f64::MAX, f64::min))
+        self.straight(q, x_wt).map_or(-1.0, |line| {
+            line.iter().map(|q| self.kinematics.range_margin(q)).fold(f64::MAX, f64::min)
+        })
     }
 
     fn edge_is_free(&self, a: &Joints, b: &Joints, checker: &Checker) -> bool {
@@ -334,8 +523,26 @@ fn upright(rotation: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
 
 /// Samples of a straight line in joint space, both ends among them.
 fn interpolate(a: &Joints, b: &Joints) -> Vec<Joints> {
-    let steps = (((b - a).amax() / 0.05).ceil() as usize).max(1);
+    let steps = (((b - a).amax() / JOINT_SAMPLE).ceil() as usize).max(1);
     (0..=steps).map(|step| a.lerp(b, step as f64 / steps as f64)).collect()
+}
+
+/// A curve in place of the samples from so many before a corner to so many after it: it begins and ends as they do, and
+/// leaves out the corner (a quadratic Bézier curve). `None` when one of them is none.
+fn round(samples: &[Joints], corner: usize, halves: [usize; 2]) -> Option<Vec<Joints>> {
+    if halves.contains(&0) {
+        return None;
+    }
+    let (a, b, c) = (samples[corner - halves[0]], samples[corner], samples[corner + halves[1]]);
+    // The curve's parameter gains on each sample as much as its ends' distances ask for, evenly more or less in between.
+    let gains = halves.map(|half| 0.5 / half as f64);
+    let count = (2.0 / (gains[0] + gains[1])).round().max(2.0);
+    let parameter = |step: f64| gains[0] * step + (gains[1] - gains[0]) * step * step / (2.0 * count);
+    let curve = (0..=count as usize).map(|step| {
+        let t = parameter(step as f64) / parameter(count);
+        a.lerp(&b, t).lerp(&b.lerp(&c, t), t)
+    });
+    Some(curve.collect())
 }
 
 const _: () = assert!(DOF == 7);

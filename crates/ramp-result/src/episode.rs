@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 pub const SCHEMA: &str = "ramp-episode-2";
 
 /// The version of the rules by which episodes are judged: `docs/src/reference/rules.md`, which names it.
-pub const RULES: &str = "ramp-rules-1";
+pub const RULES: &str = "ramp-rules-2";
 
 /// Everything that is known about one episode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

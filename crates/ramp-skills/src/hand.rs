@@ -54,6 +54,38 @@ pub struct Hand<'r> {
     pub pushed: bool,
 }
 
+/// A way that is begun and ended with an even acceleration.
+struct Ramped {
+    /// Time at full speed and in one of the ramps, s.
+    even: f64,
+    ramp: f64,
+}
+
+impl Ramped {
+    fn new(way: f64, speed: f64, acceleration: f64) -> Ramped {
+        let speed = speed.min((way * acceleration).sqrt());
+        if speed <= 0.0 {
+            return Ramped { even: 0.0, ramp: 0.0 };
+        }
+        let ramp = speed / acceleration;
+        Ramped { even: (way / speed - ramp).max(0.0), ramp }
+    }
+
+    /// s.
+    fn duration(&self) -> f64 {
+        self.even + 2.0 * self.ramp
+    }
+
+    /// The share of the way that is done at a time (s) before its end.
+    fn share(&self, time: f64) -> f64 {
+        let whole = self.ramp * (self.even + self.ramp);
+        let begun = time.min(self.ramp);
+        let ended = (time - self.ramp - self.even).max(0.0);
+        let done = begun * begun / 2.0 + self.ramp * (time - begun) - ended * ended / 2.0;
+        (done / whole).clamp(0.0, 1.0)
+    }
+}
+
 impl<'r> Hand<'r> {
     /// Takes over a robot.
     pub fn new(robot: &'r mut dyn Robot, parameters: &HandParameters) -> Hand<'r> {
@@ -119,19 +151,18 @@ impl<'r> Hand<'r> {
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
     pub fn follow(&mut self, trajectory: &Trajectory) -> Result<(), SkillError> {
-        let periods = (trajectory.duration() / PERIOD).ceil() as usize;
         let measured = |seen: &Observation| {
             (seen.wrench.fixed_rows::<3>(0).norm(), seen.wrench.fixed_rows::<3>(3).norm())
         };
         let (force, moment) = measured(&self.seen);
-        for period in 1..=periods {
-            self.joint_step(trajectory.at(period as f64 * PERIOD))?;
+        for q in trajectory.samples().iter().skip(1) {
+            self.joint_step(*q)?;
             self.guard()?;
             let (now, turning) = measured(&self.seen);
             self.pushed |= (now - force).abs() > self.parameters.pushed_force
                 || (turning - moment).abs() > self.parameters.pushed_moment;
         }
-        let end = trajectory.at(trajectory.duration());
+        let end = trajectory.end();
         for _ in 0..300 {
             self.joint_step(end)?;
             self.guard()?;
@@ -231,8 +262,23 @@ impl<'r> Hand<'r> {
         Ok(())
     }
 
+    /// Waits under impedance until the arm is still, at most as long as a motion takes to fade.
+    ///
+    /// # Errors
+    /// [`Fault::Overload`], and the robot's.
+    pub fn settle(&mut self) -> Result<(), SkillError> {
+        for _ in 0..(self.parameters.rest / PERIOD).round() as usize {
+            self.tick()?;
+            if Joints::from(self.seen.velocities).amax() < self.parameters.at_rest {
+                break;
+            }
+        }
+        Ok(())
+    }
+
     /// Moves the setpoint in a straight line to `x_wt` with `speed` (m/s) as its largest speed, until it is there
-    /// or `stop` says so. Returns whether it was stopped; the setpoint then stays where it was.
+    /// or `stop` says so: it speeds up evenly, goes on, and slows down evenly. Returns whether it was stopped; the setpoint then
+    /// stays where it was.
     ///
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
@@ -245,12 +291,12 @@ impl<'r> Hand<'r> {
         let from = self.setpoint;
         let distance = (x_wt.translation.vector - from.translation.vector).norm();
         let angle = from.rotation.angle_to(&x_wt.rotation);
-        // 3τ² − 2τ³ is fastest in the middle, by half more than on average.
-        let duration = 1.5 * (distance / speed).max(angle / self.parameters.turn_speed).max(0.03);
-        let periods = (duration / PERIOD).ceil() as usize;
+        let shift = Ramped::new(distance, speed, self.parameters.acceleration);
+        let turn = Ramped::new(angle, self.parameters.turn_speed, self.parameters.turn_acceleration);
+        let way = if shift.duration() > turn.duration() { shift } else { turn };
+        let periods = ((way.duration() / PERIOD).ceil() as usize).max(1);
         for period in 1..=periods {
-            let tau = period as f64 / periods as f64;
-            let s = tau * tau * (3.0 - 2.0 * tau);
+            let s = if period == periods { 1.0 } else { way.share(period as f64 * PERIOD) };
             let p = from.translation.vector.lerp(&x_wt.translation.vector, s);
             let rotation = from.rotation.try_slerp(&x_wt.rotation, s, 1e-9).unwrap_or(x_wt.rotation);
             self.setpoint = Pose::from_parts(Translation3::from(p), rotation);
@@ -285,7 +331,7 @@ impl<'r> Hand<'r> {
             before = self.seen.width;
             // Fingers that squeeze a part hold still for a while before they open.
             let unloading = opens && period < 600 && width - self.seen.width > self.parameters.opened;
-            if still > 100 && !unloading {
+            if still > (self.parameters.still / PERIOD).round() as u32 && !unloading {
                 break;
             }
         }

@@ -13,7 +13,7 @@ use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_kit::joint::{FEMALE_HEIGHT, STEM_LENGTH};
-use ramp_motion::{Checker, Joints, MotionError, Obstacle, PathPlanner};
+use ramp_motion::{Checker, Joints, MotionError, Obstacle, Pace, PathPlanner, Terms, TimeLaw};
 use ramp_planner::{
     CoarseAction, CoarseStep, Domains, End, Entry, FineAction, Grasp, Impossible, InTheWay, Item, MotionFact,
     Plan, PlanError, State,
@@ -81,6 +81,7 @@ pub struct Rehearsal<'a> {
     /// Beams in the assembly, by index.
     standing: BTreeSet<usize>,
     q: Joints,
+    law: TimeLaw,
     stream: Stream,
     grasps: BTreeMap<String, UnusualGrasp>,
 }
@@ -117,8 +118,16 @@ impl<'a> Rehearsal<'a> {
         }
         let q = Joints::from(arm.home);
         let (stream, grasps) = (Stream::new(0, "rehearsal"), BTreeMap::new());
+        let travel = &parameters.travel;
+        let pace = Pace {
+            velocity: travel.held_velocity,
+            acceleration: travel.held_acceleration,
+            jerk: travel.jerk,
+            ramp: travel.ramp,
+        };
+        let law = TimeLaw::new(arm, &pace);
         let mut rehearsal =
-            Rehearsal { kit, assembly, arm, planner, parameters, parts, standing, q, stream, grasps };
+            Rehearsal { kit, assembly, arm, planner, parameters, parts, standing, q, law, stream, grasps };
         for (connection, peg) in &state.fastened {
             if let Some(index) = assembly.connection_index(connection) {
                 let x_wp = rehearsal.seated(index);
@@ -433,10 +442,15 @@ impl<'a> Rehearsal<'a> {
 
     /// Through free space to a pose of the tip.
     fn travel(&mut self, x_wt: &Pose, checker: &Checker, stage: Stage) -> Result<(), Refusal> {
-        let travel = self.parameters.travel.height;
-        match self.planner.plan(&self.q, x_wt, travel, checker, &mut self.stream) {
-            Ok(legs) => {
-                self.q = legs.last().and_then(|leg| leg.last()).copied().unwrap_or(self.q);
+        let terms = Terms {
+            height: self.parameters.travel.height,
+            level: stage > Stage::Grip,
+            checker,
+            law: &self.law,
+        };
+        match self.planner.plan(&self.q, x_wt, &terms, &mut self.stream) {
+            Ok(trajectory) => {
+                self.q = trajectory.end();
                 Ok(())
             }
             // How the arm gets away from where it stands says nothing of the plan.

@@ -29,7 +29,7 @@ fn check(bytes: &[u8]) {
 /// A run in which every beam is seen at its place, twice.
 fn seed() -> Vec<u8> {
     let run = json!({
-        "schema": "ramp-poses-1", "rules": "ramp-rules-1", "goal": "easy-1", "repeat": 2, "track": "tags",
+        "schema": "ramp-poses-1", "rules": "ramp-rules-2", "goal": "easy-1", "repeat": 2, "track": "tags",
         "agent": "our-system", "version": "2.1", "robot": "arm", "computer": "a laptop", "cores": 8,
         "scorer": "A. Person", "source": "bench 2",
         "begin": {"sec": BEGIN, "nsec": 0}, "planning": 3.5, "end": {"sec": BEGIN + 200, "nsec": 0}, "ended": "done",

@@ -30,6 +30,8 @@ pub struct Belief {
     pub eyes: Eyes,
     parts: BTreeMap<String, Part>,
     time: f64,
+    /// Robot time after the last look, s.
+    looked: Option<f64>,
     x_wt: Pose,
     astray: Vec<(String, f64)>,
 }
@@ -69,7 +71,15 @@ impl Belief {
             }
         }
         let eyes = Eyes::new(kit, &base.beam.name, kit.x_wa() * base.x_ab, &parameters.eyes);
-        Belief { parameters: own.clone(), eyes, parts, time: 0.0, x_wt: Pose::identity(), astray: Vec::new() }
+        Belief {
+            parameters: own.clone(),
+            eyes,
+            parts,
+            time: 0.0,
+            looked: None,
+            x_wt: Pose::identity(),
+            astray: Vec::new(),
+        }
     }
 
     /// Takes one reading of the parts, and another at once if one of them is too odd to be believed.
@@ -94,10 +104,16 @@ impl Belief {
     fn sight(&mut self, hand: &mut Hand) -> Result<Vec<Sighting>, RobotError> {
         let lying = self.lying();
         let sightings = self.eyes.look(hand, &lying)?;
+        self.looked = Some(hand.time());
         for name in self.eyes.upset() {
             self.doubt(&name);
         }
         Ok(sightings)
+    }
+
+    /// Has no time passed since the last look, so that another one would show nothing else?
+    pub fn is_fresh(&self, hand: &Hand) -> bool {
+        self.looked == Some(hand.time())
     }
 
     /// A part was seen, but not lying as it is believed to: after some times it may lie anyhow.

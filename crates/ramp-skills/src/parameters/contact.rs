@@ -109,6 +109,8 @@ parameters! {
         force: f64 = "N", 1.0, 100.0;
         /// Growth of the force.
         rate: f64 = "N/s", 0.1, 1000.0;
+        /// Fastest motion down while the peg falls freely. Chosen.
+        speed: f64 = "m/s", 0.001, 0.5;
         /// Radius of the circle that keeps a peg from jamming.
         circle: f64 = "m", 0.0, 0.01;
         /// How often the circle is made.

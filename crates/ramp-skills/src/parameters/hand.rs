@@ -9,6 +9,13 @@ parameters! {
         opened: f64 = "m", 1e-5, 0.02;
         /// Fastest turn of a straight motion. Chosen.
         turn_speed: f64 = "rad/s", 0.01, 3.0;
+        /// How fast a straight motion gains and loses speed. Chosen: what the hand weighs is then 3 N.
+        acceleration: f64 = "m/s²", 0.05, 10.0;
+        /// The same for a turn. Chosen.
+        turn_acceleration: f64 = "rad/s²", 0.05, 50.0;
+        /// How long the fingers stand still when they have closed or opened. With 0.04 s, fingers whose ribs slide into a slot
+        /// count as closed on the way.
+        still: f64 = "s", 0.001, 1.0;
         /// Force on the wrist at which a motion is broken off. A cap is swept to and fro with up to 38 N, and fingers that come
         /// down around a beam may brush along it with 30 N.
         guard: f64 = "N", 5.0, 200.0;
@@ -16,6 +23,8 @@ parameters! {
         yield_time: f64 = "s", 0.0, 5.0;
         /// How long the hand waits until a motion has faded. The filter of the wrist sensor has a time constant of 20 ms.
         rest: f64 = "s", 0.0, 10.0;
+        /// Speed of the joints below which the arm is still. Chosen: a tenth of a millimetre in the time of a look.
+        at_rest: f64 = "rad/s", 1e-5, 0.1;
         /// What is held has been pushed when the force at the wrist changes by more while it is carried. A beam that is only
         /// carried changes it by 5 N at most.
         pushed_force: f64 = "N", 0.1, 200.0;

@@ -7,8 +7,19 @@ parameters! {
         height: f64 = "m", 0.02, 0.6;
         /// Distance that motions keep from everything. Chosen.
         margin: f64 = "m", 0.0, 0.05;
-        /// Share of the arm's limits of velocity, acceleration and jerk that motions use. Chosen.
-        share: f64 = "", 0.01, 1.0;
+        /// Share of the limits of the joints' velocities that motions of the empty hand use. Chosen: the rest is for the
+        /// controller.
+        velocity: f64 = "", 0.01, 1.0;
+        /// The same of their accelerations. With 0.8 the hand rings at stops, and its inertia comes near to the guard's force.
+        acceleration: f64 = "", 0.01, 1.0;
+        /// The same of their velocities with a part in the hand.
+        held_velocity: f64 = "", 0.01, 1.0;
+        /// The same of their accelerations with a part in the hand: what it weighs more counts as a push.
+        held_acceleration: f64 = "", 0.01, 1.0;
+        /// Share of the limits of the joints' jerks that all motions use. Chosen.
+        jerk: f64 = "", 0.01, 1.0;
+        /// Time in which the acceleration may change between its extremes. The arm's controller swings when it changes faster.
+        ramp: f64 = "s", 0.0, 0.5;
         /// Distance from the ends of the joints' ranges beyond which more is no better. Chosen.
         good_margin: f64 = "rad", 0.0, 3.0;
         /// What a radian of turning the hand counts against a radian of that distance. Chosen.
@@ -23,6 +34,9 @@ parameters! {
     LookParameters {
         /// Longest series of looks. What is not known well enough by then has to be found by contact.
         longest: f64 = "s", 0.0, 600.0;
+        /// How often a camera looks again from where it is before it goes to another place. Chosen: a look takes a tenth of the time
+        /// that a way does.
+        again: usize = "", 1.0, 100.0;
         /// How often a camera looks at the tag of the sheet to find out where it is. Chosen.
         calibrating: usize = "", 0.0, 100.0;
         /// How well a part must be known along the table before it is grasped, 1 σ. The fingers centre it, so that half a

@@ -44,7 +44,7 @@ impl Workcell<'_, '_> {
                 break;
             }
             self.hand.correct(&x_wp, x_wp_goal, self.parameters.carry.speed)?;
-            self.hand.wait(self.parameters.hand.rest)?;
+            self.hand.settle()?;
         }
         Ok(())
     }

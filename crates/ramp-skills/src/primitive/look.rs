@@ -47,20 +47,28 @@ impl Workcell<'_, '_> {
     fn see_until(&mut self, points: &[Point], within: [f64; 2]) -> Result<(), SkillError> {
         let begin = self.hand.time();
         let mut visits = 0;
+        let excess = |belief: &Belief, (part, p): &Point| {
+            let deviation = belief.deviation(part, p);
+            (deviation[0] / within[0]).max(deviation[1] / within[1])
+        };
+        // What was seen just now and is known is not looked at again.
+        if self.belief.is_fresh(&self.hand) && points.iter().all(|point| excess(&self.belief, point) <= 1.0) {
+            return Ok(());
+        }
         loop {
             self.look_once()?;
-            let excess = |belief: &Belief, (part, p): &Point| {
-                let deviation = belief.deviation(part, p);
-                (deviation[0] / within[0]).max(deviation[1] / within[1])
-            };
             let worst = points
                 .iter()
                 .max_by(|a, b| excess(&self.belief, a).total_cmp(&excess(&self.belief, b)))
                 .filter(|worst| excess(&self.belief, worst) > 1.0);
             let Some(worst) = worst else { return Ok(()) };
             if self.belief.eyes.images() {
-                // Images from one place have their errors in common: after two of them only another place helps.
-                self.look_once()?;
+                // Images from one place have their errors in common: after some of them only another place helps, and there is
+                // none for a hand that holds something.
+                let again = if self.hand.held.is_some() { 1 } else { self.parameters.look.again };
+                for _ in 0..again {
+                    self.look_once()?;
+                }
                 if excess(&self.belief, worst) <= 1.0 {
                     continue;
                 }

@@ -57,8 +57,7 @@ impl Workcell<'_, '_> {
             centre.x += (here.x - centre.x) * 0.003;
             centre.y += (here.y - centre.y) * 0.003;
             let lead = force / self.hand.stiffness.z;
-            // Never faster than 40 mm/s.
-            let lowest = self.hand.setpoint.translation.z - 0.04 * PERIOD;
+            let lowest = self.hand.setpoint.translation.z - self.parameters.press.speed * PERIOD;
             let setpoint = &mut self.hand.setpoint.translation;
             setpoint.x = centre.x + radius * phase.cos();
             setpoint.y = centre.y + radius * phase.sin();

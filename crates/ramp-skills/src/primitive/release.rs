@@ -25,7 +25,7 @@ impl Workcell<'_, '_> {
         let beam = held.as_ref().filter(|held| self.kit.beam(&held.part).is_some());
         let Some(held) = beam else {
             self.hand.grip(self.parameters.grip.peg_open, self.parameters.grip.opening_force)?;
-            self.belief.update(&mut self.hand)?;
+            self.glance()?;
             return self.lift_off(f64::INFINITY).map(|_| ());
         };
         for attempt in 0..=self.parameters.release.again {

@@ -1,6 +1,6 @@
 //! Motions through free space, and which poses of the tip the arm reaches.
 
-use ramp_motion::{Checker, Joints, MotionError, Trajectory};
+use ramp_motion::{Checker, Joints, MotionError, Pace, Terms, TimeLaw, Trajectory};
 
 use crate::Pose;
 use crate::belief::obstacles::held_boxes;
@@ -8,35 +8,60 @@ use crate::cell::Workcell;
 use crate::fault::SkillError;
 
 impl Workcell<'_, '_> {
-    /// Moves the tip through free space to `x_wt`, keeping clear of everything but the held part.
+    /// Moves the tip through free space to `x_wt`, keeping clear of everything but the held part. A hand that stands too near
+    /// to something to begin is raised first.
     ///
     /// # Errors
     /// When no motion is found or the robot stops.
     pub fn travel(&mut self, x_wt: &Pose) -> Result<(), SkillError> {
-        for leg in self.legs_to(x_wt)? {
-            self.follow_leg(leg)?;
-        }
-        Ok(())
-    }
-
-    /// The legs of a path through free space to `x_wt`, keeping clear of everything but the held part: the hand rests between
-    /// them.
-    ///
-    /// # Errors
-    /// When no motion is found or the robot stops.
-    pub fn legs_to(&mut self, x_wt: &Pose) -> Result<Vec<Vec<Joints>>, SkillError> {
         self.belief.update(&mut self.hand)?;
-        let checker = self.checker(None);
-        let q = self.hand.joints();
-        Ok(self.planner.plan(&q, x_wt, self.parameters.travel.height, &checker, &mut self.stream)?)
+        match self.plan(x_wt) {
+            Err(MotionError::Blocked("start")) => self.retreat()?,
+            planned => return self.hand.follow(&planned?),
+        }
+        let trajectory = self.plan(x_wt)?;
+        self.hand.follow(&trajectory)
     }
 
-    /// Follows one leg of a path ([`Workcell::legs_to`]).
+    /// The motion through free space to `x_wt`.
+    fn plan(&mut self, x_wt: &Pose) -> Result<Trajectory, MotionError> {
+        let (checker, law) = (self.checker(None), self.law());
+        let terms = Terms {
+            height: self.parameters.travel.height,
+            level: self.hand.held.as_ref().is_some_and(|held| self.kit.beam(&held.part).is_some()),
+            checker: &checker,
+            law: &law,
+        };
+        self.planner.plan(&self.hand.joints(), x_wt, &terms, &mut self.stream)
+    }
+
+    /// Moves the tip in a straight line through free space to `x_wt`, keeping clear of everything but the held part and
+    /// `part`.
     ///
     /// # Errors
-    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
-    pub fn follow_leg(&mut self, leg: Vec<Joints>) -> Result<(), SkillError> {
-        self.hand.follow(&Trajectory::new(self.arm, leg, self.parameters.travel.share))
+    /// When the arm cannot follow the line, or something is in its way; [`Fault::Overload`](crate::Fault::Overload), and the
+    /// robot's.
+    pub fn travel_straight(&mut self, x_wt: &Pose, part: Option<&str>) -> Result<(), SkillError> {
+        let checker = self.checker(part);
+        let line = self
+            .planner
+            .straight(&self.hand.joints(), x_wt)
+            .ok_or(MotionError::Unreachable(x_wt.translation.vector.into()))?;
+        if !line.iter().all(|q| checker.is_free(&self.planner.kinematics.frames(q))) {
+            return Err(MotionError::Blocked("end").into());
+        }
+        let trajectory = self.law().time(&line);
+        self.hand.follow(&trajectory)
+    }
+
+    /// How fast the arm goes through free space with what it holds.
+    pub fn law(&self) -> TimeLaw {
+        let travel = &self.parameters.travel;
+        let (velocity, acceleration) = match self.hand.held {
+            Some(_) => (travel.held_velocity, travel.held_acceleration),
+            None => (travel.velocity, travel.acceleration),
+        };
+        TimeLaw::new(self.arm, &Pace { velocity, acceleration, jerk: travel.jerk, ramp: travel.ramp })
     }
 
     /// Moves the open hand from above down to `x_wt`, around `part`.
@@ -44,24 +69,27 @@ impl Workcell<'_, '_> {
         let mut above = *x_wt;
         above.translation.z = above.translation.z.max(self.parameters.travel.height);
         self.travel(&above)?;
-        let checker = self.checker(Some(part));
-        let q = self.hand.joints();
-        let mut leg = self.planner.straight(&q, x_wt);
-        if leg.is_none()
-            && let Some(turned) = self.planner.posture_for(&self.hand.seen.x_wt, x_wt)
-        {
-            // Not from the posture in which the arm has arrived: it takes another one.
-            let way = self.planner.connect(&q, &turned, &checker, &mut self.stream);
-            for corner in way.ok_or(MotionError::NoWay)?.windows(2) {
-                self.follow_leg(corner.to_vec())?;
-            }
-            leg = self.planner.straight(&self.hand.joints(), x_wt);
+        match self.travel_straight(x_wt, Some(part)) {
+            Err(SkillError::Motion(MotionError::Unreachable(_))) => {}
+            other => return other,
         }
-        let leg = leg.ok_or(MotionError::Unreachable(x_wt.translation.vector.into()))?;
-        if !leg.iter().all(|q| checker.is_free(&self.planner.kinematics.frames(q))) {
-            return Err(MotionError::Blocked("end").into());
-        }
-        self.follow_leg(leg)
+        // Not from the posture in which the arm has arrived: it takes another one.
+        let here = self.hand.seen.x_wt;
+        let turned = self.planner.posture_for(&here, x_wt);
+        self.take_posture(&turned.ok_or(MotionError::Unreachable(x_wt.translation.vector.into()))?)?;
+        self.travel_straight(x_wt, Some(part))
+    }
+
+    /// Moves the arm to joint positions (rad), around everything.
+    ///
+    /// # Errors
+    /// When no motion is found or the robot stops.
+    pub fn take_posture(&mut self, q: &Joints) -> Result<(), SkillError> {
+        let (checker, law) = (self.checker(None), self.law());
+        let terms =
+            Terms { height: self.parameters.travel.height, level: false, checker: &checker, law: &law };
+        let trajectory = self.planner.plan_to(&self.hand.joints(), q, &terms, &mut self.stream)?;
+        self.hand.follow(&trajectory)
     }
 
     /// What the arm must keep clear of now: everything but what it holds and `without`.

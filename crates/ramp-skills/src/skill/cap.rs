@@ -158,7 +158,7 @@ impl Cap {
             cell.hand.drive(&target, self.parameters.sweep_speed, |hand| {
                 hand.force().norm() > 1.5 * self.parameters.press
             })?;
-            cell.hand.wait(cell.parameters.hand.rest)?;
+            cell.hand.settle()?;
         }
         Ok(())
     }

@@ -124,7 +124,7 @@ impl Fasten {
                 break;
             }
             cell.hand.correct(&x_wp, &goal, cell.parameters.carry.speed)?;
-            cell.hand.wait(cell.parameters.hand.rest)?;
+            cell.hand.settle()?;
         }
         cell.hand.zero()?;
         let plate = cell.mouth(connection)?.z;

@@ -44,10 +44,11 @@ impl Skill for MoveTo {
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
         let FineAction::Move { to } = call.action else { return Err(call.no_skill().into()) };
         match to {
-            Place::Above(_) => cell.retreat(),
+            // The motion that follows goes by way of travelling height on its own, without a rest there.
+            Place::Above(_) => Ok(()),
             Place::Input(item) => self.hover(cell, item.name(), call.link()),
             // With an empty hand the skill that follows moves on its own.
-            Place::Approach(_) | Place::Target(_) if cell.hand.held.is_none() => cell.retreat(),
+            Place::Approach(_) | Place::Target(_) if cell.hand.held.is_none() => Ok(()),
             Place::Approach(Target::Beam(_)) => {
                 let beam = call.beam(cell)?;
                 self.approach_beam(cell, beam)
@@ -129,13 +130,11 @@ impl MoveTo {
         for attempt in 1.. {
             let Some(held) = &cell.hand.held else { break };
             let x_wt = x_wb_goal * held.x_tp.inverse();
-            let mut legs = cell.legs_to(&x_wt)?;
-            let down = legs.pop();
-            for leg in legs {
-                cell.follow_leg(leg)?;
-            }
+            let mut above = x_wt;
+            above.translation.z = above.translation.z.max(cell.parameters.travel.height);
+            cell.travel(&above)?;
             if !cell.hand.pushed || attempt == cell.parameters.insertion.tries {
-                return down.map_or(Ok(()), |down| cell.follow_leg(down));
+                return cell.travel(&x_wt);
             }
             cell.check_grip(part)?;
             self.regrasp.level(cell, beam)?;
@@ -165,15 +164,13 @@ impl MoveTo {
         let yaw = x.y.atan2(x.x);
         // Any turn of the square head will do. What counts is how far the joints stay from their ends while the peg
         // goes in, in the posture in which the arm arrives there.
-        let checker = cell.checker(None);
         let candidates = [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0, 5.0, -5.0, 6.0].map(|step| {
             let rotation = hand_down(yaw + step * TAU / 12.0);
             let over = Pose::from_parts(Translation3::new(mouth.x, mouth.y, height), rotation);
             let seated =
                 Pose::from_parts(Translation3::new(mouth.x, mouth.y, mouth.z + PEG_HEIGHT), rotation);
-            let arrival = cell.planner.level(&q, &over, cell.parameters.travel.height, &checker);
-            let arrival = arrival.as_ref().and_then(|legs| legs.last()?.last());
-            (over, arrival.map_or(-1.0, |arrival| cell.planner.straight_margin(arrival, &seated)))
+            let arrival = cell.planner.solve(&over, &q);
+            (over, arrival.map_or(-1.0, |arrival| cell.planner.straight_margin(&arrival, &seated)))
         });
         if let Some(x_wt) = cell.choose(&candidates) {
             return cell.travel(&x_wt);
@@ -181,13 +178,10 @@ impl MoveTo {
         // On no level path does the arm arrive so that the peg can go in: it takes another posture over the hole.
         for (over, _) in candidates {
             let down = Translation3::new(0.0, 0.0, mouth.z + PEG_HEIGHT - height) * over;
-            if let Some(arrival) = cell.planner.posture_for(&over, &down)
-                && let Some(way) = cell.planner.connect(&q, &arrival, &checker, &mut cell.stream)
-            {
-                for leg in way.windows(2) {
-                    cell.follow_leg(leg.to_vec())?;
-                }
-                return Ok(());
+            let Some(arrival) = cell.planner.posture_for(&over, &down) else { continue };
+            match cell.take_posture(&arrival) {
+                Err(SkillError::Motion(_)) => {}
+                other => return other,
             }
         }
         Err(Fault::NoGrasp { part }.into())

@@ -102,7 +102,7 @@ impl Push {
                 cell.hand.drive(&target, self.parameters.speed, |hand| {
                     hand.force().norm() > self.parameters.limit
                 })?;
-                cell.hand.wait(cell.parameters.hand.rest)?;
+                cell.hand.settle()?;
             }
             cell.settle(beam)?;
             cell.release()?;
