@@ -126,13 +126,13 @@ fn parts_are_moved_in_the_grip_and_out_of_it() {
     let fallen = dropped.seen.x_wt.translation.z - dropped.now(part).translation.z;
     assert!(fallen > 0.05, "the peg is {fallen} m below where the hand was");
 
-    let tilted = strike(&world, "peg-tilted@1", 4.5);
+    let tilted = strike(&world, "peg-tilted@1", 2.0);
     let (_, angle) = tilted.moved_in_hand();
     assert!((0.07..0.3).contains(&angle), "tilted by {angle} rad");
 
-    let slipped = strike(&world, "beam-slipped@1", 5.0);
+    let slipped = strike(&world, "beam-slipped@1", 2.0);
     let (shift, _) = slipped.moved_in_hand();
-    assert!((3.0e-3..16.0e-3).contains(&shift), "slipped by {shift} m");
+    assert!((3.0e-3..20.0e-3).contains(&shift), "slipped by {shift} m");
 
     let turned = strike(&world, "beam-turned@1", 2.2);
     let (_, angle) = turned.moved_in_hand();

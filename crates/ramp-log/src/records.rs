@@ -105,6 +105,36 @@ pub enum Record<'d> {
     },
 }
 
+/// The first record of some bytes, and what follows it: an opcode, a length of eight bytes, and the content.
+fn record(bytes: &[u8]) -> Option<((u8, &[u8]), &[u8])> {
+    let (&opcode, rest) = bytes.split_first()?;
+    let (length, rest) = rest.split_first_chunk()?;
+    let (content, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
+    Some(((opcode, content), rest))
+}
+
+/// Do the records of every chunk that is not compressed fill it? The library goes on behind the end of a chunk whose last
+/// record is longer than what is left of it.
+fn chunks_are_filled(bytes: &[u8]) -> bool {
+    let mut rest = bytes.get(mcap::MAGIC.len()..).unwrap_or_default();
+    while let Some(((opcode, content), after)) = record(rest) {
+        rest = after;
+        // Two times, the size of what is in it and its checksum come first.
+        let inside = content.get(8 + 8 + 8 + 4..).and_then(text);
+        let Some((b"", inside)) = inside.filter(|_| opcode == op::CHUNK) else { continue };
+        let Some((length, inside)) = inside.split_first_chunk() else { return false };
+        let length = u64::from_le_bytes(*length);
+        let Some(mut inside) = usize::try_from(length).ok().and_then(|length| inside.get(..length)) else {
+            return false;
+        };
+        while !inside.is_empty() {
+            let Some((_, after)) = record(inside) else { return false };
+            inside = after;
+        }
+    }
+    true
+}
+
 /// Goes through an MCAP file, every checksum in it looked at.
 ///
 /// # Errors
@@ -116,6 +146,9 @@ pub fn walk(bytes: &[u8], mut visit: impl FnMut(Record) -> Result<(), String>) -
         .with_validate_data_section_crc(true)
         .with_validate_summary_section_crc(true)
         .with_record_length_limit(LARGEST_RECORD);
+    if !chunks_are_filled(bytes) {
+        return Err(mcap::McapError::UnexpectedEoc.into());
+    }
     let mut reader = LinearReader::new_with_options(options);
     let mut rest = bytes;
     while let Some(event) = reader.next_event() {
@@ -141,4 +174,32 @@ pub fn walk(bytes: &[u8], mut visit: impl FnMut(Record) -> Result<(), String>) -
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file with one chunk that is not compressed and says to hold so many bytes of records.
+    fn chunk(records: &[u8], length: usize) -> Vec<u8> {
+        let mut content = vec![0; 8 + 8 + 8 + 4 + 4];
+        content.extend((length as u64).to_le_bytes());
+        content.extend(records);
+        let mut file = mcap::MAGIC.to_vec();
+        file.push(op::CHUNK);
+        file.extend((content.len() as u64).to_le_bytes());
+        file.extend(content);
+        file
+    }
+
+    #[test]
+    fn a_record_that_is_longer_than_its_chunk_is_refused() {
+        let record = [&[op::MESSAGE][..], &3u64.to_le_bytes(), b"abc"].concat();
+        assert!(chunks_are_filled(&chunk(&record, record.len())));
+        for length in [record.len() - 1, record.len() + 1, 0] {
+            assert_eq!(chunks_are_filled(&chunk(&record, length)), length == 0, "{length}");
+        }
+        let wrong = walk(&chunk(&record, record.len() - 1), |_| Ok(()));
+        assert!(wrong.is_err());
+    }
 }

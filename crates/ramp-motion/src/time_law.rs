@@ -11,7 +11,7 @@
 //!
 //! Joint torques are not limited here: within these accelerations they stay below what the joints can.
 
-use ramp_robot::arm::ArmModel;
+use ramp_robot::arm::{ArmJoint, ArmModel};
 use ramp_robot::{DOF, PERIOD};
 
 use crate::space::Joints;
@@ -26,6 +26,9 @@ const FEWEST: usize = 60;
 const HALVINGS: usize = 30;
 /// Slope below which a joint does not move along the path, rad a knot.
 const FLAT: f64 = 1e-9;
+/// The least limit of a joint's speed, rad/s: at the end of its range it is zero, and a path that began there would take
+/// for ever.
+const SLOWEST: f64 = 0.01;
 /// Relative error of differences of doubles that still counts as within a limit.
 const ROUNDING: f64 = 1e-6;
 
@@ -45,8 +48,10 @@ pub struct Pace {
 /// The limits that motions keep.
 #[derive(Clone, Debug)]
 pub struct TimeLaw {
-    /// rad/s.
-    velocity: Joints,
+    /// Of which the limits of velocity depend on the angle, near the ends of the ranges.
+    joints: [ArmJoint; DOF],
+    /// Share of those limits.
+    share: f64,
     /// rad/s².
     acceleration: Joints,
     /// rad/s³.
@@ -79,12 +84,12 @@ impl TimeLaw {
         let limits = |limit: fn(&ramp_robot::arm::ArmJoint) -> f64| {
             Joints::from_fn(|joint, _| limit(&arm.joints[joint]))
         };
-        let velocity = limits(|joint| joint.velocity) * pace.velocity;
         let acceleration = limits(|joint| joint.acceleration) * pace.acceleration;
         let jerk = limits(|joint| joint.jerk) * pace.jerk;
         // From full braking to full acceleration.
         let ramp = (2.0 * acceleration).component_div(&jerk).max().max(pace.ramp);
-        TimeLaw { velocity, acceleration, jerk, window: ((ramp / PERIOD).ceil() as usize).max(1) }
+        let window = ((ramp / PERIOD).ceil() as usize).max(1);
+        TimeLaw { joints: arm.joints.clone(), share: pace.velocity, acceleration, jerk, window }
     }
 
     /// The fastest trajectory along the samples of a path, at rest at both ends. The samples, at least one, follow each
@@ -135,7 +140,8 @@ impl TimeLaw {
             let share = |change: Joints, order: i32, limits: &Joints| {
                 change.component_div(limits).amax() / PERIOD.powi(order)
             };
-            used.velocity = used.velocity.max(share(now - a, 1, &self.velocity));
+            let speeds = (now - a) / PERIOD;
+            used.velocity = used.velocity.max(speeds.component_div(&self.velocity(&a, &speeds)).amax());
             used.acceleration = used.acceleration.max(share(now - 2.0 * a + b, 2, &self.acceleration));
             used.jerk = used.jerk.max(share(now - 3.0 * a + 3.0 * b - c, 3, &self.jerk));
             before = [now, a, b];
@@ -211,11 +217,21 @@ impl Law {
 }
 
 impl TimeLaw {
+    /// The largest speeds of the joints at angles `q` (rad) in the directions of `way`, rad/s.
+    fn velocity(&self, q: &Joints, way: &Joints) -> Joints {
+        Joints::from_fn(|joint, _| {
+            let [backwards, forwards] = self.joints[joint].velocity_at(q[joint]);
+            let most = if way[joint] < 0.0 { -backwards } else { forwards };
+            self.share * most.max(SLOWEST)
+        })
+    }
+
     /// The largest square of the speed along the path that keeps the limits of velocity, and those of
     /// acceleration at constant speed.
     fn largest_square(&self, point: &Point) -> f64 {
+        let velocity = self.velocity(&point.position, &point.slope);
         (0..DOF)
-            .map(|joint| (self.velocity[joint] / point.slope[joint].abs().max(FLAT)).powi(2))
+            .map(|joint| (velocity[joint] / point.slope[joint].abs().max(FLAT)).powi(2))
             .fold(f64::MAX, f64::min)
     }
 

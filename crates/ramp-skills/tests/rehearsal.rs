@@ -5,13 +5,15 @@
 
 use std::path::{Path, PathBuf};
 
+use nalgebra::Point3;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_motion::PathPlanner;
-use ramp_planner::{CoarseAction, Domains, PlanError, State};
+use ramp_planner::{CoarseAction, Domains, FineAction, Grasp, PlanError, State};
 use ramp_robot::arm::ArmModel;
-use ramp_skills::Parameters;
+use ramp_skills::grasp::point_on;
 use ramp_skills::rehearsal::{Rehearsal, Rehearsed, plan_for_arm};
+use ramp_skills::{Parameters, Pose};
 
 struct Data {
     kit: Kit,
@@ -93,10 +95,24 @@ fn a_plan_that_fails_for_motion_is_changed() {
 #[test]
 fn a_place_that_only_another_grasp_reaches_is_reached() {
     let data = data();
-    let rehearsed = data.rehearsed(&data.goal("medium-5-beams-1010")).unwrap();
-    assert!(rehearsed.facts.is_empty());
-    let unusual = &rehearsed.grasps["b4"];
-    assert!(unusual.because.contains("touch") || unusual.because.contains("reach"), "{}", unusual.because);
+    let goal = ramp_assembly::read_goal(&root().join("data/goals/easy-1.xml"), &data.kit).unwrap();
+    let planner = PathPlanner::new(&data.arm);
+    let state = State::default();
+    let plan = ramp_planner::plan(&goal, &data.kit, &state, &data.domains).unwrap();
+    let b4 = &goal.beams[goal.beam_index("b4").unwrap()];
+    // A peg that stands beside the place of the beam, where a finger of the usual grasp would come down.
+    let link = plan.fine().find_map(|action| match action {
+        FineAction::PickUp { grasp: Grasp::Link(name), .. } => {
+            b4.beam.links.iter().find(|link| link.name == *name)
+        }
+        _ => None,
+    });
+    let usual = point_on(link.unwrap(), b4.beam.span() / 2.0, &Parameters::baseline().grip);
+    let beside = data.kit.x_wa() * b4.x_ab * Point3::new(usual, 0.045, 0.0);
+    let x_wp = Pose::translation(beside.x, beside.y, 0.05);
+    let rehearsal = Rehearsal::nominal(&data.kit, &goal, &data.arm, &planner, Parameters::baseline(), &state);
+    let grasps = rehearsal.from_here([("p9".to_string(), x_wp)], data.arm.home.into()).check(&plan).unwrap();
+    assert!(grasps["b4"].because.contains("would touch p9"), "{}", grasps["b4"].because);
 }
 
 #[test]
