@@ -117,7 +117,9 @@ fn record(bytes: &[u8]) -> Option<((u8, &[u8]), &[u8])> {
 /// record is longer than what is left of it.
 fn chunks_are_filled(bytes: &[u8]) -> bool {
     let mut rest = bytes.get(mcap::MAGIC.len()..).unwrap_or_default();
-    while let Some(((opcode, content), after)) = record(rest) {
+    // Behind the last record there is only the end mark.
+    while rest.len() > mcap::MAGIC.len() {
+        let Some(((opcode, content), after)) = record(rest) else { return false };
         rest = after;
         // Two times, the size of what is in it and its checksum come first.
         let inside = content.get(8 + 8 + 8 + 4..).and_then(text);
@@ -199,6 +201,8 @@ mod tests {
         for length in [record.len() - 1, record.len() + 1, 0] {
             assert_eq!(chunks_are_filled(&chunk(&record, length)), length == 0, "{length}");
         }
+        let whole = chunk(&record, record.len());
+        assert!(!chunks_are_filled(&whole[..whole.len() - 1]));
         let wrong = walk(&chunk(&record, record.len() - 1), |_| Ok(()));
         assert!(wrong.is_err());
     }
