@@ -105,12 +105,13 @@ pub enum Record<'d> {
     },
 }
 
-/// The first record of some bytes, and what follows it: an opcode, a length of eight bytes, and the content.
-fn record(bytes: &[u8]) -> Option<((u8, &[u8]), &[u8])> {
+/// Opcode and content of the first record of some bytes, and what follows it. The length of the content, of eight bytes,
+/// stands before it.
+fn record(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
     let (&opcode, rest) = bytes.split_first()?;
     let (length, rest) = rest.split_first_chunk()?;
     let (content, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
-    Some(((opcode, content), rest))
+    Some((opcode, content, rest))
 }
 
 /// Do the records of every chunk that is not compressed fill it? The library goes on behind the end of a chunk whose last
@@ -119,7 +120,7 @@ fn chunks_are_filled(bytes: &[u8]) -> bool {
     let mut rest = bytes.get(mcap::MAGIC.len()..).unwrap_or_default();
     // Behind the last record there is only the end mark.
     while rest.len() > mcap::MAGIC.len() {
-        let Some(((opcode, content), after)) = record(rest) else { return false };
+        let Some((opcode, content, after)) = record(rest) else { return false };
         rest = after;
         // Two times, the size of what is in it and its checksum come first.
         let inside = content.get(8 + 8 + 8 + 4..).and_then(text);
@@ -130,7 +131,7 @@ fn chunks_are_filled(bytes: &[u8]) -> bool {
             return false;
         };
         while !inside.is_empty() {
-            let Some((_, after)) = record(inside) else { return false };
+            let Some((_, _, after)) = record(inside) else { return false };
             inside = after;
         }
     }

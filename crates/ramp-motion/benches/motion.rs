@@ -98,7 +98,7 @@ fn inverse(
         (begin.elapsed().as_secs_f64() * 1e6 / count as f64, found as f64 / count as f64)
     };
     let (numeric, solved) =
-        timed(&|_, x_wt| usize::from(planner.kinematics.inverse(x_wt, &home, &home, 0.0).is_some()));
+        timed(&|_, x_wt| usize::from(planner.kinematics.inverse(x_wt, &home, &home).is_some()));
     println!("{count} random poses");
     println!("iterative inverse      {numeric:8.2} µs a call, {solved:.2} solutions");
     let (all, found) = timed(&|q, x_wt| analytic.all(x_wt, q[6]).len());

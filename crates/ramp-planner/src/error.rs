@@ -1,6 +1,5 @@
 //! Why there is no plan.
 
-use crate::motion::Motion;
 use crate::solver::SolveError;
 use ramp_action_language::PddlError;
 use ramp_source::SourceFile;
@@ -153,18 +152,6 @@ pub enum PlanError {
 }
 
 impl PlanError {
-    /// Where there is no plan and motion facts are known, they are the reason.
-    pub(crate) fn with_motion(self, goal: &str, motion: &Motion) -> PlanError {
-        let why = match &self {
-            _ if motion.facts.is_empty() => return self,
-            PlanError::Illegal { why, .. } => why.clone(),
-            PlanError::NoOrder { .. } => "no order of its beams can be carried out".to_string(),
-            PlanError::NoPlan { task, .. } => format!("the rules do not allow `{task}`"),
-            _ => return self,
-        };
-        PlanError::Motion { goal: goal.to_string(), why, reasons: motion.reasons() }
-    }
-
     /// A failure of the solver on one rule file.
     pub(crate) fn solver(rules: &SourceFile, error: &SolveError) -> PlanError {
         let file = rules.name().to_string();

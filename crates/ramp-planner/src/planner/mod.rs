@@ -76,7 +76,19 @@ pub fn plan_with(
     }
     let mut planner = Planner::new(assembly, kit, domains, options, known.motion.clone());
     let plan = planner.plan(&known);
-    plan.map_err(|error| error.with_motion(&assembly.name, &known.motion))
+    plan.map_err(|error| because_of_motion(error, &assembly.name, &known.motion))
+}
+
+/// Where there is no plan and motion facts are known, they are the reason.
+fn because_of_motion(error: PlanError, goal: &str, motion: &Motion) -> PlanError {
+    let why = match &error {
+        _ if motion.facts.is_empty() => return error,
+        PlanError::Illegal { why, .. } => why.clone(),
+        PlanError::NoOrder { .. } => "no order of its beams can be carried out".to_string(),
+        PlanError::NoPlan { task, .. } => format!("the rules do not allow `{task}`"),
+        _ => return error,
+    };
+    PlanError::Motion { goal: goal.to_string(), why, reasons: motion.reasons() }
 }
 
 /// A domain with a goal as a program for clingo's incremental mode: `ramp plan GOAL --emit-asp > goal.lp`, then
