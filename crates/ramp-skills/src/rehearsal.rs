@@ -2,8 +2,8 @@
 //!
 //! A [`Rehearsal`] begins with where the parts are believed to be, and carries out one coarse action after another with
 //! the kinematics and the motion planner alone: a grasp that is reachable and has room, a path there, a path with the
-//! part to where its insertion begins, a straight insertion, room for the fingers that open. What cannot be done becomes
-//! a [`MotionFact`] for the planner. [`plan_with_motion`] plans and rehearses by turns until a plan passes.
+//! part to where its insertion begins, a straight insertion. What cannot be done becomes a [`MotionFact`] for the planner.
+//! [`plan_with_motion`] plans and rehearses by turns until a plan passes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
@@ -66,7 +66,6 @@ enum Stage {
     Reach,
     Approach,
     Insertion,
-    Release,
 }
 
 /// A plan that is gone through with the arm's model.
@@ -320,10 +319,9 @@ impl<'a> Rehearsal<'a> {
         // Where joints go into each other the boxes of the beams overlap: what counts is the arm and the hand.
         let checker = Checker::new(self.arm, BEAM_WIDTH, Vec::new(), &around, 0.0);
         self.straight(&down, &checker, Stage::Insertion, "on its insertion path the hand would touch")?;
-        let open = Checker::new(self.arm, self.parameters.grip.beam_release, Vec::new(), &around, 0.0);
-        self.is_free(&open, Stage::Release, "the fingers that open would touch")?;
-        let up = self.raised(&down);
-        self.straight(&up, &open, Stage::Release, "the hand that retreats would touch")
+        // For the fingers that open there is room at some point of the link: the planner's geometry knows.
+        self.retreat();
+        Ok(())
     }
 
     /// The grasps of a link in the order in which the skills try them: near the middle of the beam first, and of the two
@@ -434,8 +432,8 @@ impl<'a> Rehearsal<'a> {
         self.travel(&over, &carried, Stage::Approach)?;
         let checker = Checker::new(self.arm, open, Vec::new(), &around, 0.0);
         self.straight(&down, &checker, Stage::Insertion, "the hand with the peg would touch")?;
-        let up = self.raised(&down);
-        self.straight(&up, &checker, Stage::Release, "the hand that retreats would touch")
+        self.retreat();
+        Ok(())
     }
 
     // ---- Motions ----------------------------------------------------------------------------------------------
@@ -479,7 +477,7 @@ impl<'a> Rehearsal<'a> {
     }
 
     /// Straight to a pose of the tip, touching nothing. Where the arm cannot follow from the posture in which it arrived,
-    /// it takes another one first, as the skills do. The hand that retreats follows no path.
+    /// it takes another one first, as the skills do.
     fn straight(
         &mut self,
         x_wt: &Pose,
@@ -494,10 +492,6 @@ impl<'a> Rehearsal<'a> {
                 .and_then(|q| planner.straight(&q, x_wt))
         });
         let Some(leg) = leg else {
-            if stage == Stage::Release {
-                self.q = planner.solve(x_wt, &self.q).unwrap_or(self.q);
-                return Ok(());
-            }
             let because = "the arm cannot follow the straight motion".to_string();
             return Err(Refusal { because, touched: None, stage });
         };
@@ -511,15 +505,10 @@ impl<'a> Rehearsal<'a> {
         Ok(())
     }
 
-    fn is_free(&self, checker: &Checker, stage: Stage, would_touch: &str) -> Result<(), Refusal> {
-        match checker.touched(&self.planner.kinematics.frames(&self.q)) {
-            None => Ok(()),
-            Some(name) => Err(Refusal {
-                because: format!("{would_touch} {name}"),
-                touched: Some(name.to_string()),
-                stage,
-            }),
-        }
+    /// The hand goes straight up to travelling height, by no path that is planned.
+    fn retreat(&mut self) {
+        let up = self.raised(&self.planner.kinematics.tip(&self.q));
+        self.q = self.planner.solve(&up, &self.q).unwrap_or(self.q);
     }
 
     fn checker(&self, width: f64, held: Vec<Obstacle>, around: &[Obstacle]) -> Checker {
