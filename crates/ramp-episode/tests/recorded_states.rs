@@ -1,6 +1,6 @@
 //! Episodes end in the state that is on record, to the last bit: what is meant to change no result changes none.
 //!
-//! `cargo test` runs easy-3. All eight episodes on record take some minutes:
+//! `cargo test` runs easy-3. All twelve episodes on record take some minutes:
 //! `cargo test --release --workspace --test recorded_states -- --ignored`. A change that is meant to change results
 //! writes the record anew: `RAMP_WRITE=1` before that command.
 //!
