@@ -148,7 +148,7 @@ impl<'a> Baseline<'a> {
                 self.parameters.clone(),
                 &state,
             )
-            .from_here(believed.clone(), q)
+            .from_here(believed.clone(), q, self.seed)
         });
         let plan = match rehearsed {
             Ok(rehearsed) => {

@@ -137,15 +137,17 @@ impl<'a> Rehearsal<'a> {
     }
 
     /// With the parts where they are believed to be (poses in the world, by name), and the arm at `q` (rad); other parts stay
-    /// where they nominally are.
+    /// where they nominally are. The motion planner draws from the episode's `seed`.
     #[must_use]
     pub fn from_here(
         mut self,
         believed: impl IntoIterator<Item = (String, Pose)>,
         q: Joints,
+        seed: u64,
     ) -> Rehearsal<'a> {
         self.parts.extend(believed);
         self.q = q;
+        self.stream = Stream::new(seed, "rehearsal");
         self
     }
 

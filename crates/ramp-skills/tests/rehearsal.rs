@@ -111,7 +111,8 @@ fn a_place_that_only_another_grasp_reaches_is_reached() {
     let beside = data.kit.x_wa() * b4.x_ab * Point3::new(usual, 0.045, 0.0);
     let x_wp = Pose::translation(beside.x, beside.y, 0.05);
     let rehearsal = Rehearsal::nominal(&data.kit, &goal, &data.arm, &planner, Parameters::baseline(), &state);
-    let grasps = rehearsal.from_here([("p9".to_string(), x_wp)], data.arm.home.into()).check(&plan).unwrap();
+    let grasps =
+        rehearsal.from_here([("p9".to_string(), x_wp)], data.arm.home.into(), 1).check(&plan).unwrap();
     assert!(grasps["b4"].because.contains("would touch p9"), "{}", grasps["b4"].because);
 }
 
