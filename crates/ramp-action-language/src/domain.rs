@@ -157,6 +157,31 @@ impl Domain {
         self.laws.iter().any(|law| matches!(&law.law, Law::Bridge { head } if head.name.text == name))
     }
 
+    /// The sorts, and the statics that matter: those that a law about fluents, actions or goals asks for, and those that
+    /// these statics are concluded from. Facts about others change nothing.
+    pub fn relevant_facts(&self) -> BTreeSet<&str> {
+        let mut matter: BTreeSet<&str> = self.sorts.keys().map(String::as_str).collect();
+        loop {
+            let known = matter.len();
+            for law in &self.laws {
+                let concluded = match &law.law {
+                    Law::Holds { head } if self.is_static_law(law) => Some(head.atom.name.text.as_str()),
+                    _ => None,
+                };
+                if concluded.is_none_or(|name| matter.contains(name)) {
+                    let names = law.body.iter().filter_map(|condition| match condition {
+                        Condition::Literal(literal) => Some(literal.atom.name.text.as_str()),
+                        Condition::Comparison(_) => None,
+                    });
+                    matter.extend(names.filter(|name| self.kind(name) == Some(Kind::Static)));
+                }
+            }
+            if matter.len() == known {
+                return matter;
+            }
+        }
+    }
+
     /// Does a law conclude a static?
     pub(crate) fn is_static_law(&self, law: &CheckedLaw) -> bool {
         matches!(&law.law, Law::Holds { head } if self.kind(&head.atom.name.text) == Some(Kind::Static))

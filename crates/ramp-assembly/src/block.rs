@@ -65,26 +65,22 @@ impl Block {
         self.half.x * self.axes[0].dot(axis).abs() + self.half.y * self.axes[1].dot(axis).abs()
     }
 
-    /// Along each axis that could separate two blocks: the distance of the centres (signed), how it changes for
-    /// each metre that `self` is moved along `shift`, and at what distance they touch.
-    fn axes_to(&self, other: &Block, shift: &Vector3<f64>) -> [(f64, f64, f64); 5] {
+    /// Along one of the axes that could separate two blocks: the distance of the centres (signed), how it changes for
+    /// each metre that `self` is moved along `shift`, and at what distance they touch. The last axis is the vertical.
+    fn axis_to(&self, other: &Block, shift: &Vector3<f64>, axis: usize) -> (f64, f64, f64) {
         let between = other.centre - self.centre;
-        let plane = |axis: &Vector2<f64>| {
-            (between.xy().dot(axis), -shift.xy().dot(axis), self.reach(axis) + other.reach(axis))
+        let axis = match axis {
+            0 | 1 => &self.axes[axis],
+            2 | 3 => &other.axes[axis - 2],
+            _ => return (between.z, -shift.z, self.half.z + other.half.z),
         };
-        [
-            plane(&self.axes[0]),
-            plane(&self.axes[1]),
-            plane(&other.axes[0]),
-            plane(&other.axes[1]),
-            (between.z, -shift.z, self.half.z + other.half.z),
-        ]
+        (between.xy().dot(axis), -shift.xy().dot(axis), self.reach(axis) + other.reach(axis))
     }
 
     /// How far they reach into each other, m; negative when they are apart (then not the distance, but no more).
     pub fn depth(&self, other: &Block) -> f64 {
-        self.axes_to(other, &Vector3::zeros())
-            .iter()
+        (0..ALL_AXES)
+            .map(|axis| self.axis_to(other, &Vector3::zeros(), axis))
             .map(|(between, _, touch)| touch - between.abs())
             .fold(f64::INFINITY, f64::min)
     }
@@ -93,7 +89,7 @@ impl Block {
     /// first `axes` of the separating axes count: [`ALL_AXES`] or [`FROM_ABOVE`].
     pub fn meets(&self, other: &Block, shift: &Vector3<f64>, slack: f64, axes: usize) -> Option<[f64; 2]> {
         let mut range = [0.0f64, MOST_DISTANCE];
-        for (between, rate, touch) in self.axes_to(other, shift).into_iter().take(axes) {
+        for (between, rate, touch) in (0..axes).map(|axis| self.axis_to(other, shift, axis)) {
             let reach = touch - slack;
             // |between + rate · t| < reach
             if rate.abs() < 1e-12 {
@@ -124,14 +120,16 @@ impl Block {
             };
             signs.into_iter().map(distance).fold(f64::INFINITY, f64::min)
         };
-        let apart = self.axes_to(other, &Vector3::zeros());
-        let plane = if apart[..4].iter().any(|(between, _, touch)| between.abs() > *touch) {
+        let apart = |axis: usize| {
+            let (between, _, touch) = self.axis_to(other, &Vector3::zeros(), axis);
+            between.abs() - touch
+        };
+        let plane = if (0..FROM_ABOVE).any(|axis| apart(axis) > 0.0) {
             corner_to(self, other).min(corner_to(other, self))
         } else {
             0.0
         };
-        let (between, _, touch) = apart[4];
-        plane.hypot((between.abs() - touch).max(0.0))
+        plane.hypot(apart(FROM_ABOVE).max(0.0))
     }
 }
 

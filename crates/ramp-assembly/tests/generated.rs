@@ -138,3 +138,13 @@ fn requests_that_make_no_sense() {
         GenerateError::NoBase
     );
 }
+
+/// Some frames grow until no slot is left for their last beams. Another one is begun then.
+#[test]
+fn a_frame_without_room_for_its_last_beams_is_begun_anew() {
+    let kit = kit();
+    for seed in 1..=30 {
+        let made = generate(&kit, Request { beams: 20, seed, class: None }).unwrap();
+        assert_eq!(made.assembly.beams.len(), 20, "seed {seed}");
+    }
+}

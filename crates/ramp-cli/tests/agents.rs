@@ -123,6 +123,29 @@ fn whatever_an_agent_does_is_scored_with_its_reason() {
     }
 }
 
+/// A target that the arm cannot follow ends the episode, unless the agent asks for a motion in its place; the log then holds
+/// that motion.
+#[test]
+fn a_target_that_jumps_is_refused_or_clipped() {
+    let folder = TempDir::new().unwrap();
+    let arguments = ["run", "easy-1", "--track", "state", "-o", "out.json"];
+    ramp(&folder, &arguments, &agent("jumper.py"), "refuse");
+    let refused = file(&folder, "out.json");
+    assert_eq!(
+        refused["ended"]["reason"],
+        "the commanded first step of joint 1 is 0.500 rad, and the most is 0.010: commands come one a period of 1 ms"
+    );
+    let output = ramp(&folder, &arguments, &agent("jumper.py"), "clip");
+    let clipped = file(&folder, "out.json");
+    assert_eq!(clipped["ended"]["reason"], "done", "{}", text(&output.stderr));
+    let told: Vec<&str> =
+        clipped["events"].as_array().unwrap().iter().map(|it| it["kind"].as_str().unwrap()).collect();
+    assert_eq!(told, ["clipped"]);
+    let mut replay = Command::new(env!("CARGO_BIN_EXE_ramp"));
+    let replay = replay.current_dir(&folder).args(["replay", "out.mcap"]).output().unwrap();
+    assert!(text(&replay.stdout).contains("equal to the log"), "{}", text(&replay.stdout));
+}
+
 /// No process outlives its episode, not even one that has left its group.
 #[test]
 fn what_an_agent_has_started_ends_with_it() {

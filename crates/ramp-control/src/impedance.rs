@@ -28,8 +28,15 @@ pub fn pose_impedance(x_wt: &Pose, posture: [f64; DOF]) -> Impedance {
 }
 
 /// Torques of a Cartesian impedance with a posture in its null space, N·m. Damping acts on the tip's velocity
-/// relative to `target_velocity`, that of the moving target (m/s and rad/s, axes of the world).
-pub fn impedance(state: &ArmState, command: &Impedance, target_velocity: &Vector6<f64>) -> JointVector {
+/// relative to `target_velocity`, that of the moving target (m/s and rad/s, axes of the world). `target_acceleration`
+/// (m/s² and rad/s²) is fed forward with the mass that the arm shows at its tip: without it a target that speeds up
+/// pulls the tip aside, since that mass is not the same in all directions.
+pub fn impedance(
+    state: &ArmState,
+    command: &Impedance,
+    target_velocity: &Vector6<f64>,
+    target_acceleration: &Vector6<f64>,
+) -> JointVector {
     let shift = command.x_wt.translation.vector - state.x_wt.translation.vector;
     let turn = rotation_error(&command.x_wt.rotation, &state.x_wt.rotation);
     let error = Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z);
@@ -40,6 +47,7 @@ pub fn impedance(state: &ArmState, command: &Impedance, target_velocity: &Vector
     let mass = mobility.cholesky().map_or(Matrix6::identity(), |factor| factor.inverse());
     let wrench = command.stiffness.component_mul(&error)
         - damping(&mass, &command.stiffness, command.damping_ratio) * velocity
+        + mass * target_acceleration
         + command.feed_forward;
     let posture = JointVector::from_fn(|joint, _| {
         POSTURE_STIFFNESS * (command.posture[joint] - state.positions[joint])
@@ -97,7 +105,7 @@ mod tests {
     #[test]
     fn the_spring_pulls_to_the_target_with_its_stiffness() {
         let target = Pose::from_parts(Translation3::new(0.01, 0.0, 0.0), UnitQuaternion::identity());
-        let torques = impedance(&straight(), &spring(target), &Vector6::zeros());
+        let torques = impedance(&straight(), &spring(target), &Vector6::zeros(), &Vector6::zeros());
         assert!(
             (torques - JointVector::from([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])).norm() < 1e-9,
             "{torques}"
@@ -108,7 +116,7 @@ mod tests {
     fn the_posture_does_not_move_the_tip() {
         let mut command = spring(Pose::identity());
         command.posture = [0.3; DOF];
-        let torques = impedance(&straight(), &command, &Vector6::zeros());
+        let torques = impedance(&straight(), &command, &Vector6::zeros(), &Vector6::zeros());
         // Only the seventh joint does not move this tip. What is left on the others is what keeps a stretched arm from
         // a division by zero.
         assert!(torques.rows(0, 6).norm() < 0.01 * torques[6].abs(), "{torques}");
@@ -119,7 +127,7 @@ mod tests {
     fn a_moving_tip_is_braked() {
         let mut state = straight();
         state.velocities[0] = 0.1;
-        let torques = impedance(&state, &spring(Pose::identity()), &Vector6::zeros());
+        let torques = impedance(&state, &spring(Pose::identity()), &Vector6::zeros(), &Vector6::zeros());
         // Critical damping of 100 N/m and 1 kg is 20 N·s/m.
         assert!((torques[0] + 2.0).abs() < 0.01, "{torques}");
     }

@@ -18,7 +18,7 @@ fn read(bytes: &[u8]) -> Result<Log, String> {
 }
 
 /// A log with its calls changed.
-fn with_calls(bytes: &[u8], change: impl Fn(usize, &mut Entry)) -> Vec<u8> {
+fn with_calls(bytes: &[u8], mut change: impl FnMut(usize, &mut Entry)) -> Vec<u8> {
     let mut entries = entries(bytes);
     entries.iter_mut().enumerate().for_each(|(index, entry)| change(index, entry));
     with_entries(bytes, &entries)
@@ -45,13 +45,16 @@ fn a_log_replays_to_the_bit_and_a_changed_one_does_not() {
     let bytes = std::fs::read(&path).unwrap();
     assert!(replay(&read(&with_calls(&bytes, |_, _| {})).unwrap()).unwrap().is_equal());
 
-    // One bit of one command, at 0.7 s.
+    // One bit of one command, after 0.7 s.
+    let mut is_bent = false;
     let bent = with_calls(&bytes, |index, entry| {
         if let Entry::Step(command, _) = entry
             && let ArmCommand::JointPositions(positions) = &mut command.arm
-            && index == 710
+            && index >= 710
+            && !is_bent
         {
             positions[0] = f64::from_bits(positions[0].to_bits() + 1);
+            is_bent = true;
         }
     });
     let replayed = replay(&read(&bent).unwrap()).unwrap();

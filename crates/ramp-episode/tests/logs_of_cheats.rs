@@ -71,8 +71,11 @@ impl Agent for Looker {
         let mut positions = robot.observe().positions;
         for turn in 0..3 {
             let _ = robot.look(Camera::BirdsEye)?;
-            for _ in 0..200 {
-                positions[0] += 1e-4 * f64::from(turn);
+            let begin = positions[0];
+            for step in 1..=200 {
+                // It is at rest at both ends.
+                let s = f64::from(step) / 200.0;
+                positions[0] = begin + 0.02 * f64::from(turn) * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
                 let gripper = GripperCommand { width: 0.05, force: 20.0 };
                 robot.step(&Command { arm: ArmCommand::JointPositions(positions), gripper })?;
             }

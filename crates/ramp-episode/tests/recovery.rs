@@ -92,7 +92,7 @@ fn a_dropped_peg_is_replaced_by_another() {
 
 #[test]
 fn a_hole_that_is_not_found_is_tried_again_after_another_look() {
-    let (seated, events, _) = run(2, Trouble::Misreads { beams: ["b7", "b4"], from: 10.0, to: 45.0 });
+    let (seated, events, _) = run(2, Trouble::Misreads { beams: ["b7", "b4"], from: 18.0, to: 40.0 });
     assert!(events.iter().any(|event| event.kind == "fault"), "{events:?}");
     assert_eq!(seated, 3, "{events:?}");
 }

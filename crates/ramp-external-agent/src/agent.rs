@@ -1,6 +1,7 @@
 //! An agent in a process of its own, behind the same seam as any other.
 
-use ramp_robot::{Account, Agent, Event, Observation, Robot, RobotError};
+use ramp_control::Smoother;
+use ramp_robot::{Account, Agent, Command, Event, Observation, Robot, RobotError};
 
 use crate::file::{AgentFile, AgentFileError};
 use crate::goal::Goal;
@@ -26,6 +27,10 @@ pub struct ExternalAgent<'a> {
     idle: u32,
     /// Messages so far.
     messages: u64,
+    /// Makes its commands smooth, if it asked for that.
+    smoother: Option<Smoother>,
+    /// Has the result been told that a command was clipped?
+    clipped: bool,
     on_event: Box<dyn FnMut(&Event) + 'a>,
 }
 
@@ -75,6 +80,8 @@ impl<'a> ExternalAgent<'a> {
             failure: None,
             idle: 0,
             messages: 0,
+            smoother: None,
+            clipped: false,
             on_event: Box::new(|_| {}),
         };
         agent.failure = agent.greet().err();
@@ -95,6 +102,7 @@ impl<'a> ExternalAgent<'a> {
         hello.check()?;
         self.name = hello.name;
         self.version = hello.version;
+        self.smoother = hello.clip.then(|| Smoother::new(self.goal.arm()));
         Ok(())
     }
 
@@ -125,6 +133,20 @@ impl<'a> ExternalAgent<'a> {
         }
     }
 
+    /// One period under a command, made smooth if the agent asked for that. The first one that had to be changed is noted.
+    fn step(&mut self, command: &Command, robot: &mut dyn Robot) -> Result<Observation, End> {
+        let Some(smoother) = &mut self.smoother else { return robot.step(command).map_err(End::Robot) };
+        let (smooth, changed) = smoother.smooth(command, &robot.observe());
+        if changed && !self.clipped {
+            self.clipped = true;
+            let what = "a command was clipped to the limits of the arm; more may be".to_string();
+            let event = Event { time: robot.observe().time, kind: "clipped", what };
+            (self.on_event)(&event);
+            self.account.events.push(event);
+        }
+        robot.step(&smooth).map_err(End::Robot)
+    }
+
     /// Does what is asked.
     fn serve(&mut self, request: Request, robot: &mut dyn Robot) -> Result<Answer, End> {
         let here = |number: u64| move |what| End::Failure(format!("message {number} of the agent {what}"));
@@ -136,7 +158,7 @@ impl<'a> ExternalAgent<'a> {
                 let mut seen: Option<Observation> = None;
                 for (command, periods) in commands {
                     for _ in 0..periods {
-                        seen = Some(robot.step(&command).map_err(End::Robot)?);
+                        seen = Some(self.step(&command, robot)?);
                     }
                 }
                 Ok(Answer::Observation(seen.unwrap_or_else(|| robot.observe())))

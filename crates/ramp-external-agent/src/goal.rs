@@ -31,6 +31,11 @@ impl<'a> Goal<'a> {
         Goal { kit, assembly, arm, track, texts }
     }
 
+    /// The arm.
+    pub fn arm(&self) -> &ArmModel {
+        self.arm
+    }
+
     /// As plain data. Neither the seed nor where anything really is can be found in it.
     pub fn to_json(&self, robot: &dyn Robot) -> Value {
         let (kit, assembly) = (self.kit, self.assembly);

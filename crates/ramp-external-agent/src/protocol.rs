@@ -54,6 +54,9 @@ pub struct Hello {
     pub name: String,
     /// Its version, likewise.
     pub version: String,
+    /// Are its commanded positions and poses to be made smooth, in place of refused?
+    #[serde(default)]
+    pub clip: bool,
 }
 
 impl Hello {

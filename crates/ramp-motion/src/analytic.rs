@@ -39,6 +39,14 @@ const GRID: f64 = 0.03;
 const REFINED: usize = 3;
 /// Step of q7 at which refinement ends, rad: at 2 rad/s it is worth 0.05 ms.
 const FINE: f64 = 1e-4;
+/// How far to both sides of q7 [`Analytic::nearest`] looks to know slope and bend, rad. Chosen.
+const PROBE: f64 = 1e-4;
+/// Its largest step of q7, rad.
+const STEP: f64 = 0.3;
+/// Its last step is shorter than this, rad: what is left is the square of it.
+const NEAR: f64 = 1e-4;
+/// Most steps; it takes two or three.
+const TURNS: usize = 10;
 
 /// One way to reach a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -328,6 +336,41 @@ impl Analytic {
         angle(&self.r_23.tr_mul(&x_2))
     }
 
+    /// The solution with q7 as in `q` that is nearest to it (rad), every joint at least `margin` (rad) inside its range.
+    pub fn beside(&self, x_wt: &Pose, q: &Joints, margin: f64) -> Option<Joints> {
+        let apart = |other: &Joints| (other - q).norm_squared();
+        let all = self.within(x_wt, q[6], margin);
+        all.iter().map(|solution| solution.q).min_by(|a, b| apart(a).total_cmp(&apart(b)))
+    }
+
+    /// Of the solutions on the branch of `seed`, the one nearest to `posture` (rad), every joint at least `margin` (rad) inside
+    /// its range. Found from the solution beside `seed` by steps of Newton's method over q7; `None` when there is none there.
+    pub fn nearest(&self, x_wt: &Pose, seed: &Joints, posture: &Joints, margin: f64) -> Option<Joints> {
+        let apart = |q: &Joints| (q - posture).norm_squared();
+        let turned = |q: &Joints, by: f64| {
+            let mut near = *q;
+            near[6] += by;
+            self.beside(x_wt, &near, margin)
+        };
+        let (low, high) = (self.low[6] + margin + PROBE, self.high[6] - margin - PROBE);
+        let mut seed = *seed;
+        seed[6] = seed[6].clamp(low, high);
+        let mut q = self.beside(x_wt, &seed, margin)?;
+        for _ in 0..TURNS {
+            let (Some(before), Some(after)) = (turned(&q, -PROBE), turned(&q, PROBE)) else { break };
+            let (a, here, b) = (apart(&before), apart(&q), apart(&after));
+            let (slope, bend) = ((b - a) / (2.0 * PROBE), (a - 2.0 * here + b) / (PROBE * PROBE));
+            let step = if bend > 0.0 { -slope / bend } else { -STEP * slope.signum() };
+            let step = (q[6] + step.clamp(-STEP, STEP)).clamp(low, high) - q[6];
+            let Some(next) = turned(&q, step) else { break };
+            q = next;
+            if step.abs() < NEAR {
+                break;
+            }
+        }
+        Some(q)
+    }
+
     /// The solution of least `cost` over all q7 and branches, every joint at least `margin` (rad) inside its range;
     /// `None` when there is none, or none of finite cost. A cost of infinity refuses a solution.
     ///
@@ -589,6 +632,27 @@ mod tests {
         arm.joints[6].position = [0.1, 0.02, -0.01];
         arm.hand.position = [0.01, 0.02, 0.1];
         check(&arm);
+    }
+
+    /// The iteration and the closed form come to rest in the same place: paths do not depend on which of them found them.
+    #[test]
+    fn the_nearest_solution_is_that_of_the_iteration() {
+        let arm = arm("panda.json");
+        let (kinematics, analytic) = (Kinematics::new(&arm), Analytic::new(&arm).unwrap());
+        let mut stream = Stream::new(4, "nearest");
+        let mut compared = 0;
+        for _ in 0..200 {
+            let mut draw = |most: f64| Joints::from(arm.home).map(|angle| angle + stream.symmetric(most));
+            let (seed, posture) = (draw(0.2), draw(0.2));
+            let x_wt = kinematics.tip(&draw(0.2));
+            let Some(iterated) = kinematics.inverse(&x_wt, &seed, &posture) else { continue };
+            let nearest = analytic.nearest(&x_wt, &iterated, &posture, 0.05).unwrap();
+            assert!((nearest - iterated).amax() < 1e-4, "{nearest} {iterated}");
+            let from_afar = analytic.nearest(&x_wt, &seed, &posture, 0.05).unwrap();
+            assert!((from_afar - posture).norm() < (iterated - posture).norm() + 1e-6);
+            compared += 1;
+        }
+        assert!(compared > 150, "{compared}");
     }
 
     /// Against a grid over q7 thirty times as fine: random poses, and the hand down over the table.

@@ -1,6 +1,10 @@
 //! What stands around the arm, what it carries, and whether they touch.
+//!
+//! A [`Checker`] is built once for a motion and asked at every sample of it. It lists the solids of the arm with what the
+//! hand holds, each with a ball around it, and the boxes around the arm with their bounds along the axes of the world.
+//! Most solids are ruled out by the bounds of all boxes together, most boxes by their own; what is left is tested exactly.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use parry3d_f64::math::{Pose as ParryPose, Rotation, Vector};
 use parry3d_f64::query::intersection_test;
 use parry3d_f64::shape::{Capsule, Cuboid, Shape};
@@ -24,51 +28,85 @@ pub struct Obstacle {
 /// where they are believed to be.
 const CLEAR: f64 = 5.0e-3;
 
-struct Placed {
-    name: String,
-    pose: ParryPose,
-    shape: Cuboid,
-    low: Point3<f64>,
-    high: Point3<f64>,
+/// Bounds along the axes of the world, m.
+#[derive(Clone, Copy)]
+struct Bounds {
+    low: Vector3<f64>,
+    high: Vector3<f64>,
 }
 
-enum Solid {
+impl Bounds {
+    /// Bounds of nothing.
+    const NONE: Bounds = Bounds {
+        low: Vector3::new(f64::MAX, f64::MAX, f64::MAX),
+        high: Vector3::new(f64::MIN, f64::MIN, f64::MIN),
+    };
+
+    fn with(&self, other: &Bounds) -> Bounds {
+        Bounds { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
+    }
+
+    fn is_apart(&self, other: &Bounds) -> bool {
+        (0..3).any(|axis| other.high[axis] < self.low[axis] || other.low[axis] > self.high[axis])
+    }
+}
+
+/// The boxes around the arm, each enlarged by a margin.
+struct Surroundings {
+    bounds: Vec<Bounds>,
+    boxes: Vec<(ParryPose, Cuboid)>,
+    /// Bounds of all of them.
+    whole: Bounds,
+}
+
+impl Surroundings {
+    fn new(around: &[Obstacle], margin: f64) -> Surroundings {
+        let boxes: Vec<(ParryPose, Cuboid)> = around
+            .iter()
+            .map(|obstacle| {
+                let [x, y, z] = obstacle.half;
+                (parry(&obstacle.x), Cuboid::new(Vector::new(x + margin, y + margin, z + margin)))
+            })
+            .collect();
+        let bounds: Vec<Bounds> = boxes.iter().map(|(pose, shape)| bounds(shape, pose)).collect();
+        let whole = bounds.iter().fold(Bounds::NONE, |whole, bounds| whole.with(bounds));
+        Surroundings { bounds, boxes, whole }
+    }
+}
+
+/// What a solid is fixed to.
+#[derive(Clone, Copy)]
+enum Body {
+    Link(usize),
+    Hand,
+}
+
+enum Form {
     Capsule(Capsule),
-    Box(ParryPose, Cuboid),
+    Box(Cuboid),
 }
 
-impl Solid {
-    /// The shape and its own offset in the frame it is attached to.
-    fn shape(&self) -> (&dyn Shape, ParryPose) {
-        match self {
-            Solid::Capsule(capsule) => (capsule, ParryPose::IDENTITY),
-            Solid::Box(offset, cuboid) => (cuboid, *offset),
-        }
-    }
-
-    /// A radius around the attached frame's origin that encloses it, m.
-    fn reach(&self) -> f64 {
-        match self {
-            Solid::Capsule(capsule) => {
-                capsule.segment.a.length().max(capsule.segment.b.length()) + capsule.radius
-            }
-            Solid::Box(offset, cuboid) => offset.translation.length() + cuboid.half_extents.length(),
-        }
-    }
+/// A solid of the arm.
+struct Solid {
+    body: Body,
+    form: Form,
+    /// Its own pose in the body's frame.
+    offset: ParryPose,
+    /// Centre of a ball around it, in the body's frame.
+    centre: Point3<f64>,
+    /// Radius of that ball, m.
+    radius: f64,
 }
 
 /// Tells whether the arm, opened or closed and with or without a part, touches anything.
 pub struct Checker {
-    /// Solids of links 2 to 7 (the first cannot reach the table), by link.
-    links: Vec<(usize, Solid)>,
-    hand: Vec<Solid>,
-    fingers: [Vec<Solid>; 2],
-    held: Vec<Obstacle>,
-    around: Vec<Placed>,
+    /// Solids of links 2 to 7 (the first cannot reach the table), of the hand, the fingers, and what is held.
+    solids: Vec<Solid>,
+    around: Surroundings,
     /// The same with more room.
-    widely: Vec<Placed>,
-    tip: f64,
-    width: f64,
+    widely: Surroundings,
+    /// Names of what is around.
+    names: Vec<String>,
 }
 
 fn parry(x: &Pose) -> ParryPose {
@@ -77,26 +115,89 @@ fn parry(x: &Pose) -> ParryPose {
     ParryPose::from_parts(Vector::new(t.x, t.y, t.z), Rotation::from_xyzw(q.i, q.j, q.k, q.w))
 }
 
-/// A finger's box in the frame of its finger, which has its origin and directions at the hand: heights in the arm
-/// file count from the tip towards the hand.
-fn finger_box(piece: &ArmBox, tip: f64) -> Solid {
-    let [x0, y0, z0] = piece.min;
-    let [x1, y1, z1] = piece.max;
-    boxed(&ArmBox { min: [x0, y0, tip - z1], max: [x1, y1, tip - z0] })
+fn bounds(shape: &dyn Shape, pose: &ParryPose) -> Bounds {
+    let aabb = shape.compute_aabb(pose);
+    let vector = |v: Vector| Vector3::new(v.x, v.y, v.z);
+    Bounds { low: vector(aabb.mins), high: vector(aabb.maxs) }
 }
 
-fn boxed(piece: &ArmBox) -> Solid {
-    let centre = Vector::new(
-        (piece.min[0] + piece.max[0]) / 2.0,
-        (piece.min[1] + piece.max[1]) / 2.0,
-        (piece.min[2] + piece.max[2]) / 2.0,
-    );
-    let half = Vector::new(
-        (piece.max[0] - piece.min[0]) / 2.0,
-        (piece.max[1] - piece.min[1]) / 2.0,
-        (piece.max[2] - piece.min[2]) / 2.0,
-    );
-    Solid::Box(ParryPose::from_parts(centre, Rotation::IDENTITY), Cuboid::new(half))
+impl Solid {
+    fn capsule(link: usize, capsule: &ramp_robot::arm::Capsule) -> Solid {
+        let (a, b) = (Vector::from(capsule.from), Vector::from(capsule.to));
+        let centre = (a + b) / 2.0;
+        Solid {
+            body: Body::Link(link),
+            form: Form::Capsule(Capsule::new(a, b, capsule.radius)),
+            offset: ParryPose::IDENTITY,
+            centre: Point3::new(centre.x, centre.y, centre.z),
+            radius: (b - a).length() / 2.0 + capsule.radius,
+        }
+    }
+
+    /// A box on the hand: half its edges (m), and its centre's pose in the hand's frame.
+    fn on_hand(half: [f64; 3], x: &Pose) -> Solid {
+        let half = Vector::from(half);
+        Solid {
+            body: Body::Hand,
+            form: Form::Box(Cuboid::new(half)),
+            offset: parry(x),
+            centre: Point3::from(x.translation.vector),
+            radius: half.length(),
+        }
+    }
+
+    fn shape(&self) -> &dyn Shape {
+        match &self.form {
+            Form::Capsule(capsule) => capsule,
+            Form::Box(cuboid) => cuboid,
+        }
+    }
+
+    /// The number of a box that it touches at a pose of its body, or `None` in it for the table; `None` when it touches
+    /// nothing.
+    fn touches(&self, frame: &Pose, around: &Surroundings) -> Option<Option<usize>> {
+        let centre = (frame * self.centre).coords;
+        let ball = Bounds {
+            low: centre.map(|value| value - self.radius),
+            high: centre.map(|value| value + self.radius),
+        };
+        // The table: nothing may reach below it.
+        if ball.low.z >= 0.0 && ball.is_apart(&around.whole) {
+            return None;
+        }
+        let pose = parry(frame) * self.offset;
+        let own = bounds(self.shape(), &pose);
+        if own.low.z < 0.0 {
+            return Some(None);
+        }
+        let mut boxes = around.bounds.iter().zip(&around.boxes);
+        let touched = boxes.position(|(bounds, (placed, shape))| {
+            !own.is_apart(bounds)
+                && !intersection_test(&pose, self.shape(), placed, shape)
+                    .is_ok_and(|result| !result.intersecting)
+        });
+        touched.map(Some)
+    }
+}
+
+/// Half the edges and the centre of a box.
+fn half_and_centre(piece: &ArmBox) -> ([f64; 3], Vector3<f64>) {
+    let (low, high) = (Vector3::from(piece.min), Vector3::from(piece.max));
+    (((high - low) / 2.0).into(), (low + high) / 2.0)
+}
+
+/// The boxes of both fingers on the hand, opened to `width` (m).
+fn fingers(arm: &ArmModel, width: f64) -> impl Iterator<Item = Solid> {
+    [0.0, std::f64::consts::PI].into_iter().flat_map(move |turn| {
+        let x_hf = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn)
+            * Translation3::new(0.0, width / 2.0, 0.0);
+        arm.finger.pads.iter().chain(&arm.finger.boxes).map(move |piece| {
+            // Heights in the arm file count from the tip towards the hand.
+            let (half, centre) = half_and_centre(piece);
+            let centre = Translation3::new(centre.x, centre.y, arm.hand.tip - centre.z);
+            Solid::on_hand(half, &(x_hf * centre))
+        })
+    })
 }
 
 impl Checker {
@@ -104,102 +205,47 @@ impl Checker {
     /// in the tip's frame), among `around` (boxes in the world), keeping `margin` (m) from everything. The table
     /// is always there, at z = 0.
     pub fn new(arm: &ArmModel, width: f64, held: Vec<Obstacle>, around: &[Obstacle], margin: f64) -> Checker {
-        let mut links = Vec::new();
-        for (index, joint) in arm.joints.iter().enumerate().skip(1) {
-            for capsule in &joint.link.capsules {
-                let (a, b) = (Vector::from(capsule.from), Vector::from(capsule.to));
-                links.push((index, Solid::Capsule(Capsule::new(a, b, capsule.radius))));
-            }
-        }
-        let finger = || {
-            let pieces = arm.finger.pads.iter().chain(&arm.finger.boxes);
-            pieces.map(|piece| finger_box(piece, arm.hand.tip)).collect::<Vec<_>>()
-        };
-        let placed = |margin: f64| {
-            let place = move |obstacle: &Obstacle| {
-                let [x, y, z] = obstacle.half;
-                let shape = Cuboid::new(Vector::new(x + margin, y + margin, z + margin));
-                let pose = parry(&obstacle.x);
-                let bounds = shape.aabb(&pose);
-                Placed {
-                    name: obstacle.name.clone(),
-                    pose,
-                    shape,
-                    low: Point3::new(bounds.mins.x, bounds.mins.y, bounds.mins.z),
-                    high: Point3::new(bounds.maxs.x, bounds.maxs.y, bounds.maxs.z),
-                }
-            };
-            around.iter().map(place).collect()
-        };
+        let links = arm.joints.iter().enumerate().skip(1).flat_map(|(index, joint)| {
+            joint.link.capsules.iter().map(move |capsule| Solid::capsule(index, capsule))
+        });
+        let hand = arm.hand.boxes.iter().map(|piece| {
+            let (half, centre) = half_and_centre(piece);
+            Solid::on_hand(half, &Translation3::from(centre).into())
+        });
+        let x_ht = Translation3::new(0.0, 0.0, arm.hand.tip);
+        let held = held.iter().map(|piece| Solid::on_hand(piece.half, &(x_ht * piece.x)));
         Checker {
-            links,
-            hand: arm.hand.boxes.iter().map(boxed).collect(),
-            fingers: [finger(), finger()],
-            held,
-            around: placed(margin),
-            widely: placed(margin + CLEAR),
-            tip: arm.hand.tip,
-            width,
+            solids: links.chain(hand).chain(fingers(arm, width)).chain(held).collect(),
+            around: Surroundings::new(around, margin),
+            widely: Surroundings::new(around, margin + CLEAR),
+            names: around.iter().map(|obstacle| obstacle.name.clone()).collect(),
         }
     }
 
     /// Is the arm clear of everything with its frames here?
     pub fn is_free(&self, frames: &Frames) -> bool {
-        self.touched(frames).is_none()
+        self.first(frames, &self.around).is_none()
     }
 
     /// Is it clear of everything by some millimetres more?
     pub fn is_clear(&self, frames: &Frames) -> bool {
-        self.touched_of(frames, &self.widely).is_none()
+        self.first(frames, &self.widely).is_none()
     }
 
     /// What the arm touches with its frames here: the name of a part, or `the table`.
     pub fn touched(&self, frames: &Frames) -> Option<&str> {
-        self.touched_of(frames, &self.around)
+        let touched = self.first(frames, &self.around)?;
+        Some(touched.map_or("the table", |number| self.names[number].as_str()))
     }
 
-    fn touched_of<'p>(&self, frames: &Frames, around: &'p [Placed]) -> Option<&'p str> {
-        let mut links = self.links.iter();
-        let links = links.find_map(|(link, solid)| touched_by(&frames.links[*link], solid, around));
-        let hand = || self.hand.iter().find_map(|solid| touched_by(&frames.hand, solid, around));
-        let mut fingers = self.fingers.iter().enumerate();
-        let fingers = || {
-            fingers.find_map(|(index, solids)| {
-                let turn = if index == 0 { 0.0 } else { std::f64::consts::PI };
-                let x = frames.hand
-                    * nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), turn)
-                    * nalgebra::Translation3::new(0.0, self.width / 2.0, 0.0);
-                solids.iter().find_map(|solid| touched_by(&x, solid, around))
-            })
-        };
-        let tip = frames.hand * nalgebra::Translation3::new(0.0, 0.0, self.tip);
-        let held = || {
-            self.held.iter().find_map(|piece| {
-                let [x, y, z] = piece.half;
-                let solid = Solid::Box(ParryPose::IDENTITY, Cuboid::new(Vector::new(x, y, z)));
-                touched_by(&(tip * piece.x), &solid, around)
-            })
-        };
-        links.or_else(hand).or_else(fingers).or_else(held)
+    /// As [`Solid::touches`], of the first solid that touches something.
+    fn first(&self, frames: &Frames, around: &Surroundings) -> Option<Option<usize>> {
+        self.solids.iter().find_map(|solid| {
+            let frame = match solid.body {
+                Body::Link(link) => &frames.links[link],
+                Body::Hand => &frames.hand,
+            };
+            solid.touches(frame, around)
+        })
     }
-}
-
-fn touched_by<'p>(frame: &Pose, solid: &Solid, around: &'p [Placed]) -> Option<&'p str> {
-    let centre = frame.translation.vector;
-    let reach = solid.reach();
-    let (shape, offset) = solid.shape();
-    let pose = parry(frame) * offset;
-    // The table: nothing may reach below it.
-    if centre.z < reach && shape.compute_aabb(&pose).mins.z < 0.0 {
-        return Some("the table");
-    }
-    let touched = around.iter().find(|placed| {
-        // A box around the obstacle and a ball around the solid rule most pairs out.
-        let apart = (0..3)
-            .any(|axis| centre[axis] + reach < placed.low[axis] || centre[axis] - reach > placed.high[axis]);
-        !apart
-            && !intersection_test(&pose, shape, &placed.pose, &placed.shape)
-                .is_ok_and(|result| !result.intersecting)
-    });
-    touched.map(|placed| placed.name.as_str())
 }

@@ -2,18 +2,20 @@
 //!
 //! Most motions are level: up to travelling height, across, down, with the corners rounded where there is room. There
 //! are three ways across: straight, on an arc around the base, and straight in joint space, which tilts the hand on the
-//! way and is for an empty one. Of those that are free the one that takes the least time is taken; if none is, all are
-//! tried again higher up. Where that is blocked, too, a bidirectional random tree (Kuffner and LaValle's RRT-Connect)
-//! looks for a way around in joint space.
+//! way and is for an empty one. Of those that are free the one that takes the least time is taken, or the first that takes
+//! little more than straight in joint space; if none is, all are tried again higher up. Where that is blocked, too, a
+//! bidirectional random tree (Kuffner and LaValle's RRT-Connect) looks for a way around in joint space.
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_robot::DOF;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 
+use crate::analytic::Analytic;
 use crate::collision::Checker;
-use crate::kinematics::Kinematics;
+use crate::kinematics::{Kinematics, RANGE_MARGIN};
 use crate::space::{Joints, Pose};
+use crate::spline::Spline;
 use crate::time_law::TimeLaw;
 use crate::trajectory::Trajectory;
 
@@ -23,6 +25,11 @@ const SAMPLE: f64 = 0.0075;
 const TURN_WEIGHT: f64 = 0.15;
 /// Largest distance between samples of a path in joint space, rad.
 const JOINT_SAMPLE: f64 = 0.05;
+/// A way is taken without a look at others when its time is below this many times that of the straight way in joint space.
+/// Chosen.
+const GOOD_TIME: f64 = 1.05;
+/// Samples from one solution that is found by iteration to the next. Chosen: with 2 motions are no faster.
+const KNOT: usize = 4;
 /// Largest joint step between samples that still counts as continuous, rad.
 const LARGEST_STEP: f64 = 0.35;
 /// How near to its goal in joint space a path of the tip ends, rad: one that ends elsewhere is on another branch.
@@ -158,11 +165,28 @@ impl Polyline {
     }
 }
 
+/// A free way that is ready for the law of time.
+struct Shaped {
+    /// At least one; the motion rests between them.
+    parts: Vec<Vec<Joints>>,
+    /// About the time that it takes, s.
+    time: f64,
+}
+
+impl Shaped {
+    fn timed(&self, law: &TimeLaw) -> Trajectory {
+        let rest = self.parts[1..].iter().map(|part| law.time(part));
+        rest.fold(law.time(&self.parts[0]), Trajectory::then)
+    }
+}
+
 /// Plans motions of one arm.
 #[derive(Clone, Debug)]
 pub struct PathPlanner {
     /// The arm's kinematics.
     pub kinematics: Kinematics,
+    /// Every way to reach a pose, where the arm's build allows it.
+    analytic: Option<Analytic>,
     arm: ArmModel,
     /// The posture the arm leans to.
     rest: Joints,
@@ -173,7 +197,12 @@ impl PathPlanner {
     pub fn new(arm: &ArmModel) -> PathPlanner {
         // Elbow up, hand down, every joint far from its ends; the first joint is turned to the work in `posture`.
         let rest = Joints::from([0.0, 0.1, 0.0, -2.2, 0.0, 2.3, std::f64::consts::FRAC_PI_4]);
-        PathPlanner { kinematics: Kinematics::new(arm), arm: arm.clone(), rest }
+        PathPlanner {
+            kinematics: Kinematics::new(arm),
+            analytic: Analytic::new(arm).ok(),
+            arm: arm.clone(),
+            rest,
+        }
     }
 
     /// The posture the arm leans to when its tip is at `x_wt`: the shoulder turned towards it.
@@ -255,10 +284,9 @@ impl PathPlanner {
             }
             let length = piece.length();
             let count = (length / spacing).ceil().max(2.0) as usize;
-            for sample in 1..=count {
-                let share = sample as f64 / count as f64;
-                let posture = q.lerp(goal, (passed + share * length) / total);
-                let next = self.kinematics.inverse(&piece.at(share), &last, &posture)?;
+            let posture = |share: f64| q.lerp(goal, (passed + share * length) / total);
+            let samples = self.follow(piece, &last, &posture, count)?;
+            for next in samples {
                 if (next - last).amax() > LARGEST_STEP {
                     return None;
                 }
@@ -268,6 +296,26 @@ impl PathPlanner {
             passed += length;
         }
         ((last - goal).amax() < ARRIVED).then_some(line)
+    }
+
+    /// Joint positions along a piece after its start `q`, in so many even steps, near to the postures at those shares of the way.
+    fn follow(
+        &self,
+        piece: &Piece,
+        q: &Joints,
+        posture: &impl Fn(f64) -> Joints,
+        count: usize,
+    ) -> Option<Vec<Joints>> {
+        let closed = self.analytic.as_ref().and_then(|it| follow_closed(it, piece, q, posture, count));
+        closed.or_else(|| {
+            let mut last = *q;
+            let sample = |sample: usize| {
+                let share = sample as f64 / count as f64;
+                last = self.kinematics.inverse(&piece.at(share), &last, &posture(share))?;
+                Some(last)
+            };
+            (1..=count).map(sample).collect()
+        })
     }
 
     /// The fastest motion from `q` to `x_wt` that is found and free of collision.
@@ -293,10 +341,8 @@ impl PathPlanner {
         let nearest = goals.first().ok_or(MotionError::Blocked("end"))?;
         for height in [terms.height, terms.height + OVER] {
             for goal in &goals {
-                let ways = self.level(q, goal, x_wt, height, terms.level);
-                let timed = ways.into_iter().filter_map(|way| self.timed(&way, terms));
-                if let Some(best) = timed.min_by(|a, b| a.duration().total_cmp(&b.duration())) {
-                    return Ok(best);
+                if let Some(best) = self.level(q, goal, x_wt, height, terms) {
+                    return Ok(best.timed(terms.law));
                 }
             }
         }
@@ -319,11 +365,13 @@ impl PathPlanner {
         for pair in way.windows(2) {
             line.extend(Polyline { samples: interpolate(&pair[0], &pair[1]), corners: Vec::new() });
         }
-        self.timed(&line, terms).ok_or(MotionError::NoWay)
+        let shaped = self.shaped(&line, terms).ok_or(MotionError::NoWay)?;
+        Ok(shaped.timed(terms.law))
     }
 
-    /// The level ways to `goal`, where the tip is at `x_wt`, by way of a height (m, of the tip).
-    fn level(&self, q: &Joints, goal: &Joints, x_wt: &Pose, height: f64, level: bool) -> Vec<Polyline> {
+    /// The fastest free level way to `goal`, where the tip is at `x_wt`, by way of a height (m, of the tip). The first that
+    /// takes little more time than straight in joint space will do.
+    fn level(&self, q: &Joints, goal: &Joints, x_wt: &Pose, height: f64, terms: &Terms) -> Option<Shaped> {
         let from = self.kinematics.tip(q);
         let height = height.max(x_wt.translation.z).max(from.translation.z);
         let raised = |x: &Pose| {
@@ -341,21 +389,36 @@ impl PathPlanner {
         if is_near(&up, &down) {
             let pieces: Vec<Piece> =
                 [straight(&from, &up), straight(&up, x_wt)].into_iter().flatten().collect();
-            return self.lead(q, goal, &pieces).into_iter().collect();
+            return self.shaped(&self.lead(q, goal, &pieces)?, terms);
         }
-        let mut ways = Vec::new();
+        let enough = GOOD_TIME * terms.law.least_time(q, goal);
+        let mut best: Option<Shaped> = None;
+        let consider = |way: Option<Polyline>, best: &mut Option<Shaped>| {
+            let most = best.as_ref().map_or(f64::INFINITY, |best| best.time);
+            let way = way.filter(|way| terms.law.least_along(&way.samples) < most);
+            let shaped = way.and_then(|way| self.shaped(&way, terms));
+            if let Some(shaped) = shaped.filter(|shaped| shaped.time < most) {
+                *best = Some(shaped);
+            }
+            best.as_ref().is_some_and(|best| best.time < enough)
+        };
+        if !terms.level {
+            let way = self.in_joint_space(q, goal, [straight(&from, &up), straight(&down, x_wt)]);
+            if consider(way, &mut best) {
+                return best;
+            }
+        }
         for around in [false, true] {
             for turn in turns(&up, &down) {
                 let across = Some(Piece { from: up, to: down, turn, around });
                 let pieces = [straight(&from, &up), across, straight(&down, x_wt)];
                 let pieces: Vec<Piece> = pieces.into_iter().flatten().collect();
-                ways.extend(self.lead(q, goal, &pieces));
+                if consider(self.lead(q, goal, &pieces), &mut best) {
+                    return best;
+                }
             }
         }
-        if !level {
-            ways.extend(self.in_joint_space(q, goal, [straight(&from, &up), straight(&down, x_wt)]));
-        }
-        ways
+        best
     }
 
     /// A level way that is straight in joint space between its vertical ends.
@@ -385,9 +448,8 @@ impl PathPlanner {
         Some(line)
     }
 
-    /// The motion along a way with its corners rounded where there is room, and at rest in those that are not; `None`
-    /// when it is not free.
-    fn timed(&self, way: &Polyline, terms: &Terms) -> Option<Trajectory> {
+    /// A way with its corners rounded where there is room, and divided at those that are not; `None` when it is not free.
+    fn shaped(&self, way: &Polyline, terms: &Terms) -> Option<Shaped> {
         let free = |q: &Joints| terms.checker.is_free(&self.kinematics.frames(q));
         if !way.samples.iter().all(free) {
             return None;
@@ -423,7 +485,8 @@ impl PathPlanner {
         }
         part.extend_from_slice(&way.samples[from..]);
         parts.push(part);
-        parts.iter().map(|part| terms.law.time(part)).reduce(Trajectory::then)
+        let time = parts.iter().map(|part| terms.law.estimate(part)).sum();
+        Some(Shaped { parts, time })
     }
 
     /// How far the joints stay from the ends of their ranges on a straight motion of the tip from `q` to `x_wt`, rad;
@@ -511,6 +574,31 @@ impl PathPlanner {
         }
         way
     }
+}
+
+/// As [`PathPlanner::follow`] in closed form: a smooth curve through a few solutions tells the angle of the last joint in
+/// between. `None` when the way leads through poses that cannot be reached with that angle.
+fn follow_closed(
+    analytic: &Analytic,
+    piece: &Piece,
+    q: &Joints,
+    posture: &impl Fn(f64) -> Joints,
+    count: usize,
+) -> Option<Vec<Joints>> {
+    let knots = count.div_ceil(KNOT).max(2);
+    let mut line = vec![*q];
+    for knot in 1..=knots {
+        let [before, share] = [knot - 1, knot].map(|knot| knot as f64 / knots as f64);
+        let seed = line[knot - 1] + posture(share) - posture(before);
+        line.push(analytic.nearest(&piece.at(share), &seed, &posture(share), RANGE_MARGIN)?);
+    }
+    let curve = Spline::new(&line);
+    let sample = |sample: usize| {
+        let share = sample as f64 / count as f64;
+        let near = curve.at(share * knots as f64).position;
+        analytic.beside(&piece.at(share), &near, RANGE_MARGIN)
+    };
+    (1..=count).map(sample).collect()
 }
 
 /// The same yaw, with the hand exactly down.

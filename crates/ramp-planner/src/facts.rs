@@ -6,7 +6,7 @@
 use crate::geometry::Geometry;
 use ramp_action_language::Term;
 use ramp_assembly::paths::middle;
-use ramp_assembly::{Assembly, JointRef};
+use ramp_assembly::{Assembly, Connection, JointRef};
 use ramp_kit::JointType;
 
 /// The beams and connections of a goal and the insertion paths of the beams: for the order and the coarse domain.
@@ -91,8 +91,9 @@ pub(crate) fn is_tight(assembly: &Assembly, connection: usize) -> bool {
     !form.male && !form.end && form.cavity < 1.5 * JointType::ThruF.form().cavity
 }
 
-/// The parts of some beams: for the fine domain, on top of the coarse facts. Of the beams that the hand handles also
-/// their measures and where a hand can hold them; what stands and is pinned decides where it has room.
+/// The parts of some beams: for the fine domain, on top of the coarse facts. Of the beams that the hand handles all joints
+/// with their measures, and where a hand can hold them; of the others the joints that meet one of these beams. What stands
+/// and is pinned decides where a hand has room.
 pub(crate) fn fine(
     assembly: &Assembly,
     geometry: &Geometry,
@@ -102,12 +103,20 @@ pub(crate) fn fine(
     pinned: &[bool],
 ) -> Vec<Term> {
     let mut facts = Vec::new();
+    let among = |connection: &&Connection| {
+        [connection.male.beam, connection.female.beam].iter().all(|beam| beams.contains(beam))
+    };
+    let mates: Vec<JointRef> =
+        assembly.connections.iter().filter(among).flat_map(|it| [it.male, it.female]).collect();
     for &index in beams {
         let placed = &assembly.beams[index];
         let beam = beam_name(assembly, index);
         let last = placed.beam.joints.len().saturating_sub(1);
         let mm = |length: f64| Term::Number((length * 1e3).round() as i64);
         for (number, joint) in placed.beam.joints.iter().enumerate() {
+            if !handled(index) && !mates.contains(&JointRef { beam: index, joint: number }) {
+                continue;
+            }
             let name = Term::from(joint.name.as_str());
             facts.push(Term::new("joint", [name.clone()]));
             facts.push(Term::new("component", [name.clone(), beam.clone()]));
@@ -148,7 +157,7 @@ pub(crate) fn fine(
         }
     }
     for (index, connection) in assembly.connections.iter().enumerate() {
-        if ![connection.male.beam, connection.female.beam].iter().all(|beam| beams.contains(beam)) {
+        if !among(&connection) {
             continue;
         }
         let joint = |joint: JointRef| Term::from(assembly.joint_name(joint));

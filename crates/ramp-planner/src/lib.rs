@@ -25,6 +25,7 @@ mod pddl;
 mod pegs;
 pub mod plan;
 mod planner;
+mod quicker;
 mod replay;
 mod solver;
 mod state;
@@ -41,6 +42,7 @@ pub use plan::{
     Area, CoarseAction, CoarseStep, Entry, FineAction, Grasp, Item, Place, Plan, State, Statistics, Target,
 };
 pub use planner::{Options, asp, plan, plan_with};
+pub use quicker::quicker;
 pub use ramp_action_language as language;
 pub use ramp_action_language::Pddl;
 pub use replay::Replayer;

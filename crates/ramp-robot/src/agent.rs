@@ -31,8 +31,8 @@ pub struct Event {
 
 impl Event {
     /// The kinds there are.
-    pub const KINDS: [&'static str; 9] =
-        ["start", "done", "fault", "retry", "search", "replan", "seen", "diagnosis", "motion"];
+    pub const KINDS: [&'static str; 10] =
+        ["start", "done", "fault", "retry", "search", "replan", "seen", "diagnosis", "motion", "clipped"];
 }
 
 /// An agent: gets a robot and works until it is done or the robot stops it.

@@ -23,10 +23,24 @@ pub struct ArmModel {
     pub joints: [ArmJoint; DOF],
     /// The hand, fixed to the last link.
     pub hand: Hand,
+    /// The limits of a commanded motion of the tip; none are checked when this is missing.
+    #[serde(default)]
+    pub cartesian: Option<CartesianLimits>,
     /// A finger; the other is the same, turned by 180° about the hand's z.
     pub finger: Finger,
     /// Joint positions at the start of an episode, rad.
     pub home: [f64; DOF],
+}
+
+/// The limits of a commanded motion of the tip: of its point, in m and s, then of its turn, in rad and s.
+#[derive(Clone, Debug, Deserialize)]
+pub struct CartesianLimits {
+    /// m/s, rad/s.
+    pub velocity: [f64; 2],
+    /// m/s², rad/s².
+    pub acceleration: [f64; 2],
+    /// m/s³, rad/s³.
+    pub jerk: [f64; 2],
 }
 
 /// The link that is bolted to the table.
@@ -56,6 +70,8 @@ pub struct ArmJoint {
     pub jerk: f64,
     /// Largest torque, N·m.
     pub torque: f64,
+    /// Largest change of torque, N·m/s.
+    pub torque_rate: f64,
     /// The link.
     pub link: ArmLink,
 }
@@ -213,10 +229,12 @@ impl ArmModel {
         let model: ArmModel = serde_json::from_str(text)
             .map_err(|error| at(error.line(), error.column(), plain(&error.to_string(), MAX_SENTENCE)))?;
         for (index, joint) in model.joints.iter().enumerate() {
-            let limits = [joint.velocity, joint.acceleration, joint.jerk, joint.torque, joint.link.mass];
+            let torques = [joint.torque, joint.torque_rate];
+            let limits = [joint.velocity, joint.acceleration, joint.jerk, joint.link.mass];
             let checks = [
                 (
-                    joint.range[0] < joint.range[1] && limits.iter().all(|limit| *limit > 0.0),
+                    joint.range[0] < joint.range[1]
+                        && limits.iter().chain(&torques).all(|limit| *limit > 0.0),
                     "its range is empty or a limit is not positive",
                 ),
                 (
@@ -227,6 +245,11 @@ impl ArmModel {
             if let Some((_, problem)) = checks.iter().find(|(holds, _)| !holds) {
                 return Err(at(1, 1, format!("joint {}: {problem}", index + 1)));
             }
+        }
+        if let Some(CartesianLimits { velocity, acceleration, jerk }) = &model.cartesian
+            && ![velocity, acceleration, jerk].into_iter().flatten().all(|limit| *limit > 0.0)
+        {
+            return Err(at(1, 1, "cartesian: a limit is not positive".to_string()));
         }
         Ok(model)
     }

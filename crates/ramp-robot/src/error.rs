@@ -46,6 +46,22 @@ pub enum RobotError {
         /// The SI unit.
         unit: &'static str,
     },
+    /// A commanded position or pose does not follow from the one before within the limits of a motion.
+    #[error(
+        "the commanded {quantity} of {of} is {value:.3} {unit}, and the most is {limit:.3}: commands come one a period of 1 ms"
+    )]
+    NotSmooth {
+        /// What moves, such as `joint 3`.
+        of: String,
+        /// Velocity, acceleration or jerk; of the first command, its step or turn from where the arm is.
+        quantity: &'static str,
+        /// In `unit`.
+        value: f64,
+        /// The most that is allowed, in `unit`.
+        limit: f64,
+        /// The SI unit.
+        unit: &'static str,
+    },
     /// The episode has lasted as long as an episode may.
     #[error("the episode reached its limit of {limit:.0} s of robot time")]
     OutOfTime {

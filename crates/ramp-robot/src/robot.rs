@@ -40,7 +40,8 @@ pub trait Robot {
     fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError>;
 
     /// Takes an image. Exposure and the way to the agent take robot time, during which the arm goes on with its
-    /// last command.
+    /// last command. The cameras are exposed together: the other one's image of the same moment is there, too, and takes
+    /// no time if it is asked for before any passes.
     ///
     /// # Errors
     /// As [`Robot::step`]; [`RobotError::CameraStopped`] when there is no image, and on `noisy`

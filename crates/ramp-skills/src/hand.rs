@@ -4,6 +4,7 @@
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_motion::{Joints, Trajectory};
+use ramp_robot::arm::ArmModel;
 use ramp_robot::{
     ArmCommand, Camera, CameraModel, Command, GripperCommand, Image, Impedance, Observation, PERIOD,
     PartReading, Robot, RobotError,
@@ -46,6 +47,8 @@ pub struct Hand<'r> {
     /// What is held.
     pub held: Option<Held>,
     posture: Joints,
+    /// The largest velocity of each joint, rad/s.
+    fastest: Joints,
     tare: Vector6<f64>,
     last: Option<Command>,
     /// The guard has struck, and the force has not fallen since.
@@ -88,7 +91,7 @@ impl Ramped {
 
 impl<'r> Hand<'r> {
     /// Takes over a robot.
-    pub fn new(robot: &'r mut dyn Robot, parameters: &HandParameters) -> Hand<'r> {
+    pub fn new(robot: &'r mut dyn Robot, arm: &ArmModel, parameters: &HandParameters) -> Hand<'r> {
         let seen = robot.observe();
         Hand {
             gripper: GripperCommand { width: seen.width, force: 20.0 },
@@ -97,6 +100,7 @@ impl<'r> Hand<'r> {
             parameters: parameters.clone(),
             held: None,
             posture: Joints::from(seen.positions),
+            fastest: Joints::from_fn(|joint, _| arm.joints[joint].velocity),
             tare: Vector6::zeros(),
             last: None,
             struck: false,
@@ -134,6 +138,15 @@ impl<'r> Hand<'r> {
     /// Joint positions, rad.
     pub fn joints(&self) -> Joints {
         Joints::from(self.seen.positions)
+    }
+
+    /// Where a motion of the joints begins, rad: at what they were told last, if that were positions, and otherwise where
+    /// they are.
+    pub fn start(&self) -> Joints {
+        match &self.last {
+            Some(Command { arm: ArmCommand::JointPositions(positions), .. }) => Joints::from(*positions),
+            _ => self.joints(),
+        }
     }
 
     /// Robot time, s.
@@ -277,7 +290,7 @@ impl<'r> Hand<'r> {
     }
 
     /// Moves the setpoint in a straight line to `x_wt` with `speed` (m/s) as its largest speed, until it is there
-    /// or `stop` says so: it speeds up evenly, goes on, and slows down evenly. Returns whether it was stopped; the setpoint then
+    /// or `stop` says so: it speeds up evenly, goes on, and slows down evenly, and it waits for joints that hurry. Returns whether it was stopped; the setpoint then
     /// stays where it was.
     ///
     /// # Errors
@@ -294,9 +307,11 @@ impl<'r> Hand<'r> {
         let shift = Ramped::new(distance, speed, self.parameters.acceleration);
         let turn = Ramped::new(angle, self.parameters.turn_speed, self.parameters.turn_acceleration);
         let way = if shift.duration() > turn.duration() { shift } else { turn };
-        let periods = ((way.duration() / PERIOD).ceil() as usize).max(1);
-        for period in 1..=periods {
-            let s = if period == periods { 1.0 } else { way.share(period as f64 * PERIOD) };
+        let duration = way.duration();
+        let (mut time, mut s) = (0.0, 0.0);
+        while s < 1.0 {
+            time += PERIOD * self.pace();
+            s = if time >= duration { 1.0 } else { way.share(time) };
             let p = from.translation.vector.lerp(&x_wt.translation.vector, s);
             let rotation = from.rotation.try_slerp(&x_wt.rotation, s, 1e-9).unwrap_or(x_wt.rotation);
             self.setpoint = Pose::from_parts(Translation3::from(p), rotation);
@@ -306,6 +321,15 @@ impl<'r> Hand<'r> {
             }
         }
         Ok(false)
+    }
+
+    /// The share of its speed at which a straight motion goes on: less than 1 where the fastest joint comes near to its largest
+    /// velocity, as it may where a straight line bends the arm much.
+    fn pace(&self) -> f64 {
+        const CREEP: f64 = 0.05;
+        let [slower, creep] = self.parameters.hurry;
+        let hurry = Joints::from(self.seen.velocities).component_div(&self.fastest).amax();
+        ((creep - hurry) / (creep - slower).max(f64::EPSILON)).clamp(CREEP, 1.0)
     }
 
     /// Moves without a condition to stop.

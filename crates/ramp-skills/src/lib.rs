@@ -3,7 +3,8 @@
 //! Data flows one way. The [`agent`] asks the planner for a plan and executes it action by action. For each fine action
 //! a [`table`] names the [`skill`] that carries it out. Skills are made of [`primitive`]s, which move the [`hand`]; only
 //! the hand talks to the robot. What a skill knows of the parts is a [`belief`], which sightings correct. [`piece`] is
-//! the same agent on a single piece of a plan, in a build that others have begun.
+//! the same agent on a single piece of a plan, in a build that others have begun. [`rehearsal`] goes through a plan without
+//! moving anything, and [`reference_times`](mod@reference_times) says what its robot time is to be compared with.
 
 pub mod agent;
 pub mod belief;
@@ -16,6 +17,7 @@ pub mod piece;
 pub mod pose;
 pub mod primitive;
 pub mod recovery;
+pub mod reference_times;
 pub mod rehearsal;
 pub mod skill;
 pub mod table;
@@ -25,4 +27,5 @@ pub use fault::{Fault, SkillError};
 pub use parameters::Parameters;
 pub use piece::Piece;
 pub use pose::Pose;
+pub use reference_times::{ReferenceTimes, reference_times};
 pub use table::SkillTable;

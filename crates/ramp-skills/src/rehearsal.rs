@@ -16,14 +16,16 @@ use ramp_kit::joint::{FEMALE_HEIGHT, STEM_LENGTH};
 use ramp_motion::{Checker, Joints, MotionError, Obstacle, Pace, PathPlanner, Terms, TimeLaw};
 use ramp_planner::{
     CoarseAction, CoarseStep, Domains, End, Entry, FineAction, Grasp, Impossible, InTheWay, Item, MotionFact,
-    Plan, PlanError, State,
+    Place, Plan, PlanError, State, Target,
 };
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 
 use crate::Pose;
 use crate::belief::obstacles::{beam_boxes, held_boxes, holder_boxes, peg_boxes};
-use crate::grasp::{BEAM_WIDTH, BeamGrasp, PEG_HEIGHT, beam_grasp, hand_down, peg_grasp, points_on};
+use crate::grasp::{
+    BEAM_WIDTH, BeamGrasp, PEG_HEIGHT, PEG_WIDTH, beam_grasp, hand_down, peg_grasp, points_on,
+};
 use crate::parameters::Parameters;
 
 /// The most facts that plan and rehearsal exchange before they give up: each takes away one grasp, path or order.
@@ -68,6 +70,34 @@ enum Stage {
     Insertion,
 }
 
+/// A motion through free space that a plan asks for.
+#[derive(Clone, Debug)]
+pub struct Leg {
+    /// Joint positions at its start, rad.
+    pub q: Joints,
+    /// Pose of the tip at its end, in the world.
+    pub x_wt: Pose,
+    /// The hand stays level on the way.
+    pub level: bool,
+    /// How far the gripper is open, m.
+    pub open: f64,
+    /// Boxes of what the hand holds, in the tip's frame.
+    pub held: Vec<Obstacle>,
+    /// Boxes of everything else, in the world.
+    pub around: Vec<Obstacle>,
+}
+
+/// What the arm or the hand does in a rehearsal.
+#[derive(Clone, Debug)]
+pub enum Done {
+    /// A motion through free space, straight or not, that takes so many seconds.
+    Free(f64),
+    /// A straight motion in contact, m.
+    Contact(f64),
+    /// The fingers open or close by so many metres, with the tip at rest at a pose in the world.
+    Fingers(Pose, f64),
+}
+
 /// A plan that is gone through with the arm's model.
 pub struct Rehearsal<'a> {
     kit: &'a Kit,
@@ -80,9 +110,13 @@ pub struct Rehearsal<'a> {
     /// Beams in the assembly, by index.
     standing: BTreeSet<usize>,
     q: Joints,
+    /// What was done so far.
+    done: Vec<Done>,
     law: TimeLaw,
     stream: Stream,
     grasps: BTreeMap<String, UnusualGrasp>,
+    /// The motions asked for so far, where somebody wants to know them.
+    legs: Option<Vec<Leg>>,
 }
 
 impl<'a> Rehearsal<'a> {
@@ -125,8 +159,21 @@ impl<'a> Rehearsal<'a> {
             ramp: travel.ramp,
         };
         let law = TimeLaw::new(arm, &pace);
-        let mut rehearsal =
-            Rehearsal { kit, assembly, arm, planner, parameters, parts, standing, q, law, stream, grasps };
+        let mut rehearsal = Rehearsal {
+            kit,
+            assembly,
+            arm,
+            planner,
+            parameters,
+            parts,
+            standing,
+            q,
+            done: Vec::new(),
+            law,
+            stream,
+            grasps,
+            legs: None,
+        };
         for (connection, peg) in &state.fastened {
             if let Some(index) = assembly.connection_index(connection) {
                 let x_wp = rehearsal.seated(index);
@@ -156,10 +203,79 @@ impl<'a> Rehearsal<'a> {
     /// # Errors
     /// The first thing that the arm or the hand cannot do.
     pub fn check(mut self, plan: &Plan) -> Result<BTreeMap<String, UnusualGrasp>, MotionFact> {
+        self.go_through(plan)?;
+        Ok(self.grasps)
+    }
+
+    /// How long the arm moves through free space and straight to parts and places in a plan, by the motion planner, s. What
+    /// the skills do besides takes longer: they look, press, search, open and close.
+    ///
+    /// # Errors
+    /// As [`Rehearsal::check`].
+    pub fn seconds(mut self, plan: &Plan) -> Result<f64, MotionFact> {
+        self.go_through(plan)?;
+        let seconds = |done: &Done| if let Done::Free(seconds) = done { *seconds } else { 0.0 };
+        Ok(self.done.iter().map(seconds).sum())
+    }
+
+    /// What the arm and the hand do in a plan, timed by `law`. Pushes are left out: they move nothing that stands where it
+    /// should.
+    ///
+    /// # Errors
+    /// As [`Rehearsal::check`].
+    pub fn done(mut self, plan: &Plan, law: TimeLaw) -> Result<Vec<Done>, MotionFact> {
+        self.law = law;
+        self.go_through(plan)?;
+        Ok(self.done)
+    }
+
+    fn go_through(&mut self, plan: &Plan) -> Result<(), MotionFact> {
         for (index, step) in plan.steps.iter().enumerate() {
             self.step(step, &plan.steps[index + 1..], &plan.entries)?;
         }
-        Ok(self.grasps)
+        Ok(())
+    }
+
+    /// How long the way of the hand from one place to another takes if nothing is in the way, s; `None` where the arm does
+    /// not reach one of them.
+    fn way(&mut self, from: &Place, to: &Place) -> Option<f64> {
+        let [from, to] = [from, to].map(|place| self.hand_at(place).map(|x_wt| self.raised(&x_wt)));
+        let q = self.planner.posture(&from?);
+        let checker = self.checker(self.parameters.grip.peg_open, Vec::new(), &[]);
+        let height = self.parameters.travel.height;
+        let terms = Terms { height, level: false, checker: &checker, law: &self.law };
+        let way = self.planner.plan(&q, &to?, &terms, &mut self.stream);
+        Some(way.ok()?.duration())
+    }
+
+    /// Where the hand is at a place, in the world.
+    fn hand_at(&self, place: &Place) -> Option<Pose> {
+        match place {
+            Place::Input(Item::Peg(peg)) => Some(peg_grasp(self.parts.get(peg)?, 0)),
+            Place::Input(Item::Beam(beam)) => {
+                let middle = self.kit.beam(beam)?.span() / 2.0;
+                Some(beam_grasp(self.parts.get(beam)?, middle, false))
+            }
+            Place::Approach(Target::Beam(beam)) | Place::Target(Target::Beam(beam)) => {
+                let index = self.assembly.beam_index(beam)?;
+                let middle = self.assembly.beams[index].beam.span() / 2.0;
+                Some(beam_grasp(&self.goal(index, None, 0.0), middle, false))
+            }
+            Place::Approach(Target::Connection(name)) | Place::Target(Target::Connection(name)) => {
+                let x_wp = self.seated(self.assembly.connection_index(name)?);
+                Some(peg_grasp(&x_wp, 0))
+            }
+            Place::Above(_) => None,
+        }
+    }
+
+    /// Goes through a plan as far as the arm can; all motions through free space that it asks for, those among them that do
+    /// not exist.
+    pub fn legs(mut self, plan: &Plan) -> Vec<Leg> {
+        self.legs = Some(Vec::new());
+        // Where it ends, its motions end.
+        let _ = self.go_through(plan);
+        self.legs.unwrap_or_default()
     }
 
     fn step(&mut self, step: &CoarseStep, rest: &[CoarseStep], entries: &[Entry]) -> Result<(), MotionFact> {
@@ -175,7 +291,14 @@ impl<'a> Rehearsal<'a> {
                         self.fasten(index, peg)?;
                     }
                 }
-                FineAction::Push { beam, link } | FineAction::Slide { beam, link } => {
+                FineAction::Push { beam, link } => {
+                    if let Some(index) = self.assembly.beam_index(beam) {
+                        let done = self.done.len();
+                        self.grip_standing(index, link)?;
+                        self.done.truncate(done);
+                    }
+                }
+                FineAction::Slide { beam, link } => {
                     if let Some(index) = self.assembly.beam_index(beam) {
                         self.grip_standing(index, link)?;
                     }
@@ -199,6 +322,8 @@ impl<'a> Rehearsal<'a> {
         if let CoarseAction::Slide { beam } = &step.coarse
             && let Some(index) = self.assembly.beam_index(beam)
         {
+            let depth = entry_of(beam, entries).map_or(0.0, |entry| entry.depth);
+            self.done.push(Done::Contact(depth));
             self.parts.insert(beam.clone(), self.goal(index, None, 0.0));
         }
         Ok(())
@@ -215,7 +340,7 @@ impl<'a> Rehearsal<'a> {
         entry: Option<&Entry>,
     ) -> Result<(), MotionFact> {
         let name = self.assembly.beams[beam].beam.name.clone();
-        let before = self.q;
+        let before = self.now();
         let tried = self.bring(beam, link, regrasp, entry);
         let refusal = match tried {
             Ok(()) => return Ok(()),
@@ -235,7 +360,7 @@ impl<'a> Rehearsal<'a> {
         let Some(entry) = entry else { return Err(grasp) };
         let path = fact(Impossible::Insert { beam: name, path: entry.path.clone() });
         for other in others {
-            self.q = before;
+            self.back_to(before);
             // Whether it can be gripped where it starts is another question.
             if self.bring(beam, &other, Some(&other), Some(entry)).is_ok() {
                 return Err(grasp);
@@ -253,11 +378,11 @@ impl<'a> Rehearsal<'a> {
         entry: Option<&Entry>,
     ) -> Result<(), Refusal> {
         let placed = &self.assembly.beams[beam].beam;
-        let (name, before) = (placed.name.clone(), self.q);
+        let (name, before) = (placed.name.clone(), self.now());
         let x_wb = self.parts.get(&name).copied();
         let mut worst: Option<Refusal> = None;
         for grasp in self.candidates(beam, link, x_wb) {
-            self.q = before;
+            self.back_to(before);
             if regrasp.is_none_or(|other| other != link) {
                 let Some(x_wb) = x_wb else { continue };
                 if let Err(refusal) = self.grip(&name, &beam_grasp(&x_wb, grasp.s, grasp.reverse)) {
@@ -281,7 +406,7 @@ impl<'a> Rehearsal<'a> {
                 Err(refusal) => keep(&mut worst, refusal),
             }
         }
-        self.q = before;
+        self.back_to(before);
         Err(worst.unwrap_or(Refusal {
             because: "the link has no room for the fingers".to_string(),
             touched: None,
@@ -296,12 +421,12 @@ impl<'a> Rehearsal<'a> {
             None => self.parameters.grip.peg_open,
         };
         let above = self.raised(x_wt);
-        let around = self.obstacles(&[]);
-        let checker = self.checker(open, Vec::new(), &around);
-        self.travel(&above, &checker, Stage::Grip)?;
+        self.travel(&above, open, Vec::new(), &self.obstacles(&[]), Stage::Grip)?;
         let around = self.obstacles(&[part]);
         let checker = self.checker(open, Vec::new(), &around);
         self.straight(x_wt, &checker, Stage::Grip, "the fingers would touch")?;
+        let width = if self.kit.beam(part).is_some() { BEAM_WIDTH } else { PEG_WIDTH };
+        self.done.push(Done::Fingers(*x_wt, open - width));
         self.straight(&above, &checker, Stage::Grip, "the hand would touch")
     }
 
@@ -316,12 +441,12 @@ impl<'a> Rehearsal<'a> {
         let begin = Translation3::from(back + Vector3::z() * self.parameters.insertion.clear) * down;
         let held = held_boxes(self.kit, &name, &(down.inverse() * goal));
         let around = self.obstacles(&[&name]);
-        let checker = self.checker(BEAM_WIDTH, held, &around);
-        self.travel(&begin, &checker, Stage::Approach)?;
+        self.travel(&begin, BEAM_WIDTH, held, &around, Stage::Approach)?;
         // Where joints go into each other the boxes of the beams overlap: what counts is the arm and the hand.
         let checker = Checker::new(self.arm, BEAM_WIDTH, Vec::new(), &around, 0.0);
         self.straight(&down, &checker, Stage::Insertion, "on its insertion path the hand would touch")?;
         // For the fingers that open there is room at some point of the link: the planner's geometry knows.
+        self.done.push(Done::Fingers(down, self.parameters.grip.beam_release - BEAM_WIDTH));
         self.retreat();
         Ok(())
     }
@@ -363,12 +488,12 @@ impl<'a> Rehearsal<'a> {
         let Some(x_wb) = self.parts.get(&placed.name).copied() else { return Ok(()) };
         let mut refused = None;
         for grasp in self.candidates(beam, link, Some(x_wb)) {
-            let before = self.q;
+            let before = self.now();
             match self.grip(&placed.name, &beam_grasp(&x_wb, grasp.s, grasp.reverse)) {
                 Ok(()) => return Ok(()),
                 Err(refusal) => refused = refused.or(Some(refusal)),
             }
-            self.q = before;
+            self.back_to(before);
         }
         let cannot = Impossible::Grasp { beam: placed.name.clone(), link: link.to_string(), at: End::Place };
         match refused {
@@ -382,19 +507,19 @@ impl<'a> Rehearsal<'a> {
     /// A peg is fetched and pressed into the hole of a connection.
     fn fasten(&mut self, connection: usize, peg: &str) -> Result<(), MotionFact> {
         let Some(x_wp) = self.parts.get(peg).copied() else { return Ok(()) };
-        let before = self.q;
+        let before = self.now();
         let seated = self.seated(connection);
         let mut refused: Option<Refusal> = None;
         'grips: for quarter in [0, 2] {
-            self.q = before;
+            self.back_to(before);
             let down = peg_grasp(&x_wp, quarter);
             if let Err(refusal) = self.grip(peg, &down) {
                 refused = refused.or(Some(refusal));
                 continue;
             }
-            let gripped = self.q;
+            let gripped = self.now();
             for step in [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0, 5.0, -5.0, 6.0] {
-                self.q = gripped;
+                self.back_to(gripped);
                 match self.press(peg, &seated, step * TAU / 12.0) {
                     Ok(()) => {
                         refused = None;
@@ -430,27 +555,36 @@ impl<'a> Rehearsal<'a> {
         );
         let held = held_boxes(self.kit, peg, &x_tp);
         let open = self.parameters.grip.peg_open;
-        let carried = self.checker(open, held, &around);
-        self.travel(&over, &carried, Stage::Approach)?;
+        self.travel(&over, open, held, &around, Stage::Approach)?;
         let checker = Checker::new(self.arm, open, Vec::new(), &around, 0.0);
         self.straight(&down, &checker, Stage::Insertion, "the hand with the peg would touch")?;
+        self.done.push(Done::Fingers(down, open - PEG_WIDTH));
         self.retreat();
         Ok(())
     }
 
     // ---- Motions ----------------------------------------------------------------------------------------------
 
-    /// Through free space to a pose of the tip.
-    fn travel(&mut self, x_wt: &Pose, checker: &Checker, stage: Stage) -> Result<(), Refusal> {
-        let terms = Terms {
-            height: self.parameters.travel.height,
-            level: stage > Stage::Grip,
-            checker,
-            law: &self.law,
-        };
+    /// Through free space to a pose of the tip, the gripper so far open, with what it holds and among what is around.
+    fn travel(
+        &mut self,
+        x_wt: &Pose,
+        open: f64,
+        held: Vec<Obstacle>,
+        around: &[Obstacle],
+        stage: Stage,
+    ) -> Result<(), Refusal> {
+        let level = stage > Stage::Grip;
+        if let Some(legs) = &mut self.legs {
+            let (held, around) = (held.clone(), around.to_vec());
+            legs.push(Leg { q: self.q, x_wt: *x_wt, level, open, held, around });
+        }
+        let checker = self.checker(open, held, around);
+        let terms = Terms { height: self.parameters.travel.height, level, checker: &checker, law: &self.law };
         match self.planner.plan(&self.q, x_wt, &terms, &mut self.stream) {
             Ok(trajectory) => {
                 self.q = trajectory.end();
+                self.done.push(Done::Free(trajectory.duration()));
                 Ok(())
             }
             // How the arm gets away from where it stands says nothing of the plan.
@@ -458,7 +592,7 @@ impl<'a> Rehearsal<'a> {
                 self.q = self.planner.solve(x_wt, &self.q).unwrap_or(self.q);
                 Ok(())
             }
-            Err(error) => Err(self.refusal(&error, x_wt, checker, stage)),
+            Err(error) => Err(self.refusal(&error, x_wt, &checker, stage)),
         }
     }
 
@@ -503,13 +637,34 @@ impl<'a> Rehearsal<'a> {
                 return Err(Refusal { because, touched: Some(name.to_string()), stage });
             }
         }
+        self.done.push(match stage {
+            Stage::Insertion => {
+                let here = planner.kinematics.tip(&self.q).translation.vector;
+                Done::Contact((x_wt.translation.vector - here).norm())
+            }
+            _ => Done::Free(self.law.time(&leg).duration()),
+        });
         self.q = leg.last().copied().unwrap_or(self.q);
         Ok(())
+    }
+
+    /// Where the arm is, rad, and how much was done so far.
+    fn now(&self) -> (Joints, usize) {
+        (self.q, self.done.len())
+    }
+
+    /// What came after is tried in another way.
+    fn back_to(&mut self, (q, done): (Joints, usize)) {
+        self.q = q;
+        self.done.truncate(done);
     }
 
     /// The hand goes straight up to travelling height, by no path that is planned.
     fn retreat(&mut self) {
         let up = self.raised(&self.planner.kinematics.tip(&self.q));
+        if let Some(line) = self.planner.straight(&self.q, &up) {
+            self.done.push(Done::Free(self.law.time(&line).duration()));
+        }
         self.q = self.planner.solve(&up, &self.q).unwrap_or(self.q);
     }
 
@@ -605,6 +760,49 @@ pub fn plan_for_arm(
     let (planner, parameters) = (PathPlanner::new(arm), Parameters::baseline());
     plan_with_motion(assembly, kit, state, domains, || {
         Rehearsal::nominal(kit, assembly, arm, &planner, parameters.clone(), state)
+    })
+}
+
+/// A plan that was made quicker.
+#[derive(Clone, Debug)]
+pub struct Quicker {
+    /// The plan.
+    pub plan: Plan,
+    /// How long its motions take, as [`Rehearsal::seconds`] tells, s.
+    pub seconds: f64,
+    /// How long those of the plan took that it was made from, s.
+    pub before: f64,
+}
+
+/// Makes a plan quicker that the arm can carry out: parts are where they nominally are in `state`, the ways of the hand
+/// between them are timed by the motion planner, and [`ramp_planner::quicker`] exchanges pegs and fastenings. The plan stays
+/// as it is where the rehearsal finds the other one slower or impossible.
+///
+/// # Errors
+/// When the state cannot be, or the arm cannot carry out the plan.
+pub fn quicker_for_arm(
+    assembly: &Assembly,
+    kit: &Kit,
+    arm: &ArmModel,
+    state: &State,
+    domains: &Domains,
+    plan: &Plan,
+) -> Result<Quicker, PlanError> {
+    let (planner, parameters) = (PathPlanner::new(arm), Parameters::baseline());
+    let rehearsal = || Rehearsal::nominal(kit, assembly, arm, &planner, parameters.clone(), state);
+    let before = rehearsal().seconds(plan).map_err(|fact| PlanError::Motion {
+        goal: assembly.name.clone(),
+        why: "the arm cannot carry out the plan".to_string(),
+        reasons: fact.to_string(),
+    })?;
+    let mut ways = rehearsal();
+    let mut cost = |from: &Place, to: &Place| {
+        ways.way(from, to).map_or(u64::from(u32::MAX), |seconds| (seconds * 1e3).round() as u64)
+    };
+    let (tried, _) = ramp_planner::quicker(assembly, kit, state, domains, plan, &mut cost)?;
+    Ok(match rehearsal().seconds(&tried) {
+        Ok(seconds) if seconds < before => Quicker { plan: tried, seconds, before },
+        _ => Quicker { plan: plan.clone(), seconds: before, before },
     })
 }
 

@@ -9,10 +9,10 @@ use nalgebra::Point3;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_motion::PathPlanner;
-use ramp_planner::{CoarseAction, Domains, FineAction, Grasp, PlanError, State};
+use ramp_planner::{CoarseAction, Domains, FineAction, Grasp, PlanError, Replayer, State};
 use ramp_robot::arm::ArmModel;
 use ramp_skills::grasp::point_on;
-use ramp_skills::rehearsal::{Rehearsal, Rehearsed, plan_for_arm};
+use ramp_skills::rehearsal::{Rehearsal, Rehearsed, plan_for_arm, quicker_for_arm};
 use ramp_skills::{Parameters, Pose};
 
 struct Data {
@@ -61,6 +61,31 @@ fn the_nine_goals_need_no_other_plan() {
     }
 }
 
+/// Of the plans with as few actions, one is taken whose motions are shorter; and never one whose motions are longer.
+#[test]
+fn pegs_are_exchanged_for_shorter_motions() {
+    let (data, state) = (data(), State::default());
+    for (name, least) in [("easy-1", 0.0), ("medium-3", 0.01), ("hard-1", 0.03), ("hard-3", 0.0)] {
+        let goal =
+            ramp_assembly::read_goal(&root().join(format!("data/goals/{name}.xml")), &data.kit).unwrap();
+        let usual = ramp_planner::plan(&goal, &data.kit, &state, &data.domains).unwrap();
+        let found = quicker_for_arm(&goal, &data.kit, &data.arm, &state, &data.domains, &usual).unwrap();
+        assert!(
+            found.seconds <= (1.0 - least) * found.before,
+            "{name}: {} s, usually {} s",
+            found.seconds,
+            found.before
+        );
+        assert_eq!(found.plan.steps.len(), usual.steps.len(), "{name}");
+        let mut table = Replayer::new(&goal, &data.kit, &data.domains, &state).unwrap();
+        assert_eq!(table.run(&found.plan.steps), Ok(()), "{name}");
+        // The time that is told is that of the plan.
+        let (planner, parameters) = (PathPlanner::new(&data.arm), Parameters::baseline());
+        let rehearsal = Rehearsal::nominal(&data.kit, &goal, &data.arm, &planner, parameters, &state);
+        assert_eq!(rehearsal.seconds(&found.plan).unwrap(), found.seconds, "{name}");
+    }
+}
+
 #[test]
 fn a_plan_that_fails_for_motion_is_changed() {
     let data = data();
@@ -74,6 +99,10 @@ fn a_plan_that_fails_for_motion_is_changed() {
         ("hard-6-beams-1016", "b4 cannot be inserted along the path +X: the arm would touch b5"),
         ("hard-6-beams-1027", "b4 cannot be inserted along the path +X: the arm would touch b5"),
         ("medium-6-beams-1039", "b4 cannot be inserted along the path +X: the arm would touch b5"),
+        (
+            "medium-6-beams-5172",
+            "b4 cannot be inserted along the path +X while b5 is where it starts: the arm would touch b5",
+        ),
     ] {
         let goal = data.goal(name);
         let state = State::default();

@@ -44,6 +44,22 @@ pub(crate) struct Cameras {
     eyes: [Option<Eye>; 2],
 }
 
+/// What both cameras saw at one moment; an image is drawn when it is asked for.
+pub(crate) struct Exposure {
+    /// Where everything was; `None` when it cannot be drawn.
+    pub scene: Option<Scene>,
+    /// The tip in the world.
+    pub x_wt: Pose,
+    /// Robot time, s.
+    pub time: f64,
+    /// Whether the cameras give their last images again.
+    pub frozen: bool,
+    /// The period in which the images are there.
+    pub there: u64,
+    /// Whose image has been handed out.
+    pub taken: Vec<Camera>,
+}
+
 struct Eye {
     model: CameraModel,
     renderer: Renderer,
@@ -76,7 +92,7 @@ impl Cameras {
 
     /// Takes an image: its width, its height, and red, green and blue of each pixel. A frozen camera gives its last
     /// image again, if it has taken one.
-    pub fn expose(
+    pub fn take(
         &mut self,
         camera: Camera,
         mut scene: Scene,

@@ -1,16 +1,18 @@
 //! What the twin asks of a command before it moves.
 
 use nalgebra::Vector6;
-use ramp_robot::{ArmCommand, Command, Impedance, PERIOD, Pose, RobotError};
+use ramp_control::PoseMotion;
+use ramp_robot::{ArmCommand, Command, Impedance, Pose, RobotError};
 
-/// Velocity of a Cartesian target from one period to the next, limited to what can be a motion and not a jump:
-/// m/s and rad/s, axes of the world.
-pub(crate) fn target_velocity(before: Option<&Pose>, now: &Pose) -> Vector6<f64> {
-    const LIMIT: f64 = 0.5;
-    let Some(before) = before else { return Vector6::zeros() };
-    let shift = (now.translation.vector - before.translation.vector) / PERIOD;
-    let turn = (now.rotation * before.rotation.inverse()).scaled_axis() / PERIOD;
-    Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z).map(|value| value.clamp(-LIMIT, LIMIT))
+/// Velocity (m/s, rad/s) and acceleration (m/s², rad/s²) of the target of an impedance, as far as they are those of a motion
+/// and not of a jump: an impedance may jump.
+pub(crate) fn fed_forward(target: &PoseMotion) -> [Vector6<f64>; 2] {
+    const VELOCITY: f64 = 0.5;
+    const ACCELERATION: f64 = 5.0;
+    [
+        target.velocity.map(|value| value.clamp(-VELOCITY, VELOCITY)),
+        target.acceleration.map(|value| value.clamp(-ACCELERATION, ACCELERATION)),
+    ]
 }
 
 /// Refuses what is not finite or not sensible, before anything moves.

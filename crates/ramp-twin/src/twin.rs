@@ -15,16 +15,16 @@ use ramp_robot::{
     Pose, Robot, RobotError, TIME_LIMIT, Track,
 };
 
-use crate::cameras::{self, Cameras};
-use crate::command::{check_command, target_velocity};
+use crate::cameras::{self, Cameras, Exposure};
+use crate::command::{check_command, fed_forward};
 use crate::engine::{body_pose, rotation_from_rows};
 use crate::fault::{FaultReport, Injector, Start};
 use crate::layout::Layout;
 use crate::scene::scene_xml;
 use crate::setup::{Setup, TwinError};
 use ramp_control::{
-    ArmState, GripperLoop, Jacobian, JointVector, impedance, limit_torques, pose_impedance, track_joints,
-    track_velocities,
+    ArmState, GripperLoop, Jacobian, JointMotion, JointVector, PoseMotion, impedance, limit_torques,
+    pose_impedance, track_joints, track_velocities,
 };
 
 /// How far a joint may overshoot a soft stop before the robot reports it, rad.
@@ -62,12 +62,14 @@ pub struct Twin {
     /// Bodies that hang from the wrist, whose weight the sensor's reading is freed of.
     hand_bodies: [usize; 3],
     gripper: GripperLoop,
-    /// Joint targets of the last period, from which the velocities of a position command come.
-    last_target: Option<JointVector>,
+    /// The joint targets of the last period, if joint positions or velocities were commanded.
+    last_joints: Option<JointMotion>,
     /// Command of the last period.
     last_command: Option<Command>,
-    /// Cartesian target of the last period, likewise.
-    last_pose: Option<Pose>,
+    /// The target of the tip of the last period, if a pose or an impedance was commanded, and whether it was a pose.
+    last_pose: Option<(PoseMotion, bool)>,
+    /// Is the last command held, without the agent commanding it?
+    holding: bool,
     /// Posture that a bare pose command keeps.
     posture: [f64; DOF],
     state: ArmState,
@@ -77,6 +79,8 @@ pub struct Twin {
     /// Noise of the readings of parts.
     reading_noise: Stream,
     cameras: Cameras,
+    /// The last exposure of the cameras.
+    exposure: Option<Exposure>,
     fault: Option<Injector>,
     failed: Option<RobotError>,
     deepest: f64,
@@ -142,9 +146,10 @@ impl Twin {
             tip_site,
             hand_bodies,
             gripper: GripperLoop::new(START_WIDTH / 2.0),
-            last_target: None,
+            last_joints: None,
             last_command: None,
             last_pose: None,
+            holding: false,
             posture: setup.arm.home,
             state: ArmState {
                 positions: JointVector::from(setup.arm.home),
@@ -158,6 +163,7 @@ impl Twin {
             noise: Stream::new(setup.seed, "wrist"),
             reading_noise: Stream::new(setup.seed, "readings"),
             cameras: Cameras::new(setup.kit, setup.arm, setup.seed, start.covered.map(|(tag, _)| tag)),
+            exposure: None,
             fault,
             failed: None,
             deepest: 0.0,
@@ -377,31 +383,64 @@ impl Twin {
         };
     }
 
-    fn command_torques(&mut self, state: &ArmState, command: &ArmCommand) -> JointVector {
-        let before = self.last_target.take();
+    /// The torques of a command; refuses one that cannot follow the one before.
+    fn command_torques(&mut self, state: &ArmState, command: &ArmCommand) -> Result<JointVector, RobotError> {
+        let before = self.last_joints.take();
         let pose_before = self.last_pose.take();
-        match command {
+        Ok(match command {
             ArmCommand::JointPositions(positions) => {
-                let target = JointVector::from(*positions);
-                let velocities = before.map_or(JointVector::zeros(), |before| (target - before) / PERIOD);
-                self.last_target = Some(target);
-                self.posture = *positions;
-                track_joints(state, &target, &velocities)
+                let positions = JointVector::from(*positions);
+                let target = match before {
+                    Some(before) => {
+                        let target = before.next(positions);
+                        if !self.holding {
+                            target.check(&before, &self.arm)?;
+                        }
+                        target
+                    }
+                    None => {
+                        let target = JointMotion::at_rest(positions);
+                        target.check_start(&state.positions)?;
+                        target
+                    }
+                };
+                self.last_joints = Some(target);
+                self.posture = target.positions.into();
+                track_joints(state, &target.positions, &target.velocities, &target.accelerations)
             }
             ArmCommand::JointVelocities(velocities) => {
                 track_velocities(state, &JointVector::from(*velocities))
             }
             ArmCommand::JointTorques(torques) => JointVector::from(*torques),
             ArmCommand::CartesianPose(x_wt) => {
-                self.last_pose = Some(*x_wt);
-                let velocity = target_velocity(pose_before.as_ref(), x_wt);
-                impedance(state, &pose_impedance(x_wt, self.posture), &velocity)
+                let target = match pose_before {
+                    Some((before, true)) => {
+                        let target = before.next(*x_wt);
+                        if let Some(limits) = self.arm.cartesian.as_ref().filter(|_| !self.holding) {
+                            target.check(&before, limits)?;
+                        }
+                        target
+                    }
+                    _ => {
+                        let target = PoseMotion::at_rest(*x_wt);
+                        target.check_start(&state.x_wt)?;
+                        target
+                    }
+                };
+                self.last_pose = Some((target, true));
+                let [velocity, acceleration] = fed_forward(&target);
+                impedance(state, &pose_impedance(x_wt, self.posture), &velocity, &acceleration)
             }
             ArmCommand::CartesianImpedance(command) => {
-                self.last_pose = Some(command.x_wt);
-                impedance(state, command, &target_velocity(pose_before.as_ref(), &command.x_wt))
+                let target = match pose_before {
+                    Some((before, _)) => before.next(command.x_wt),
+                    None => PoseMotion::at_rest(command.x_wt),
+                };
+                self.last_pose = Some((target, false));
+                let [velocity, acceleration] = fed_forward(&target);
+                impedance(state, command, &velocity, &acceleration)
             }
-        }
+        })
     }
 
     fn check_arm(&self) -> Result<(), RobotError> {
@@ -435,16 +474,19 @@ impl Twin {
         }
     }
 
-    /// Lets periods pass under the last command; before the first one the arm stays where it starts.
+    /// Lets periods pass under the last command; before the first one the arm stays where it starts. A motion that is
+    /// commanded goes on afterwards as if none had passed.
     fn hold(&mut self, periods: u32) -> Result<(), RobotError> {
         let command = self.last_command.clone().unwrap_or(Command {
             arm: ArmCommand::JointPositions(self.arm.home),
             gripper: GripperCommand { width: START_WIDTH, force: 10.0 },
         });
-        for _ in 0..periods {
-            self.step(&command)?;
-        }
-        Ok(())
+        let motion = (self.last_joints, self.last_pose);
+        self.holding = true;
+        let held = (0..periods).try_for_each(|_| self.step(&command).map(|_| ()));
+        self.holding = false;
+        (self.last_joints, self.last_pose) = motion;
+        held
     }
 
     /// A reading of all parts with noise, some left out.
@@ -468,16 +510,27 @@ impl Twin {
         readings
     }
 
-    /// What a camera sees now.
-    fn expose(&mut self, camera: Camera) -> Result<Image, RobotError> {
-        let stopped = RobotError::CameraStopped { camera };
-        let Ok(looks) = self.cameras.looks() else { return Err(stopped) };
-        let scene = self.picture(&looks);
-        let x_wt = self.state.x_wt;
+    /// Opens the shutters of both cameras, and lets the time pass until their images are there.
+    fn expose(&mut self) -> Result<(), RobotError> {
+        self.hold(cameras::EXPOSURE_STEPS / 2)?;
+        let scene = self.cameras.looks().ok().map(|looks| self.picture(&looks));
+        let (x_wt, time) = (self.state.x_wt, self.time());
         let frozen = self.fault.as_ref().is_some_and(Injector::freezes_cameras);
+        self.hold(cameras::EXPOSURE_STEPS.div_ceil(2) + cameras::LATENCY_STEPS)?;
+        self.exposure = Some(Exposure { scene, x_wt, time, frozen, there: self.steps, taken: Vec::new() });
+        Ok(())
+    }
+
+    /// The image of a camera from the last exposure.
+    fn image(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        let stopped = RobotError::CameraStopped { camera };
+        let Some(exposure) = &mut self.exposure else { return Err(stopped) };
+        exposure.taken.push(camera);
+        let Some(scene) = exposure.scene.clone() else { return Err(stopped) };
+        let (x_wt, time) = (exposure.x_wt, exposure.time);
         let (width, height, pixels) =
-            self.cameras.expose(camera, scene, &x_wt, frozen).map_err(|_| stopped)?;
-        Ok(Image { camera, time: self.time(), x_wt, width, height, pixels })
+            self.cameras.take(camera, scene, &x_wt, exposure.frozen).map_err(|_| stopped)?;
+        Ok(Image { camera, time, x_wt, width, height, pixels })
     }
 
     fn advance(&mut self, command: &Command) -> Result<(), RobotError> {
@@ -486,7 +539,7 @@ impl Twin {
             return Err(RobotError::OutOfTime { limit: TIME_LIMIT });
         }
         let before = self.state.clone();
-        let wanted = self.command_torques(&before, &command.arm);
+        let wanted = self.command_torques(&before, &command.arm)?;
         self.torques = limit_torques(&self.arm, wanted);
         let q = [self.data.qpos()[DOF], self.data.qpos()[DOF + 1]];
         let v = [self.data.qvel()[DOF], self.data.qvel()[DOF + 1]];
@@ -562,10 +615,11 @@ impl Robot for Twin {
         if self.track == Track::Noisy {
             return Err(RobotError::NotOnTrack { track: self.track, what: "images" });
         }
-        self.hold(cameras::EXPOSURE_STEPS / 2)?;
-        let image = self.expose(camera);
-        self.hold(cameras::EXPOSURE_STEPS.div_ceil(2) + cameras::LATENCY_STEPS)?;
-        image
+        let is_there = |it: &Exposure| it.there == self.steps && !it.taken.contains(&camera);
+        if !self.exposure.as_ref().is_some_and(is_there) {
+            self.expose()?;
+        }
+        self.image(camera)
     }
 
     fn camera(&self, camera: Camera) -> CameraModel {

@@ -118,7 +118,7 @@ fn commands_alone_move_the_world() {
     let start = twin.observe();
     for tick in 0..1500 {
         let mut positions = start.positions;
-        positions[1] += 0.2 * (f64::from(tick) * 0.002).sin();
+        positions[1] += 0.1 * (1.0 - (f64::from(tick) * 0.002).cos());
         let command = Command {
             arm: ArmCommand::JointPositions(positions),
             gripper: GripperCommand { width: 0.06, force: 20.0 },
@@ -129,6 +129,55 @@ fn commands_alone_move_the_world() {
     }
     let same = twin.qpos().iter().zip(data.qpos()).all(|(a, b)| a.to_bits() == b.to_bits());
     assert!(same, "the twin did something that its commands do not explain");
+}
+
+/// A target that jumps would throw the arm: a real controller refuses it, and says which joint it was.
+#[test]
+fn targets_that_no_motion_could_follow_are_refused() {
+    let world = World::new("easy-3");
+    let gripper = GripperCommand { width: 0.06, force: 20.0 };
+    let after = |command: ArmCommand| {
+        let mut twin = world.twin(Track::State, 1);
+        twin.step(&stay(&twin)).unwrap();
+        twin.step(&Command { arm: command, gripper }).unwrap_err().to_string()
+    };
+    let start = world.twin(Track::State, 1).observe();
+    let mut positions = start.positions;
+    positions[2] += 1e-4;
+    let told = after(ArmCommand::JointPositions(positions));
+    assert!(told.starts_with("the commanded acceleration of joint 3 is 100.000 rad/s²"), "{told}");
+    let mut x_wt = start.x_wt;
+    x_wt.translation.z += 0.02;
+    let told = after(ArmCommand::CartesianPose(x_wt));
+    assert!(told.starts_with("the commanded first step of the tip is 0.020 m"), "{told}");
+}
+
+/// A target that gains speed takes the tip along on its line: the arm's mass, which is not the same in all directions, does not
+/// push it aside.
+#[test]
+fn a_target_that_gains_speed_does_not_pull_the_tip_aside() {
+    let world = World::new("easy-3");
+    let mut twin = world.twin(Track::State, 1);
+    let start = twin.observe();
+    let (mut way, mut aside) = (0.0, 0.0_f64);
+    for period in 0..600 {
+        // 3 m/s² up to 0.05 m/s, as an insertion begins.
+        way += (3.0 * f64::from(period) * 1e-3).min(0.05) * 1e-3;
+        let mut x_wt = start.x_wt;
+        x_wt.translation.y += way;
+        let impedance = Impedance {
+            x_wt,
+            stiffness: nalgebra::Vector6::new(1500.0, 1500.0, 1500.0, 60.0, 60.0, 60.0),
+            damping_ratio: 1.0,
+            feed_forward: nalgebra::Vector6::zeros(),
+            posture: start.positions,
+        };
+        let arm = ArmCommand::CartesianImpedance(impedance);
+        let seen = twin.step(&Command { arm, gripper: GripperCommand { width: 0.06, force: 20.0 } }).unwrap();
+        let off = seen.x_wt.translation.vector - x_wt.translation.vector;
+        aside = aside.max(off.norm());
+    }
+    assert!(aside < 0.5e-3, "{:.2} mm", aside * 1e3);
 }
 
 #[test]

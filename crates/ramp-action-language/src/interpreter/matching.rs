@@ -57,6 +57,48 @@ impl Model<'_> {
         }
     }
 
+    /// The same where one of the conditions is about a given row of a predicate.
+    pub(crate) fn solve_with(
+        &self,
+        rule: &Rule,
+        state: &State,
+        predicate: usize,
+        row: &Row,
+        with: &mut dyn FnMut(&Binding) -> bool,
+    ) -> bool {
+        rule.conditions.iter().any(|test| match test {
+            Test::Literal { predicate: own, arguments, .. } if *own == predicate => {
+                self.solve_matched(rule, state, arguments, row, with)
+            }
+            _ => false,
+        })
+    }
+
+    /// The same where what the rule concludes is given.
+    pub(crate) fn solve_head(
+        &self,
+        rule: &Rule,
+        state: &State,
+        row: &Row,
+        with: &mut dyn FnMut(&Binding) -> bool,
+    ) -> bool {
+        self.solve_matched(rule, state, &rule.heads[0].arguments, row, with)
+    }
+
+    fn solve_matched(
+        &self,
+        rule: &Rule,
+        state: &State,
+        arguments: &[Pattern],
+        row: &Row,
+        with: &mut dyn FnMut(&Binding) -> bool,
+    ) -> bool {
+        let mut binding = SmallVec::from_elem(None, rule.variables.len());
+        let open: SmallVec<[usize; 8]> = (0..rule.conditions.len()).collect();
+        self.match_row(rule, arguments, row, &mut binding, &mut Vec::new())
+            && self.extend(rule, state.into(), &open, &mut binding, with)
+    }
+
     fn extend(
         &self,
         rule: &Rule,

@@ -5,7 +5,6 @@ use super::state::{Ground, State};
 use super::values::{Relation, Value};
 use crate::domain::{FluentKind, Kind};
 use crate::term::Term;
-use rustc_hash::FxHashMap as HashMap;
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
@@ -27,13 +26,14 @@ impl Model<'_> {
     /// The inertial fluents that are true and name nothing but these; without names, all.
     pub fn inertial_about(&self, state: &State, names: Option<&BTreeSet<String>>) -> Vec<Term> {
         let Some(names) = names else { return self.inertial(state) };
-        let mut inside: HashMap<Value, bool> = HashMap::default();
-        let mut about = |value: Value| {
-            *inside.entry(value).or_insert_with(|| {
-                let values = self.values.borrow();
-                values.terms[value as usize].texts().into_iter().all(|text| names.contains(text))
-            })
-        };
+        let values = self.values.borrow();
+        let mut named = vec![false; values.terms.len()];
+        for name in names {
+            if let Some(&value) = values.numbers.get(&Term::from(name.as_str())) {
+                named[value as usize] = true;
+            }
+        }
+        let about = |value: Value| values.names_only(value, &named);
         let mut terms = Vec::new();
         for (predicate, rows) in state.rows.iter().enumerate() {
             if self.predicates[predicate].kind == Kind::Fluent(FluentKind::Inertial) {
@@ -49,6 +49,15 @@ impl Model<'_> {
         let Some(&predicate) = self.names.get(name) else { return Vec::new() };
         let rows = state.rows[predicate].iter();
         rows.map(|row| self.atom_term(&Ground { predicate, row: row.clone() })).collect()
+    }
+
+    /// Are the same fluents of these names true in two states?
+    pub fn agree<const N: usize>(&self, first: &State, second: &State, names: [&str; N]) -> bool {
+        let predicates = names.into_iter().filter_map(|name| self.names.get(name));
+        predicates.into_iter().all(|&predicate| {
+            let (first, second) = (&first.rows[predicate], &second.rows[predicate]);
+            Rc::ptr_eq(first, second) || first == second
+        })
     }
 
     /// The inertial fluents that are true after a step and were not before.

@@ -18,6 +18,18 @@ pub(crate) struct Rule<'d> {
     pub(crate) span: Span,
 }
 
+impl Rule<'_> {
+    /// Can a row be matched against any of its atoms before anything else is known? A sum can be reckoned only.
+    pub(crate) fn is_local(&self) -> bool {
+        let literals = self.conditions.iter().filter_map(|test| match test {
+            Test::Literal { arguments, .. } => Some(arguments),
+            Test::Comparison(..) => None,
+        });
+        let mut heads = self.heads.iter().map(|head| &head.arguments).chain(literals);
+        heads.all(|arguments| arguments.iter().all(Pattern::is_plain))
+    }
+}
+
 /// An atom that a law concludes, or its action.
 pub(crate) struct Head<'d> {
     pub(crate) positive: bool,
@@ -33,6 +45,17 @@ pub(crate) enum Pattern {
     Constant(Value),
     Function(String, Vec<Pattern>),
     Sum(Box<Pattern>, Sign, Box<Pattern>),
+}
+
+impl Pattern {
+    /// Is there no sum in it?
+    fn is_plain(&self) -> bool {
+        match self {
+            Pattern::Variable(_) | Pattern::Constant(_) => true,
+            Pattern::Function(_, arguments) => arguments.iter().all(Pattern::is_plain),
+            Pattern::Sum(..) => false,
+        }
+    }
 }
 
 /// A condition of a law.

@@ -4,11 +4,15 @@ use super::model::Model;
 use super::refusal::Refusal;
 use super::rule::{Binding, Rule, Test};
 use super::state::{Ground, State};
+use super::values::Row;
 use crate::domain::{FluentKind, Kind};
 use crate::term::Term;
 use rustc_hash::FxHashMap as HashMap;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
+
+/// By predicate: the rows that are true in one of two states alone.
+type Changes = BTreeMap<usize, BTreeSet<Row>>;
 
 impl Model<'_> {
     /// The state in which some fluents are told to be true and others false; the rest is as the domain says.
@@ -97,89 +101,75 @@ impl Model<'_> {
             return Err(Refusal::Contradiction(self.text(&fluent)));
         }
         let mut next = state.clone();
-        let mut changed = BTreeSet::new();
         for (fluent, truth) in &fixed {
-            if self.put(&mut next, fluent, *truth) {
-                changed.insert(fluent.predicate);
-            }
+            self.put(&mut next, fluent, *truth);
         }
-        self.settle(&mut next, &mut fixed, Some(changed))?;
+        self.settle(&mut next, &mut fixed, Some(state.clone()))?;
         Ok(next)
     }
 
-    /// Makes the defined fluents and the state constraints true. `changed`: inertial fluents that changed since
-    /// they were; `None` when nothing is known of that.
+    /// Makes the defined fluents and the state constraints true. `since`: the settled state that this one was made of
+    /// by changing some inertial fluents; `None` when there is none.
     fn settle(
         &self,
         state: &mut State,
         fixed: &mut HashMap<Ground, bool>,
-        mut changed: Option<BTreeSet<usize>>,
+        since: Option<State>,
     ) -> Result<(), Refusal> {
         let mut disputed: Vec<&Rule> = Vec::new();
+        let mut since = since.map(|before| {
+            let changes = self.inertial_changes(&before, state);
+            (before, changes)
+        });
         loop {
-            let mut dirty = changed.clone();
             for (predicate, rules) in &self.defined {
                 let needs = &self.depends[predicate];
-                if changed.as_ref().is_some_and(|changed| changed.is_disjoint(needs)) {
-                    continue;
-                }
-                let before = state.rows[*predicate].clone();
-                let recursive = rules.iter().any(|rule| rule.reads.contains(predicate));
-                if recursive {
-                    // What was true before is no reason for itself.
-                    state.rows[*predicate] = Rc::default();
-                }
-                let mut rows = BTreeSet::new();
-                loop {
-                    let known = rows.len();
-                    for rule in rules {
-                        let mut found = Vec::new();
-                        self.solve(rule, &*state, &mut |binding| {
-                            found.extend(self.row(&rule.heads[0].arguments, binding));
-                            false
-                        });
-                        rows.extend(found);
+                let by_rows = rules.iter().all(|rule| rule.is_local() && !rule.reads.contains(predicate));
+                match &mut since {
+                    Some((_, changes)) if changes.keys().all(|changed| !needs.contains(changed)) => {}
+                    Some((before, changes)) if by_rows => {
+                        let flipped = self.flipped(rules, before, state, changes);
+                        if !flipped.is_empty() {
+                            let rows = Rc::make_mut(&mut state.rows[*predicate]);
+                            for row in &flipped {
+                                if !rows.remove(row) {
+                                    rows.insert(row.clone());
+                                }
+                            }
+                            changes.insert(*predicate, flipped);
+                        }
                     }
-                    if !recursive || rows.len() == known {
-                        break;
-                    }
-                    state.rows[*predicate] = Rc::new(rows.clone());
-                }
-                if *before == rows {
-                    state.rows[*predicate] = before;
-                } else {
-                    state.rows[*predicate] = Rc::new(rows);
-                    if let Some(dirty) = &mut dirty {
-                        dirty.insert(*predicate);
+                    _ => {
+                        let old = state.rows[*predicate].clone();
+                        state.rows[*predicate] = Rc::new(self.derived(*predicate, rules, state));
+                        if let Some((_, changes)) = &mut since
+                            && old != state.rows[*predicate]
+                        {
+                            let flipped = old.symmetric_difference(&state.rows[*predicate]);
+                            changes.insert(*predicate, flipped.cloned().collect());
+                        }
                     }
                 }
             }
-            let mut again = BTreeSet::new();
+            let settled = state.clone();
             for rule in &self.constraints {
-                if dirty.as_ref().is_some_and(|dirty| dirty.is_disjoint(&rule.reads)) {
+                if let Some((_, changes)) = &since
+                    && changes.keys().all(|changed| !rule.reads.contains(changed))
+                {
                     continue;
                 }
-                let mut concluded = Vec::new();
-                self.solve(rule, &*state, &mut |binding| {
-                    // What held before on the same grounds is no news; it may be just what has to give way.
-                    if self.is_news(rule, binding, fixed) {
-                        concluded.extend(self.head(&rule.heads[0], binding));
-                    }
-                    false
-                });
                 let truth = rule.heads[0].positive;
-                for fluent in concluded {
+                for fluent in self.concluded(rule, state, fixed) {
                     if fixed.get(&fluent).is_some_and(|known| *known != truth) {
                         disputed.push(rule);
                         continue;
                     }
-                    if self.put(state, &fluent, truth) {
-                        again.insert(fluent.predicate);
-                    }
+                    self.put(state, &fluent, truth);
                     fixed.insert(fluent, truth);
                 }
             }
-            if again.is_empty() {
+            let changes = self.inertial_changes(&settled, state);
+            if changes.is_empty() {
                 // A law that had no say while things changed has one in the end.
                 for rule in disputed {
                     let mut violated = None;
@@ -195,8 +185,97 @@ impl Model<'_> {
                 }
                 return Ok(());
             }
-            changed = Some(again);
+            since = Some((settled, changes));
         }
+    }
+
+    /// The inertial fluents that are true in one of two states alone.
+    fn inertial_changes(&self, before: &State, after: &State) -> Changes {
+        let mut changes = Changes::new();
+        for (predicate, (old, new)) in before.rows.iter().zip(&after.rows).enumerate() {
+            if self.predicates[predicate].kind == Kind::Fluent(FluentKind::Inertial) && !Rc::ptr_eq(old, new)
+            {
+                let flipped: BTreeSet<Row> = old.symmetric_difference(new).cloned().collect();
+                if !flipped.is_empty() {
+                    changes.insert(predicate, flipped);
+                }
+            }
+        }
+        changes
+    }
+
+    /// All rows of a defined fluent.
+    fn derived(&self, predicate: usize, rules: &[Rule], state: &mut State) -> BTreeSet<Row> {
+        let recursive = rules.iter().any(|rule| rule.reads.contains(&predicate));
+        if recursive {
+            // What was true before is no reason for itself.
+            state.rows[predicate] = Rc::default();
+        }
+        let mut rows = BTreeSet::new();
+        loop {
+            let known = rows.len();
+            for rule in rules {
+                self.solve(rule, &*state, &mut |binding| {
+                    rows.extend(self.row(&rule.heads[0].arguments, binding));
+                    false
+                });
+            }
+            if !recursive || rows.len() == known {
+                return rows;
+            }
+            state.rows[predicate] = Rc::new(rows.clone());
+        }
+    }
+
+    /// The rows of a defined fluent that become true or false between two states that differ in some rows alone: a law
+    /// loses or gains a conclusion only by one of these.
+    fn flipped(&self, rules: &[Rule], before: &State, after: &State, changes: &Changes) -> BTreeSet<Row> {
+        let predicate = rules[0].heads[0].predicate;
+        let rows = |state: &State| {
+            let mut rows = BTreeSet::new();
+            for rule in rules {
+                for (changed, flipped) in changes.iter().filter(|(changed, _)| rule.reads.contains(changed)) {
+                    for row in flipped {
+                        self.solve_with(rule, state, *changed, row, &mut |binding| {
+                            rows.extend(self.row(&rule.heads[0].arguments, binding));
+                            false
+                        });
+                    }
+                }
+            }
+            rows
+        };
+        let old = &before.rows[predicate];
+        let gained = rows(after).into_iter().filter(|row| !old.contains(row));
+        let holds = |row: &Row| rules.iter().any(|rule| self.solve_head(rule, after, row, &mut |_| true));
+        let lost = rows(before).into_iter().filter(|row| !holds(row));
+        gained.chain(lost).collect()
+    }
+
+    /// What a law between the fluents of one time concludes. What held before on the same grounds is no news; it may be
+    /// just what has to give way.
+    fn concluded(&self, rule: &Rule, state: &State, fixed: &HashMap<Ground, bool>) -> Vec<Ground> {
+        let mut concluded = Vec::new();
+        let kind = |predicate: &usize| self.predicates[*predicate].kind;
+        let inertial = rule.reads.iter().any(|read| kind(read) == Kind::Fluent(FluentKind::Inertial));
+        let defined = rule.reads.iter().any(|read| kind(read) == Kind::Fluent(FluentKind::Defined));
+        if inertial && !defined && rule.is_local() {
+            // News rests on something that this transition fixed.
+            for fluent in fixed.keys() {
+                self.solve_with(rule, state, fluent.predicate, &fluent.row, &mut |binding| {
+                    concluded.extend(self.head(&rule.heads[0], binding));
+                    false
+                });
+            }
+        } else {
+            self.solve(rule, state, &mut |binding| {
+                if self.is_news(rule, binding, fixed) {
+                    concluded.extend(self.head(&rule.heads[0], binding));
+                }
+                false
+            });
+        }
+        concluded
     }
 
     /// Rests a conclusion on something that this transition changed, or on defined fluents?

@@ -45,6 +45,17 @@ impl Values {
     }
 }
 
+impl Values {
+    /// Are all names in a term, however deep, among these? By value, whether it is one of them.
+    pub(crate) fn names_only(&self, value: Value, named: &[bool]) -> bool {
+        match (&self.parts[value as usize], &self.terms[value as usize]) {
+            (Some((_, row)), _) => row.iter().all(|&inner| self.names_only(inner, named)),
+            (None, Term::Text(_)) => named[value as usize],
+            (None, _) => true,
+        }
+    }
+}
+
 /// A static: its rows, in the order in which they came.
 #[derive(Default)]
 pub(crate) struct Relation {

@@ -16,6 +16,8 @@ use ramp_kit::{Beam, Joint, JointType, Kit, Link, Side};
 /// The heights of storeys to choose from, m: between the holes of a column. The shortest has room for its two ends and
 /// for the fingers between them.
 const STOREYS: [f64; 6] = [0.140, 0.145, 0.150, 0.155, 0.160, 0.170];
+/// How often a frame is begun anew before giving up. Chosen: of ten begun, nine at least are finished.
+const ATTEMPTS: usize = 20;
 /// Distance of the slots that a wide rail has beyond the clamped beam's, m.
 const BEYOND: f64 = 0.1262;
 
@@ -76,10 +78,23 @@ pub(crate) fn frame(
     let base_slots = begin..begin + inner.len();
     // The extended kit has no pegs: nobody has printed as many.
     let kit = Kit { pegs: Vec::new(), holders: Vec::new(), ..kit.clone() };
-    let mut builder =
-        Builder { kit, base, slots, base_slots, rails: Vec::new(), storeys: Vec::new(), columns: Vec::new() };
-    builder.fill(count, class, dice);
-    builder.finish(request, dice).ok_or(not_found)
+    for _ in 0..ATTEMPTS {
+        let mut builder = Builder {
+            kit: kit.clone(),
+            base,
+            slots: slots.clone(),
+            base_slots: base_slots.clone(),
+            rails: Vec::new(),
+            storeys: Vec::new(),
+            columns: Vec::new(),
+        };
+        if builder.fill(count, class, dice)
+            && let Some(made) = builder.finish(request, dice)
+        {
+            return Ok(made);
+        }
+    }
+    Err(not_found)
 }
 
 impl Builder<'_> {
@@ -87,8 +102,8 @@ impl Builder<'_> {
         self.rails.len() + self.columns.len()
     }
 
-    /// Adds columns and rails until there are `count` beams.
-    fn fill(&mut self, count: usize, class: Option<Class>, dice: &mut Dice) {
+    /// Adds columns and rails until there are `count` beams; `false` where the topmost rail has no slot for the last ones.
+    fn fill(&mut self, count: usize, class: Option<Class>, dice: &mut Dice) -> bool {
         // How many columns may pass through a rail.
         let mut passing = match class {
             Some(Class::Easy) => 0,
@@ -110,6 +125,9 @@ impl Builder<'_> {
             // Columns on the free slots of the topmost rail; at least two, or the next one would hang.
             let free: Vec<usize> =
                 (0..self.slots.len()).filter(|&slot| self.rails[rail][slot] == Slot::Free).collect();
+            if free.is_empty() && left <= 2 {
+                return false;
+            }
             let mut chosen: Vec<usize> = free.iter().copied().filter(|_| !dice.once_in(4)).collect();
             if chosen.len() + above.iter().filter(|slot| **slot == Slot::Taken).count() < 2 {
                 chosen = free;
@@ -137,6 +155,7 @@ impl Builder<'_> {
         while self.storeys.len() <= self.rails.len() {
             self.storeys.push(STOREYS[0]);
         }
+        true
     }
 
     /// A rail: females at every slot. It takes columns from below; where one starts it is open upwards.

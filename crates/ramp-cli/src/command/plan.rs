@@ -57,6 +57,14 @@ pub struct Arguments {
     /// Go through the plan with the arm's model, and plan around what the arm cannot do
     #[arg(long, conflicts_with_all = ["emit_asp", "from", "pddl", "disassemble"])]
     check_motion: bool,
+    /// What the plan is to have least of. With time, pegs and fastenings are exchanged with each other until the ways of
+    /// the arm take least, by its motion planner
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = Least::Actions,
+        conflicts_with_all = ["emit_asp", "from", "pddl", "why", "coarse", "disassemble"])]
+    least: Least,
+    /// Also print what robot times are to be compared with: a bound that no arm can beat, and a reference
+    #[arg(long, conflicts_with_all = ["emit_asp", "from", "pddl", "why", "disassemble"])]
+    bound: bool,
     /// Take the built goal apart: the same rules, run backwards
     #[arg(long, conflicts_with_all = ["emit_asp", "from", "why", "state", "history", "optimal"])]
     disassemble: bool,
@@ -70,6 +78,13 @@ const LARGEST: usize = 16 << 20;
 enum Level {
     Coarse,
     Fine,
+}
+
+/// What a plan has least of.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Least {
+    Actions,
+    Time,
 }
 
 /// Reads a JSON file; `expected` says what of.
@@ -159,7 +174,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         diagnoses = Some(found);
     }
     let begin = Instant::now();
-    if arguments.check_motion {
+    if arguments.check_motion || arguments.least == Least::Time {
         let rehearsed = ramp_skills::rehearsal::plan_for_arm(&goal, &kit, &data.arm()?, &state, &domains);
         state.motion = rehearsed.into_diagnostic()?.facts;
     }
@@ -260,13 +275,32 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         print(&text)?;
         return Ok(DONE);
     }
-    let plan = ramp_planner::plan_with(&goal, &kit, &state, &domains, options).into_diagnostic()?;
+    let mut plan = ramp_planner::plan_with(&goal, &kit, &state, &domains, options).into_diagnostic()?;
+    let mut times = None;
+    if arguments.least == Least::Time {
+        let arm = data.arm()?;
+        let found = ramp_skills::rehearsal::quicker_for_arm(&goal, &kit, &arm, &state, &domains, &plan);
+        let found = found.into_diagnostic()?;
+        times = Some((found.seconds, found.before));
+        plan = found.plan;
+    }
     let seconds = begin.elapsed().as_secs_f64();
+    let mut reference = None;
+    if arguments.bound {
+        let times = ramp_skills::reference_times(&goal, &kit, &data.arm()?, &state, &plan);
+        reference = Some(times.into_diagnostic()?);
+    }
     let mut text = String::new();
     if arguments.json {
         let mut value = json!({ "goal": goal.name, "seconds": seconds, "plan": plan });
+        if let Some(times) = reference {
+            value["robot_time"] = json!({ "bound": times.bound, "reference": times.reference });
+        }
         if !state.motion.is_empty() {
             value["motion"] = json!(state.motion);
+        }
+        if let Some((seconds, before)) = times {
+            value["motions"] = json!({ "seconds": seconds, "before": before });
         }
         if let Some(diagnoses) = &diagnoses {
             value["diagnoses"] = json!(diagnoses);
@@ -287,6 +321,16 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         let fine: usize = plan.steps.iter().map(|step| step.fine.len()).sum();
         let and_fine = if arguments.coarse { String::new() } else { format!(" and {fine} fine") };
         let _ = writeln!(text, "{} coarse{and_fine} actions in {seconds:.3} s", plan.steps.len());
+        if let Some((seconds, before)) = times {
+            let _ = writeln!(text, "its motions take {seconds:.1} s, instead of {before:.1} s");
+        }
+        if let Some(times) = reference {
+            let _ = writeln!(
+                text,
+                "no arm with these limits takes less than {:.1} s of robot time; the reference takes {:.1} s",
+                times.bound, times.reference
+            );
+        }
         let _ = match (plan.statistics.optimal, plan.statistics.lower_bound) {
             (true, _) => writeln!(text, "no plan has fewer coarse actions"),
             (false, 0) => Ok(()),

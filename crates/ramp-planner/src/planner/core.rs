@@ -15,7 +15,7 @@ use crate::state;
 use ramp_action_language::{Model, Refusal, State as Fluents, Term};
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// What every step of planning needs.
 pub(crate) struct Planner<'a> {
@@ -31,6 +31,8 @@ pub(crate) struct Planner<'a> {
     /// What the laws see of names and numbers. Names that they know, and those of ways, are in every coarse problem.
     pub(crate) coarse_sight: Sight,
     pub(crate) fine_sight: Sight,
+    /// The names of facts that the fine rules ask for.
+    pub(crate) fine_facts: BTreeSet<&'a str>,
     pub(crate) solver: Solver,
     pub(crate) options: Options,
     /// Answers to problems of the same shape.
@@ -72,6 +74,7 @@ impl<'a> Planner<'a> {
             numbers: numbers.collect(),
             coarse_sight,
             fine_sight: Sight::of(domains.fine(), []),
+            fine_facts: domains.fine().relevant_facts(),
             assembly,
             pegs: state::peg_names(assembly, kit),
             domains,

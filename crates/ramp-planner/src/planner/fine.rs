@@ -15,6 +15,13 @@ use std::collections::BTreeSet;
 /// The most fine actions in one coarse action; the rules never need more than four.
 const MOST_FINE_STEPS: usize = 8;
 
+/// What stands, what of it is pushed back, and which connections are pinned, by index.
+struct Frame {
+    stands: Vec<bool>,
+    deep: Vec<bool>,
+    pinned: Vec<bool>,
+}
+
 impl Planner<'_> {
     /// The coarse actions, each with the fine actions under it.
     pub(crate) fn steps(
@@ -26,32 +33,52 @@ impl Planner<'_> {
         let mut own = vec![Term::new("hand_at", [above])];
         let mut pegs = Pegs::new(self.assembly, known);
         let mut steps = Vec::new();
+        let mut kept: Option<(&Transition, Frame)> = None;
         for transition in transitions {
-            let actions = if self.options.fine { self.refine(transition, &mut own)? } else { Vec::new() };
+            // It changes by few of the actions.
+            let same = |other: &Transition| {
+                self.model.agree(&other.before, &transition.before, ["in_assembly", "deep", "pinned"])
+            };
+            let frame = match kept.take() {
+                Some((other, frame)) if same(other) => (other, frame),
+                _ => (transition, self.frame(transition)),
+            };
+            let actions =
+                if self.options.fine { self.refine(transition, &frame.1, &mut own)? } else { Vec::new() };
             let answers =
                 Answers { assembly: self.assembly, pegs: &self.pegs, rules: self.domains.fine().file() };
-            let (stands, deep) = self.standing(&transition.before);
+            let Frame { stands, deep, .. } = &frame.1;
             let coarse = answers.coarse_action(&transition.action, &mut pegs)?;
-            let fine = actions.iter().map(|term| answers.fine_action(term, &stands, &deep, &mut pegs));
+            let fine = actions.iter().map(|term| answers.fine_action(term, stands, deep, &mut pegs));
             steps.push(CoarseStep { coarse, fine: fine.collect::<Result<_, _>>()? });
+            kept = Some(frame);
         }
         Ok(steps)
     }
 
+    /// What stands and what is pinned before a transition.
+    fn frame(&self, transition: &Transition) -> Frame {
+        let (stands, deep) = self.standing(&transition.before);
+        let pins = self.model.true_of(&transition.before, "pinned");
+        let pins: BTreeSet<&str> = pins.iter().flat_map(Term::texts).collect();
+        let connections = self.assembly.connections.iter();
+        let pinned = connections.map(|connection| pins.contains(connection.name.as_str())).collect();
+        Frame { stands, deep, pinned }
+    }
+
     /// The fine actions for one coarse action. `own`: the fine fluents that have no coarse ones of their name,
     /// before and then after it.
-    fn refine(&mut self, transition: &Transition, own: &mut Vec<Term>) -> Result<Vec<Term>, PlanError> {
+    fn refine(
+        &mut self,
+        transition: &Transition,
+        frame: &Frame,
+        own: &mut Vec<Term>,
+    ) -> Result<Vec<Term>, PlanError> {
         let fine = self.domains.fine();
         let mut names = self.model.relevant(&transition.before, &transition.action, &transition.after);
         for fluent in own.iter().filter(|fluent| matches!(fluent.parts(), Some(("hand_at", _)))) {
             names.extend(fluent.texts().into_iter().map(str::to_string));
         }
-        let (stands, _) = self.standing(&transition.before);
-        let pins = self.model.true_of(&transition.before, "pinned");
-        let pins: BTreeSet<&str> = pins.iter().flat_map(Term::texts).collect();
-        let connections = self.assembly.connections.iter();
-        let pinned: Vec<bool> =
-            connections.map(|connection| pins.contains(connection.name.as_str())).collect();
         let all = 0..self.assembly.beams.len();
         let zoom = self.options.zoom;
         let beams: Vec<usize> =
@@ -68,7 +95,8 @@ impl Planner<'_> {
             let name = self.assembly.beams[beam].beam.name.as_str();
             !zoom || named.contains(&name) && !placed.contains(name)
         };
-        let facts = facts::fine(self.assembly, &self.geometry, &beams, &handled, &stands, &pinned);
+        let facts =
+            facts::fine(self.assembly, &self.geometry, &beams, &handled, &frame.stands, &frame.pinned);
         // What belongs to a relevant thing is relevant.
         for fact in &facts {
             if let Some(("component", [part, whole])) = fact.parts()
@@ -79,7 +107,8 @@ impl Planner<'_> {
         }
         let matters = |term: &Term| !zoom || term.texts().into_iter().all(|text| names.contains(text));
         let names = zoom.then_some(&names);
-        let mut problem: Vec<Term> = self.facts.about(names).cloned().collect();
+        let asked = |fact: &&Term| name_of(fact).is_some_and(|name| self.fine_facts.contains(name));
+        let mut problem: Vec<Term> = self.facts.about(names).filter(asked).cloned().collect();
         problem.extend(facts.into_iter().filter(matters));
         let before = self.model.inertial_about(&transition.before, names);
         let shared =

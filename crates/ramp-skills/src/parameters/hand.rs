@@ -13,6 +13,8 @@ parameters! {
         acceleration: f64 = "m/s²", 0.05, 10.0;
         /// The same for a turn. Chosen.
         turn_acceleration: f64 = "rad/s²", 0.05, 50.0;
+        /// The shares of a joint's largest velocity between which a straight motion slows down to a creep. Chosen.
+        hurry: [f64; 2] = "", 0.05, 1.0;
         /// How long the fingers stand still when they have closed or opened. With 0.04 s, fingers whose ribs slide into a slot
         /// count as closed on the way.
         still: f64 = "s", 0.001, 1.0;

@@ -9,6 +9,10 @@ parameters! {
         lowest: f64 = "m", 0.0, 0.02;
         /// Speed of an insertion. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
+        /// Speed before the males come to the mouths of their joints. Chosen.
+        free_speed: f64 = "m/s", 1e-3, 0.5;
+        /// How far from its place a male comes to the mouth of its joint: it stalls there at 35 mm at most.
+        mouth: f64 = "m", 0.0, 0.2;
         /// How long the hand waits after the motion before it looks. Chosen.
         rest: f64 = "s", 0.0, 10.0;
         /// Speed with which a jammed beam is backed out. Chosen.

@@ -32,7 +32,7 @@ impl Workcell<'_, '_> {
             checker: &checker,
             law: &law,
         };
-        self.planner.plan(&self.hand.joints(), x_wt, &terms, &mut self.stream)
+        self.planner.plan(&self.hand.start(), x_wt, &terms, &mut self.stream)
     }
 
     /// Moves the tip in a straight line through free space to `x_wt`, keeping clear of everything but the held part and
@@ -45,7 +45,7 @@ impl Workcell<'_, '_> {
         let checker = self.checker(part);
         let line = self
             .planner
-            .straight(&self.hand.joints(), x_wt)
+            .straight(&self.hand.start(), x_wt)
             .ok_or(MotionError::Unreachable(x_wt.translation.vector.into()))?;
         if !line.iter().all(|q| checker.is_free(&self.planner.kinematics.frames(q))) {
             return Err(MotionError::Blocked("end").into());
@@ -88,7 +88,7 @@ impl Workcell<'_, '_> {
         let (checker, law) = (self.checker(None), self.law());
         let terms =
             Terms { height: self.parameters.travel.height, level: false, checker: &checker, law: &law };
-        let trajectory = self.planner.plan_to(&self.hand.joints(), q, &terms, &mut self.stream)?;
+        let trajectory = self.planner.plan_to(&self.hand.start(), q, &terms, &mut self.stream)?;
         self.hand.follow(&trajectory)
     }
 

@@ -72,6 +72,7 @@ impl Assemble {
         cell.glance()?;
         let mut target = cell.hand.corrected(&cell.belief.pose(&name)?, &aim.goal);
         target.translation.z += height;
+        self.insertion.approach_mouths(cell, beam, &aim, &target)?;
         let pushed = self.insertion.push_in(cell, beam, &aim, &target, limit)?;
         if pushed.stopped {
             let direction = aim.direction;

@@ -104,6 +104,27 @@ impl Insertion {
         Ok(Aim { goal, direction, loose })
     }
 
+    /// Moves the tip fast towards `target` (world) up to where the males come to the mouths of their joints. A beam that
+    /// passes through a sleeve is in it from the start, and would drag it along.
+    ///
+    /// # Errors
+    /// What stopped the motion, or the robot's error.
+    pub fn approach_mouths(
+        &self,
+        cell: &mut Workcell,
+        beam: usize,
+        aim: &Aim,
+        target: &Pose,
+    ) -> Result<(), SkillError> {
+        let from = cell.hand.setpoint;
+        let way = (target.translation.vector - from.translation.vector).dot(&aim.direction);
+        let free = way - cell.path(beam)?.depth - self.parameters.mouth;
+        if free > 0.0 && cell.sleeves(beam).next().is_none() {
+            cell.hand.go(&from.lerp_slerp(target, free / way), self.parameters.free_speed)?;
+        }
+        Ok(())
+    }
+
     /// Pushes the tip to `target` (world) until the beam meets more than `limit` (N), and takes into account what the
     /// push may have moved.
     ///

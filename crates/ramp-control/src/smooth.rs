@@ -1,0 +1,289 @@
+//! Makes commanded positions and poses smooth: for agents that command where the arm should be, and not how it gets there.
+//!
+//! Each command goes through a [`Smoother`] on its way to the robot. A target that follows from the one before within the
+//! arm's limits passes as it is. Towards one that does not, the arm goes as fast as velocity, acceleration and jerk allow,
+//! and comes to rest there; Ruckig (the crate `rsruckig`) finds that motion anew each period.
+
+use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3, Vector6};
+use ramp_robot::arm::ArmModel;
+use ramp_robot::{ArmCommand, Command, DOF, Observation, PERIOD, Pose};
+use rsruckig::prelude::{InputParameter, OutputParameter, Ruckig, ThrowErrorHandler};
+
+use crate::commanded::{JointMotion, PoseMotion};
+use crate::state::JointVector;
+
+/// The share of the limits of joints that is used. Chosen: a tenth is left for the rounding of differences.
+const SHARE: f64 = 0.9;
+/// The share of the limits of the tip, on each of three axes: their sum must keep the limit.
+const POSE_SHARE: f64 = 0.5;
+
+/// Where something is on each axis and how it moves, in the unit of the axis and s.
+#[derive(Clone)]
+struct Moving<const N: usize> {
+    position: SVector<f64, N>,
+    velocity: SVector<f64, N>,
+    acceleration: SVector<f64, N>,
+}
+
+/// The largest velocity, acceleration and jerk on each axis.
+type Limits<const N: usize> = [SVector<f64, N>; 3];
+
+impl<const N: usize> Moving<N> {
+    /// At `position`, as differences of the last positions tell: their velocity is that of half a period ago.
+    fn told(
+        position: SVector<f64, N>,
+        velocity: SVector<f64, N>,
+        acceleration: SVector<f64, N>,
+    ) -> Moving<N> {
+        Moving { position, velocity: velocity + acceleration * (PERIOD / 2.0), acceleration }
+    }
+}
+
+/// How it moves one period later on the quickest way to rest at `target`; `None` when there is no such way.
+fn towards<const N: usize>(
+    from: &Moving<N>,
+    target: &SVector<f64, N>,
+    [velocity, acceleration, jerk]: &Limits<N>,
+) -> Option<Moving<N>> {
+    let mut ruckig = Ruckig::<N, ThrowErrorHandler>::new(None, PERIOD);
+    let mut input = InputParameter::<N>::new(None);
+    let mut output = OutputParameter::<N>::new(None);
+    for axis in 0..N {
+        input.current_position[axis] = from.position[axis];
+        input.current_velocity[axis] = from.velocity[axis];
+        input.current_acceleration[axis] = from.acceleration[axis];
+        input.target_position[axis] = target[axis];
+        input.max_velocity[axis] = velocity[axis];
+        input.max_acceleration[axis] = acceleration[axis];
+        input.max_jerk[axis] = jerk[axis];
+    }
+    ruckig.update(&input, &mut output).ok()?;
+    let next = Moving::<N> {
+        position: SVector::from_fn(|axis, _| output.new_position[axis]),
+        velocity: SVector::from_fn(|axis, _| output.new_velocity[axis]),
+        acceleration: SVector::from_fn(|axis, _| output.new_acceleration[axis]),
+    };
+    next.position.iter().all(|value| value.is_finite()).then_some(next)
+}
+
+/// Makes the commands of one agent smooth, one after the other.
+pub struct Smoother {
+    arm: ArmModel,
+    joints: Option<Followed<JointMotion, JointVector, DOF>>,
+    /// On six axes: the tip's point, then its turn from where it is.
+    pose: Option<Followed<PoseMotion, Pose, 6>>,
+}
+
+/// What came of the last command.
+struct Followed<M, T, const N: usize> {
+    /// The target that the robot got.
+    motion: M,
+    /// The target that was commanded.
+    asked: T,
+    /// How the robot's target moves while it is not what was commanded.
+    moving: Option<Moving<N>>,
+}
+
+impl Smoother {
+    /// For an arm that was not commanded before.
+    pub fn new(arm: &ArmModel) -> Smoother {
+        Smoother { arm: arm.clone(), joints: None, pose: None }
+    }
+
+    /// The command to give to the robot for this period in place of `command`, and whether it is another one. `seen` is what
+    /// the robot sensed last. Only joint positions and poses are changed.
+    pub fn smooth(&mut self, command: &Command, seen: &Observation) -> (Command, bool) {
+        let (joints, pose) = (self.joints.take(), self.pose.take());
+        let arm = match &command.arm {
+            ArmCommand::JointPositions(positions) => {
+                let asked = JointVector::from(*positions);
+                let motion = JointMotion::at_rest(JointVector::from(seen.positions));
+                let before = joints.unwrap_or(Followed { motion, asked, moving: None });
+                let next = self.next_joints(before, asked);
+                ArmCommand::JointPositions(self.joints.insert(next).motion.positions.into())
+            }
+            ArmCommand::CartesianPose(x_wt) => {
+                let motion = PoseMotion::at_rest(seen.x_wt);
+                let before = pose.unwrap_or(Followed { motion, asked: *x_wt, moving: None });
+                let next = self.next_pose(before, *x_wt);
+                ArmCommand::CartesianPose(self.pose.insert(next).motion.x_wt)
+            }
+            other => other.clone(),
+        };
+        let changed = arm != command.arm;
+        (Command { arm, gripper: command.gripper }, changed)
+    }
+
+    fn next_joints(
+        &self,
+        followed: Followed<JointMotion, JointVector, DOF>,
+        target: JointVector,
+    ) -> Followed<JointMotion, JointVector, DOF> {
+        let Followed { motion: before, asked, moving } = followed;
+        let next = before.next(target);
+        // A target that is caught up with must not be lost at once: it goes on as it does.
+        let on = next.next(target + (target - asked));
+        if next.check(&before, &self.arm).is_ok() && (moving.is_none() || on.check(&next, &self.arm).is_ok())
+        {
+            return Followed { motion: next, asked: target, moving: None };
+        }
+        let joint = |index: usize| &self.arm.joints[index];
+        let low = JointVector::from_fn(|index, _| joint(index).range[0]);
+        let high = JointVector::from_fn(|index, _| joint(index).range[1]);
+        let limits = [
+            JointVector::from_fn(|index, _| {
+                let [backward, forward] = joint(index).velocity_at(before.positions[index]);
+                SHARE * if target[index] < before.positions[index] { -backward } else { forward }
+            }),
+            JointVector::from_fn(|index, _| SHARE * joint(index).acceleration),
+            JointVector::from_fn(|index, _| SHARE * joint(index).jerk),
+        ];
+        let told = || Moving::told(before.positions, before.velocities, before.accelerations);
+        let from = moving.unwrap_or_else(told);
+        match towards::<DOF>(&from, &target.sup(&low).inf(&high), &limits) {
+            Some(there) => {
+                Followed { motion: before.next(there.position), asked: target, moving: Some(there) }
+            }
+            None => Followed { motion: before.next(before.positions), asked: target, moving: None },
+        }
+    }
+
+    fn next_pose(
+        &self,
+        followed: Followed<PoseMotion, Pose, 6>,
+        target: Pose,
+    ) -> Followed<PoseMotion, Pose, 6> {
+        let Followed { motion: before, asked, moving } = followed;
+        let next = before.next(target);
+        let passed = |motion| Followed { motion, asked: target, moving: None };
+        let Some(limits) = &self.arm.cartesian else { return passed(next) };
+        let shift = target.translation.vector - asked.translation.vector;
+        let on = Pose::from_parts(
+            Translation3::from(target.translation.vector + shift),
+            target.rotation * asked.rotation.inverse() * target.rotation,
+        );
+        let goes_on = || next.next(on).check(&next, limits).is_ok();
+        if next.check(&before, limits).is_ok() && (moving.is_none() || goes_on()) {
+            return passed(next);
+        }
+        // Turns are measured from where the tip is now.
+        let joined =
+            |p: &Vector3<f64>, turn: &Vector3<f64>| Vector6::new(p.x, p.y, p.z, turn.x, turn.y, turn.z);
+        let position = joined(&before.x_wt.translation.vector, &Vector3::zeros());
+        let from = match moving {
+            Some(moving) => Moving { position, ..moving },
+            None => Moving::told(position, before.velocity, before.acceleration),
+        };
+        let turn = (target.rotation * before.x_wt.rotation.inverse()).scaled_axis();
+        let limits = [limits.velocity, limits.acceleration, limits.jerk]
+            .map(|[point, turn]| Vector6::new(point, point, point, turn, turn, turn) * POSE_SHARE);
+        let Some(there) = towards::<6>(&from, &joined(&target.translation.vector, &turn), &limits) else {
+            return passed(before.next(before.x_wt));
+        };
+        let turn = UnitQuaternion::from_scaled_axis(there.position.fixed_rows::<3>(3).into_owned());
+        let p = Translation3::from(there.position.fixed_rows::<3>(0).into_owned());
+        let motion = before.next(Pose::from_parts(p, turn * before.x_wt.rotation));
+        Followed { motion, asked: target, moving: Some(there) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use proptest::prelude::*;
+    use ramp_robot::GripperCommand;
+
+    use super::*;
+
+    fn panda() -> ArmModel {
+        ArmModel::read(Path::new("../../data/arms/panda.json")).unwrap()
+    }
+
+    fn at(positions: JointVector, x_wt: Pose) -> Observation {
+        Observation {
+            time: 0.0,
+            positions: positions.into(),
+            velocities: [0.0; DOF],
+            torques: [0.0; DOF],
+            x_wt,
+            wrench: Vector6::zeros(),
+            width: 0.04,
+        }
+    }
+
+    fn command(arm: ArmCommand) -> Command {
+        Command { arm, gripper: GripperCommand { width: 0.04, force: 10.0 } }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(40))]
+
+        /// Whatever jumps an agent commands, the robot is never asked for more than its limits, and it arrives.
+        #[test]
+        fn jumps_of_joints_become_motions(
+            jumps in prop::collection::vec((prop::array::uniform7(-0.6..0.6f64), 1usize..80), 1..12)
+        ) {
+            let arm = panda();
+            let home = JointVector::from(arm.home);
+            let mut smoother = Smoother::new(&arm);
+            let seen = at(home, Pose::identity());
+            let mut last = JointMotion::at_rest(home);
+            let mut target = home;
+            let settled = [([0.0; DOF], 2500)];
+            for (jump, periods) in jumps.into_iter().chain(settled) {
+                target = home + JointVector::from(jump);
+                for _ in 0..periods {
+                    let (smooth, _) = smoother.smooth(&command(ArmCommand::JointPositions(target.into())), &seen);
+                    let ArmCommand::JointPositions(positions) = smooth.arm else { unreachable!() };
+                    let next = last.next(JointVector::from(positions));
+                    prop_assert!(next.check(&last, &arm).is_ok(), "{:?}", next.check(&last, &arm));
+                    last = next;
+                }
+            }
+            prop_assert!((last.positions - target).amax() < 1e-6, "{}", last.positions - target);
+        }
+
+        /// The same for poses.
+        #[test]
+        fn jumps_of_poses_become_motions(
+            jumps in prop::collection::vec((prop::array::uniform6(-0.4..0.4f64), 1usize..80), 1..12)
+        ) {
+            let arm = panda();
+            let limits = arm.cartesian.clone().unwrap();
+            let mut smoother = Smoother::new(&arm);
+            let seen = at(JointVector::from(arm.home), Pose::identity());
+            let mut last = PoseMotion::at_rest(Pose::identity());
+            let mut target = Pose::identity();
+            for (jump, periods) in jumps.into_iter().chain([([0.0; 6], 2500)]) {
+                let turn = UnitQuaternion::from_scaled_axis(Vector3::new(jump[3], jump[4], jump[5]) * 3.0);
+                target = Pose::from_parts(Translation3::new(jump[0], jump[1], jump[2]), turn);
+                for _ in 0..periods {
+                    let (smooth, _) = smoother.smooth(&command(ArmCommand::CartesianPose(target)), &seen);
+                    let ArmCommand::CartesianPose(x_wt) = smooth.arm else { unreachable!() };
+                    let next = last.next(x_wt);
+                    prop_assert!(next.check(&last, &limits).is_ok(), "{:?}", next.check(&last, &limits));
+                    last = next;
+                }
+            }
+            let off = last.x_wt.inverse() * target;
+            prop_assert!(off.translation.vector.norm() < 1e-6 && off.rotation.angle() < 1e-5, "{:e} {:e}", off.translation.vector.norm(), off.rotation.angle());
+        }
+    }
+
+    /// A motion within the limits is not touched, to the last bit.
+    #[test]
+    fn smooth_commands_pass() {
+        let arm = panda();
+        let home = JointVector::from(arm.home);
+        let mut smoother = Smoother::new(&arm);
+        let seen = at(home, Pose::identity());
+        for period in 0..3000 {
+            let time = f64::from(period) * PERIOD;
+            let mut positions = home;
+            positions[0] += 0.2 * (1.0 - (1.5 * time).cos()) * (time / 3.0);
+            let asked = command(ArmCommand::JointPositions(positions.into()));
+            assert_eq!(smoother.smooth(&asked, &seen), (asked, false));
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! Inverse dynamics: the torques that a motion asks of the joints, by the recursive algorithm of Newton and Euler.
+//!
+//! Velocities and accelerations pass from the base outwards, forces and moments back. The hand, its closed fingers and what
+//! they hold count as part of the last link. Friction and the inertia of the motors are left out: arm files do not have them.
+
+use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use ramp_robot::DOF;
+use ramp_robot::arm::ArmModel;
+
+use crate::space::Joints;
+
+/// Acceleration of free fall, m/s²: the standard value.
+const GRAVITY: f64 = 9.80665;
+
+/// A rigid body: a link, or what the hand holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inertia {
+    /// kg.
+    pub mass: f64,
+    /// Centre of mass, m.
+    pub centre: Vector3<f64>,
+    /// Inertia about the centre of mass, kg·m².
+    pub moment: Matrix3<f64>,
+}
+
+impl Inertia {
+    /// From the numbers of an arm file.
+    fn of(mass: f64, centre: [f64; 3], inertia: [f64; 6]) -> Inertia {
+        let [xx, yy, zz, xy, xz, yz] = inertia;
+        let moment = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        Inertia { mass, centre: Vector3::from(centre), moment }
+    }
+
+    /// The same body in another frame, in which its own frame stands at `x`.
+    fn at(&self, x: &Isometry3<f64>) -> Inertia {
+        let turn = x.rotation.to_rotation_matrix().into_inner();
+        Inertia {
+            mass: self.mass,
+            centre: turn * self.centre + x.translation.vector,
+            moment: turn * self.moment * turn.transpose(),
+        }
+    }
+
+    /// Both bodies as one; all in the same frame.
+    fn with(&self, other: &Inertia) -> Inertia {
+        let mass = self.mass + other.mass;
+        let centre = (self.mass * self.centre + other.mass * other.centre) / mass;
+        let about = |body: &Inertia| {
+            let d = body.centre - centre;
+            body.moment + body.mass * (Matrix3::identity() * d.norm_squared() - d * d.transpose())
+        };
+        Inertia { mass, centre, moment: about(self) + about(other) }
+    }
+}
+
+/// The moving masses of an arm.
+#[derive(Clone, Debug)]
+pub struct Dynamics {
+    /// Rotation of each joint's frame at angle zero in the frame before, and its origin there, m.
+    fixed: [(Matrix3<f64>, Vector3<f64>); DOF],
+    links: [Inertia; DOF],
+    /// The tip's frame in the frame of the last joint.
+    x_7t: Isometry3<f64>,
+}
+
+/// The chain at joint positions.
+pub struct Chain<'a> {
+    dynamics: &'a Dynamics,
+    /// Rotation of each joint's frame in the frame before.
+    turns: [Matrix3<f64>; DOF],
+}
+
+fn pose(position: [f64; 3], [w, x, y, z]: [f64; 4]) -> Isometry3<f64> {
+    let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+    Isometry3::from_parts(Translation3::from(position), rotation)
+}
+
+impl Dynamics {
+    /// The dynamics of `arm` with an empty hand.
+    pub fn new(arm: &ArmModel) -> Dynamics {
+        let fixed = arm.joints.each_ref().map(|joint| {
+            let x = pose(joint.position, joint.quat_wxyz);
+            (x.rotation.to_rotation_matrix().into_inner(), x.translation.vector)
+        });
+        let mut links = arm
+            .joints
+            .each_ref()
+            .map(|joint| Inertia::of(joint.link.mass, joint.link.centre, joint.link.inertia));
+        let (hand, finger) = (&arm.hand, &arm.finger);
+        let x_7h = pose(hand.position, hand.quat_wxyz);
+        let mut last = links[DOF - 1].with(&Inertia::of(hand.mass, hand.centre, hand.inertia).at(&x_7h));
+        for turn in [0.0, std::f64::consts::PI] {
+            let x_hf = Translation3::new(0.0, 0.0, finger.origin)
+                * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
+            last = last.with(&Inertia::of(finger.mass, finger.centre, finger.inertia).at(&(x_7h * x_hf)));
+        }
+        links[DOF - 1] = last;
+        Dynamics { fixed, links, x_7t: x_7h * Translation3::new(0.0, 0.0, hand.tip) }
+    }
+
+    /// The same with `load` in the hand, given in the tip's frame.
+    #[must_use]
+    pub fn carrying(mut self, load: &Inertia) -> Dynamics {
+        self.links[DOF - 1] = self.links[DOF - 1].with(&load.at(&self.x_7t));
+        self
+    }
+
+    /// The chain at joint positions `q` (rad).
+    pub fn at(&self, q: &Joints) -> Chain<'_> {
+        let turns = std::array::from_fn(|joint| {
+            let (sin, cos) = q[joint].sin_cos();
+            self.fixed[joint].0 * Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
+        });
+        Chain { dynamics: self, turns }
+    }
+}
+
+impl Chain<'_> {
+    /// The joints' torques, N·m, at these velocities (rad/s) and accelerations (rad/s²), against gravity.
+    pub fn torques(&self, velocity: &Joints, acceleration: &Joints) -> Joints {
+        self.forces(velocity, acceleration, GRAVITY)
+    }
+
+    /// Their part that holds the arm up, N·m.
+    pub fn holding(&self) -> Joints {
+        self.forces(&Joints::zeros(), &Joints::zeros(), GRAVITY)
+    }
+
+    /// Their part that moves the arm, N·m.
+    pub fn moving(&self, velocity: &Joints, acceleration: &Joints) -> Joints {
+        self.forces(velocity, acceleration, 0.0)
+    }
+
+    fn forces(&self, velocity: &Joints, acceleration: &Joints, gravity: f64) -> Joints {
+        let axis = Vector3::z();
+        let (mut spin, mut gain) = (Vector3::zeros(), Vector3::zeros());
+        // A base that accelerates upwards is as good as gravity.
+        let mut rise = Vector3::new(0.0, 0.0, gravity);
+        let mut forces = [(Vector3::zeros(), Vector3::zeros()); DOF];
+        for joint in 0..DOF {
+            let (turn, origin) = (&self.turns[joint], &self.dynamics.fixed[joint].1);
+            rise = turn.tr_mul(&(rise + gain.cross(origin) + spin.cross(&spin.cross(origin))));
+            let carried = turn.tr_mul(&spin);
+            let rate = axis * velocity[joint];
+            gain = turn.tr_mul(&gain) + axis * acceleration[joint] + carried.cross(&rate);
+            spin = carried + rate;
+            let link = &self.dynamics.links[joint];
+            let centre = rise + gain.cross(&link.centre) + spin.cross(&spin.cross(&link.centre));
+            let force = centre * link.mass;
+            let moment = link.moment * gain + spin.cross(&(link.moment * spin)) + link.centre.cross(&force);
+            forces[joint] = (force, moment);
+        }
+        let mut torques = Joints::zeros();
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        for joint in (0..DOF).rev() {
+            force += forces[joint].0;
+            moment += forces[joint].1;
+            torques[joint] = moment.z;
+            let (turn, origin) = (&self.turns[joint], &self.dynamics.fixed[joint].1);
+            force = turn * force;
+            moment = turn * moment + origin.cross(&force);
+        }
+        torques
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    // A failed unwrap here is a failed test.
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::Kinematics;
+    use ramp_robot::random::Stream;
+    use std::path::Path;
+
+    /// A load in the hand asks for what the transposed Jacobian says.
+    #[test]
+    fn a_load_weighs_on_the_joints_as_its_force_at_the_tip() {
+        let arm = ArmModel::read(Path::new("../../data/arms/panda.json")).unwrap();
+        let (kinematics, empty) = (Kinematics::new(&arm), Dynamics::new(&arm));
+        let load = Inertia { mass: 2.0, centre: Vector3::zeros(), moment: Matrix3::zeros() };
+        let loaded = empty.clone().carrying(&load);
+        let mut stream = Stream::new(1, "load");
+        for _ in 0..100 {
+            let q = Joints::from(arm.home).map(|angle| angle + stream.symmetric(0.5));
+            let frames = kinematics.frames(&q);
+            let weight = kinematics.jacobian(&frames).row(2).transpose() * load.mass * GRAVITY;
+            let more = loaded.at(&q).holding() - empty.at(&q).holding();
+            assert!((more - weight).amax() < 1e-10, "{more} {weight}");
+        }
+    }
+
+    /// Power is the rate at which the energy changes: a torque that broke this would be none of this arm.
+    #[test]
+    fn torques_do_the_work_that_becomes_kinetic_energy() {
+        let arm = ArmModel::read(Path::new("../../data/arms/panda.json")).unwrap();
+        let dynamics = Dynamics::new(&arm);
+        let mut stream = Stream::new(2, "work");
+        let energy = |q: &Joints, v: &Joints| v.dot(&dynamics.at(q).moving(&Joints::zeros(), v)) / 2.0;
+        for _ in 0..100 {
+            let q = Joints::from_fn(|_, _| stream.symmetric(1.5));
+            let v = Joints::from_fn(|_, _| stream.symmetric(2.0));
+            let a = Joints::from_fn(|_, _| stream.symmetric(10.0));
+            let h = 1e-5;
+            let after = energy(&(q + v * h + a * (h * h / 2.0)), &(v + a * h));
+            let before = energy(&(q - v * h + a * (h * h / 2.0)), &(v - a * h));
+            let power = v.dot(&dynamics.at(&q).moving(&v, &a));
+            assert!(((after - before) / (2.0 * h) - power).abs() < 1e-6 * power.abs().max(1.0));
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! What robot times are to be compared with: a bound that no arm can beat, and a reference that one could reach.
+//!
+//! Both come from the plan and the arm's model alone, the same for every agent, track and seed. The [`Rehearsal`] goes through
+//! the plan with every part where it nominally is; what the arm and the hand do there is summed up in two ways.
+
+use ramp_assembly::Assembly;
+use ramp_kit::Kit;
+use ramp_motion::{Joints, Pace, PathPlanner, TimeLaw, least_time_over};
+use ramp_planner::{Plan, PlanError, State};
+use ramp_robot::arm::ArmModel;
+
+use crate::parameters::Parameters;
+use crate::rehearsal::{Done, Rehearsal};
+
+/// Speed of the reference in contact, m/s. Chosen: twice that of the baseline's insertions.
+const IN_CONTACT: f64 = 0.1;
+/// Speed of the reference's fingers, against each other, m/s: the fastest of Franka's hand.
+const FINGERS: f64 = 0.1;
+
+/// Times to compare a robot time with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReferenceTimes {
+    /// No arm with these limits rests at all grasps and places of the plan in less time, s. Each joint is a double integrator
+    /// between two rests; nothing is in the way; neither contact nor gripper takes time.
+    pub bound: f64,
+    /// What the plan takes with motions at the arm's limits on paths that keep clear of everything, contact at 0.1 m/s and
+    /// fingers at 0.1 m/s, s. Without looks, searches, waits and tries. It is no bound.
+    pub reference: f64,
+}
+
+/// The times of a plan, with every part where it nominally is in `state`.
+///
+/// # Errors
+/// When the arm cannot carry out the plan, or has no closed-form inverse kinematics.
+pub fn reference_times(
+    assembly: &Assembly,
+    kit: &Kit,
+    arm: &ArmModel,
+    state: &State,
+    plan: &Plan,
+) -> Result<ReferenceTimes, PlanError> {
+    let (planner, parameters) = (PathPlanner::new(arm), Parameters::baseline());
+    let pace = Pace { velocity: 1.0, acceleration: 1.0, jerk: 1.0, ramp: 0.0 };
+    let refused = |why: String| PlanError::Motion {
+        goal: assembly.name.clone(),
+        why: "the arm cannot carry out the plan".to_string(),
+        reasons: why,
+    };
+    let done = Rehearsal::nominal(kit, assembly, arm, &planner, parameters, state)
+        .done(plan, TimeLaw::new(arm, &pace))
+        .map_err(|fact| refused(fact.to_string()))?;
+    let mut rests = Vec::new();
+    let mut reference = 0.0;
+    for done in done {
+        reference += match done {
+            Done::Free(seconds) => seconds,
+            Done::Contact(way) => way / IN_CONTACT,
+            Done::Fingers(x_wt, stroke) => {
+                rests.push(x_wt);
+                stroke / FINGERS
+            }
+        };
+    }
+    let bound =
+        least_time_over(arm, &Joints::from(arm.home), &rests).map_err(|error| refused(error.to_string()))?;
+    Ok(ReferenceTimes { bound, reference })
+}
