@@ -97,15 +97,28 @@ impl Smoother {
         let arm = match &command.arm {
             ArmCommand::JointPositions(positions) => {
                 let asked = JointVector::from(*positions);
-                let motion = JointMotion::at_rest(JointVector::from(seen.positions));
-                let before = joints.unwrap_or(Followed { motion, asked, moving: None });
-                let next = self.next_joints(before, asked);
+                let next = match joints {
+                    Some(before) => self.next_joints(before, asked),
+                    None => {
+                        let here = JointVector::from(seen.positions);
+                        let there = JointMotion::at_rest(asked);
+                        let near = there.check_start(&here).is_ok();
+                        let motion = if near { there } else { JointMotion::at_rest(here) };
+                        Followed { motion, asked, moving: None }
+                    }
+                };
                 ArmCommand::JointPositions(self.joints.insert(next).motion.positions.into())
             }
             ArmCommand::CartesianPose(x_wt) => {
-                let motion = PoseMotion::at_rest(seen.x_wt);
-                let before = pose.unwrap_or(Followed { motion, asked: *x_wt, moving: None });
-                let next = self.next_pose(before, *x_wt);
+                let next = match pose {
+                    Some(before) => self.next_pose(before, *x_wt),
+                    None => {
+                        let there = PoseMotion::at_rest(*x_wt);
+                        let near = there.check_start(&seen.x_wt).is_ok();
+                        let motion = if near { there } else { PoseMotion::at_rest(seen.x_wt) };
+                        Followed { motion, asked: *x_wt, moving: None }
+                    }
+                };
                 ArmCommand::CartesianPose(self.pose.insert(next).motion.x_wt)
             }
             other => other.clone(),
@@ -228,7 +241,7 @@ mod tests {
             let home = JointVector::from(arm.home);
             let mut smoother = Smoother::new(&arm);
             let seen = at(home, Pose::identity());
-            let mut last = JointMotion::at_rest(home);
+            let mut last = None;
             let mut target = home;
             let settled = [([0.0; DOF], 2500)];
             for (jump, periods) in jumps.into_iter().chain(settled) {
@@ -236,11 +249,14 @@ mod tests {
                 for _ in 0..periods {
                     let (smooth, _) = smoother.smooth(&command(ArmCommand::JointPositions(target.into())), &seen);
                     let ArmCommand::JointPositions(positions) = smooth.arm else { unreachable!() };
-                    let next = last.next(JointVector::from(positions));
-                    prop_assert!(next.check(&last, &arm).is_ok(), "{:?}", next.check(&last, &arm));
-                    last = next;
+                    let positions = JointVector::from(positions);
+                    let next = last.map_or(JointMotion::at_rest(positions), |it: JointMotion| it.next(positions));
+                    let checked = last.map_or(next.check_start(&home), |it| next.check(&it, &arm));
+                    prop_assert!(checked.is_ok(), "{:?}", checked);
+                    last = Some(next);
                 }
             }
+            let last = last.unwrap();
             prop_assert!((last.positions - target).amax() < 1e-6, "{}", last.positions - target);
         }
 
@@ -253,7 +269,7 @@ mod tests {
             let limits = arm.cartesian.clone().unwrap();
             let mut smoother = Smoother::new(&arm);
             let seen = at(JointVector::from(arm.home), Pose::identity());
-            let mut last = PoseMotion::at_rest(Pose::identity());
+            let mut last = None;
             let mut target = Pose::identity();
             for (jump, periods) in jumps.into_iter().chain([([0.0; 6], 2500)]) {
                 let turn = UnitQuaternion::from_scaled_axis(Vector3::new(jump[3], jump[4], jump[5]) * 3.0);
@@ -261,13 +277,16 @@ mod tests {
                 for _ in 0..periods {
                     let (smooth, _) = smoother.smooth(&command(ArmCommand::CartesianPose(target)), &seen);
                     let ArmCommand::CartesianPose(x_wt) = smooth.arm else { unreachable!() };
-                    let next = last.next(x_wt);
-                    prop_assert!(next.check(&last, &limits).is_ok(), "{:?}", next.check(&last, &limits));
-                    last = next;
+                    let next = last.map_or(PoseMotion::at_rest(x_wt), |it: PoseMotion| it.next(x_wt));
+                    let checked = last.map_or(next.check_start(&seen.x_wt), |it| next.check(&it, &limits));
+                    prop_assert!(checked.is_ok(), "{:?}", checked);
+                    last = Some(next);
                 }
             }
+            let last = last.unwrap();
             let off = last.x_wt.inverse() * target;
-            prop_assert!(off.translation.vector.norm() < 1e-6 && off.rotation.angle() < 1e-5, "{:e} {:e}", off.translation.vector.norm(), off.rotation.angle());
+            let [distance, angle] = [off.translation.vector.norm(), off.rotation.angle()];
+            prop_assert!(distance < 1e-6 && angle < 1e-5, "{distance:e} {angle:e}");
         }
     }
 
