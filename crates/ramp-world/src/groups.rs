@@ -1,0 +1,201 @@
+//! What a world holds, group by group, from the joints of the arm outwards to the table.
+
+use crate::quantity::Numbers;
+
+quantities! {
+    /// Friction of the arm's joints between the torque that is commanded and the motion: the model of bristles of Canudas de
+    /// Wit, Olsson, Åström and Lischinsky (1995).
+    Friction {
+        /// Dry friction of each joint while it moves.
+        coulomb: [f64; 7] = "N·m", 0.0, 20.0;
+        /// Friction of each joint that grows with its speed.
+        viscous: [f64; 7] = "N·m·s/rad", 0.0, 50.0;
+        /// By which share the friction of a joint that begins to move is above that of one that moves.
+        breakaway: f64 = "", 0.0, 3.0;
+        /// The speed at which most of that has gone (Stribeck).
+        stribeck: f64 = "rad/s", 0.001, 1.0;
+        /// By which share the friction of each joint is larger forwards than in the mean of both directions.
+        asymmetry: [f64; 7] = "", -0.9, 0.9;
+        /// How far a joint gives before it breaks away.
+        presliding: f64 = "rad", 2e-5, 0.01;
+        /// The share of the dry friction that acts past the torque sensor, on the side of the link, and is not measured.
+        past_sensor: f64 = "", 0.0, 1.0;
+    }
+}
+
+quantities! {
+    /// The arm: inertia of its drives, and what its model of itself is off by.
+    Arm {
+        /// Inertia of each drive, at the joint.
+        armature: [f64; 7] = "kg·m²", 0.001, 2.0;
+        /// By how much the position that each joint tells is off everywhere: what is left after a calibration.
+        offset: [f64; 7] = "rad", -0.05, 0.05;
+        /// The same, as a wave over one turn of the joint: its amplitude.
+        wave: [f64; 7] = "rad", -0.05, 0.05;
+        /// Where that wave begins.
+        wave_begin: [f64; 7] = "rad", -3.1416, 3.1416;
+        /// Mass at the hand that its compensation of gravity does not know.
+        unknown_mass: f64 = "kg", -0.5, 0.5;
+        /// Where that mass is, in the hand's frame.
+        unknown_centre: [f64; 3] = "m", -0.2, 0.2;
+    }
+}
+
+quantities! {
+    /// What the arm's controller does on its way from a command to torques, and when it stops the arm.
+    Controller {
+        /// How fast a commanded torque may change. The inner loops keep to it; commanded torques that do not are refused.
+        torque_rate: f64 = "N·m/s", 10.0, 1e9;
+        /// The share of the friction before the torque sensor that the inner loop compensates by what it measures.
+        compensation: f64 = "", 0.0, 1.0;
+        /// How fast that compensation follows.
+        compensation_rate: f64 = "1/s", 1.0, 500.0;
+        /// By which share the controller's own model of each joint's dry friction is off. The compensation stays within
+        /// twice the model.
+        model_error: [f64; 7] = "", -0.9, 2.0;
+        /// The external force at which the arm stops by reflex.
+        reflex_force: f64 = "N", 20.0, 1e6;
+        /// The external torque of a joint at which it does.
+        reflex_torque: f64 = "N·m", 10.0, 1e6;
+    }
+}
+
+quantities! {
+    /// The line between the program and the arm.
+    Line {
+        /// How late a command comes, in whole control periods of 1 ms.
+        delay: f64 = "ms", 0.0, 50.0;
+        /// How probable it is in each control period that commands begin to be lost. The last torque is held meanwhile.
+        lost: f64 = "", 0.0, 0.1;
+        /// How many commands are lost in a row, in the mean. 20 in a row stop the arm.
+        lost_row: f64 = "", 1.0, 50.0;
+        /// How long the arm stands after it has stopped for that.
+        recovery: f64 = "s", 0.0, 60.0;
+    }
+}
+
+quantities! {
+    /// What the arm feels.
+    Sensing {
+        /// 1: a force sensor is mounted at the wrist. 0: the wrench at the wrist is estimated from the torques of the joints.
+        wrist_sensor: f64 = "", 0.0, 1.0;
+        /// Noise of the wrist sensor's force before its filter (1 σ).
+        force_noise: f64 = "N", 0.0, 10.0;
+        /// The same for its moment.
+        moment_noise: f64 = "N·m", 0.0, 1.0;
+        /// Bias of the wrist sensor's force along its axes.
+        force_bias: [f64; 3] = "N", -20.0, 20.0;
+        /// The same for its moment.
+        moment_bias: [f64; 3] = "N·m", -2.0, 2.0;
+        /// Noise of each joint's torque sensor (1 σ).
+        torque_noise: f64 = "N·m", 0.0, 1.0;
+        /// Bias of each joint's torque sensor.
+        torque_bias: [f64; 7] = "N·m", -5.0, 5.0;
+        /// The same, as a wave over one turn of the joint: its amplitude.
+        torque_wave: [f64; 7] = "N·m", -5.0, 5.0;
+        /// Bandwidth of the estimate of the wrench.
+        bandwidth: f64 = "Hz", 0.5, 200.0;
+    }
+}
+
+quantities! {
+    /// The gripper.
+    Gripper {
+        /// From a command to the motion of the fingers. A gripper with a dead time finishes what it does before it hears
+        /// another command.
+        dead_time: f64 = "s", 0.0, 5.0;
+        /// How often it tells its width.
+        told_every: f64 = "s", 0.001, 1.0;
+    }
+}
+
+quantities! {
+    /// The cameras.
+    Cameras {
+        /// From the end of an exposure until the image is there.
+        latency: f64 = "s", 0.001, 1.0;
+        /// How much later than that an image comes at most, drawn for each.
+        jitter: f64 = "s", 0.0, 1.0;
+        /// Error of each camera's calibration along each axis (1 σ).
+        position_error: f64 = "m", 0.0, 0.02;
+        /// The same about each axis.
+        angle_error: f64 = "rad", 0.0, 0.05;
+        /// How much light there is for the exposure that was meant.
+        light: f64 = "", 0.2, 3.0;
+    }
+}
+
+quantities! {
+    /// The printed parts and the beams.
+    Parts {
+        /// The largest error of a printed face; each face draws its own.
+        face: f64 = "m", 0.0, 0.00024;
+        /// The same for the radius of a peg's stem and of a hole.
+        radius: f64 = "m", 0.0, 0.00012;
+        /// The largest error of a beam's length; each beam draws its own.
+        length: f64 = "m", 0.0, 0.003;
+        /// Coefficient of friction between printed parts.
+        friction: f64 = "", 0.02, 2.0;
+        /// The same for the aluminium of a beam.
+        metal_friction: f64 = "", 0.02, 2.0;
+        /// The same for a peg.
+        peg_friction: f64 = "", 0.02, 2.0;
+        /// The same between a part and the table.
+        table_friction: f64 = "", 0.02, 2.0;
+        /// The same for the pads of the fingers.
+        pad_friction: f64 = "", 0.1, 3.0;
+    }
+}
+
+quantities! {
+    /// The table, and the clamp that holds the first beam.
+    Table {
+        /// How much higher the table is than where the arm takes it to be.
+        height: f64 = "m", -0.01, 0.01;
+        /// How much it leans about the axes of the world, x and y.
+        tilt: [f64; 2] = "rad", -0.02, 0.02;
+        /// By how much the clamped beam gives under a force, along each axis.
+        clamp_give: f64 = "m/N", 0.0, 0.0001;
+    }
+}
+
+macro_rules! groups {
+    ($($(#[doc = $doc:literal])+ $name:ident: $group:ident,)+) => {
+        /// The numbers of one episode.
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct Physics {
+            $($(#[doc = $doc])+ pub $name: $group,)+
+        }
+
+        impl Physics {
+            pub(crate) fn from_numbers(numbers: &Numbers) -> Option<Physics> {
+                Some(Physics { $($name: $group::from_numbers(numbers, stringify!($name))?,)+ })
+            }
+        }
+
+        /// The groups of a world file: name, what it is for, and its quantities.
+        pub const GROUPS: &[(&str, &str, &[crate::Field])] =
+            &[$((stringify!($name), $group::ABOUT, $group::FIELDS),)+];
+    };
+}
+
+groups! {
+    /// Friction of the joints.
+    friction: Friction,
+    /// The arm.
+    arm: Arm,
+    /// Its controller.
+    controller: Controller,
+    /// The line to it.
+    line: Line,
+    /// What it feels.
+    sensing: Sensing,
+    /// The gripper.
+    gripper: Gripper,
+    /// The cameras.
+    cameras: Cameras,
+    /// The parts.
+    parts: Parts,
+    /// The table.
+    table: Table,
+}
