@@ -391,11 +391,11 @@ impl Twin {
             ArmCommand::JointPositions(positions) => {
                 let positions = JointVector::from(*positions);
                 let target = match before {
+                    // A target that is held rests: nothing of the motion before is fed forward.
+                    Some(_) if self.holding => JointMotion::at_rest(positions),
                     Some(before) => {
                         let target = before.next(positions);
-                        if !self.holding {
-                            target.check(&before, &self.arm)?;
-                        }
+                        target.check(&before, &self.arm)?;
                         target
                     }
                     None => {
@@ -414,9 +414,10 @@ impl Twin {
             ArmCommand::JointTorques(torques) => JointVector::from(*torques),
             ArmCommand::CartesianPose(x_wt) => {
                 let target = match pose_before {
+                    Some((_, true)) if self.holding => PoseMotion::at_rest(*x_wt),
                     Some((before, true)) => {
                         let target = before.next(*x_wt);
-                        if let Some(limits) = self.arm.cartesian.as_ref().filter(|_| !self.holding) {
+                        if let Some(limits) = &self.arm.cartesian {
                             target.check(&before, limits)?;
                         }
                         target
@@ -433,8 +434,8 @@ impl Twin {
             }
             ArmCommand::CartesianImpedance(command) => {
                 let target = match pose_before {
-                    Some((before, _)) => before.next(command.x_wt),
-                    None => PoseMotion::at_rest(command.x_wt),
+                    Some((before, _)) if !self.holding => before.next(command.x_wt),
+                    _ => PoseMotion::at_rest(command.x_wt),
                 };
                 self.last_pose = Some((target, false));
                 let [velocity, acceleration] = fed_forward(&target);
