@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
-use ramp_kit::source::{MAX_FILE, SourceFile, read_text};
+use ramp_kit::source::{MAX_FILE, SourceFile, is_name, nearest, read_text, shorten};
 use ramp_log::Sources;
 use ramp_planner::{Domains, Limits};
 use ramp_robot::arm::ArmModel;
+use ramp_world::World;
 
 use crate::ending::end_planning;
 
@@ -106,6 +107,27 @@ impl Data {
         Ok(match self.goal_file(name)? {
             File::Path(path) => ramp_assembly::read_goal(&path, kit)?,
             File::BuiltIn(name, text) => ramp_assembly::read_goal_str(&name, text, kit)?,
+        })
+    }
+
+    /// The world of that name, or in that file.
+    pub fn world(&self, name: &str) -> Result<World, Report> {
+        let as_file = Path::new(name);
+        if name.ends_with(".toml") || as_file.components().count() > 1 {
+            return Ok(World::read(as_file)?);
+        }
+        if let Some(folder) = &self.folder {
+            let path = folder.join(format!("worlds/{name}.toml"));
+            if is_name(name) && path.is_file() {
+                return Ok(World::read(&path)?);
+            }
+        }
+        World::shipped(name).cloned().ok_or_else(|| {
+            let help = match nearest(name, World::names()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("the worlds are {}", World::names().collect::<Vec<_>>().join(", ")),
+            };
+            miette!(help = help, "there is no world `{}`", shorten(name))
         })
     }
 

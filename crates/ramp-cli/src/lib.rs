@@ -76,6 +76,8 @@ enum Command {
     Leaderboard(command::leaderboard::Arguments),
     /// Score a real robot's run from a stopwatch log or from poses, or print the form for it
     Score(command::score::Arguments),
+    /// Print the worlds, and what an episode draws from one
+    World(command::world::Arguments),
     /// Make a secret for the seeds of a bench, and check one
     Seeds(command::seeds::Arguments),
     /// See a goal through the cameras: images, what is found in them, data sets
@@ -154,6 +156,7 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
         Command::Report(arguments) => command::report::run(&arguments),
         Command::Leaderboard(arguments) => command::leaderboard::run(&data, &arguments),
         Command::Score(arguments) => command::score::run(&data, &arguments),
+        Command::World(arguments) => command::world::run(&data, &arguments),
         Command::Seeds(arguments) => command::seeds::run(&arguments),
         Command::See(arguments) => command::see::run(&data, &arguments),
         Command::Kit(arguments) => command::kit::run(&data, &arguments),

@@ -2,18 +2,25 @@
 //!
 //! Pure mathematics on plain numbers: what was sensed ([`ArmState`]) and what was commanded go in, torques come out.
 //! [`joints`] tracks joint positions and velocities, [`impedance`](mod@impedance) holds the tip to a pose like a spring,
-//! [`gripper`] moves the fingers, and [`commanded`] tells whether a command can
-//! follow the one before, and [`smooth`] makes it so. Nothing here knows whether an engine or a real arm is behind the numbers.
+//! [`gripper`] moves the fingers. [`commanded`] tells whether a command can follow the one before, and [`smooth`] makes it
+//! so. [`handover`] goes from one kind of command to another without a jump. [`compensation`] adds what friction takes, and
+//! [`estimate`] tells the external wrench of an arm without a force sensor. Nothing here knows whether an engine or a real arm is behind the numbers.
 
 pub mod commanded;
+pub mod compensation;
+pub mod estimate;
 pub mod gripper;
+pub mod handover;
 pub mod impedance;
 pub mod joints;
 pub mod smooth;
 pub mod state;
 
 pub use commanded::{JointMotion, PoseMotion};
+pub use compensation::Compensation;
+pub use estimate::WrenchEstimate;
 pub use gripper::{FINGER_SPEED, GripperLoop};
+pub use handover::{Handover, Mode, limit_rate};
 pub use impedance::{impedance, pose_impedance};
 pub use joints::{limit_torques, track_joints, track_velocities};
 pub use smooth::Smoother;

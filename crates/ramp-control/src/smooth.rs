@@ -222,6 +222,7 @@ mod tests {
             x_wt,
             wrench: Vector6::zeros(),
             width: 0.04,
+            gripper_busy: false,
         }
     }
 

@@ -3,10 +3,12 @@
 use std::path::Path;
 use std::time::Instant;
 
-use ramp_log::header::{ArmText, DisturbanceText, GoalText, Header, KitText, SCHEMA as LOG_SCHEMA, Sources};
+use ramp_log::header::{
+    ArmText, DisturbanceText, GoalText, Header, KitText, SCHEMA as LOG_SCHEMA, Sources, WorldText,
+};
 use ramp_log::{LogError, Recorder, SecretSeed};
 use ramp_result::episode::{
-    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PlanInfo, RULES, SCHEMA, Software, Time, completion,
+    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PlanInfo, RULES, SCHEMA, Software, Time, WorldInfo, completion,
 };
 use ramp_result::sha256;
 use ramp_robot::{Account, Agent};
@@ -115,6 +117,11 @@ fn header(setup: &Setup, sources: &Sources, label: &Label) -> Header {
         goal: GoalText { name: setup.assembly.name.clone(), xml: sources.goal.to_string() },
         kit: KitText { sha256: sha256(sources.kit.as_bytes()), xml: sources.kit.to_string() },
         arm: ArmText { sha256: sha256(sources.arm.as_bytes()), json: sources.arm.to_string() },
+        world: WorldText {
+            name: setup.world.name.clone(),
+            sha256: sha256(setup.world.text.as_bytes()),
+            toml: setup.world.text.clone(),
+        },
         track: setup.track.name().to_string(),
         seed: label.seed(setup),
         secret: label.commitment().map(|commitment| SecretSeed { commitment, seed: setup.seed }),
@@ -148,6 +155,7 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
         class: setup.assembly.class.map(|class| class.name().to_string()),
         track: setup.track.name().to_string(),
         real: None,
+        world: Some(WorldInfo::of(setup.world, setup.seed)),
         seed: label.seed(setup),
         secret: label.commitment(),
         repeat: label.repeat,

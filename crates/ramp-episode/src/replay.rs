@@ -4,10 +4,12 @@
 use std::path::Path;
 
 use ramp_assembly::{Assembly, GoalError};
+use ramp_kit::source::SourceFile;
 use ramp_kit::{Kit, KitError};
 use ramp_robot::Track;
 use ramp_robot::arm::{ArmError, ArmModel};
 use ramp_twin::{Disturbance, Fault, Setup, Twin, TwinError};
+use ramp_world::WorldFault;
 
 use crate::again::{AgainError, call_again};
 use crate::conduct::Breach;
@@ -55,8 +57,11 @@ pub enum ReplayError {
     /// Its arm is no arm.
     #[error("the log's arm cannot be read")]
     Arm(#[from] ArmError),
-    /// No world can be made from it.
-    #[error("no world can be made from the log")]
+    /// Its world is no world.
+    #[error("the log's world cannot be read")]
+    World(#[from] WorldFault),
+    /// No twin can be made from it.
+    #[error("no twin can be made from the log")]
     Twin(#[from] TwinError),
     /// It was judged by other rules.
     #[error("the log is of the rules `{found}`, and this program judges by `{RULES}`")]
@@ -92,6 +97,7 @@ pub struct World {
     pub assembly: Assembly,
     /// The arm.
     pub arm: ArmModel,
+    world: ramp_world::World,
     track: Track,
     seed: u64,
     disturbance: Disturbance,
@@ -117,6 +123,11 @@ impl World {
             return Err(contradiction("goal", name, &assembly.name));
         }
         let arm = ArmModel::from_json(Path::new("arm.json"), &header.arm.json)?;
+        let world = SourceFile::new("world.toml", &header.world.toml);
+        let world = ramp_world::World::from_source(&world)?;
+        if world.name != header.world.name {
+            return Err(contradiction("world", &header.world.name, &world.name));
+        }
         let track = Track::ALL
             .into_iter()
             .find(|track| track.name() == header.track)
@@ -135,7 +146,7 @@ impl World {
             None => None,
         };
         let seed = header.secret.as_ref().map_or(header.seed, |secret| secret.seed);
-        Ok(World { kit, assembly, arm, track, seed, disturbance, fault })
+        Ok(World { kit, assembly, arm, world, track, seed, disturbance, fault })
     }
 
     /// As the twin is made from it.
@@ -147,6 +158,7 @@ impl World {
             track: self.track,
             seed: self.seed,
             disturbance: self.disturbance,
+            world: &self.world,
             fault: self.fault,
         }
     }
@@ -202,10 +214,13 @@ fn check_agreement(header: &Header, result: &EpisodeResult) -> Result<(), Replay
         Some(fault) => fault.split('@').next().unwrap_or_default().to_string(),
         None => "none".to_string(),
     };
+    let world = |name: &str, sha256: &str| format!("{name} ({sha256})");
+    let theirs = result.world.as_ref().map_or("none".to_string(), |it| world(&it.name, &it.sha256));
     let secret = |commitment: Option<&String>| commitment.map_or("none", String::as_str).to_string();
     let pairs = [
         ("rules", header.rules.clone(), result.rules.clone()),
         ("goal", header.goal.name.clone(), result.goal.clone()),
+        ("world", world(&header.world.name, &header.world.sha256), theirs),
         ("track", header.track.clone(), result.track.clone()),
         ("seed", header.seed.to_string(), result.seed.to_string()),
         ("secret", secret(header.secret.as_ref().map(|it| &it.commitment)), secret(result.secret.as_ref())),

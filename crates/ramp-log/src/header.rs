@@ -34,6 +34,8 @@ pub struct Header {
     pub kit: KitText,
     /// The arm.
     pub arm: ArmText,
+    /// The world.
+    pub world: WorldText,
     /// What the agent might see.
     pub track: String,
     /// All randomness of the world came from here, if there is no secret.
@@ -86,6 +88,17 @@ pub struct ArmText {
     pub sha256: String,
     /// Its file.
     pub json: String,
+}
+
+/// A world in a log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WorldText {
+    /// Its name.
+    pub name: String,
+    /// Of the file, in hex.
+    pub sha256: String,
+    /// Its file.
+    pub toml: String,
 }
 
 /// The start's disturbance in a log.

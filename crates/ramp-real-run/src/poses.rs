@@ -427,6 +427,7 @@ impl Run<'_> {
             class: self.goal.class.map(|class| class.name().to_string()),
             track: head.track,
             real: Some(RealRun { robot: head.robot, scorer: head.scorer, source: head.source }),
+            world: None,
             seed: u64::from(head.repeat),
             secret: None,
             repeat: head.repeat,

@@ -51,6 +51,12 @@ impl Sensor {
         self
     }
 
+    /// With `share` times as much light as it would have had.
+    pub fn with_light(mut self, share: f64) -> Sensor {
+        self.gain *= share;
+        self
+    }
+
     /// Prepares the next image.
     pub(crate) fn begin(&mut self) {
         let gain = self.gain * (1.0 + self.stream.normal(GAIN_IMAGE));

@@ -69,7 +69,7 @@ pub fn front(report: &Report, folder: &str) -> String {
 fn intro(view: View) -> Markup {
     let report = view.report;
     let episodes: usize = report.collection.entrants.iter().map(|it| it.files.len()).sum();
-    let tracks: Vec<&str> = report.tracks.iter().map(|part| part.track.as_str()).collect();
+    let tracks: Vec<String> = report.tracks.iter().map(TrackPart::title).collect();
     let agents = report.collection.entrants.len();
     let (first, more) = report.notes.split_at(match view.folder {
         Some(_) => report.notes.len().min(NOTES),
@@ -150,7 +150,7 @@ fn tile(view: View, part: &TrackPart, class: &ClassPart, line: &Line) -> Markup 
     html! {
         div.tile {
             div.name { (view.name(line.entrant)) }
-            div.soft { (class.name()) ", track " (part.track) ", " (line.summary.episodes) " episodes" }
+            div.soft { (class.name()) ", track " (part.title()) ", " (line.summary.episodes) " episodes" }
             div.figure { (percent(line.summary.completion.mean)) }
             @if let Some(time) = line.summary.time {
                 div { "in " (seconds(time.total)) " on average" }
@@ -164,7 +164,7 @@ fn track(view: View, part: &TrackPart) -> Markup {
     let report = view.report;
     html! {
         @for class in &part.classes {
-            h2 { (capital(class.name())) ", track " (part.track) }
+            h2 { (capital(class.name())) ", track " (part.title()) }
             @if !class.lines.is_empty() {
                 p.soft {
                     "Complete: episodes with every peg. ± is one sample standard deviation, over episodes; below it stands \

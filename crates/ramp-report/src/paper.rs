@@ -20,7 +20,7 @@ pub fn latex(report: &Report) -> String {
                 text,
                 "\\midrule\n\\multicolumn{{7}}{{l}}{{Class {}, track {}}} \\\\\n",
                 escape(class.name()),
-                escape(&part.track)
+                escape(&part.title())
             );
             for &entrant in &part.entrants {
                 let goals = class.goal_lines.iter().chain(&class.lines);

@@ -9,7 +9,7 @@ pub use self::notes::REPEATS;
 use self::notes::notes;
 use crate::sums::{Comparison, Line, Scope};
 use crate::{curves, plot, sums};
-use ramp_result::collection::{Collection, class_rank};
+use ramp_result::collection::{Collection, Entrant, class_rank};
 use ramp_result::published::Published;
 use ramp_result::statistics::holm;
 
@@ -33,6 +33,8 @@ pub struct Report {
 pub struct TrackPart {
     /// The track.
     pub track: String,
+    /// What tells the world from all others; `None` of real runs and published results.
+    pub world: Option<String>,
     /// Its agents, as indices into the collection.
     pub entrants: Vec<usize>,
     /// One for each class.
@@ -76,14 +78,18 @@ pub struct Named {
 impl Report {
     /// Sums everything up.
     pub fn new(collection: Collection) -> Report {
-        let mut tracks: Vec<String> =
-            collection.entrants.iter().map(|it| it.identity.track.clone()).collect();
-        tracks.extend(collection.published.iter().map(|it| it.track.clone()));
+        let of = |it: &Entrant| (it.identity.track.clone(), it.identity.world.clone());
+        let mut settings: Vec<(String, Option<String>)> = collection.entrants.iter().map(of).collect();
+        for published in &collection.published {
+            if !settings.iter().any(|(track, _)| *track == published.track) {
+                settings.push((published.track.clone(), None));
+            }
+        }
         let rank = |name: &String| ramp_robot::Track::ALL.iter().position(|track| track.name() == name);
-        tracks.sort_by_key(rank);
-        tracks.dedup();
+        settings.sort_by_key(|(track, world)| (rank(track), world.clone()));
+        settings.dedup();
         let mut parts: Vec<TrackPart> =
-            tracks.into_iter().map(|track| TrackPart::new(&collection, track)).collect();
+            settings.into_iter().map(|(track, world)| TrackPart::new(&collection, track, world)).collect();
         correct(&mut parts);
         let notes = notes(&collection);
         Report { collection, tracks: parts, notes }
@@ -176,7 +182,7 @@ impl Report {
             figures.push(Named { name, text: plot::standalone(svg) });
         };
         for part in &self.tracks {
-            let track = &part.track;
+            let track = &part.slug();
             for class in &part.classes {
                 for goal in &class.goals {
                     let svg = self.curves(class, &Scope::Goal(goal.clone()), &[]);
@@ -218,9 +224,22 @@ fn file_name(text: &str, others: &[Named]) -> String {
 }
 
 impl TrackPart {
-    fn new(collection: &Collection, track: String) -> TrackPart {
+    /// Track and world, for a person.
+    pub fn title(&self) -> String {
+        self.world.as_ref().map_or(self.track.clone(), |world| format!("{}, world {world}", self.track))
+    }
+
+    /// The same for the name of a file: letters, digits and hyphens.
+    pub fn slug(&self) -> String {
+        let world = self.world.as_ref().map_or(String::new(), |world| format!("-{world}"));
+        let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+        format!("{}{world}", self.track).chars().map(plain).collect()
+    }
+
+    fn new(collection: &Collection, track: String, world: Option<String>) -> TrackPart {
+        let of = |index: &usize| &collection.entrants[*index].identity;
         let entrants: Vec<usize> = (0..collection.entrants.len())
-            .filter(|index| collection.entrants[*index].identity.track == track)
+            .filter(|index| of(index).track == track && of(index).world == world)
             .collect();
         let worked_on = |name: &str| {
             entrants.iter().any(|index| {
@@ -269,7 +288,7 @@ impl TrackPart {
                 ClassPart { lines, class, goals, goal_lines, comparisons, shown, published }
             })
             .collect();
-        TrackPart { track, entrants, classes }
+        TrackPart { track, world, entrants, classes }
     }
 }
 

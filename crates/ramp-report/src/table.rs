@@ -204,7 +204,7 @@ fn comparisons(report: &Report) -> String {
             for (measure, test) in tests {
                 let Some(test) = test else { continue };
                 let [one, two] = comparison.entrants.map(|it| report.label(it).to_string());
-                let mut row = vec![part.track.clone(), one, two, comparison.scope.name().to_string()];
+                let mut row = vec![part.title(), one, two, comparison.scope.name().to_string()];
                 row.extend([measure.to_string(), test.pairs.to_string(), format!("{:.6}", test.mean)]);
                 row.extend([
                     optional(test.interval.map(|it| it.low)),

@@ -12,7 +12,7 @@ use ramp_kit::source::{is_name, shorten};
 use ramp_robot::Track;
 use serde::Serialize;
 
-use crate::episode::{AgentInfo, EpisodeResult, RealRun, Software};
+use crate::episode::{AgentInfo, EpisodeResult, RealRun, Software, WorldInfo};
 use crate::manipulation::Trial;
 use crate::perception::PerceptionVerdict;
 use crate::planning::PlanVerdict;
@@ -34,6 +34,9 @@ pub struct Lost {
 pub struct Identity {
     /// The track.
     pub track: String,
+    /// What tells the world from all others; `None` of a real run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub world: Option<String>,
     /// The agent's name.
     pub agent: String,
     /// Its version.
@@ -264,6 +267,7 @@ impl Identity {
         let Software { version, commit } = software;
         Identity {
             track: track.clone(),
+            world: result.world.as_ref().map(WorldInfo::title),
             agent: name.clone(),
             agent_version: agent_version.clone(),
             agent_sha256: sha256.clone(),
@@ -302,7 +306,9 @@ fn label(entrants: &mut [Entrant]) {
             let others = |words: usize| {
                 let mine = say(&entrants[index], words);
                 let same = |other: &Entrant| {
-                    other.identity.track == entrants[index].identity.track && say(other, words) == mine
+                    let it = (&other.identity.track, &other.identity.world);
+                    it == (&entrants[index].identity.track, &entrants[index].identity.world)
+                        && say(other, words) == mine
                 };
                 entrants.iter().filter(|it| same(it)).count()
             };

@@ -1,6 +1,11 @@
 //! The result of an episode: one JSON file, of the schema in `data/schema/episode.schema.json`.
 
+use std::collections::BTreeMap;
+
+use ramp_world::{Spread, World};
 use serde::{Deserialize, Serialize};
+
+use crate::sha256;
 
 /// The version of the schema these files follow.
 pub const SCHEMA: &str = "ramp-episode-2";
@@ -23,6 +28,9 @@ pub struct EpisodeResult {
     pub track: String,
     /// Where a real robot worked and a person held the stopwatch: who and what; `None` in the twin.
     pub real: Option<RealRun>,
+    /// What the physics were drawn from; `None` of a real run, and then not in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub world: Option<WorldInfo>,
     /// All randomness of the world came from here; with a secret, from both together; of a real run, the repeat.
     pub seed: u64,
     /// The commitment of the secret that was mixed into the seed; `None` without one, and then not in the file.
@@ -55,6 +63,42 @@ pub struct EpisodeResult {
     pub ended: Ended,
     /// SHA-256 of the episode's log, in hex; `None` when there is none.
     pub log: Option<String>,
+}
+
+/// The world of an episode.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WorldInfo {
+    /// Its name.
+    pub name: String,
+    /// SHA-256 of its file, in hex.
+    pub sha256: String,
+    /// What the episode drew, where a number is not the same in all episodes: by group and quantity, such as
+    /// `friction.coulomb`.
+    pub draw: BTreeMap<String, Vec<f64>>,
+}
+
+impl WorldInfo {
+    /// Of an episode with this seed in a world.
+    pub fn of(world: &World, seed: u64) -> WorldInfo {
+        let drawn = world.quantities().zip(world.numbers(seed));
+        let drawn = drawn.filter(|((_, _, quantity), _)| quantity.spread != Spread::Fixed);
+        let draw = drawn.map(|(_, (group, field, numbers))| (format!("{group}.{field}"), numbers)).collect();
+        WorldInfo { name: world.name.clone(), sha256: sha256(world.text.as_bytes()), draw }
+    }
+
+    /// Whether it is a world of the program, and not another one of the same name.
+    pub fn is_shipped(&self) -> bool {
+        World::shipped(&self.name).is_some_and(|world| sha256(world.text.as_bytes()) == self.sha256)
+    }
+
+    /// What tells it from all other worlds: its name, and for one that is not the program's the begin of its hash.
+    pub fn title(&self) -> String {
+        if self.is_shipped() {
+            return self.name.clone();
+        }
+        let hash: String = self.sha256.chars().take(8).collect();
+        format!("{} ({hash})", self.name)
+    }
 }
 
 /// Name and version of an agent.

@@ -4,7 +4,7 @@ pub mod sums;
 
 use serde::{Deserialize, Serialize};
 
-use crate::episode::{AgentInfo, EventInfo, Host, Physics, Software};
+use crate::episode::{AgentInfo, EventInfo, Host, Physics, Software, WorldInfo};
 use crate::words;
 
 /// The version of the schema of these files.
@@ -20,6 +20,9 @@ pub struct Trial {
     pub skill: String,
     /// What the agent was allowed to see.
     pub track: String,
+    /// What the physics were drawn from; `None` in files of before there were worlds, which were ideal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub world: Option<WorldInfo>,
     /// All randomness of the trial came from here.
     pub seed: u64,
     /// The goal.

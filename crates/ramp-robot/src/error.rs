@@ -62,6 +62,28 @@ pub enum RobotError {
         /// The SI unit.
         unit: &'static str,
     },
+    /// Commanded torques change faster than the controller allows.
+    #[error("controller_torque_discontinuity: the commanded torque of joint {joint} changes by {rate:.0} N·m/s, and the most is {limit:.0}")]
+    TorqueJump {
+        /// 1 to 7.
+        joint: usize,
+        /// N·m/s.
+        rate: f64,
+        /// N·m/s.
+        limit: f64,
+    },
+    /// The arm has felt more than it may.
+    #[error("reflex: {of} is {value:.0} {unit}, and the most is {limit:.0}")]
+    Reflex {
+        /// What was felt.
+        of: String,
+        /// In `unit`.
+        value: f64,
+        /// In `unit`.
+        limit: f64,
+        /// The SI unit.
+        unit: &'static str,
+    },
     /// The episode has lasted as long as an episode may.
     #[error("the episode reached its limit of {limit:.0} s of robot time")]
     OutOfTime {

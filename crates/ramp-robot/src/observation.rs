@@ -22,8 +22,10 @@ pub struct Observation {
     /// force in N, then moment in N·m. Weights that the arm compensates (the hand's) are taken off; a held part's
     /// is not. Noisy.
     pub wrench: Vector6<f64>,
-    /// Distance between the two fingers, m.
+    /// Distance between the two fingers, m, as the gripper told it last.
     pub width: f64,
+    /// Whether the gripper is still at what it was commanded last. One that obeys at once never is.
+    pub gripper_busy: bool,
 }
 
 /// Where a part was seen.

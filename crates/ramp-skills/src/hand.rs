@@ -14,6 +14,8 @@ use crate::Pose;
 use crate::fault::{Fault, SkillError};
 use crate::parameters::hand::HandParameters;
 
+/// After so many periods a gripper is no longer waited for.
+const SLOWEST_GRIPPER: u32 = 10_000;
 /// Standard gravity, m/s².
 pub const GRAVITY: f64 = 9.81;
 
@@ -349,15 +351,40 @@ impl<'r> Hand<'r> {
         let opens = width > self.seen.width;
         let mut still = 0;
         let mut before = self.seen.width;
-        for period in 0..3000 {
+        let mut period = 0;
+        let mut busy = 0;
+        while period < 3000 {
             self.tick()?;
+            // A gripper that tells when it is done needs not be watched.
+            if self.seen.gripper_busy && busy < SLOWEST_GRIPPER {
+                busy += 1;
+                continue;
+            }
+            if busy > 0 {
+                break;
+            }
+            period += 1;
             still = if (self.seen.width - before).abs() < 2e-6 { still + 1 } else { 0 };
             before = self.seen.width;
             // Fingers that squeeze a part hold still for a while before they open.
-            let unloading = opens && period < 600 && width - self.seen.width > self.parameters.opened;
+            let unloading = opens && period <= 600 && width - self.seen.width > self.parameters.opened;
             if still > (self.parameters.still / PERIOD).round() as u32 && !unloading {
                 break;
             }
+        }
+        Ok(())
+    }
+
+    /// Goes on with the last command until the gripper has done what it was told.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn wait_for_gripper(&mut self) -> Result<(), RobotError> {
+        for _ in 0..SLOWEST_GRIPPER {
+            if !self.seen.gripper_busy {
+                break;
+            }
+            self.hold(PERIOD)?;
         }
         Ok(())
     }

@@ -9,19 +9,16 @@ use ramp_render::{Looks, LooksError, Renderer, Scene, Sensor};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::camera::Mount;
 use ramp_robot::random::Stream;
-use ramp_robot::{Camera, CameraModel, Pose};
+use ramp_robot::{Camera, CameraModel, PERIOD, Pose};
+use ramp_world::groups;
 
 /// How long the shutter is open, in control periods of a millisecond.
 pub const EXPOSURE_STEPS: u32 = 8;
-/// From the end of the exposure until the agent has the image, in control periods: reading it out and sending it.
-pub const LATENCY_STEPS: u32 = 34;
-/// Error of the calibration: by how much a camera is away from where the agent is told, 1 σ for each axis, m and rad.
-pub const CALIBRATION_ERROR: [f64; 2] = [0.5e-3, 0.2 * std::f64::consts::PI / 180.0];
 
-/// A camera as it really is in the episode of this seed: the nominal one with an error of calibration.
-pub fn true_camera(camera: Camera, arm: &ArmModel, seed: u64) -> CameraModel {
+/// A camera as it really is in the episode of this seed: the nominal one with an error of calibration, 1 σ for each axis: m
+/// and rad.
+pub fn true_camera(camera: Camera, arm: &ArmModel, seed: u64, [position, angle]: [f64; 2]) -> CameraModel {
     let mut stream = Stream::new(seed, &format!("calibration-{}", camera.name()));
-    let [position, angle] = CALIBRATION_ERROR;
     let mut three = |sigma: f64| Vector3::from_fn(|_, _| stream.normal(sigma));
     let error =
         Pose::from_parts(Translation3::from(three(position)), UnitQuaternion::from_scaled_axis(three(angle)));
@@ -38,6 +35,9 @@ pub(crate) struct Cameras {
     kit: Kit,
     arm: ArmModel,
     seed: u64,
+    physics: groups::Cameras,
+    /// How late each image is.
+    jitter: Stream,
     /// A tag that is covered.
     covered: Option<u32>,
     looks: Option<Arc<Looks>>,
@@ -69,8 +69,30 @@ struct Eye {
 }
 
 impl Cameras {
-    pub fn new(kit: &Kit, arm: &ArmModel, seed: u64, covered: Option<u32>) -> Cameras {
-        Cameras { kit: kit.clone(), arm: arm.clone(), seed, covered, looks: None, eyes: [None, None] }
+    pub fn new(
+        kit: &Kit,
+        arm: &ArmModel,
+        seed: u64,
+        covered: Option<u32>,
+        physics: &groups::Cameras,
+    ) -> Cameras {
+        Cameras {
+            kit: kit.clone(),
+            arm: arm.clone(),
+            seed,
+            physics: physics.clone(),
+            jitter: Stream::new(seed, "images"),
+            covered,
+            looks: None,
+            eyes: [None, None],
+        }
+    }
+
+    /// From the end of the exposure until the agent has the image, in control periods: reading it out and sending it.
+    pub fn latency(&mut self) -> u32 {
+        let groups::Cameras { latency, jitter, .. } = self.physics;
+        let late = if jitter > 0.0 { jitter * self.jitter.uniform() } else { 0.0 };
+        ((latency + late) / PERIOD).round() as u32
     }
 
     /// What everything looks like; made when it is first asked for.
@@ -87,7 +109,8 @@ impl Cameras {
     }
 
     pub fn true_camera(&self, camera: Camera) -> CameraModel {
-        true_camera(camera, &self.arm, self.seed)
+        let physics = &self.physics;
+        true_camera(camera, &self.arm, self.seed, [physics.position_error, physics.angle_error])
     }
 
     /// Takes an image: its width, its height, and red, green and blue of each pixel. A frozen camera gives its last
@@ -105,11 +128,11 @@ impl Cameras {
             let housing = looks.body(HOUSING);
             scene.bodies.retain(|(index, _)| Some(*index) != housing);
         }
-        let (seed, model) = (self.seed, self.true_camera(camera));
+        let (seed, model, light) = (self.seed, self.true_camera(camera), self.physics.light);
         let slot = &mut self.eyes[usize::from(camera == Camera::BirdsEye)];
         let eye = slot.get_or_insert_with(|| Eye {
             renderer: Renderer::new(looks, &model),
-            sensor: Sensor::new(seed, camera.name()),
+            sensor: Sensor::new(seed, camera.name()).with_light(light),
             model,
             last: Vec::new(),
         });

@@ -5,6 +5,7 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::Assembly;
 use ramp_kit::{Kit, Pose};
 use ramp_robot::random::Stream;
+use ramp_world::groups::Table;
 
 /// By how much the start poses differ from the sheet's outlines.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,4 +77,22 @@ impl Layout {
         }
         Layout { beams, holders, pegs }
     }
+
+    /// Sets everything onto a table that is higher than it should be and leans.
+    pub fn tilt(&mut self, table: &Table) {
+        let x_table = x_table(table);
+        if x_table == Pose::identity() {
+            return;
+        }
+        for (_, x) in self.beams.iter_mut().chain(&mut self.holders).chain(&mut self.pegs) {
+            *x = x_table * *x;
+        }
+    }
+}
+
+/// Where the table really is, against where it should be.
+pub(crate) fn x_table(table: &Table) -> Pose {
+    let [x, y] = table.tilt;
+    let lean = UnitQuaternion::from_scaled_axis(Vector3::new(x, y, 0.0));
+    Pose::from_parts(Translation3::new(0.0, 0.0, table.height), lean)
 }

@@ -8,17 +8,22 @@
 
 pub mod cameras;
 mod command;
+mod drive;
 mod engine;
 pub mod fault;
+mod joint_friction;
 pub mod layout;
+mod line;
 mod looks;
 pub mod scene;
 pub mod setup;
+mod slow_gripper;
 pub mod twin;
 #[cfg(feature = "view")]
 pub mod view;
 
 pub use fault::{Fault, FaultError, FaultKind, FaultReport};
 pub use layout::{Disturbance, Layout};
+pub use ramp_world::World;
 pub use setup::{Setup, TwinError};
 pub use twin::Twin;

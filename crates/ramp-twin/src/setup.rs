@@ -5,6 +5,7 @@ use ramp_kit::Kit;
 use ramp_render::LooksError;
 use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
+use ramp_world::World;
 
 use crate::fault::Fault;
 use crate::layout::Disturbance;
@@ -24,6 +25,8 @@ pub struct Setup<'a> {
     pub seed: u64,
     /// How far the start differs from the sheet's outlines.
     pub disturbance: Disturbance,
+    /// What the physics are drawn from.
+    pub world: &'a World,
     /// What goes wrong on purpose.
     pub fault: Option<Fault>,
 }

@@ -14,25 +14,23 @@ use ramp_robot::{
     ArmCommand, Camera, CameraModel, Command, DOF, GripperCommand, Image, Observation, PERIOD, PartReading,
     Pose, Robot, RobotError, TIME_LIMIT, Track,
 };
+use ramp_world::Physics;
 
 use crate::cameras::{self, Cameras, Exposure};
 use crate::command::{check_command, fed_forward};
-use crate::engine::{body_pose, rotation_from_rows};
+use crate::drive::{Drive, believed};
+use crate::engine::{GRAVITY, body_pose, rotation_from_rows};
 use crate::fault::{FaultReport, Injector, Start};
 use crate::layout::Layout;
-use crate::scene::scene_xml;
+use crate::scene::{Printed, scene_xml};
 use crate::setup::{Setup, TwinError};
+use crate::slow_gripper::SlowGripper;
 use ramp_control::{
-    ArmState, GripperLoop, Jacobian, JointMotion, JointVector, PoseMotion, impedance, limit_torques,
-    pose_impedance, track_joints, track_velocities,
+    ArmState, GripperLoop, Jacobian, JointMotion, JointVector, PoseMotion, impedance, pose_impedance, track_joints, track_velocities,
 };
 
 /// How far a joint may overshoot a soft stop before the robot reports it, rad.
 const POSITION_MARGIN: f64 = 0.005;
-/// Standard deviation of the wrist sensor's force, N, and torque, N·m, per reading before its low-pass filter.
-const FORCE_NOISE: f64 = 0.3;
-/// See [`FORCE_NOISE`].
-const TORQUE_NOISE: f64 = 0.01;
 /// Share of a new reading in the wrist sensor's low-pass filter: a time constant of 20 ms.
 const WRENCH_FILTER: f64 = 0.05;
 /// Standard deviation on track `noisy` of the position of a part, m along each axis, and of its rotation, rad about
@@ -42,10 +40,10 @@ pub const READING_NOISE: [f64; 2] = [1.0e-3, std::f64::consts::PI / 180.0];
 pub const READING_DROPPED: f64 = 0.05;
 /// What a reading on track `noisy` costs in control periods: as much as an image at 30 a second.
 pub const READING_STEPS: u32 = 33;
-/// Standard gravity as MuJoCo's default has it, m/s².
-const GRAVITY: f64 = 9.81;
 /// Width the gripper starts with, m.
 const START_WIDTH: f64 = 0.04;
+/// What the gripper does before it is told anything.
+const START_GRIPPER: GripperCommand = GripperCommand { width: START_WIDTH, force: 10.0 };
 
 /// The simulated world with its robot.
 pub struct Twin {
@@ -62,6 +60,12 @@ pub struct Twin {
     /// Bodies that hang from the wrist, whose weight the sensor's reading is freed of.
     hand_bodies: [usize; 3],
     gripper: GripperLoop,
+    slow_gripper: SlowGripper,
+    /// What the episode drew from its world.
+    physics: Physics,
+    drive: Drive,
+    /// Whether anything differs between the motors' torques and the joints', so that it must be reckoned with.
+    loaded: bool,
     /// The joint targets of the last period, if joint positions or velocities were commanded.
     last_joints: Option<JointMotion>,
     /// Command of the last period.
@@ -107,9 +111,12 @@ impl Twin {
     /// When MuJoCo refuses the scene.
     pub fn with_layout(setup: &Setup, mut layout: Layout) -> Result<Twin, TwinError> {
         let start = Start::new(setup);
+        let physics = setup.world.draw(setup.seed);
+        layout.tilt(&physics.table);
         layout.pegs.retain(|(name, _)| Some(name) != start.missing.as_ref());
         let base = &setup.assembly.beams[setup.assembly.base].beam.name;
-        let xml = scene_xml(setup.kit, setup.arm, &layout, base, start.loose_holders);
+        let printed = Printed { physics: &physics, seed: setup.seed };
+        let xml = scene_xml(setup.kit, setup.arm, &layout, base, start.loose_holders, &printed);
         let model = MjModel::from_xml_string(&xml).map_err(|error| TwinError::Scene(error.to_string()))?;
         let find = |kind, name: &str| {
             model.name_to_id(kind, name).ok_or_else(|| TwinError::Missing(name.to_string()))
@@ -146,6 +153,9 @@ impl Twin {
             tip_site,
             hand_bodies,
             gripper: GripperLoop::new(START_WIDTH / 2.0),
+            slow_gripper: SlowGripper::new(&physics.gripper, START_WIDTH),
+            drive: Drive::new(&physics, &setup.arm.home, setup.seed),
+            loaded: physics.friction.coulomb != [0.0; DOF] || physics.arm.unknown_mass != 0.0,
             last_joints: None,
             last_command: None,
             last_pose: None,
@@ -162,7 +172,14 @@ impl Twin {
             wrench: Vector6::zeros(),
             noise: Stream::new(setup.seed, "wrist"),
             reading_noise: Stream::new(setup.seed, "readings"),
-            cameras: Cameras::new(setup.kit, setup.arm, setup.seed, start.covered.map(|(tag, _)| tag)),
+            cameras: Cameras::new(
+                setup.kit,
+                setup.arm,
+                setup.seed,
+                start.covered.map(|(tag, _)| tag),
+                &physics.cameras,
+            ),
+            physics,
             exposure: None,
             fault,
             failed: None,
@@ -178,13 +195,16 @@ impl Twin {
                 x_wt: Pose::identity(),
                 wrench: Vector6::zeros(),
                 width: START_WIDTH,
+                gripper_busy: false,
             },
         };
         if setup.track == Track::Tags {
             twin.cameras.looks()?;
         }
         twin.state = twin.arm_state();
-        twin.wrench = twin.read_wrist();
+        if twin.has_wrist_sensor() {
+            twin.wrench = twin.read_wrist();
+        }
         twin.sense();
         Ok(twin)
     }
@@ -336,13 +356,14 @@ impl Twin {
             jacobian.fixed_view_mut::<3, 1>(0, joint).copy_from(&linear);
             jacobian.fixed_view_mut::<3, 1>(3, joint).copy_from(&axis);
         }
-        ArmState {
+        let state = ArmState {
             positions: JointVector::from_column_slice(&self.data.qpos()[..DOF]),
             velocities: JointVector::from_column_slice(&self.data.qvel()[..DOF]),
             x_wt: Pose::from_parts(Translation3::from(p_wt), rotation),
             jacobian,
             inertia: self.arm_inertia(),
-        }
+        };
+        believed(&self.physics.arm, state)
     }
 
     /// What the wrist sensor would read without noise: the hand's wrench on what it touches and holds, at the
@@ -363,14 +384,66 @@ impl Twin {
         Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
     }
 
-    /// By how much a fault has the wrist sensor's force off, N and N·m, axes of the world.
+    /// By how much a fault has what is felt at the wrist off, N and N·m, axes of the world.
     fn wrist_bias(&self) -> Vector6<f64> {
         let Some(fault) = &self.fault else { return Vector6::zeros() };
         let force = rotation_from_rows(&self.data.site_xmat()[self.wrist_site]) * fault.bias();
         Vector6::new(force.x, force.y, force.z, 0.0, 0.0, 0.0)
     }
 
+    /// By how much the wrist sensor of this world is off, N and N·m, axes of the world.
+    fn sensor_bias(&self) -> Vector6<f64> {
+        let rotation = rotation_from_rows(&self.data.site_xmat()[self.wrist_site]);
+        let sensing = &self.physics.sensing;
+        let [force, moment] = [sensing.force_bias, sensing.moment_bias].map(|it| rotation * Vector3::from(it));
+        Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
+    }
+
+    fn has_wrist_sensor(&self) -> bool {
+        self.physics.sensing.wrist_sensor >= 0.5
+    }
+
+    /// The Jacobian of the wrist, as MuJoCo has it.
+    fn wrist_jacobian(&self, state: &ArmState) -> Jacobian {
+        let lever = Vector3::from(self.data.site_xpos()[self.wrist_site])
+            - Vector3::from(self.data.site_xpos()[self.tip_site]);
+        let mut jacobian = state.jacobian;
+        for joint in 0..DOF {
+            let axis = Vector3::from(jacobian.fixed_view::<3, 1>(3, joint));
+            let linear = jacobian.fixed_view::<3, 1>(0, joint) + axis.cross(&lever);
+            jacobian.fixed_view_mut::<3, 1>(0, joint).copy_from(&linear);
+        }
+        jacobian
+    }
+
+    /// What is felt at the wrist after a period from `before`: by the sensor there, or as the arm estimates it.
+    fn feel(&mut self, before: &ArmState, reading: &Vector6<f64>) {
+        let sensing = &self.physics.sensing;
+        let (force, moment) = (sensing.force_noise, sensing.moment_noise);
+        let noise = Vector6::from_fn(|axis, _| self.noise.normal(if axis < 3 { force } else { moment }));
+        if self.physics.sensing.torque_sensors >= 0.5 {
+            // Coriolis and centrifugal torques: what the engine's bias has beside the weights that it compensates.
+            let coriolis = JointVector::from_column_slice(&self.data.qfrc_bias()[..DOF])
+                - JointVector::from_column_slice(&self.data.qfrc_gravcomp()[..DOF]);
+            let after = JointVector::from_column_slice(&self.data.qvel()[..DOF]);
+            self.drive.sensed(&before.inertia, [&before.velocities, &after], &coriolis, &before.positions);
+            self.torques = *self.drive.torques();
+        }
+        if self.has_wrist_sensor() {
+            let wrench = reading + self.wrist_bias() + self.sensor_bias() + noise;
+            self.wrench += (wrench - self.wrench) * WRENCH_FILTER;
+        } else {
+            self.wrench = self.drive.wrench(&self.wrist_jacobian(&self.state)) + self.wrist_bias();
+        }
+    }
+
     fn sense(&mut self) {
+        let width = self.data.qpos()[DOF] + self.data.qpos()[DOF + 1];
+        let gripper = self.last_command.as_ref().map(|command| command.gripper);
+        let (width, gripper_busy) = match gripper {
+            Some(gripper) => self.slow_gripper.sensed(width, gripper),
+            None => (width, false),
+        };
         let state = &self.state;
         self.observation = Observation {
             time: self.time(),
@@ -379,7 +452,8 @@ impl Twin {
             torques: self.torques.into(),
             x_wt: state.x_wt,
             wrench: self.wrench,
-            width: self.data.qpos()[DOF] + self.data.qpos()[DOF + 1],
+            width,
+            gripper_busy,
         };
     }
 
@@ -444,6 +518,28 @@ impl Twin {
         })
     }
 
+    /// The line was silent for so long that the arm has stopped: it brakes, and stands until somebody has made it work again.
+    /// The motion that was commanded goes on from there.
+    fn recover(&mut self) -> Result<(), RobotError> {
+        self.drive.begin_anew();
+        let gripper = self.last_command.as_ref().map_or(START_GRIPPER, |command| command.gripper);
+        let motion = (self.last_joints, self.last_pose, self.last_command.clone(), self.posture);
+        let here = Command { arm: ArmCommand::JointPositions(self.state.positions.into()), gripper };
+        let periods = (self.physics.line.recovery / PERIOD).round() as u32;
+        self.holding = true;
+        self.last_joints = Some(JointMotion::at_rest(self.state.positions));
+        let stood = (0..periods).try_for_each(|_| self.advance(&here));
+        self.holding = false;
+        (self.last_joints, self.last_pose, self.last_command, self.posture) = motion;
+        stood
+    }
+
+    /// One period, and what may follow from it.
+    fn period(&mut self, command: &Command) -> Result<(), RobotError> {
+        self.advance(command)?;
+        if self.drive.has_stopped() && !self.holding { self.recover() } else { Ok(()) }
+    }
+
     fn check_arm(&self) -> Result<(), RobotError> {
         let state = &self.state;
         for (index, joint) in self.arm.joints.iter().enumerate() {
@@ -480,7 +576,7 @@ impl Twin {
     fn hold(&mut self, periods: u32) -> Result<(), RobotError> {
         let command = self.last_command.clone().unwrap_or(Command {
             arm: ArmCommand::JointPositions(self.arm.home),
-            gripper: GripperCommand { width: START_WIDTH, force: 10.0 },
+            gripper: START_GRIPPER,
         });
         let motion = (self.last_joints, self.last_pose);
         self.holding = true;
@@ -517,7 +613,8 @@ impl Twin {
         let scene = self.cameras.looks().ok().map(|looks| self.picture(&looks));
         let (x_wt, time) = (self.state.x_wt, self.time());
         let frozen = self.fault.as_ref().is_some_and(Injector::freezes_cameras);
-        self.hold(cameras::EXPOSURE_STEPS.div_ceil(2) + cameras::LATENCY_STEPS)?;
+        let latency = self.cameras.latency();
+        self.hold(cameras::EXPOSURE_STEPS.div_ceil(2) + latency)?;
         self.exposure = Some(Exposure { scene, x_wt, time, frozen, there: self.steps, taken: Vec::new() });
         Ok(())
     }
@@ -541,30 +638,37 @@ impl Twin {
         }
         let before = self.state.clone();
         let wanted = self.command_torques(&before, &command.arm)?;
-        self.torques = limit_torques(&self.arm, wanted);
+        let motors = self.drive.command(&self.arm, &command.arm, wanted)?;
+        self.torques = motors;
         let q = [self.data.qpos()[DOF], self.data.qpos()[DOF + 1]];
         let v = [self.data.qvel()[DOF], self.data.qvel()[DOF + 1]];
-        let mut gripper = command.gripper;
+        let mut gripper = self.slow_gripper.step(command.gripper);
         if let Some(fault) = &mut self.fault {
             let fingers = [q[0] + q[1], v[0] + v[1]];
             gripper = fault.step(&mut self.data, &before.x_wt, self.steps, fingers, gripper);
         }
         let fingers = self.gripper.forces(gripper.width, gripper.force, q, v, PERIOD);
+        if self.loaded {
+            let hand = rotation_from_rows(&self.data.site_xmat()[self.wrist_site]);
+            let p_unknown = Vector3::from(self.data.site_xpos()[self.wrist_site])
+                + hand * Vector3::from(self.physics.arm.unknown_centre);
+            let load = self.drive.load(&before, &p_unknown);
+            self.data.qfrc_applied_mut()[..DOF].copy_from_slice(load.as_slice());
+        }
         let ctrl = self.data.ctrl_mut();
-        ctrl[..DOF].copy_from_slice(self.torques.as_slice());
+        ctrl[..DOF].copy_from_slice(motors.as_slice());
         ctrl[DOF..DOF + 2].copy_from_slice(&fingers);
         self.data.step();
         self.last_command = Some(command.clone());
         self.steps += 1;
         self.watch_penetration();
         let reading = self.read_wrist();
-        let noise =
-            Vector6::from_fn(|axis, _| self.noise.normal(if axis < 3 { FORCE_NOISE } else { TORQUE_NOISE }));
-        self.wrench += (reading + self.wrist_bias() + noise - self.wrench) * WRENCH_FILTER;
+        self.state = self.arm_state();
+        self.feel(&before, &reading);
         self.pressed += (reading.fixed_rows::<3>(0) - self.pressed) * WRENCH_FILTER;
         self.largest_force = self.largest_force.max(self.pressed.norm());
-        self.state = self.arm_state();
         self.sense();
+        self.drive.check_reflex(self.wrench.fixed_rows::<3>(0).norm())?;
         self.check_arm()
     }
 }
@@ -574,7 +678,7 @@ impl Robot for Twin {
         if let Some(error) = &self.failed {
             return Err(error.clone());
         }
-        match self.advance(command) {
+        match self.period(command) {
             Ok(()) => Ok(self.observation.clone()),
             Err(error) => {
                 self.failed = Some(error.clone());

@@ -23,6 +23,7 @@ fn a_beam_of_the_kit_s_own_lies_still_on_the_sheet() {
         track: Track::State,
         seed: 1,
         disturbance,
+        world: ramp_twin::World::ideal(),
         fault: None,
     };
     let mut twin = Twin::new(&setup).unwrap();

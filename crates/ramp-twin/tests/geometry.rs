@@ -118,6 +118,7 @@ fn world() -> (Kit, Twin) {
         track: Track::State,
         seed: 1,
         disturbance: Disturbance::default(),
+        world: ramp_twin::World::ideal(),
         fault: None,
     };
     let twin = Twin::new(&setup).unwrap();

@@ -87,6 +87,8 @@ quantities! {
         force_bias: [f64; 3] = "N", -20.0, 20.0;
         /// The same for its moment.
         moment_bias: [f64; 3] = "N·m", -2.0, 2.0;
+        /// 1: the torques that are told are measured on the links. 0: they are those of the motors.
+        torque_sensors: f64 = "", 0.0, 1.0;
         /// Noise of each joint's torque sensor (1 σ).
         torque_noise: f64 = "N·m", 0.0, 1.0;
         /// Bias of each joint's torque sensor.

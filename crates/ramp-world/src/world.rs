@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 use std::path::Path;
-use std::sync::{Arc, LazyLock};
+use std::sync::LazyLock;
 
 use ramp_robot::random::Stream;
 use ramp_source::{Fault, SourceFile, nearest, shorten};
@@ -30,12 +30,12 @@ pub struct World {
     quantities: Quantities,
 }
 
-static SHIPPED: LazyLock<Vec<Arc<World>>> = LazyLock::new(|| {
+static SHIPPED: LazyLock<Vec<World>> = LazyLock::new(|| {
     // The files are part of the program, and a test reads them.
     let read = |(name, text): &(&str, &str)| {
         let file = SourceFile::new(&format!("data/worlds/{name}.toml"), text);
         match World::complete(&file) {
-            Ok(world) => Arc::new(world),
+            Ok(world) => world,
             Err(fault) => panic!("{fault:#}"),
         }
     };
@@ -49,13 +49,13 @@ impl World {
     }
 
     /// The world of that name that is part of the program.
-    pub fn shipped(name: &str) -> Option<Arc<World>> {
-        SHIPPED.iter().find(|world| world.name == name).cloned()
+    pub fn shipped(name: &str) -> Option<&'static World> {
+        SHIPPED.iter().find(|world| world.name == name)
     }
 
     /// The world of version 0.1: a perfect arm.
-    pub fn ideal() -> Arc<World> {
-        SHIPPED[0].clone()
+    pub fn ideal() -> &'static World {
+        &SHIPPED[0]
     }
 
     /// Reads a world file.

@@ -1,6 +1,6 @@
 //! One trial: the twin is prepared, the agent does the task, the judge looks at the truth.
 
-use ramp_result::episode::{AgentInfo, EventInfo, Host, Physics, Software};
+use ramp_result::episode::{AgentInfo, EventInfo, Host, Physics, Software, WorldInfo};
 use ramp_result::manipulation::{SCHEMA, Trial};
 use ramp_robot::Agent;
 use ramp_twin::Setup;
@@ -29,6 +29,7 @@ pub fn run_trial(
         schema: SCHEMA.to_string(),
         skill: task.skill.clone(),
         track: setup.track.name().to_string(),
+        world: Some(WorldInfo::of(setup.world, setup.seed)),
         seed: setup.seed,
         goal: setup.assembly.name.clone(),
         class: setup.assembly.class.map(|class| class.name().to_string()),

@@ -14,6 +14,7 @@ use ramp_robot::camera::Mount;
 use ramp_robot::random::Stream;
 use ramp_robot::{Camera, CameraModel, Image, Pose};
 use ramp_twin::{Disturbance, Layout, cameras};
+use ramp_world::World;
 
 use super::labels::{PartLabel, PoseLabel, TagLabel, ViewLabel};
 
@@ -105,7 +106,10 @@ impl<'a> Photographer<'a> {
         let bird = index % BIRDS_EYE_EVERY == BIRDS_EYE_EVERY - 1;
         let camera = if bird { Camera::BirdsEye } else { Camera::Wrist };
         let told = CameraModel::nominal(camera, self.arm.hand.tip);
-        let real = cameras::true_camera(camera, self.arm, own_seed);
+        // The cameras of the ideal world.
+        let physics = World::ideal().draw(own_seed).cameras;
+        let errors = [physics.position_error, physics.angle_error];
+        let real = cameras::true_camera(camera, self.arm, own_seed, errors);
         // The wrist camera's place: somewhere on a dome over a tag, turned and not quite centred.
         let place = &self.places[(stream.uniform() * self.places.len() as f64) as usize];
         let target = parts

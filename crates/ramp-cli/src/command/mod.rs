@@ -24,3 +24,4 @@ pub mod show;
 pub mod skills;
 pub mod trials;
 pub mod twin;
+pub mod world;

@@ -94,7 +94,7 @@ fn summary(report: &Report, written: &[String]) -> String {
                     "{}, {}, track {}: {} of {} episodes complete, completion {:.1} %{time}",
                     report.label(line.entrant),
                     class.name(),
-                    part.track,
+                    part.title(),
                     line.complete,
                     sum.episodes,
                     100.0 * sum.completion.mean,

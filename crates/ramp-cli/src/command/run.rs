@@ -17,7 +17,7 @@ use ramp_twin::{Disturbance, Fault, Setup, Twin};
 use crate::command::agent;
 use crate::data::Data;
 use crate::ending::end_on_request;
-use crate::options::TrackName;
+use crate::options::{TrackName, WorldOption};
 use crate::output::{check_place, make_folder_of, print, write_file};
 use crate::pictures::{self, Pictures};
 use crate::software::software;
@@ -33,6 +33,8 @@ pub struct Arguments {
     /// What the agent may see of the parts
     #[arg(long, value_enum, default_value_t = TrackName::Tags)]
     track: TrackName,
+    #[command(flatten)]
+    world: WorldOption,
     /// All randomness of the episode flows from this number
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -85,6 +87,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let kit = data.kit()?;
     let assembly = data.goal(&arguments.goal, &kit)?;
     let arm = data.arm()?;
+    let physics = arguments.world.read(data)?;
     let domains = data.domains(None)?;
     let agent_file = arguments.agent.file()?;
     let parameters = arguments.agent.skills.read(data)?;
@@ -118,6 +121,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         track: arguments.track.into(),
         seed: arguments.world_seed.unwrap_or(arguments.seed),
         disturbance: Disturbance::default(),
+        world: &physics,
         fault: arguments.fault,
     };
     let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
@@ -182,8 +186,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
 /// The result for a person.
 fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
     let mut text = format!(
-        "{}, track {}, seed {}: {} of {} pegs\n",
+        "{}, world {}, track {}, seed {}: {} of {} pegs\n",
         result.goal,
+        result.world.as_ref().map_or("none", |world| &world.name),
         result.track,
         result.seed,
         result.counted(),

@@ -14,6 +14,7 @@ use ramp_result::perception::FALSE;
 use ramp_result::sha256;
 use ramp_robot::{Camera, CameraModel, Image, Pose, Robot, Track};
 use ramp_twin::{Disturbance, Setup, Twin};
+use ramp_world::World;
 use ramp_vision::{Lying, PartFinder, Sighting};
 use resvg::{tiny_skia, usvg};
 
@@ -91,6 +92,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         track: Track::Tags,
         seed: arguments.seed,
         disturbance: Disturbance::default(),
+        world: World::ideal(),
         fault: None,
     };
     let mut twin = Twin::new(&setup).into_diagnostic()?;

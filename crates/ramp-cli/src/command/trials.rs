@@ -16,7 +16,7 @@ use ramp_kit::Kit;
 use ramp_kit::source::{nearest, read_text, shorten};
 use ramp_planner::Domains;
 use ramp_result::collection::LARGEST;
-use ramp_result::episode::Software;
+use ramp_result::episode::{Software, WorldInfo};
 use ramp_result::manipulation::sums::{SkillSum, sums};
 use ramp_result::manipulation::{SCHEMA, Trial};
 use ramp_result::write_whole;
@@ -24,10 +24,11 @@ use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
 use ramp_skills::{Baseline, Parameters, Piece};
 use ramp_twin::{Disturbance, Setup};
+use ramp_world::World;
 use tasks::{Goal, Step};
 
 use crate::data::Data;
-use crate::options::TrackName;
+use crate::options::{TrackName, WorldOption};
 use crate::output::print;
 use crate::software::software;
 use crate::status::DONE;
@@ -46,6 +47,8 @@ pub struct Arguments {
     /// What the agent may see of the parts
     #[arg(long, value_enum, default_value_t = TrackName::Tags)]
     track: TrackName,
+    #[command(flatten)]
+    world: WorldOption,
     /// Trials at a time
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     jobs: u32,
@@ -73,6 +76,9 @@ enum TrialsError {
         "results of different versions are not added up: name another folder with -o, or move these away"
     ))]
     OtherVersion { file: String, theirs: String, ours: String },
+    #[error("{file} is of another world")]
+    #[diagnostic(help("a folder is of one world: name another folder with -o, or give the same --world"))]
+    OtherWorld { file: String },
     #[error("{file} was made with other numbers of the skills")]
     #[diagnostic(help("name another folder with -o, or give the same file with --skills"))]
     OtherSkills { file: String },
@@ -87,6 +93,7 @@ struct Trials<'a> {
     /// The steps of each skill, as indices of a goal and of a step of it.
     steps: BTreeMap<String, Vec<(usize, usize)>>,
     track: Track,
+    world: World,
     software: Software,
     parameters: Arc<Parameters>,
     folder: &'a Path,
@@ -121,6 +128,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         goals,
         steps,
         track: arguments.track.into(),
+        world: arguments.world.read(data)?,
         software: software(),
         parameters: arguments.file.read(data)?,
         folder,
@@ -191,6 +199,10 @@ impl Trials<'_> {
             }
             .into());
         }
+        let world = WorldInfo::of(&self.world, seed);
+        if trial.world.as_ref().is_none_or(|it| it.sha256 != world.sha256) {
+            return Err(TrialsError::OtherWorld { file: path.display().to_string() }.into());
+        }
         if trial.agent.sha256 != self.parameters.sha256 {
             return Err(TrialsError::OtherSkills { file: path.display().to_string() }.into());
         }
@@ -254,6 +266,7 @@ impl Trials<'_> {
             track: self.track,
             seed,
             disturbance: Disturbance::default(),
+            world: &self.world,
             fault: None,
         };
         let baseline = Baseline::new(&self.kit, &goal.assembly, &self.arm, &self.domains, seed)

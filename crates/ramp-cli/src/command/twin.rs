@@ -7,6 +7,7 @@ use ramp_robot::Track;
 use ramp_twin::{Disturbance, Setup, Twin};
 
 use crate::data::Data;
+use crate::options::WorldOption;
 use crate::output::{check_place, print, write_file};
 use crate::status::DONE;
 
@@ -25,6 +26,8 @@ enum Command {
         /// Seed of the start poses
         #[arg(long, default_value_t = 1)]
         seed: u64,
+        #[command(flatten)]
+        world: WorldOption,
         /// File to write; without it the scene goes to standard output
         #[arg(short, long, value_name = "FILE")]
         output: Option<PathBuf>,
@@ -32,10 +35,11 @@ enum Command {
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
-    let Command::Export { goal, seed, output } = &arguments.command;
+    let Command::Export { goal, seed, world, output } = &arguments.command;
     let kit = data.kit()?;
     let assembly = data.goal(goal, &kit)?;
     let arm = data.arm()?;
+    let world = world.read(data)?;
     if let Some(path) = output {
         check_place(path)?;
     }
@@ -46,6 +50,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         track: Track::State,
         seed: *seed,
         disturbance: Disturbance::default(),
+        world: &world,
         fault: None,
     };
     let twin = Twin::new(&setup).into_diagnostic()?;

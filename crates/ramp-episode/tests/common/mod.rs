@@ -51,6 +51,7 @@ impl World {
             track,
             seed,
             disturbance: Disturbance::default(),
+            world: ramp_twin::World::ideal(),
             fault: None,
         }
     }

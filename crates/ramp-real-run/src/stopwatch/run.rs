@@ -75,6 +75,7 @@ impl<'a> Run<'a> {
             class: goal.class.map(|class| class.name().to_string()),
             track: track.to_string(),
             real: Some(real.clone()),
+            world: None,
             seed: u64::from(self.repeat),
             secret: None,
             repeat: self.repeat,

@@ -1,7 +1,7 @@
 //! Who stands where: one board for each class, track and rules, the best agent first.
 
 use ramp_result::collection::{Collection, class_rank};
-use ramp_result::episode::{EpisodeResult, RealRun};
+use ramp_result::episode::{EpisodeResult, RealRun, WorldInfo};
 use ramp_robot::Track;
 
 use crate::sums::{self, Line, Scope};
@@ -13,6 +13,8 @@ pub struct Key {
     pub class: Option<String>,
     /// The track.
     pub track: String,
+    /// What tells the world from all others; `None` of real runs.
+    pub world: Option<String>,
     /// The rules of judging.
     pub rules: String,
     /// Whether real robots worked.
@@ -25,6 +27,7 @@ impl Key {
         Key {
             class: result.class.clone(),
             track: result.track.clone(),
+            world: result.world.as_ref().map(WorldInfo::title),
             rules: result.rules.clone(),
             real: result.real.is_some(),
         }
@@ -35,23 +38,25 @@ impl Key {
         let class =
             self.class.as_ref().map_or("Goals without a class".to_string(), |it| format!("Class {it}"));
         let real = if self.real { ", real robots" } else { "" };
-        format!("{class}, track {}{real}", self.track)
+        let world = self.world.as_ref().map_or(String::new(), |world| format!(", world {world}"));
+        format!("{class}, track {}{world}{real}", self.track)
     }
 
     /// For the name of a file: letters, digits and hyphens.
     pub fn slug(&self) -> String {
         let class = self.class.as_deref().unwrap_or("no-class");
         let real = if self.real { "-real" } else { "" };
-        format!("{class}-{}{real}-{}", self.track, self.rules)
+        let world = self.world.as_ref().map_or(String::new(), |world| format!("-{world}"));
+        format!("{class}-{}{world}{real}-{}", self.track, self.rules)
             .chars()
             .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' })
             .collect()
     }
 
     /// Easy ones first, tracks in their order, real robots last.
-    fn rank(&self) -> (usize, usize, bool, &str) {
+    fn rank(&self) -> (usize, usize, bool, Option<&str>, &str) {
         let track = Track::ALL.iter().position(|known| known.name() == self.track);
-        (class_rank(self.class.as_deref()), track.unwrap_or(Track::ALL.len()), self.real, &self.rules)
+        (class_rank(self.class.as_deref()), track.unwrap_or(Track::ALL.len()), self.real, self.world.as_deref(), &self.rules)
     }
 }
 

@@ -26,6 +26,10 @@ parameters! {
         turn_cost: f64 = "", 0.0, 10.0;
         /// Speed with which the hand retreats to travelling height. Chosen.
         retreat_speed: f64 = "m/s", 0.001, 1.0;
+        /// How far beside the hand a free place is looked for, when it stands where no motion can begin. Chosen.
+        back_out: [f64; 4] = "m", 0.001, 0.5;
+        /// Speed with which it goes there: it may touch something. Chosen.
+        back_out_speed: f64 = "m/s", 0.001, 1.0;
     }
 }
 

@@ -67,6 +67,7 @@ impl Workcell<'_, '_> {
     pub fn grasp(&mut self, part: &str, x_wt: &Pose, open: f64, width: f64) -> Result<(), SkillError> {
         self.hand.gripper.width = open;
         self.descend(x_wt, part)?;
+        self.hand.wait_for_gripper()?;
         self.hand.relax();
         for attempt in 0..self.parameters.grip.closings {
             self.hand.grip(width - self.parameters.grip.squeeze, self.parameters.grip.force)?;

@@ -1,5 +1,6 @@
 //! Motions through free space, and which poses of the tip the arm reaches.
 
+use nalgebra::{Translation3, Vector3};
 use ramp_motion::{Checker, Joints, MotionError, Pace, Terms, TimeLaw, Trajectory};
 
 use crate::Pose;
@@ -19,8 +20,35 @@ impl Workcell<'_, '_> {
             Err(MotionError::Blocked("start")) => self.retreat()?,
             planned => return self.hand.follow(&planned?),
         }
-        let trajectory = self.plan(x_wt)?;
-        self.hand.follow(&trajectory)
+        let planned = match self.plan(x_wt) {
+            Err(MotionError::Blocked("start")) if self.back_out()? => self.plan(x_wt),
+            planned => planned,
+        };
+        self.hand.follow(&planned?)
+    }
+
+    /// Moves a hand that stands where nothing can begin to the nearest place beside it that is free, upwards first. False when
+    /// there is none.
+    ///
+    /// # Errors
+    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
+    fn back_out(&mut self) -> Result<bool, SkillError> {
+        let checker = self.checker(None);
+        let (here, q) = (self.hand.seen.x_wt, self.hand.joints());
+        let back = here.rotation * -Vector3::z();
+        let aside = [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::y()].map(|axis| here.rotation * axis);
+        let directions = [Vector3::z(), back].into_iter().chain(aside);
+        let places = self.parameters.travel.back_out.into_iter().flat_map(|far| {
+            directions.clone().map(move |along| Translation3::from(along * far) * here)
+        });
+        let is_free = |x_wt: &Pose| {
+            self.planner.solve(x_wt, &q).is_ok_and(|q| checker.is_free(&self.planner.kinematics.frames(&q)))
+        };
+        let Some(free) = places.into_iter().find(is_free) else { return Ok(false) };
+        self.note("retry", "the hand stands too near to something, and backs out".to_string());
+        self.hand.relax();
+        self.hand.go(&free, self.parameters.travel.back_out_speed)?;
+        Ok(true)
     }
 
     /// The motion through free space to `x_wt`.

@@ -4,6 +4,7 @@ use super::text::{box_geom, capsule_geom, inertial, numbers};
 use crate::looks;
 use ramp_kit::shape::Cuboid;
 use ramp_robot::arm::{ArmBox, ArmModel};
+use ramp_world::Physics;
 use std::f64::consts::PI;
 use std::fmt::Write;
 
@@ -21,7 +22,7 @@ fn finger_box(piece: &ArmBox, tip: f64) -> Cuboid {
 }
 
 /// The arm, from its base outwards.
-pub(super) fn arm_bodies(xml: &mut String, arm: &ArmModel) {
+pub(super) fn arm_bodies(xml: &mut String, arm: &ArmModel, physics: &Physics) {
     xml.push_str("<body name=\"link0\">");
     for capsule in &arm.base.capsules {
         capsule_geom(xml, "arm", capsule);
@@ -42,8 +43,10 @@ pub(super) fn arm_bodies(xml: &mut String, arm: &ArmModel) {
         inertial(xml, joint.link.mass, &joint.link.centre, &joint.link.inertia);
         let _ = write!(
             xml,
-            r#"<joint name="joint{number}" axis="0 0 1" range="{}" damping="0.5" armature="0.1"/>"#,
-            numbers(&joint.range)
+            r#"<joint name="joint{number}" axis="0 0 1" range="{}" damping="{}" armature="{}"/>"#,
+            numbers(&joint.range),
+            physics.friction.viscous[index],
+            physics.arm.armature[index]
         );
         for capsule in &joint.link.capsules {
             capsule_geom(xml, "arm", capsule);

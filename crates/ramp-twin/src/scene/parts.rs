@@ -1,5 +1,6 @@
 //! The parts: beams, holders and pegs with their shapes and masses.
 
+use super::print::PrintedPart;
 use super::text::{box_geom, capsule_geom, inertial, numbers, placed, plate_geoms};
 use nalgebra::Vector3;
 use ramp_kit::joint::{
@@ -14,6 +15,8 @@ use std::fmt::Write;
 
 /// Edges of the polygon of a peg's cone.
 const CONE_EDGES: usize = 24;
+/// Damping ratio of a clamp. Chosen: it does not ring.
+const CLAMP_DAMPING: f64 = 0.5;
 /// Mass of a peg in solid PLA, kg.
 pub const PEG_MASS: f64 = 26.9e-3;
 /// Dry friction of a holder that can be pushed over the table, N along each axis, and its mass, kg.
@@ -35,23 +38,47 @@ pub(super) fn nose_mesh() -> String {
     format!("<mesh name=\"nose\" vertex=\"{}\"/>\n", numbers(&vertices))
 }
 
-/// The cone at the end of a peg's stem, with a short piece of the stem above it, in the peg's frame.
-pub(super) fn cone_mesh() -> String {
+/// The cone at the end of a peg's stem of that radius (m), with a short piece of the stem above it, in the peg's frame.
+pub(super) fn cone_mesh(name: &str, radius: f64) -> String {
     let mut vertices = Vec::new();
     let cone = STEM_LENGTH - STEM_CONE;
-    for (z, r) in [(4.0e-3 - cone, STEM_RADIUS), (-cone, STEM_RADIUS), (-STEM_LENGTH, STEM_TIP_RADIUS)] {
+    for (z, r) in [(4.0e-3 - cone, radius), (-cone, radius), (-STEM_LENGTH, STEM_TIP_RADIUS)] {
         for edge in 0..CONE_EDGES {
             let angle = TAU * (edge as f64 + 0.5) / CONE_EDGES as f64;
             vertices.extend([r * angle.cos(), r * angle.sin(), z]);
         }
     }
-    format!("<mesh name=\"cone\" vertex=\"{}\"/>\n", numbers(&vertices))
+    format!("<mesh name=\"{name}\" vertex=\"{}\"/>\n", numbers(&vertices))
 }
 
-/// A beam at its place.
-pub(super) fn beam_body(xml: &mut String, beam: &Beam, x_wb: &Pose, clamped: bool) {
-    let _ = write!(xml, "<body name=\"{}\" {}>", beam.name, placed(x_wb));
-    if !clamped {
+/// A beam at its place. `clamp` is by how much the clamp gives that holds it, m/N; without one it lies free.
+pub(super) fn beam_body(
+    xml: &mut String,
+    beam: &Beam,
+    x_wb: &Pose,
+    clamp: Option<f64>,
+    printed: &mut PrintedPart,
+) {
+    let beam = &printed.beam(beam);
+    let gives = clamp.filter(|give| *give > 0.0);
+    // What the clamp carries does not pull it down any more.
+    let carried = if gives.is_some() { " gravcomp=\"1\"" } else { "" };
+    let _ = write!(xml, "<body name=\"{}\" {}{carried}>", beam.name, placed(x_wb));
+    if let Some(give) = gives {
+        let (mass, centre, [along, across, upright]) = beam_inertia(beam);
+        inertial(xml, mass, &centre, &[along, across, upright, 0.0, 0.0, 0.0]);
+        let stiffness = 1.0 / give;
+        // Wood and plastic damp well.
+        let damping = 2.0 * CLAMP_DAMPING * (stiffness * mass).sqrt();
+        for (axis, along) in [("x", "1 0 0"), ("y", "0 1 0"), ("z", "0 0 1")] {
+            let _ = write!(
+                xml,
+                r#"<joint name="{}{axis}" type="slide" axis="{along}" stiffness="{stiffness}" damping="{damping}"/>"#,
+                beam.name
+            );
+        }
+    }
+    if clamp.is_none() {
         let (mass, centre, diagonal) = beam_inertia(beam);
         let _ = write!(
             xml,
@@ -62,7 +89,7 @@ pub(super) fn beam_body(xml: &mut String, beam: &Beam, x_wb: &Pose, clamped: boo
         );
     }
     for shape in beam_shapes(beam) {
-        shape_geoms(xml, shape);
+        shape_geoms(xml, shape, printed);
     }
     for rest in beam_rests(beam) {
         box_geom(xml, "rest", &rest);
@@ -70,15 +97,22 @@ pub(super) fn beam_body(xml: &mut String, beam: &Beam, x_wb: &Pose, clamped: boo
     xml.push_str("</body>\n");
 }
 
-fn shape_geoms(xml: &mut String, shape: Shape) {
+fn shape_geoms(xml: &mut String, shape: Shape, printed: &mut PrintedPart) {
     match shape {
         Shape::Solid(cuboid) => {
             let metal = cuboid.max[1] - cuboid.min[1] < BODY_WIDTH * 0.9
                 && cuboid.max[1] <= EXTRUSION / 2.0 + 1e-6
                 && cuboid.min[1] >= -EXTRUSION / 2.0 - 1e-6;
-            box_geom(xml, if metal { "metal" } else { "part" }, &cuboid);
+            if metal {
+                box_geom(xml, "metal", &cuboid);
+            } else {
+                box_geom(xml, "part", &printed.cuboid(cuboid));
+            }
         }
-        Shape::Plate { cuboid, hole } => plate_geoms(xml, "part", &cuboid, hole, HOLE_RADIUS),
+        Shape::Plate { cuboid, hole } => {
+            let (cuboid, radius) = (printed.cuboid(cuboid), printed.hole(HOLE_RADIUS));
+            plate_geoms(xml, "part", &cuboid, hole, radius);
+        }
         Shape::Nose { x0, x1 } => {
             let turn = if x1 > x0 { "1 0 0 0" } else { "0 0 0 1" };
             let _ = write!(
@@ -87,7 +121,7 @@ fn shape_geoms(xml: &mut String, shape: Shape) {
                 numbers(&[x0, 0.0, 0.0])
             );
         }
-        Shape::Foot(cuboid) => box_geom(xml, "feet", &cuboid),
+        Shape::Foot(cuboid) => box_geom(xml, "feet", &printed.cuboid(cuboid)),
         Shape::Turned { about, angle, piece } => {
             let _ = write!(xml, r#"<frame pos="{}" euler="0 0 {angle}">"#, numbers(&[about, 0.0, 0.0]));
             shape_geoms(
@@ -97,6 +131,7 @@ fn shape_geoms(xml: &mut String, shape: Shape) {
                     Piece::Plate(cuboid) => Shape::Plate { cuboid, hole: [0.0, 0.0] },
                     Piece::Nose { x0, x1 } => Shape::Nose { x0, x1 },
                 },
+                printed,
             );
             xml.push_str("</frame>");
         }
@@ -169,7 +204,8 @@ pub(super) fn holder_body(xml: &mut String, name: &str, x_wh: &Pose, loose: bool
 }
 
 /// A peg at its place.
-pub(super) fn peg_body(xml: &mut String, name: &str, x_wp: &Pose) {
+pub(super) fn peg_body(xml: &mut String, name: &str, x_wp: &Pose, printed: &mut PrintedPart) {
+    let radius = printed.stem();
     // Head and stem as one solid each, of the printed part's mass.
     let head_mass = HEAD_WIDTH * HEAD_WIDTH * HEAD_HEIGHT * PLA_DENSITY;
     let scale = PEG_MASS / (head_mass + PI * STEM_RADIUS * STEM_RADIUS * STEM_LENGTH * PLA_DENSITY);
@@ -189,11 +225,12 @@ pub(super) fn peg_body(xml: &mut String, name: &str, x_wp: &Pose) {
     );
     head_geoms(xml);
     // The capsule's round end stays inside the cone.
-    let end = -(STEM_LENGTH - STEM_CONE) + STEM_RADIUS;
+    let end = -(STEM_LENGTH - STEM_CONE) + radius;
+    let cone = if radius == STEM_RADIUS { "cone".to_string() } else { format!("cone-{name}") };
     let stem = Vector3::new(0.0, 0.0, end);
     let _ = write!(
         xml,
-        r#"<geom class="peg" type="capsule" fromto="0 0 0.005 {}" size="{STEM_RADIUS}"/><geom class="peg" type="mesh" mesh="cone"/></body>"#,
+        r#"<geom class="peg" type="capsule" fromto="0 0 0.005 {}" size="{radius}"/><geom class="peg" type="mesh" mesh="{cone}"/></body>"#,
         numbers(stem.as_slice())
     );
     xml.push('\n');

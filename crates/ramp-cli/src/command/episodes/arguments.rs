@@ -4,13 +4,14 @@ use std::path::Path;
 use std::time::Duration;
 
 use miette::Report;
+use ramp_result::sha256;
 use ramp_robot::Track;
 
 use super::batch::Batch;
 use super::goals::{BatchError, Goal};
 use crate::command::agent;
 use crate::data::Data;
-use crate::options::TrackName;
+use crate::options::{TrackName, WorldOption};
 use crate::software::software;
 
 /// What commands that run many episodes are told alike.
@@ -19,6 +20,8 @@ pub struct Arguments {
     /// What the agent may see of the parts
     #[arg(long, value_enum, default_value_t = TrackName::Tags)]
     track: TrackName,
+    #[command(flatten)]
+    world: WorldOption,
     #[command(flatten)]
     agent: agent::Arguments,
     /// Seed of the first episode of each goal
@@ -69,6 +72,8 @@ impl Arguments {
             data,
             folder,
             track: Track::from(self.track).name(),
+            world: self.world.argument(),
+            world_hash: sha256(self.world.read(data)?.text.as_bytes()),
             limit: Duration::from_secs(self.limit),
             jobs: self.jobs as usize,
             agent,

@@ -48,6 +48,9 @@ pub struct Batch<'a> {
     pub data: &'a Data,
     pub folder: &'a Path,
     pub track: &'static str,
+    /// The world, as on the command line, and the hash of its file.
+    pub world: OsString,
+    pub world_hash: String,
     pub limit: Duration,
     /// Episodes at a time.
     pub jobs: usize,
@@ -148,6 +151,11 @@ impl Batch<'_> {
                 }
                 .into());
             }
+            if value["world"]["sha256"].as_str() != Some(self.world_hash.as_str()) {
+                let theirs = value["world"]["name"].as_str().unwrap_or("none").to_string();
+                let file = path.display().to_string();
+                return Err(BatchError::OtherWorld { file, theirs }.into());
+            }
             if value["secret"].as_str() != self.commitment().as_deref() {
                 return Err(BatchError::OtherSecret { file: path.display().to_string() }.into());
             }
@@ -173,6 +181,7 @@ impl Batch<'_> {
             && result.goal == goal.name
             && result.pegs.len() == goal.pegs
             && result.track == self.track
+            && result.world.as_ref().is_some_and(|world| world.sha256 == self.world_hash)
             && result.seed == episode.seed
             && result.secret == self.commitment()
             && result.software == self.software
@@ -256,6 +265,7 @@ impl Batch<'_> {
         let log = File::create_new(running.join(format!("{}.log", episode.stem)))?;
         let mut words = self.data.arguments();
         words.extend(["run".into(), "--track".into(), self.track.into()]);
+        words.extend(["--world".into(), self.world.clone()]);
         words.extend(["--seed".into(), episode.seed.to_string().into()]);
         words.extend(["--repeat".into(), episode.repeat.to_string().into()]);
         words.extend(episode.fault.iter().flat_map(|fault| ["--fault".into(), fault.to_string().into()]));

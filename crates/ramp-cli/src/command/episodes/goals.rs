@@ -41,6 +41,9 @@ pub enum BatchError {
     #[error("{file} is of another secret, or of none")]
     #[diagnostic(help("a folder is of one secret: name another folder with -o, or give the same --secret"))]
     OtherSecret { file: String },
+    #[error("{file} is of the world {theirs}, and not of this one")]
+    #[diagnostic(help("a folder is of one world: name another folder with -o, or give the same --world"))]
+    OtherWorld { file: String, theirs: String },
     #[error("another bench is at work in {folder}")]
     #[diagnostic(help("wait for it, or name another folder with -o"))]
     Busy { folder: String },

@@ -10,7 +10,7 @@ use ramp_log::{ENDING, Log};
 use ramp_report::leaderboard::Stream;
 use ramp_report::report::REPEATS;
 use ramp_result::collection::{Entrant, collect};
-use ramp_result::episode::EpisodeResult;
+use ramp_result::episode::{EpisodeResult, WorldInfo};
 
 use super::entry::Entry;
 use crate::data::Data;
@@ -48,6 +48,10 @@ pub fn time(
         Ok(agent) => agent,
         Err(why) => return Ok(Timing::not(why)),
     };
+    let world = entrant.files.iter().find_map(|file| file.result.world.as_ref());
+    if !world.is_some_and(WorldInfo::is_shipped) {
+        return Ok(Timing::not("its world is not one of this program's".to_string()));
+    }
     let results = folder.path().join("results");
     let status = Command::new(std::env::current_exe().into_diagnostic()?)
         .args(bench_arguments(data, entrant, agent.as_deref(), &results, secret))
@@ -92,6 +96,8 @@ fn bench_arguments(
 ) -> Vec<OsString> {
     let mut arguments = data.arguments();
     arguments.extend(["bench", "--track", &entrant.identity.track].map(OsString::from));
+    let world = entrant.files.iter().find_map(|file| file.result.world.as_ref());
+    arguments.extend(world.iter().flat_map(|world| ["--world", &world.name]).map(OsString::from));
     arguments.extend(["--repeats".into(), REPEATS.to_string().into(), "-o".into(), results.into()]);
     if let Some(agent) = agent {
         arguments.extend(["--sandbox".into(), "--agent".into(), agent.into()]);

@@ -1,0 +1,95 @@
+//! Friction of the joints: bristles that bend before they slip (Canudas de Wit, Olsson, Åström, Lischinsky: A new model for
+//! control of systems with friction, 1995).
+//!
+//! A joint at rest is held by its bristles like by a stiff spring, up to the friction at which it breaks away; one that moves
+//! is braked by dry friction. What is viscous is the engine's.
+
+use ramp_control::JointVector;
+use ramp_robot::PERIOD;
+use ramp_world::groups::{Arm, Friction};
+
+/// Damping ratio of a bristle with the inertia of its drive. Chosen: it does not ring.
+const DAMPING: f64 = 0.7;
+
+/// The bristles of all joints.
+#[derive(Clone, Debug)]
+pub(crate) struct JointFriction {
+    friction: Friction,
+    /// Stiffness (N·m/rad) and damping (N·m·s/rad) of each.
+    stiffness: JointVector,
+    damping: JointVector,
+    /// How far each is bent, rad.
+    bent: JointVector,
+}
+
+impl JointFriction {
+    /// With nothing bent.
+    pub fn new(friction: &Friction, arm: &Arm) -> JointFriction {
+        let stiffness = JointVector::from(friction.coulomb) / friction.presliding;
+        let damping = JointVector::from_fn(|joint, _| {
+            2.0 * DAMPING * (stiffness[joint] * arm.armature[joint]).sqrt()
+        });
+        JointFriction { friction: friction.clone(), stiffness, damping, bent: JointVector::zeros() }
+    }
+
+    /// The torques of friction on the joints, against these velocities (rad/s), after one more period, N·m.
+    pub fn step(&mut self, velocities: &JointVector) -> JointVector {
+        let Friction { coulomb, breakaway, stribeck, asymmetry, .. } = &self.friction;
+        JointVector::from_fn(|joint, _| {
+            if coulomb[joint] <= 0.0 {
+                return 0.0;
+            }
+            let velocity = velocities[joint];
+            let direction = 1.0 + asymmetry[joint] * velocity.signum();
+            let most = coulomb[joint] * direction * (1.0 + breakaway * (-(velocity / stribeck).powi(2)).exp());
+            // Where the bristle comes to rest at this velocity, and how fast it comes there: exact over the period.
+            let slipping = velocity.signum() * most / self.stiffness[joint];
+            let fade = (-velocity.abs() * self.stiffness[joint] / most * PERIOD).exp();
+            let before = self.bent[joint];
+            let bent = slipping + (before - slipping) * fade;
+            self.bent[joint] = bent;
+            -(self.stiffness[joint] * bent + self.damping[joint] * (bent - before) / PERIOD)
+        })
+    }
+}
+
+/// For each joint, which share of friction acts on the motor's side of the torque sensor, and which on the link's.
+pub(crate) fn shares(friction: &Friction) -> [f64; 2] {
+    [1.0 - friction.past_sensor, friction.past_sensor]
+}
+
+#[cfg(test)]
+mod tests {
+    use ramp_robot::DOF;
+    use ramp_world::World;
+
+    use super::*;
+
+    /// One joint of the inertia of its drive alone, under a torque that grows: where it breaks away, and how it is braked then.
+    fn pushed(torque: f64, periods: usize) -> (f64, f64, f64) {
+        let physics = World::shipped("hard").map(|world| world.draw(1));
+        let Some(mut physics) = physics else { return (0.0, 0.0, 0.0) };
+        physics.friction.coulomb = [1.0; DOF];
+        physics.friction.breakaway = 0.5;
+        physics.friction.asymmetry = [0.0; DOF];
+        let mut friction = JointFriction::new(&physics.friction, &physics.arm);
+        let (mut position, mut velocity, mut braked) = (0.0, 0.0, 0.0);
+        for _ in 0..periods {
+            braked = friction.step(&JointVector::repeat(velocity))[0];
+            velocity += (torque + braked) / physics.arm.armature[0] * PERIOD;
+            position += velocity * PERIOD;
+        }
+        (position, velocity, braked)
+    }
+
+    /// Under less than the friction at rest a joint gives a little and stays; under more it moves, and dry friction alone brakes
+    /// it.
+    #[test]
+    fn a_joint_breaks_away_at_its_friction_at_rest() {
+        let (position, velocity, _) = pushed(1.4, 3000);
+        assert!(position < 1e-3 && velocity.abs() < 1e-6, "{position} {velocity}");
+        let (_, velocity, braked) = pushed(1.6, 3000);
+        assert!(velocity > 1.0, "{velocity}");
+        assert!((braked + 1.0).abs() < 0.01, "{braked}");
+    }
+}

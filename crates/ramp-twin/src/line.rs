@@ -1,0 +1,113 @@
+//! The line between the program and the arm: commands come late, and some are lost.
+
+use std::collections::VecDeque;
+
+use ramp_control::JointVector;
+use ramp_robot::random::Stream;
+use ramp_world::groups;
+
+/// So many commands lost in a row stop the arm. From libfranka's documentation.
+pub(crate) const MOST_LOST: u32 = 20;
+
+/// What is on its way.
+pub(crate) struct Line {
+    /// Commands that are not there yet, the oldest first.
+    coming: VecDeque<JointVector>,
+    /// In periods.
+    delay: usize,
+    lost: f64,
+    lost_row: f64,
+    stream: Stream,
+    /// Commands that are still to be lost in this row, and how many already were.
+    losing: u32,
+    in_row: u32,
+    /// The last torques that came.
+    last: JointVector,
+}
+
+impl Line {
+    pub fn new(line: &groups::Line, seed: u64) -> Line {
+        Line {
+            coming: VecDeque::new(),
+            delay: line.delay.round() as usize,
+            lost: line.lost,
+            lost_row: line.lost_row,
+            stream: Stream::new(seed, "line"),
+            losing: 0,
+            in_row: 0,
+            last: JointVector::zeros(),
+        }
+    }
+
+    /// Sends torques (N·m), and tells those that the motors get now: the last ones while commands are lost.
+    pub fn send(&mut self, torques: JointVector) -> JointVector {
+        self.coming.push_back(torques);
+        let arrived = if self.coming.len() > self.delay { self.coming.pop_front() } else { None };
+        if self.lost > 0.0 && self.losing == 0 && self.stream.uniform() < self.lost {
+            // A row goes on with the same probability after each command: its mean length is `lost_row`.
+            self.losing = 1;
+            while self.stream.uniform() < 1.0 - 1.0 / self.lost_row && self.losing < 10 * MOST_LOST {
+                self.losing += 1;
+            }
+        }
+        if self.losing > 0 {
+            self.losing -= 1;
+            self.in_row += 1;
+        } else {
+            self.in_row = 0;
+            self.last = arrived.unwrap_or(self.last);
+        }
+        self.last
+    }
+
+    /// Whether so many were lost in a row that the arm stops.
+    pub fn has_stopped(&self) -> bool {
+        self.in_row >= MOST_LOST
+    }
+
+    /// The arm works again: nothing is on its way any more.
+    pub fn begin_anew(&mut self) {
+        self.coming.clear();
+        self.losing = 0;
+        self.in_row = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(delay: f64, lost: f64, lost_row: f64) -> Line {
+        Line::new(&groups::Line { delay, lost, lost_row, recovery: 1.0 }, 1)
+    }
+
+    #[test]
+    fn commands_come_late() {
+        let mut line = line(2.0, 0.0, 1.0);
+        let came: Vec<f64> = (1..6).map(|number| line.send(JointVector::repeat(f64::from(number)))[0]).collect();
+        assert_eq!(came, [0.0, 0.0, 1.0, 2.0, 3.0]);
+    }
+
+    /// While commands are lost the last torque is held; 20 in a row stop the arm, and rows are as long as they should be.
+    #[test]
+    fn lost_commands_hold_the_last_torque() {
+        let mut line = line(0.0, 0.01, 4.0);
+        let (mut rows, mut lost, mut stops, mut before) = (0, 0, 0, 0.0);
+        for number in 1..200_000 {
+            let came = line.send(JointVector::repeat(f64::from(number)))[0];
+            if came < f64::from(number) {
+                rows += usize::from(before == f64::from(number - 1));
+                lost += 1;
+                assert_eq!(came, before);
+            }
+            before = came;
+            if line.has_stopped() {
+                stops += 1;
+                line.begin_anew();
+            }
+        }
+        let mean = f64::from(lost) / rows as f64;
+        assert!((mean - 4.0).abs() < 0.4, "{mean}");
+        assert!((2..30).contains(&stops), "{stops}");
+    }
+}
