@@ -8,7 +8,8 @@ use ramp_log::header::{
 };
 use ramp_log::{LogError, Recorder, SecretSeed};
 use ramp_result::episode::{
-    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PlanInfo, RULES, SCHEMA, Software, Time, WorldInfo, completion,
+    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PlanInfo, RULES, SCHEMA, Software, Time, WorldInfo,
+    completion,
 };
 use ramp_result::sha256;
 use ramp_robot::{Account, Agent};

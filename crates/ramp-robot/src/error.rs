@@ -63,7 +63,9 @@ pub enum RobotError {
         unit: &'static str,
     },
     /// Commanded torques change faster than the controller allows.
-    #[error("controller_torque_discontinuity: the commanded torque of joint {joint} changes by {rate:.0} N·m/s, and the most is {limit:.0}")]
+    #[error(
+        "controller_torque_discontinuity: the commanded torque of joint {joint} changes by {rate:.0} N·m/s, and the most is {limit:.0}"
+    )]
     TorqueJump {
         /// 1 to 7.
         joint: usize,

@@ -54,7 +54,8 @@ impl Drive {
         let controller = &physics.controller;
         let mut noise = Stream::new(seed, "torques");
         let sigma = physics.sensing.torque_noise / ZERO_READINGS.sqrt();
-        let zero = bias(physics, &JointVector::from(*home)) + JointVector::from_fn(|_, _| noise.normal(sigma));
+        let zero =
+            bias(physics, &JointVector::from(*home)) + JointVector::from_fn(|_, _| noise.normal(sigma));
         Drive {
             friction: JointFriction::new(&physics.friction, &physics.arm),
             line: Line::new(&physics.line, seed),

@@ -26,9 +26,8 @@ impl JointFriction {
     /// With nothing bent.
     pub fn new(friction: &Friction, arm: &Arm) -> JointFriction {
         let stiffness = JointVector::from(friction.coulomb) / friction.presliding;
-        let damping = JointVector::from_fn(|joint, _| {
-            2.0 * DAMPING * (stiffness[joint] * arm.armature[joint]).sqrt()
-        });
+        let damping =
+            JointVector::from_fn(|joint, _| 2.0 * DAMPING * (stiffness[joint] * arm.armature[joint]).sqrt());
         JointFriction { friction: friction.clone(), stiffness, damping, bent: JointVector::zeros() }
     }
 
@@ -41,7 +40,8 @@ impl JointFriction {
             }
             let velocity = velocities[joint];
             let direction = 1.0 + asymmetry[joint] * velocity.signum();
-            let most = coulomb[joint] * direction * (1.0 + breakaway * (-(velocity / stribeck).powi(2)).exp());
+            let most =
+                coulomb[joint] * direction * (1.0 + breakaway * (-(velocity / stribeck).powi(2)).exp());
             // Where the bristle comes to rest at this velocity, and how fast it comes there: exact over the period.
             let slipping = velocity.signum() * most / self.stiffness[joint];
             let fade = (-velocity.abs() * self.stiffness[joint] / most * PERIOD).exp();

@@ -84,7 +84,8 @@ mod tests {
     #[test]
     fn commands_come_late() {
         let mut line = line(2.0, 0.0, 1.0);
-        let came: Vec<f64> = (1..6).map(|number| line.send(JointVector::repeat(f64::from(number)))[0]).collect();
+        let came: Vec<f64> =
+            (1..6).map(|number| line.send(JointVector::repeat(f64::from(number)))[0]).collect();
         assert_eq!(came, [0.0, 0.0, 1.0, 2.0, 3.0]);
     }
 

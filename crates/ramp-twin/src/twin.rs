@@ -26,7 +26,8 @@ use crate::scene::{Printed, scene_xml};
 use crate::setup::{Setup, TwinError};
 use crate::slow_gripper::SlowGripper;
 use ramp_control::{
-    ArmState, GripperLoop, Jacobian, JointMotion, JointVector, PoseMotion, impedance, pose_impedance, track_joints, track_velocities,
+    ArmState, GripperLoop, Jacobian, JointMotion, JointVector, PoseMotion, impedance, pose_impedance,
+    track_joints, track_velocities,
 };
 
 /// How far a joint may overshoot a soft stop before the robot reports it, rad.
@@ -395,7 +396,8 @@ impl Twin {
     fn sensor_bias(&self) -> Vector6<f64> {
         let rotation = rotation_from_rows(&self.data.site_xmat()[self.wrist_site]);
         let sensing = &self.physics.sensing;
-        let [force, moment] = [sensing.force_bias, sensing.moment_bias].map(|it| rotation * Vector3::from(it));
+        let [force, moment] =
+            [sensing.force_bias, sensing.moment_bias].map(|it| rotation * Vector3::from(it));
         Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
     }
 
@@ -574,10 +576,10 @@ impl Twin {
     /// Lets periods pass under the last command; before the first one the arm stays where it starts. A motion that is
     /// commanded goes on afterwards as if none had passed.
     fn hold(&mut self, periods: u32) -> Result<(), RobotError> {
-        let command = self.last_command.clone().unwrap_or(Command {
-            arm: ArmCommand::JointPositions(self.arm.home),
-            gripper: START_GRIPPER,
-        });
+        let command = self
+            .last_command
+            .clone()
+            .unwrap_or(Command { arm: ArmCommand::JointPositions(self.arm.home), gripper: START_GRIPPER });
         let motion = (self.last_joints, self.last_pose);
         self.holding = true;
         let held = (0..periods).try_for_each(|_| self.step(&command).map(|_| ()));

@@ -73,7 +73,9 @@ impl Problem for WorldProblem {
     fn help(&self) -> Option<String> {
         match self {
             WorldProblem::Form(problem) => problem.help(),
-            WorldProblem::Unknown { nearest: Some(nearest), .. } => Some(format!("did you mean `{nearest}`?")),
+            WorldProblem::Unknown { nearest: Some(nearest), .. } => {
+                Some(format!("did you mean `{nearest}`?"))
+            }
             WorldProblem::Unknown { .. } | WorldProblem::Lacking { .. } => {
                 Some("`ramp world show real` prints a world with all that it holds".to_string())
             }
@@ -179,11 +181,7 @@ fn text(file: &SourceFile, name: &str, value: &Spanned<DeValue>) -> Result<Strin
     }
 }
 
-fn quantity(
-    file: &SourceFile,
-    field: &Field,
-    content: &Spanned<DeValue>,
-) -> Result<Quantity, WorldFault> {
+fn quantity(file: &SourceFile, field: &Field, content: &Spanned<DeValue>) -> Result<Quantity, WorldFault> {
     let table = table(file, field.name, content)?;
     let (mut value, mut spread, mut unit, mut source) = (None, None, None, None);
     for (key, content) in table {

@@ -104,9 +104,8 @@ impl World {
     /// A world whose file gives all quantities.
     fn complete(file: &SourceFile) -> Result<World, WorldFault> {
         let told = read(file)?;
-        let all = GROUPS
-            .iter()
-            .flat_map(|(group, _, fields)| fields.iter().map(move |field| (*group, field.name)));
+        let all =
+            GROUPS.iter().flat_map(|(group, _, fields)| fields.iter().map(move |field| (*group, field.name)));
         let mut lacking = all.filter(|key| !told.quantities.contains_key(key));
         if let Some((group, field)) = lacking.next() {
             let problem = WorldProblem::Lacking {
@@ -213,8 +212,11 @@ impl World {
                 Spread::Share(size) => format!(", share = {size:?}"),
                 Spread::Sigma(size) => format!(", sigma = {size:?}"),
             };
-            let unit =
-                if field.unit.is_empty() { String::new() } else { format!(", unit = {}", quoted(field.unit)) };
+            let unit = if field.unit.is_empty() {
+                String::new()
+            } else {
+                format!(", unit = {}", quoted(field.unit))
+            };
             let source = quoted(&quantity.source);
             let _ = writeln!(text, "{} = {{ value = {value}{spread}{unit}, source = {source} }}", field.name);
         }

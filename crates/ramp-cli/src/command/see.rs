@@ -14,8 +14,8 @@ use ramp_result::perception::FALSE;
 use ramp_result::sha256;
 use ramp_robot::{Camera, CameraModel, Image, Pose, Robot, Track};
 use ramp_twin::{Disturbance, Setup, Twin};
-use ramp_world::World;
 use ramp_vision::{Lying, PartFinder, Sighting};
+use ramp_world::World;
 use resvg::{tiny_skia, usvg};
 
 use crate::data::Data;

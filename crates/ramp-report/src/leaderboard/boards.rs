@@ -56,7 +56,13 @@ impl Key {
     /// Easy ones first, tracks in their order, real robots last.
     fn rank(&self) -> (usize, usize, bool, Option<&str>, &str) {
         let track = Track::ALL.iter().position(|known| known.name() == self.track);
-        (class_rank(self.class.as_deref()), track.unwrap_or(Track::ALL.len()), self.real, self.world.as_deref(), &self.rules)
+        (
+            class_rank(self.class.as_deref()),
+            track.unwrap_or(Track::ALL.len()),
+            self.real,
+            self.world.as_deref(),
+            &self.rules,
+        )
     }
 }
 

@@ -36,11 +36,15 @@ impl Workcell<'_, '_> {
         let checker = self.checker(None);
         let (here, q) = (self.hand.seen.x_wt, self.hand.joints());
         let back = here.rotation * -Vector3::z();
-        let aside = [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::y()].map(|axis| here.rotation * axis);
+        let aside =
+            [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::y()].map(|axis| here.rotation * axis);
         let directions = [Vector3::z(), back].into_iter().chain(aside);
-        let places = self.parameters.travel.back_out.into_iter().flat_map(|far| {
-            directions.clone().map(move |along| Translation3::from(along * far) * here)
-        });
+        let places = self
+            .parameters
+            .travel
+            .back_out
+            .into_iter()
+            .flat_map(|far| directions.clone().map(move |along| Translation3::from(along * far) * here));
         let is_free = |x_wt: &Pose| {
             self.planner.solve(x_wt, &q).is_ok_and(|q| checker.is_free(&self.planner.kinematics.frames(&q)))
         };

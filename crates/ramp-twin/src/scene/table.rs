@@ -14,7 +14,8 @@ use std::fmt::Write;
 /// Options, defaults, meshes and lights.
 pub(super) fn header(xml: &mut String, arm: &ArmModel, parts: &Parts, stems: Vec<(&str, f64)>) {
     let Parts { friction, metal_friction, peg_friction, table_friction, pad_friction, .. } = parts;
-    let cones: String = stems.iter().map(|(name, radius)| cone_mesh(&format!("cone-{name}"), *radius)).collect();
+    let cones: String =
+        stems.iter().map(|(name, radius)| cone_mesh(&format!("cone-{name}"), *radius)).collect();
     let _ = write!(
         xml,
         r#"<mujoco model="ramp">

@@ -28,6 +28,16 @@ impl World {
     pub fn twin(&self, track: Track, seed: u64) -> Twin {
         let (kit, assembly, arm) = (&self.kit, &self.assembly, &self.arm);
         let disturbance = Disturbance::default();
-        Twin::new(&Setup { kit, assembly, arm, track, seed, disturbance, world: ramp_twin::World::ideal(), fault: None }).unwrap()
+        Twin::new(&Setup {
+            kit,
+            assembly,
+            arm,
+            track,
+            seed,
+            disturbance,
+            world: ramp_twin::World::ideal(),
+            fault: None,
+        })
+        .unwrap()
     }
 }
