@@ -16,7 +16,7 @@ use ramp_kit::Kit;
 use ramp_kit::source::{nearest, read_text, shorten};
 use ramp_planner::Domains;
 use ramp_result::collection::LARGEST;
-use ramp_result::episode::{Software, WorldInfo};
+use ramp_result::episode::{Software, WorldLabel};
 use ramp_result::manipulation::sums::{SkillSum, sums};
 use ramp_result::manipulation::{SCHEMA, Trial};
 use ramp_result::write_whole;
@@ -143,7 +143,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     std::fs::create_dir_all(folder)
         .map_err(|error| miette!("cannot make the folder {}: {error}", folder.display()))?;
     let done = trials.work(&wanted, before, arguments.jobs as usize)?;
-    let mut text = format!("track {}, seeds {} to {last}\n", trials.track.name(), arguments.first_seed);
+    let world = WorldLabel::of(&trials.world).title;
+    let (track, first) = (trials.track.name(), arguments.first_seed);
+    let mut text = format!("world {world}, track {track}, seeds {first} to {last}\n");
     table(&mut text, &sums(&done));
     let _ = writeln!(text, "results: {}", folder.display());
     print(&text)?;
@@ -199,8 +201,7 @@ impl Trials<'_> {
             }
             .into());
         }
-        let world = WorldInfo::of(&self.world, seed);
-        if trial.world.as_ref().is_none_or(|it| it.sha256 != world.sha256) {
+        if trial.world.sha256 != WorldLabel::of(&self.world).sha256 {
             return Err(TrialsError::OtherWorld { file: path.display().to_string() }.into());
         }
         if trial.agent.sha256 != self.parameters.sha256 {

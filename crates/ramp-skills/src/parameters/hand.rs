@@ -18,6 +18,8 @@ parameters! {
         /// How long the fingers stand still when they have closed or opened. With 0.04 s, fingers whose ribs slide into a slot
         /// count as closed on the way.
         still: f64 = "s", 0.001, 1.0;
+        /// How often a gripper tells its width at least. A Franka hand does so ten times a second.
+        told_every: f64 = "s", 0.001, 1.0;
         /// Force on the wrist at which a motion is broken off. A cap is swept to and fro with up to 38 N, and fingers that come
         /// down around a beam may brush along it with 30 N.
         guard: f64 = "N", 5.0, 200.0;
