@@ -337,14 +337,21 @@ impl<'r> Hand<'r> {
         Ok(())
     }
 
-    /// Waits under impedance until the arm is still, at most as long as a motion takes to fade.
+    /// Waits under impedance until the arm is still. A hand that is still but not where it is pulled to may only be stuck by
+    /// friction, and about to go on.
     ///
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
     pub fn settle(&mut self) -> Result<(), SkillError> {
-        for _ in 0..(self.parameters.rest / PERIOD).round() as usize {
+        let [near, near_turn] = self.parameters.arrived;
+        let mut still = 0.0;
+        for _ in 0..(self.parameters.settled / PERIOD).round() as usize {
             self.tick()?;
-            if Joints::from(self.seen.velocities).amax() < self.parameters.at_rest {
+            let moves = Joints::from(self.seen.velocities).amax() >= self.parameters.at_rest;
+            still = if moves { 0.0 } else { still + PERIOD };
+            let off = (self.setpoint.translation.vector - self.seen.x_wt.translation.vector).norm();
+            let turned = self.setpoint.rotation.angle_to(&self.seen.x_wt.rotation);
+            if still > self.parameters.stuck || (still > 0.0 && off < near && turned < near_turn) {
                 break;
             }
         }
@@ -482,13 +489,15 @@ impl<'r> Hand<'r> {
 
     /// The setpoint that brings a held part from `x_wp` to `x_wp_goal`.
     pub fn corrected(&self, x_wp: &Pose, x_wp_goal: &Pose) -> Pose {
+        self.corrected_from(&self.setpoint, x_wp, x_wp_goal)
+    }
+
+    /// The same, where the tip is told to be at `told`.
+    pub fn corrected_from(&self, told: &Pose, x_wp: &Pose, x_wp_goal: &Pose) -> Pose {
         let x_wt = self.seen.x_wt;
         let x_wt_goal = x_wp_goal * x_wp.inverse() * x_wt;
         let shift = x_wt_goal.translation.vector - x_wt.translation.vector;
         let turn: UnitQuaternion<f64> = x_wt_goal.rotation * x_wt.rotation.inverse();
-        Pose::from_parts(
-            Translation3::from(self.setpoint.translation.vector + shift),
-            turn * self.setpoint.rotation,
-        )
+        Pose::from_parts(Translation3::from(told.translation.vector + shift), turn * told.rotation)
     }
 }
