@@ -1,7 +1,5 @@
 //! `ramp trials`: single contact skills of the baseline from randomised starts, and how often they succeed.
 
-mod tasks;
-
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -12,6 +10,7 @@ use std::sync::{Arc, Mutex};
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Diagnostic, IntoDiagnostic, Report, miette};
 use ramp_abilities::manipulation::{Aim, run_trial};
+use ramp_gym::tasks::{self, Goal, Step};
 use ramp_kit::Kit;
 use ramp_kit::source::{nearest, read_text, shorten};
 use ramp_planner::Domains;
@@ -25,7 +24,6 @@ use ramp_robot::arm::ArmModel;
 use ramp_skills::{Baseline, Parameters, Piece};
 use ramp_twin::{Disturbance, Setup};
 use ramp_world::World;
-use tasks::{Goal, Step};
 
 use crate::data::Data;
 use crate::options::{TrackName, WorldOption};
@@ -112,7 +110,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let names = data.goal_names()?;
     let goals: Vec<Goal> = names
         .iter()
-        .map(|name| Goal::new(data.goal(name, &kit)?, &kit, &domains))
+        .map(|name| Goal::new(data.goal(name, &kit)?, &kit, &domains).into_diagnostic())
         .collect::<Result<_, Report>>()?;
     let mut steps: BTreeMap<String, Vec<(usize, usize)>> = BTreeMap::new();
     for (index, goal) in goals.iter().enumerate() {
