@@ -10,7 +10,7 @@ use ramp_kit::Pose;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{ArmCommand, Command, DOF, GripperCommand, Impedance, Observation, PERIOD};
 
-use crate::ready::Held;
+use crate::known::Held;
 
 /// Standard gravity, m/s².
 const GRAVITY: f64 = 9.81;

@@ -5,14 +5,17 @@
 //! [`Scenario`] says what is to be done, on which track and in which world. [`cast`] cuts the scene to what a task needs,
 //! [`ready`] lets the baseline do what comes before a skill, and [`start`] keeps what came of it. An [`Env`] copies such a
 //! start, turns the numbers of a policy into commands ([`action`]), lets the judges of `ramp trials` and the referee look,
-//! and rewards ([`reward`]). A [`Batch`] is many of them on several threads.
+//! and rewards ([`reward`]). A [`Batch`] is many of them on several threads. [`own`] puts a skill of one's own into the
+//! baseline.
 
 pub mod action;
 pub mod batch;
 pub mod benchmark;
 pub mod cast;
 pub mod env;
+pub mod known;
 pub mod observe;
+pub mod own;
 pub mod pictures;
 pub mod ready;
 pub mod reward;

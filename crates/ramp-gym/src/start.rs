@@ -13,7 +13,8 @@ use ramp_robot::random::Stream;
 use ramp_twin::{Layout, Setup, Twin, TwinError};
 
 use crate::cast::{cut, whole};
-use crate::ready::{Known, bring};
+use crate::known::Known;
+use crate::ready::bring;
 use crate::scenario::{Begin, Mission, Scenario};
 
 /// So many starts are tried before an episode is given up: the baseline does not always get to where a skill begins.

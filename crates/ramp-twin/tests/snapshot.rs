@@ -70,7 +70,7 @@ fn what_follows_a_snapshot_is_the_same_to_the_last_bit() {
     for name in ["ideal", "real"] {
         let world = ramp_twin::World::shipped(name).unwrap();
         for track in [Track::State, Track::Noisy, Track::Tags] {
-            let mut twin = Twin::new(&setup(&cell, &world, track)).unwrap();
+            let mut twin = Twin::new(&setup(&cell, world, track)).unwrap();
             let home = twin.observe().x_wt;
             let start = twin.snapshot();
             let first = go_on(&mut twin, &home, 0, 1500);
@@ -96,7 +96,7 @@ fn what_follows_a_snapshot_is_the_same_to_the_last_bit() {
 fn a_snapshot_of_another_twin_is_refused() {
     let cell = World::new("easy-1");
     let world = ramp_twin::World::ideal();
-    let one = Twin::new(&setup(&cell, world, Track::State)).unwrap();
+    let one = cell.twin(Track::State, 7);
     let mut other = Twin::new(&setup(&cell, world, Track::State)).unwrap();
     let before = other.state_hash();
     assert!(matches!(other.restore(&one.snapshot()), Err(RestoreError::OtherTwin)));
