@@ -210,6 +210,13 @@ impl Batch {
         self.shared.slots.iter().map(|slot| lock(slot).outcome.clone()).collect()
     }
 
+    /// Ends the episodes of some environments from outside, as a limit of steps does.
+    pub fn end(&mut self, which: &[bool]) {
+        for (slot, end) in self.shared.slots.iter().zip(which) {
+            lock(slot).over |= *end;
+        }
+    }
+
     /// Writes the observations of all environments, row by row.
     pub fn observe(&self, out: &mut [f32]) {
         for (slot, row) in self.shared.slots.iter().zip(out.chunks_mut(self.width.max(1))) {

@@ -6,7 +6,7 @@
 //! [`ready`] lets the baseline do what comes before a skill, and [`start`] keeps what came of it. An [`Env`] copies such a
 //! start, turns the numbers of a policy into commands ([`action`]), lets the judges of `ramp trials` and the referee look,
 //! and rewards ([`reward`]). A [`Batch`] is many of them on several threads. [`own`] puts a skill of one's own into the
-//! baseline.
+//! baseline, and [`plan_file`] reads a plan of one's own for it.
 
 pub mod action;
 pub mod batch;
@@ -17,6 +17,7 @@ pub mod known;
 pub mod observe;
 pub mod own;
 pub mod pictures;
+pub mod plan_file;
 pub mod ready;
 pub mod reward;
 pub mod scenario;
@@ -28,5 +29,6 @@ pub use batch::Batch;
 pub use benchmark::{Benchmark, DataError};
 pub use env::{Env, EnvError, Options, Step};
 pub use pictures::View;
+pub use plan_file::{PlanFileError, read_plan};
 pub use reward::{Terms, Weights};
 pub use scenario::{Begin, Mission, SKILLS, Scenario, ScenarioError};

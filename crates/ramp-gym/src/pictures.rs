@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use ramp_render::looks::HOUSING;
-use ramp_render::{Looks, Renderer, Sensor};
+use ramp_render::{Looks, LooksError, Renderer, Sensor};
 use ramp_robot::{Camera, CameraModel, Robot};
 use ramp_twin::Twin;
+
+use crate::benchmark::Benchmark;
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 2;
@@ -24,7 +26,7 @@ pub struct View {
 }
 
 /// Draws what one camera sees.
-pub(crate) struct Painter {
+pub struct Painter {
     view: View,
     model: CameraModel,
     renderer: Renderer,
@@ -37,6 +39,16 @@ pub(crate) struct Painter {
 }
 
 impl Painter {
+    /// For the arm and the parts of a benchmark.
+    ///
+    /// # Errors
+    /// When there is nothing to draw.
+    pub fn of(view: View, benchmark: &Benchmark) -> Result<Painter, LooksError> {
+        let looks = Looks::shared(&benchmark.kit, &benchmark.arm)?;
+        Ok(Painter::new(view, looks, benchmark.arm.hand.tip))
+    }
+
+    /// With these looks; `tip` is the distance from the hand's frame to the tip's along z, m.
     pub fn new(view: View, looks: Arc<Looks>, tip: f64) -> Painter {
         let whole = CameraModel::nominal(view.camera, tip);
         let side = view.size * SAMPLES;
@@ -59,6 +71,7 @@ impl Painter {
         }
     }
 
+    /// What it draws.
     pub fn view(&self) -> View {
         self.view
     }
