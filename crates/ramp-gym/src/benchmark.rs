@@ -1,6 +1,8 @@
 //! The benchmark's files, read from a folder: kit, goals, rules, arm, worlds.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
@@ -8,6 +10,8 @@ use ramp_kit::source::{is_name, nearest, shorten};
 use ramp_planner::Domains;
 use ramp_robot::arm::ArmModel;
 use ramp_twin::World;
+
+use crate::tasks::{Goal, TaskError};
 
 /// What is wrong with the files, or with a name.
 #[derive(Debug, thiserror::Error)]
@@ -24,6 +28,14 @@ pub enum DataError {
     /// A world file.
     #[error("{0}")]
     World(String),
+    /// A goal has no plan.
+    #[error("{goal}: {error}")]
+    Plan {
+        /// The goal.
+        goal: String,
+        /// Why.
+        error: Box<TaskError>,
+    },
     /// A folder that cannot be read.
     #[error("the folder {folder} cannot be read: {error}")]
     Folder {
@@ -54,6 +66,8 @@ pub struct Benchmark {
     pub arm: ArmModel,
     /// The planner's rules.
     pub domains: Domains,
+    /// Goals that were planned, by name or file.
+    planned: Mutex<BTreeMap<String, Arc<Goal>>>,
 }
 
 impl Benchmark {
@@ -69,6 +83,7 @@ impl Benchmark {
             folder: folder.to_path_buf(),
             kit,
             arm: arm.map_err(|it| DataError::Arm(it.to_string()))?,
+            planned: Mutex::default(),
             domains: Domains::read(&folder.join("domains"))
                 .map_err(|it| DataError::Domains(format!("{it:#}")))?,
         })
@@ -107,6 +122,20 @@ impl Benchmark {
     pub fn goal(&self, name: &str) -> Result<Assembly, DataError> {
         let file = self.goal_file(name)?;
         ramp_assembly::read_goal(&file, &self.kit).map_err(|it| DataError::Kit(format!("{it:#}")))
+    }
+
+    /// The goal of that name, or in that file, with the contact steps of its plan. It is planned once.
+    ///
+    /// # Errors
+    /// When it cannot be read or planned.
+    pub fn planned(&self, name: &str) -> Result<Arc<Goal>, DataError> {
+        let lock = || self.planned.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(goal) = lock().get(name) {
+            return Ok(Arc::clone(goal));
+        }
+        let goal = Goal::new(self.goal(name)?, &self.kit, &self.domains)
+            .map_err(|error| DataError::Plan { goal: name.to_string(), error: Box::new(error) })?;
+        Ok(Arc::clone(lock().entry(name.to_string()).or_insert(Arc::new(goal))))
     }
 
     /// The world of that name, or in that file.

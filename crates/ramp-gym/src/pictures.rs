@@ -83,7 +83,8 @@ impl Painter {
             scene.bodies.retain(|(index, _)| Some(*index) != self.housing);
         }
         let x_wc = self.model.x_wc(&twin.observe().x_wt);
-        let samples = self.renderer.render(&scene, &x_wc, &mut self.sensor);
+        // A sensor draws its exposure anew for each image; here all are alike.
+        let samples = self.renderer.render(&scene, &x_wc, &mut self.sensor.clone());
         let size = self.view.size;
         let row = size * SAMPLES * 3;
         for y in 0..size {

@@ -8,7 +8,7 @@ use ramp_robot::Track;
 use ramp_twin::{Disturbance, Setup, World};
 
 use crate::benchmark::{Benchmark, DataError, unknown};
-use crate::tasks::{Goal, TaskError};
+use crate::tasks::Goal;
 
 /// Why an environment cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -16,14 +16,6 @@ pub enum ScenarioError {
     /// Something is wrong with a file or a name.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// A goal has no plan.
-    #[error("{goal}: {error}")]
-    Task {
-        /// The goal.
-        goal: String,
-        /// Why.
-        error: TaskError,
-    },
     /// The goals that were chosen have no step of the skill.
     #[error("none of the goals {goals} has a step of the skill `{skill}`")]
     NoStep {
@@ -63,7 +55,7 @@ pub struct Scenario {
     /// The files.
     pub benchmark: Arc<Benchmark>,
     /// The goals that are built, or whose steps are tried.
-    pub goals: Vec<Goal>,
+    pub goals: Vec<Arc<Goal>>,
     /// What is to be done.
     pub mission: Mission,
     /// What the agent may see of the parts.
@@ -79,7 +71,7 @@ pub struct Scenario {
 impl Scenario {
     /// A whole goal.
     pub fn goal(benchmark: Arc<Benchmark>, assembly: Assembly, track: Track, world: World) -> Scenario {
-        let goals = vec![Goal { assembly, steps: Vec::new() }];
+        let goals = vec![Arc::new(Goal { assembly, steps: Vec::new() })];
         Scenario {
             benchmark,
             goals,
@@ -162,18 +154,13 @@ pub const SKILLS: [&str; 12] = [
 ///
 /// # Errors
 /// When a goal cannot be read or planned.
-pub fn read_goals(benchmark: &Benchmark, names: &[String]) -> Result<Vec<Goal>, ScenarioError> {
+pub fn read_goals(benchmark: &Benchmark, names: &[String]) -> Result<Vec<Arc<Goal>>, DataError> {
     let all = if names.is_empty() { benchmark.goal_names()? } else { names.to_vec() };
-    let read = |name: &String| {
-        let assembly = benchmark.goal(name)?;
-        Goal::new(assembly, &benchmark.kit, &benchmark.domains)
-            .map_err(|error| ScenarioError::Task { goal: name.clone(), error })
-    };
-    all.iter().map(read).collect()
+    all.iter().map(|name| benchmark.planned(name)).collect()
 }
 
 /// The skills of some goals, each with its steps as indices of a goal and of a step of it.
-pub fn skills(goals: &[Goal]) -> BTreeMap<String, Vec<(usize, usize)>> {
+pub fn skills(goals: &[Arc<Goal>]) -> BTreeMap<String, Vec<(usize, usize)>> {
     let mut steps: BTreeMap<String, Vec<(usize, usize)>> = BTreeMap::new();
     for (index, goal) in goals.iter().enumerate() {
         for (step, it) in goal.steps.iter().enumerate() {

@@ -45,14 +45,17 @@ pub fn robot(error: &RobotError) -> PyErr {
 
 /// What a file is wrong in.
 pub fn data(error: DataError) -> PyErr {
-    input(error)
+    match error {
+        DataError::Plan { .. } => PlanningError::new_err(error.to_string()),
+        _ => input(error),
+    }
 }
 
 /// Why there is no environment.
 pub fn scenario(error: ScenarioError) -> PyErr {
     match error {
-        ScenarioError::Task { .. } => PlanningError::new_err(error.to_string()),
-        _ => input(error),
+        ScenarioError::Data(error) => data(error),
+        ScenarioError::NoStep { .. } => input(error),
     }
 }
 

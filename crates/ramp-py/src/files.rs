@@ -4,12 +4,11 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use ramp_assembly::Assembly;
-use ramp_gym::scenario::read_goals;
 use ramp_gym::{Benchmark as Inner, SKILLS, read_plan};
 use ramp_planner::{Domains, Options, Plan, State};
 use serde_json::json;
 
-use crate::errors::{PlanningError, data, detached, input, scenario};
+use crate::errors::{PlanningError, data, detached, input};
 
 /// Kit, goals, rules and arm of a data folder.
 #[pyclass(frozen, module = "ramp._ramp")]
@@ -91,9 +90,9 @@ impl Benchmark {
 
     /// The contact steps of a goal's plan: number from 1, skill, action.
     fn steps(&self, py: Python<'_>, goal: &str) -> PyResult<Vec<(usize, String, String)>> {
-        let goals = detached(py, || read_goals(&self.inner, &[goal.to_string()]).map_err(scenario))?;
-        let steps = goals.into_iter().flat_map(|goal| goal.steps);
-        Ok(steps.map(|it| (it.task.step, it.task.skill, it.task.action)).collect())
+        let goal = detached(py, || self.inner.planned(goal).map_err(data))?;
+        let steps = goal.steps.iter().map(|it| &it.task);
+        Ok(steps.map(|it| (it.step, it.skill.clone(), it.action.clone())).collect())
     }
 
     /// The names of the worlds that are part of the package.
