@@ -176,6 +176,24 @@ class Twin:
     @property
     def deepest_penetration(self) -> float: ...
 
+class Driver:
+    """Turns actions into commands, as an environment does."""
+
+    def __new__(
+        cls,
+        benchmark: Benchmark,
+        robot: Robot,
+        settings: dict[str, Any],
+        width: float,
+        force: float,
+        gripper: bool,
+        held: tuple[ArrayLike, float, ArrayLike] | None = None,
+    ) -> Driver: ...
+    def act(self, robot: Robot, action: ArrayLike, periods: int) -> Observation:
+        """Lets an action work for so many control periods of 1 ms; what is sensed after the last."""
+    def lead(self, observation: Observation) -> NDArray[np.float64]:
+        """The target from the tip, axes of the world: m, rotation vector in rad, shape (6,)."""
+
 class Env:
     """One environment."""
 

@@ -69,6 +69,8 @@ class Task:
     """Pose of what is held in the tip's frame, likewise; none with an empty hand."""
     held_mass: float | None
     """kg."""
+    held_centre: Array | None
+    """Its centre of mass in its own frame, m, shape (3,)."""
 
 
 class Skill:

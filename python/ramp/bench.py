@@ -58,6 +58,7 @@ def run(
     Raises:
         ramp.InputError: Something that was given is wrong.
         ramp.PlanningError: The plan that was given is not possible.
+
     """
     whole = as_goal(goal)
     own = None
@@ -179,6 +180,7 @@ def bench(
         output: Folder for the result files, for ``ramp report``; an episode whose file is there is not run again.
         show: Whether to show progress on standard error.
         options: Passed to :func:`run`: world, track, domain and so on.
+
     """
     classes = {"easy", "medium", "hard"}
     names: list[GoalLike]

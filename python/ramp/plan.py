@@ -69,19 +69,19 @@ def plan(
     Raises:
         ramp.InputError: Something is wrong in a file, with its line and column.
         ramp.PlanningError: There is no plan.
+
     """
     source = as_goal(goal).source
     rules = None if domain is None else os.fspath(domain)
     return Plan.from_json(benchmark().plan(source, rules, optimal))
 
 
-def check(
-    goal: str | os.PathLike[str] | Goal, text: str, *, domain: str | os.PathLike[str] | None = None
-) -> Plan:
+def check(goal: str | os.PathLike[str] | Goal, text: str, *, domain: str | os.PathLike[str] | None = None) -> Plan:
     """Checks a plan of somebody else by the rules: JSON, or what a planner for PDDL has written.
 
     Raises:
         ramp.PlanningError: A step is not possible; the message names it.
+
     """
     rules = None if domain is None else os.fspath(domain)
     return Plan.from_json(benchmark().check_plan(as_goal(goal).source, text, rules))

@@ -42,6 +42,7 @@ class Twin:
             world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
             seed: All randomness flows from it.
             fault: What goes wrong on purpose, as ``KIND`` or ``KIND@N`` of ``ramp run --fault``.
+
         """
         self._goal = as_goal(goal)
         self._arguments: dict[str, Any] = {"track": track, "world": world, "seed": seed, "fault": fault}
@@ -74,6 +75,7 @@ class Twin:
 
         Raises:
             ramp.RobotStopped: A limit of the arm was broken. Every further call raises it again.
+
         """
         return self._twin.step(command, periods)
 

@@ -110,7 +110,7 @@ impl ActionKind {
 }
 
 /// Turns the actions of one episode into commands.
-pub(crate) struct Driver {
+pub struct Driver {
     kind: ActionKind,
     /// What makes joint positions smooth.
     smoother: Option<Smoother>,

@@ -24,7 +24,7 @@ pub mod scenario;
 pub mod start;
 pub mod tasks;
 
-pub use action::{ActionKind, Cartesian, Joint};
+pub use action::{ActionKind, Cartesian, Driver, Joint};
 pub use batch::Batch;
 pub use benchmark::{Benchmark, DataError};
 pub use env::{Env, EnvError, Options, Step};

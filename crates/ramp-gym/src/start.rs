@@ -86,7 +86,14 @@ pub(crate) fn prepare(scenario: &Scenario, seed: u64) -> Result<Prepared, BeginE
         let setup = scenario.setup(task.0, own);
         let step = &scenario.goals[task.0].steps[task.1];
         let cast = if scenario.whole_scene { whole() } else { cut(&benchmark.kit, setup.assembly, step) };
-        let start = draw(&setup, &step.task, &cast)?;
+        let start = match draw(&setup, &step.task, &cast) {
+            Err(StartError::None { why: last, .. }) if scenario.begin == Begin::Ready => {
+                why = last;
+                own = next(&mut again);
+                continue;
+            }
+            start => start?,
+        };
         let (mut twin, places) = (start.twin, start.places);
         if scenario.begin == Begin::Home {
             let known = nominal(&setup, &step.task.aim, &twin);
@@ -103,9 +110,14 @@ pub(crate) fn prepare(scenario: &Scenario, seed: u64) -> Result<Prepared, BeginE
             }
             Err(error) => why = error,
         }
-        own = (again.uniform() * (1u64 << 53) as f64) as u64;
+        own = next(&mut again);
     }
     Err(BeginError::Ready { skill: name.clone(), seed, why })
+}
+
+/// The next seed that is tried.
+fn next(again: &mut Stream) -> u64 {
+    (again.uniform() * (1u64 << 53) as f64) as u64
 }
 
 /// What is known with the arm at home and before any look: where sheet and goal say that the parts are.

@@ -31,10 +31,18 @@ pub fn all(numbers: &Numbers<'_>) -> Vec<f64> {
     numbers.as_array().iter().copied().collect()
 }
 
-/// A pose from a position (m) and a quaternion w, x, y, z of about length one.
-pub fn pose(position: &Numbers<'_>, quat_wxyz: &Numbers<'_>) -> PyResult<Pose> {
+/// A pose from arrays.
+fn pose_of(position: &Numbers<'_>, quat_wxyz: &Numbers<'_>) -> PyResult<Pose> {
     let p: [f64; 3] = exactly(position, "position")?;
-    let [w, x, y, z] = exactly(quat_wxyz, "quat_wxyz")?;
+    let q: [f64; 4] = exactly(quat_wxyz, "quat_wxyz")?;
+    pose(&p, &q)
+}
+
+/// A pose from a position (m) and a quaternion w, x, y, z of about length one.
+pub fn pose(p: &[f64], q: &[f64]) -> PyResult<Pose> {
+    let ([px, py, pz], [w, x, y, z]) = (p, q) else { return Err(input("a pose has seven numbers")) };
+    let p = [*px, *py, *pz];
+    let [w, x, y, z] = [w, x, y, z].map(|it| *it);
     let q = Quaternion::new(w, x, y, z);
     let length = q.norm();
     if !length.is_finite() || (length - 1.0).abs() > 1e-3 {
@@ -105,7 +113,7 @@ impl Command {
     #[staticmethod]
     #[pyo3(signature = (position, quat_wxyz, width=0.04, force=20.0))]
     fn pose(position: Numbers<'_>, quat_wxyz: Numbers<'_>, width: f64, force: f64) -> PyResult<Command> {
-        Ok(command(ArmCommand::CartesianPose(pose(&position, &quat_wxyz)?), width, force))
+        Ok(command(ArmCommand::CartesianPose(pose_of(&position, &quat_wxyz)?), width, force))
     }
 
     /// A spring and damper between the tip and a pose in the world: `stiffness` along (N/m) and about (N·m/rad) the axes
@@ -128,7 +136,7 @@ impl Command {
             None => Ok(otherwise),
         };
         let arm = ArmCommand::CartesianImpedance(Impedance {
-            x_wt: pose(&position, &quat_wxyz)?,
+            x_wt: pose_of(&position, &quat_wxyz)?,
             stiffness: Vector6::from(six(
                 stiffness,
                 "stiffness",

@@ -260,6 +260,8 @@ fn moment_of<'py>(py: Python<'py>, moment: &Moment) -> PyResult<Bound<'py, PyDic
     let held = known.held.as_ref().map(|held| (seven(&held.x_tp).into_pyarray(py), held.mass));
     task.set_item("held_pose", held.as_ref().map(|held| held.0.clone()))?;
     task.set_item("held_mass", held.map(|held| held.1))?;
+    let centre = known.held.as_ref().map(|held| held.p_centre.coords.as_slice().to_vec().into_pyarray(py));
+    task.set_item("held_centre", centre)?;
     Ok(task)
 }
 

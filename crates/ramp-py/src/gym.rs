@@ -43,13 +43,13 @@ fn positive(number: f64, name: &str) -> PyResult<f64> {
     }
 }
 
-/// How an environment is driven, what it shows, and how it rewards.
-fn options(settings: &Bound<'_, PyDict>) -> PyResult<Options> {
+/// What the numbers of an action mean.
+pub fn action_kind(settings: &Bound<'_, PyDict>) -> PyResult<ActionKind> {
     let get = |name: &str| setting::<f64>(settings, name);
     let flag = |name: &str| setting::<bool>(settings, name);
     let action: String = setting(settings, "action")?.unwrap_or_else(|| "cartesian".to_string());
     let strict = flag("strict")?.unwrap_or(false);
-    let action = match action.as_str() {
+    Ok(match action.as_str() {
         "cartesian" => {
             let mut it = Cartesian::default();
             it.turns = flag("turns")?.unwrap_or(it.turns);
@@ -76,7 +76,14 @@ fn options(settings: &Bound<'_, PyDict>) -> PyResult<Options> {
         }
         "raw" => ActionKind::Raw { strict },
         other => return Err(input(format!("there is no action `{other}`; there are cartesian, joint, raw"))),
-    };
+    })
+}
+
+/// How an environment is driven, what it shows, and how it rewards.
+fn options(settings: &Bound<'_, PyDict>) -> PyResult<Options> {
+    let get = |name: &str| setting::<f64>(settings, name);
+    let flag = |name: &str| setting::<bool>(settings, name);
+    let action = action_kind(settings)?;
     let rate = get("rate")?.unwrap_or(20.0);
     if !(5.0..=1000.0).contains(&rate) {
         return Err(input(format!("the rate {rate} is not within 5 and 1000 Hz")));

@@ -2,6 +2,7 @@
 //! is above it, in `python/ramp`.
 
 mod convert;
+mod driver;
 mod episode;
 mod errors;
 mod files;
@@ -27,6 +28,7 @@ fn _ramp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<robot::Robot>()?;
     module.add_class::<twin::Twin>()?;
     module.add_class::<twin::Snapshot>()?;
+    module.add_class::<driver::Driver>()?;
     module.add_class::<gym::Env>()?;
     module.add_class::<gym::Batch>()?;
     module.add_function(wrap_pyfunction!(episode::run, module)?)?;

@@ -74,6 +74,18 @@ impl Robot {
     }
 }
 
+impl Robot {
+    /// What was sensed last.
+    pub fn seen(&self) -> PyResult<Seen> {
+        self.with(|robot| Ok(robot.observe()))
+    }
+
+    /// One control period under a command.
+    pub fn take(&self, command: &Inner) -> PyResult<Seen> {
+        self.with(|it| it.step(command).map_err(|error| robot(&error)))
+    }
+}
+
 /// So many control periods under a command; what was sensed after the last.
 pub fn step(robot: &mut dyn Seam, command: &Inner, periods: u32) -> PyResult<Seen> {
     let mut interrupts = Interrupts::new();

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -24,7 +24,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     tell what observations, actions and rewards are.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 20}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 20}
 
     def __init__(
         self,
@@ -80,6 +80,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             image_size: Pixels along each side, 16 to 512.
             depth: Depth images, too.
             render_mode: ``rgb_array``, or nothing.
+
         """
         EzPickle.__init__(
             self, skill, goals, track=track, world=world, start=start, starts=starts, whole_scene=whole_scene,
@@ -121,9 +122,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         self.core.reset(seed)
         return self._observe(), self.core.start()
 
-    def step(
-        self, action: NDArray[np.float32]
-    ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+    def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Lets an action work for one period of control."""
         told = self.core.step(np.asarray(action, dtype=np.float64).ravel())
         reward = float(told.pop("reward"))

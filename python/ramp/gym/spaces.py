@@ -72,10 +72,11 @@ def observation_space(core: Env, cameras: Sequence[str], size: int, depth: bool)
     return spaces.Dict(boxes)
 
 
-def action_space(core: Env) -> spaces.Box:
+def action_space(core: Env) -> spaces.Space[NDArray[np.float32]]:
     """The space of actions."""
     bounds = np.array(core.bounds(), dtype=np.float32)
-    return spaces.Box(bounds[:, 0], bounds[:, 1], dtype=np.float32)
+    space: spaces.Space[Any] = spaces.Box(bounds[:, 0], bounds[:, 1], dtype=np.float32)
+    return space
 
 
 class Cutter:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -23,7 +23,7 @@ Flags = NDArray[np.bool_]
 class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
     """As :class:`ramp.gym.RampEnv`, many at a time. The same seed gives the same bits, for any number of threads."""
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
 
     def __init__(
         self,
@@ -64,6 +64,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             depth: Likewise.
             render_mode: Nothing: pictures are those of a single environment.
             settings: All other arguments of a single environment.
+
         """
         if render_mode is not None:
             raise InputError("many environments are not rendered: render one")
