@@ -70,8 +70,8 @@ class Command:
     ) -> Command:
         """A spring and damper between the tip and a pose in the world.
 
-        ``stiffness`` is along (N/m) and about (N·m/rad) the axes of the world, ``feed_forward`` a wrench (N, N·m) at the
-        tip, ``posture`` joint positions (rad) for the null space.
+        ``stiffness`` is along (N/m) and about (N·m/rad) the axes of the world, ``feed_forward`` a wrench (N, N·m) at
+        the tip, ``posture`` joint positions (rad) for the null space.
         """
 
 class Observation:

@@ -19,7 +19,7 @@ class Plan:
     goal: str
     """Name of the goal."""
     steps: list[dict[str, Any]]
-    """In order: ``coarse``, an action, and ``fine``, its fine actions. An action is a dictionary with its name in ``action``."""
+    """In order: ``coarse``, an action, and ``fine``, its fine actions. An action has its name in ``action``."""
     entries: list[dict[str, Any]]
     """How each beam gets to its place: direction in the assembly frame, distance and depth in m."""
 

@@ -109,6 +109,7 @@ impl Command {
             Command::Run(arguments) => arguments.has_agent(),
             Command::Bench(arguments) => arguments.has_agent(),
             Command::Faults(arguments) => arguments.has_agent(),
+            Command::Trials(arguments) => arguments.has_agent(),
             _ => false,
         }
     }

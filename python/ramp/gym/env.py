@@ -20,8 +20,8 @@ Observation = dict[str, Any]
 class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     """A goal of the benchmark, or one of its skills alone.
 
-    Every argument is also one of ``gymnasium.make``. The pages of the environments (``docs/src/reference/environments.md``)
-    tell what observations, actions and rewards are.
+    Every argument is also one of ``gymnasium.make``. The page of the environments
+    (``docs/src/reference/environments.md``) tells what observations, actions and rewards are.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 20}
@@ -56,7 +56,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         """Makes the environment.
 
         Args:
-            skill: One of the twelve skills of ``ramp trials``, or ``fasten`` for all joints; the whole goal without one.
+            skill: One of the twelve skills of ``ramp trials``, or ``fasten`` for all joints; the whole goal without.
             goals: Goals whose steps are tried, or the one goal; all nine of the benchmark for a skill without any.
             track: What is known of the parts: ``state``, ``noisy`` or ``tags``.
             world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.

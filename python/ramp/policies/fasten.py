@@ -1,7 +1,7 @@
 """A policy for `fasten`: a linear map from pose and force to motion, learned by an evolution strategy with numpy alone.
 
 The peg is in the hand over its hole, whose place is known to a millimetre or two. The policy moves the target of a
-Cartesian impedance 20 times a second. It has no memory: how force and velocity move the target is all that it has learned.
+Cartesian impedance 20 times a second. It has no memory: it has learned how force and velocity move the target.
 
     python -m ramp.policies.fasten train -o weights.npy     about half an hour on one core
     python -m ramp.policies.fasten judge weights.npy        held starts, beside a straight push
