@@ -39,7 +39,8 @@ def build_wheel(
 
 def _add_command() -> None:
     """Builds the `ramp` command, and puts it and its library into the package's folder."""
-    command = ["cargo", "build", "--release", "--locked", "-p", "ramp-cli", "--message-format", "short"]
+    # As `cargo run` builds it, so that what is built is shared.
+    command = ["cargo", "build", "--release", "--locked", "--bin", "ramp", "--message-format", "short"]
     subprocess.run(command, cwd=ROOT, check=True)
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target")
     own = os.environ.get("MUJOCO_DYNAMIC_LINK_DIR")

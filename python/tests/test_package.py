@@ -48,7 +48,7 @@ def test_bad_input_is_a_value_error_that_says_what(call, words):
 
 def test_a_plan_goes_out_and_comes_back(tmp_path):
     plan = ramp.plan("easy-1")
-    assert len(plan) == 35 and plan.coarse[0]["action"] == "move" and len(plan.fine) > 35
+    assert len(plan) == 35 and plan.coarse[0]["action"] == "pick_up" and len(plan.fine) > 35
     plan.save(tmp_path / "plan.json")
     result = ramp.run("easy-1", track="state", plan=tmp_path / "plan.json")
     assert result.completion == 1.0 and result.agent.startswith("baseline, plan given")
