@@ -80,7 +80,7 @@ class Skill:
     """
 
     name: str = "own-skill"
-    """Its name in results: the agent is then called ``baseline with fasten by own-skill``."""
+    """Its name in results: the agent is then called ``baseline+fasten-by-own-skill``."""
     serves: str = "fasten"
     """The kind of action: assemble-square, assemble-angled, assemble-through, assemble-deep, assemble-cap, lay-down,
     slide, fasten or push."""

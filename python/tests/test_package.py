@@ -51,7 +51,7 @@ def test_a_plan_goes_out_and_comes_back(tmp_path):
     assert len(plan) == 35 and plan.coarse[0]["action"] == "pick_up" and len(plan.fine) > 35
     plan.save(tmp_path / "plan.json")
     result = ramp.run("easy-1", track="state", plan=tmp_path / "plan.json")
-    assert result.completion == 1.0 and result.agent.startswith("baseline, plan given")
+    assert result.completion == 1.0 and result.agent.startswith("baseline+plan-given")
     plan.steps.pop(3)
     with pytest.raises(ramp.PlanningError, match="refused at step"):
         ramp.run("easy-1", track="state", plan=plan)
@@ -134,7 +134,7 @@ def test_what_an_agent_raises_passes_through_and_what_stops_the_robot_ends_the_e
 
 def test_a_skill_in_python_fastens_inside_the_baseline():
     result = ramp.run("easy-1", skills=[FastenPolicy()], track="state")
-    assert result.agent.startswith("baseline with fasten by linear-policy")
+    assert result.agent.startswith("baseline+fasten-by-linear-policy")
     assert result.counted == 3, result
 
     class GivesUp(ramp.Skill):

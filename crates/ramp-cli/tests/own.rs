@@ -38,7 +38,7 @@ fn a_plan_of_ones_own_is_carried_out_as_it_is() {
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let result = result(Path::new(&out));
     assert_eq!(result["completion"], 1.0);
-    assert_eq!(result["agent"]["name"], "baseline, plan given");
+    assert_eq!(result["agent"]["name"], "baseline+plan-given");
     assert_eq!(result["plan"]["coarse"], own["plan"]["steps"].as_array().unwrap().len());
 }
 
@@ -73,7 +73,7 @@ fn a_program_fastens_inside_the_baseline_and_the_result_says_so() {
     let result = result(Path::new(&out));
     assert_eq!(result["completion"], 1.0);
     let name = result["agent"]["name"].as_str().unwrap();
-    assert!(name.starts_with("baseline with fasten by press."), "{name}");
+    assert!(name.starts_with("baseline+fasten-by-press."), "{name}");
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn a_program_is_judged_on_trials_of_its_skill() {
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let trial = result(&folder.path().join("trials/fasten-in-f-end-state-1.json"));
     assert_eq!(trial["success"], true);
-    assert!(trial["agent"]["name"].as_str().unwrap().contains("fasten by press."));
+    assert!(trial["agent"]["name"].as_str().unwrap().contains("fasten-by-press."));
     // The folder is of that program: the baseline is not mixed in.
     let mixed = ramp(&trials);
     assert_eq!(mixed.status.code(), Some(2));

@@ -69,12 +69,12 @@ pub struct OwnSkill {
 }
 
 impl OwnSkill {
-    /// A skill for actions of `kind`. Its name stands in results: it begins with the action, as in `fasten by my-policy`.
+    /// A skill for actions of `kind`. Its name stands in results: it begins with the action, as in `fasten-by-my-policy`.
     pub fn new(kind: ActionKind, name: &str, body: Box<dyn Body>) -> OwnSkill {
         let table = SkillTable::default();
         let own = table.get(kind);
         OwnSkill {
-            name: format!("{} by {name}", kind.name().replace('_', "-")),
+            name: format!("{}-by-{name}", kind.name().replace('_', "-")),
             kind: [kind],
             needs: own.map(|skill| skill.needs().to_vec()).unwrap_or_default(),
             expects: own.map(|skill| skill.expects().to_vec()).unwrap_or_default(),

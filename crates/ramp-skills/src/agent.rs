@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
-use ramp_kit::source::{MAX_SENTENCE, plain};
+use ramp_kit::source::{MAX_SENTENCE, plain, to_name};
 use ramp_motion::{MotionError, PathPlanner};
 use ramp_planner::{
     CoarseAction, Domains, End, FineAction, Grasp, Impossible, Item, MotionFact, Place, Plan, PlanError,
@@ -121,7 +121,8 @@ impl<'a> Baseline<'a> {
         self.name = if replaced.is_empty() {
             NAME.to_string()
         } else {
-            format!("{NAME} with {}", replaced.join(", "))
+            // Results hold names, which have no spaces.
+            to_name(&format!("{NAME}+{}", replaced.join("+")))
         };
         self.skills = skills;
         self
@@ -131,7 +132,7 @@ impl<'a> Baseline<'a> {
     /// fails, the agent gives up. The agent's name in results tells so. Call it after [`Baseline::with_skills`].
     #[must_use]
     pub fn with_plan(mut self, plan: Plan) -> Baseline<'a> {
-        self.name.push_str(", plan given");
+        self.name = to_name(&format!("{}+plan-given", self.name));
         self.fixed = Some(plan);
         self
     }

@@ -22,6 +22,9 @@ use serde_json::{Value, json};
 
 use crate::data::Texts;
 
+/// So much of a file's name stands in the name of its agent, characters.
+const LONGEST_STEM: usize = 24;
+
 /// `ACTION=FILE`, as on the command line.
 #[derive(Clone, Debug)]
 pub struct Replacement {
@@ -150,7 +153,8 @@ pub fn skill(kind: ActionKind, file: &AgentFile, cell: &Cell) -> Result<OwnSkill
         return Err(miette!("no skill of one's own can carry out `{}`", kind.name().replace('_', "-")));
     }
     let stem = file.path().file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();
-    let name = format!("{}.{}", to_name(&stem), &file.sha256()[..8]);
+    let short: String = to_name(&stem).chars().take(LONGEST_STEM).collect();
+    let name = format!("{short}.{}", &file.sha256()[..8]);
     let body = Program { file: file.clone(), cell: cell.clone() };
     Ok(OwnSkill::new(kind, &name, Box::new(body)))
 }

@@ -240,7 +240,7 @@ impl Trials<'_> {
         let own = self.agent.as_ref().map(|file| file.sha256().to_string());
         let by_other = match &self.skill {
             Some(file) => !trial.agent.name.ends_with(&file.sha256()[..8]),
-            None => own.is_none() && trial.agent.name.contains(" by "),
+            None => own.is_none() && trial.agent.name.contains("-by-"),
         };
         if by_other || (own.is_some() && trial.agent.sha256 != own) {
             let file = self.agent.as_ref().or(self.skill.as_ref());
