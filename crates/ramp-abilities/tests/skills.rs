@@ -161,7 +161,7 @@ fn a_skill_of_ones_own_takes_the_place_of_one_of_the_baseline() {
     assert_eq!(cell.hand.time(), 0.0);
     let baseline = || Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
     assert_eq!(baseline().name().0, "baseline");
-    assert_eq!(baseline().with_skills(table).name().0, "baseline with pretend");
+    assert_eq!(baseline().with_skills(table).name().0, "baseline+pretend");
 }
 
 /// Where the holes are believed 2.5 mm beside where they are, the peg lands on the plate, the spiral finds the hole

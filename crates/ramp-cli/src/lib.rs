@@ -112,6 +112,7 @@ impl Command {
             Command::Bench(arguments) => arguments.has_agent(),
             Command::Faults(arguments) => arguments.has_agent(),
             Command::Sweep(arguments) => arguments.has_agent(),
+            Command::Trials(arguments) => arguments.has_agent(),
             _ => false,
         }
     }

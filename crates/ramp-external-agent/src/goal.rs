@@ -17,6 +17,8 @@ pub struct Goal<'a> {
     arm: &'a ArmModel,
     track: Track,
     texts: Sources<'a>,
+    /// What is to be done of it, where that is not all.
+    task: Option<Value>,
 }
 
 impl<'a> Goal<'a> {
@@ -28,7 +30,14 @@ impl<'a> Goal<'a> {
         track: Track,
         texts: Sources<'a>,
     ) -> Goal<'a> {
-        Goal { kit, assembly, arm, track, texts }
+        Goal { kit, assembly, arm, track, texts, task: None }
+    }
+
+    /// With a task: a step of it that is to be done alone.
+    #[must_use]
+    pub fn with_task(mut self, task: Value) -> Goal<'a> {
+        self.task = Some(task);
+        self
     }
 
     /// The arm.
@@ -124,7 +133,7 @@ impl<'a> Goal<'a> {
             })
             .collect();
         let hand = &self.arm.hand;
-        json!({
+        let mut goal = json!({
             "protocol": PROTOCOL,
             "name": assembly.name,
             "class": assembly.class.map(|class| class.name()),
@@ -160,7 +169,11 @@ impl<'a> Goal<'a> {
                 "edge": kit.sheet.tag_edge,
             },
             "files": {"goal": self.texts.goal, "kit": self.texts.kit},
-        })
+        });
+        if let Some(task) = &self.task {
+            goal["task"] = task.clone();
+        }
+        goal
     }
 }
 

@@ -337,7 +337,8 @@ impl Answer {
     }
 }
 
-pub(super) fn pose(x: &Pose) -> Value {
+/// A pose as the protocol has it.
+pub fn pose(x: &Pose) -> Value {
     let (p, q) = (x.translation.vector, x.rotation.quaternion());
     json!({"position": [p.x, p.y, p.z], "quat_wxyz": [q.w, q.i, q.j, q.k]})
 }

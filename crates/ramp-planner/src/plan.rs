@@ -270,7 +270,7 @@ pub struct Plan {
 }
 
 /// The straight motion with which a beam gets to its place.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
     /// Which beam.
     pub beam: String,

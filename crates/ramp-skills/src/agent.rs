@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
-use ramp_kit::source::{MAX_SENTENCE, plain};
+use ramp_kit::source::{MAX_SENTENCE, plain, to_name};
 use ramp_motion::{MotionError, PathPlanner};
 use ramp_planner::{
     CoarseAction, Domains, End, FineAction, Grasp, Impossible, Item, MotionFact, Place, Plan, PlanError,
@@ -43,6 +43,8 @@ pub struct Baseline<'a> {
     version: String,
     account: Account,
     plan: Option<Plan>,
+    /// The plan of somebody else that it carries out.
+    fixed: Option<Plan>,
     /// What skills have found that the arm cannot do.
     learned: Vec<MotionFact>,
     /// What an event has told that the arm cannot do.
@@ -77,6 +79,7 @@ impl<'a> Baseline<'a> {
             version: VERSION.to_string(),
             account: Account::default(),
             plan: None,
+            fixed: None,
             learned: Vec::new(),
             told: Vec::new(),
             fetching: None,
@@ -118,9 +121,19 @@ impl<'a> Baseline<'a> {
         self.name = if replaced.is_empty() {
             NAME.to_string()
         } else {
-            format!("{NAME} with {}", replaced.join(", "))
+            // Results hold names, which have no spaces.
+            to_name(&format!("{NAME}+{}", replaced.join("+")))
         };
         self.skills = skills;
+        self
+    }
+
+    /// Carries out this plan of somebody else, with a check of the holes before each peg as always, and no other: where it
+    /// fails, the agent gives up. The agent's name in results tells so. Call it after [`Baseline::with_skills`].
+    #[must_use]
+    pub fn with_plan(mut self, plan: Plan) -> Baseline<'a> {
+        self.name = to_name(&format!("{}+plan-given", self.name));
+        self.fixed = Some(plan);
         self
     }
 
@@ -227,13 +240,20 @@ impl<'a> Baseline<'a> {
     fn work(&mut self, cell: &mut Workcell) -> Result<(), RobotError> {
         let mut lost: Vec<String> = Vec::new();
         let mut last = String::new();
+        let mut given = false;
         let replans = self.parameters.agent.replans;
         for round in 0..=replans {
             cell.belief.update(&mut cell.hand)?;
-            let plan = self
-                .state(cell, &lost)
-                .map_err(|error| error.to_string())
-                .and_then(|state| self.make_plan(cell, state).map_err(|error| format!("no plan: {error}")));
+            let plan = match self.fixed.take() {
+                Some(plan) => {
+                    given = true;
+                    Ok(plan)
+                }
+                None if given => Err(format!("the plan that was given failed: {last}")),
+                None => self.state(cell, &lost).map_err(|error| error.to_string()).and_then(|state| {
+                    self.make_plan(cell, state).map_err(|error| format!("no plan: {error}"))
+                }),
+            };
             let plan = match plan {
                 Ok(plan) => plan,
                 Err(why) => {

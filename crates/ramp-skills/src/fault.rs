@@ -88,6 +88,14 @@ pub enum Fault {
         /// What should hold.
         effect: String,
     },
+    /// A skill of somebody's own has given up.
+    #[error("{skill}: {why}")]
+    Own {
+        /// The skill's name.
+        skill: String,
+        /// What it says.
+        why: String,
+    },
     /// The plan does not say how the part gets to its place.
     #[error("the plan has no insertion path for {part}")]
     NoPath {

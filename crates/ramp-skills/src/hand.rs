@@ -248,6 +248,15 @@ impl<'r> Hand<'r> {
         self.command(Command { arm: ArmCommand::JointPositions(q.into()), gripper: self.gripper })
     }
 
+    /// One control period under a command of a skill's own making. Nothing guards it.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn obey(&mut self, command: Command) -> Result<(), RobotError> {
+        self.gripper = command.gripper;
+        self.command(command)
+    }
+
     fn command(&mut self, command: Command) -> Result<(), RobotError> {
         if self.last.as_ref().is_some_and(|last| last.gripper != command.gripper) {
             self.dead_time.commanded(&self.seen);

@@ -45,6 +45,7 @@ pub(crate) struct Cameras {
 }
 
 /// What both cameras saw at one moment; an image is drawn when it is asked for.
+#[derive(Clone)]
 pub(crate) struct Exposure {
     /// Where everything was; `None` when it cannot be drawn.
     pub scene: Option<Scene>,
@@ -58,6 +59,14 @@ pub(crate) struct Exposure {
     pub there: u64,
     /// Whose image has been handed out.
     pub taken: Vec<Camera>,
+}
+
+/// What changes of the cameras from image to image.
+#[derive(Clone)]
+pub(crate) struct CamerasState {
+    jitter: Stream,
+    /// Sensor and last image of each camera that has taken one.
+    eyes: [Option<(Sensor, Vec<u8>)>; 2],
 }
 
 struct Eye {
@@ -86,6 +95,57 @@ impl Cameras {
             looks: None,
             eyes: [None, None],
         }
+    }
+
+    /// The same cameras before any image, which share what everything looks like.
+    pub fn fresh(&self) -> Cameras {
+        let Cameras { kit, arm, seed, physics, jitter, covered, looks, eyes: _ } = self;
+        Cameras {
+            kit: kit.clone(),
+            arm: arm.clone(),
+            seed: *seed,
+            physics: physics.clone(),
+            jitter: jitter.clone(),
+            covered: *covered,
+            looks: looks.clone(),
+            eyes: [None, None],
+        }
+    }
+
+    /// What changes from image to image.
+    pub fn state(&self) -> CamerasState {
+        let Cameras { kit: _, arm: _, seed: _, physics: _, jitter, covered: _, looks: _, eyes } = self;
+        let eyes = eyes.each_ref().map(|eye| {
+            let Eye { model: _, renderer: _, sensor, last } = eye.as_ref()?;
+            Some((sensor.clone(), last.clone()))
+        });
+        CamerasState { jitter: jitter.clone(), eyes }
+    }
+
+    /// Takes over a state of cameras of the same episode.
+    ///
+    /// # Errors
+    /// When there is nothing to draw.
+    pub fn set_state(&mut self, state: &CamerasState) -> Result<(), LooksError> {
+        let CamerasState { jitter, eyes } = state;
+        self.jitter.clone_from(jitter);
+        for (index, saved) in eyes.iter().enumerate() {
+            let Some((sensor, last)) = saved else {
+                self.eyes[index] = None;
+                continue;
+            };
+            let looks = self.looks()?;
+            let model = self.true_camera(if index == 0 { Camera::Wrist } else { Camera::BirdsEye });
+            let eye = self.eyes[index].get_or_insert_with(|| Eye {
+                renderer: Renderer::new(looks, &model),
+                sensor: sensor.clone(),
+                model,
+                last: Vec::new(),
+            });
+            eye.sensor.clone_from(sensor);
+            eye.last.clone_from(last);
+        }
+        Ok(())
     }
 
     /// From the end of the exposure until the agent has the image, in control periods: reading it out and sending it.

@@ -25,6 +25,7 @@ const ZERO_READINGS: f64 = 100.0;
 const NO_RATE: f64 = 1e8;
 
 /// The drives of the arm with their sensors.
+#[derive(Clone)]
 pub(crate) struct Drive {
     physics: Physics,
     friction: JointFriction,

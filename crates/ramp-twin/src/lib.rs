@@ -25,5 +25,7 @@ pub mod view;
 pub use fault::{Fault, FaultError, FaultKind, FaultReport};
 pub use layout::{Disturbance, Layout};
 pub use ramp_world::World;
+pub use scene::SceneOptions;
 pub use setup::{Setup, TwinError};
 pub use twin::Twin;
+pub use twin::snapshot::{RestoreError, Snapshot};

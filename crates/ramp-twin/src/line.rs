@@ -10,6 +10,7 @@ use ramp_world::groups;
 pub(crate) const MOST_LOST: u32 = 20;
 
 /// What is on its way.
+#[derive(Clone)]
 pub(crate) struct Line {
     /// Commands that are not there yet, the oldest first.
     coming: VecDeque<JointVector>,

@@ -1,5 +1,7 @@
 //! The twin itself: MuJoCo's model and state behind the `Robot` seam, and the truth beside it.
 
+pub mod snapshot;
+
 use std::sync::Arc;
 
 use mujoco_rs::prelude::*;
@@ -22,7 +24,7 @@ use crate::drive::{Drive, believed};
 use crate::engine::{GRAVITY, body_pose, rotation_from_rows};
 use crate::fault::{FaultReport, Injector, Start};
 use crate::layout::Layout;
-use crate::scene::{Printed, scene_xml};
+use crate::scene::{Printed, SceneOptions, scene_xml};
 use crate::setup::{Setup, TwinError};
 use crate::slow_gripper::SlowGripper;
 use ramp_control::{
@@ -49,7 +51,7 @@ const START_GRIPPER: GripperCommand = GripperCommand { width: START_WIDTH, force
 /// The simulated world with its robot.
 pub struct Twin {
     data: MjData<Arc<MjModel>>,
-    xml: String,
+    xml: Arc<str>,
     arm: ArmModel,
     track: Track,
     /// Name and MuJoCo body of each beam and peg.
@@ -110,14 +112,26 @@ impl Twin {
     ///
     /// # Errors
     /// When MuJoCo refuses the scene.
-    pub fn with_layout(setup: &Setup, mut layout: Layout) -> Result<Twin, TwinError> {
+    pub fn with_layout(setup: &Setup, layout: Layout) -> Result<Twin, TwinError> {
+        Twin::with_options(setup, layout, &SceneOptions::default())
+    }
+
+    /// As [`Twin::with_layout`], with a scene of one's own choice. `layout` may leave out parts, but not the clamped beam.
+    ///
+    /// # Errors
+    /// When MuJoCo refuses the scene.
+    pub fn with_options(
+        setup: &Setup,
+        mut layout: Layout,
+        options: &SceneOptions,
+    ) -> Result<Twin, TwinError> {
         let start = Start::new(setup);
         let physics = setup.world.draw(setup.seed);
         layout.tilt(&physics.table);
         layout.pegs.retain(|(name, _)| Some(name) != start.missing.as_ref());
         let base = &setup.assembly.beams[setup.assembly.base].beam.name;
         let printed = Printed { physics: &physics, seed: setup.seed };
-        let xml = scene_xml(setup.kit, setup.arm, &layout, base, start.loose_holders, &printed);
+        let xml = scene_xml(setup.kit, setup.arm, &layout, base, start.loose_holders, &printed, options);
         let model = MjModel::from_xml_string(&xml).map_err(|error| TwinError::Scene(error.to_string()))?;
         let find = |kind, name: &str| {
             model.name_to_id(kind, name).ok_or_else(|| TwinError::Missing(name.to_string()))
@@ -145,7 +159,7 @@ impl Twin {
         data.forward();
         let mut twin = Twin {
             data,
-            xml,
+            xml: xml.into(),
             arm: setup.arm.clone(),
             track: setup.track,
             parts,

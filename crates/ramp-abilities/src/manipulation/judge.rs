@@ -20,11 +20,11 @@ const DEEP: f64 = 3.0e-3;
 /// A beam that was laid down may be off its place by this, m: another beam goes through it all the same.
 const LAID: f64 = 4.0e-3;
 /// A peg that was picked up is this much higher than it stood, m, and the tip of the hand is this near to its head, m.
-const LIFTED: [f64; 2] = [30.0e-3, 30.0e-3];
+pub(super) const LIFTED: [f64; 2] = [30.0e-3, 30.0e-3];
 
 /// What the truth lacks of a task that was to be done; `None` when it is done and nothing was spoilt. `places` is where all
 /// parts were at the start.
-pub(super) fn missing(setup: &Setup, task: &Task, places: &[(String, Pose)], twin: &Twin) -> Option<String> {
+pub fn missing(setup: &Setup, task: &Task, places: &[(String, Pose)], twin: &Twin) -> Option<String> {
     let world = World::of(setup, twin);
     let seated = pegs_in(setup, twin);
     let out = task.build.pinned.iter().find(|(connection, peg)| seated[*connection].as_deref() != Some(peg));

@@ -12,7 +12,7 @@ use ramp_kit::Pose;
 use ramp_kit::joint::FEMALE_HEIGHT;
 use ramp_robot::RobotError;
 use ramp_robot::random::Stream;
-use ramp_twin::{Layout, Setup, Twin, TwinError};
+use ramp_twin::{Layout, SceneOptions, Setup, Twin, TwinError};
 
 use ramp_result::manipulation::StartInfo;
 
@@ -60,8 +60,29 @@ pub enum StartError {
     },
 }
 
+/// Which parts are in the scene of a trial.
+#[derive(Clone, Debug, Default)]
+pub struct Cast {
+    /// The names of the beams, holders and pegs that are there beside the clamped beam; all of the kit without a list.
+    pub only: Option<Vec<String>>,
+    /// What else may be left out.
+    pub options: SceneOptions,
+}
+
+impl Cast {
+    /// Takes away what has no part in it.
+    fn cut(&self, setup: &Setup, layout: &mut Layout) {
+        let Some(only) = &self.only else { return };
+        let base = &setup.assembly.beams[setup.assembly.base].beam.name;
+        let there = |name: &String| name == base || only.contains(name);
+        layout.beams.retain(|(name, _)| there(name));
+        layout.holders.retain(|(name, _)| there(name));
+        layout.pegs.retain(|(name, _)| there(name));
+    }
+}
+
 /// A start that holds.
-pub(super) struct Start {
+pub struct Start {
     /// The world at its beginning.
     pub twin: Twin,
     /// Where all parts are then.
@@ -71,12 +92,16 @@ pub(super) struct Start {
 }
 
 /// Draws starts from the stream `start` of the setup's seed until one holds.
-pub(super) fn draw(setup: &Setup, task: &Task) -> Result<Start, StartError> {
+///
+/// # Errors
+/// When the twin cannot be made, or no start that is drawn holds.
+pub fn draw(setup: &Setup, task: &Task, cast: &Cast) -> Result<Start, StartError> {
     let mut stream = Stream::new(setup.seed, "start");
     let mut why = String::new();
     for drawn in 1..=DRAWS {
-        let layout = layout(setup, task, &mut stream);
-        let mut twin = Twin::with_layout(setup, layout.clone())?;
+        let mut layout = layout(setup, task, &mut stream);
+        cast.cut(setup, &mut layout);
+        let mut twin = Twin::with_options(setup, layout.clone(), &cast.options)?;
         let knocks = knocks(setup, task, &mut stream);
         let settled = settle(&mut twin, &knocks);
         why = match settled {

@@ -19,7 +19,7 @@ pub fn run_trial(
     agent: &mut dyn Agent,
     software: &Software,
 ) -> Result<Trial, StartError> {
-    let start::Start { mut twin, places, info: start } = start::draw(setup, task)?;
+    let start::Start { mut twin, places, info: start } = start::draw(setup, task, &start::Cast::default())?;
     let outcome = agent.run(&mut twin);
     let missing = judge::missing(setup, task, &places, &twin);
     let account = agent.account();

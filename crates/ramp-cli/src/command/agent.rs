@@ -11,12 +11,13 @@ use ramp_assembly::Assembly;
 use ramp_external_agent::sandbox::{Inside, open_ends};
 use ramp_external_agent::{AgentFile, ExternalAgent, Goal, Patience, Sandbox, SandboxError, adopt_orphans};
 use ramp_kit::Kit;
-use ramp_planner::Domains;
+use ramp_planner::{Domains, Plan};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Agent, Event, Track};
+use ramp_skills::skill::ActionKind;
 use ramp_skills::{Baseline, Parameters};
 
-use crate::command::skills;
+use crate::command::{own_skill, skills};
 use crate::data::Texts;
 
 /// What `ramp run` and `ramp bench` are told of the agent.
@@ -84,6 +85,10 @@ pub struct World<'a> {
     pub seed: u64,
     /// The numbers of the baseline's skills.
     pub parameters: &'a Arc<Parameters>,
+    /// Programs that carry out actions in place of the baseline's skills.
+    pub skills: &'a [(ActionKind, AgentFile)],
+    /// A plan that the baseline carries out in place of its own.
+    pub plan: Option<Plan>,
 }
 
 /// Starts the agent. It tells `listener` what it does.
@@ -95,9 +100,22 @@ pub fn start<'a>(
     end: Option<Instant>,
     listener: impl FnMut(&Event) + 'a,
 ) -> Result<Box<dyn Agent + 'a>, Report> {
-    let World { kit, assembly, arm, domains, texts, track, seed, parameters } = *world;
+    let World { kit, assembly, arm, domains, texts, track, seed, parameters, skills, ref plan } = *world;
     let Some(file) = file else {
-        let baseline = Baseline::new(kit, assembly, arm, domains, seed).with_parameters(parameters.clone());
+        let mut baseline =
+            Baseline::new(kit, assembly, arm, domains, seed).with_parameters(parameters.clone());
+        if !skills.is_empty() {
+            adopt_orphans();
+            let cell = own_skill::Cell::new(kit, assembly, arm, track, texts, limit);
+            let mut table = ramp_skills::table::baseline(parameters);
+            for (kind, file) in skills {
+                table.replace(own_skill::skill(*kind, file, &cell)?);
+            }
+            baseline = baseline.with_skills(table);
+        }
+        if let Some(plan) = plan {
+            baseline = baseline.with_plan(plan.clone());
+        }
         return Ok(Box::new(baseline.with_listener(listener)));
     };
     adopt_orphans();

@@ -13,6 +13,7 @@ pub mod held_out;
 pub mod kit;
 pub mod leaderboard;
 pub mod man;
+pub mod own_skill;
 pub mod plan;
 pub mod replay;
 pub mod report;

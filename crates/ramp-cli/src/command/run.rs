@@ -9,12 +9,15 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_episode::{EpisodeError, Label, Progress, Recorded, record_episode};
+use ramp_gym::{PlanFileError, read_plan};
+use ramp_kit::source::read_text;
 use ramp_report::curve::completion_svg;
 use ramp_result::episode::EpisodeResult;
 use ramp_robot::Event;
 use ramp_twin::{Disturbance, Fault, Setup, Twin};
 
 use crate::command::agent;
+use crate::command::own_skill::Replacement;
 use crate::data::Data;
 use crate::ending::end_on_request;
 use crate::options::{TrackName, WorldOption};
@@ -23,6 +26,8 @@ use crate::pictures::{self, Pictures};
 use crate::software::software;
 use crate::status::{DONE, INCOMPLETE, MachineFault};
 
+/// The largest plan, bytes.
+const LARGEST_PLAN: usize = 16 << 20;
 /// Folder for results that are given no name.
 const RESULTS: &str = "results";
 
@@ -40,6 +45,16 @@ pub struct Arguments {
     seed: u64,
     #[command(flatten)]
     agent: agent::Arguments,
+    /// A program of your own, in any language, in place of one of the baseline's skills: fasten=my.py
+    #[arg(long, value_name = "ACTION=FILE", conflicts_with = "agent")]
+    skill: Vec<Replacement>,
+    /// A plan of your own for the baseline: JSON as `ramp plan GOAL --json` prints it, or another planner's plan for what
+    /// --pddl wrote
+    #[arg(long, value_name = "FILE", conflicts_with = "agent")]
+    plan: Option<PathBuf>,
+    /// Rules for the planner in place of the file of their kind: a coarse or fine domain (.al), or the order (.lp)
+    #[arg(long, value_name = "FILE", conflicts_with = "agent")]
+    domain: Option<PathBuf>,
     /// What goes wrong on purpose, at its Nth occasion or one drawn from the seed: peg-dropped, peg-tilted, beam-slipped,
     /// beam-turned, beam-bumped, holder-shifted, jam, peg-missing, tag-covered, camera-frozen, gripper-weak, force-drift
     #[arg(long, value_name = "KIND[@N]")]
@@ -78,7 +93,7 @@ pub struct Arguments {
 impl Arguments {
     /// Whether a program of somebody else works.
     pub fn has_agent(&self) -> bool {
-        self.agent.agent.is_some()
+        self.agent.agent.is_some() || !self.skill.is_empty()
     }
 }
 
@@ -88,9 +103,21 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let assembly = data.goal(&arguments.goal, &kit)?;
     let arm = data.arm()?;
     let physics = arguments.world.read(data)?;
-    let domains = data.domains(None)?;
+    let domains = data.domains(arguments.domain.as_deref())?;
     let agent_file = arguments.agent.file()?;
     let parameters = arguments.agent.skills.read(data)?;
+    let skills = arguments.skill.iter().map(Replacement::read).collect::<Result<Vec<_>, Report>>()?;
+    let plan = match &arguments.plan {
+        Some(path) => {
+            let text = read_text(path, LARGEST_PLAN)?;
+            let plan = read_plan(&text, &assembly, &kit, &domains);
+            Some(plan.map_err(|error| match error {
+                PlanFileError::Form { .. } => miette!("{}:{error}", path.display()),
+                error => miette!("{}: {error}", path.display()),
+            })?)
+        }
+        None => None,
+    };
     let texts = data.texts(&arguments.goal)?;
     let output = match &arguments.output {
         Some(path) => path.clone(),
@@ -138,6 +165,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         track: setup.track,
         seed: setup.seed,
         parameters: &parameters,
+        skills: &skills,
+        plan,
     };
     let limit = arguments.agent.agent_limit;
     let mut agent = agent::start(&world, agent_file.as_ref(), sandbox, limit, end, |event| {

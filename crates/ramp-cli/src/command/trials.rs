@@ -1,7 +1,5 @@
 //! `ramp trials`: single contact skills of the baseline from randomised starts, and how often they succeed.
 
-mod tasks;
-
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -12,6 +10,8 @@ use std::sync::{Arc, Mutex};
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Diagnostic, IntoDiagnostic, Report, miette};
 use ramp_abilities::manipulation::{Aim, run_trial};
+use ramp_external_agent::{AgentFile, adopt_orphans};
+use ramp_gym::tasks::{self, Goal, Step};
 use ramp_kit::Kit;
 use ramp_kit::source::{nearest, read_text, shorten};
 use ramp_planner::Domains;
@@ -25,8 +25,8 @@ use ramp_robot::arm::ArmModel;
 use ramp_skills::{Baseline, Parameters, Piece};
 use ramp_twin::{Disturbance, Setup};
 use ramp_world::World;
-use tasks::{Goal, Step};
 
+use crate::command::own_skill::{self, Cell};
 use crate::data::Data;
 use crate::options::{TrackName, WorldOption};
 use crate::output::print;
@@ -54,6 +54,15 @@ pub struct Arguments {
     jobs: u32,
     #[command(flatten)]
     file: super::skills::File,
+    /// A program of your own, in any language, that carries out the contact action; the baseline does the rest
+    #[arg(long, value_name = "FILE", conflicts_with = "agent")]
+    skill: Option<PathBuf>,
+    /// A program of your own that does the whole trial
+    #[arg(long, value_name = "FILE")]
+    agent: Option<PathBuf>,
+    /// Longest time that your program may take for a message
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    agent_limit: f64,
     /// Folder for the results; made if it is not there, continued if it is
     #[arg(short, long, value_name = "DIR", default_value = "results/trials")]
     output: PathBuf,
@@ -79,6 +88,9 @@ enum TrialsError {
     #[error("{file} is of another world")]
     #[diagnostic(help("a folder is of one world: name another folder with -o, or give the same --world"))]
     OtherWorld { file: String },
+    #[error("{file} is a trial of {theirs}, and this is one of {ours}")]
+    #[diagnostic(help("a folder is of one agent: name another one with -o"))]
+    OtherAgent { file: String, theirs: String, ours: String },
     #[error("{file} was made with other numbers of the skills")]
     #[diagnostic(help("name another folder with -o, or give the same file with --skills"))]
     OtherSkills { file: String },
@@ -96,6 +108,11 @@ struct Trials<'a> {
     world: World,
     software: Software,
     parameters: Arc<Parameters>,
+    /// A program for the contact action, and one for the whole trial.
+    skill: Option<AgentFile>,
+    agent: Option<AgentFile>,
+    agent_limit: f64,
+    data: &'a Data,
     folder: &'a Path,
 }
 
@@ -112,7 +129,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let names = data.goal_names()?;
     let goals: Vec<Goal> = names
         .iter()
-        .map(|name| Goal::new(data.goal(name, &kit)?, &kit, &domains))
+        .map(|name| Goal::new(data.goal(name, &kit)?, &kit, &domains).into_diagnostic())
         .collect::<Result<_, Report>>()?;
     let mut steps: BTreeMap<String, Vec<(usize, usize)>> = BTreeMap::new();
     for (index, goal) in goals.iter().enumerate() {
@@ -131,8 +148,18 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         world: arguments.world.read(data)?,
         software: software(),
         parameters: arguments.file.read(data)?,
+        skill: arguments.skill.as_deref().map(own_skill::file).transpose()?,
+        agent: arguments.agent.as_deref().map(own_skill::file).transpose()?,
+        agent_limit: arguments.agent_limit,
+        data,
         folder,
     };
+    if !(0.01..=1e6).contains(&trials.agent_limit) {
+        return Err(miette!("--agent-limit is a number of seconds from 0.01 to 1000000"));
+    }
+    if trials.skill.is_some() || trials.agent.is_some() {
+        adopt_orphans();
+    }
     let last = arguments.first_seed + u64::from(arguments.trials) - 1;
     let seeds = || arguments.first_seed..=last;
     // All skills in turn, so that one that is stopped has something of each.
@@ -174,6 +201,13 @@ fn chosen(words: &[String], steps: &BTreeMap<String, Vec<(usize, usize)>>) -> Re
     Ok(skills)
 }
 
+impl Arguments {
+    /// Whether a program of somebody else works.
+    pub fn has_agent(&self) -> bool {
+        self.skill.is_some() || self.agent.is_some()
+    }
+}
+
 impl Trials<'_> {
     fn path(&self, skill: &str, seed: u64) -> PathBuf {
         self.folder.join(format!("{}.json", Trial::stem(skill, self.track.name(), seed)))
@@ -204,7 +238,21 @@ impl Trials<'_> {
         if trial.world.sha256 != WorldLabel::of(&self.world).sha256 {
             return Err(TrialsError::OtherWorld { file: path.display().to_string() }.into());
         }
-        if trial.agent.sha256 != self.parameters.sha256 {
+        let own = self.agent.as_ref().map(|file| file.sha256().to_string());
+        let by_other = match &self.skill {
+            Some(file) => !trial.agent.name.ends_with(&file.sha256()[..8]),
+            None => own.is_none() && trial.agent.name.contains("-by-"),
+        };
+        if by_other || (own.is_some() && trial.agent.sha256 != own) {
+            let file = self.agent.as_ref().or(self.skill.as_ref());
+            return Err(TrialsError::OtherAgent {
+                file: path.display().to_string(),
+                theirs: trial.agent.name.clone(),
+                ours: file.map_or("the baseline".to_string(), |file| file.path().display().to_string()),
+            }
+            .into());
+        }
+        if own.is_none() && trial.agent.sha256 != self.parameters.sha256 {
             return Err(TrialsError::OtherSkills { file: path.display().to_string() }.into());
         }
         Ok(Some(trial))
@@ -270,8 +318,29 @@ impl Trials<'_> {
             world: &self.world,
             fault: None,
         };
-        let baseline = Baseline::new(&self.kit, &goal.assembly, &self.arm, &self.domains, seed)
+        let mut baseline = Baseline::new(&self.kit, &goal.assembly, &self.arm, &self.domains, seed)
             .with_parameters(self.parameters.clone());
+        if self.skill.is_some() || self.agent.is_some() {
+            let texts = self.data.texts(&goal.assembly.name)?;
+            let cell = Cell::new(&self.kit, &goal.assembly, &self.arm, self.track, &texts, self.agent_limit);
+            if let Some(file) = &self.agent {
+                let told = serde_json::json!({
+                    "skill": step.task.skill,
+                    "step": step.task.step,
+                    "action": step.task.action,
+                    "state": step.state,
+                    "plan": step.plan.steps,
+                });
+                let mut agent = cell.start(file, told)?;
+                let trial = run_trial(&setup, &step.task, &mut agent, &self.software).into_diagnostic()?;
+                write_whole(&self.path(skill, seed), trial.to_json()).into_diagnostic()?;
+                return Ok(trial);
+            }
+            if let Some(file) = &self.skill {
+                let table = ramp_skills::table::baseline(&self.parameters);
+                baseline = baseline.with_skills(table.with(own_skill::skill(step.kind, file, &cell)?));
+            }
+        }
         let next = match &step.task.aim {
             Aim::Placed { connections } => connections.clone(),
             _ => Vec::new(),

@@ -21,13 +21,13 @@ fn finger_box(piece: &ArmBox, tip: f64) -> Cuboid {
     Cuboid { min: [x0, y0, tip - z1], max: [x1, y1, tip - z0] }
 }
 
-/// The arm, from its base outwards.
-pub(super) fn arm_bodies(xml: &mut String, arm: &ArmModel, physics: &Physics) {
+/// The arm, from its base outwards; `look` names the arm whose meshes show it.
+pub(super) fn arm_bodies(xml: &mut String, arm: &ArmModel, look: &str, physics: &Physics) {
     xml.push_str("<body name=\"link0\">");
     for capsule in &arm.base.capsules {
         capsule_geom(xml, "arm", capsule);
     }
-    xml.push_str(&looks::geoms(&arm.name, "link0"));
+    xml.push_str(&looks::geoms(look, "link0"));
     for (index, joint) in arm.joints.iter().enumerate() {
         let number = index + 1;
         let q = joint.quat_wxyz;
@@ -51,7 +51,7 @@ pub(super) fn arm_bodies(xml: &mut String, arm: &ArmModel, physics: &Physics) {
         for capsule in &joint.link.capsules {
             capsule_geom(xml, "arm", capsule);
         }
-        xml.push_str(&looks::geoms(&arm.name, &format!("link{number}")));
+        xml.push_str(&looks::geoms(look, &format!("link{number}")));
     }
     let hand = &arm.hand;
     let q = hand.quat_wxyz;
@@ -74,7 +74,7 @@ pub(super) fn arm_bodies(xml: &mut String, arm: &ArmModel, physics: &Physics) {
         // The first box is the hand's body, which has a mesh; the others are what is mounted on it.
         box_geom(xml, if index == 0 { "arm" } else { "tool" }, &hand_box(piece));
     }
-    xml.push_str(&looks::geoms(&arm.name, "hand"));
+    xml.push_str(&looks::geoms(look, "hand"));
     let finger = &arm.finger;
     let tip = hand.tip - finger.origin;
     for (name, turn) in [("finger1", 0.0), ("finger2", PI)] {

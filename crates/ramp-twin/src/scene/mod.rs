@@ -21,6 +21,24 @@ use crate::layout::Layout;
 use ramp_kit::Kit;
 use ramp_robot::arm::ArmModel;
 
+/// What of a scene may be left out or made smaller without a change to its physics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SceneOptions {
+    /// Whether the scene has the meshes that show the arm in MuJoCo's own pictures. They collide with nothing and have no
+    /// mass; they cost 4 MB of memory and most of the time of the compiler.
+    pub looks: bool,
+    /// Memory that MuJoCo reserves for contacts and constraints, MiB. An engine that runs out of it reports an error. A
+    /// whole goal uses 3 MiB in ordinary work and more when many parts are piled up.
+    pub memory: u32,
+}
+
+impl Default for SceneOptions {
+    /// With the arm's meshes, and 512 MiB.
+    fn default() -> Self {
+        SceneOptions { looks: true, memory: 512 }
+    }
+}
+
 /// The MJCF text of a scene, whose parts are as they were `printed`. `base` names the beam that is clamped to the table. Holders are fixed to it, or with
 /// `loose_holders` slide on it when they are pushed hard.
 pub fn scene_xml(
@@ -30,12 +48,16 @@ pub fn scene_xml(
     base: &str,
     loose_holders: bool,
     printed: &Printed,
+    options: &SceneOptions,
 ) -> String {
     let mut xml = String::with_capacity(512 * 1024);
     let physics = printed.physics;
-    header(&mut xml, arm, &physics.parts, printed.stems(layout.pegs.iter().map(|(name, _)| name.as_str())));
+    // There are no meshes of an arm without a name.
+    let look = if options.looks { arm.name.as_str() } else { "" };
+    let stems = printed.stems(layout.pegs.iter().map(|(name, _)| name.as_str()));
+    header(&mut xml, look, options.memory, &physics.parts, stems);
     table(&mut xml, kit, physics);
-    arm_bodies(&mut xml, arm, physics);
+    arm_bodies(&mut xml, arm, look, physics);
     for (name, x_wb) in &layout.beams {
         if let Some(beam) = kit.beam(name) {
             let clamp = (name == base).then_some(physics.table.clamp_give);

@@ -6,13 +6,12 @@ use crate::layout::x_table;
 use crate::looks;
 use ramp_kit::joint::STEM_RADIUS;
 use ramp_kit::{Kit, Pose};
-use ramp_robot::arm::ArmModel;
 use ramp_world::Physics;
 use ramp_world::groups::Parts;
 use std::fmt::Write;
 
-/// Options, defaults, meshes and lights.
-pub(super) fn header(xml: &mut String, arm: &ArmModel, parts: &Parts, stems: Vec<(&str, f64)>) {
+/// Options, defaults, meshes and lights; `look` names the arm whose meshes are shown, `memory` is in MiB.
+pub(super) fn header(xml: &mut String, look: &str, memory: u32, parts: &Parts, stems: Vec<(&str, f64)>) {
     let Parts { friction, metal_friction, peg_friction, table_friction, pad_friction, .. } = parts;
     let cones: String =
         stems.iter().map(|(name, radius)| cone_mesh(&format!("cone-{name}"), *radius)).collect();
@@ -21,7 +20,7 @@ pub(super) fn header(xml: &mut String, arm: &ArmModel, parts: &Parts, stems: Vec
         r#"<mujoco model="ramp">
 <compiler angle="radian" autolimits="true" boundmass="1e-6"/>
 <option timestep="0.001" integrator="discrete" cone="elliptic" impratio="10" noslip_iterations="3" iterations="100" tolerance="1e-8"><flag sleep="enable"/></option>
-<size memory="512M"/>
+<size memory="{memory}M"/>
 <visual><global offwidth="1280" offheight="800" fovy="40"/><headlight ambient="0.35 0.35 0.35" diffuse="0.4 0.4 0.4"/><map znear="0.005"/></visual>
 <default>
 <default class="part"><geom mass="0" friction="{friction} 0.005 0.0001" condim="3" {CONTACT} contype="2" conaffinity="3" rgba="0.93 0.53 0.18 1"/></default>
@@ -44,7 +43,7 @@ pub(super) fn header(xml: &mut String, arm: &ArmModel, parts: &Parts, stems: Vec
 "#,
         nose_mesh(),
         cone_mesh("cone", STEM_RADIUS),
-        looks::assets(&arm.name),
+        looks::assets(look),
     );
 }
 

@@ -1,0 +1,172 @@
+//! Skills of one's own, as programs in any language: inside the baseline, in place of one of its skills.
+//!
+//! The program speaks the agents' protocol. It is started when its action begins, and its goal has a `task`: the action, and
+//! what is known. It drives the robot until it says `done`; an event of the kind `fault` before says that it gives up.
+
+use std::ffi::OsString;
+use std::path::Path;
+use std::time::Duration;
+
+use miette::{IntoDiagnostic, Report, miette};
+use ramp_assembly::Assembly;
+use ramp_external_agent::{AgentFile, ExternalAgent, Goal, Patience, protocol};
+use ramp_gym::known::Known;
+use ramp_gym::own::{Body, BodyError, KINDS, Moment, OwnSkill, kind};
+use ramp_kit::Kit;
+use ramp_kit::source::to_name;
+use ramp_log::Sources;
+use ramp_robot::arm::ArmModel;
+use ramp_robot::{Agent, Robot, Track};
+use ramp_skills::skill::ActionKind;
+use serde_json::{Value, json};
+
+use crate::data::Texts;
+
+/// So much of a file's name stands in the name of its agent, characters.
+const LONGEST_STEM: usize = 24;
+
+/// `ACTION=FILE`, as on the command line.
+#[derive(Clone, Debug)]
+pub struct Replacement {
+    kind: ActionKind,
+    file: std::path::PathBuf,
+}
+
+impl std::str::FromStr for Replacement {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Replacement, String> {
+        let (name, file) = text.split_once('=').ok_or("expected ACTION=FILE, such as fasten=my.py")?;
+        let kind = kind(name).ok_or_else(|| {
+            let known: Vec<String> = KINDS.iter().map(|it| it.name().replace('_', "-")).collect();
+            format!("there is no action `{name}` for a skill; there are {}", known.join(", "))
+        })?;
+        Ok(Replacement { kind, file: file.into() })
+    }
+}
+
+/// What a program is told of, and how long it is waited for.
+#[derive(Clone)]
+pub struct Cell {
+    kit: Kit,
+    assembly: Assembly,
+    arm: ArmModel,
+    track: Track,
+    goal: String,
+    kit_text: String,
+    arm_text: String,
+    patience: Duration,
+}
+
+impl Cell {
+    /// Of an episode; the program may take so many seconds for a message.
+    pub fn new(
+        kit: &Kit,
+        assembly: &Assembly,
+        arm: &ArmModel,
+        track: Track,
+        texts: &Texts,
+        limit: f64,
+    ) -> Cell {
+        let Sources { goal, kit: kit_text, arm: arm_text } = texts.sources();
+        Cell {
+            kit: kit.clone(),
+            assembly: assembly.clone(),
+            arm: arm.clone(),
+            track,
+            goal: goal.to_string(),
+            kit_text: kit_text.to_string(),
+            arm_text: arm_text.to_string(),
+            patience: Duration::from_secs_f64(limit),
+        }
+    }
+
+    /// Starts a program of somebody with this task.
+    ///
+    /// # Errors
+    /// When the system does not start it.
+    pub fn start(&self, file: &AgentFile, task: Value) -> Result<ExternalAgent<'_>, Report> {
+        let texts = Sources { goal: &self.goal, kit: &self.kit_text, arm: &self.arm_text };
+        let goal = Goal::new(&self.kit, &self.assembly, &self.arm, self.track, texts).with_task(task);
+        let patience = Patience { answer: self.patience, end: None };
+        ExternalAgent::start(file, &command(file)?, goal, patience, None).into_diagnostic()
+    }
+}
+
+/// What starts a program so that it does not outlive this one.
+fn command(file: &AgentFile) -> Result<Vec<OsString>, Report> {
+    let mut command: Vec<OsString> = vec![
+        std::env::current_exe().into_diagnostic()?.into(),
+        "agent-process".into(),
+        std::process::id().to_string().into(),
+        "--".into(),
+    ];
+    command.extend(file.command());
+    Ok(command)
+}
+
+/// A program that carries out an action.
+struct Program {
+    file: AgentFile,
+    cell: Cell,
+}
+
+impl Body for Program {
+    fn run(&self, robot: &mut dyn Robot, moment: &Moment) -> Result<(), BodyError> {
+        let started = self.cell.start(&self.file, task(moment));
+        let mut program = started.map_err(|error| BodyError::GaveUp(error.to_string()))?;
+        program.run(robot)?;
+        if let Some(why) = program.failure() {
+            return Err(BodyError::GaveUp(why));
+        }
+        let gave_up = program.account().events.into_iter().rev().find(|event| event.kind == "fault");
+        gave_up.map_or(Ok(()), |event| Err(BodyError::GaveUp(event.what)))
+    }
+}
+
+/// What a program is told of its task.
+fn task(moment: &Moment) -> Value {
+    let Known { held, part, x_wp, x_goal, gripper, posture } = &moment.known;
+    let held = held.as_ref().map(|held| {
+        json!({
+            "part": held.part,
+            "x_tp": protocol::pose(&held.x_tp),
+            "mass": held.mass,
+            "p_centre": held.p_centre.coords.as_slice(),
+        })
+    });
+    json!({
+        "kind": moment.kind.name(),
+        "action": moment.action,
+        "part": part,
+        "x_wp": protocol::pose(x_wp),
+        "x_goal": protocol::pose(x_goal),
+        "gripper": {"width": gripper.width, "force": gripper.force},
+        "posture": posture,
+        "held": held,
+    })
+}
+
+/// The skill for an action. Its name in results has the file's name, and the begin of its hash.
+pub fn skill(kind: ActionKind, file: &AgentFile, cell: &Cell) -> Result<OwnSkill, Report> {
+    if !KINDS.contains(&kind) {
+        return Err(miette!("no skill of one's own can carry out `{}`", kind.name().replace('_', "-")));
+    }
+    let stem = file.path().file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();
+    let short: String = to_name(&stem).chars().take(LONGEST_STEM).collect();
+    let name = format!("{short}.{}", &file.sha256()[..8]);
+    let body = Program { file: file.clone(), cell: cell.clone() };
+    Ok(OwnSkill::new(kind, &name, Box::new(body)))
+}
+
+/// The program in a file.
+pub fn file(path: &Path) -> Result<AgentFile, Report> {
+    AgentFile::find(path).into_diagnostic()
+}
+
+impl Replacement {
+    /// The action, and the program in its file.
+    pub fn read(&self) -> Result<(ActionKind, AgentFile), Report> {
+        Ok((self.kind, file(&self.file)?))
+    }
+}

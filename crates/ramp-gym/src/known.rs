@@ -1,0 +1,73 @@
+//! What an agent on its track knows as a skill begins.
+
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
+use ramp_kit::Pose;
+use ramp_robot::{DOF, GripperCommand};
+use ramp_skills::SkillError;
+use ramp_skills::cell::Workcell;
+use ramp_skills::skill::{ActionKind, Call};
+
+/// A part between the fingers, as far as the agent knows it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Held {
+    /// Its name.
+    pub part: String,
+    /// Its frame in the tip's frame.
+    pub x_tp: Pose,
+    /// kg.
+    pub mass: f64,
+    /// Centre of mass in the part's frame, m.
+    pub p_centre: Point3<f64>,
+}
+
+/// What an agent on its track knows as a skill begins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Known {
+    /// What is in the hand.
+    pub held: Option<Held>,
+    /// The part that the task works on.
+    pub part: String,
+    /// Where it is believed to be, in the world.
+    pub x_wp: Pose,
+    /// Where it is to be, in the world.
+    pub x_goal: Pose,
+    /// What the gripper was told last.
+    pub gripper: GripperCommand,
+    /// Joint positions, rad.
+    pub posture: [f64; DOF],
+}
+
+impl Known {
+    /// What the baseline believes as a skill begins.
+    ///
+    /// # Errors
+    /// When a part was never seen, or the action has no part.
+    pub fn of(cell: &Workcell, call: &Call) -> Result<Known, SkillError> {
+        let part = call.part().ok_or_else(|| call.no_skill())?.to_string();
+        let x_wp = cell.hand.x_wp_held().map_or_else(|| cell.belief.pose(&part), Ok)?;
+        let x_goal = match call.kind() {
+            // Its head on the plate, turned as it is.
+            ActionKind::Fasten => {
+                let x = x_wp.rotation * Vector3::x();
+                let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), x.y.atan2(x.x));
+                Pose::from_parts(Translation3::from(cell.mouth(call.connection(cell)?)?), yaw)
+            }
+            ActionKind::AssembleDeep => {
+                let beam = call.beam(cell)?;
+                let path = cell.path(beam)?;
+                let deeper = cell.kit.x_wa().rotation * path.direction * path.depth;
+                Translation3::from(deeper) * cell.target(beam)?
+            }
+            ActionKind::Move | ActionKind::PickUp | ActionKind::PutDown | ActionKind::Regrasp => x_wp,
+            _ => cell.target(call.beam(cell)?)?,
+        };
+        let held = cell.hand.held.as_ref().map(|held| Held {
+            part: held.part.clone(),
+            x_tp: held.x_tp,
+            mass: held.mass,
+            p_centre: held.p_centre,
+        });
+        let seen = &cell.hand.seen;
+        Ok(Known { held, part, x_wp, x_goal, gripper: cell.hand.gripper, posture: seen.positions })
+    }
+}

@@ -1,0 +1,145 @@
+//! A skill of one's own in place of one of the baseline's: what drives the robot is anything that implements [`Body`], such
+//! as a Python object or a program in another process.
+
+use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
+use ramp_skills::cell::Workcell;
+use ramp_skills::hand::Hand;
+use ramp_skills::skill::{ActionKind, Call, Effect, Need, Skill};
+use ramp_skills::{Fault, SkillError, SkillTable};
+
+use crate::known::Known;
+
+/// The kinds of actions that a skill of one's own can carry out.
+pub const KINDS: [ActionKind; 9] = [
+    ActionKind::AssembleSquare,
+    ActionKind::AssembleAngled,
+    ActionKind::AssembleThrough,
+    ActionKind::AssembleDeep,
+    ActionKind::AssembleCap,
+    ActionKind::LayDown,
+    ActionKind::Slide,
+    ActionKind::Fasten,
+    ActionKind::Push,
+];
+
+/// The kind of that name ([`ActionKind::name`]), with `-` for `_` as well.
+pub fn kind(name: &str) -> Option<ActionKind> {
+    let name = name.replace('-', "_");
+    KINDS.into_iter().find(|kind| kind.name() == name)
+}
+
+/// What a skill is asked to do.
+#[derive(Clone, Debug)]
+pub struct Moment {
+    /// The kind of the action.
+    pub kind: ActionKind,
+    /// The action in words.
+    pub action: String,
+    /// What is known.
+    pub known: Known,
+}
+
+/// Why a body ended early.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum BodyError {
+    /// The robot stopped it.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+    /// It has given up; the baseline goes on from there as after any fault.
+    #[error("{0}")]
+    GaveUp(String),
+}
+
+/// What drives the robot while a skill runs.
+pub trait Body: Send + Sync {
+    /// Brings about what `moment` asks for. What is held is let go of afterwards.
+    ///
+    /// # Errors
+    /// When the robot stopped, or the body gives up.
+    fn run(&self, robot: &mut dyn Robot, moment: &Moment) -> Result<(), BodyError>;
+}
+
+/// A skill of one's own for one kind of action. It needs and promises what the baseline's does.
+pub struct OwnSkill {
+    name: String,
+    kind: [ActionKind; 1],
+    needs: Vec<Need>,
+    expects: Vec<Effect>,
+    body: Box<dyn Body>,
+}
+
+impl OwnSkill {
+    /// A skill for actions of `kind`. Its name stands in results: it begins with the action, as in `fasten-by-my-policy`.
+    pub fn new(kind: ActionKind, name: &str, body: Box<dyn Body>) -> OwnSkill {
+        let table = SkillTable::default();
+        let own = table.get(kind);
+        OwnSkill {
+            name: format!("{}-by-{name}", kind.name().replace('_', "-")),
+            kind: [kind],
+            needs: own.map(|skill| skill.needs().to_vec()).unwrap_or_default(),
+            expects: own.map(|skill| skill.expects().to_vec()).unwrap_or_default(),
+            body,
+        }
+    }
+}
+
+impl Skill for OwnSkill {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn serves(&self) -> &[ActionKind] {
+        &self.kind
+    }
+
+    fn needs(&self) -> &[Need] {
+        &self.needs
+    }
+
+    fn expects(&self) -> &[Effect] {
+        &self.expects
+    }
+
+    fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
+        let known = Known::of(cell, call)?;
+        let moment = Moment { kind: call.kind(), action: call.action.to_string(), known };
+        let outcome = self.body.run(&mut HandRobot(&mut cell.hand), &moment);
+        // Wherever the hand is now, the baseline goes on from there.
+        cell.hand.relax();
+        match outcome {
+            Ok(()) => Ok(()),
+            Err(BodyError::Robot(error)) => Err(error.into()),
+            Err(BodyError::GaveUp(why)) => Err(Fault::Own { skill: self.name.clone(), why }.into()),
+        }
+    }
+
+    fn let_go(&self, cell: &mut Workcell, _: &Call) -> Result<(), SkillError> {
+        if cell.hand.held.is_some() { cell.release() } else { Ok(()) }
+    }
+}
+
+/// The hand as a robot.
+struct HandRobot<'h, 'r>(&'h mut Hand<'r>);
+
+impl Robot for HandRobot<'_, '_> {
+    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
+        self.0.obey(command.clone())?;
+        Ok(self.0.seen.clone())
+    }
+
+    fn observe(&self) -> Observation {
+        self.0.seen.clone()
+    }
+
+    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
+        self.0.read_parts()
+    }
+
+    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        self.0.look(camera)
+    }
+
+    fn camera(&self, camera: Camera) -> CameraModel {
+        self.0.camera(camera)
+    }
+}

@@ -1,0 +1,110 @@
+//! Small images: square, without the benchmark's sensor noise, two by two samples for each pixel.
+
+use std::sync::Arc;
+
+use ramp_render::looks::HOUSING;
+use ramp_render::{Looks, LooksError, Renderer, Sensor};
+use ramp_robot::{Camera, CameraModel, Robot};
+use ramp_twin::Twin;
+
+use crate::benchmark::Benchmark;
+
+/// Samples along each side of a pixel.
+const SAMPLES: usize = 2;
+/// The smallest and largest side of an image, pixels.
+pub const SIZES: [usize; 2] = [16, 512];
+
+/// A camera of an environment: the middle square of the benchmark's camera, scaled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct View {
+    /// Which camera.
+    pub camera: Camera,
+    /// Pixels along each side, within [`SIZES`].
+    pub size: usize,
+    /// Whether there is a depth image, too.
+    pub depth: bool,
+}
+
+/// Draws what one camera sees.
+pub struct Painter {
+    view: View,
+    model: CameraModel,
+    renderer: Renderer,
+    sensor: Sensor,
+    housing: Option<usize>,
+    /// Red, green and blue of each pixel, row by row from the top left, gamma 2.2.
+    pub colour: Vec<u8>,
+    /// Distance along the optical axis, m; infinite where nothing is.
+    pub depth: Vec<f32>,
+}
+
+impl Painter {
+    /// For the arm and the parts of a benchmark.
+    ///
+    /// # Errors
+    /// When there is nothing to draw.
+    pub fn of(view: View, benchmark: &Benchmark) -> Result<Painter, LooksError> {
+        let looks = Looks::shared(&benchmark.kit, &benchmark.arm)?;
+        Ok(Painter::new(view, looks, benchmark.arm.hand.tip))
+    }
+
+    /// With these looks; `tip` is the distance from the hand's frame to the tip's along z, m.
+    pub fn new(view: View, looks: Arc<Looks>, tip: f64) -> Painter {
+        let whole = CameraModel::nominal(view.camera, tip);
+        let side = view.size * SAMPLES;
+        let scale = side as f64 / whole.height as f64;
+        let model = CameraModel {
+            width: side,
+            height: side,
+            focal: whole.focal.map(|it| it * scale),
+            centre: [side as f64 / 2.0; 2],
+            ..whole
+        };
+        Painter {
+            view,
+            housing: looks.body(HOUSING),
+            renderer: Renderer::new(looks, &model),
+            model,
+            sensor: Sensor::ideal(),
+            colour: vec![0; view.size * view.size * 3],
+            depth: if view.depth { vec![0.0; view.size * view.size] } else { Vec::new() },
+        }
+    }
+
+    /// What it draws.
+    pub fn view(&self) -> View {
+        self.view
+    }
+
+    /// Draws the scene as it is now.
+    pub fn paint(&mut self, twin: &Twin) {
+        let mut scene = twin.picture(self.renderer.looks());
+        if self.view.camera == Camera::Wrist {
+            scene.bodies.retain(|(index, _)| Some(*index) != self.housing);
+        }
+        let x_wc = self.model.x_wc(&twin.observe().x_wt);
+        // A sensor draws its exposure anew for each image; here all are alike.
+        let samples = self.renderer.render(&scene, &x_wc, &mut self.sensor.clone());
+        let size = self.view.size;
+        let row = size * SAMPLES * 3;
+        for y in 0..size {
+            for x in 0..size {
+                for channel in 0..3 {
+                    let at = |dy: usize, dx: usize| {
+                        u32::from(samples[(y * SAMPLES + dy) * row + (x * SAMPLES + dx) * 3 + channel])
+                    };
+                    let sum = at(0, 0) + at(0, 1) + at(1, 0) + at(1, 1);
+                    self.colour[(y * size + x) * 3 + channel] = (sum / 4) as u8;
+                }
+            }
+        }
+        if self.view.depth {
+            let depth = self.renderer.depth();
+            for y in 0..size {
+                for x in 0..size {
+                    self.depth[y * size + x] = depth[y * SAMPLES * size * SAMPLES + x * SAMPLES];
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! What an environment is made of: a goal or a skill, a track, a world, and how episodes begin.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use ramp_assembly::Assembly;
+use ramp_robot::Track;
+use ramp_twin::{Disturbance, Setup, World};
+
+use crate::benchmark::{Benchmark, DataError, unknown};
+use crate::tasks::Goal;
+
+/// Why an environment cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ScenarioError {
+    /// Something is wrong with a file or a name.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// The goals that were chosen have no step of the skill.
+    #[error("none of the goals {goals} has a step of the skill `{skill}`")]
+    NoStep {
+        /// The goals.
+        goals: String,
+        /// The skill.
+        skill: String,
+    },
+}
+
+/// Where an episode of a skill begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Begin {
+    /// Where the skill itself begins: the baseline has fetched and carried what it needs.
+    #[default]
+    Ready,
+    /// With the arm at home, as `ramp trials` has it.
+    Home,
+}
+
+/// What is to be done.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mission {
+    /// A whole goal.
+    Goal,
+    /// One skill.
+    Skill {
+        /// Its name, such as `fasten-corner`; `fasten` stands for all joints.
+        name: String,
+        /// The steps of it, as indices of a goal and of a step of that goal.
+        steps: Vec<(usize, usize)>,
+    },
+}
+
+/// What the environments of one kind share. Never changes.
+pub struct Scenario {
+    /// The files.
+    pub benchmark: Arc<Benchmark>,
+    /// The goals that are built, or whose steps are tried.
+    pub goals: Vec<Arc<Goal>>,
+    /// What is to be done.
+    pub mission: Mission,
+    /// What the agent may see of the parts.
+    pub track: Track,
+    /// What the physics are drawn from.
+    pub world: World,
+    /// Where an episode of a skill begins.
+    pub begin: Begin,
+    /// Whether a skill's scene has all parts of the kit, as `ramp trials` has it, and not only those that it needs.
+    pub whole_scene: bool,
+}
+
+impl Scenario {
+    /// A whole goal.
+    pub fn goal(benchmark: Arc<Benchmark>, assembly: Assembly, track: Track, world: World) -> Scenario {
+        let goals = vec![Arc::new(Goal { assembly, steps: Vec::new() })];
+        Scenario {
+            benchmark,
+            goals,
+            mission: Mission::Goal,
+            track,
+            world,
+            begin: Begin::Home,
+            whole_scene: true,
+        }
+    }
+
+    /// One skill, at the steps of it that these goals have. `fasten` stands for the skills of all joints.
+    ///
+    /// # Errors
+    /// When there is no such skill, or a goal cannot be read or planned.
+    pub fn skill(
+        benchmark: Arc<Benchmark>,
+        name: &str,
+        goals: &[String],
+        track: Track,
+        world: World,
+        begin: Begin,
+    ) -> Result<Scenario, ScenarioError> {
+        let goals = read_goals(&benchmark, goals)?;
+        let mut steps = Vec::new();
+        for (index, goal) in goals.iter().enumerate() {
+            for (step, it) in goal.steps.iter().enumerate() {
+                if it.task.skill == name || (name == ALL_JOINTS && it.task.skill.starts_with("fasten-")) {
+                    steps.push((index, step));
+                }
+            }
+        }
+        if steps.is_empty() {
+            let known = skills(&goals);
+            if known.contains_key(name) || name == ALL_JOINTS || SKILLS.contains(&name) {
+                let goals: Vec<&str> = goals.iter().map(|it| it.assembly.name.as_str()).collect();
+                return Err(ScenarioError::NoStep { goals: goals.join(", "), skill: name.to_string() });
+            }
+            return Err(unknown("skill", name, SKILLS.iter().copied()).into());
+        }
+        let mission = Mission::Skill { name: name.to_string(), steps };
+        Ok(Scenario { benchmark, goals, mission, track, world, begin, whole_scene: false })
+    }
+
+    /// The setup of an episode of one of the goals.
+    pub fn setup(&self, goal: usize, seed: u64) -> Setup<'_> {
+        Setup {
+            kit: &self.benchmark.kit,
+            assembly: &self.goals[goal].assembly,
+            arm: &self.benchmark.arm,
+            track: self.track,
+            seed,
+            disturbance: Disturbance::default(),
+            world: &self.world,
+            fault: None,
+        }
+    }
+}
+
+/// The name that stands for the skills of all joints that a peg can pin.
+pub const ALL_JOINTS: &str = "fasten";
+
+/// The twelve skills that the nine goals of the benchmark need, as `ramp trials` names them.
+pub const SKILLS: [&str; 12] = [
+    "assemble-cap",
+    "assemble-deep",
+    "assemble-square",
+    "assemble-through",
+    "fasten-angle-f",
+    "fasten-in-f",
+    "fasten-in-f-end",
+    "fasten-thru-f",
+    "lay-down",
+    "pick-up-peg",
+    "push",
+    "slide",
+];
+
+/// Reads and plans goals; all of the benchmark without a name.
+///
+/// # Errors
+/// When a goal cannot be read or planned.
+pub fn read_goals(benchmark: &Benchmark, names: &[String]) -> Result<Vec<Arc<Goal>>, DataError> {
+    let all = if names.is_empty() { benchmark.goal_names()? } else { names.to_vec() };
+    all.iter().map(|name| benchmark.planned(name)).collect()
+}
+
+/// The skills of some goals, each with its steps as indices of a goal and of a step of it.
+pub fn skills(goals: &[Arc<Goal>]) -> BTreeMap<String, Vec<(usize, usize)>> {
+    let mut steps: BTreeMap<String, Vec<(usize, usize)>> = BTreeMap::new();
+    for (index, goal) in goals.iter().enumerate() {
+        for (step, it) in goal.steps.iter().enumerate() {
+            steps.entry(it.task.skill.clone()).or_default().push((index, step));
+        }
+    }
+    steps
+}

@@ -1,0 +1,175 @@
+//! Where an episode starts, and a pool of starts that many environments share.
+//!
+//! A start is a twin that is never stepped: an episode gets a copy of its state, which takes microseconds. Every seed has a
+//! scene of its own, since holders stand a little elsewhere, so a start keeps its own model.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use ramp_abilities::manipulation::{Aim, StartError, draw, missing};
+use ramp_kit::Pose;
+use ramp_robot::GripperCommand;
+use ramp_robot::random::Stream;
+use ramp_twin::{Layout, Setup, Twin, TwinError};
+
+use crate::cast::{cut, whole};
+use crate::known::Known;
+use crate::ready::bring;
+use crate::scenario::{Begin, Mission, Scenario};
+
+/// So many starts are tried before an episode is given up: the baseline does not always get to where a skill begins.
+const TRIES: u64 = 20;
+/// So many starts are kept at most.
+const KEPT: usize = 1024;
+
+/// Why there is no start.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum BeginError {
+    /// The twin cannot be made, or no start of the task holds.
+    #[error("{0}")]
+    Start(String),
+    /// The baseline never got to where the skill begins.
+    #[error(
+        "{skill}, seed {seed}: none of {TRIES} starts got to where the skill begins; the last one: {why}"
+    )]
+    Ready {
+        /// The skill.
+        skill: String,
+        /// The seed.
+        seed: u64,
+        /// What went wrong with the last one.
+        why: String,
+    },
+}
+
+impl From<TwinError> for BeginError {
+    fn from(error: TwinError) -> BeginError {
+        BeginError::Start(error.to_string())
+    }
+}
+
+impl From<StartError> for BeginError {
+    fn from(error: StartError) -> BeginError {
+        BeginError::Start(error.to_string())
+    }
+}
+
+/// The start of an episode.
+pub struct Prepared {
+    /// Never stepped.
+    pub twin: Twin,
+    /// The seed of its scene.
+    pub seed: u64,
+    /// Indices of the goal and of the step in the scenario; the step is 0 for a whole goal.
+    pub task: (usize, usize),
+    /// Where all parts are at the start, as the judge of the task wants it.
+    pub places: Vec<(String, Pose)>,
+    /// What an agent knows; `None` for a whole goal.
+    pub known: Option<Known>,
+}
+
+/// Makes the start with this seed.
+pub(crate) fn prepare(scenario: &Scenario, seed: u64) -> Result<Prepared, BeginError> {
+    let benchmark = &scenario.benchmark;
+    let Mission::Skill { steps, name } = &scenario.mission else {
+        let setup = scenario.setup(0, seed);
+        let layout = Layout::new(setup.kit, setup.assembly, setup.disturbance, seed);
+        let twin = Twin::with_options(&setup, layout, &whole().options)?;
+        let places = twin.part_names().map(str::to_string).zip(twin.truth().x_wp).collect();
+        return Ok(Prepared { twin, seed, task: (0, 0), places, known: None });
+    };
+    let mut again = Stream::new(seed, "another start");
+    let mut own = seed;
+    let mut why = String::new();
+    for _ in 0..TRIES {
+        let task = crate::tasks::draw(steps, own).unwrap_or_default();
+        let setup = scenario.setup(task.0, own);
+        let step = &scenario.goals[task.0].steps[task.1];
+        let cast = if scenario.whole_scene { whole() } else { cut(&benchmark.kit, setup.assembly, step) };
+        let start = match draw(&setup, &step.task, &cast) {
+            Err(StartError::None { why: last, .. }) if scenario.begin == Begin::Ready => {
+                why = last;
+                own = next(&mut again);
+                continue;
+            }
+            start => start?,
+        };
+        let (mut twin, places) = (start.twin, start.places);
+        if scenario.begin == Begin::Home {
+            let known = nominal(&setup, &step.task.aim, &twin);
+            return Ok(Prepared { twin, seed: own, task, places, known: Some(known) });
+        }
+        match bring(benchmark, &setup, step, &mut twin) {
+            // What has nothing left to do teaches nothing.
+            Ok(_) if missing(&setup, &step.task, &places, &twin).is_none() => {
+                why = "it is done before it begins".to_string();
+            }
+            Ok(known) => {
+                twin.begin();
+                return Ok(Prepared { twin, seed: own, task, places, known: Some(known) });
+            }
+            Err(error) => why = error,
+        }
+        own = next(&mut again);
+    }
+    Err(BeginError::Ready { skill: name.clone(), seed, why })
+}
+
+/// The next seed that is tried.
+fn next(again: &mut Stream) -> u64 {
+    (again.uniform() * (1u64 << 53) as f64) as u64
+}
+
+/// What is known with the arm at home and before any look: where sheet and goal say that the parts are.
+fn nominal(setup: &Setup, aim: &Aim, twin: &Twin) -> Known {
+    let (kit, assembly) = (setup.kit, setup.assembly);
+    let beam = |index: usize| {
+        let placed = &assembly.beams[index];
+        let start = kit.x_wb_start(&placed.beam).unwrap_or_default();
+        (placed.beam.name.clone(), start, kit.x_wa() * placed.x_ab)
+    };
+    let (part, x_wp, x_goal) = match aim {
+        Aim::Held { peg } => {
+            let place = kit.pegs.iter().find(|it| it.name == *peg).and_then(|it| kit.x_wp_start(it));
+            (peg.clone(), place.unwrap_or_default(), place.unwrap_or_default())
+        }
+        Aim::Pinned { connection } => {
+            let hole = kit.x_wa() * assembly.p_a_hole(assembly.connections[*connection].female);
+            let up = ramp_kit::joint::FEMALE_HEIGHT / 2.0;
+            let goal = Pose::translation(hole.x, hole.y, hole.z + up);
+            (assembly.connections[*connection].name.clone(), goal, goal)
+        }
+        Aim::Placed { connections } => {
+            let first = connections.first().map_or(assembly.base, |it| assembly.connections[*it].male.beam);
+            beam(first)
+        }
+        Aim::Deep { beam: index, .. } | Aim::Laid { beam: index } | Aim::Straight { beam: index } => {
+            beam(*index)
+        }
+    };
+    let seen = ramp_robot::Robot::observe(twin);
+    let gripper = GripperCommand { width: seen.width, force: 20.0 };
+    Known { held: None, part, x_wp, x_goal, gripper, posture: seen.positions }
+}
+
+/// Starts that were made so far, by the seed that was asked for.
+#[derive(Default)]
+pub(crate) struct Pool {
+    starts: Mutex<BTreeMap<u64, Arc<Prepared>>>,
+}
+
+impl Pool {
+    /// The start with this seed: made, if it is not there. Two threads may both make it; their starts are the same.
+    pub fn get(&self, scenario: &Scenario, seed: u64) -> Result<Arc<Prepared>, BeginError> {
+        let lock = || self.starts.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(start) = lock().get(&seed) {
+            return Ok(Arc::clone(start));
+        }
+        let start = Arc::new(prepare(scenario, seed)?);
+        let mut starts = lock();
+        if starts.len() < KEPT {
+            return Ok(Arc::clone(starts.entry(seed).or_insert(start)));
+        }
+        Ok(start)
+    }
+}

@@ -1,0 +1,407 @@
+//! Whole episodes: the baseline, an agent or a skill in Python, judged by the referee.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use ramp_episode::{EpisodeError, Label, Progress, Recorded, record_episode, run_episode};
+use ramp_gym::own::{Body, BodyError, Moment, OwnSkill, kind};
+use ramp_log::Sources;
+use ramp_report::curve::completion_svg;
+use ramp_result::EpisodeResult;
+use ramp_result::episode::Software;
+use ramp_robot::{
+    Account, Agent, Camera, CameraModel, Command, Event, Image, Observation, PartReading, Robot as Seam,
+    RobotError, TIME_LIMIT,
+};
+use ramp_skills::{Baseline, Parameters, SkillTable};
+use ramp_twin::{Disturbance, Setup, Twin};
+
+use crate::convert::seven;
+use crate::errors::{Interrupts, data, detached, input};
+use crate::files::Benchmark;
+use crate::robot::Robot;
+use crate::twin::{fault, track};
+use numpy::IntoPyArray;
+
+/// An exception that something in Python raised while Rust was at work.
+#[derive(Clone, Default)]
+struct Raised(Arc<Mutex<Option<PyErr>>>);
+
+impl Raised {
+    fn keep(&self, error: PyErr) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+    }
+
+    fn is_there(&self) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
+    fn take(&self) -> Option<PyErr> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}
+
+/// What a robot says whose episode is thrown away.
+fn stop() -> RobotError {
+    RobotError::OutOfTime { limit: TIME_LIMIT }
+}
+
+/// A robot that stops when Ctrl-C is pressed or something in Python has raised.
+struct Watched<'r> {
+    robot: &'r mut dyn Seam,
+    interrupts: Interrupts,
+    raised: Raised,
+}
+
+impl Watched<'_> {
+    fn check(&mut self) -> Result<(), RobotError> {
+        if let Err(error) = self.interrupts.check() {
+            self.raised.keep(error);
+        }
+        if self.raised.is_there() { Err(stop()) } else { Ok(()) }
+    }
+}
+
+impl Seam for Watched<'_> {
+    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
+        self.check()?;
+        self.robot.step(command)
+    }
+
+    fn observe(&self) -> Observation {
+        self.robot.observe()
+    }
+
+    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
+        self.check()?;
+        self.robot.read_parts()
+    }
+
+    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        self.check()?;
+        self.robot.look(camera)
+    }
+
+    fn camera(&self, camera: Camera) -> CameraModel {
+        self.robot.camera(camera)
+    }
+}
+
+/// Any agent, with a robot that can be stopped.
+struct Stoppable<'a> {
+    agent: Box<dyn Agent + 'a>,
+    raised: Raised,
+}
+
+impl Agent for Stoppable<'_> {
+    fn name(&self) -> (&str, &str) {
+        self.agent.name()
+    }
+
+    fn account(&self) -> Account {
+        self.agent.account()
+    }
+
+    fn file_hash(&self) -> Option<&str> {
+        self.agent.file_hash()
+    }
+
+    fn failure(&self) -> Option<String> {
+        self.agent.failure()
+    }
+
+    fn run(&mut self, robot: &mut dyn Seam) -> Result<(), RobotError> {
+        let raised = self.raised.clone();
+        self.agent.run(&mut Watched { robot, interrupts: Interrupts::new(), raised })
+    }
+}
+
+/// An agent in Python.
+struct PythonAgent {
+    object: Py<PyAny>,
+    /// What it is told of the goal.
+    goal: Py<PyAny>,
+    name: String,
+    version: String,
+    account: Account,
+    raised: Raised,
+}
+
+impl PythonAgent {
+    /// Calls the agent's `run`, and takes over what it tells.
+    fn call(&mut self, robot: &mut dyn Seam) -> PyResult<()> {
+        Python::attach(|py| {
+            let object = self.object.bind(py);
+            let outcome = Robot::lend(py, robot, |robot| object.call_method1("run", (robot, &self.goal)));
+            if let Ok(events) = object.getattr("events") {
+                for (time, what) in events.extract::<Vec<(f64, String)>>()? {
+                    let what = ramp_kit::source::plain(&what, 199);
+                    self.account.events.push(Event { time, kind: "done", what });
+                }
+            }
+            outcome.map(|_| ())
+        })
+    }
+}
+
+impl Agent for PythonAgent {
+    fn name(&self) -> (&str, &str) {
+        (&self.name, &self.version)
+    }
+
+    fn account(&self) -> Account {
+        self.account.clone()
+    }
+
+    fn run(&mut self, robot: &mut dyn Seam) -> Result<(), RobotError> {
+        let mut kept = Kept { robot, stopped: None };
+        let outcome = self.call(&mut kept);
+        match (outcome, kept.stopped) {
+            // The agent may catch what stopped the robot, or let it pass.
+            (Ok(()), Some(error)) => Err(error),
+            (Ok(()), None) => Ok(()),
+            (Err(error), stopped) => {
+                let robot = Python::attach(|py| error.is_instance_of::<crate::errors::RobotStopped>(py));
+                if !robot || stopped.is_none() {
+                    self.raised.keep(error);
+                }
+                Err(stopped.unwrap_or_else(stop))
+            }
+        }
+    }
+}
+
+/// A robot that keeps what stopped it for good.
+struct Kept<'r> {
+    robot: &'r mut dyn Seam,
+    stopped: Option<RobotError>,
+}
+
+impl Kept<'_> {
+    fn keep<T>(&mut self, result: Result<T, RobotError>) -> Result<T, RobotError> {
+        if let Err(error) = &result
+            && error.is_final()
+        {
+            self.stopped.get_or_insert_with(|| error.clone());
+        }
+        result
+    }
+}
+
+impl Seam for Kept<'_> {
+    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
+        let result = self.robot.step(command);
+        self.keep(result)
+    }
+
+    fn observe(&self) -> Observation {
+        self.robot.observe()
+    }
+
+    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
+        let result = self.robot.read_parts();
+        self.keep(result)
+    }
+
+    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+        let result = self.robot.look(camera);
+        self.keep(result)
+    }
+
+    fn camera(&self, camera: Camera) -> CameraModel {
+        self.robot.camera(camera)
+    }
+}
+
+/// A skill in Python.
+struct PythonBody {
+    object: Py<PyAny>,
+    raised: Raised,
+}
+
+impl Body for PythonBody {
+    fn run(&self, robot: &mut dyn Seam, moment: &Moment) -> Result<(), BodyError> {
+        let mut kept = Kept { robot, stopped: None };
+        let outcome = Python::attach(|py| {
+            let task = moment_of(py, moment)?;
+            let object = self.object.bind(py);
+            let told = Robot::lend(py, &mut kept, |robot| object.call_method1("run", (robot, task)))?;
+            // `None` is done; a text is why it gave up.
+            if told.is_none() { Ok(None) } else { told.extract::<String>().map(Some) }
+        });
+        if let Some(error) = kept.stopped {
+            return Err(error.into());
+        }
+        match outcome {
+            Ok(None) => Ok(()),
+            Ok(Some(why)) => Err(BodyError::GaveUp(ramp_kit::source::plain(&why, 199))),
+            Err(error) => {
+                self.raised.keep(error);
+                Err(stop().into())
+            }
+        }
+    }
+}
+
+/// What a skill is asked to do, as a dictionary.
+fn moment_of<'py>(py: Python<'py>, moment: &Moment) -> PyResult<Bound<'py, PyDict>> {
+    let task = PyDict::new(py);
+    let known = &moment.known;
+    task.set_item("kind", moment.kind.name().replace('_', "-"))?;
+    task.set_item("action", &moment.action)?;
+    task.set_item("part", &known.part)?;
+    task.set_item("part_pose", seven(&known.x_wp).into_pyarray(py))?;
+    task.set_item("goal_pose", seven(&known.x_goal).into_pyarray(py))?;
+    task.set_item("posture", known.posture.to_vec().into_pyarray(py))?;
+    task.set_item("width", known.gripper.width)?;
+    task.set_item("force", known.gripper.force)?;
+    let held = known.held.as_ref().map(|held| (seven(&held.x_tp).into_pyarray(py), held.mass));
+    task.set_item("held_pose", held.as_ref().map(|held| held.0.clone()))?;
+    task.set_item("held_mass", held.map(|held| held.1))?;
+    let centre = known.held.as_ref().map(|held| held.p_centre.coords.as_slice().to_vec().into_pyarray(py));
+    task.set_item("held_centre", centre)?;
+    Ok(task)
+}
+
+/// A skill in Python as one of the table.
+fn own_skill(name: &str, label: &str, object: Py<PyAny>, raised: &Raised) -> PyResult<OwnSkill> {
+    let kinds: Vec<String> = ramp_gym::own::KINDS.iter().map(|kind| kind.name().replace('_', "-")).collect();
+    let kind = kind(name)
+        .ok_or_else(|| input(format!("no skill carries out `{name}`; there are {}", kinds.join(", "))))?;
+    let body = PythonBody { object, raised: raised.clone() };
+    Ok(OwnSkill::new(kind, label, Box::new(body)))
+}
+
+/// This package.
+fn software() -> Software {
+    Software { version: env!("CARGO_PKG_VERSION").to_string(), commit: env!("RAMP_COMMIT").to_string() }
+}
+
+/// An agent in Python: the object, its name and its version, and what it is told of the goal.
+type Own = (Py<PyAny>, String, String, Py<PyAny>);
+/// A skill in Python: what it carries out, its name, and the object.
+type OwnPart = (String, String, Py<PyAny>);
+
+/// Runs an episode; the result as JSON.
+#[pyfunction]
+#[pyo3(signature = (benchmark, goal, *, track, world, seed, agent=None, skills=Vec::new(), plan=None, domain=None,
+    parameters=None, fault=None, record=None, repeat=1, progress=None))]
+#[expect(clippy::too_many_arguments, reason = "they are named in Python")]
+pub fn run(
+    py: Python<'_>,
+    benchmark: &Bound<'_, Benchmark>,
+    goal: &str,
+    track: &str,
+    world: &str,
+    seed: u64,
+    agent: Option<Own>,
+    skills: Vec<OwnPart>,
+    plan: Option<&str>,
+    domain: Option<&str>,
+    parameters: Option<&str>,
+    fault: Option<&str>,
+    record: Option<PathBuf>,
+    repeat: u32,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let files = benchmark.get();
+    let inner = &files.inner;
+    let assembly = inner.goal(goal).map_err(data)?;
+    let world = inner.world(world).map_err(data)?;
+    let (track, fault) = (self::track(track)?, self::fault(fault)?);
+    let domains = files.domains(domain)?;
+    let raised = Raised::default();
+    let parameters = match parameters {
+        Some(path) => Parameters::read(path.as_ref()).map_err(|error| input(format!("{error:#}")))?,
+        None => Parameters::baseline(),
+    };
+    let mut table = ramp_skills::table::baseline(&parameters);
+    for (name, label, object) in skills {
+        table.replace(own_skill(&name, &label, object, &raised)?);
+    }
+    let text = |path: PathBuf| {
+        std::fs::read_to_string(&path).map_err(|error| input(format!("{}: {error}", path.display())))
+    };
+    let goal_text = text(inner.goal_file(goal).map_err(data)?)?;
+    let kit_text = text(inner.folder.join("kit.xml"))?;
+    let arm_text = text(inner.folder.join("arms/panda.json"))?;
+    let json = detached(py, || {
+        let setup = Setup {
+            kit: &inner.kit,
+            assembly: &assembly,
+            arm: &inner.arm,
+            track,
+            seed,
+            disturbance: Disturbance::default(),
+            world: &world,
+            fault,
+        };
+        let worker: Box<dyn Agent + '_> = match agent {
+            Some((object, name, version, goal)) => {
+                let account = Account::default();
+                Box::new(PythonAgent { object, goal, name, version, account, raised: raised.clone() })
+            }
+            None => {
+                let baseline = baseline(files, &setup, &domains, parameters, table);
+                Box::new(match plan {
+                    Some(text) => baseline.with_plan(files.own_plan(text, &assembly, &domains)?),
+                    None => baseline,
+                })
+            }
+        };
+        let mut worker = Stoppable { agent: worker, raised: raised.clone() };
+        let mut told = Interrupts::new();
+        let mut watcher = |now: &Progress, _: &Twin| {
+            let Some(progress) = &progress else { return };
+            if let Some(Err(error)) = told
+                .due(|| Python::attach(|py| progress.call1(py, (now.time, now.seated, now.pegs)).map(|_| ())))
+            {
+                raised.keep(error);
+            }
+        };
+        let result = match &record {
+            Some(path) => {
+                let sources = Sources { goal: &goal_text, kit: &kit_text, arm: &arm_text };
+                let label = Label { software: software(), repeat, secret: None };
+                let recorded = record_episode(&setup, &sources, &mut worker, &label, path, &mut watcher);
+                let Recorded { result, unlogged } = recorded.map_err(|error| match error {
+                    EpisodeError::Log(error) => input(error),
+                    EpisodeError::Twin(error) => input(error),
+                })?;
+                if let Some(error) = unlogged {
+                    return Err(input(format!("there is no log: {error}")));
+                }
+                result
+            }
+            None => run_episode(&setup, &mut worker, &software(), repeat, &mut watcher).map_err(input)?,
+        };
+        match raised.take() {
+            Some(error) => Err(error),
+            None => Ok(result.to_json()),
+        }
+    })?;
+    Ok(json)
+}
+
+/// The baseline with these skills.
+fn baseline<'a>(
+    files: &'a Benchmark,
+    setup: &Setup<'a>,
+    domains: &'a ramp_planner::Domains,
+    parameters: Arc<Parameters>,
+    table: SkillTable,
+) -> Baseline<'a> {
+    let inner = &files.inner;
+    Baseline::new(&inner.kit, setup.assembly, &inner.arm, domains, setup.seed)
+        .with_parameters(parameters)
+        .with_skills(table)
+}
+
+/// The completion of a result over time, as SVG.
+#[pyfunction]
+pub fn curve_svg(result: &str) -> PyResult<String> {
+    let result: EpisodeResult = serde_json::from_str(result).map_err(input)?;
+    Ok(completion_svg(&result))
+}

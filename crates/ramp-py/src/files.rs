@@ -1,0 +1,119 @@
+//! The benchmark's files, goals and plans.
+
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use ramp_assembly::Assembly;
+use ramp_gym::{Benchmark as Inner, SKILLS, read_plan};
+use ramp_planner::{Domains, Options, Plan, State};
+use serde_json::json;
+
+use crate::errors::{PlanningError, data, detached, input};
+
+/// Kit, goals, rules and arm of a data folder.
+#[pyclass(frozen, module = "ramp._ramp")]
+pub struct Benchmark {
+    pub inner: Arc<Inner>,
+}
+
+#[pymethods]
+impl Benchmark {
+    #[new]
+    fn new(folder: &str) -> PyResult<Benchmark> {
+        Ok(Benchmark { inner: Arc::new(Inner::read(folder.as_ref()).map_err(data)?) })
+    }
+
+    /// The names of the goals, easy ones first.
+    fn goal_names(&self) -> PyResult<Vec<String>> {
+        self.inner.goal_names().map_err(data)
+    }
+
+    /// What is known of a goal, as JSON.
+    fn goal(&self, name: &str) -> PyResult<String> {
+        let goal = self.inner.goal(name).map_err(data)?;
+        let connections: Vec<_> = goal
+            .connections
+            .iter()
+            .map(|it| {
+                json!({
+                    "name": it.name,
+                    "female": goal.joint_name(it.female),
+                    "male": goal.joint_name(it.male),
+                })
+            })
+            .collect();
+        let file = self.inner.goal_file(name).map_err(data)?;
+        let value = json!({
+            "name": goal.name,
+            "class": goal.class.map(|class| class.name()),
+            "beams": goal.beams.iter().map(|it| it.beam.name.as_str()).collect::<Vec<_>>(),
+            "base": goal.beams[goal.base].beam.name,
+            "connections": connections,
+            "file": file.display().to_string(),
+        });
+        Ok(value.to_string())
+    }
+
+    /// A goal from above, as SVG.
+    fn goal_svg(&self, name: &str) -> PyResult<String> {
+        Ok(ramp_assembly::draw_svg(&self.inner.goal(name).map_err(data)?))
+    }
+
+    /// A plan for a goal, as JSON in the form of `ramp plan GOAL --json`.
+    #[pyo3(signature = (goal, domain=None, optimal=false))]
+    fn plan(&self, py: Python<'_>, goal: &str, domain: Option<&str>, optimal: bool) -> PyResult<String> {
+        let assembly = self.inner.goal(goal).map_err(data)?;
+        let domains = self.domains(domain)?;
+        let options = Options { optimal, ..Options::default() };
+        let kit = &self.inner.kit;
+        let plan = detached(py, || {
+            ramp_planner::plan_with(&assembly, kit, &State::default(), &domains, options)
+                .map_err(|error| PlanningError::new_err(error.to_string()))
+        })?;
+        Ok(json!({ "goal": assembly.name, "plan": plan }).to_string())
+    }
+
+    /// Checks a plan of somebody else by the rules, and adds how beams get to their places; JSON in and out.
+    #[pyo3(signature = (goal, text, domain=None))]
+    fn check_plan(&self, py: Python<'_>, goal: &str, text: &str, domain: Option<&str>) -> PyResult<String> {
+        let assembly = self.inner.goal(goal).map_err(data)?;
+        let domains = self.domains(domain)?;
+        let plan = detached(py, || self.own_plan(text, &assembly, &domains))?;
+        Ok(json!({ "goal": assembly.name, "plan": plan }).to_string())
+    }
+
+    /// The skills that the goals of the benchmark need.
+    #[staticmethod]
+    fn skills() -> Vec<&'static str> {
+        SKILLS.to_vec()
+    }
+
+    /// The contact steps of a goal's plan: number from 1, skill, action.
+    fn steps(&self, py: Python<'_>, goal: &str) -> PyResult<Vec<(usize, String, String)>> {
+        let goal = detached(py, || self.inner.planned(goal).map_err(data))?;
+        let steps = goal.steps.iter().map(|it| &it.task);
+        Ok(steps.map(|it| (it.step, it.skill.clone(), it.action.clone())).collect())
+    }
+
+    /// The names of the worlds that are part of the package.
+    #[staticmethod]
+    fn world_names() -> Vec<&'static str> {
+        ramp_twin::World::names().collect()
+    }
+}
+
+impl Benchmark {
+    /// The rules, with a file in place of the one of its kind.
+    pub fn domains(&self, domain: Option<&str>) -> PyResult<Domains> {
+        match domain {
+            Some(path) => self.inner.domains.with(path.as_ref()).map_err(|error| input(format!("{error:?}"))),
+            None => Ok(self.inner.domains.clone()),
+        }
+    }
+
+    /// A plan of somebody else.
+    pub fn own_plan(&self, text: &str, assembly: &Assembly, domains: &Domains) -> PyResult<Plan> {
+        read_plan(text, assembly, &self.inner.kit, domains)
+            .map_err(|error| PlanningError::new_err(error.to_string()))
+    }
+}

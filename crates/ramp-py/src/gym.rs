@@ -1,0 +1,415 @@
+//! Environments: one, and many at a time.
+
+use std::sync::{Arc, Mutex, MutexGuard};
+
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadwriteArray1, PyReadwriteArray2};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use ramp_gym::action::{Cartesian, Joint};
+use ramp_gym::batch::Outcome;
+use ramp_gym::pictures::SIZES;
+use ramp_gym::{
+    ActionKind, Batch as InnerBatch, Begin, Env as Inner, Options, Scenario, Step, View, Weights,
+};
+
+use crate::convert::{Numbers, all, camera, picture, seven};
+use crate::errors::{data, detached, env as env_error, input, scenario as scenario_error};
+use crate::files::Benchmark;
+use crate::twin::track;
+
+/// What of the settings is there, as a type of Rust.
+fn setting<'py, T>(settings: &Bound<'py, PyDict>, name: &str) -> PyResult<Option<T>>
+where
+    T: for<'a> FromPyObject<'a, 'py>,
+    for<'a> <T as FromPyObject<'a, 'py>>::Error: Into<PyErr>,
+{
+    let Some(value) = settings.get_item(name)? else { return Ok(None) };
+    if value.is_none() {
+        return Ok(None);
+    }
+    match value.extract::<T>() {
+        Ok(value) => Ok(Some(value)),
+        Err(error) => Err(input(format!("{name}: {}", error.into()))),
+    }
+}
+
+/// A positive, finite number.
+fn positive(number: f64, name: &str) -> PyResult<f64> {
+    if number > 0.0 && number.is_finite() {
+        Ok(number)
+    } else {
+        Err(input(format!("{name} must be more than 0")))
+    }
+}
+
+/// What the numbers of an action mean.
+pub fn action_kind(settings: &Bound<'_, PyDict>) -> PyResult<ActionKind> {
+    let get = |name: &str| setting::<f64>(settings, name);
+    let flag = |name: &str| setting::<bool>(settings, name);
+    let action: String = setting(settings, "action")?.unwrap_or_else(|| "cartesian".to_string());
+    let strict = flag("strict")?.unwrap_or(false);
+    Ok(match action.as_str() {
+        "cartesian" => {
+            let mut it = Cartesian::default();
+            it.turns = flag("turns")?.unwrap_or(it.turns);
+            it.speed = positive(get("speed")?.unwrap_or(it.speed), "speed")?;
+            it.turn_speed = positive(get("turn_speed")?.unwrap_or(it.turn_speed), "turn_speed")?;
+            if let Some(leash) = setting::<[f64; 3]>(settings, "leash")? {
+                for length in leash {
+                    positive(length, "leash")?;
+                }
+                it.leash = leash;
+            }
+            if let Some(stiffness) = setting::<[f64; 6]>(settings, "stiffness")? {
+                for each in stiffness {
+                    positive(each, "stiffness")?;
+                }
+                it.stiffness = stiffness;
+            }
+            ActionKind::Cartesian(it)
+        }
+        "joint" => {
+            let mut it = Joint::default();
+            it.speed = positive(get("speed")?.unwrap_or(it.speed), "speed")?;
+            ActionKind::Joint(it)
+        }
+        "raw" => ActionKind::Raw { strict },
+        other => return Err(input(format!("there is no action `{other}`; there are cartesian, joint, raw"))),
+    })
+}
+
+/// How an environment is driven, what it shows, and how it rewards.
+fn options(settings: &Bound<'_, PyDict>) -> PyResult<Options> {
+    let get = |name: &str| setting::<f64>(settings, name);
+    let flag = |name: &str| setting::<bool>(settings, name);
+    let action = action_kind(settings)?;
+    let rate = get("rate")?.unwrap_or(20.0);
+    if !(5.0..=1000.0).contains(&rate) {
+        return Err(input(format!("the rate {rate} is not within 5 and 1000 Hz")));
+    }
+    let reward: String = setting(settings, "reward")?.unwrap_or_else(|| "sparse".to_string());
+    let weights = match reward.as_str() {
+        "sparse" => Weights::sparse(),
+        "shaped" => Weights::shaped(),
+        other => return Err(input(format!("there is no reward `{other}`; there are sparse, shaped"))),
+    };
+    let mut views = Vec::new();
+    for (name, size, depth) in setting::<Vec<(String, usize, bool)>>(settings, "views")?.unwrap_or_default() {
+        let [least, most] = SIZES;
+        if !(least..=most).contains(&size) {
+            return Err(input(format!("the image size {size} is not within {least} and {most} pixels")));
+        }
+        views.push(View { camera: camera(&name)?, size, depth });
+    }
+    let error = get("belief_error")?.unwrap_or(0.0);
+    if !(0.0..=0.05).contains(&error) {
+        return Err(input(format!("the belief_error {error} is not within 0 and 0.05 m")));
+    }
+    let other = Options::default();
+    Ok(Options {
+        action,
+        gripper: flag("gripper")?.unwrap_or(other.gripper),
+        periods: (1000.0 / rate).round() as u32,
+        limit: positive(get("limit")?.unwrap_or(other.limit), "limit")?,
+        starts: setting(settings, "starts")?.unwrap_or(other.starts),
+        belief_error: error,
+        weights,
+        views,
+    })
+}
+
+/// Name, shape and place of some numbers, and what they are.
+type FieldRow = (&'static str, Vec<usize>, usize, &'static str);
+
+/// One environment.
+#[pyclass(frozen, module = "ramp._ramp")]
+pub struct Env {
+    inner: Mutex<Inner>,
+}
+
+impl Env {
+    fn env(&self) -> PyResult<MutexGuard<'_, Inner>> {
+        self.inner
+            .try_lock()
+            .map_err(|_| PyRuntimeError::new_err("the environment is at work on another thread"))
+    }
+}
+
+/// What an action has brought, as a dictionary.
+fn told<'py>(py: Python<'py>, step: &Step) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("reward", step.terms.sum())?;
+    dict.set_item("reward_progress", step.terms.progress)?;
+    dict.set_item("reward_success", step.terms.success)?;
+    dict.set_item("reward_lost", step.terms.lost)?;
+    dict.set_item("reward_force", step.terms.force)?;
+    dict.set_item("success", step.success)?;
+    dict.set_item("terminated", step.terminated)?;
+    dict.set_item("truncated", step.truncated)?;
+    dict.set_item("cause", &step.cause)?;
+    dict.set_item("beside", step.progress.beside)?;
+    dict.set_item("height", step.progress.height)?;
+    dict.set_item("completion", step.completion)?;
+    Ok(dict)
+}
+
+#[pymethods]
+impl Env {
+    /// `skill` is a skill, or `None` for the whole goal; `goals` are its goals.
+    #[new]
+    #[pyo3(signature = (benchmark, skill, goals, *, track, world, begin, whole_scene, settings))]
+    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
+    fn new(
+        py: Python<'_>,
+        benchmark: &Bound<'_, Benchmark>,
+        skill: Option<&str>,
+        goals: Vec<String>,
+        track: &str,
+        world: &str,
+        begin: &str,
+        whole_scene: bool,
+        settings: &Bound<'_, PyDict>,
+    ) -> PyResult<Env> {
+        let files = Arc::clone(&benchmark.get().inner);
+        let world = files.world(world).map_err(data)?;
+        let track = self::track(track)?;
+        let begin = match begin {
+            "ready" => Begin::Ready,
+            "home" => Begin::Home,
+            other => return Err(input(format!("there is no start `{other}`; there are ready, home"))),
+        };
+        let options = options(settings)?;
+        let env = detached(py, || {
+            let scenario = match (skill, goals.first()) {
+                (Some(skill), _) => {
+                    let scenario = Scenario::skill(files, skill, &goals, track, world, begin);
+                    Scenario { whole_scene, ..scenario.map_err(scenario_error)? }
+                }
+                (None, Some(goal)) => {
+                    let assembly = files.goal(goal).map_err(data)?;
+                    Scenario::goal(files, assembly, track, world)
+                }
+                (None, None) => return Err(input("a goal is needed")),
+            };
+            Inner::new(Arc::new(scenario), options).map_err(env_error)
+        })?;
+        Ok(Env { inner: Mutex::new(env) })
+    }
+
+    #[pyo3(signature = (seed=None))]
+    fn reset(&self, py: Python<'_>, seed: Option<u64>) -> PyResult<()> {
+        detached(py, || self.env()?.reset(seed).map_err(env_error))
+    }
+
+    fn step<'py>(&self, py: Python<'py>, action: Numbers<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let action = all(&action);
+        let step = detached(py, || self.env()?.step(&action).map_err(env_error))?;
+        told(py, &step)
+    }
+
+    fn observe<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let env = self.env()?;
+        let mut row = vec![0.0; env.width()];
+        env.observe(&mut row);
+        Ok(row.into_pyarray(py))
+    }
+
+    /// Colour image of a view, shape (size, size, 3).
+    fn image<'py>(&self, py: Python<'py>, view: usize) -> PyResult<Bound<'py, numpy::PyArray3<u8>>> {
+        let env = self.env()?;
+        let none = || input("there is no such view");
+        let size = env.views().nth(view).ok_or_else(none)?.size;
+        picture(py, env.image(view).ok_or_else(none)?.to_vec(), [size, size])
+    }
+
+    /// Depth image of a view, m, shape (size, size).
+    fn depth<'py>(&self, py: Python<'py>, view: usize) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let env = self.env()?;
+        let none = || input("there is no such view");
+        let size = env.views().nth(view).ok_or_else(none)?.size;
+        env.depth(view).ok_or_else(none)?.to_vec().into_pyarray(py).reshape([size, size])
+    }
+
+    /// Name, shape and place of the numbers of an observation, and what they are.
+    fn fields(&self) -> PyResult<Vec<FieldRow>> {
+        let env = self.env()?;
+        Ok(env.fields().iter().map(|it| (it.name, it.shape.clone(), it.offset, it.about)).collect())
+    }
+
+    /// Lowest and highest of each number of an action.
+    fn bounds(&self) -> PyResult<Vec<[f64; 2]>> {
+        Ok(self.env()?.bounds())
+    }
+
+    /// The parts whose poses an observation tells.
+    fn part_names(&self) -> PyResult<Vec<String>> {
+        Ok(self.env()?.part_names().to_vec())
+    }
+
+    /// Control periods of a millisecond for each action.
+    #[getter]
+    fn periods(&self) -> PyResult<u32> {
+        Ok(self.env()?.options().periods)
+    }
+
+    /// What is known of the start of the running episode.
+    fn start<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let env = self.env()?;
+        let dict = PyDict::new(py);
+        let Some(start) = env.start() else { return Ok(dict) };
+        let goal = &env.scenario().goals[start.task.0];
+        dict.set_item("scene_seed", start.seed)?;
+        dict.set_item("goal", &goal.assembly.name)?;
+        if let Some(step) = goal.steps.get(start.task.1) {
+            dict.set_item("skill", &step.task.skill)?;
+            dict.set_item("action", &step.task.action)?;
+        }
+        if let Some(known) = &start.known {
+            dict.set_item("part", &known.part)?;
+            dict.set_item("goal_pose", seven(&known.x_goal).into_pyarray(py))?;
+        }
+        Ok(dict)
+    }
+
+    #[getter]
+    fn state_hash(&self) -> PyResult<String> {
+        Ok(format!("{:016x}", self.env()?.twin().map_or(0, ramp_twin::Twin::state_hash)))
+    }
+
+    /// MJCF of the running episode's scene.
+    #[getter]
+    fn scene(&self) -> PyResult<String> {
+        Ok(self.env()?.twin().map(|twin| twin.scene().to_string()).unwrap_or_default())
+    }
+
+    /// MuJoCo's positions, velocities and actuator commands of the running episode.
+    fn physics<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray1<f64>>; 2]> {
+        let env = self.env()?;
+        let twin = env.twin().ok_or_else(|| input("the environment was not reset"))?;
+        Ok([twin.qpos().to_vec().into_pyarray(py), twin.ctrl().to_vec().into_pyarray(py)])
+    }
+}
+
+/// Many environments.
+#[pyclass(frozen, module = "ramp._ramp")]
+pub struct Batch {
+    inner: Mutex<InnerBatch>,
+}
+
+impl Batch {
+    fn batch(&self) -> PyResult<MutexGuard<'_, InnerBatch>> {
+        self.inner
+            .try_lock()
+            .map_err(|_| PyRuntimeError::new_err("the environments are at work on another thread"))
+    }
+}
+
+/// A flag for each environment.
+fn flags<'py>(
+    py: Python<'py>,
+    outcomes: &[Outcome],
+    flag: impl Fn(&Outcome) -> bool,
+) -> Bound<'py, PyArray1<bool>> {
+    outcomes.iter().map(flag).collect::<Vec<_>>().into_pyarray(py)
+}
+
+/// A number for each environment.
+fn numbers<'py>(
+    py: Python<'py>,
+    outcomes: &[Outcome],
+    number: impl Fn(&Outcome) -> f64,
+) -> Bound<'py, PyArray1<f64>> {
+    outcomes.iter().map(number).collect::<Vec<_>>().into_pyarray(py)
+}
+
+#[pymethods]
+impl Batch {
+    #[new]
+    fn new(py: Python<'_>, env: &Bound<'_, Env>, count: usize, threads: usize) -> PyResult<Batch> {
+        if count == 0 || threads == 0 || count > 4096 || threads > 1024 {
+            return Err(input("the number of environments is 1 to 4096, that of threads 1 to 1024"));
+        }
+        let env = env.get();
+        let batch = detached(py, || InnerBatch::new(&*env.env()?, count, threads).map_err(env_error))?;
+        Ok(Batch { inner: Mutex::new(batch) })
+    }
+
+    /// Resets the environments that have an entry which is not `False`: a seed, or `True` for the next episode.
+    fn reset(&self, py: Python<'_>, which: Vec<Bound<'_, PyAny>>) -> PyResult<()> {
+        let mut seeds = Vec::with_capacity(which.len());
+        for it in which {
+            seeds.push(match it.extract::<bool>() {
+                Ok(false) => None,
+                Ok(true) => Some(None),
+                Err(_) => Some(Some(it.extract::<u64>().map_err(|_| input("a seed is a number from 0"))?)),
+            });
+        }
+        detached(py, || {
+            let mut batch = self.batch()?;
+            if seeds.len() != batch.len() {
+                return Err(input(format!("{} entries, and {} were expected", seeds.len(), batch.len())));
+            }
+            batch.reset(&seeds).map_err(env_error)
+        })
+    }
+
+    /// Steps all; `actions` has a row for each.
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        actions: Numbers<'py>,
+        reset_ended: bool,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let actions = all(&actions);
+        let outcomes = detached(py, || self.batch()?.step(&actions, reset_ended).map_err(env_error))?;
+        let dict = PyDict::new(py);
+        dict.set_item("reward", numbers(py, &outcomes, |it| it.step.terms.sum()))?;
+        dict.set_item("reward_progress", numbers(py, &outcomes, |it| it.step.terms.progress))?;
+        dict.set_item("reward_success", numbers(py, &outcomes, |it| it.step.terms.success))?;
+        dict.set_item("reward_lost", numbers(py, &outcomes, |it| it.step.terms.lost))?;
+        dict.set_item("reward_force", numbers(py, &outcomes, |it| it.step.terms.force))?;
+        dict.set_item("beside", numbers(py, &outcomes, |it| it.step.progress.beside))?;
+        dict.set_item("height", numbers(py, &outcomes, |it| it.step.progress.height))?;
+        dict.set_item("completion", numbers(py, &outcomes, |it| it.step.completion))?;
+        dict.set_item("success", flags(py, &outcomes, |it| it.step.success))?;
+        dict.set_item("terminated", flags(py, &outcomes, |it| it.step.terminated))?;
+        dict.set_item("truncated", flags(py, &outcomes, |it| it.step.truncated))?;
+        dict.set_item("reset", flags(py, &outcomes, |it| it.reset))?;
+        let causes: Vec<Option<&str>> = outcomes.iter().map(|it| it.step.cause.as_deref()).collect();
+        dict.set_item("cause", causes)?;
+        Ok(dict)
+    }
+
+    /// Ends the episodes of some environments from outside, as a limit of steps does.
+    fn end(&self, which: Vec<bool>) -> PyResult<()> {
+        self.batch()?.end(&which);
+        Ok(())
+    }
+
+    /// Writes the observations into an array of shape (environments, numbers).
+    fn observe(&self, mut out: PyReadwriteArray2<'_, f32>) -> PyResult<()> {
+        let out = out.as_slice_mut().map_err(|_| input("the array is not contiguous"))?;
+        self.batch()?.observe(out);
+        Ok(())
+    }
+
+    /// Writes the colour images of a view into a flat array.
+    fn images(&self, view: usize, mut out: PyReadwriteArray1<'_, u8>) -> PyResult<()> {
+        let out = out.as_slice_mut().map_err(|_| input("the array is not contiguous"))?;
+        self.batch()?.images(view, out);
+        Ok(())
+    }
+
+    /// Writes the depth images of a view into a flat array.
+    fn depths(&self, view: usize, mut out: PyReadwriteArray1<'_, f32>) -> PyResult<()> {
+        let out = out.as_slice_mut().map_err(|_| input("the array is not contiguous"))?;
+        self.batch()?.depths(view, out);
+        Ok(())
+    }
+
+    /// A hash of the physics state of each environment.
+    fn state_hashes(&self) -> PyResult<Vec<String>> {
+        Ok(self.batch()?.state_hashes().into_iter().map(|hash| format!("{hash:016x}")).collect())
+    }
+}

@@ -1,0 +1,205 @@
+//! The twin as an object to drive.
+
+use std::sync::{Arc, Mutex, MutexGuard};
+
+use numpy::{IntoPyArray, PyArray3};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use ramp_gym::View;
+use ramp_gym::pictures::{Painter, SIZES};
+use ramp_referee::Referee;
+use ramp_robot::{Robot as _, Track};
+use ramp_twin::{Disturbance, Fault, Setup, Twin as Inner};
+
+use crate::convert::{CameraImage, Command, Observation, camera as camera_of, picture, seven};
+use crate::errors::{data, detached, input, robot};
+use crate::files::Benchmark;
+use crate::robot::{check_periods, readings, step};
+
+/// The state of a twin, to go back to.
+#[pyclass(frozen, module = "ramp")]
+pub struct Snapshot {
+    inner: ramp_twin::Snapshot,
+}
+
+#[pymethods]
+impl Snapshot {
+    /// Robot time at which it was taken, s.
+    #[getter]
+    fn time(&self) -> f64 {
+        self.inner.time()
+    }
+}
+
+/// A twin with its referee.
+struct Cell {
+    twin: Inner,
+    referee: Referee,
+}
+
+/// The digital twin of an episode.
+#[pyclass(frozen, module = "ramp._ramp", name = "Twin")]
+pub struct Twin {
+    benchmark: Arc<ramp_gym::Benchmark>,
+    /// The names of the goal's connections.
+    connections: Vec<String>,
+    cell: Mutex<Cell>,
+}
+
+/// The track of that name.
+pub fn track(name: &str) -> PyResult<Track> {
+    let named = Track::ALL.into_iter().find(|it| it.name() == name);
+    named.ok_or_else(|| input(format!("there is no track `{name}`; there are state, noisy, tags")))
+}
+
+/// A fault as on the command line.
+pub fn fault(text: Option<&str>) -> PyResult<Option<Fault>> {
+    text.map(|text| text.parse::<Fault>().map_err(input)).transpose()
+}
+
+impl Twin {
+    fn cell(&self) -> PyResult<MutexGuard<'_, Cell>> {
+        self.cell.try_lock().map_err(|_| PyRuntimeError::new_err("the twin is at work on another thread"))
+    }
+}
+
+#[pymethods]
+impl Twin {
+    #[new]
+    #[pyo3(signature = (benchmark, goal, track="state", world="ideal", seed=1, fault=None))]
+    fn new(
+        py: Python<'_>,
+        benchmark: &Bound<'_, Benchmark>,
+        goal: &str,
+        track: &str,
+        world: &str,
+        seed: u64,
+        fault: Option<&str>,
+    ) -> PyResult<Twin> {
+        let benchmark = Arc::clone(&benchmark.get().inner);
+        let assembly = benchmark.goal(goal).map_err(data)?;
+        let world = benchmark.world(world).map_err(data)?;
+        let (track, fault) = (self::track(track)?, self::fault(fault)?);
+        let connections = assembly.connections.iter().map(|it| it.name.clone()).collect();
+        let cell = detached(py, || {
+            let setup = Setup {
+                kit: &benchmark.kit,
+                assembly: &assembly,
+                arm: &benchmark.arm,
+                track,
+                seed,
+                disturbance: Disturbance::default(),
+                world: &world,
+                fault,
+            };
+            let twin = Inner::new(&setup).map_err(input)?;
+            let referee = Referee::new(&benchmark.kit, &assembly, twin.part_names());
+            Ok(Cell { twin, referee })
+        })?;
+        Ok(Twin { benchmark, connections, cell: Mutex::new(cell) })
+    }
+
+    #[pyo3(signature = (command, periods=1))]
+    fn step(&self, py: Python<'_>, command: &Bound<'_, Command>, periods: u32) -> PyResult<Observation> {
+        check_periods(periods)?;
+        let command = &command.get().inner;
+        detached(py, || Ok(Observation { inner: step(&mut self.cell()?.twin, command, periods)? }))
+    }
+
+    fn observe(&self) -> PyResult<Observation> {
+        Ok(Observation { inner: self.cell()?.twin.observe() })
+    }
+
+    fn read_parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let parts = self.cell()?.twin.read_parts().map_err(|error| robot(&error))?;
+        readings(py, parts)
+    }
+
+    fn look(&self, py: Python<'_>, camera: &str) -> PyResult<CameraImage> {
+        let camera = camera_of(camera)?;
+        let image = detached(py, || self.cell()?.twin.look(camera).map_err(|error| robot(&error)))?;
+        Ok(image.into())
+    }
+
+    fn snapshot(&self) -> PyResult<Snapshot> {
+        Ok(Snapshot { inner: self.cell()?.twin.snapshot() })
+    }
+
+    fn restore(&self, snapshot: &Bound<'_, Snapshot>) -> PyResult<()> {
+        self.cell()?.twin.restore(&snapshot.get().inner).map_err(input)
+    }
+
+    fn true_poses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let cell = self.cell()?;
+        let poses = PyDict::new(py);
+        for (name, x) in cell.twin.part_names().zip(cell.twin.truth().x_wp) {
+            poses.set_item(name, seven(&x).into_pyarray(py))?;
+        }
+        Ok(poses)
+    }
+
+    /// The peg that pins each connection now, by the referee's rule.
+    fn pegs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let mut cell = self.cell()?;
+        let truth = cell.twin.truth();
+        cell.referee.watch(&truth, 0.0);
+        let pegs = PyDict::new(py);
+        for (name, seated) in self.connections.iter().zip(cell.referee.verdict()) {
+            pegs.set_item(name, seated.as_ref().map(|seated| seated.peg.clone()))?;
+        }
+        Ok(pegs)
+    }
+
+    #[pyo3(signature = (camera="birds-eye", size=256))]
+    fn render<'py>(&self, py: Python<'py>, camera: &str, size: usize) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let camera = camera_of(camera)?;
+        let [least, most] = SIZES;
+        if !(least..=most).contains(&size) {
+            return Err(input(format!("the size {size} is not within {least} and {most} pixels")));
+        }
+        let pixels = detached(py, || {
+            let cell = self.cell()?;
+            let view = View { camera, size, depth: false };
+            let mut painter = Painter::of(view, &self.benchmark).map_err(input)?;
+            painter.paint(&cell.twin);
+            Ok(painter.colour)
+        })?;
+        picture(py, pixels, [size, size])
+    }
+
+    #[getter]
+    fn time(&self) -> PyResult<f64> {
+        Ok(self.cell()?.twin.time())
+    }
+
+    #[getter]
+    fn scene(&self) -> PyResult<String> {
+        Ok(self.cell()?.twin.scene().to_string())
+    }
+
+    #[getter]
+    fn qpos<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, numpy::PyArray1<f64>>> {
+        Ok(self.cell()?.twin.qpos().to_vec().into_pyarray(py))
+    }
+
+    #[getter]
+    fn ctrl<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, numpy::PyArray1<f64>>> {
+        Ok(self.cell()?.twin.ctrl().to_vec().into_pyarray(py))
+    }
+
+    #[getter]
+    fn state_hash(&self) -> PyResult<String> {
+        Ok(format!("{:016x}", self.cell()?.twin.state_hash()))
+    }
+
+    #[getter]
+    fn largest_force(&self) -> PyResult<f64> {
+        Ok(self.cell()?.twin.largest_force())
+    }
+
+    #[getter]
+    fn deepest_penetration(&self) -> PyResult<f64> {
+        Ok(self.cell()?.twin.deepest_penetration())
+    }
+}

@@ -1,0 +1,73 @@
+"""RAMP, a benchmark of robotic assembly.
+
+A Panda arm builds frames from beams and pins every joint with a peg, in a digital twin. Units are SI: metres, radians,
+seconds, newtons. Poses are seven numbers: x, y, z in m, then a quaternion w, x, y, z. The world's frame is that of the
+robot's base: x forward, z up, the table's top at z = 0.
+
+>>> import ramp
+>>> result = ramp.run("easy-1", track="state")
+>>> result.counted
+3
+"""
+
+from ramp._core import (
+    CameraImage,
+    Command,
+    InputError,
+    Observation,
+    PlanningError,
+    Refused,
+    Robot,
+    RobotStopped,
+    Snapshot,
+    __version__,
+    data,
+)
+from ramp.agent import Agent, Skill, Task
+from ramp.bench import Results, bench, run
+from ramp.goal import Connection, Goal, goals
+from ramp.plan import Plan, plan
+from ramp.result import Peg, Result, Time
+from ramp.twin import Twin
+
+__all__ = [
+    "Agent",
+    "CameraImage",
+    "Command",
+    "Connection",
+    "Goal",
+    "InputError",
+    "Observation",
+    "Peg",
+    "Plan",
+    "PlanningError",
+    "Refused",
+    "Result",
+    "Results",
+    "Robot",
+    "RobotStopped",
+    "Skill",
+    "Snapshot",
+    "Task",
+    "Time",
+    "Twin",
+    "__version__",
+    "bench",
+    "data",
+    "goals",
+    "plan",
+    "run",
+]
+
+
+def _register() -> None:
+    """Registers the environments with Gymnasium, where it is installed."""
+    import importlib.util
+
+    if importlib.util.find_spec("gymnasium") is not None:
+        from ramp.gym import register
+
+        register()
+
+
+_register()

@@ -1,0 +1,73 @@
+"""Loads the compiled module, and knows the folder of the data."""
+
+from __future__ import annotations
+
+import functools
+import os
+import pathlib
+import sys
+
+# Another libmujoco of this process, such as that of the package `mujoco`, must not take the place of our own.
+if hasattr(sys, "setdlopenflags"):
+    _flags = sys.getdlopenflags()
+    sys.setdlopenflags(os.RTLD_NOW | getattr(os, "RTLD_DEEPBIND", 0))
+try:
+    from ramp._ramp import (
+        Batch,
+        Benchmark,
+        CameraImage,
+        Command,
+        Driver,
+        Env,
+        InputError,
+        Observation,
+        PlanningError,
+        Refused,
+        Robot,
+        RobotStopped,
+        Snapshot,
+        __version__,
+        curve_svg,
+    )
+    from ramp._ramp import Twin as CompiledTwin
+    from ramp._ramp import run as run_episode
+finally:
+    if hasattr(sys, "setdlopenflags"):
+        sys.setdlopenflags(_flags)
+
+__all__ = [
+    "Batch",
+    "Benchmark",
+    "CameraImage",
+    "Command",
+    "CompiledTwin",
+    "Driver",
+    "Env",
+    "InputError",
+    "Observation",
+    "PlanningError",
+    "Refused",
+    "Robot",
+    "RobotStopped",
+    "Snapshot",
+    "__version__",
+    "benchmark",
+    "curve_svg",
+    "data",
+    "run_episode",
+]
+
+
+def data() -> pathlib.Path:
+    """The folder with the kit, the goals, the rules, the arm and the worlds; ``RAMP_DATA`` names another one."""
+    return pathlib.Path(os.environ.get("RAMP_DATA") or pathlib.Path(__file__).parent / "data").resolve()
+
+
+@functools.lru_cache(maxsize=8)
+def _read(folder: str) -> Benchmark:
+    return Benchmark(folder)
+
+
+def benchmark() -> Benchmark:
+    """The files of :func:`data`, read once."""
+    return _read(str(data()))

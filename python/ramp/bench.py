@@ -1,0 +1,252 @@
+"""Episodes: one, or many."""
+
+from __future__ import annotations
+
+import concurrent.futures
+import dataclasses
+import os
+import pathlib
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any
+
+from ramp._core import InputError, benchmark, run_episode
+from ramp.agent import Agent, Skill
+from ramp.goal import Goal, as_goal, goals
+from ramp.plan import Plan
+from ramp.result import Result
+
+GoalLike = str | os.PathLike[str] | Goal
+Progress = Callable[[float, int, int], None]
+
+
+def run(
+    goal: GoalLike,
+    *,
+    agent: Agent | None = None,
+    skills: Sequence[Skill] = (),
+    plan: Plan | str | os.PathLike[str] | None = None,
+    domain: str | os.PathLike[str] | None = None,
+    world: str = "ideal",
+    track: str = "tags",
+    seed: int = 1,
+    parameters: str | os.PathLike[str] | None = None,
+    fault: str | None = None,
+    record: str | os.PathLike[str] | None = None,
+    repeat: int = 1,
+    progress: Progress | None = None,
+) -> Result:
+    """Runs an episode: an agent builds a goal in the twin, and the referee counts the pegs.
+
+    Args:
+        goal: A goal of the benchmark, a goal file, or a goal.
+        agent: Who works; the baseline without one.
+        skills: Skills that take the place of the baseline's.
+        plan: A plan that the baseline carries out, in place of its own: a plan, or a file with one.
+        domain: A file of rules for the baseline's planner, in place of the one of its kind.
+        world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
+        track: What the agent may see: ``state``, ``noisy`` or ``tags``.
+        seed: All randomness of the episode flows from it.
+        parameters: A file of numbers of the baseline's skills, as ``ramp run --skills``.
+        fault: What goes wrong on purpose, as ``ramp run --fault``.
+        record: File for the log of everything (``.mcap``).
+        repeat: Which of several runs in a row this is.
+        progress: Called now and then with robot time (s), pegs that count, and pegs of the goal.
+
+    Ctrl-C ends it with :class:`KeyboardInterrupt`. The lock of Python is not held while the robot works.
+
+    Raises:
+        ramp.InputError: Something that was given is wrong.
+        ramp.PlanningError: The plan that was given is not possible.
+
+    """
+    whole = as_goal(goal)
+    own = None
+    if agent is not None:
+        if skills or plan is not None:
+            raise InputError("an agent of one's own has its own skills and its own plan")
+        own = (agent, _name(agent.name), _name(agent.version), whole)
+    parts = [(skill.serves, _name(skill.name), skill) for skill in skills]
+    text = None
+    if isinstance(plan, Plan):
+        text = plan.to_json()
+    elif plan is not None:
+        text = pathlib.Path(plan).read_text(encoding="utf-8")
+    return Result.from_json(
+        run_episode(
+            benchmark(),
+            whole.source,
+            track=track,
+            world=_file(world),
+            seed=seed,
+            agent=own,
+            skills=parts,
+            plan=text,
+            domain=None if domain is None else os.fspath(domain),
+            parameters=None if parameters is None else os.fspath(parameters),
+            fault=fault,
+            record=None if record is None else os.fspath(record),
+            repeat=repeat,
+            progress=progress,
+        )
+    )
+
+
+def _file(world: str | os.PathLike[str]) -> str:
+    return os.fspath(world)
+
+
+def _name(name: str) -> str:
+    fine = all(it.isascii() and (it.isalnum() or it in "._+-") for it in name)
+    if not (fine and name and name[0].isalnum() and len(name) <= 64):
+        raise InputError(f"`{name}` is no name: letters, digits and . _ + - are expected, a letter or digit first")
+    return name
+
+
+@dataclasses.dataclass(frozen=True)
+class Results(Sequence[Result]):
+    """Results of many episodes."""
+
+    results: tuple[Result, ...]
+
+    def __getitem__(self, index: Any) -> Any:
+        return self.results[index]
+
+    def __len__(self) -> int:
+        return len(self.results)
+
+    def __iter__(self) -> Iterator[Result]:
+        return iter(self.results)
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row for each episode."""
+        return [result.row() for result in self.results]
+
+    def data_frame(self) -> Any:
+        """A data frame of pandas (the extra ``frame``) with a row for each episode."""
+        import pandas
+
+        return pandas.DataFrame(self.rows())
+
+    @property
+    def completion(self) -> float:
+        """Mean completion."""
+        return sum(it.completion for it in self.results) / max(len(self.results), 1)
+
+    def __str__(self) -> str:
+        lines = []
+        for goal in dict.fromkeys(it.goal for it in self.results):
+            of = [it for it in self.results if it.goal == goal]
+            share = sum(it.completion for it in of) / len(of)
+            robot = sum(it.time.robot for it in of) / len(of)
+            lines.append(f"{goal}: {100 * share:.0f} % of {len(of)} episodes, robot time {robot:.1f} s")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        names = list(self.results[0].row()) if self.results else []
+        head = "".join(f"<th>{name}</th>" for name in names)
+        body = "".join(
+            "<tr>" + "".join(f"<td>{_cell(value)}</td>" for value in row.values()) + "</tr>" for row in self.rows()
+        )
+        return f"<table><tr>{head}</tr>{body}</table>"
+
+
+def _cell(value: object) -> str:
+    text = f"{value:.2f}" if isinstance(value, float) else str(value)
+    return text.replace("&", "&amp;").replace("<", "&lt;")
+
+
+def bench(
+    what: str | Iterable[GoalLike] = "easy",
+    *,
+    agent: Callable[[], Agent] | None = None,
+    skills: Callable[[], Sequence[Skill]] | None = None,
+    repeats: int = 5,
+    first_seed: int = 1,
+    jobs: int = 1,
+    output: str | os.PathLike[str] | None = None,
+    show: bool = True,
+    **options: Any,
+) -> Results:
+    """Runs goals several times, with seeds in a row, and shows how far it is.
+
+    Args:
+        what: A class (``easy``, ``medium``, ``hard``), a goal, or several.
+        agent: Makes an agent for an episode; the baseline without it.
+        skills: Makes the skills for an episode.
+        repeats: Episodes of each goal.
+        first_seed: Seed of the first episode of each goal.
+        jobs: Episodes at a time. An agent in Python holds Python's lock while it thinks.
+        output: Folder for the result files, for ``ramp report``; an episode whose file is there is not run again.
+        show: Whether to show progress on standard error.
+        options: Passed to :func:`run`: world, track, domain and so on.
+
+    """
+    classes = {"easy", "medium", "hard"}
+    names: list[GoalLike]
+    if isinstance(what, str):
+        names = list(goals.of_class(what)) if what in classes else [what]
+    else:
+        names = list(what)
+    wanted = [(as_goal(goal), first_seed + it, it + 1) for goal in names for it in range(repeats)]
+    folder = None if output is None else pathlib.Path(output)
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+
+    def one(goal: Goal, seed: int, repeat: int) -> Result:
+        file = None if folder is None else folder / f"{goal.name}-{seed}.json"
+        if file is not None and file.is_file():
+            return Result.from_json(file.read_text(encoding="utf-8"))
+        result = run(
+            goal,
+            agent=None if agent is None else agent(),
+            skills=() if skills is None else skills(),
+            seed=seed,
+            repeat=repeat,
+            **options,
+        )
+        if file is not None:
+            part = file.with_suffix(".part")
+            result.save(part)
+            part.replace(file)
+        return result
+
+    done: list[Result] = []
+    bar = _Bar(len(wanted)) if show else None
+    with concurrent.futures.ThreadPoolExecutor(max_workers=max(1, jobs)) as pool:
+        if jobs <= 1:
+            # On this thread, so that Ctrl-C reaches the episode.
+            for it in wanted:
+                done.append(one(*it))
+                if bar is not None:
+                    bar.show(done)
+        else:
+            for result in pool.map(lambda it: one(*it), wanted):
+                done.append(result)
+                if bar is not None:
+                    bar.show(done)
+    if bar is not None:
+        bar.end()
+    return Results(tuple(done))
+
+
+class _Bar:
+    """A line on standard error: one that moves on a terminal, one for each episode elsewhere."""
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        self.moves = sys.stderr.isatty()
+
+    def show(self, done: list[Result]) -> None:
+        last = done[-1]
+        share = 100 * sum(it.completion for it in done) / len(done)
+        text = f"{len(done)}/{self.count} episodes  {share:.0f} %  {last.goal} seed {last.seed}"
+        if self.moves:
+            full = 24 * len(done) // max(self.count, 1)
+            print(f"\r{'█' * full}{'░' * (24 - full)} {text}\x1b[K", end="", file=sys.stderr, flush=True)
+        else:
+            print(text, file=sys.stderr)
+
+    def end(self) -> None:
+        if self.moves:
+            print(file=sys.stderr)

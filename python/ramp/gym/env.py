@@ -1,0 +1,147 @@
+"""One environment."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.utils import EzPickle
+from numpy.typing import NDArray
+
+from ramp.goal import Goal
+from ramp.gym import spaces
+
+Observation = dict[str, Any]
+
+
+class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
+    """A goal of the benchmark, or one of its skills alone.
+
+    Every argument is also one of ``gymnasium.make``. The page of the environments
+    (``docs/src/reference/environments.md``) tells what observations, actions and rewards are.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 20}
+
+    def __init__(
+        self,
+        skill: str | None = None,
+        goals: Sequence[str | os.PathLike[str] | Goal] = (),
+        *,
+        track: str = "state",
+        world: str | os.PathLike[str] = "ideal",
+        start: str = "ready",
+        starts: tuple[int, int] = (1, 64),
+        whole_scene: bool = False,
+        action: str = "cartesian",
+        turns: bool = True,
+        gripper: bool = True,
+        strict: bool = False,
+        speed: float | None = None,
+        turn_speed: float | None = None,
+        leash: Sequence[float] | None = None,
+        stiffness: Sequence[float] | None = None,
+        rate: float = 20.0,
+        limit: float = 10.0,
+        reward: str = "sparse",
+        belief_error: float = 0.0,
+        cameras: Sequence[str] = (),
+        image_size: int = 84,
+        depth: bool = False,
+        render_mode: str | None = None,
+    ) -> None:
+        """Makes the environment.
+
+        Args:
+            skill: One of the twelve skills of ``ramp trials``, or ``fasten`` for all joints; the whole goal without.
+            goals: Goals whose steps are tried, or the one goal; all nine of the benchmark for a skill without any.
+            track: What is known of the parts: ``state``, ``noisy`` or ``tags``.
+            world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
+            start: ``ready`` begins where the skill does, ``home`` with the arm at home as in ``ramp trials``.
+            starts: First seed and number of the starts that episodes are drawn from; a number of 0 makes a new one for
+                each episode, which takes longer.
+            whole_scene: Have all parts of the kit in the scene, and not only those that the task needs.
+            action: ``cartesian``, ``joint`` or ``raw``.
+            turns: Whether a Cartesian action turns the hand.
+            gripper: Whether an action moves the fingers.
+            strict: With ``raw``, a command that the arm cannot follow ends the episode, as in a judged run.
+            speed: Largest speed of the target, m/s, or rad/s of a joint.
+            turn_speed: Largest speed of its turn, rad/s.
+            leash: How far the target may be from the tip along x, y and z, m.
+            stiffness: Stiffness along (N/m) and about (N·m/rad) the axes of the world, six numbers.
+            rate: Actions a second, 5 to 100.
+            limit: Robot time after which an episode is truncated, s.
+            reward: ``sparse`` or ``shaped``.
+            belief_error: Standard deviation of an error of the place of the part along x and y, m.
+            cameras: Images in observations: ``wrist``, ``birds-eye``.
+            image_size: Pixels along each side, 16 to 512.
+            depth: Depth images, too.
+            render_mode: ``rgb_array``, or nothing.
+
+        """
+        EzPickle.__init__(
+            self, skill, goals, track=track, world=world, start=start, starts=starts, whole_scene=whole_scene,
+            action=action, turns=turns, gripper=gripper, strict=strict, speed=speed, turn_speed=turn_speed,
+            leash=leash, stiffness=stiffness, rate=rate, limit=limit, reward=reward, belief_error=belief_error,
+            cameras=cameras, image_size=image_size, depth=depth, render_mode=render_mode,
+        )  # fmt: skip
+        settings: dict[str, Any] = {
+            "action": action, "turns": turns, "gripper": gripper, "strict": strict, "speed": speed,
+            "turn_speed": turn_speed, "leash": None if leash is None else list(leash),
+            "stiffness": None if stiffness is None else list(stiffness), "rate": rate, "limit": limit,
+            "reward": reward, "belief_error": belief_error, "starts": tuple(starts),
+        }  # fmt: skip
+        self.render_mode = render_mode
+        self.cameras = tuple(cameras)
+        self.depth = depth
+        shown = self.cameras
+        if render_mode is not None and "birds-eye" not in shown:
+            shown = (*shown, "birds-eye")
+        self._shown = shown
+        self.core = spaces.make_core(
+            skill, goals, track=track, world=world, start=start, whole_scene=whole_scene, cameras=shown,
+            image_size=image_size, depth=depth, settings=settings,
+        )  # fmt: skip
+        self.observation_space = spaces.observation_space(self.core, self.cameras, image_size, depth)
+        self.action_space = spaces.action_space(self.core)
+        self.metadata = {**type(self).metadata, "render_fps": round(rate)}
+        self._seeded = False
+        self._cutter = spaces.Cutter(self.core)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begins a new episode; with a seed, the first of that seed's."""
+        super().reset(seed=seed)
+        if seed is None and not self._seeded:
+            seed = int(self.np_random.integers(2**31))
+        self._seeded = True
+        self.core.reset(seed)
+        return self._observe(), self.core.start()
+
+    def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Lets an action work for one period of control."""
+        told = self.core.step(np.asarray(action, dtype=np.float64).ravel())
+        reward = float(told.pop("reward"))
+        terminated, truncated = bool(told.pop("terminated")), bool(told.pop("truncated"))
+        if told["cause"] is None:
+            del told["cause"]
+        return self._observe(), reward, terminated, truncated, told
+
+    def _observe(self) -> Observation:
+        observation: Observation = self._cutter.cut(self.core.observe())
+        for view, camera in enumerate(self._shown):
+            if camera in self.cameras:
+                observation[camera] = self.core.image(view)
+                if self.depth:
+                    observation[f"{camera}-depth"] = np.minimum(self.core.depth(view), np.float32(10.0))
+        return observation
+
+    def render(self) -> Any:
+        """The image of the bird's-eye camera."""
+        if self.render_mode is None:
+            return None
+        return self.core.image(self._shown.index("birds-eye"))

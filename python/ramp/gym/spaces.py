@@ -1,0 +1,95 @@
+"""Spaces of observations and actions, and the settings that both kinds of environments share."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from ramp._core import Env, InputError, benchmark
+from ramp.goal import Goal, as_goal
+
+# The largest numbers that are met: the arm's ranges and speeds, the table's size, forces before the arm stops.
+LIMITS = {
+    "positions": 4.0,
+    "velocities": 4.0,
+    "torques": 100.0,
+    "tip": 2.0,
+    "width": 0.1,
+    "wrench": 500.0,
+    "lead": 4.0,
+    "part": 5.0,
+    "error": 7.0,
+    "parts": 5.0,
+    "time": 1.0,
+}
+
+
+def make_core(
+    skill: str | None,
+    goals: Sequence[str | os.PathLike[str] | Goal],
+    *,
+    track: str,
+    world: str | os.PathLike[str],
+    start: str,
+    whole_scene: bool,
+    cameras: Sequence[str],
+    image_size: int,
+    depth: bool,
+    settings: dict[str, Any],
+) -> Env:
+    """The environment that both kinds stand on."""
+    views = [(camera, image_size, depth) for camera in cameras]
+    if len(set(cameras)) != len(cameras):
+        raise InputError("a camera is named twice")
+    return Env(
+        benchmark(),
+        skill,
+        [as_goal(goal).source for goal in goals],
+        track=track,
+        world=os.fspath(world),
+        begin=start,
+        whole_scene=whole_scene,
+        settings={**settings, "views": views},
+    )
+
+
+def observation_space(core: Env, cameras: Sequence[str], size: int, depth: bool) -> spaces.Dict:
+    """The space of observations: a box of 32-bit numbers for each field, and one for each image."""
+    boxes: dict[str, spaces.Space[Any]] = {}
+    for name, shape, _, _ in core.fields():
+        limit = LIMITS[name]
+        boxes[name] = spaces.Box(-limit, limit, tuple(shape), np.float32)
+    for camera in cameras:
+        boxes[camera] = spaces.Box(0, 255, (size, size, 3), np.uint8)
+        if depth:
+            boxes[f"{camera}-depth"] = spaces.Box(0.0, 10.0, (size, size), np.float32)
+    return spaces.Dict(boxes)
+
+
+def action_space(core: Env) -> spaces.Space[NDArray[np.float32]]:
+    """The space of actions."""
+    bounds = np.array(core.bounds(), dtype=np.float32)
+    space: spaces.Space[Any] = spaces.Box(bounds[:, 0], bounds[:, 1], dtype=np.float32)
+    return space
+
+
+class Cutter:
+    """Cuts rows of numbers into the fields of an observation."""
+
+    def __init__(self, core: Env) -> None:
+        self.pieces = [
+            (name, slice(offset, offset + math.prod(shape)), tuple(shape)) for name, shape, offset, _ in core.fields()
+        ]
+        limits = [np.full(math.prod(shape), LIMITS[name], np.float32) for name, shape, _, _ in core.fields()]
+        self.limits = np.concatenate(limits)
+
+    def cut(self, rows: NDArray[np.float32]) -> dict[str, NDArray[np.float32]]:
+        """The fields of ``rows``, whose last axis has the numbers; what is past a limit is set to it, in place."""
+        np.clip(rows, -self.limits, self.limits, out=rows)
+        return {name: rows[..., at].reshape(rows.shape[:-1] + shape) for name, at, shape in self.pieces}

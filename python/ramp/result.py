@@ -1,0 +1,138 @@
+"""Results of episodes."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import pathlib
+from typing import Any
+
+from ramp._core import curve_svg
+
+
+@dataclasses.dataclass(frozen=True)
+class Peg:
+    """A peg that counts."""
+
+    connection: str
+    """What it pins."""
+    joints: tuple[str, str]
+    """The female and the male joint."""
+    peg: str
+    """Its name."""
+    t_robot: float
+    """Robot time since which it is seated, s."""
+    t_total: float
+    """The same with planning and computing, s."""
+
+    def __str__(self) -> str:
+        female, male = self.joints
+        return f"{self.connection}  {male} in {female}  {self.peg}  seated at {self.t_total:.1f} s"
+
+
+@dataclasses.dataclass(frozen=True)
+class Time:
+    """Where the time went, s."""
+
+    planning: float
+    compute: float
+    robot: float
+    total: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Result:
+    """The result of one episode."""
+
+    goal: str
+    track: str
+    world: str
+    seed: int
+    repeat: int
+    agent: str
+    """Name and version of the agent."""
+    completion: float
+    """Pegs that count, as a share of the goal's."""
+    pegs: tuple[Peg | None, ...]
+    """For each connection of the goal the peg that counts, or none."""
+    time: Time
+    ended: str
+    """``done``, or why the episode ended early."""
+    largest_force: float
+    """N."""
+    deepest_penetration: float
+    """m."""
+    state: str
+    """Hash of the physics at the end: the same in two runs only if every bit is."""
+    events: tuple[dict[str, Any], ...] = dataclasses.field(repr=False)
+    """What happened: ``t`` in s, ``kind``, ``what``."""
+    json: str = dataclasses.field(repr=False)
+    """The result file, of the schema ``data/schema/episode.schema.json``."""
+
+    @staticmethod
+    def from_json(text: str) -> Result:
+        """From a result file."""
+        value = json.loads(text)
+        physics = value.get("physics") or {}
+        pegs = [None if it is None else Peg(**{**it, "joints": tuple(it["joints"])}) for it in value["pegs"]]
+        return Result(
+            goal=value["goal"],
+            track=value["track"],
+            world=(value.get("world") or {}).get("name", ""),
+            seed=value["seed"],
+            repeat=value["repeat"],
+            agent=f"{value['agent']['name']} {value['agent']['version']}",
+            completion=value["completion"],
+            pegs=tuple(pegs),
+            time=Time(**value["time"]),
+            ended=value["ended"]["reason"],
+            largest_force=physics.get("largest_force", float("nan")),
+            deepest_penetration=physics.get("deepest_penetration", float("nan")),
+            state=physics.get("state", ""),
+            events=tuple(value["events"]),
+            json=text,
+        )
+
+    @property
+    def counted(self) -> int:
+        """How many pegs count."""
+        return sum(peg is not None for peg in self.pegs)
+
+    def save(self, file: str | os.PathLike[str]) -> None:
+        """Writes the result file."""
+        pathlib.Path(file).write_text(self.json, encoding="utf-8")
+
+    def row(self) -> dict[str, Any]:
+        """The result as a row of a table."""
+        return {
+            "goal": self.goal,
+            "world": self.world,
+            "track": self.track,
+            "agent": self.agent,
+            "seed": self.seed,
+            "completion": self.completion,
+            "pegs": len(self.pegs),
+            "counted": self.counted,
+            "planning": self.time.planning,
+            "compute": self.time.compute,
+            "robot": self.time.robot,
+            "total": self.time.total,
+            "largest_force": self.largest_force,
+            "ended": self.ended,
+        }
+
+    def curve(self) -> str:
+        """Completion over time, as SVG."""
+        return curve_svg(self.json)
+
+    def _repr_svg_(self) -> str:
+        return self.curve()
+
+    def __str__(self) -> str:
+        head = f"{self.goal}, world {self.world}, track {self.track}, seed {self.seed}"
+        lines = [f"{head}: {self.counted} of {len(self.pegs)} pegs"]
+        lines += [f"  {peg}" for peg in self.pegs if peg is not None]
+        if self.ended != "done":
+            lines.append(f"ended early: {self.ended}")
+        return "\n".join(lines)

@@ -1,0 +1,6 @@
+"""What all tests share."""
+
+import os
+
+# Numpy's own threads only disturb.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -1,0 +1,35 @@
+"""Examples of the documentation run."""
+
+import doctest
+import importlib
+import pathlib
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGES = ["README.md", "python/README.md", "docs/src/tutorials/python.md"]
+MODULES = ["ramp", "ramp.agent", "ramp.twin", "ramp.gym", "ramp.policies.fasten"]
+
+
+def blocks(text):
+    """The Python blocks of a page."""
+    parts = text.split("```python\n")[1:]
+    return [part.split("```", 1)[0] for part in parts]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_the_examples_of_a_page_run(page, capsys):
+    if "gymnasium" in (text := (ROOT / page).read_text(encoding="utf-8")):
+        pytest.importorskip("gymnasium")
+    names = {}
+    assert blocks(text)
+    for block in blocks(text):
+        exec(compile(block, page, "exec"), names)
+    assert "C1  b4j1 in b7j1" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_the_examples_of_a_module_run(name):
+    module = importlib.import_module(name)
+    failed, tried = doctest.testmod(module, extraglobs={"ramp": importlib.import_module("ramp")})
+    assert tried > 0 and failed == 0

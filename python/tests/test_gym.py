@@ -1,0 +1,173 @@
+"""Environments for Gymnasium."""
+
+import pickle
+import warnings
+
+import numpy as np
+import pytest
+
+gymnasium = pytest.importorskip("gymnasium")
+
+from gymnasium.utils.env_checker import check_env  # noqa: E402
+from gymnasium.vector import AutoresetMode  # noqa: E402
+
+import ramp  # noqa: E402
+from ramp.gym import IDS, RampEnv, RampVectorEnv  # noqa: E402
+
+FASTEN = {"goals": ["easy-3"], "starts": (1, 2)}
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_every_id_passes_the_check(env_id):
+    env = gymnasium.make(env_id, starts=(1, 1))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        # Whole goals have no pictures here; their own test is below.
+        check_env(env.unwrapped, skip_render_check=True)
+
+
+@pytest.mark.parametrize("action", ["cartesian", "joint", "raw"])
+@pytest.mark.parametrize("track", ["state", "noisy"])
+def test_every_action_passes_the_check(action, track):
+    env = gymnasium.make("RAMP/Push-v0", goals=["medium-1"], starts=(1, 1), action=action, track=track, rate=50)
+    check_env(env.unwrapped, skip_render_check=True)
+
+
+def test_images_pass_the_check_and_show_something():
+    env = gymnasium.make(
+        "RAMP/Fasten-v0", **FASTEN, cameras=["wrist", "birds-eye"], depth=True, image_size=48, render_mode="rgb_array"
+    )
+    check_env(env.unwrapped)
+    seen, _ = env.reset(seed=1)
+    for camera in ("wrist", "birds-eye"):
+        assert seen[camera].shape == (48, 48, 3) and seen[camera].std() > 10
+        assert seen[f"{camera}-depth"].shape == (48, 48)
+    assert 0.02 < seen["wrist-depth"].min() < 0.2
+    assert env.render().shape == (48, 48, 3)
+
+
+def rollout(env, seed, steps=15):
+    """Observations and rewards of random actions."""
+    random = np.random.default_rng(seed)
+    seen, _ = env.reset(seed=seed)
+    rows = [seen]
+    rewards = []
+    for _ in range(steps):
+        seen, reward, terminated, truncated, _ = env.step(
+            random.uniform(-1, 1, env.action_space.shape).astype(np.float32)
+        )
+        rows.append(seen)
+        rewards.append(reward)
+        if terminated or truncated:
+            break
+    return rows, rewards
+
+
+def test_vectors_give_the_bits_of_single_environments_for_any_number_of_threads():
+    single = RampEnv("fasten", **FASTEN, reward="shaped")
+    alone = [rollout(single, seed) for seed in (4, 5, 6)]
+    for threads in (1, 2):
+        vector = RampVectorEnv(3, "fasten", **FASTEN, reward="shaped", threads=threads, autoreset_mode="DISABLED")
+        randoms = [np.random.default_rng(seed) for seed in (4, 5, 6)]
+        seen, _ = vector.reset(seed=4)
+        for step in range(16):
+            # An episode that has ended stays as it is.
+            running = [index for index in range(3) if step < len(alone[index][0])]
+            for index in running:
+                for name, values in alone[index][0][step].items():
+                    assert np.array_equal(values, seen[name][index]), name
+            actions = np.stack([it.uniform(-1, 1, single.action_space.shape) for it in randoms]).astype(np.float32)
+            seen, reward, _, _, _ = vector.step(actions)
+            for index in range(3):
+                if step < len(alone[index][1]):
+                    assert reward[index] == alone[index][1][step]
+
+
+def test_next_step_resets_on_the_step_after_the_end():
+    env = gymnasium.make_vec("RAMP/Fasten-v0", num_envs=2, **FASTEN, limit=0.2)
+    assert env.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
+    assert isinstance(env.unwrapped, RampVectorEnv)
+    env.reset(seed=1)
+    idle = np.zeros(env.action_space.shape, np.float32)
+    ends = [env.step(idle)[3].tolist() for _ in range(10)]
+    assert ends == [[step % 5 == 3] * 2 for step in range(10)]
+    seen, reward, _, _, info = env.step(idle)
+    assert seen["error"].shape == (2, 6) and env.observation_space.contains(seen)
+    assert reward.shape == (2,) and info["_success"].all()
+
+
+def test_disabled_leaves_ended_environments_and_resets_those_of_a_mask():
+    env = gymnasium.make_vec(
+        "RAMP/Fasten-v0", num_envs=3, **FASTEN, limit=0.1, vector_kwargs=None, autoreset_mode="DISABLED"
+    )
+    env.reset(seed=1)
+    idle = np.zeros(env.action_space.shape, np.float32)
+    env.step(idle)
+    assert env.step(idle)[3].all()
+    seen, _ = env.reset(options={"reset_mask": np.array([True, False, False])})
+    assert seen["time"][:, 0].tolist() == [1.0, 0.0, 0.0]
+    assert not env.step(idle)[2][0]
+
+
+def test_a_limit_of_steps_truncates():
+    env = gymnasium.make_vec("RAMP/Fasten-v0", num_envs=2, **FASTEN, max_episode_steps=3)
+    env.reset(seed=1)
+    idle = np.zeros(env.action_space.shape, np.float32)
+    assert [env.step(idle)[3].all() for _ in range(8)] == [False, False, True, False, False, False, True, False]
+
+
+def test_arrays_are_new_or_on_request_shared():
+    for copied in (True, False):
+        env = RampVectorEnv(2, "fasten", **FASTEN, copy=copied)
+        first, _ = env.reset(seed=1)
+        before = first["time"].copy()
+        env.step(np.zeros(env.action_space.shape, np.float32))
+        assert np.array_equal(first["time"], before) == copied
+
+
+def test_environments_of_other_processes_and_pickles_are_the_same():
+    env = RampEnv("fasten", **FASTEN)
+    again = pickle.loads(pickle.dumps(env))
+    assert np.array_equal(rollout(env, 3)[0][-1]["tip"], rollout(again, 3)[0][-1]["tip"])
+    vector = gymnasium.make_vec("RAMP/Fasten-v0", num_envs=2, vectorization_mode="async", **FASTEN)
+    seen, _ = vector.reset(seed=3)
+    assert np.array_equal(seen["tip"][0], env.reset(seed=3)[0]["tip"])
+    vector.close()
+
+
+def test_what_is_no_action_ends_the_episode_with_its_cause():
+    env = gymnasium.make("RAMP/Fasten-v0", **FASTEN).unwrapped
+    env.reset(seed=1)
+    _, _, terminated, _, info = env.step(np.array([np.nan, 0, 0], np.float32))
+    assert terminated and "not finite" in info["cause"]
+    with pytest.raises(ramp.InputError, match="4 numbers, and 3 were expected"):
+        env.step(np.zeros(4))
+    strided = np.zeros((3, 2), np.float32)[:, 0]
+    env.reset(seed=1)
+    assert env.step(strided)[1] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"skill": "fastn"}, "there is no skill `fastn`"),
+        ({"skill": "slide", "goals": ["easy-1"]}, "none of the goals easy-1 has a step"),
+        ({"skill": "push", "action": "dance"}, "there is no action `dance`"),
+        ({"skill": "push", "rate": 2.0}, "not within 5 and 1000"),
+        ({"skill": "push", "cameras": ["nose"]}, "there is no camera `nose`"),
+        ({"skill": "push", "image_size": 4000, "cameras": ["wrist"]}, "the image size 4000"),
+        ({"skill": "push", "leash": (0.1, -1.0, 0.1)}, "leash must be more than 0"),
+        ({"skill": "push", "world": "moon"}, "there is no world `moon`"),
+        ({}, "a goal is needed"),
+    ],
+)
+def test_bad_arguments_say_what_is_wrong(arguments, words):
+    with pytest.raises(ramp.InputError) as error:
+        RampEnv(**arguments)
+    assert words in str(error.value)
+
+
+def test_a_start_can_be_that_of_a_trial():
+    env = RampEnv("push", ["medium-1"], start="home", whole_scene=True, starts=(4, 1))
+    _, info = env.reset(seed=1)
+    assert info["skill"] == "push" and info["goal"] == "medium-1" and info["scene_seed"] == 4

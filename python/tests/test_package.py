@@ -1,0 +1,243 @@
+"""Goals, plans, episodes and the twin, as a user has them."""
+
+import copy
+import os
+import pathlib
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import ramp
+from ramp.policies.fasten import FastenPolicy
+
+
+def test_goals_are_those_of_the_benchmark():
+    assert len(ramp.goals) == 9 and ramp.goals[0] == "easy-1"
+    assert ramp.goals.of_class("hard") == ["hard-1", "hard-2", "hard-3"]
+    goal = ramp.Goal.load("easy-1")
+    assert goal.base == "b7" and [it.name for it in goal.connections] == ["C1", "C2", "C3"]
+    assert goal.svg().startswith("<svg") and "<goal" in goal.text or "easy" in goal.text
+    assert ramp.Goal.load(ramp.data() / "goals" / "easy-1.xml").beams == goal.beams
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: ramp.Goal.load("esay-1"), "did you mean `easy-1`"),
+        (lambda: ramp.Goal.load("nowhere.xml"), "nowhere.xml"),
+        (lambda: ramp.run("easy-1", track="sight"), "there is no track `sight`"),
+        (lambda: ramp.run("easy-1", world="idael"), "did you mean `ideal`"),
+        (lambda: ramp.run("easy-1", fault="fire"), "there is no fault `fire`"),
+        (lambda: ramp.Twin(seed=1).look("nose"), "there is no camera `nose`"),
+        (lambda: ramp.Command.joint_positions([0.0] * 6), "6 numbers, and 7 were expected"),
+        (lambda: ramp.Command.pose([0, 0, 0], [2, 0, 0, 0]), "the length 2.0000"),
+    ],
+)
+def test_bad_input_is_a_value_error_that_says_what(call, words):
+    with pytest.raises(ramp.InputError, match=None) as error:
+        call()
+    assert words in str(error.value)
+    assert isinstance(error.value, ValueError)
+
+
+def test_a_plan_goes_out_and_comes_back(tmp_path):
+    plan = ramp.plan("easy-1")
+    assert len(plan) == 35 and plan.coarse[0]["action"] == "pick_up" and len(plan.fine) > 35
+    plan.save(tmp_path / "plan.json")
+    result = ramp.run("easy-1", track="state", plan=tmp_path / "plan.json")
+    assert result.completion == 1.0 and result.agent.startswith("baseline+plan-given")
+    plan.steps.pop(3)
+    with pytest.raises(ramp.PlanningError, match="refused at step"):
+        ramp.run("easy-1", track="state", plan=plan)
+
+
+def test_an_episode_has_a_result(tmp_path):
+    seen = []
+    result = ramp.run("easy-1", track="state", record=tmp_path / "log.mcap", progress=lambda *it: seen.append(it))
+    assert (
+        result.counted == 3 and result.ended == "done" and [it.connection for it in result.pegs] == ["C1", "C2", "C3"]
+    )
+    assert seen and seen[-1][2] == 3
+    assert (tmp_path / "log.mcap").stat().st_size > 10_000
+    assert result._repr_svg_().startswith("<svg") and "3 of 3 pegs" in str(result)
+    assert ramp.Result.from_json(result.json) == result
+    # The same seed, the same bits; the command's too.
+    again = ramp.run("easy-1", track="state")
+    assert again.state == result.state
+    assert pickle.loads(pickle.dumps(result)) == result
+
+
+def test_a_bench_goes_on_where_it_stopped(tmp_path, capsys):
+    results = ramp.bench(["easy-1"], repeats=2, track="state", output=tmp_path)
+    assert len(results) == 2 and results.completion == 1.0
+    assert "2/2 episodes" in capsys.readouterr().err
+    begin = time.perf_counter()
+    assert [it.state for it in ramp.bench("easy-1", repeats=2, track="state", output=tmp_path, show=False)] == [
+        it.state for it in results
+    ]
+    assert time.perf_counter() - begin < 60
+    assert results.rows()[0]["counted"] == 3 and "<table>" in results._repr_html_()
+
+
+class Stays(ramp.Agent):
+    name = "stays"
+    version = "0.1"
+
+    def run(self, robot, goal):
+        self.robot = robot
+        seen = robot.observe()
+        hold = ramp.Command.joint_positions(seen.positions.astype(np.float32)[::1])
+        for _ in range(10):
+            seen = robot.step(hold, 100)
+        self.note(seen.time, "stood still")
+        self.parts = robot.read_parts()
+
+
+def test_an_agent_in_python_works_and_is_named():
+    agent = Stays()
+    result = ramp.run("easy-1", agent=agent, track="state")
+    assert result.agent == "stays 0.1" and result.counted == 0 and result.ended == "done"
+    assert result.time.robot == pytest.approx(1.0) and result.events[-1]["what"] == "stood still"
+    assert agent.parts["b4"].shape == (7,)
+    with pytest.raises(RuntimeError, match="the robot is gone"):
+        agent.robot.observe()
+
+
+def test_what_an_agent_raises_passes_through_and_what_stops_the_robot_ends_the_episode():
+    class Fails(ramp.Agent):
+        def run(self, robot, goal):
+            raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        ramp.run("easy-1", agent=Fails(), track="state")
+
+    class Jumps(ramp.Agent):
+        def run(self, robot, goal):
+            robot.step(ramp.Command.joint_positions(robot.observe().positions + 0.5))
+
+    result = ramp.run("easy-1", agent=Jumps(), track="state")
+    assert "joint 1" in result.ended
+
+    class Peeks(ramp.Agent):
+        def run(self, robot, goal):
+            with pytest.raises(ramp.Refused, match="gives no poses of parts"):
+                robot.read_parts()
+
+    assert ramp.run("easy-1", agent=Peeks(), track="tags").ended == "done"
+
+
+def test_a_skill_in_python_fastens_inside_the_baseline():
+    result = ramp.run("easy-1", skills=[FastenPolicy()], track="state")
+    assert result.agent.startswith("baseline+fasten-by-linear-policy")
+    assert result.counted == 3, result
+
+    class GivesUp(ramp.Skill):
+        name = "gives-up"
+
+        def work(self, robot, task):
+            assert task.kind == "fasten" and task.held_pose is not None
+            return "not today"
+
+    result = ramp.run("easy-1", skills=[GivesUp()], track="state")
+    assert result.counted == 0 and any("not today" in it["what"] for it in result.events)
+
+
+def test_a_twin_goes_back_to_the_last_bit():
+    with ramp.Twin("easy-1") as twin:
+        seen = twin.observe()
+        hold = ramp.Command.joint_positions(seen.positions)
+        start = twin.snapshot()
+        after = twin.step(hold, 500)
+        state = twin.state_hash
+        twin.restore(start)
+        assert twin.time == start.time == 0.0
+        again = twin.step(hold, 500)
+        assert twin.state_hash == state
+        for name in ("positions", "velocities", "wrench"):
+            assert np.array_equal(getattr(after, name), getattr(again, name))
+        assert twin.render(size=64).shape == (64, 64, 3) and twin.look("birds-eye").pixels.shape == (800, 1280, 3)
+        assert set(twin.pegs()) == {"C1", "C2", "C3"} and twin.true_poses()["p1"].shape == (7,)
+        with pytest.raises(ramp.InputError, match="another twin"):
+            ramp.Twin("easy-1").restore(start)
+        with pytest.raises(ramp.RobotStopped, match="not a finite"):
+            twin.step(ramp.Command.joint_positions([np.nan] * 7))
+
+
+def test_twins_are_pickled_and_copied_at_their_start():
+    twin = ramp.Twin("easy-2", seed=3)
+    for other in (pickle.loads(pickle.dumps(twin)), copy.deepcopy(twin)):
+        assert other.state_hash == twin.state_hash and other.goal == twin.goal
+
+
+def test_two_threads_on_one_twin_get_an_error_and_not_a_mixture():
+    twin = ramp.Twin("easy-1")
+    hold = ramp.Command.joint_positions(twin.observe().positions)
+    errors = []
+
+    def work():
+        try:
+            twin.step(hold, 3000)
+        except RuntimeError as error:
+            errors.append(str(error))
+
+    threads = [threading.Thread(target=work) for _ in range(2)]
+    for it in threads:
+        it.start()
+    for it in threads:
+        it.join()
+    assert all("at work on another thread" in it for it in errors)
+    assert twin.time in (3.0, 6.0)
+
+
+SCRIPT = """
+import time, ramp, sys
+twin = ramp.Twin("easy-1")
+hold = ramp.Command.joint_positions(twin.observe().positions)
+print("ready", flush=True)
+try:
+    {work}
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+
+
+@pytest.mark.parametrize("work", ["twin.step(hold, 1_000_000)", "ramp.run('easy-3', track='state')"])
+def test_ctrl_c_ends_what_takes_long(work):
+    child = subprocess.Popen(
+        [sys.executable, "-c", SCRIPT.format(work=work)], stdout=subprocess.PIPE, text=True, env=dict(os.environ)
+    )
+    assert child.stdout.readline() == "ready\n"
+    time.sleep(0.5)
+    child.send_signal(signal.SIGINT)
+    out, _ = child.communicate(timeout=60)
+    assert out == "interrupted\n"
+
+
+def test_the_package_works_beside_any_mujoco(tmp_path):
+    """Another libmujoco whose names are all visible must not take the place of our own."""
+    libraries = pathlib.Path(ramp.__file__).parent.parent.glob("ramp_benchmark.libs/libmujoco*")
+    library = next(libraries, None)
+    if library is None:
+        pytest.skip("not an installed wheel")
+    script = (
+        f"import ctypes; ctypes.CDLL({str(library)!r}, mode=ctypes.RTLD_GLOBAL); import ramp; "
+        "print(ramp.Twin('easy-1').state_hash)"
+    )
+    child = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path)
+    assert child.stdout.strip() == ramp.Twin("easy-1").state_hash, child.stderr
+
+
+def test_the_command_comes_with_the_package(tmp_path):
+    program = pathlib.Path(ramp.__file__).parent / "bin" / "ramp"
+    if not program.exists():
+        pytest.skip("not an installed wheel")
+    child = subprocess.run(
+        [sys.executable, "-m", "ramp", "goals"], capture_output=True, text=True, cwd=tmp_path, check=True
+    )
+    assert "easy-1" in child.stdout
