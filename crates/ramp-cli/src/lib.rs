@@ -68,6 +68,8 @@ enum Command {
     Trials(command::trials::Arguments),
     /// Run goals with every fault, and count which were noticed and repaired
     Faults(command::faults::Arguments),
+    /// Run goals in worlds that differ in one number, and draw success and time against it
+    Sweep(command::sweep::Arguments),
     /// Run an episode again from its log, and compare bit by bit
     Replay(command::replay::Arguments),
     /// Make a report of results: tables, curves, comparisons
@@ -110,6 +112,7 @@ impl Command {
             Command::Bench(arguments) => arguments.has_agent(),
             Command::Faults(arguments) => arguments.has_agent(),
             Command::Trials(arguments) => arguments.has_agent(),
+            Command::Sweep(arguments) => arguments.has_agent(),
             _ => false,
         }
     }
@@ -153,6 +156,7 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
         Command::Bench(arguments) => command::bench::run(&data, &arguments),
         Command::Trials(arguments) => command::trials::run(&data, &arguments),
         Command::Faults(arguments) => command::faults::run(&data, &arguments),
+        Command::Sweep(arguments) => command::sweep::run(&data, &arguments),
         Command::Replay(arguments) => command::replay::run(&arguments),
         Command::Report(arguments) => command::report::run(&arguments),
         Command::Leaderboard(arguments) => command::leaderboard::run(&data, &arguments),

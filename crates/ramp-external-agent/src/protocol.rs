@@ -307,6 +307,7 @@ impl Answer {
                 "x_wt": pose(&seen.x_wt),
                 "wrench": seen.wrench.as_slice(),
                 "width": seen.width,
+                "gripper_busy": seen.gripper_busy,
             }}),
             Answer::Parts(parts) => {
                 let parts: Vec<Value> = parts

@@ -405,12 +405,14 @@ fn aside(
     work: impl FnOnce() -> PyResult<String> + Send + 'static,
 ) -> PyResult<String> {
     let (tell, told) = std::sync::mpsc::channel();
+    let told = Mutex::new(told);
     std::thread::spawn(move || {
         // Nobody listens any more if Ctrl-C was pressed.
         let _ = tell.send(caught(work));
     });
     loop {
-        match py.detach(|| told.recv_timeout(EVERY)) {
+        let listen = || told.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(EVERY);
+        match py.detach(listen) {
             Ok(result) => return result,
             Err(std::sync::mpsc::RecvTimeoutError::Timeout) => {
                 if let Err(error) = py.check_signals() {

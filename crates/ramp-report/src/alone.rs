@@ -112,7 +112,7 @@ fn manipulation(skills: &[SkillSum]) -> Markup {
         div.wide {
             table {
                 thead { tr {
-                    th.name { "skill" } th.name { "track" } th.name { "agent" } th { "trials" } th { "done" }
+                    th.name { "skill" } th.name { "track" } th.name { "world" } th.name { "agent" } th { "trials" } th { "done" }
                     th { "share" small { "%" } } th { "tried again" } th { "time" small { "s" } } th { "force" small { "N" } }
                     th.name { "causes of failure" }
                 } }
@@ -121,6 +121,7 @@ fn manipulation(skills: &[SkillSum]) -> Markup {
                         tr {
                             td.name { (it.skill) }
                             td.name { (it.track) }
+                            td.name { (it.world) }
                             td.name { (it.agent) small { "ramp " (it.software.version) " (" (it.software.commit) ")" } }
                             td { (it.trials) }
                             td { (it.successes) }

@@ -3,7 +3,7 @@
 //! Data passes one way: a [`ramp_result::collection`] becomes a [`Report`] of lines and comparisons ([`sums`]);
 //! [`page`] writes it as one HTML file with plots ([`plot`], [`curves`]), [`table`] as CSV, [`paper`] as LaTeX.
 //! [`curve`] draws a single episode. [`leaderboard`] makes a site of the results of many, and [`held_out`] commits an
-//! organiser to goals that are still secret. Nothing here links a physics engine.
+//! organiser to goals that are still secret. [`sweep`] shows results against a number of the world. Nothing here links a physics engine.
 
 mod alone;
 pub mod curve;
@@ -17,6 +17,7 @@ pub mod plot;
 pub mod report;
 mod shell;
 pub mod sums;
+pub mod sweep;
 pub mod table;
 
 pub use report::{Named, Report};

@@ -100,7 +100,7 @@ fn escape(text: &str) -> String {
 }
 
 /// A round distance between marks on an axis that ends at `end`, for at most `most` of them.
-fn tick(end: f64, most: f64) -> f64 {
+pub(crate) fn axis_step(end: f64, most: f64) -> f64 {
     let mut step = 1.0;
     loop {
         for factor in [1.0, 2.0, 5.0] {
@@ -112,7 +112,7 @@ fn tick(end: f64, most: f64) -> f64 {
     }
 }
 
-fn head(title: &str, width: f64, height: f64) -> String {
+pub(crate) fn head(title: &str, width: f64, height: f64) -> String {
     let title = escape(title);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" role=\"img\" \
@@ -120,7 +120,7 @@ fn head(title: &str, width: f64, height: f64) -> String {
     )
 }
 
-fn label(svg: &mut String, at: [f64; 2], anchor: &str, fill: &str, text: &str) {
+pub(crate) fn label(svg: &mut String, at: [f64; 2], anchor: &str, fill: &str, text: &str) {
     let [x, y] = at;
     let _ = write!(
         svg,
@@ -159,7 +159,7 @@ pub fn curves(title: &str, series: &[Series], marks: &[Mark]) -> String {
     let bottom = top + 200.0;
     let height = bottom + 44.0;
     let end = series.iter().map(|it| it.curves.end).chain(marks.iter().map(|it| it.time)).fold(1.0, f64::max);
-    let step = tick(end, 8.0);
+    let step = axis_step(end, 8.0);
     let last = (end / step).ceil() * step;
     let x = |t: f64| LEFT + (WIDTH - LEFT - RIGHT) * t / last;
     let y = |share: f64| bottom - (bottom - top) * share.clamp(0.0, 1.0);
@@ -326,7 +326,7 @@ pub fn bars(title: &str, bars: &[Bar]) -> String {
     let top = 8.0 + legend(&mut body, &shown, WIDTH, 14.0);
     let bottom = top + ROW * bars.len() as f64;
     let longest = bars.iter().map(|bar| bar.parts.iter().sum::<f64>()).fold(1.0, f64::max);
-    let step = tick(longest, 12.0);
+    let step = axis_step(longest, 12.0);
     let last = (longest / step).ceil() * step;
     let scale = (WIDTH - LEFT - RIGHT) / last;
     time_axis(&mut body, [LEFT, top], [WIDTH - RIGHT, bottom], last, step, "mean of an episode, s");
@@ -380,7 +380,7 @@ pub fn timeline(title: &str, episodes: &[&EpisodeResult]) -> String {
     top += 24.0;
     let bottom = top + ROW * episodes.len() as f64;
     let longest = episodes.iter().map(|episode| episode.time.robot).fold(1.0, f64::max);
-    let step = tick(longest, 12.0);
+    let step = axis_step(longest, 12.0);
     let last = (longest / step).ceil() * step;
     let scale = (WIDTH - LEFT - RIGHT) / last;
     time_axis(&mut body, [LEFT, top], [WIDTH - RIGHT, bottom], last, step, "robot time, s");

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::sha256;
 
 /// The version of the schema these files follow.
-pub const SCHEMA: &str = "ramp-episode-2";
+pub const SCHEMA: &str = "ramp-episode-3";
 
 /// The version of the rules by which episodes are judged: `docs/src/reference/rules.md`, which names it.
 pub const RULES: &str = "ramp-rules-2";
@@ -98,6 +98,24 @@ impl WorldInfo {
         }
         let hash: String = self.sha256.chars().take(8).collect();
         format!("{} ({hash})", self.name)
+    }
+}
+
+/// How results name a world.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WorldLabel {
+    /// SHA-256 of its file, in hex.
+    pub sha256: String,
+    /// As [`WorldInfo::title`].
+    pub title: String,
+}
+
+impl WorldLabel {
+    /// Of a world.
+    pub fn of(world: &World) -> WorldLabel {
+        let sha256 = sha256(world.text.as_bytes());
+        let info = WorldInfo { name: world.name.clone(), sha256, draw: BTreeMap::new() };
+        WorldLabel { title: info.title(), sha256: info.sha256 }
     }
 }
 

@@ -8,7 +8,7 @@ use crate::episode::{AgentInfo, EventInfo, Host, Physics, Software, WorldInfo};
 use crate::words;
 
 /// The version of the schema of these files.
-pub const SCHEMA: &str = "ramp-manipulation-1";
+pub const SCHEMA: &str = "ramp-manipulation-2";
 
 /// What came of one trial of a skill.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,9 +20,8 @@ pub struct Trial {
     pub skill: String,
     /// What the agent was allowed to see.
     pub track: String,
-    /// What the physics were drawn from; `None` in files of before there were worlds, which were ideal.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub world: Option<WorldInfo>,
+    /// What the physics were drawn from.
+    pub world: WorldInfo,
     /// All randomness of the trial came from here.
     pub seed: u64,
     /// The goal.
@@ -93,6 +92,7 @@ impl Trial {
         words::name("the goal", &self.goal)?;
         words::class_and_track(self.class.as_deref(), &self.track)?;
         words::sentence("the action", &self.action)?;
+        words::world(&self.world)?;
         words::agent(&self.agent)?;
         words::software(&self.software)?;
         words::host(&self.host)?;

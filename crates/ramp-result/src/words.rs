@@ -3,12 +3,14 @@
 
 use ramp_kit::source::{A_NAME, MAX_SENTENCE, MAX_TITLE, is_name, is_text, shorten};
 
-use crate::episode::{AgentInfo, EventInfo, Host, Software};
+use crate::episode::{AgentInfo, EventInfo, Host, Software, WorldInfo};
 
 /// The most pegs of a goal.
 pub const MOST_PEGS: usize = 1000;
 /// The most events of an episode or a trial.
 pub const MOST_EVENTS: usize = 10_000;
+/// The most quantities that a world draws, and the longest list of numbers of one.
+const MOST_NUMBERS: usize = 200;
 
 /// Is it a name?
 pub(crate) fn name(what: &str, text: &str) -> Result<(), String> {
@@ -52,6 +54,18 @@ pub(crate) fn few<T>(what: &str, list: &[T], most: usize) -> Result<(), String> 
         true => Ok(()),
         false => Err(format!("it has {} {what}, expected at most {most}", list.len())),
     }
+}
+
+/// The world's name, hash and draw.
+pub(crate) fn world(world: &WorldInfo) -> Result<(), String> {
+    name("the world", &world.name)?;
+    hash("the hash of the world", &world.sha256, 64)?;
+    few("numbers of the world", &Vec::from_iter(&world.draw), MOST_NUMBERS)?;
+    for (quantity, numbers) in &world.draw {
+        name("a number of the world", quantity)?;
+        few("numbers of the world", numbers, MOST_NUMBERS)?;
+    }
+    Ok(())
 }
 
 /// The agent's name, version and hash.

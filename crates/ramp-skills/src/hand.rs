@@ -16,6 +16,10 @@ use crate::parameters::hand::HandParameters;
 
 /// After so many periods a gripper is no longer waited for.
 const SLOWEST_GRIPPER: u32 = 10_000;
+/// Fingers whose width has changed by so much have begun to move, m. Chosen: above what a held part gives.
+const MOVED: f64 = 0.5e-3;
+/// Fingers change their width at least so fast as they begin to move, m/s. Half of what two fingers of a Franka hand do.
+const SLOWEST_FINGERS: f64 = 0.05;
 /// Standard gravity, m/s².
 pub const GRAVITY: f64 = 9.81;
 
@@ -57,6 +61,36 @@ pub struct Hand<'r> {
     struck: bool,
     /// Something has pushed what is held, as a trajectory was followed, since it was gripped or last looked at.
     pub pushed: bool,
+    /// The largest force at the wrist in free space before anything was grasped, N: how far off an arm in order may be.
+    pub usual_force: f64,
+    /// How long the gripper does nothing after a command.
+    dead_time: DeadTime,
+}
+
+/// How long a gripper does nothing after a command, as its widths tell: never more than it is, and 0 until one was measured.
+#[derive(Clone, Copy, Debug, Default)]
+struct DeadTime {
+    /// s.
+    least: Option<f64>,
+    /// When the command was given that is waited for (s), and the width then, m.
+    waits: Option<(f64, f64)>,
+}
+
+impl DeadTime {
+    /// The gripper is told something else. One that is at work does that later, and shows nothing.
+    fn commanded(&mut self, seen: &Observation) {
+        self.waits = (!seen.gripper_busy).then_some((seen.time, seen.width));
+    }
+
+    /// A width that was told at a time, with a gripper that tells its width every `told_every` (s).
+    fn sensed(&mut self, time: f64, width: f64, told_every: f64) {
+        let Some((since, before)) = self.waits else { return };
+        if (width - before).abs() > MOVED {
+            let least = (time - since - told_every - MOVED / SLOWEST_FINGERS).max(0.0);
+            self.least = Some(self.least.map_or(least, |it| it.min(least)));
+            self.waits = None;
+        }
+    }
 }
 
 /// A way that is begun and ended with an even acceleration.
@@ -107,6 +141,8 @@ impl<'r> Hand<'r> {
             last: None,
             struck: false,
             pushed: false,
+            usual_force: seen.wrench.fixed_rows::<3>(0).norm(),
+            dead_time: DeadTime::default(),
             robot,
             seen,
         }
@@ -166,11 +202,31 @@ impl<'r> Hand<'r> {
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
     pub fn follow(&mut self, trajectory: &Trajectory) -> Result<(), SkillError> {
+        self.follow_and_grip(trajectory, None)
+    }
+
+    /// The same. A gripper that is known to do nothing for a while after a command, and has nothing else to do, is told `closing`
+    /// so long before the end.
+    ///
+    /// # Errors
+    /// [`Fault::Overload`], and the robot's.
+    pub fn follow_and_grip(
+        &mut self,
+        trajectory: &Trajectory,
+        closing: Option<GripperCommand>,
+    ) -> Result<(), SkillError> {
         let measured = |seen: &Observation| {
             (seen.wrench.fixed_rows::<3>(0).norm(), seen.wrench.fixed_rows::<3>(3).norm())
         };
         let (force, moment) = measured(&self.seen);
-        for q in trajectory.samples().iter().skip(1) {
+        let samples = trajectory.samples();
+        let early = (self.dead_time.least.unwrap_or(0.0) / PERIOD) as usize;
+        for (index, q) in samples.iter().enumerate().skip(1) {
+            if let Some(closing) =
+                closing.filter(|_| samples.len() - index < early && !self.seen.gripper_busy)
+            {
+                self.gripper = closing;
+            }
             self.joint_step(*q)?;
             self.guard()?;
             let (now, turning) = measured(&self.seen);
@@ -202,7 +258,11 @@ impl<'r> Hand<'r> {
     }
 
     fn command(&mut self, command: Command) -> Result<(), RobotError> {
+        if self.last.as_ref().is_some_and(|last| last.gripper != command.gripper) {
+            self.dead_time.commanded(&self.seen);
+        }
         self.seen = self.robot.step(&command)?;
+        self.dead_time.sensed(self.seen.time, self.seen.width, self.parameters.told_every);
         self.last = Some(command);
         Ok(())
     }
@@ -286,14 +346,21 @@ impl<'r> Hand<'r> {
         Ok(())
     }
 
-    /// Waits under impedance until the arm is still, at most as long as a motion takes to fade.
+    /// Waits under impedance until the arm is still. A hand that is still but not where it is pulled to may only be stuck by
+    /// friction, and about to go on.
     ///
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
     pub fn settle(&mut self) -> Result<(), SkillError> {
-        for _ in 0..(self.parameters.rest / PERIOD).round() as usize {
+        let [near, near_turn] = self.parameters.arrived;
+        let mut still = 0.0;
+        for _ in 0..(self.parameters.settled / PERIOD).round() as usize {
             self.tick()?;
-            if Joints::from(self.seen.velocities).amax() < self.parameters.at_rest {
+            let moves = Joints::from(self.seen.velocities).amax() >= self.parameters.at_rest;
+            still = if moves { 0.0 } else { still + PERIOD };
+            let off = (self.setpoint.translation.vector - self.seen.x_wt.translation.vector).norm();
+            let turned = self.setpoint.rotation.angle_to(&self.seen.x_wt.rotation);
+            if still > self.parameters.stuck || (still > 0.0 && off < near && turned < near_turn) {
                 break;
             }
         }
@@ -431,13 +498,15 @@ impl<'r> Hand<'r> {
 
     /// The setpoint that brings a held part from `x_wp` to `x_wp_goal`.
     pub fn corrected(&self, x_wp: &Pose, x_wp_goal: &Pose) -> Pose {
+        self.corrected_from(&self.setpoint, x_wp, x_wp_goal)
+    }
+
+    /// The same, where the tip is told to be at `told`.
+    pub fn corrected_from(&self, told: &Pose, x_wp: &Pose, x_wp_goal: &Pose) -> Pose {
         let x_wt = self.seen.x_wt;
         let x_wt_goal = x_wp_goal * x_wp.inverse() * x_wt;
         let shift = x_wt_goal.translation.vector - x_wt.translation.vector;
         let turn: UnitQuaternion<f64> = x_wt_goal.rotation * x_wt.rotation.inverse();
-        Pose::from_parts(
-            Translation3::from(self.setpoint.translation.vector + shift),
-            turn * self.setpoint.rotation,
-        )
+        Pose::from_parts(Translation3::from(told.translation.vector + shift), turn * told.rotation)
     }
 }

@@ -65,7 +65,8 @@ mod tests {
 
     use super::*;
 
-    /// One joint of the inertia of its drive alone, under a torque that grows: where it breaks away, and how it is braked then.
+    /// One joint of the inertia of its drive alone, under a torque that grows to its full size within a second: where it is then,
+    /// how fast, and how it is braked.
     fn pushed(torque: f64, periods: usize) -> (f64, f64, f64) {
         let physics = World::shipped("hard").map(|world| world.draw(1));
         let Some(mut physics) = physics else { return (0.0, 0.0, 0.0) };
@@ -74,7 +75,8 @@ mod tests {
         physics.friction.asymmetry = [0.0; DOF];
         let mut friction = JointFriction::new(&physics.friction, &physics.arm);
         let (mut position, mut velocity, mut braked) = (0.0, 0.0, 0.0);
-        for _ in 0..periods {
+        for period in 0..periods {
+            let torque = torque * (period as f64 * PERIOD).min(1.0);
             braked = friction.step(&JointVector::repeat(velocity))[0];
             velocity += (torque + braked) / physics.arm.armature[0] * PERIOD;
             position += velocity * PERIOD;

@@ -29,7 +29,7 @@ pub fn run_trial(
         schema: SCHEMA.to_string(),
         skill: task.skill.clone(),
         track: setup.track.name().to_string(),
-        world: Some(WorldInfo::of(setup.world, setup.seed)),
+        world: WorldInfo::of(setup.world, setup.seed),
         seed: setup.seed,
         goal: setup.assembly.name.clone(),
         class: setup.assembly.class.map(|class| class.name().to_string()),

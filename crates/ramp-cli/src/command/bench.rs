@@ -66,7 +66,15 @@ impl Bench<'_> {
         for (goal, it) in self.0.goals.iter().enumerate() {
             for (repeat, seed) in self.0.repeats() {
                 let stem = format!("{}-{}-{seed}", it.name, self.0.track);
-                episodes.push(Episode { goal, seed, repeat, fault: None, stem, outcome: Outcome::Open });
+                episodes.push(Episode {
+                    goal,
+                    world: 0,
+                    seed,
+                    repeat,
+                    fault: None,
+                    stem,
+                    outcome: Outcome::Open,
+                });
             }
         }
         episodes
@@ -139,6 +147,7 @@ impl Bench<'_> {
             })
             .collect();
         let mut text = serde_json::to_string_pretty(&json!({
+            "world": self.0.worlds[0].title,
             "track": self.0.track,
             "first_seed": self.0.seeds.start(),
             "repeats": self.0.count,
@@ -156,7 +165,8 @@ impl Bench<'_> {
     fn sums_text(&self, episodes: &[Episode]) -> String {
         let (goals, classes) = self.sums(episodes);
         let (first, last) = (self.0.seeds.start(), self.0.seeds.end());
-        let mut text = format!("track {}, seeds {first} to {last}", self.0.track);
+        let world = &self.0.worlds[0].title;
+        let mut text = format!("world {world}, track {}, seeds {first} to {last}", self.0.track);
         if let Some(secret) = &self.0.secret {
             let _ = write!(text, " with the secret {}", secret.commitment());
         }

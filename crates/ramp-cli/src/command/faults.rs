@@ -80,7 +80,7 @@ fn plan(batch: &Batch, faults: &[Fault]) -> Vec<Episode> {
             for fault in [None].into_iter().chain(faults.iter().copied().map(Some)) {
                 let name = fault.map_or_else(|| CONTROL.to_string(), |fault| fault.to_string());
                 let stem = format!("{}-{}-{name}-{seed}", it.name, batch.track);
-                episodes.push(Episode { goal, seed, repeat, fault, stem, outcome: Outcome::Open });
+                episodes.push(Episode { goal, world: 0, seed, repeat, fault, stem, outcome: Outcome::Open });
             }
         }
     }
@@ -142,7 +142,8 @@ fn shortfalls(episodes: &[Episode]) -> impl Iterator<Item = (&Episode, String)> 
 
 fn as_text(batch: &Batch, rows: &[Row], episodes: &[Episode]) -> String {
     let (first, last) = (batch.seeds.start(), batch.seeds.end());
-    let mut text = format!("track {}, seeds {first} to {last}\n", batch.track);
+    let world = &batch.worlds[0].title;
+    let mut text = format!("world {world}, track {}, seeds {first} to {last}\n", batch.track);
     let width = batch.goals.iter().map(|goal| goal.name.chars().count()).max().unwrap_or(0).max(9);
     let _ = writeln!(
         text,
@@ -204,6 +205,7 @@ fn as_json(batch: &Batch, rows: &[Row], episodes: &[Episode]) -> Result<String, 
         })
         .collect();
     let mut text = serde_json::to_string_pretty(&json!({
+        "world": batch.worlds[0].title,
         "track": batch.track,
         "first_seed": batch.seeds.start(),
         "seeds": batch.count,

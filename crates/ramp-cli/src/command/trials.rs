@@ -16,7 +16,7 @@ use ramp_kit::Kit;
 use ramp_kit::source::{nearest, read_text, shorten};
 use ramp_planner::Domains;
 use ramp_result::collection::LARGEST;
-use ramp_result::episode::{Software, WorldInfo};
+use ramp_result::episode::{Software, WorldLabel};
 use ramp_result::manipulation::sums::{SkillSum, sums};
 use ramp_result::manipulation::{SCHEMA, Trial};
 use ramp_result::write_whole;
@@ -170,7 +170,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     std::fs::create_dir_all(folder)
         .map_err(|error| miette!("cannot make the folder {}: {error}", folder.display()))?;
     let done = trials.work(&wanted, before, arguments.jobs as usize)?;
-    let mut text = format!("track {}, seeds {} to {last}\n", trials.track.name(), arguments.first_seed);
+    let world = WorldLabel::of(&trials.world).title;
+    let (track, first) = (trials.track.name(), arguments.first_seed);
+    let mut text = format!("world {world}, track {track}, seeds {first} to {last}\n");
     table(&mut text, &sums(&done));
     let _ = writeln!(text, "results: {}", folder.display());
     print(&text)?;
@@ -233,8 +235,7 @@ impl Trials<'_> {
             }
             .into());
         }
-        let world = WorldInfo::of(&self.world, seed);
-        if trial.world.as_ref().is_none_or(|it| it.sha256 != world.sha256) {
+        if trial.world.sha256 != WorldLabel::of(&self.world).sha256 {
             return Err(TrialsError::OtherWorld { file: path.display().to_string() }.into());
         }
         let own = self.agent.as_ref().map(|file| file.sha256().to_string());

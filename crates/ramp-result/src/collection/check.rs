@@ -73,9 +73,6 @@ pub(super) fn check(result: &EpisodeResult) -> Result<(), String> {
     words::events(&result.events, LONGEST)
 }
 
-/// The most numbers that a world draws, and the longest list of them.
-const MOST_NUMBERS: usize = 200;
-
 /// Is everything in it that is shown to a person, or that a file is called after, what it should be?
 fn words(result: &EpisodeResult) -> Result<(), String> {
     let EpisodeResult { goal, class, track, real, agent, software, host, pegs, fault, ended, log, .. } =
@@ -83,15 +80,7 @@ fn words(result: &EpisodeResult) -> Result<(), String> {
     words::name("the goal", goal)?;
     words::class_and_track(class.as_deref(), track)?;
     words::agent(agent)?;
-    if let Some(world) = &result.world {
-        words::name("the world", &world.name)?;
-        words::hash("the hash of the world", &world.sha256, 64)?;
-        words::few("numbers of the world", &Vec::from_iter(&world.draw), MOST_NUMBERS)?;
-        for (name, numbers) in &world.draw {
-            words::name("a number of the world", name)?;
-            words::few("numbers of the world", numbers, MOST_NUMBERS)?;
-        }
-    }
+    result.world.as_ref().map_or(Ok(()), words::world)?;
     words::software(software)?;
     words::host(host)?;
     if let Some(real) = real {

@@ -7,13 +7,15 @@ use crate::episode::Software;
 use crate::statistics::{Interval, quantile, wilson};
 use crate::summary::cause;
 
-/// All trials of one skill on one track by one agent.
+/// All trials of one skill on one track in one world by one agent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SkillSum {
     /// The skill.
     pub skill: String,
     /// The track.
     pub track: String,
+    /// What tells the world from all others.
+    pub world: String,
     /// The agent and its version.
     pub agent: String,
     /// With what the trials were made.
@@ -34,12 +36,13 @@ pub struct SkillSum {
     pub failures: Vec<(String, usize, u64)>,
 }
 
-/// Sums by skill, track, agent and software, in the order in which they first come.
+/// Sums by skill, track, world, agent and software, in the order in which they first come.
 pub fn sums<'t>(trials: impl IntoIterator<Item = &'t Trial>) -> Vec<SkillSum> {
     let mut groups: Vec<(Key, Vec<&Trial>)> = Vec::new();
     for trial in trials {
         let agent = format!("{} {}", trial.agent.name, trial.agent.version);
-        let key = (trial.skill.clone(), trial.track.clone(), agent, trial.software.clone());
+        let of = (trial.track.clone(), trial.world.title());
+        let key = (trial.skill.clone(), of, agent, trial.software.clone());
         match groups.iter_mut().find(|(other, _)| *other == key) {
             Some((_, group)) => group.push(trial),
             None => groups.push((key, vec![trial])),
@@ -48,10 +51,10 @@ pub fn sums<'t>(trials: impl IntoIterator<Item = &'t Trial>) -> Vec<SkillSum> {
     groups.into_iter().map(|(key, group)| sum(key, &group)).collect()
 }
 
-/// Skill, track, agent and software.
-type Key = (String, String, String, Software);
+/// Skill, track with world, agent and software.
+type Key = (String, (String, String), String, Software);
 
-fn sum((skill, track, agent, software): Key, trials: &[&Trial]) -> SkillSum {
+fn sum((skill, (track, world), agent, software): Key, trials: &[&Trial]) -> SkillSum {
     let successes = trials.iter().filter(|trial| trial.success).count();
     let mut times: Vec<f64> = trials.iter().map(|trial| trial.time).collect();
     times.sort_by(f64::total_cmp);
@@ -71,6 +74,7 @@ fn sum((skill, track, agent, software): Key, trials: &[&Trial]) -> SkillSum {
     SkillSum {
         skill,
         track,
+        world,
         agent,
         software,
         trials: trials.len(),

@@ -124,8 +124,9 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// In free space, compares the force at the wrist with the weight of what is held. Measures again at rest, since the
-    /// hand's own mass acts on the sensor while the hand stops. Notes the cause once.
+    /// In free space, compares the force at the wrist with the weight of what is held. What the wrist measures before anything
+    /// is grasped is how far off an arm in order may be: an estimated wrench is off by another newton in each pose. Measures
+    /// again at rest, since the hand's own mass acts on the sensor while the hand stops. Notes the cause once.
     ///
     /// # Errors
     /// The robot's.
@@ -133,12 +134,17 @@ impl Workcell<'_, '_> {
         let mass = self.hand.held.as_ref().map_or(0.0, |held| held.mass);
         let weight = Vector3::new(0.0, 0.0, mass * GRAVITY);
         let measured = |hand: &Hand| (hand.seen.wrench.fixed_rows::<3>(0) - weight).norm();
-        if self.force_told || measured(&self.hand) < self.parameters.diagnosis.biased {
+        if self.hand.held.is_none() && self.standing.iter().all(|beam| *beam == self.assembly.base) {
+            self.hand.usual_force = self.hand.usual_force.max(measured(&self.hand));
+        }
+        let biased =
+            self.parameters.diagnosis.biased + self.parameters.diagnosis.usual * self.hand.usual_force;
+        if self.force_told || measured(&self.hand) < biased {
             return Ok(());
         }
         self.hand.hold(self.parameters.diagnosis.rest)?;
         let measured = measured(&self.hand);
-        if measured > self.parameters.diagnosis.biased {
+        if measured > biased {
             self.force_told = true;
             self.diagnose(Cause::ForceBias, format!("the wrist measures {measured:.1} N in free space"));
         }

@@ -125,6 +125,8 @@ parameters! {
         /// A force in free space that is further from what the held part weighs tells of a sensor that is off: twelve times the
         /// noise of its filtered reading.
         biased: f64 = "N", 0.01, 100.0;
+        /// So many times the force that was measured before anything was grasped is added to that. Chosen.
+        usual: f64 = "", 0.0, 10.0;
         /// How long the hand's own mass acts on the wrist sensor after the hand stops.
         rest: f64 = "s", 0.0, 10.0;
     }

@@ -18,6 +18,8 @@ parameters! {
         /// How long the fingers stand still when they have closed or opened. With 0.04 s, fingers whose ribs slide into a slot
         /// count as closed on the way.
         still: f64 = "s", 0.001, 1.0;
+        /// How often a gripper tells its width at least. A Franka hand does so ten times a second.
+        told_every: f64 = "s", 0.001, 1.0;
         /// Force on the wrist at which a motion is broken off. A cap is swept to and fro with up to 38 N, and fingers that come
         /// down around a beam may brush along it with 30 N.
         guard: f64 = "N", 5.0, 200.0;
@@ -27,6 +29,13 @@ parameters! {
         rest: f64 = "s", 0.0, 10.0;
         /// Speed of the joints below which the arm is still. Chosen: a tenth of a millimetre in the time of a look.
         at_rest: f64 = "rad/s", 1e-5, 0.1;
+        /// How long the hand waits at most until the arm is still.
+        settled: f64 = "s", 0.0, 10.0;
+        /// A hand that is still this near to where it is pulled has arrived. Chosen: a tenth of the clearance of a joint.
+        arrived: [f64; 2] = "m, rad", 0.0, 0.1;
+        /// One that is still for so long further away is held by more than friction, which the arm's compensation overcomes by
+        /// then.
+        stuck: f64 = "s", 0.0, 1.0;
         /// What is held has been pushed when the force at the wrist changes by more while it is carried. A beam that is only
         /// carried changes it by 5 N at most.
         pushed_force: f64 = "N", 0.1, 200.0;

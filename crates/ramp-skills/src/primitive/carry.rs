@@ -43,9 +43,28 @@ impl Workcell<'_, '_> {
             {
                 break;
             }
-            self.hand.correct(&x_wp, x_wp_goal, self.parameters.carry.speed)?;
-            self.hand.settle()?;
+            self.correct_freely(&x_wp, x_wp_goal)?;
         }
+        self.hand.relax();
         Ok(())
+    }
+
+    /// Brings the held part, which is free and now at `x_wp`, to `x_wp_goal`, a little way off: by the joints' positions, which
+    /// friction turns aside by less than the hand's springs.
+    ///
+    /// # Errors
+    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
+    pub fn correct_freely(&mut self, x_wp: &Pose, x_wp_goal: &Pose) -> Result<(), SkillError> {
+        let start = self.hand.start();
+        let told = self.planner.kinematics.tip(&start);
+        let target = self.hand.corrected_from(&told, x_wp, x_wp_goal);
+        match self.planner.straight(&start, &target) {
+            Some(line) => self.hand.follow(&self.law().time(&line)),
+            None => {
+                self.hand.relax();
+                self.hand.correct(x_wp, x_wp_goal, self.parameters.carry.speed)?;
+                self.hand.settle()
+            }
+        }
     }
 }

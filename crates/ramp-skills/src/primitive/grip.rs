@@ -1,7 +1,7 @@
 //! Grips a part where it stands, and checks that it is still in the hand.
 
 use nalgebra::{Point3, Vector3};
-use ramp_robot::Cause;
+use ramp_robot::{Cause, GripperCommand};
 
 use crate::Pose;
 use crate::cell::Workcell;
@@ -66,11 +66,15 @@ impl Workcell<'_, '_> {
     /// [`Fault::NotHeld`], or what stopped the motion.
     pub fn grasp(&mut self, part: &str, x_wt: &Pose, open: f64, width: f64) -> Result<(), SkillError> {
         self.hand.gripper.width = open;
-        self.descend(x_wt, part)?;
-        self.hand.wait_for_gripper()?;
+        let closing =
+            GripperCommand { width: width - self.parameters.grip.squeeze, force: self.parameters.grip.force };
+        self.descend(x_wt, part, closing)?;
+        if self.hand.gripper != closing {
+            self.hand.wait_for_gripper()?;
+        }
         self.hand.relax();
         for attempt in 0..self.parameters.grip.closings {
-            self.hand.grip(width - self.parameters.grip.squeeze, self.parameters.grip.force)?;
+            self.hand.grip(closing.width, closing.force)?;
             let short = self.hand.seen.width - width;
             if short < self.parameters.grip.short {
                 break;

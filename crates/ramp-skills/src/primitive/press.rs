@@ -57,7 +57,10 @@ impl Workcell<'_, '_> {
             centre.x += (here.x - centre.x) * 0.003;
             centre.y += (here.y - centre.y) * 0.003;
             let lead = force / self.hand.stiffness.z;
-            let lowest = self.hand.setpoint.translation.z - self.parameters.press.speed * PERIOD;
+            let gap = self.hand.x_wp_held().map_or(0.0, |x_wp| x_wp.translation.z - plate);
+            let lands = gap < self.parameters.press.landing;
+            let speed = if lands { self.parameters.press.landing_speed } else { self.parameters.press.speed };
+            let lowest = self.hand.setpoint.translation.z - speed * PERIOD;
             let setpoint = &mut self.hand.setpoint.translation;
             setpoint.x = centre.x + radius * phase.cos();
             setpoint.y = centre.y + radius * phase.sin();

@@ -2,6 +2,7 @@
 
 use nalgebra::{Translation3, Vector3};
 use ramp_motion::{Checker, Joints, MotionError, Pace, Terms, TimeLaw, Trajectory};
+use ramp_robot::GripperCommand;
 
 use crate::Pose;
 use crate::belief::obstacles::held_boxes;
@@ -74,6 +75,16 @@ impl Workcell<'_, '_> {
     /// When the arm cannot follow the line, or something is in its way; [`Fault::Overload`](crate::Fault::Overload), and the
     /// robot's.
     pub fn travel_straight(&mut self, x_wt: &Pose, part: Option<&str>) -> Result<(), SkillError> {
+        self.travel_and_grip(x_wt, part, None)
+    }
+
+    /// The same, with what a slow gripper is told before the end: see [`Hand::follow_and_grip`](crate::hand::Hand::follow_and_grip).
+    fn travel_and_grip(
+        &mut self,
+        x_wt: &Pose,
+        part: Option<&str>,
+        closing: Option<GripperCommand>,
+    ) -> Result<(), SkillError> {
         let checker = self.checker(part);
         let line = self
             .planner
@@ -83,7 +94,7 @@ impl Workcell<'_, '_> {
             return Err(MotionError::Blocked("end").into());
         }
         let trajectory = self.law().time(&line);
-        self.hand.follow(&trajectory)
+        self.hand.follow_and_grip(&trajectory, closing)
     }
 
     /// How fast the arm goes through free space with what it holds.
@@ -96,12 +107,12 @@ impl Workcell<'_, '_> {
         TimeLaw::new(self.arm, &Pace { velocity, acceleration, jerk: travel.jerk, ramp: travel.ramp })
     }
 
-    /// Moves the open hand from above down to `x_wt`, around `part`.
-    pub fn descend(&mut self, x_wt: &Pose, part: &str) -> Result<(), SkillError> {
+    /// Moves the open hand from above down to `x_wt`, around `part`, and tells a slow gripper `closing` on the way.
+    pub fn descend(&mut self, x_wt: &Pose, part: &str, closing: GripperCommand) -> Result<(), SkillError> {
         let mut above = *x_wt;
         above.translation.z = above.translation.z.max(self.parameters.travel.height);
         self.travel(&above)?;
-        match self.travel_straight(x_wt, Some(part)) {
+        match self.travel_and_grip(x_wt, Some(part), Some(closing)) {
             Err(SkillError::Motion(MotionError::Unreachable(_))) => {}
             other => return other,
         }
@@ -109,7 +120,7 @@ impl Workcell<'_, '_> {
         let here = self.hand.seen.x_wt;
         let turned = self.planner.posture_for(&here, x_wt);
         self.take_posture(&turned.ok_or(MotionError::Unreachable(x_wt.translation.vector.into()))?)?;
-        self.travel_straight(x_wt, Some(part))
+        self.travel_and_grip(x_wt, Some(part), Some(closing))
     }
 
     /// Moves the arm to joint positions (rad), around everything.

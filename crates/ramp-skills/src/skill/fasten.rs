@@ -123,9 +123,9 @@ impl Fasten {
             {
                 break;
             }
-            cell.hand.correct(&x_wp, &goal, cell.parameters.carry.speed)?;
-            cell.hand.settle()?;
+            cell.correct_freely(&x_wp, &goal)?;
         }
+        cell.hand.relax();
         cell.hand.zero()?;
         let plate = cell.mouth(connection)?.z;
         cell.check_grip(peg)?;

@@ -64,8 +64,8 @@ impl Insertion {
                     break;
                 }
             }
-            // A sleeve that was displaced must be realigned first.
-            if !cell.displaced()?.is_empty() {
+            // What was displaced, or has swung about its peg, must be realigned first.
+            if !cell.displaced()?.is_empty() || !cell.swung()?.is_empty() {
                 break;
             }
         }

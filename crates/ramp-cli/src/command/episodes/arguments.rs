@@ -4,10 +4,9 @@ use std::path::Path;
 use std::time::Duration;
 
 use miette::Report;
-use ramp_result::sha256;
 use ramp_robot::Track;
 
-use super::batch::Batch;
+use super::batch::{Batch, BatchWorld};
 use super::goals::{BatchError, Goal};
 use crate::command::agent;
 use crate::data::Data;
@@ -21,7 +20,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t = TrackName::Tags)]
     track: TrackName,
     #[command(flatten)]
-    world: WorldOption,
+    pub world: WorldOption,
     #[command(flatten)]
     agent: agent::Arguments,
     /// Seed of the first episode of each goal
@@ -72,8 +71,7 @@ impl Arguments {
             data,
             folder,
             track: Track::from(self.track).name(),
-            world: self.world.argument(),
-            world_hash: sha256(self.world.read(data)?.text.as_bytes()),
+            worlds: vec![BatchWorld::new(self.world.argument(), &self.world.read(data)?)],
             limit: Duration::from_secs(self.limit),
             jobs: self.jobs as usize,
             agent,

@@ -13,8 +13,9 @@ use std::time::{Duration, Instant};
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_external_agent::{AgentFile, adopt_orphans, end_orphans};
 use ramp_log::ENDING;
-use ramp_result::episode::{EpisodeResult, SCHEMA, Software};
+use ramp_result::episode::{EpisodeResult, SCHEMA, Software, WorldLabel};
 use ramp_result::secret::Secret;
+use ramp_world::World;
 use serde_json::Value;
 
 use super::display::Display;
@@ -43,14 +44,31 @@ struct Worker {
     since: Instant,
 }
 
+/// A world of some episodes.
+pub struct BatchWorld {
+    /// As on the command line.
+    pub argument: OsString,
+    /// The hash of its file.
+    pub hash: String,
+    /// What tells it from all other worlds.
+    pub title: String,
+}
+
+impl BatchWorld {
+    /// One that is named on the command line by `argument`.
+    pub fn new(argument: OsString, world: &World) -> BatchWorld {
+        let WorldLabel { sha256, title } = WorldLabel::of(world);
+        BatchWorld { argument, hash: sha256, title }
+    }
+}
+
 /// What many episodes share, and their folder.
 pub struct Batch<'a> {
     pub data: &'a Data,
     pub folder: &'a Path,
     pub track: &'static str,
-    /// The world, as on the command line, and the hash of its file.
-    pub world: OsString,
-    pub world_hash: String,
+    /// The worlds; all episodes of a bench are in the same.
+    pub worlds: Vec<BatchWorld>,
     pub limit: Duration,
     /// Episodes at a time.
     pub jobs: usize,
@@ -151,7 +169,8 @@ impl Batch<'_> {
                 }
                 .into());
             }
-            if value["world"]["sha256"].as_str() != Some(self.world_hash.as_str()) {
+            let hash = value["world"]["sha256"].as_str();
+            if !self.worlds.iter().any(|world| hash == Some(world.hash.as_str())) {
                 let theirs = value["world"]["name"].as_str().unwrap_or("none").to_string();
                 let file = path.display().to_string();
                 return Err(BatchError::OtherWorld { file, theirs }.into());
@@ -181,7 +200,7 @@ impl Batch<'_> {
             && result.goal == goal.name
             && result.pegs.len() == goal.pegs
             && result.track == self.track
-            && result.world.as_ref().is_some_and(|world| world.sha256 == self.world_hash)
+            && result.world.as_ref().is_some_and(|world| world.sha256 == self.worlds[episode.world].hash)
             && result.seed == episode.seed
             && result.secret == self.commitment()
             && result.software == self.software
@@ -265,7 +284,7 @@ impl Batch<'_> {
         let log = File::create_new(running.join(format!("{}.log", episode.stem)))?;
         let mut words = self.data.arguments();
         words.extend(["run".into(), "--track".into(), self.track.into()]);
-        words.extend(["--world".into(), self.world.clone()]);
+        words.extend(["--world".into(), self.worlds[episode.world].argument.clone()]);
         words.extend(["--seed".into(), episode.seed.to_string().into()]);
         words.extend(["--repeat".into(), episode.repeat.to_string().into()]);
         words.extend(episode.fault.iter().flat_map(|fault| ["--fault".into(), fault.to_string().into()]));

@@ -6,6 +6,8 @@ use ramp_twin::Fault;
 /// One episode that is asked for.
 pub struct Episode {
     pub goal: usize,
+    /// Its world among those of the batch.
+    pub world: usize,
     pub seed: u64,
     pub repeat: u32,
     /// What goes wrong on purpose.

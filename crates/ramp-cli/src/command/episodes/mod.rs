@@ -8,6 +8,6 @@ mod episode;
 mod goals;
 
 pub use arguments::Arguments;
-pub use batch::Batch;
+pub use batch::{Batch, BatchWorld};
 pub use episode::{Episode, Outcome};
 pub use goals::find;
