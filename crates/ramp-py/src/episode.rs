@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use ramp_episode::{EpisodeError, Label, Progress, Recorded, record_episode, run_episode};
@@ -15,11 +16,11 @@ use ramp_robot::{
     Account, Agent, Camera, CameraModel, Command, Event, Image, Observation, PartReading, Robot as Seam,
     RobotError, TIME_LIMIT,
 };
-use ramp_skills::{Baseline, Parameters, SkillTable};
+use ramp_skills::{Baseline, Parameters};
 use ramp_twin::{Disturbance, Setup, Twin};
 
 use crate::convert::seven;
-use crate::errors::{Interrupts, data, detached, input};
+use crate::errors::{EVERY, Interrupts, caught, data, detached, input};
 use crate::files::Benchmark;
 use crate::robot::Robot;
 use crate::twin::{fault, track};
@@ -51,13 +52,14 @@ fn stop() -> RobotError {
 /// A robot that stops when Ctrl-C is pressed or something in Python has raised.
 struct Watched<'r> {
     robot: &'r mut dyn Seam,
-    interrupts: Interrupts,
+    /// What looks for Ctrl-C; nothing where another thread does.
+    interrupts: Option<Interrupts>,
     raised: Raised,
 }
 
 impl Watched<'_> {
     fn check(&mut self) -> Result<(), RobotError> {
-        if let Err(error) = self.interrupts.check() {
+        if let Some(Err(error)) = self.interrupts.as_mut().map(Interrupts::check) {
             self.raised.keep(error);
         }
         if self.raised.is_there() { Err(stop()) } else { Ok(()) }
@@ -92,6 +94,8 @@ impl Seam for Watched<'_> {
 /// Any agent, with a robot that can be stopped.
 struct Stoppable<'a> {
     agent: Box<dyn Agent + 'a>,
+    /// Whether it looks for Ctrl-C itself.
+    looks: bool,
     raised: Raised,
 }
 
@@ -113,8 +117,8 @@ impl Agent for Stoppable<'_> {
     }
 
     fn run(&mut self, robot: &mut dyn Seam) -> Result<(), RobotError> {
-        let raised = self.raised.clone();
-        self.agent.run(&mut Watched { robot, interrupts: Interrupts::new(), raised })
+        let interrupts = self.looks.then(Interrupts::new);
+        self.agent.run(&mut Watched { robot, interrupts, raised: self.raised.clone() })
     }
 }
 
@@ -307,12 +311,18 @@ pub fn run(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let files = benchmark.get();
-    let inner = &files.inner;
+    let inner = Arc::clone(&files.inner);
     let assembly = inner.goal(goal).map_err(data)?;
     let world = inner.world(world).map_err(data)?;
     let (track, fault) = (self::track(track)?, self::fault(fault)?);
     let domains = files.domains(domain)?;
     let raised = Raised::default();
+    // What runs Python's code does so on this thread; all else on one that can be left behind.
+    let python = agent.is_some() || !skills.is_empty();
+    let plan = match plan {
+        Some(text) => Some(detached(py, || files.own_plan(text, &assembly, &domains))?),
+        None => None,
+    };
     let parameters = match parameters {
         Some(path) => Parameters::read(path.as_ref()).map_err(|error| input(format!("{error:#}")))?,
         None => Parameters::baseline(),
@@ -327,7 +337,8 @@ pub fn run(
     let goal_text = text(inner.goal_file(goal).map_err(data)?)?;
     let kit_text = text(inner.folder.join("kit.xml"))?;
     let arm_text = text(inner.folder.join("arms/panda.json"))?;
-    let json = detached(py, || {
+    let kept = raised.clone();
+    let work = move || {
         let setup = Setup {
             kit: &inner.kit,
             assembly: &assembly,
@@ -344,17 +355,19 @@ pub fn run(
                 Box::new(PythonAgent { object, goal, name, version, account, raised: raised.clone() })
             }
             None => {
-                let baseline = baseline(files, &setup, &domains, parameters, table);
+                let baseline = Baseline::new(&inner.kit, setup.assembly, &inner.arm, &domains, seed)
+                    .with_parameters(parameters)
+                    .with_skills(table);
                 Box::new(match plan {
-                    Some(text) => baseline.with_plan(files.own_plan(text, &assembly, &domains)?),
+                    Some(plan) => baseline.with_plan(plan),
                     None => baseline,
                 })
             }
         };
-        let mut worker = Stoppable { agent: worker, raised: raised.clone() };
+        let mut worker = Stoppable { agent: worker, looks: python, raised: raised.clone() };
         let mut told = Interrupts::new();
         let mut watcher = |now: &Progress, _: &Twin| {
-            let Some(progress) = &progress else { return };
+            let Some(progress) = progress.as_ref().filter(|_| !raised.is_there()) else { return };
             if let Some(Err(error)) = told
                 .due(|| Python::attach(|py| progress.call1(py, (now.time, now.seated, now.pegs)).map(|_| ())))
             {
@@ -381,22 +394,37 @@ pub fn run(
             Some(error) => Err(error),
             None => Ok(result.to_json()),
         }
-    })?;
-    Ok(json)
+    };
+    if python { detached(py, work) } else { aside(py, &kept, work) }
 }
 
-/// The baseline with these skills.
-fn baseline<'a>(
-    files: &'a Benchmark,
-    setup: &Setup<'a>,
-    domains: &'a ramp_planner::Domains,
-    parameters: Arc<Parameters>,
-    table: SkillTable,
-) -> Baseline<'a> {
-    let inner = &files.inner;
-    Baseline::new(&inner.kit, setup.assembly, &inner.arm, domains, setup.seed)
-        .with_parameters(parameters)
-        .with_skills(table)
+/// Runs something that takes long on a thread of its own. Ctrl-C leaves it behind at once: its robot stops at the next call.
+fn aside(
+    py: Python<'_>,
+    raised: &Raised,
+    work: impl FnOnce() -> PyResult<String> + Send + 'static,
+) -> PyResult<String> {
+    let (tell, told) = std::sync::mpsc::channel();
+    let told = Mutex::new(told);
+    std::thread::spawn(move || {
+        // Nobody listens any more if Ctrl-C was pressed.
+        let _ = tell.send(caught(work));
+    });
+    loop {
+        let listen = || told.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(EVERY);
+        match py.detach(listen) {
+            Ok(result) => return result,
+            Err(std::sync::mpsc::RecvTimeoutError::Timeout) => {
+                if let Err(error) = py.check_signals() {
+                    raised.keep(error.clone_ref(py));
+                    return Err(error);
+                }
+            }
+            Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => {
+                return Err(PyRuntimeError::new_err("the episode ended without a result"));
+            }
+        }
+    }
 }
 
 /// The completion of a result over time, as SVG.

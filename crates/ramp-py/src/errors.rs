@@ -67,20 +67,22 @@ pub fn env(error: EnvError) -> PyErr {
     }
 }
 
-/// Runs something that needs no Python, without holding its lock. A panic, which is a mistake of this program, becomes an
-/// exception that `except Exception` catches.
+/// Runs something that needs no Python, without holding its lock.
 pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> PyResult<T> + Send) -> PyResult<T> {
-    py.detach(|| {
-        catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-            let words = panic.downcast_ref::<String>().map(String::as_str);
-            let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
-            Err(PyRuntimeError::new_err(format!("internal error of ramp: {words}")))
-        })
+    py.detach(|| caught(work))
+}
+
+/// A panic, which is a mistake of this program, becomes an exception that `except Exception` catches.
+pub fn caught<T>(work: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let words = panic.downcast_ref::<String>().map(String::as_str);
+        let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
+        Err(PyRuntimeError::new_err(format!("internal error of ramp: {words}")))
     })
 }
 
 /// Between two looks whether Ctrl-C was pressed.
-const EVERY: Duration = Duration::from_millis(50);
+pub const EVERY: Duration = Duration::from_millis(50);
 
 /// Looks now and then whether Ctrl-C was pressed.
 pub struct Interrupts {
