@@ -85,11 +85,8 @@ impl Bench<'_> {
         let entries: Vec<(usize, Entry)> = episodes
             .iter()
             .map(|episode| {
-                let result = match &episode.outcome {
-                    Outcome::Finished(result) => Some((**result).clone()),
-                    Outcome::Open | Outcome::Lost(_) => None,
-                };
-                (episode.goal, Entry { pegs: self.0.goals[episode.goal].pegs, result })
+                let (pegs, result) = (self.0.goals[episode.goal].pegs, episode.result().cloned());
+                (episode.goal, Entry { pegs, result })
             })
             .collect();
         let of = |wanted: &dyn Fn(usize) -> bool| {

@@ -87,17 +87,10 @@ fn plan(batch: &Batch, faults: &[Fault]) -> Vec<Episode> {
     episodes
 }
 
-fn result_of(episode: &Episode) -> Option<&EpisodeResult> {
-    match &episode.outcome {
-        Outcome::Finished(result) => Some(result),
-        Outcome::Open | Outcome::Lost(_) => None,
-    }
-}
-
 /// The result of the same goal and seed without a fault.
 fn control<'e>(episodes: &'e [Episode], episode: &Episode) -> Option<&'e EpisodeResult> {
     let same = |it: &&Episode| it.fault.is_none() && (it.goal, it.seed) == (episode.goal, episode.seed);
-    episodes.iter().find(same).and_then(result_of)
+    episodes.iter().find(same).and_then(Episode::result)
 }
 
 fn rows<'a>(batch: &'a Batch, faults: &[Fault], episodes: &[Episode]) -> Vec<Row<'a>> {
@@ -106,7 +99,7 @@ fn rows<'a>(batch: &'a Batch, faults: &[Fault], episodes: &[Episode]) -> Vec<Row
         let of = |wanted: Option<usize>| {
             let those = episodes.iter().filter(|it| it.fault == Some(*fault));
             let those = those.filter(|it| wanted.is_none_or(|goal| it.goal == goal));
-            Tally::of(those.map(|it| [result_of(it), control(episodes, it)]))
+            Tally::of(those.map(|it| [it.result(), control(episodes, it)]))
         };
         for (index, goal) in batch.goals.iter().enumerate() {
             rows.push(Row { fault: *fault, goal: Some(&goal.name), tally: of(Some(index)) });

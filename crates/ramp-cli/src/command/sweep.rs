@@ -181,13 +181,7 @@ fn sum_up(
         let those: Vec<_> = episodes
             .iter()
             .filter(|episode| episode.world == world)
-            .map(|episode| {
-                let result = match &episode.outcome {
-                    Outcome::Finished(result) => Some(&**result),
-                    Outcome::Open | Outcome::Lost(_) => None,
-                };
-                (batch.goals[episode.goal].pegs, result)
-            })
+            .map(|episode| (batch.goals[episode.goal].pegs, episode.result()))
             .collect();
         Point::of(value, &those)
     };

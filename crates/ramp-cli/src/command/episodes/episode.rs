@@ -17,6 +17,16 @@ pub struct Episode {
     pub outcome: Outcome,
 }
 
+impl Episode {
+    /// Its result, if it has one.
+    pub fn result(&self) -> Option<&EpisodeResult> {
+        match &self.outcome {
+            Outcome::Finished(result) => Some(result),
+            Outcome::Open | Outcome::Lost(_) => None,
+        }
+    }
+}
+
 pub enum Outcome {
     /// Not run yet.
     Open,
