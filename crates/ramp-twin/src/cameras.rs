@@ -126,7 +126,7 @@ impl Cameras {
     ///
     /// # Errors
     /// When there is nothing to draw.
-    pub fn set_state(&mut self, state: &CamerasState) -> Result<(), LooksError> {
+    pub fn recall(&mut self, state: &CamerasState) -> Result<(), LooksError> {
         let CamerasState { jitter, eyes } = state;
         self.jitter.clone_from(jitter);
         for (index, saved) in eyes.iter().enumerate() {

@@ -33,7 +33,7 @@ quantities! {
         /// The same, as a wave over one turn of the joint: its amplitude.
         wave: [f64; 7] = "rad", -0.05, 0.05;
         /// Where that wave begins.
-        wave_begin: [f64; 7] = "rad", -3.1416, 3.1416;
+        wave_begin: [f64; 7] = "rad", -3.2, 3.2;
         /// Mass at the hand that its compensation of gravity does not know.
         unknown_mass: f64 = "kg", -0.5, 0.5;
         /// Where that mass is, in the hand's frame.

@@ -164,7 +164,7 @@ impl Twin {
         if !std::ptr::eq(data.model(), self.data.model()) {
             return Err(RestoreError::OtherTwin);
         }
-        self.cameras.set_state(cameras)?;
+        self.cameras.recall(cameras)?;
         data.copy_to(&mut self.data).map_err(|_| RestoreError::OtherTwin)?;
         self.gripper = *gripper;
         self.slow_gripper.clone_from(slow_gripper);
@@ -231,7 +231,7 @@ impl Twin {
             observation,
         } = self;
         let mut fresh = cameras.fresh();
-        fresh.set_state(&cameras.state())?;
+        fresh.recall(&cameras.state())?;
         Ok(Twin {
             data: data.clone(),
             xml: Arc::clone(xml),
