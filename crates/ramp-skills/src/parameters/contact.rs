@@ -113,7 +113,7 @@ parameters! {
         speed: f64 = "m/s", 0.001, 0.5;
         /// This near to the plate the head goes slowly: the arm's mass behind it would strike the plate.
         landing: f64 = "m", 0.0, 0.03;
-        /// How fast it goes then. At 0.04 m/s the force of the stop is 45 N with the drives of an FR3, at this speed 25 N.
+        /// How fast it goes then. At 0.04 m/s the force of the stop is 43 N with the drives of an FR3, at this speed 25 N.
         landing_speed: f64 = "m/s", 0.001, 0.5;
         /// Radius of the circle that keeps a peg from jamming.
         circle: f64 = "m", 0.0, 0.01;
