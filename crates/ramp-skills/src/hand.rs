@@ -12,7 +12,8 @@ use ramp_robot::{
 
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
-use crate::parameters::hand::HandParameters;
+use crate::parameters::Parameters;
+use crate::parameters::hand::{HandParameters, RiseParameters, TrimParameters};
 
 /// After so many periods a gripper is no longer waited for.
 const SLOWEST_GRIPPER: u32 = 10_000;
@@ -42,6 +43,7 @@ pub struct Held {
 pub struct Hand<'r> {
     robot: &'r mut dyn Robot,
     parameters: HandParameters,
+    trim: TrimParameters,
     /// What was sensed last.
     pub seen: Observation,
     /// What the gripper is told.
@@ -125,15 +127,89 @@ impl Ramped {
     }
 }
 
+/// What keeps the tip on a line: how far it is off, summed up.
+struct Trim {
+    parameters: TrimParameters,
+    /// Setpoint and tip at the beginning.
+    from: Pose,
+    tip: Pose,
+    /// Of the motion, a unit vector; along it nothing is trimmed.
+    direction: Vector3<f64>,
+    shift: Vector3<f64>,
+    turn: Vector3<f64>,
+}
+
+impl Trim {
+    /// For a motion of the hand to `x_wt`. The tip keeps the distance from the setpoint that it has at the beginning.
+    fn new(hand: &Hand, x_wt: &Pose) -> Trim {
+        let way = x_wt.translation.vector - hand.setpoint.translation.vector;
+        Trim {
+            parameters: hand.trim.clone(),
+            from: hand.setpoint,
+            tip: hand.seen.x_wt,
+            direction: way.try_normalize(1e-9).unwrap_or_default(),
+            shift: Vector3::zeros(),
+            turn: Vector3::zeros(),
+        }
+    }
+
+    /// The setpoint for a point of the line, with the tip at `seen`.
+    fn trimmed(&mut self, line: &Pose, seen: &Pose) -> Pose {
+        let wanted = self.tip.translation.vector + line.translation.vector - self.from.translation.vector;
+        let off = wanted - seen.translation.vector;
+        let off = off - self.direction * off.dot(&self.direction);
+        let turned =
+            line.rotation * self.from.rotation.inverse() * self.tip.rotation * seen.rotation.inverse();
+        let gain = PERIOD / self.parameters.time;
+        self.shift = (self.shift + off * gain).cap_magnitude(self.parameters.most);
+        self.turn = (self.turn + turned.scaled_axis() * gain).cap_magnitude(self.parameters.most_turn);
+        Pose::from_parts(
+            Translation3::from(line.translation.vector + self.shift),
+            UnitQuaternion::from_scaled_axis(self.turn) * line.rotation,
+        )
+    }
+}
+
+/// How much the force in one direction has risen over its running mean: what a motion meets, whatever bias and friction the
+/// measured force has. A constant speed keeps friction constant.
+pub struct Rise {
+    direction: Vector3<f64>,
+    /// The running mean (N) and how long it has been taken, s.
+    mean: f64,
+    time: f64,
+    parameters: RiseParameters,
+}
+
+impl Rise {
+    /// In a direction of the world, a unit vector.
+    pub fn new(direction: Vector3<f64>, parameters: &RiseParameters) -> Rise {
+        Rise { direction, mean: 0.0, time: 0.0, parameters: parameters.clone() }
+    }
+
+    /// Takes in one control period. N; 0 while the motion begins.
+    pub fn sense(&mut self, hand: &Hand) -> f64 {
+        self.time += PERIOD;
+        let force = hand.seen.wrench.fixed_rows::<3>(0).dot(&self.direction);
+        if self.time < self.parameters.begin {
+            self.mean = force;
+        }
+        let rise = force - self.mean;
+        self.mean += rise * PERIOD / self.parameters.mean;
+        rise
+    }
+}
+
 impl<'r> Hand<'r> {
     /// Takes over a robot.
-    pub fn new(robot: &'r mut dyn Robot, arm: &ArmModel, parameters: &HandParameters) -> Hand<'r> {
+    pub fn new(robot: &'r mut dyn Robot, arm: &ArmModel, parameters: &Parameters) -> Hand<'r> {
+        let (parameters, trim) = (&parameters.hand, parameters.trim.clone());
         let seen = robot.observe();
         Hand {
             gripper: GripperCommand { width: seen.width, force: 20.0 },
             setpoint: seen.x_wt,
             stiffness: Vector6::from(parameters.stiffness),
             parameters: parameters.clone(),
+            trim,
             held: None,
             posture: Joints::from(seen.positions),
             fastest: Joints::from_fn(|joint, _| arm.joints[joint].velocity),
@@ -368,8 +444,8 @@ impl<'r> Hand<'r> {
     }
 
     /// Moves the setpoint in a straight line to `x_wt` with `speed` (m/s) as its largest speed, until it is there
-    /// or `stop` says so: it speeds up evenly, goes on, and slows down evenly, and it waits for joints that hurry. Returns whether it was stopped; the setpoint then
-    /// stays where it was.
+    /// or `stop` says so: it speeds up evenly, goes on, and slows down evenly, and it waits for joints that hurry. Returns
+    /// whether it was stopped; the setpoint then stays where it was.
     ///
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
@@ -377,12 +453,39 @@ impl<'r> Hand<'r> {
         &mut self,
         x_wt: &Pose,
         speed: f64,
+        stop: impl FnMut(&Hand) -> bool,
+    ) -> Result<bool, SkillError> {
+        self.drive_trimmed(x_wt, speed, None, stop)
+    }
+
+    /// The same along a line that must be kept: friction turns a hand aside as it moves, and the setpoint is trimmed against
+    /// that until the tip is on its line again, but by no more than the trim's bounds.
+    ///
+    /// # Errors
+    /// [`Fault::Overload`], and the robot's.
+    pub fn drive_in_line(
+        &mut self,
+        x_wt: &Pose,
+        speed: f64,
+        stop: impl FnMut(&Hand) -> bool,
+    ) -> Result<bool, SkillError> {
+        let trim = Trim::new(self, x_wt);
+        self.drive_trimmed(x_wt, speed, Some(trim), stop)
+    }
+
+    fn drive_trimmed(
+        &mut self,
+        x_wt: &Pose,
+        speed: f64,
+        mut trim: Option<Trim>,
         mut stop: impl FnMut(&Hand) -> bool,
     ) -> Result<bool, SkillError> {
         let from = self.setpoint;
         let distance = (x_wt.translation.vector - from.translation.vector).norm();
         let angle = from.rotation.angle_to(&x_wt.rotation);
-        let shift = Ramped::new(distance, speed, self.parameters.acceleration);
+        let acceleration =
+            trim.as_ref().map_or(self.parameters.acceleration, |trim| trim.parameters.acceleration);
+        let shift = Ramped::new(distance, speed, acceleration);
         let turn = Ramped::new(angle, self.parameters.turn_speed, self.parameters.turn_acceleration);
         let way = if shift.duration() > turn.duration() { shift } else { turn };
         let duration = way.duration();
@@ -392,7 +495,11 @@ impl<'r> Hand<'r> {
             s = if time >= duration { 1.0 } else { way.share(time) };
             let p = from.translation.vector.lerp(&x_wt.translation.vector, s);
             let rotation = from.rotation.try_slerp(&x_wt.rotation, s, 1e-9).unwrap_or(x_wt.rotation);
-            self.setpoint = Pose::from_parts(Translation3::from(p), rotation);
+            let line = Pose::from_parts(Translation3::from(p), rotation);
+            self.setpoint = match &mut trim {
+                Some(trim) => trim.trimmed(&line, &self.seen.x_wt),
+                None => line,
+            };
             self.tick()?;
             if stop(self) {
                 return Ok(true);

@@ -106,7 +106,7 @@ fn take_over(cell: &mut Workcell, state: &State) -> Result<(), SkillError> {
     for (name, peg) in &state.fastened {
         let connection = assembly.connection_index(name).ok_or_else(|| unknown(name))?;
         cell.pinned.push((connection, peg.clone()));
-        let hole = cell.kit.x_wa() * assembly.p_a_hole(assembly.connections[connection].female);
+        let hole = cell.x_wa() * assembly.p_a_hole(assembly.connections[connection].female);
         let x_wp = Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0);
         cell.belief.expect(
             peg,
@@ -116,10 +116,10 @@ fn take_over(cell: &mut Workcell, state: &State) -> Result<(), SkillError> {
     }
     let beams: Vec<usize> = cell.standing.iter().copied().filter(|beam| *beam != assembly.base).collect();
     for &beam in &beams {
-        let mut x_wb = cell.kit.x_wa() * assembly.beams[beam].x_ab;
+        let mut x_wb = cell.x_wa() * assembly.beams[beam].x_ab;
         if cell.deep.contains(&beam) {
             let path = cell.path(beam)?;
-            x_wb = Translation3::from(cell.kit.x_wa().rotation * path.direction * path.depth) * x_wb;
+            x_wb = Translation3::from(cell.x_wa().rotation * path.direction * path.depth) * x_wb;
         }
         let x_wb = cell.drooped(beam, &x_wb).unwrap_or(x_wb);
         cell.belief.expect(

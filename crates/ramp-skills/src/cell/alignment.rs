@@ -60,7 +60,7 @@ impl Workcell<'_, '_> {
             Some((mine, theirs)) => {
                 (x_wb * placed.beam.p_b_hole(mine.joint), self.belief.hole(self.assembly, theirs)?)
             }
-            None => (x_wb * far, self.kit.x_wa() * placed.x_ab * far),
+            None => (x_wb * far, self.x_wa() * placed.x_ab * far),
         };
         let (now, wanted) = (now.xy() - pivot.xy(), wanted.xy() - pivot.xy());
         let angle = now.perp(&wanted).atan2(now.dot(&wanted));

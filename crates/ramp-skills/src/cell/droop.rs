@@ -35,8 +35,9 @@ impl Workcell<'_, '_> {
         let (joint, angle) = self.drooping(beam)?;
         let pivot = Translation3::from((x_wb * self.assembly.beams[beam].beam.p_b_hole(joint.joint)).coords);
         let along = x_wb.rotation * Vector3::x();
-        let level = UnitQuaternion::rotation_between(&along, &Vector3::new(along.x, along.y, 0.0))?;
-        let turn = UnitQuaternion::from_scaled_axis(Vector3::z().cross(&along).normalize() * angle);
+        let up = self.x_wa().rotation * Vector3::z();
+        let level = UnitQuaternion::rotation_between(&along, &(along - up * along.dot(&up)))?;
+        let turn = UnitQuaternion::from_scaled_axis(up.cross(&along).normalize() * angle);
         Some(pivot * turn * level * pivot.inverse() * x_wb)
     }
 
@@ -45,7 +46,7 @@ impl Workcell<'_, '_> {
     /// female holds lies on the table with its other end.
     pub fn reckon_heights(&mut self, beam: usize) {
         let placed = &self.assembly.beams[beam];
-        let nominal = self.kit.x_wa() * placed.x_ab;
+        let nominal = self.x_wa() * placed.x_ab;
         let stands = placed.beam.stands_at_assembled_height();
         let joints: Vec<usize> = if stands {
             vec![0, placed.beam.joints.len() - 1]

@@ -8,6 +8,13 @@ use crate::Pose;
 use crate::fault::{Fault, SkillError};
 
 impl Workcell<'_, '_> {
+    /// The frame of the assembly in the world: where the clamped beam is believed to be, with the height and the tilt of the
+    /// table under it.
+    pub fn x_wa(&self) -> Pose {
+        let base = &self.assembly.beams[self.assembly.base];
+        self.belief.pose(&base.beam.name).map_or(self.kit.x_wa(), |x_wb| x_wb * base.x_ab.inverse())
+    }
+
     /// Where a beam of the assembly is to stand, in the world: its nominal place, moved to where the joints it
     /// meets really are.
     ///
@@ -15,7 +22,7 @@ impl Workcell<'_, '_> {
     /// [`Fault::Unseen`].
     pub fn target(&self, beam: usize) -> Result<Pose, SkillError> {
         let placed = &self.assembly.beams[beam];
-        let nominal = self.kit.x_wa() * placed.x_ab;
+        let nominal = self.x_wa() * placed.x_ab;
         // Pairs of horizontal hole positions: nominal on this beam, real on the standing one.
         let mut pairs: Vec<(Point2<f64>, Point2<f64>)> = Vec::new();
         // A sleeve that nothing holds comes along; what counts is what does not.
@@ -66,7 +73,7 @@ impl Workcell<'_, '_> {
     /// The direction in which a beam is put in so that it ends at `goal`: the nominal one, turned as the goal is
     /// turned from the nominal place. Axes of the world.
     pub fn insertion_direction(&self, beam: usize, goal: &Pose) -> Result<Vector3<f64>, SkillError> {
-        let x_wa = self.kit.x_wa();
+        let x_wa = self.x_wa();
         let nominal = x_wa * self.assembly.beams[beam].x_ab;
         let turn = goal.rotation * nominal.rotation.inverse();
         Ok(turn * x_wa.rotation * self.path(beam)?.direction)
@@ -75,7 +82,7 @@ impl Workcell<'_, '_> {
     /// The pose of a beam where its insertion begins, `height` (m) over its insertion path.
     pub fn insertion_start(&self, beam: usize, height: f64) -> Result<Pose, SkillError> {
         let path = self.path(beam)?;
-        let back = self.kit.x_wa().rotation * path.direction * -path.distance;
+        let back = self.x_wa().rotation * path.direction * -path.distance;
         let goal = self.target(beam)?;
         Ok(Translation3::new(back.x, back.y, back.z + height) * goal)
     }

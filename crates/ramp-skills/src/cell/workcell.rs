@@ -93,7 +93,7 @@ impl<'a, 'r> Workcell<'a, 'r> {
             assembly,
             arm,
             planner,
-            hand: Hand::new(robot, arm, &parameters.hand),
+            hand: Hand::new(robot, arm, &parameters),
             belief: Belief::new(kit, assembly, &parameters),
             standing: vec![assembly.base],
             deep: Vec::new(),

@@ -9,7 +9,9 @@ use sha2::{Digest, Sha256};
 use super::belief::{BeliefParameters, DiagnosisParameters, EyesParameters};
 use super::contact::{ComplianceParameters, PegSearchParameters, PressParameters, SearchParameters};
 use super::group::{Group, Values};
-use super::hand::{CarryParameters, GripParameters, HandParameters, ReleaseParameters};
+use super::hand::{
+    CarryParameters, GripParameters, HandParameters, ReleaseParameters, RiseParameters, TrimParameters,
+};
 use super::insertions::{AssembleParameters, CapParameters, InsertionParameters};
 use super::motion::{AlignmentParameters, LookParameters, TravelParameters};
 use super::read::{ParameterFault, read_values};
@@ -114,6 +116,10 @@ groups! {
     diagnosis: DiagnosisParameters,
     /// The hand.
     hand: HandParameters,
+    /// The trim of a straight motion.
+    trim: TrimParameters,
+    /// The rise of a force over its running mean.
+    rise: RiseParameters,
     /// The belief.
     belief: BeliefParameters,
     /// The eyes.

@@ -45,6 +45,30 @@ parameters! {
 }
 
 parameters! {
+    /// The trim of a straight motion that must keep its line.
+    TrimParameters {
+        /// Time in which the tip comes back to its line. Chosen: several times that of the hand's impedance.
+        time: f64 = "s", 0.02, 10.0;
+        /// How fast such a motion gains and loses speed. Chosen: in the first millimetres the tip comes back to its line.
+        acceleration: f64 = "m/s²", 0.01, 10.0;
+        /// How far the setpoint is shifted at most: with the hand's stiffness a force of as much as friction takes.
+        most: f64 = "m", 0.0, 0.01;
+        /// How far it is turned at most.
+        most_turn: f64 = "rad", 0.0, 0.05;
+    }
+}
+
+parameters! {
+    /// The rise of a force over its running mean: what a motion meets when the measured force has a bias and holds friction.
+    RiseParameters {
+        /// How long after a motion begins its force is taken for that of the free motion: friction in the joints steps up then.
+        begin: f64 = "s", 0.0, 1.0;
+        /// Time constant of the running mean: an edge is met faster, friction changes more slowly.
+        mean: f64 = "s", 0.01, 10.0;
+    }
+}
+
+parameters! {
     /// Grasps: widths and forces of the fingers, and when a part counts as held.
     GripParameters {
         /// Distance between the fingers that lets the ribs pass beside an extrusion on the sheet.

@@ -44,8 +44,17 @@ parameters! {
     AssembleParameters {
         /// Force against the motion at which an insertion stops. Chosen.
         limit: f64 = "N", 0.5, 100.0;
-        /// The same through a sleeve that little holds: a beam on the table turns at 0.7 N at its end.
+        /// The same through a sleeve that little holds, as a rise of the force over its running mean: a beam on the table turns
+        /// at 0.7 N at its end.
         loose_limit: f64 = "N", 0.05, 100.0;
+        /// How often a beam that stops in such a sleeve is pushed on. Chosen.
+        loose_pushes: usize = "", 0.0, 100.0;
+        /// A push that gains less has met an edge.
+        loose_gain: f64 = "m", 0.0, 0.1;
+        /// How far the beam then goes back. Chosen.
+        loose_back: f64 = "m", 0.0, 0.05;
+        /// How much higher than believed its place is tried then, one after the other.
+        loose_offsets: [f64; 6] = "m", -0.01, 0.01;
         /// How high a beam that stands on the table slides over it.
         height: f64 = "m", 0.0, 0.01;
         /// Speed with which a beam in its joints is brought to its place. Chosen.

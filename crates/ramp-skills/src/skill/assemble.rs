@@ -1,10 +1,10 @@
 //! Inserts a male of the held beam into the assembly.
 
-use nalgebra::Translation3;
+use nalgebra::{Translation3, Vector3};
 use ramp_robot::Cause;
 
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
-use super::insertion::Insertion;
+use super::insertion::{Aim, Insertion, Pushed};
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
@@ -73,7 +73,10 @@ impl Assemble {
         let mut target = cell.hand.corrected(&cell.belief.pose(&name)?, &aim.goal);
         target.translation.z += height;
         self.insertion.approach_mouths(cell, beam, &aim, &target)?;
-        let pushed = self.insertion.push_in(cell, beam, &aim, &target, limit)?;
+        let mut pushed = self.insertion.push_in(cell, beam, &aim, &target, limit)?;
+        if loose {
+            self.push_on(cell, beam, &mut aim, &mut pushed)?;
+        }
         if pushed.stopped {
             let direction = aim.direction;
             let mut remaining = cell.remaining(&name, &aim.goal, &direction)?;
@@ -98,6 +101,49 @@ impl Assemble {
             }
         }
         self.seat(cell, beam, &aim.goal, height, limit, loose)
+    }
+
+    /// Goes on with a beam that has stopped in a sleeve that little holds: aims again at where the sleeve is by now, and pushes.
+    /// Where a push gains nothing, the next one comes from a little back, and a little higher or lower.
+    fn push_on(
+        &self,
+        cell: &mut Workcell,
+        beam: usize,
+        aim: &mut Aim,
+        pushed: &mut Pushed,
+    ) -> Result<(), SkillError> {
+        let name = cell.assembly.beams[beam].beam.name.clone();
+        let mut before = f64::INFINITY;
+        let mut offsets = self.parameters.loose_offsets.iter();
+        let mut offset = 0.0;
+        let mut pushes = 0;
+        while pushed.stopped && pushes < self.parameters.loose_pushes {
+            pushes += 1;
+            cell.see(&cell.meeting(beam), cell.parameters.insertion.known)?;
+            aim.goal = cell.target(beam)?;
+            aim.direction = cell.insertion_direction(beam, &aim.goal)?;
+            let remaining = cell.remaining(&name, &aim.goal, &aim.direction)?;
+            if remaining < cell.parameters.search.seated {
+                break;
+            }
+            if before - remaining < self.parameters.loose_gain {
+                let Some(next) = offsets.next() else { break };
+                offset = *next;
+                let mut back = cell.hand.setpoint;
+                back.translation.vector = cell.hand.seen.x_wt.translation.vector
+                    - aim.direction * self.parameters.loose_back
+                    + Vector3::z() * offset;
+                cell.hand.go(&back, cell.parameters.insertion.back_speed)?;
+            }
+            before = remaining;
+            let raised = Translation3::from(Vector3::z() * offset) * aim.goal;
+            let target = cell.hand.corrected(&cell.belief.pose(&name)?, &raised);
+            *pushed = self.insertion.push_in(cell, beam, aim, &target, self.parameters.loose_limit)?;
+        }
+        if pushes > 0 {
+            cell.note("search", format!("{name}: {pushes} more pushes"));
+        }
+        Ok(())
     }
 
     /// Brings a held beam that is in its joints all the way to `goal`, as sight says: what remains is mostly a fraction

@@ -78,7 +78,7 @@ impl Cap {
         cell.assembly.connections.iter().filter_map(|connection| cell.assembly.sides(connection, beam)).any(
             |(_, theirs)| {
                 let other = &cell.assembly.beams[theirs.beam];
-                let along = cell.kit.x_wa().rotation * other.x_ab.rotation * Vector3::x();
+                let along = cell.x_wa().rotation * other.x_ab.rotation * Vector3::x();
                 let angle = along.dot(direction).abs().min(1.0).acos();
                 cell.meets(theirs, beam)
                     && other.beam.joints[theirs.joint].kind.is_end()

@@ -5,6 +5,7 @@ use nalgebra::{Translation3, Vector3};
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
+use crate::hand::Rise;
 use crate::parameters::Parameters;
 use crate::parameters::insertions::InsertionParameters;
 
@@ -125,7 +126,8 @@ impl Insertion {
         Ok(())
     }
 
-    /// Pushes the tip to `target` (world) until the beam meets more than `limit` (N), and takes into account what the
+    /// Pushes the tip to `target` (world) until the beam meets more than `limit` (N, through a sleeve
+    /// that little holds a rise of the force), and takes into account what the
     /// push may have moved.
     ///
     /// # Errors
@@ -139,8 +141,12 @@ impl Insertion {
         limit: f64,
     ) -> Result<Pushed, SkillError> {
         let direction = aim.direction;
-        let stopped =
-            cell.hand.drive(target, self.parameters.speed, |hand| hand.force().dot(&direction) > limit)?;
+        let mut rise = Rise::new(direction, &cell.parameters.rise);
+        let loose = !aim.loose.is_empty();
+        let stopped = cell.hand.drive_in_line(target, self.parameters.speed, |hand| {
+            let met = if loose { rise.sense(hand) } else { hand.force().dot(&direction) };
+            met > limit
+        })?;
         let force = cell.hand.force().dot(&direction);
         cell.hand.wait(self.parameters.rest)?;
         // What meets an edge carries the sleeve along: it may turn about two pegs that are near each other.
