@@ -186,6 +186,12 @@ impl Rise {
         Rise { direction, mean: 0.0, time: 0.0, parameters: parameters.clone() }
     }
 
+    /// Over the force at the beginning of the motion alone: for a slow one, whose force rises slowly.
+    pub fn over_beginning(direction: Vector3<f64>, parameters: &RiseParameters) -> Rise {
+        let parameters = RiseParameters { mean: f64::INFINITY, ..parameters.clone() };
+        Rise { direction, mean: 0.0, time: 0.0, parameters }
+    }
+
     /// Takes in one control period. N; 0 while the motion begins.
     pub fn sense(&mut self, hand: &Hand) -> f64 {
         self.time += PERIOD;

@@ -282,12 +282,16 @@ impl Belief {
 
     /// A point of a part (m, in its frame) is at a height (m) that is known to a standard deviation of `sigma`, m.
     pub fn stands_at(&mut self, part: &str, p: &Point3<f64>, height: f64, sigma: f64) {
-        let Some(part) = self.parts.get_mut(part).filter(|part| part.frame == Frame::World) else { return };
-        let lever = part.estimate.x.rotation * p.coords;
-        let value = height - part.estimate.x.translation.z - lever.z;
+        let x_wt = self.x_wt;
+        let Some(part) = self.parts.get_mut(part).filter(|part| part.frame != Frame::Clamped) else { return };
+        let held = part.frame == Frame::Tip;
+        let mut estimate = if held { part.estimate.seen_from(&x_wt) } else { part.estimate.clone() };
+        let lever = estimate.x.rotation * p.coords;
+        let value = height - estimate.x.translation.z - lever.z;
         // (δθ × r)·z
         let row = Vector6::new(0.0, 0.0, 1.0, lever.y, -lever.x, 0.0);
-        part.estimate.constrain(&row, value, sigma);
+        estimate.constrain(&row, value, sigma);
+        part.estimate = if held { estimate.seen_from(&x_wt.inverse()) } else { estimate };
     }
 
     /// A part may have been pushed by so much (m, rad), in a way that nothing tells: mostly along the table.

@@ -7,7 +7,9 @@ use ramp_kit::source::SourceFile;
 use sha2::{Digest, Sha256};
 
 use super::belief::{BeliefParameters, DiagnosisParameters, EyesParameters};
-use super::contact::{ComplianceParameters, PegSearchParameters, PressParameters, SearchParameters};
+use super::contact::{
+    ComplianceParameters, PegSearchParameters, PressParameters, SearchParameters, TouchParameters,
+};
 use super::group::{Group, Values};
 use super::hand::{
     CarryParameters, GripParameters, HandParameters, ReleaseParameters, RiseParameters, TrimParameters,
@@ -98,6 +100,8 @@ groups! {
     carry: CarryParameters,
     /// Letting go.
     release: ReleaseParameters,
+    /// Touches that tell heights.
+    touch: TouchParameters,
     /// The compliant search.
     search: SearchParameters,
     /// Its motion through sleeves that are held well.

@@ -3,22 +3,10 @@
 parameters! {
     /// The compliant search: what an insertion does when it stalls on an edge.
     SearchParameters {
-        /// Speed with which a beam backs off from an edge and goes on. Chosen.
-        speed: f64 = "m/s", 1e-3, 0.5;
         /// Distance from its place at which an inserted beam is seated. A peg pulls twice as much together.
         seated: f64 = "m", 1e-5, 0.02;
         /// The longest search. Chosen.
         longest: f64 = "s", 0.0, 600.0;
-        /// A height known this well needs no touch, 1 σ.
-        trusted: f64 = "m", 0.0, 0.01;
-        /// How far a beam backs off from an edge before it touches the floor of the sleeve.
-        touch_back: f64 = "m", 0.0, 0.1;
-        /// How far below the beam the floor is, about.
-        touch_depth: f64 = "m", 0.0, 0.02;
-        /// Force of the touch. Chosen.
-        touch_force: f64 = "N", 0.1, 50.0;
-        /// Speed of the touch. Chosen.
-        touch_speed: f64 = "m/s", 1e-4, 0.1;
         /// How long a beam may stand still before it is swung. A beam that nothing wedges goes on by `progress` meanwhile.
         patience: f64 = "s", 0.0, 60.0;
         /// How long the swing grows.
@@ -33,6 +21,34 @@ parameters! {
         look_every: f64 = "s", 0.1, 600.0;
         /// Progress that counts as having moved.
         progress: f64 = "m", 0.0, 0.05;
+    }
+}
+
+parameters! {
+    /// Touches that tell heights.
+    TouchParameters {
+        /// A height known this well needs no touch, 1 σ.
+        trusted: f64 = "m", 0.0, 0.01;
+        /// Force with which a beam is pressed flat on the table: at its end it turns the hand by as much as friction does.
+        press: f64 = "N", 0.5, 50.0;
+        /// Speed with which it comes down. Chosen.
+        press_speed: f64 = "m/s", 1e-4, 0.1;
+        /// How far below where it is believed the table is looked for.
+        further: f64 = "m", 0.0, 0.02;
+        /// How long the hand presses. Chosen.
+        flat: f64 = "s", 0.0, 5.0;
+        /// How well the height is known then, 1 σ. Chosen: what a printed face is off.
+        known: f64 = "m", 1e-6, 0.01;
+        /// Speed with which the beam leaves what it touched. Chosen.
+        back_speed: f64 = "m/s", 1e-3, 0.5;
+        /// How far a beam backs off from an edge before it touches the floor of the sleeve.
+        back: f64 = "m", 0.0, 0.1;
+        /// How far below the beam that floor is, about.
+        depth: f64 = "m", 0.0, 0.02;
+        /// Rise of the force at which it has met the floor. Chosen.
+        force: f64 = "N", 0.1, 50.0;
+        /// Speed of that touch. Chosen.
+        speed: f64 = "m/s", 1e-4, 0.1;
     }
 }
 

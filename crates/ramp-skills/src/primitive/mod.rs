@@ -7,5 +7,6 @@ pub mod peg_search;
 pub mod press;
 pub mod release;
 pub mod search;
-pub mod travel;
+pub mod touch;
+mod travel;
 pub mod wrench;

@@ -1,11 +1,9 @@
 //! Compliant search: what an insertion does when it stalls on an edge.
 //!
-//! A touch of the sleeve's floor tells the height. Then the arm pushes the beam softly along its insertion path. While the
-//! beam stands still, the arm sweeps it across that path with growing amplitude, until it slips off the edge.
+//! The arm pushes the beam softly along its insertion path. While the beam stands still, the arm sweeps it across that path
+//! with growing amplitude, until it slips off the edge.
 
-use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
-use ramp_assembly::JointRef;
-use ramp_kit::joint::{self, BODY_WIDTH, EXTRUSION, FEMALE_HEIGHT};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use crate::Pose;
 use crate::cell::Workcell;
@@ -17,47 +15,6 @@ impl Workcell<'_, '_> {
     pub fn compliance(&self, loose: bool) -> ComplianceParameters {
         let (loosely, firmly) = (&self.parameters.search_loose, &self.parameters.search_sleeve);
         if loose { loosely.clone() } else { firmly.clone() }
-    }
-
-    /// How much higher than believed a beam is to go through a sleeve, m: backs off from the edge that it stands on,
-    /// lowers the beam on the sleeve's floor, and compares. 0 when that tells nothing.
-    pub fn touch_floor(
-        &mut self,
-        part: &str,
-        sleeve: JointRef,
-        direction: &Vector3<f64>,
-    ) -> Result<f64, SkillError> {
-        let hole = self.belief.hole(self.assembly, sleeve)?;
-        let inside = |x_wp: &Pose| Point3::new(x_wp.inverse_transform_point(&hole).x, 0.0, 0.0);
-        if self.belief.deviation(part, &inside(&self.belief.pose(part)?))[1] < self.parameters.search.trusted
-        {
-            return Ok(0.0);
-        }
-        let mut back = self.hand.setpoint;
-        back.translation.vector =
-            self.hand.seen.x_wt.translation.vector - direction * self.parameters.search.touch_back;
-        self.hand.go(&back, self.parameters.search.speed)?;
-        self.hand.wait(self.parameters.hand.rest)?;
-        self.hand.zero()?;
-        let mut down = self.hand.setpoint;
-        down.translation.z -= 2.0 * self.parameters.search.touch_depth;
-        let touched = self.hand.drive(&down, self.parameters.search.touch_speed, |hand| {
-            -hand.force().z > self.parameters.search.touch_force
-        })?;
-        self.glance()?;
-        let x_wp = self.belief.pose(part)?;
-        let believed = (x_wp * inside(&x_wp)).z;
-        self.hand.go(&back, self.parameters.search.speed)?;
-        self.hand.wait(self.parameters.hand.rest)?;
-        // On the floor lies the extrusion, or a joint's body.
-        let floor = (FEMALE_HEIGHT - BODY_WIDTH) / 2.0 - joint::CLEARANCE;
-        let off = [EXTRUSION, BODY_WIDTH].map(|width| believed - (floor + width / 2.0));
-        let off = off.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or_default();
-        if !touched || off.abs() > self.parameters.search.touch_depth / 2.0 {
-            return Ok(0.0);
-        }
-        self.note("search", format!("{part} touched the floor {:.2} mm off", off * 1e3));
-        Ok(off)
     }
 
     /// Searches compliantly with a stalled beam: a light push along the insertion path, and a slow swing of growing size

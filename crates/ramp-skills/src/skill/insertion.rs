@@ -98,6 +98,9 @@ impl Insertion {
             &name,
             &cell.insertion_start(beam, if attempt == 0 { self.parameters.clear } else { 0.0 })?,
         )?;
+        if cell.sleeves(beam).next().is_some() {
+            cell.touch_table(beam)?;
+        }
         cell.bring_to(&name, &cell.insertion_start(beam, height.max(self.parameters.lowest))?)?;
         cell.hand.zero()?;
         // A loose beam turns about a single peg, too.

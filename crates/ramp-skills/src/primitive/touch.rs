@@ -1,0 +1,95 @@
+//! Touches that tell heights: a held beam is put down on what it must not brush along later.
+
+use nalgebra::{Point3, Vector3};
+use ramp_assembly::JointRef;
+use ramp_kit::joint::{self, AXIS_HEIGHT_LYING, BODY_WIDTH, EXTRUSION, FEMALE_HEIGHT};
+
+use crate::Pose;
+use crate::cell::Workcell;
+use crate::fault::SkillError;
+use crate::hand::Rise;
+
+impl Workcell<'_, '_> {
+    /// Presses a held beam, a little over the table, flat on it: then its height and its tilt in the hand are known, however
+    /// the cameras and the arm are off. A beam whose height is known well enough, or that stands on feet, is left as it is.
+    ///
+    /// # Errors
+    /// [`Fault::Unseen`](crate::Fault::Unseen), [`Fault::Overload`](crate::Fault::Overload), and the robot's.
+    pub fn touch_table(&mut self, beam: usize) -> Result<(), SkillError> {
+        let placed = &self.assembly.beams[beam].beam;
+        let ends = [0.0, placed.span()].map(|x| Point3::new(x, 0.0, 0.0));
+        let known =
+            |p: &Point3<f64>| self.belief.deviation(&placed.name, p)[1] < self.parameters.touch.trusted;
+        if placed.stands_at_assembled_height() || ends.iter().all(known) {
+            return Ok(());
+        }
+        self.hand.relax();
+        let before = self.hand.setpoint;
+        let x_wb = self.belief.pose(&placed.name)?;
+        // The table's plane, as high as the axis of a beam that lies on it.
+        let x_wa = self.x_wa();
+        let lying = |p: &Point3<f64>| {
+            let p_a = x_wa.inverse_transform_point(p);
+            (x_wa * Point3::new(p_a.x, p_a.y, AXIS_HEIGHT_LYING)).z
+        };
+        let over = ends.map(|end| (x_wb * end).z - lying(&(x_wb * end)));
+        let mut down = before;
+        down.translation.z -= over[0].max(over[1]) + self.parameters.touch.further;
+        let mut rise = Rise::over_beginning(-Vector3::z(), &self.parameters.rise);
+        let limit = self.parameters.touch.press;
+        let touched =
+            self.hand.drive(&down, self.parameters.touch.press_speed, |hand| rise.sense(hand) > limit)?;
+        self.hand.wait(self.parameters.touch.flat)?;
+        self.belief.follow(&self.hand);
+        if touched {
+            let x_wb = self.belief.pose(&placed.name)?;
+            let off = ends.map(|end| (x_wb * end).z - lying(&(x_wb * end)));
+            for end in &ends {
+                let height = lying(&(x_wb * end));
+                self.belief.stands_at(&placed.name, end, height, self.parameters.touch.known);
+            }
+            let [first, last] = off.map(|off| off * 1e3);
+            self.note("search", format!("{} touched the table {first:.2} and {last:.2} mm off", placed.name));
+        }
+        self.hand.go(&before, self.parameters.touch.back_speed)
+    }
+
+    /// How much higher than believed a beam is to go through a sleeve, m: backs off from the edge that it stands on,
+    /// lowers the beam on the sleeve's floor, and compares. 0 when that tells nothing.
+    pub fn touch_floor(
+        &mut self,
+        part: &str,
+        sleeve: JointRef,
+        direction: &Vector3<f64>,
+    ) -> Result<f64, SkillError> {
+        let hole = self.belief.hole(self.assembly, sleeve)?;
+        let inside = |x_wp: &Pose| Point3::new(x_wp.inverse_transform_point(&hole).x, 0.0, 0.0);
+        if self.belief.deviation(part, &inside(&self.belief.pose(part)?))[1] < self.parameters.touch.trusted {
+            return Ok(0.0);
+        }
+        let mut back = self.hand.setpoint;
+        back.translation.vector =
+            self.hand.seen.x_wt.translation.vector - direction * self.parameters.touch.back;
+        self.hand.go(&back, self.parameters.touch.back_speed)?;
+        self.hand.wait(self.parameters.hand.rest)?;
+        let mut down = self.hand.setpoint;
+        down.translation.z -= 2.0 * self.parameters.touch.depth;
+        let mut rise = Rise::over_beginning(-Vector3::z(), &self.parameters.rise);
+        let limit = self.parameters.touch.force;
+        let touched = self.hand.drive(&down, self.parameters.touch.speed, |hand| rise.sense(hand) > limit)?;
+        self.glance()?;
+        let x_wp = self.belief.pose(part)?;
+        let believed = (x_wp * inside(&x_wp)).z;
+        self.hand.go(&back, self.parameters.touch.back_speed)?;
+        self.hand.wait(self.parameters.hand.rest)?;
+        // On the floor lies the extrusion, or a joint's body.
+        let floor = (FEMALE_HEIGHT - BODY_WIDTH) / 2.0 - joint::CLEARANCE;
+        let off = [EXTRUSION, BODY_WIDTH].map(|width| believed - (floor + width / 2.0));
+        let off = off.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or_default();
+        if !touched || off.abs() > self.parameters.touch.depth / 2.0 {
+            return Ok(0.0);
+        }
+        self.note("search", format!("{part} touched the floor {:.2} mm off", off * 1e3));
+        Ok(off)
+    }
+}
