@@ -99,8 +99,8 @@ impl BroadPhase {
         let (trees, asleep) = (model.body_treeid(), data.tree_asleep());
         self.near.fill(false);
         self.queue.clear();
-        for body in 0..self.near.len() {
-            let Ok(tree) = usize::try_from(trees[body]) else { continue };
+        for (body, tree) in trees.iter().enumerate() {
+            let Ok(tree) = usize::try_from(*tree) else { continue };
             if asleep[tree] < 0 || data.body_awake()[body] == MjtSleepState::mjS_AWAKE {
                 self.enter(body);
             } else if pushed(data, body) {
@@ -109,11 +109,11 @@ impl BroadPhase {
         }
         while let Some(body) = self.queue.pop() {
             let Some(own) = self.boxes[body] else { continue };
-            for other in 1..self.near.len() {
+            for (other, tree) in trees.iter().enumerate().skip(1) {
                 if self.near[other] || !self.boxes[other].is_some_and(|it| it.touches(&own)) {
                     continue;
                 }
-                match usize::try_from(trees[other]) {
+                match usize::try_from(*tree) {
                     Ok(tree) => self.enter_island(data, tree),
                     // What is fixed moves nothing else.
                     Err(_) => self.near[other] = true,
