@@ -39,7 +39,7 @@ class Film:
         program = pathlib.Path(__file__).parent / "bin" / "ramp"
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "film.gif"
-            command = [program, "replay", self.log, "--video", file, "--video-from", self.seen_from]
+            command = [str(program), "replay", str(self.log), "--video", str(file), "--video-from", self.seen_from]
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             if not file.exists():
                 raise InputError(done.stderr.strip() or f"{self.log}: no film of it could be made")
