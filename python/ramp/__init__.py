@@ -25,6 +25,7 @@ from ramp._core import (
 )
 from ramp.agent import Agent, Skill, Task
 from ramp.bench import Results, bench, run
+from ramp.film import Film
 from ramp.goal import Connection, Goal, goals
 from ramp.plan import Plan, plan
 from ramp.result import Peg, Result, Time
@@ -35,6 +36,7 @@ __all__ = [
     "CameraImage",
     "Command",
     "Connection",
+    "Film",
     "Goal",
     "InputError",
     "Observation",

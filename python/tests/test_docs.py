@@ -7,7 +7,7 @@ import pathlib
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGES = ["README.md", "python/README.md", "docs/src/tutorials/python.md"]
+PAGES = ["README.md", "docs/src/tutorials/python.md"]
 MODULES = ["ramp", "ramp.agent", "ramp.twin", "ramp.gym", "ramp.policies.fasten"]
 
 
@@ -26,6 +26,11 @@ def test_the_examples_of_a_page_run(page, capsys):
     for block in blocks(text):
         exec(compile(block, page, "exec"), names)
     assert "C1  b4j1 in b7j1" in capsys.readouterr().out
+
+
+def test_the_package_s_page_has_the_example_of_the_readme():
+    pages = [(ROOT / page).read_text(encoding="utf-8") for page in ("README.md", "python/README.md")]
+    assert blocks(pages[0]) == blocks(pages[1])
 
 
 @pytest.mark.parametrize("name", MODULES)

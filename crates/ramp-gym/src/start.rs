@@ -4,7 +4,7 @@
 //! scene of its own, since holders stand a little elsewhere, so a start keeps its own model.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use ramp_abilities::manipulation::{Aim, StartError, draw, missing};
 use ramp_kit::Pose;
@@ -152,24 +152,27 @@ fn nominal(setup: &Setup, aim: &Aim, twin: &Twin) -> Known {
     Known { held: None, part, x_wp, x_goal, gripper, posture: seen.positions }
 }
 
+/// A start, or why there is none, once it is known.
+type Slot = Arc<OnceLock<Result<Arc<Prepared>, BeginError>>>;
+
 /// Starts that were made so far, by the seed that was asked for.
 #[derive(Default)]
 pub(crate) struct Pool {
-    starts: Mutex<BTreeMap<u64, Arc<Prepared>>>,
+    starts: Mutex<BTreeMap<u64, Slot>>,
 }
 
 impl Pool {
-    /// The start with this seed: made, if it is not there. Two threads may both make it; their starts are the same.
+    /// The start with this seed: made, if it is not there. A thread that asks for one that another makes waits for it.
     pub fn get(&self, scenario: &Scenario, seed: u64) -> Result<Arc<Prepared>, BeginError> {
-        let lock = || self.starts.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(start) = lock().get(&seed) {
-            return Ok(Arc::clone(start));
-        }
-        let start = Arc::new(prepare(scenario, seed)?);
-        let mut starts = lock();
-        if starts.len() < KEPT {
-            return Ok(Arc::clone(starts.entry(seed).or_insert(start)));
-        }
-        Ok(start)
+        let slot = {
+            let mut starts = self.starts.lock().unwrap_or_else(PoisonError::into_inner);
+            let full = starts.len() >= KEPT;
+            match starts.get(&seed) {
+                Some(slot) => Arc::clone(slot),
+                None if full => Slot::default(),
+                None => Arc::clone(starts.entry(seed).or_default()),
+            }
+        };
+        slot.get_or_init(|| prepare(scenario, seed).map(Arc::new)).clone()
     }
 }

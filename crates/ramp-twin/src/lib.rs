@@ -6,6 +6,7 @@
 //! start nothing writes to a part: contact alone moves and holds it, and in an episode with a [`fault`] the force
 //! of that fault.
 
+mod broad_phase;
 pub mod cameras;
 mod command;
 mod drive;

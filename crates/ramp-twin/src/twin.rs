@@ -18,6 +18,7 @@ use ramp_robot::{
 };
 use ramp_world::Physics;
 
+use crate::broad_phase::BroadPhase;
 use crate::cameras::{self, Cameras, Exposure};
 use crate::command::{check_command, fed_forward};
 use crate::drive::{Drive, believed};
@@ -51,6 +52,7 @@ const START_GRIPPER: GripperCommand = GripperCommand { width: START_WIDTH, force
 /// The simulated world with its robot.
 pub struct Twin {
     data: MjData<Arc<MjModel>>,
+    broad_phase: BroadPhase,
     xml: Arc<str>,
     arm: ArmModel,
     track: Track,
@@ -153,12 +155,14 @@ impl Twin {
         let hand_bodies = [body("hand")?, body("finger1")?, body("finger2")?];
         let fingers = [hand_bodies[1], hand_bodies[2]];
         let fault = Injector::new(setup, &start, &model, &parts, holders, fingers);
+        let broad_phase = BroadPhase::new(&model);
         let mut data = MjData::new(Arc::new(model));
         data.qpos_mut()[..DOF].copy_from_slice(&setup.arm.home);
         data.qpos_mut()[DOF..DOF + 2].copy_from_slice(&[START_WIDTH / 2.0; 2]);
         data.forward();
         let mut twin = Twin {
             data,
+            broad_phase,
             xml: xml.into(),
             arm: setup.arm.clone(),
             track: setup.track,
@@ -674,7 +678,7 @@ impl Twin {
         let ctrl = self.data.ctrl_mut();
         ctrl[..DOF].copy_from_slice(motors.as_slice());
         ctrl[DOF..DOF + 2].copy_from_slice(&fingers);
-        self.data.step();
+        self.broad_phase.step(&mut self.data);
         self.last_command = Some(command.clone());
         self.steps += 1;
         self.watch_penetration();

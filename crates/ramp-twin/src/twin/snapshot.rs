@@ -70,6 +70,7 @@ impl Twin {
     pub fn snapshot(&self) -> Snapshot {
         let Twin {
             data,
+            broad_phase: _,
             xml: _,
             arm: _,
             track: _,
@@ -197,6 +198,7 @@ impl Twin {
     pub fn duplicate(&self) -> Result<Twin, RestoreError> {
         let Twin {
             data,
+            broad_phase,
             xml,
             arm,
             track,
@@ -234,6 +236,7 @@ impl Twin {
         fresh.recall(&cameras.state())?;
         Ok(Twin {
             data: data.clone(),
+            broad_phase: broad_phase.clone(),
             xml: Arc::clone(xml),
             arm: arm.clone(),
             track: *track,

@@ -1,0 +1,174 @@
+//! Which bodies the engine need not look at when it searches for contacts.
+//!
+//! MuJoCo's broad phase makes a box of each body from all of its geoms at every step, also of those that sleep or are fixed;
+//! in the whole scene with its rings of boxes around holes that is more than half of a step. Here, a body that nothing can
+//! touch in this step is left out before: one that is neither awake nor near anything that is, or that may wake. The engine
+//! finds the same contacts in the same order, so no bit of the physics changes.
+
+use std::sync::Arc;
+
+use mujoco_rs::mujoco_c::mj_step;
+use mujoco_rs::prelude::*;
+use nalgebra::{Matrix3, Vector3};
+
+/// By how much boxes of what moves are enlarged, m: poses are those of the step before, and nothing moves at 20 m/s.
+const MOTION: f64 = 20e-3;
+
+/// A box, along the axes of whatever frame it is in.
+#[derive(Clone, Copy)]
+struct Extent {
+    centre: Vector3<f64>,
+    half: Vector3<f64>,
+}
+
+impl Extent {
+    fn touches(&self, other: &Extent) -> bool {
+        let (apart, reach) = ((self.centre - other.centre).abs(), self.half + other.half);
+        apart.x <= reach.x && apart.y <= reach.y && apart.z <= reach.z
+    }
+}
+
+/// Leaves out what nothing can touch. Keeps nothing from one step to the next.
+#[derive(Clone)]
+pub(crate) struct BroadPhase {
+    /// The extent of what can collide of each body, in its frame; `None` where nothing can.
+    extents: Vec<Option<Extent>>,
+    /// The same in the world, enlarged.
+    boxes: Vec<Option<Extent>>,
+    /// Whether a body is left in.
+    near: Vec<bool>,
+    /// Bodies whose neighbours are to be left in.
+    queue: Vec<usize>,
+    /// Contact types and affinities of bodies, as the engine is to see them.
+    masks: [Vec<i32>; 2],
+}
+
+impl BroadPhase {
+    pub fn new(model: &MjModel) -> BroadPhase {
+        let bodies = model.body_geomnum().len();
+        let mut extents = vec![None; bodies];
+        let masks = model.geom_contype().iter().zip(model.geom_conaffinity());
+        for (geom, (contype, conaffinity)) in masks.enumerate() {
+            let Ok(body) = usize::try_from(model.geom_bodyid()[geom]) else { continue };
+            if body > 0 && (*contype != 0 || *conaffinity != 0) {
+                let own = extent(model, geom);
+                extents[body] = Some(extents[body].map_or(own, |other| union(&other, &own)));
+            }
+        }
+        let masks = [vec![0; bodies], vec![0; bodies]];
+        BroadPhase { boxes: extents.clone(), extents, near: vec![false; bodies], queue: Vec::new(), masks }
+    }
+
+    /// Steps the physics, as [`MjData::step`] does.
+    pub fn step(&mut self, data: &mut MjData<Arc<MjModel>>) {
+        self.place(data);
+        self.find(data);
+        let model = data.model();
+        // The whole world's geoms collide with whatever is awake.
+        self.near[0] = true;
+        for (mask, all) in self.masks.iter_mut().zip([model.body_contype(), model.body_conaffinity()]) {
+            for ((mask, all), near) in mask.iter_mut().zip(all).zip(&self.near) {
+                *mask = if *near { *all } else { 0 };
+            }
+        }
+        // The model is shared and never changes: the engine gets a table of contents of its own, with two other columns.
+        let mut view = model.ffi().clone();
+        let [contype, conaffinity] = &mut self.masks;
+        (view.body_contype, view.body_conaffinity) = (contype.as_mut_ptr(), conaffinity.as_mut_ptr());
+        #[expect(unsafe_code, reason = "the engine's own step takes no model but the data's")]
+        // SAFETY: all pointers of `view` are those of the data's model, which lives as long as the data, but for two arrays of
+        // the same length, which live longer than the call. The engine keeps no pointer to a model.
+        unsafe {
+            mj_step(&raw const view, data.ffi_mut());
+        }
+    }
+
+    /// Where all bodies are.
+    fn place(&mut self, data: &MjData<Arc<MjModel>>) {
+        for (body, (extent, placed)) in self.extents.iter().zip(&mut self.boxes).enumerate() {
+            let Some(extent) = extent else { continue };
+            let turn = Matrix3::from_row_slice(&data.xmat()[body]);
+            let centre = Vector3::from(data.xpos()[body]) + turn * extent.centre;
+            *placed = Some(Extent { centre, half: turn.abs() * extent.half + Vector3::repeat(MOTION / 2.0) });
+        }
+    }
+
+    /// Leaves in what is awake, what its boxes touch, what those would wake, and so on.
+    fn find(&mut self, data: &MjData<Arc<MjModel>>) {
+        let model = data.model();
+        let (trees, asleep) = (model.body_treeid(), data.tree_asleep());
+        self.near.fill(false);
+        self.queue.clear();
+        for (body, tree) in trees.iter().enumerate() {
+            let Ok(tree) = usize::try_from(*tree) else { continue };
+            if asleep[tree] < 0 || data.body_awake()[body] == MjtSleepState::mjS_AWAKE {
+                self.enter(body);
+            } else if pushed(data, body) {
+                self.enter_island(data, tree);
+            }
+        }
+        while let Some(body) = self.queue.pop() {
+            let Some(own) = self.boxes[body] else { continue };
+            for (other, tree) in trees.iter().enumerate().skip(1) {
+                if self.near[other] || !self.boxes[other].is_some_and(|it| it.touches(&own)) {
+                    continue;
+                }
+                match usize::try_from(*tree) {
+                    Ok(tree) => self.enter_island(data, tree),
+                    // What is fixed moves nothing else.
+                    Err(_) => self.near[other] = true,
+                }
+            }
+        }
+    }
+
+    fn enter(&mut self, body: usize) {
+        if !std::mem::replace(&mut self.near[body], true) {
+            self.queue.push(body);
+        }
+    }
+
+    /// Leaves in all that wakes with a tree: trees that fell asleep together wake together.
+    fn enter_island(&mut self, data: &MjData<Arc<MjModel>>, first: usize) {
+        let model = data.model();
+        let mut tree = first;
+        for _ in 0..data.tree_asleep().len() {
+            let from = model.tree_bodyadr()[tree].max(0) as usize;
+            let count = model.tree_bodynum()[tree].max(0) as usize;
+            (from..from + count).for_each(|body| self.enter(body));
+            match usize::try_from(data.tree_asleep()[tree]) {
+                Ok(next) if next != first => tree = next,
+                _ => break,
+            }
+        }
+    }
+}
+
+/// Whether something pushes a body that sleeps, or has given it a velocity: the engine then wakes it.
+fn pushed(data: &MjData<Arc<MjModel>>, body: usize) -> bool {
+    let model = data.model();
+    let from = model.body_dofadr()[body].max(0) as usize;
+    let dofs = from..from + model.body_dofnum()[body].max(0) as usize;
+    data.xfrc_applied()[body] != [0.0; 6]
+        || data.qvel()[dofs.clone()].iter().chain(&data.qfrc_applied()[dofs]).any(|it| *it != 0.0)
+}
+
+/// The extent of a geom in its body's frame, with the distance at which its contacts begin.
+fn extent(model: &MjModel, geom: usize) -> Extent {
+    let [x, y, z, a, b, c] = model.geom_aabb()[geom];
+    let [w, i, j, k] = model.geom_quat()[geom];
+    let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, i, j, k));
+    let turn = turn.to_rotation_matrix().into_inner();
+    let margin = model.geom_margin()[geom] + model.geom_gap()[geom];
+    Extent {
+        centre: Vector3::from(model.geom_pos()[geom]) + turn * Vector3::new(x, y, z),
+        half: turn.abs() * Vector3::new(a, b, c) + Vector3::repeat(margin),
+    }
+}
+
+/// The smallest box around two.
+fn union(one: &Extent, other: &Extent) -> Extent {
+    let low = (one.centre - one.half).inf(&(other.centre - other.half));
+    let high = (one.centre + one.half).sup(&(other.centre + other.half));
+    Extent { centre: (low + high) / 2.0, half: (high - low) / 2.0 }
+}
