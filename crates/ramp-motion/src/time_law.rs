@@ -351,30 +351,30 @@ impl<const N: usize> TimeLaw<N> {
     /// The limits at a point: of acceleration there and, with what an acceleration makes of the speed, at the next point one
     /// `step` on; and those of torque, if asked for.
     fn bounds(&self, here: &Point<N>, next: &Point<N>, step: f64, torques: bool) -> Bounds<N> {
-        let mut bounds = [[Bound { factor: 0.0, bend: 0.0, low: f64::MIN, high: f64::MAX }; N]; 3];
-        for joint in 0..N {
-            let limit = self.acceleration[joint];
-            // q̈ = slope · u + bend · x, and x grows by 2 step u to the next point.
-            let here = (here.slope[joint], here.bend[joint]);
-            let next = (next.slope[joint] + 2.0 * step * next.bend[joint], next.bend[joint]);
-            bounds[0][joint] = Bound { factor: here.0, bend: here.1, low: -limit, high: limit };
-            bounds[1][joint] = Bound { factor: next.0, bend: next.1, low: -limit, high: limit };
-        }
-        if torques {
+        let within = |factor: f64, bend: f64, limit: f64| Bound { factor, bend, low: -limit, high: limit };
+        // q̈ = slope · u + bend · x, and x grows by 2 step u to the next point.
+        let accelerations_here = std::array::from_fn(|joint| {
+            within(here.slope[joint], here.bend[joint], self.acceleration[joint])
+        });
+        let accelerations_next = std::array::from_fn(|joint| {
+            let factor = next.slope[joint] + 2.0 * step * next.bend[joint];
+            within(factor, next.bend[joint], self.acceleration[joint])
+        });
+        let torques = if torques {
             let chain = self.dynamics.at(&here.position);
             let factor = chain.moving(&Joints::zeros(), &here.slope);
             let bend = chain.moving(&here.slope, &here.bend);
             let holding = chain.holding();
-            for joint in 0..N {
-                bounds[2][joint] = Bound {
-                    factor: factor[joint],
-                    bend: bend[joint],
-                    low: -self.left(joint, -holding[joint]),
-                    high: self.left(joint, holding[joint]),
-                };
-            }
-        }
-        bounds
+            std::array::from_fn(|joint| Bound {
+                factor: factor[joint],
+                bend: bend[joint],
+                low: -self.left(joint, -holding[joint]),
+                high: self.left(joint, holding[joint]),
+            })
+        } else {
+            [Bound { factor: 0.0, bend: 0.0, low: f64::MIN, high: f64::MAX }; N]
+        };
+        [accelerations_here, accelerations_next, torques]
     }
 }
 
