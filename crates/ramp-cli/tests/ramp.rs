@@ -114,6 +114,16 @@ fn run_builds_easy_1_and_writes_result_and_curve() {
     assert!(jsonschema::is_valid(&schema, &result));
     assert_eq!(result["seed"], 12);
     assert_eq!(result["completion"], 1.0);
+    // What the robot time is to be compared with is what the planner prints, and no arm is quicker.
+    let plan = ramp(&folder, &["plan", "easy-1", "--check-motion", "--bound", "--json"]);
+    let plan: serde_json::Value = serde_json::from_slice(&plan.stdout).unwrap();
+    assert_eq!(result["robot_time"], plan["robot_time"]);
+    let seconds = |value: &serde_json::Value| value.as_f64().unwrap();
+    let (bound, reference) =
+        (seconds(&result["robot_time"]["bound"]), seconds(&result["robot_time"]["reference"]));
+    assert!(0.0 < bound && bound < reference && reference < seconds(&result["time"]["robot"]), "{result}");
+    let compared = format!("bound {bound:.1} s, reference {reference:.1} s");
+    assert!(said.contains(&compared), "{said}");
     assert!(std::fs::read_to_string(folder.path().join("out.svg")).unwrap().contains("easy-1: 100 %"));
     let scene = std::fs::read_to_string(folder.path().join("scene.xml")).unwrap();
     assert!(scene.contains("<key name=\"start\"") && scene.contains("<key name=\"end\""));

@@ -80,6 +80,28 @@ fn from_the_stopwatch_to_the_page_to_the_same_bits() {
     assert_eq!(page, read("report.html"));
 }
 
+/// Results that tell what robot time is to be compared with stand beside those that do not, as older ones.
+#[test]
+fn bound_and_reference_stand_beside_the_time() {
+    let folder = results();
+    let path = folder.path().join("one/easy-1-tags-1.json");
+    let result = std::fs::read_to_string(&path).unwrap();
+    let with = |bound: &str| {
+        let told = format!("\"robot_time\": {{\"bound\": {bound}, \"reference\": 47.5}}, \"plan\": {{");
+        std::fs::write(&path, result.replacen("\"plan\": {", &told, 1)).unwrap();
+    };
+    with("12.25");
+    done(&ramp(&folder, &["report", "one", "two", "--figures", "figures"]));
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    assert!(read("report.html").contains("<td>12.2</td><td>47.5</td>"), "{}", read("report.html"));
+    for table in ["figures/sums.csv", "figures/episodes.csv"] {
+        let text = read(table);
+        assert!(text.contains(",bound,reference,") && text.contains(",12.250000,47.500000,"), "{text}");
+    }
+    with("-1");
+    refused(&ramp(&folder, &["report", "one"]), "`robot_time.bound` is -1 s");
+}
+
 #[test]
 fn many_agents_have_a_front_page_and_a_page_each() {
     let folder = results();

@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use common::World;
 use mujoco_rs::prelude::*;
-use ramp_episode::{Progress, run_episode};
+use ramp_episode::{Label, Progress, run_episode};
 use ramp_result::episode::Software;
 use ramp_robot::{
     Account, Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError,
@@ -55,13 +55,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let short = std::env::args().any(|argument| argument == "--short");
     let repeats = if short { 1 } else { 3 };
     let world = World::new("easy-3");
-    let software = Software { version: "bench".into(), commit: "bench".into() };
+    let label = Label::new(Software { version: "bench".into(), commit: "bench".into() }, 1);
     let mut whole = Vec::new();
     let mut robot_time = 0.0;
     for _ in 0..repeats {
         let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
         let begin = Instant::now();
-        let result = run_episode(&world.setup(1), &mut agent, &software, 1, &mut |_: &Progress, _: &Twin| {});
+        let result = run_episode(&world.setup(1), &mut agent, &label, &mut |_: &Progress, _: &Twin| {});
         whole.push(begin.elapsed().as_secs_f64());
         robot_time = result?.time.robot;
     }

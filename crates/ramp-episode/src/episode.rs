@@ -8,8 +8,8 @@ use ramp_log::header::{
 };
 use ramp_log::{LogError, Recorder, SecretSeed};
 use ramp_result::episode::{
-    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PlanInfo, RULES, SCHEMA, Software, Time, WorldInfo,
-    completion,
+    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PlanInfo, RULES, RobotTime, SCHEMA, Software, Time,
+    WorldInfo, completion,
 };
 use ramp_result::sha256;
 use ramp_robot::{Account, Agent};
@@ -38,9 +38,16 @@ pub struct Label {
     /// Where a secret was mixed into the seed: the number that stands for the seed, and the secret's commitment. The
     /// seed of the setup is the one that came of both.
     pub secret: Option<(u64, String)>,
+    /// What robot time is to be compared with, if that is known.
+    pub robot_time: Option<RobotTime>,
 }
 
 impl Label {
+    /// Of an episode with no secret and nothing to compare its robot time with.
+    pub fn new(software: Software, repeat: u32) -> Label {
+        Label { software, repeat, secret: None, robot_time: None }
+    }
+
     /// The number that stands for the seed.
     fn seed(&self, setup: &Setup) -> u64 {
         self.secret.as_ref().map_or(setup.seed, |(number, _)| *number)
@@ -58,13 +65,12 @@ impl Label {
 pub fn run_episode(
     setup: &Setup,
     agent: &mut dyn Agent,
-    software: &Software,
-    repeat: u32,
+    label: &Label,
     watcher: &mut Watcher,
 ) -> Result<EpisodeResult, TwinError> {
     let mut twin = Twin::new(setup)?;
     let mut judged = Judged::new(&mut twin, setup, None, watcher);
-    Ok(run(&mut judged, setup, agent, &Label { software: software.clone(), repeat, secret: None }))
+    Ok(run(&mut judged, setup, agent, label))
 }
 
 /// An episode that was run and recorded.
@@ -170,6 +176,7 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
         completion: completion(&pegs),
         pegs,
         time: Time { planning, compute: thought - planning, robot, total: thought + robot },
+        robot_time: label.robot_time,
         plan: PlanInfo { coarse, fine, replans },
         events: events
             .into_iter()

@@ -6,7 +6,7 @@
 mod common;
 
 use common::World;
-use ramp_episode::run_episode;
+use ramp_episode::{Label, run_episode};
 use ramp_result::episode::{EpisodeResult, Software};
 use ramp_robot::Track;
 use ramp_skills::Baseline;
@@ -18,7 +18,7 @@ fn told(goal: &str, seed: u64, fault: &str, cause: &str) -> EpisodeResult {
     setup.fault = Some(fault.parse().unwrap());
     let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, seed);
     let software = Software { version: "0".into(), commit: String::new() };
-    let result = run_episode(&setup, &mut agent, &software, 1, &mut |_, _| {}).unwrap();
+    let result = run_episode(&setup, &mut agent, &Label::new(software, 1), &mut |_, _| {}).unwrap();
     let at = result.fault.as_ref().unwrap().at.unwrap();
     let told = result.events.iter().find(|event| event.kind == "diagnosis" && event.t >= at);
     let told = told.map(|event| event.what.as_str()).unwrap_or("nothing");

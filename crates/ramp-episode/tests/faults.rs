@@ -10,7 +10,7 @@ use std::path::Path;
 
 use common::{World, data};
 use nalgebra::Vector3;
-use ramp_episode::{record_episode, replay};
+use ramp_episode::{Label, record_episode, replay};
 use ramp_log::Log;
 use ramp_log::Sources;
 use ramp_result::episode::Software;
@@ -305,7 +305,7 @@ fn a_replay_has_the_fault_too() {
     let path = folder.path().join("a.mcap");
     let mut agent = Short(Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1));
     let setup = setup(&world, "beam-slipped@1");
-    let label = ramp_episode::Label { software: software.clone(), repeat: 1, secret: None };
+    let label = Label::new(software.clone(), 1);
     let result = record_episode(&setup, &sources, &mut agent, &label, &path, &mut |_, _| {}).unwrap().result;
     let fault = result.fault.clone().unwrap();
     assert_eq!((fault.kind.as_str(), fault.occasion, fault.part.as_deref()), ("beam-slipped", 1, Some("b4")));

@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let short = std::env::args().any(|argument| argument == "--short");
     let moves = if short { 5 } else { 100 };
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/arms/panda.json");
-    let arm = ArmModel::read(&file)?;
+    let arm: ArmModel = ArmModel::read(&file)?;
     let planner = PathPlanner::new(&arm);
     let mut stream = Stream::new(1, "bench");
     let around: Vec<Obstacle> = (0..150)

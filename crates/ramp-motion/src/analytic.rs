@@ -21,6 +21,8 @@ use ramp_robot::arm::ArmModel;
 
 use crate::space::{Joints, Pose};
 
+/// Joints of the arms that have a closed form here.
+const SEVEN: usize = 7;
 /// Most solutions for one pose and one q7: two each for elbow, wrist and shoulder.
 pub const BRANCHES: usize = 8;
 
@@ -50,9 +52,9 @@ const TURNS: usize = 10;
 
 /// One way to reach a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Solution {
+pub struct Solution<const N: usize = DOF> {
     /// Joint positions, rad; each is the one nearest to the middle of its joint's range.
-    pub q: Joints,
+    pub q: Joints<N>,
     /// Which of the [`BRANCHES`]: bit 0 elbow, bit 1 wrist, bit 2 shoulder. Within the joint ranges it stays the same
     /// along a continuous motion, unless two branches meet on the way. For the Panda the bits are set where q4 is beyond
     /// the outstretched arm, cos q5 is positive and q2 is negative.
@@ -61,35 +63,35 @@ pub struct Solution {
 
 /// All ways to reach a pose with one q7, read as a slice.
 #[derive(Clone, Copy, Debug)]
-pub struct Solutions {
-    found: [Solution; BRANCHES],
+pub struct Solutions<const N: usize = DOF> {
+    found: [Solution<N>; BRANCHES],
     count: usize,
 }
 
-impl Solutions {
-    fn new() -> Solutions {
+impl<const N: usize> Solutions<N> {
+    fn new() -> Solutions<N> {
         Solutions { found: [Solution { q: Joints::zeros(), branch: 0 }; BRANCHES], count: 0 }
     }
 
-    fn push(&mut self, solution: Solution) {
+    fn push(&mut self, solution: Solution<N>) {
         self.found[self.count] = solution;
         self.count += 1;
     }
 }
 
-impl Deref for Solutions {
-    type Target = [Solution];
+impl<const N: usize> Deref for Solutions<N> {
+    type Target = [Solution<N>];
 
-    fn deref(&self) -> &[Solution] {
+    fn deref(&self) -> &[Solution<N>] {
         &self.found[..self.count]
     }
 }
 
 /// The best solution over all q7 and branches.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice {
+pub struct Choice<const N: usize = DOF> {
     /// The solution.
-    pub solution: Solution,
+    pub solution: Solution<N>,
     /// Its cost.
     pub cost: f64,
 }
@@ -110,7 +112,7 @@ pub struct GeometryError {
 /// # use std::path::Path;
 /// # use ramp_motion::{Analytic, Joints, Kinematics};
 /// # use ramp_robot::arm::ArmModel;
-/// let arm = ArmModel::read(Path::new("../../data/arms/panda.json"))?;
+/// let arm: ArmModel = ArmModel::read(Path::new("../../data/arms/panda.json"))?;
 /// let analytic = Analytic::new(&arm)?;
 /// let home = Joints::from(arm.home);
 /// let mut x_wt = Kinematics::new(&arm).tip(&home);
@@ -124,8 +126,10 @@ pub struct GeometryError {
 /// assert!(within.iter().all(|other| choice.cost <= analytic.least_time(&home, &other.q)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// None is ever made for an arm that has not seven joints; `N` is there so that a planner for any arm can ask for one.
 #[derive(Clone, Debug)]
-pub struct Analytic {
+pub struct Analytic<const N: usize = DOF> {
     /// Frame 1 at angle zero in the world; its origin is S.
     r_w1: Matrix3<f64>,
     p_ws: Vector3<f64>,
@@ -146,9 +150,9 @@ pub struct Analytic {
     straight: f64,
     /// Angle in frame 1 around axis 1, at q1 = 0, to which axis 3 leans when q2 grows, rad.
     lean: f64,
-    low: Joints,
-    high: Joints,
-    velocity: Joints,
+    low: Joints<N>,
+    high: Joints<N>,
+    velocity: Joints<N>,
 }
 
 /// `v`, turned by `angle` about z.
@@ -180,18 +184,22 @@ fn roots(amplitude: f64, target: f64, centre: f64, free: f64) -> ([f64; 2], usiz
     ([centre + half, centre - half], if cosine.abs() < 1.0 { 2 } else { 1 })
 }
 
-impl Analytic {
+impl<const N: usize> Analytic<N> {
     /// The closed-form inverse of `arm`.
     ///
     /// # Errors
-    /// When axes 1, 2 and 3 of the arm do not meet in the origins of joints 1 and 2, are not at right angles one to
+    /// When the arm has not seven joints, its axes 1, 2 and 3 do not meet in the origins of joints 1 and 2, are not at right angles one to
     /// the next, or axes 5 and 6 do not meet in the origins of joints 5 and 6.
-    pub fn new(arm: &ArmModel) -> Result<Analytic, GeometryError> {
+    pub fn new(arm: &ArmModel<N>) -> Result<Analytic<N>, GeometryError> {
+        let refused = |reason: String| GeometryError { arm: arm.name.clone(), reason };
+        if N != SEVEN {
+            return Err(refused(format!("it has {N} joints, not {SEVEN}")));
+        }
         let pose = |position: [f64; 3], [w, x, y, z]: [f64; 4]| {
             let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
             Pose::from_parts(Translation3::from(position), rotation)
         };
-        let fixed: [Pose; DOF] = arm.joints.each_ref().map(|joint| pose(joint.position, joint.quat_wxyz));
+        let fixed: [Pose; N] = arm.joints.each_ref().map(|joint| pose(joint.position, joint.quat_wxyz));
         let rotation = |joint: usize| fixed[joint - 1].rotation.to_rotation_matrix().into_inner();
         let (r_12, r_23) = (rotation(2), rotation(3));
         let p_3s = fixed[2].inverse().translation.vector;
@@ -203,10 +211,7 @@ impl Analytic {
             (fixed[5].translation.vector.norm(), "joint 6 does not stand in the origin of joint 5"),
         ];
         if let Some((off, reason)) = checks.into_iter().find(|(off, _)| off.is_nan() || *off > GEOMETRY) {
-            return Err(GeometryError {
-                arm: arm.name.clone(),
-                reason: format!("{reason} (off by {off:.2e})"),
-            });
+            return Err(refused(format!("{reason} (off by {off:.2e})")));
         }
         let x_3s = Translation3::from(p_3s);
         let axis = Vector3::z();
@@ -240,17 +245,17 @@ impl Analytic {
     /// line share their turn in equal parts, and a joint that turns nothing stands in the middle of its range. Where
     /// two branches meet, angles are known to 1e-8 rad only, and to 1e-4 where elbows and wrists do so at once; there a
     /// solution may even be missed. The poses of the solutions given are exact to 1e-9 all the same.
-    pub fn all(&self, x_wt: &Pose, q7: f64) -> Solutions {
+    pub fn all(&self, x_wt: &Pose, q7: f64) -> Solutions<N> {
         let wide = Joints::repeat(f64::INFINITY);
         self.bounded(x_wt, q7, &-wide, &wide)
     }
 
     /// As [`Analytic::all`], only those with every joint at least `margin` (rad) inside its range.
-    pub fn within(&self, x_wt: &Pose, q7: f64, margin: f64) -> Solutions {
+    pub fn within(&self, x_wt: &Pose, q7: f64, margin: f64) -> Solutions<N> {
         self.bounded(x_wt, q7, &self.low.add_scalar(margin), &self.high.add_scalar(-margin))
     }
 
-    fn bounded(&self, x_wt: &Pose, q7: f64, low: &Joints, high: &Joints) -> Solutions {
+    fn bounded(&self, x_wt: &Pose, q7: f64, low: &Joints<N>, high: &Joints<N>) -> Solutions<N> {
         let mut solutions = Solutions::new();
         let middle = (self.low + self.high) / 2.0;
         // The turn of `joint` that is nearest to the middle of its range, when it is allowed.
@@ -302,8 +307,9 @@ impl Analytic {
                 for (shoulder, [q1, q2]) in shoulders.into_iter().take(count).enumerate() {
                     let (Some(q1), Some(q2)) = (allowed(0, q1), allowed(1, q2)) else { continue };
                     let Some(q3) = allowed(2, self.third(&x_3, q1, q2)) else { continue };
+                    let q = [q1, q2, q3, q4, q5, q6, q7];
                     solutions.push(Solution {
-                        q: Joints::from([q1, q2, q3, q4, q5, q6, q7]),
+                        q: Joints::from_fn(|joint, _| q[joint]),
                         branch: (elbow | wrist << 1 | shoulder << 2) as u8,
                     });
                 }
@@ -337,17 +343,23 @@ impl Analytic {
     }
 
     /// The solution with q7 as in `q` that is nearest to it (rad), every joint at least `margin` (rad) inside its range.
-    pub fn beside(&self, x_wt: &Pose, q: &Joints, margin: f64) -> Option<Joints> {
-        let apart = |other: &Joints| (other - q).norm_squared();
+    pub fn beside(&self, x_wt: &Pose, q: &Joints<N>, margin: f64) -> Option<Joints<N>> {
+        let apart = |other: &Joints<N>| (other - q).norm_squared();
         let all = self.within(x_wt, q[6], margin);
         all.iter().map(|solution| solution.q).min_by(|a, b| apart(a).total_cmp(&apart(b)))
     }
 
     /// Of the solutions on the branch of `seed`, the one nearest to `posture` (rad), every joint at least `margin` (rad) inside
     /// its range. Found from the solution beside `seed` by steps of Newton's method over q7; `None` when there is none there.
-    pub fn nearest(&self, x_wt: &Pose, seed: &Joints, posture: &Joints, margin: f64) -> Option<Joints> {
-        let apart = |q: &Joints| (q - posture).norm_squared();
-        let turned = |q: &Joints, by: f64| {
+    pub fn nearest(
+        &self,
+        x_wt: &Pose,
+        seed: &Joints<N>,
+        posture: &Joints<N>,
+        margin: f64,
+    ) -> Option<Joints<N>> {
+        let apart = |q: &Joints<N>| (q - posture).norm_squared();
+        let turned = |q: &Joints<N>, by: f64| {
             let mut near = *q;
             near[6] += by;
             self.beside(x_wt, &near, margin)
@@ -376,10 +388,15 @@ impl Analytic {
     ///
     /// A grid over q7 comes first; then q7 is refined around the best places of the grid. What is found is a local
     /// minimum, in practice nearly always the least.
-    pub fn best(&self, x_wt: &Pose, margin: f64, mut cost: impl FnMut(&Joints) -> f64) -> Option<Choice> {
+    pub fn best(
+        &self,
+        x_wt: &Pose,
+        margin: f64,
+        mut cost: impl FnMut(&Joints<N>) -> f64,
+    ) -> Option<Choice<N>> {
         let (low, high) = (self.low.add_scalar(margin), self.high.add_scalar(-margin));
         let mut at = |q7: f64| {
-            let mut best: Option<Choice> = None;
+            let mut best: Option<Choice<N>> = None;
             for solution in self.bounded(x_wt, q7, &low, &high).iter() {
                 let cost = cost(&solution.q);
                 if cost < best.map_or(f64::INFINITY, |best| best.cost) {
@@ -391,8 +408,8 @@ impl Analytic {
         let steps = ((high[6] - low[6]) / GRID).ceil().max(1.0);
         let step = (high[6] - low[6]) / steps;
         // Local minima of the grid, the best first.
-        let mut minima: [Option<Choice>; REFINED] = [None; REFINED];
-        let value = |choice: &Option<Choice>| choice.map_or(f64::INFINITY, |choice| choice.cost);
+        let mut minima: [Option<Choice<N>>; REFINED] = [None; REFINED];
+        let value = |choice: &Option<Choice<N>>| choice.map_or(f64::INFINITY, |choice| choice.cost);
         let (mut before, mut here) = (None, at(low[6]));
         for index in 1..=steps as usize + 1 {
             let next =
@@ -427,12 +444,12 @@ impl Analytic {
 
     /// The solution that the arm reaches first from `from` (rad), every joint at least `margin` (rad) inside its range.
     /// Its cost is [`Analytic::least_time`].
-    pub fn quickest(&self, x_wt: &Pose, from: &Joints, margin: f64) -> Option<Choice> {
+    pub fn quickest(&self, x_wt: &Pose, from: &Joints<N>, margin: f64) -> Option<Choice<N>> {
         self.best(x_wt, margin, |q| self.least_time(from, q))
     }
 
     /// A lower bound on the time from `from` to `to` (rad), s: every joint goes straight at its largest speed.
-    pub fn least_time(&self, from: &Joints, to: &Joints) -> f64 {
+    pub fn least_time(&self, from: &Joints<N>, to: &Joints<N>) -> f64 {
         (to - from).component_div(&self.velocity).amax()
     }
 }
@@ -538,7 +555,7 @@ mod tests {
         let mut stream = Stream::new(2, "singular");
         let mut worst: f64 = 0.0;
         for round in 0..20_000 {
-            let mut q = uniform(&arm, &mut stream);
+            let mut q: Joints = uniform(&arm, &mut stream);
             let near = if round % 4 == 0 {
                 0.0
             } else {

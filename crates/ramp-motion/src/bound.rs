@@ -74,7 +74,7 @@ fn between(arm: &ArmModel, from: &Cell, to: &Cell) -> f64 {
 /// # use std::path::Path;
 /// # use ramp_motion::{Joints, Kinematics, least_time_over};
 /// # use ramp_robot::arm::ArmModel;
-/// let arm = ArmModel::read(Path::new("../../data/arms/panda.json"))?;
+/// let arm: ArmModel = ArmModel::read(Path::new("../../data/arms/panda.json"))?;
 /// let home = Joints::from(arm.home);
 /// let mut there = Kinematics::new(&arm).tip(&home);
 /// there.translation.y += 0.3;
@@ -117,7 +117,7 @@ mod tests {
     /// A bound that some motion beats is none: straight motions in joint space between random postures take longer.
     #[test]
     fn no_motion_takes_less() {
-        let arm = ArmModel::read(Path::new("../../data/arms/panda.json")).unwrap();
+        let arm: ArmModel = ArmModel::read(Path::new("../../data/arms/panda.json")).unwrap();
         let kinematics = Kinematics::new(&arm);
         let law = TimeLaw::new(&arm, &Pace { velocity: 1.0, acceleration: 1.0, jerk: 1.0, ramp: 0.0 });
         let mut stream = Stream::new(1, "bound");

@@ -100,7 +100,7 @@ struct Solid {
 
 /// Tells whether the arm, opened or closed and with or without a part, touches anything.
 pub struct Checker {
-    /// Solids of links 2 to 7 (the first cannot reach the table), of the hand, the fingers, and what is held.
+    /// Solids of the links from the second on (the first cannot reach the table), of the hand, the fingers, and what is held.
     solids: Vec<Solid>,
     around: Surroundings,
     /// The same with more room.
@@ -187,7 +187,7 @@ fn half_and_centre(piece: &ArmBox) -> ([f64; 3], Vector3<f64>) {
 }
 
 /// The boxes of both fingers on the hand, opened to `width` (m).
-fn fingers(arm: &ArmModel, width: f64) -> impl Iterator<Item = Solid> {
+fn fingers<const N: usize>(arm: &ArmModel<N>, width: f64) -> impl Iterator<Item = Solid> {
     [0.0, std::f64::consts::PI].into_iter().flat_map(move |turn| {
         let x_hf = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn)
             * Translation3::new(0.0, width / 2.0, 0.0);
@@ -204,7 +204,13 @@ impl Checker {
     /// A checker for `arm` with the gripper opened to `width` (m, both fingers together), carrying `held` (boxes
     /// in the tip's frame), among `around` (boxes in the world), keeping `margin` (m) from everything. The table
     /// is always there, at z = 0.
-    pub fn new(arm: &ArmModel, width: f64, held: Vec<Obstacle>, around: &[Obstacle], margin: f64) -> Checker {
+    pub fn new<const N: usize>(
+        arm: &ArmModel<N>,
+        width: f64,
+        held: Vec<Obstacle>,
+        around: &[Obstacle],
+        margin: f64,
+    ) -> Checker {
         let links = arm.joints.iter().enumerate().skip(1).flat_map(|(index, joint)| {
             joint.link.capsules.iter().map(move |capsule| Solid::capsule(index, capsule))
         });
@@ -223,23 +229,23 @@ impl Checker {
     }
 
     /// Is the arm clear of everything with its frames here?
-    pub fn is_free(&self, frames: &Frames) -> bool {
+    pub fn is_free<const N: usize>(&self, frames: &Frames<N>) -> bool {
         self.first(frames, &self.around).is_none()
     }
 
     /// Is it clear of everything by some millimetres more?
-    pub fn is_clear(&self, frames: &Frames) -> bool {
+    pub fn is_clear<const N: usize>(&self, frames: &Frames<N>) -> bool {
         self.first(frames, &self.widely).is_none()
     }
 
     /// What the arm touches with its frames here: the name of a part, or `the table`.
-    pub fn touched(&self, frames: &Frames) -> Option<&str> {
+    pub fn touched<const N: usize>(&self, frames: &Frames<N>) -> Option<&str> {
         let touched = self.first(frames, &self.around)?;
         Some(touched.map_or("the table", |number| self.names[number].as_str()))
     }
 
     /// As [`Solid::touches`], of the first solid that touches something.
-    fn first(&self, frames: &Frames, around: &Surroundings) -> Option<Option<usize>> {
+    fn first<const N: usize>(&self, frames: &Frames<N>, around: &Surroundings) -> Option<Option<usize>> {
         self.solids.iter().find_map(|solid| {
             let frame = match solid.body {
                 Body::Link(link) => &frames.links[link],

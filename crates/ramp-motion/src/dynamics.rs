@@ -55,19 +55,19 @@ impl Inertia {
 
 /// The moving masses of an arm.
 #[derive(Clone, Debug)]
-pub struct Dynamics {
+pub struct Dynamics<const N: usize = DOF> {
     /// Rotation of each joint's frame at angle zero in the frame before, and its origin there, m.
-    fixed: [(Matrix3<f64>, Vector3<f64>); DOF],
-    links: [Inertia; DOF],
+    fixed: [(Matrix3<f64>, Vector3<f64>); N],
+    links: [Inertia; N],
     /// The tip's frame in the frame of the last joint.
-    x_7t: Isometry3<f64>,
+    x_nt: Isometry3<f64>,
 }
 
 /// The chain at joint positions.
-pub struct Chain<'a> {
-    dynamics: &'a Dynamics,
+pub struct Chain<'a, const N: usize = DOF> {
+    dynamics: &'a Dynamics<N>,
     /// Rotation of each joint's frame in the frame before.
-    turns: [Matrix3<f64>; DOF],
+    turns: [Matrix3<f64>; N],
 }
 
 fn pose(position: [f64; 3], [w, x, y, z]: [f64; 4]) -> Isometry3<f64> {
@@ -75,9 +75,9 @@ fn pose(position: [f64; 3], [w, x, y, z]: [f64; 4]) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::from(position), rotation)
 }
 
-impl Dynamics {
+impl<const N: usize> Dynamics<N> {
     /// The dynamics of `arm` with an empty hand.
-    pub fn new(arm: &ArmModel) -> Dynamics {
+    pub fn new(arm: &ArmModel<N>) -> Dynamics<N> {
         let fixed = arm.joints.each_ref().map(|joint| {
             let x = pose(joint.position, joint.quat_wxyz);
             (x.rotation.to_rotation_matrix().into_inner(), x.translation.vector)
@@ -87,26 +87,26 @@ impl Dynamics {
             .each_ref()
             .map(|joint| Inertia::of(joint.link.mass, joint.link.centre, joint.link.inertia));
         let (hand, finger) = (&arm.hand, &arm.finger);
-        let x_7h = pose(hand.position, hand.quat_wxyz);
-        let mut last = links[DOF - 1].with(&Inertia::of(hand.mass, hand.centre, hand.inertia).at(&x_7h));
+        let x_nh = pose(hand.position, hand.quat_wxyz);
+        let mut last = links[N - 1].with(&Inertia::of(hand.mass, hand.centre, hand.inertia).at(&x_nh));
         for turn in [0.0, std::f64::consts::PI] {
             let x_hf = Translation3::new(0.0, 0.0, finger.origin)
                 * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
-            last = last.with(&Inertia::of(finger.mass, finger.centre, finger.inertia).at(&(x_7h * x_hf)));
+            last = last.with(&Inertia::of(finger.mass, finger.centre, finger.inertia).at(&(x_nh * x_hf)));
         }
-        links[DOF - 1] = last;
-        Dynamics { fixed, links, x_7t: x_7h * Translation3::new(0.0, 0.0, hand.tip) }
+        links[N - 1] = last;
+        Dynamics { fixed, links, x_nt: x_nh * Translation3::new(0.0, 0.0, hand.tip) }
     }
 
     /// The same with `load` in the hand, given in the tip's frame.
     #[must_use]
-    pub fn carrying(mut self, load: &Inertia) -> Dynamics {
-        self.links[DOF - 1] = self.links[DOF - 1].with(&load.at(&self.x_7t));
+    pub fn carrying(mut self, load: &Inertia) -> Dynamics<N> {
+        self.links[N - 1] = self.links[N - 1].with(&load.at(&self.x_nt));
         self
     }
 
     /// The chain at joint positions `q` (rad).
-    pub fn at(&self, q: &Joints) -> Chain<'_> {
+    pub fn at(&self, q: &Joints<N>) -> Chain<'_, N> {
         let turns = std::array::from_fn(|joint| {
             let (sin, cos) = q[joint].sin_cos();
             self.fixed[joint].0 * Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
@@ -115,29 +115,29 @@ impl Dynamics {
     }
 }
 
-impl Chain<'_> {
+impl<const N: usize> Chain<'_, N> {
     /// The joints' torques, N·m, at these velocities (rad/s) and accelerations (rad/s²), against gravity.
-    pub fn torques(&self, velocity: &Joints, acceleration: &Joints) -> Joints {
+    pub fn torques(&self, velocity: &Joints<N>, acceleration: &Joints<N>) -> Joints<N> {
         self.forces(velocity, acceleration, GRAVITY)
     }
 
     /// Their part that holds the arm up, N·m.
-    pub fn holding(&self) -> Joints {
+    pub fn holding(&self) -> Joints<N> {
         self.forces(&Joints::zeros(), &Joints::zeros(), GRAVITY)
     }
 
     /// Their part that moves the arm, N·m.
-    pub fn moving(&self, velocity: &Joints, acceleration: &Joints) -> Joints {
+    pub fn moving(&self, velocity: &Joints<N>, acceleration: &Joints<N>) -> Joints<N> {
         self.forces(velocity, acceleration, 0.0)
     }
 
-    fn forces(&self, velocity: &Joints, acceleration: &Joints, gravity: f64) -> Joints {
+    fn forces(&self, velocity: &Joints<N>, acceleration: &Joints<N>, gravity: f64) -> Joints<N> {
         let axis = Vector3::z();
         let (mut spin, mut gain) = (Vector3::zeros(), Vector3::zeros());
         // A base that accelerates upwards is as good as gravity.
         let mut rise = Vector3::new(0.0, 0.0, gravity);
-        let mut forces = [(Vector3::zeros(), Vector3::zeros()); DOF];
-        for joint in 0..DOF {
+        let mut forces = [(Vector3::zeros(), Vector3::zeros()); N];
+        for joint in 0..N {
             let (turn, origin) = (&self.turns[joint], &self.dynamics.fixed[joint].1);
             rise = turn.tr_mul(&(rise + gain.cross(origin) + spin.cross(&spin.cross(origin))));
             let carried = turn.tr_mul(&spin);
@@ -152,7 +152,7 @@ impl Chain<'_> {
         }
         let mut torques = Joints::zeros();
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
-        for joint in (0..DOF).rev() {
+        for joint in (0..N).rev() {
             force += forces[joint].0;
             moment += forces[joint].1;
             torques[joint] = moment.z;
@@ -177,7 +177,7 @@ mod tests {
     /// A load in the hand asks for what the transposed Jacobian says.
     #[test]
     fn a_load_weighs_on_the_joints_as_its_force_at_the_tip() {
-        let arm = ArmModel::read(Path::new("../../data/arms/panda.json")).unwrap();
+        let arm: ArmModel = ArmModel::read(Path::new("../../data/arms/panda.json")).unwrap();
         let (kinematics, empty) = (Kinematics::new(&arm), Dynamics::new(&arm));
         let load = Inertia { mass: 2.0, centre: Vector3::zeros(), moment: Matrix3::zeros() };
         let loaded = empty.clone().carrying(&load);
@@ -194,7 +194,7 @@ mod tests {
     /// Power is the rate at which the energy changes: a torque that broke this would be none of this arm.
     #[test]
     fn torques_do_the_work_that_becomes_kinetic_energy() {
-        let arm = ArmModel::read(Path::new("../../data/arms/panda.json")).unwrap();
+        let arm: ArmModel = ArmModel::read(Path::new("../../data/arms/panda.json")).unwrap();
         let dynamics = Dynamics::new(&arm);
         let mut stream = Stream::new(2, "work");
         let energy = |q: &Joints, v: &Joints| v.dot(&dynamics.at(q).moving(&Joints::zeros(), v)) / 2.0;

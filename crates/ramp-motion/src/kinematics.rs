@@ -1,4 +1,4 @@
-//! Forward and inverse kinematics of a seven-joint arm.
+//! Forward and inverse kinematics of an arm.
 
 use nalgebra::{Matrix6, Quaternion, SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_robot::DOF;
@@ -23,20 +23,21 @@ pub const RANGE_MARGIN: f64 = 0.05;
 
 /// The chain of an arm, ready to be evaluated.
 #[derive(Clone, Debug)]
-pub struct Kinematics {
+pub struct Kinematics<const N: usize = DOF> {
     /// Pose of each joint's frame at angle zero in the frame before.
-    fixed: [Pose; DOF],
-    x_7h: Pose,
+    fixed: [Pose; N],
+    /// The hand's frame in the frame of the last joint.
+    x_nh: Pose,
     x_ht: Pose,
-    low: Joints,
-    high: Joints,
+    low: Joints<N>,
+    high: Joints<N>,
 }
 
 /// Poses of the arm's frames in the world.
 #[derive(Clone, Debug)]
-pub struct Frames {
+pub struct Frames<const N: usize = DOF> {
     /// Of each joint's link.
-    pub links: [Pose; DOF],
+    pub links: [Pose; N],
     /// Of the hand.
     pub hand: Pose,
     /// Of the tip.
@@ -48,12 +49,12 @@ fn pose(position: [f64; 3], q: [f64; 4]) -> Pose {
     Pose::from_parts(Translation3::from(position), rotation)
 }
 
-impl Kinematics {
+impl<const N: usize> Kinematics<N> {
     /// The kinematics of `arm`.
-    pub fn new(arm: &ArmModel) -> Kinematics {
+    pub fn new(arm: &ArmModel<N>) -> Kinematics<N> {
         Kinematics {
             fixed: std::array::from_fn(|joint| pose(arm.joints[joint].position, arm.joints[joint].quat_wxyz)),
-            x_7h: pose(arm.hand.position, arm.hand.quat_wxyz),
+            x_nh: pose(arm.hand.position, arm.hand.quat_wxyz),
             x_ht: Pose::translation(0.0, 0.0, arm.hand.tip),
             low: Joints::from_fn(|joint, _| arm.joints[joint].range[0]),
             high: Joints::from_fn(|joint, _| arm.joints[joint].range[1]),
@@ -61,26 +62,26 @@ impl Kinematics {
     }
 
     /// Where all frames are at joint positions `q` (rad).
-    pub fn frames(&self, q: &Joints) -> Frames {
+    pub fn frames(&self, q: &Joints<N>) -> Frames<N> {
         let mut x = Pose::identity();
         let links = std::array::from_fn(|joint| {
             x = x * self.fixed[joint] * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), q[joint]);
             x
         });
-        let hand = x * self.x_7h;
+        let hand = x * self.x_nh;
         Frames { links, hand, tip: hand * self.x_ht }
     }
 
     /// The pose of the tip in the world at `q`.
-    pub fn tip(&self, q: &Joints) -> Pose {
+    pub fn tip(&self, q: &Joints<N>) -> Pose {
         self.frames(q).tip
     }
 
     /// The Jacobian of the tip at these frames: linear above, angular below, axes of the world.
-    pub fn jacobian(&self, frames: &Frames) -> SMatrix<f64, 6, DOF> {
-        let mut jacobian = SMatrix::<f64, 6, DOF>::zeros();
+    pub fn jacobian(&self, frames: &Frames<N>) -> SMatrix<f64, 6, N> {
+        let mut jacobian = SMatrix::<f64, 6, N>::zeros();
         let p_tip = frames.tip.translation.vector;
-        for joint in 0..DOF {
+        for joint in 0..N {
             let axis = frames.links[joint].rotation * Vector3::z();
             let arm = p_tip - frames.links[joint].translation.vector;
             jacobian.fixed_view_mut::<3, 1>(0, joint).copy_from(&axis.cross(&arm));
@@ -90,14 +91,14 @@ impl Kinematics {
     }
 
     /// Distance of the joint nearest to an end of its range, rad; negative outside.
-    pub fn range_margin(&self, q: &Joints) -> f64 {
-        (0..DOF)
+    pub fn range_margin(&self, q: &Joints<N>) -> f64 {
+        (0..N)
             .map(|joint| (q[joint] - self.low[joint]).min(self.high[joint] - q[joint]))
             .fold(f64::MAX, f64::min)
     }
 
     /// The middle of every joint's range, rad.
-    pub fn middle(&self) -> Joints {
+    pub fn middle(&self) -> Joints<N> {
         (self.low + self.high) / 2.0
     }
 
@@ -107,7 +108,7 @@ impl Kinematics {
     /// Damped least squares, until both the tip and the null space stand still: so the solution depends on pose and
     /// posture, as smoothly as they do, and not on how many steps it took. Small steps from a near seed stay on the seed's
     /// branch.
-    pub fn inverse(&self, x_wt: &Pose, seed: &Joints, posture: &Joints) -> Option<Joints> {
+    pub fn inverse(&self, x_wt: &Pose, seed: &Joints<N>, posture: &Joints<N>) -> Option<Joints<N>> {
         let low = self.low.add_scalar(RANGE_MARGIN);
         let high = self.high.add_scalar(-RANGE_MARGIN);
         let mut q = seed.zip_zip_map(&low, &high, |value, low, high| value.clamp(low, high));
@@ -122,7 +123,7 @@ impl Kinematics {
             let mut pull = (posture - q) * (PULL * fade);
             let mut step = Joints::zeros();
             // A joint at its end that would be pushed on is left out, and the others do its part.
-            for _ in 0..DOF {
+            for _ in 0..N {
                 let jjt: Matrix6<f64> =
                     jacobian * jacobian.transpose() + Matrix6::identity() * DAMPING * DAMPING;
                 step = jacobian.transpose() * jjt.cholesky()?.solve(&(error - jacobian * pull)) + pull;
@@ -130,7 +131,7 @@ impl Kinematics {
                     (q[*joint] <= low[*joint] && step[*joint] < 0.0)
                         || (q[*joint] >= high[*joint] && step[*joint] > 0.0)
                 };
-                let Some(joint) = (0..DOF).find(pushed) else { break };
+                let Some(joint) = (0..N).find(pushed) else { break };
                 jacobian.fill_column(joint, 0.0);
                 pull[joint] = 0.0;
                 step[joint] = 0.0;

@@ -69,7 +69,7 @@ pub enum MotionError {
 
 /// What a motion through free space keeps to.
 #[derive(Clone, Copy)]
-pub struct Terms<'a> {
+pub struct Terms<'a, const N: usize = DOF> {
     /// Travelling height, m, of the tip.
     pub height: f64,
     /// The hand stays level: a beam is in it.
@@ -77,7 +77,7 @@ pub struct Terms<'a> {
     /// What the arm must keep clear of.
     pub checker: &'a Checker,
     /// How fast it may go.
-    pub law: &'a TimeLaw,
+    pub law: &'a TimeLaw<N>,
 }
 
 /// A piece of a path of the tip.
@@ -141,14 +141,14 @@ fn is_near(from: &Pose, to: &Pose) -> bool {
 
 /// Samples in joint space, and the numbers of those at which the path has a corner.
 #[derive(Clone, Debug, Default)]
-struct Polyline {
-    samples: Vec<Joints>,
+struct Polyline<const N: usize> {
+    samples: Vec<Joints<N>>,
     corners: Vec<usize>,
 }
 
-impl Polyline {
+impl<const N: usize> Polyline<N> {
     /// Goes on with samples that begin at the end of this one.
-    fn extend(&mut self, next: Polyline) {
+    fn extend(&mut self, next: Polyline<N>) {
         if self.samples.is_empty() {
             *self = next;
             return;
@@ -166,15 +166,15 @@ impl Polyline {
 }
 
 /// A free way that is ready for the law of time.
-struct Shaped {
+struct Shaped<const N: usize> {
     /// At least one; the motion rests between them.
-    parts: Vec<Vec<Joints>>,
+    parts: Vec<Vec<Joints<N>>>,
     /// About the time that it takes, s.
     time: f64,
 }
 
-impl Shaped {
-    fn timed(&self, law: &TimeLaw) -> Trajectory {
+impl<const N: usize> Shaped<N> {
+    fn timed(&self, law: &TimeLaw<N>) -> Trajectory<N> {
         let rest = self.parts[1..].iter().map(|part| law.time(part));
         rest.fold(law.time(&self.parts[0]), Trajectory::then)
     }
@@ -182,40 +182,38 @@ impl Shaped {
 
 /// Plans motions of one arm.
 #[derive(Clone, Debug)]
-pub struct PathPlanner {
+pub struct PathPlanner<const N: usize = DOF> {
     /// The arm's kinematics.
-    pub kinematics: Kinematics,
+    pub kinematics: Kinematics<N>,
     /// Every way to reach a pose, where the arm's build allows it.
-    analytic: Option<Analytic>,
-    arm: ArmModel,
-    /// The posture the arm leans to.
-    rest: Joints,
+    analytic: Option<Analytic<N>>,
+    arm: ArmModel<N>,
+    /// The posture the arm leans to with the tip straight ahead.
+    ahead: Joints<N>,
 }
 
-impl PathPlanner {
+impl<const N: usize> PathPlanner<N> {
     /// A planner for `arm`.
-    pub fn new(arm: &ArmModel) -> PathPlanner {
-        // Elbow up, hand down, every joint far from its ends; the first joint is turned to the work in `posture`.
-        let rest = Joints::from([0.0, 0.1, 0.0, -2.2, 0.0, 2.3, std::f64::consts::FRAC_PI_4]);
+    pub fn new(arm: &ArmModel<N>) -> PathPlanner<N> {
         PathPlanner {
             kinematics: Kinematics::new(arm),
             analytic: Analytic::new(arm).ok(),
             arm: arm.clone(),
-            rest,
+            ahead: Joints::from(arm.posture.unwrap_or(arm.home)),
         }
     }
 
     /// The posture the arm leans to when its tip is at `x_wt`: the shoulder turned towards it.
-    pub fn posture(&self, x_wt: &Pose) -> Joints {
-        let mut posture = self.rest;
-        let p = x_wt.translation.vector;
-        posture[0] = p.y.atan2(p.x);
+    pub fn posture(&self, x_wt: &Pose) -> Joints<N> {
+        let mut posture = self.ahead;
+        let towards = angle(&x_wt.translation.vector);
+        posture[0] += towards;
         // The hand's yaw, which the last joint gives for the most part when the hand points down.
         let x_axis = x_wt.rotation * Vector3::x();
         let yaw = x_axis.y.atan2(x_axis.x);
-        let turn = posture[0] - yaw + std::f64::consts::FRAC_PI_4;
+        let turn = towards - yaw + posture[N - 1];
         let tau = std::f64::consts::TAU;
-        posture[6] = turn - tau * (turn / tau).round();
+        posture[N - 1] = turn - tau * (turn / tau).round();
         posture
     }
 
@@ -223,7 +221,7 @@ impl PathPlanner {
     ///
     /// # Errors
     /// [`MotionError::Unreachable`].
-    pub fn solve(&self, x_wt: &Pose, seed: &Joints) -> Result<Joints, MotionError> {
+    pub fn solve(&self, x_wt: &Pose, seed: &Joints<N>) -> Result<Joints<N>, MotionError> {
         self.solutions(x_wt, seed)
             .first()
             .copied()
@@ -232,7 +230,7 @@ impl PathPlanner {
 
     /// Joint positions for the tip at `from` from which it can go straight to `x_wt`: the shoulder turned towards it, or to a
     /// side of it.
-    pub fn posture_for(&self, from: &Pose, x_wt: &Pose) -> Option<Joints> {
+    pub fn posture_for(&self, from: &Pose, x_wt: &Pose) -> Option<Joints<N>> {
         let posture = self.posture(x_wt);
         SIDES.iter().find_map(|turn| {
             let mut seed = posture;
@@ -243,10 +241,10 @@ impl PathPlanner {
     }
 
     /// All joint positions that are found for a pose of the tip, the best first.
-    fn solutions(&self, x_wt: &Pose, seed: &Joints) -> Vec<Joints> {
+    fn solutions(&self, x_wt: &Pose, seed: &Joints<N>) -> Vec<Joints<N>> {
         let posture = self.posture(x_wt);
-        let mut found: Vec<Joints> = Vec::new();
-        for seed in [seed, &posture, &self.rest] {
+        let mut found: Vec<Joints<N>> = Vec::new();
+        for seed in [seed, &posture, &self.ahead] {
             if let Some(q) = self.kinematics.inverse(x_wt, seed, &posture)
                 && found.iter().all(|other| (other - q).amax() > ARRIVED)
             {
@@ -254,14 +252,14 @@ impl PathPlanner {
             }
         }
         // Stable: those with room to spare stay in their order.
-        let room = |q: &Joints| self.kinematics.range_margin(q).min(GOOD_MARGIN);
+        let room = |q: &Joints<N>| self.kinematics.range_margin(q).min(GOOD_MARGIN);
         found.sort_by(|a, b| room(b).total_cmp(&room(a)));
         found
     }
 
     /// A straight motion of the tip from `q` to `x_wt`, sampled, the hand turning the short way or, where the arm
     /// cannot, the other; `None` when it would have to jump or leave its ranges on the way.
-    pub fn straight(&self, q: &Joints, x_wt: &Pose) -> Option<Vec<Joints>> {
+    pub fn straight(&self, q: &Joints<N>, x_wt: &Pose) -> Option<Vec<Joints<N>>> {
         let from = self.kinematics.tip(q);
         self.solutions(x_wt, q).iter().find_map(|goal| {
             turns(&from, x_wt).into_iter().find_map(|turn| {
@@ -273,7 +271,7 @@ impl PathPlanner {
 
     /// The tip along pieces from `q` to `goal`, the posture changing evenly from that of one to that of the other; `None`
     /// when the arm would have to jump or leave its ranges on the way.
-    fn lead(&self, q: &Joints, goal: &Joints, pieces: &[Piece]) -> Option<Polyline> {
+    fn lead(&self, q: &Joints<N>, goal: &Joints<N>, pieces: &[Piece]) -> Option<Polyline<N>> {
         let total: f64 = pieces.iter().map(Piece::length).sum();
         let spacing = SAMPLE.min(total / ((goal - q).amax() / JOINT_SAMPLE).max(2.0));
         let mut line = Polyline { samples: vec![*q], corners: Vec::new() };
@@ -302,10 +300,10 @@ impl PathPlanner {
     fn follow(
         &self,
         piece: &Piece,
-        q: &Joints,
-        posture: &impl Fn(f64) -> Joints,
+        q: &Joints<N>,
+        posture: &impl Fn(f64) -> Joints<N>,
         count: usize,
-    ) -> Option<Vec<Joints>> {
+    ) -> Option<Vec<Joints<N>>> {
         let closed = self.analytic.as_ref().and_then(|it| follow_closed(it, piece, q, posture, count));
         closed.or_else(|| {
             let mut last = *q;
@@ -324,12 +322,12 @@ impl PathPlanner {
     /// When the goal is out of reach, its start or end touches something, or no way is found.
     pub fn plan(
         &self,
-        q: &Joints,
+        q: &Joints<N>,
         x_wt: &Pose,
-        terms: &Terms,
+        terms: &Terms<N>,
         stream: &mut Stream,
-    ) -> Result<Trajectory, MotionError> {
-        let free = |q: &Joints| terms.checker.is_free(&self.kinematics.frames(q));
+    ) -> Result<Trajectory<N>, MotionError> {
+        let free = |q: &Joints<N>| terms.checker.is_free(&self.kinematics.frames(q));
         if !free(q) {
             return Err(MotionError::Blocked("start"));
         }
@@ -355,11 +353,11 @@ impl PathPlanner {
     /// When no way is found.
     pub fn plan_to(
         &self,
-        q: &Joints,
-        goal: &Joints,
-        terms: &Terms,
+        q: &Joints<N>,
+        goal: &Joints<N>,
+        terms: &Terms<N>,
         stream: &mut Stream,
-    ) -> Result<Trajectory, MotionError> {
+    ) -> Result<Trajectory<N>, MotionError> {
         let way = self.connect(q, goal, terms.checker, stream).ok_or(MotionError::NoWay)?;
         let mut line = Polyline::default();
         for pair in way.windows(2) {
@@ -371,7 +369,14 @@ impl PathPlanner {
 
     /// The fastest free level way to `goal`, where the tip is at `x_wt`, by way of a height (m, of the tip). The first that
     /// takes little more time than straight in joint space will do.
-    fn level(&self, q: &Joints, goal: &Joints, x_wt: &Pose, height: f64, terms: &Terms) -> Option<Shaped> {
+    fn level(
+        &self,
+        q: &Joints<N>,
+        goal: &Joints<N>,
+        x_wt: &Pose,
+        height: f64,
+        terms: &Terms<N>,
+    ) -> Option<Shaped<N>> {
         let from = self.kinematics.tip(q);
         let height = height.max(x_wt.translation.z).max(from.translation.z);
         let raised = |x: &Pose| {
@@ -392,8 +397,8 @@ impl PathPlanner {
             return self.shaped(&self.lead(q, goal, &pieces)?, terms);
         }
         let enough = GOOD_TIME * terms.law.least_time(q, goal);
-        let mut best: Option<Shaped> = None;
-        let consider = |way: Option<Polyline>, best: &mut Option<Shaped>| {
+        let mut best: Option<Shaped<N>> = None;
+        let consider = |way: Option<Polyline<N>>, best: &mut Option<Shaped<N>>| {
             let most = best.as_ref().map_or(f64::INFINITY, |best| best.time);
             let way = way.filter(|way| terms.law.least_along(&way.samples) < most);
             let shaped = way.and_then(|way| self.shaped(&way, terms));
@@ -422,7 +427,12 @@ impl PathPlanner {
     }
 
     /// A level way that is straight in joint space between its vertical ends.
-    fn in_joint_space(&self, q: &Joints, goal: &Joints, ends: [Option<Piece>; 2]) -> Option<Polyline> {
+    fn in_joint_space(
+        &self,
+        q: &Joints<N>,
+        goal: &Joints<N>,
+        ends: [Option<Piece>; 2],
+    ) -> Option<Polyline<N>> {
         let [up, down] = ends;
         let mut line = Polyline { samples: vec![*q], corners: Vec::new() };
         if let Some(piece) = up {
@@ -449,14 +459,14 @@ impl PathPlanner {
     }
 
     /// A way with its corners rounded where there is room, and divided at those that are not; `None` when it is not free.
-    fn shaped(&self, way: &Polyline, terms: &Terms) -> Option<Shaped> {
-        let free = |q: &Joints| terms.checker.is_free(&self.kinematics.frames(q));
+    fn shaped(&self, way: &Polyline<N>, terms: &Terms<N>) -> Option<Shaped<N>> {
+        let free = |q: &Joints<N>| terms.checker.is_free(&self.kinematics.frames(q));
         if !way.samples.iter().all(free) {
             return None;
         }
-        let clear = |q: &Joints| terms.checker.is_clear(&self.kinematics.frames(q));
+        let clear = |q: &Joints<N>| terms.checker.is_clear(&self.kinematics.frames(q));
         let last = way.samples.len() - 1;
-        let mut parts: Vec<Vec<Joints>> = Vec::new();
+        let mut parts: Vec<Vec<Joints<N>>> = Vec::new();
         let (mut part, mut from) = (Vec::new(), 0);
         for (index, &corner) in way.corners.iter().enumerate() {
             let before = if index == 0 { 0 } else { way.corners[index - 1] };
@@ -491,13 +501,13 @@ impl PathPlanner {
 
     /// How far the joints stay from the ends of their ranges on a straight motion of the tip from `q` to `x_wt`, rad;
     /// negative when the arm cannot follow it.
-    pub fn straight_margin(&self, q: &Joints, x_wt: &Pose) -> f64 {
+    pub fn straight_margin(&self, q: &Joints<N>, x_wt: &Pose) -> f64 {
         self.straight(q, x_wt).map_or(-1.0, |line| {
             line.iter().map(|q| self.kinematics.range_margin(q)).fold(f64::MAX, f64::min)
         })
     }
 
-    fn edge_is_free(&self, a: &Joints, b: &Joints, checker: &Checker) -> bool {
+    fn edge_is_free(&self, a: &Joints<N>, b: &Joints<N>, checker: &Checker) -> bool {
         interpolate(a, b).iter().all(|q| checker.is_free(&self.kinematics.frames(q)))
     }
 
@@ -505,12 +515,12 @@ impl PathPlanner {
     /// `None` when none was found.
     pub fn connect(
         &self,
-        start: &Joints,
-        goal: &Joints,
+        start: &Joints<N>,
+        goal: &Joints<N>,
         checker: &Checker,
         stream: &mut Stream,
-    ) -> Option<Vec<Joints>> {
-        let mut trees: [Vec<(Joints, usize)>; 2] = [vec![(*start, 0)], vec![(*goal, 0)]];
+    ) -> Option<Vec<Joints<N>>> {
+        let mut trees: [Vec<(Joints<N>, usize)>; 2] = [vec![(*start, 0)], vec![(*goal, 0)]];
         let mut turn = 0;
         while trees[0].len() + trees[1].len() < TREE_NODES {
             let sample = Joints::from_fn(|joint, _| {
@@ -522,7 +532,7 @@ impl PathPlanner {
                 let other = 1 - turn;
                 while let Some(near) = self.grow(&mut trees[other], &target, checker) {
                     if (trees[other][near].0 - target).amax() < 1e-9 {
-                        let branch = |tree: &[(Joints, usize)], mut node: usize| {
+                        let branch = |tree: &[(Joints<N>, usize)], mut node: usize| {
                             let mut way = vec![tree[node].0];
                             while node != 0 {
                                 node = tree[node].1;
@@ -532,7 +542,7 @@ impl PathPlanner {
                         };
                         let (mine, theirs) = (branch(&trees[turn], new), branch(&trees[other], near));
                         let (head, tail) = if turn == 0 { (mine, theirs) } else { (theirs, mine) };
-                        let mut way: Vec<Joints> = head.into_iter().rev().collect();
+                        let mut way: Vec<Joints<N>> = head.into_iter().rev().collect();
                         way.extend(tail.into_iter().skip(1));
                         return Some(self.shorten(way, checker, stream));
                     }
@@ -544,7 +554,12 @@ impl PathPlanner {
     }
 
     /// Grows a tree one step towards `target`; the new node, or `None` when something blocks it.
-    fn grow(&self, tree: &mut Vec<(Joints, usize)>, target: &Joints, checker: &Checker) -> Option<usize> {
+    fn grow(
+        &self,
+        tree: &mut Vec<(Joints<N>, usize)>,
+        target: &Joints<N>,
+        checker: &Checker,
+    ) -> Option<usize> {
         let (nearest, _) = tree
             .iter()
             .enumerate()
@@ -560,7 +575,7 @@ impl PathPlanner {
         Some(tree.len() - 1)
     }
 
-    fn shorten(&self, mut way: Vec<Joints>, checker: &Checker, stream: &mut Stream) -> Vec<Joints> {
+    fn shorten(&self, mut way: Vec<Joints<N>>, checker: &Checker, stream: &mut Stream) -> Vec<Joints<N>> {
         for _ in 0..SHORTCUTS {
             if way.len() < 3 {
                 break;
@@ -578,13 +593,13 @@ impl PathPlanner {
 
 /// As [`PathPlanner::follow`] in closed form: a smooth curve through a few solutions tells the angle of the last joint in
 /// between. `None` when the way leads through poses that cannot be reached with that angle.
-fn follow_closed(
-    analytic: &Analytic,
+fn follow_closed<const N: usize>(
+    analytic: &Analytic<N>,
     piece: &Piece,
-    q: &Joints,
-    posture: &impl Fn(f64) -> Joints,
+    q: &Joints<N>,
+    posture: &impl Fn(f64) -> Joints<N>,
     count: usize,
-) -> Option<Vec<Joints>> {
+) -> Option<Vec<Joints<N>>> {
     let knots = count.div_ceil(KNOT).max(2);
     let mut line = vec![*q];
     for knot in 1..=knots {
@@ -610,14 +625,14 @@ fn upright(rotation: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
 }
 
 /// Samples of a straight line in joint space, both ends among them.
-fn interpolate(a: &Joints, b: &Joints) -> Vec<Joints> {
+fn interpolate<const N: usize>(a: &Joints<N>, b: &Joints<N>) -> Vec<Joints<N>> {
     let steps = (((b - a).amax() / JOINT_SAMPLE).ceil() as usize).max(1);
     (0..=steps).map(|step| a.lerp(b, step as f64 / steps as f64)).collect()
 }
 
 /// A curve in place of the samples from so many before a corner to so many after it: it begins and ends as they do, and
 /// leaves out the corner (a quadratic Bézier curve). `None` when one of them is none.
-fn round(samples: &[Joints], corner: usize, halves: [usize; 2]) -> Option<Vec<Joints>> {
+fn round<const N: usize>(samples: &[Joints<N>], corner: usize, halves: [usize; 2]) -> Option<Vec<Joints<N>>> {
     if halves.contains(&0) {
         return None;
     }
@@ -632,5 +647,3 @@ fn round(samples: &[Joints], corner: usize, halves: [usize; 2]) -> Option<Vec<Jo
     });
     Some(curve.collect())
 }
-
-const _: () = assert!(DOF == 7);

@@ -3,5 +3,5 @@
 /// A rigid pose.
 pub type Pose = nalgebra::Isometry3<f64>;
 
-/// Joint positions (rad), or one number for each joint.
-pub type Joints = nalgebra::SVector<f64, { ramp_robot::DOF }>;
+/// Joint positions (rad), or one number for each joint of an arm with `N` of them.
+pub type Joints<const N: usize = { ramp_robot::DOF }> = nalgebra::SVector<f64, N>;

@@ -4,26 +4,26 @@ use crate::space::Joints;
 
 /// A natural cubic spline through equally spaced knots: position, slope and bend are continuous.
 #[derive(Clone, Debug)]
-pub(crate) struct Spline {
-    knots: Vec<Joints>,
+pub(crate) struct Spline<const N: usize> {
+    knots: Vec<Joints<N>>,
     /// Second derivatives at the knots, by knot number.
-    bends: Vec<Joints>,
+    bends: Vec<Joints<N>>,
 }
 
 /// A point of a curve, with its derivatives by the knot number.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Point {
+pub(crate) struct Point<const N: usize> {
     /// rad.
-    pub position: Joints,
+    pub position: Joints<N>,
     /// rad a knot.
-    pub slope: Joints,
+    pub slope: Joints<N>,
     /// rad a knot².
-    pub bend: Joints,
+    pub bend: Joints<N>,
 }
 
-impl Spline {
+impl<const N: usize> Spline<N> {
     /// The spline through `knots`, of which there are at least two.
-    pub fn new(knots: &[Joints]) -> Spline {
+    pub fn new(knots: &[Joints<N>]) -> Spline<N> {
         Spline { bends: bends(knots), knots: knots.to_vec() }
     }
 
@@ -33,7 +33,7 @@ impl Spline {
     }
 
     /// The curve at a knot number, whole or between.
-    pub fn at(&self, number: f64) -> Point {
+    pub fn at(&self, number: f64) -> Point<N> {
         let index = (number.max(0.0).floor() as usize).min(self.knots.len() - 2);
         let b = (number - index as f64).clamp(0.0, 1.0);
         let a = 1.0 - b;
@@ -47,7 +47,7 @@ impl Spline {
 }
 
 /// Second derivatives of the natural spline at its knots: its tridiagonal system, solved by elimination.
-fn bends(knots: &[Joints]) -> Vec<Joints> {
+fn bends<const N: usize>(knots: &[Joints<N>]) -> Vec<Joints<N>> {
     let n = knots.len();
     let mut bends = vec![Joints::zeros(); n];
     if n < 3 {

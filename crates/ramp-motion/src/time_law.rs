@@ -34,8 +34,6 @@ const FLAT: f64 = 1e-9;
 /// The least limit of a joint's speed, rad/s: at the end of its range it is zero, and a path that began there would take
 /// for ever.
 const SLOWEST: f64 = 0.01;
-/// Limits at a point: of accelerations there and at the next point, and of torques.
-const BOUNDS: usize = 3 * DOF;
 /// How much longer a ramp is than the largest jump of torque asks for: another jump may be near. Chosen.
 const ENOUGH: f64 = 1.05;
 /// How many times as long a ramp becomes at once where torques change too fast.
@@ -62,19 +60,19 @@ pub struct Pace {
 
 /// The limits that motions keep.
 #[derive(Clone, Debug)]
-pub struct TimeLaw {
+pub struct TimeLaw<const N: usize = DOF> {
     /// Of which the limits of velocity depend on the angle, near the ends of the ranges.
-    joints: [ArmJoint; DOF],
+    joints: [ArmJoint; N],
     /// Share of those limits.
     share: f64,
     /// rad/s².
-    acceleration: Joints,
+    acceleration: Joints<N>,
     /// rad/s³.
-    jerk: Joints,
+    jerk: Joints<N>,
     /// N·m, and N·m/s.
-    torque: Joints,
-    torque_rate: Joints,
-    dynamics: Dynamics,
+    torque: Joints<N>,
+    torque_rate: Joints<N>,
+    dynamics: Dynamics<N>,
     /// Samples of which each sample of a trajectory is the mean.
     window: usize,
 }
@@ -102,11 +100,11 @@ impl Use {
     }
 }
 
-impl TimeLaw {
+impl<const N: usize> TimeLaw<N> {
     /// The law for these shares of the limits of `arm`.
-    pub fn new(arm: &ArmModel, pace: &Pace) -> TimeLaw {
+    pub fn new(arm: &ArmModel<N>, pace: &Pace) -> TimeLaw<N> {
         let limits = |limit: fn(&ramp_robot::arm::ArmJoint) -> f64| {
-            Joints::from_fn(|joint, _| limit(&arm.joints[joint]))
+            Joints::<N>::from_fn(|joint, _| limit(&arm.joints[joint]))
         };
         let acceleration = limits(|joint| joint.acceleration) * pace.acceleration;
         let jerk = limits(|joint| joint.jerk) * pace.jerk;
@@ -127,14 +125,14 @@ impl TimeLaw {
 
     /// The same with `load` in the hand, given in the tip's frame.
     #[must_use]
-    pub fn carrying(mut self, load: &Inertia) -> TimeLaw {
+    pub fn carrying(mut self, load: &Inertia) -> TimeLaw<N> {
         self.dynamics = self.dynamics.carrying(load);
         self
     }
 
     /// The fastest trajectory along the samples of a path, at rest at both ends. The samples, at least one, follow each
     /// other at even distances.
-    pub fn time(&self, path: &[Joints]) -> Trajectory {
+    pub fn time(&self, path: &[Joints<N>]) -> Trajectory<N> {
         let (first, last) = (path[0], path[path.len() - 1]);
         let still = path.iter().all(|q| (q - first).amax() < FLAT);
         if path.len() < 2 || still {
@@ -163,7 +161,7 @@ impl TimeLaw {
     }
 
     /// About the time along the samples of a path, s: the law on a coarser grid.
-    pub(crate) fn estimate(&self, path: &[Joints]) -> f64 {
+    pub(crate) fn estimate(&self, path: &[Joints<N>]) -> f64 {
         if path.len() < 2 {
             return 0.0;
         }
@@ -173,23 +171,23 @@ impl TimeLaw {
     }
 
     /// A lower bound on the time between joint positions, s: each joint straight from rest to rest.
-    pub(crate) fn least_time(&self, from: &Joints, to: &Joints) -> f64 {
+    pub(crate) fn least_time(&self, from: &Joints<N>, to: &Joints<N>) -> f64 {
         let joint = |joint: usize| {
             let (way, a) = ((to[joint] - from[joint]).abs(), self.acceleration[joint]);
             let v = self.share * self.joints[joint].velocity;
             if way < v * v / a { 2.0 * (way / a).sqrt() } else { way / v + v / a }
         };
-        (0..DOF).map(joint).fold(0.0, f64::max)
+        (0..N).map(joint).fold(0.0, f64::max)
     }
 
     /// A lower bound on the time along a path, s: from each sample to the next at the largest speeds.
-    pub(crate) fn least_along(&self, path: &[Joints]) -> f64 {
+    pub(crate) fn least_along(&self, path: &[Joints<N>]) -> f64 {
         let speeds = Joints::from_fn(|joint, _| self.share * self.joints[joint].velocity);
         path.windows(2).map(|pair| (pair[1] - pair[0]).component_div(&speeds).amax()).sum()
     }
 
     /// How much of these limits a trajectory uses, from differences of its samples, with rest before and after.
-    pub fn used(&self, samples: &[Joints]) -> Use {
+    pub fn used(&self, samples: &[Joints<N>]) -> Use {
         let mut used = Use { velocity: 0.0, acceleration: 0.0, jerk: 0.0, torque: 0.0, torque_rate: 0.0 };
         let last = samples.len() - 1;
         let mut torques = self.dynamics.at(&samples[0]).holding();
@@ -197,7 +195,7 @@ impl TimeLaw {
         for index in 1..=last + 3 {
             let now = samples[index.min(last)];
             let [a, b, c] = before;
-            let share = |change: Joints, order: i32, limits: &Joints| {
+            let share = |change: Joints<N>, order: i32, limits: &Joints<N>| {
                 change.component_div(limits).amax() / PERIOD.powi(order)
             };
             let speeds = (now - a) / PERIOD;
@@ -217,7 +215,7 @@ impl TimeLaw {
     }
 
     /// The torques of a motion, N·m, and the largest share of their limits; where one is broken, of what gravity leaves.
-    fn torques(&self, q: &Joints, speeds: &Joints, gains: &Joints) -> (Joints, f64) {
+    fn torques(&self, q: &Joints<N>, speeds: &Joints<N>, gains: &Joints<N>) -> (Joints<N>, f64) {
         let chain = self.dynamics.at(q);
         let torques = chain.torques(speeds, gains);
         let share = torques.component_div(&self.torque).amax();
@@ -225,7 +223,7 @@ impl TimeLaw {
             return (torques, share);
         }
         let holding = chain.holding();
-        let shares = Joints::from_fn(|joint, _| {
+        let shares = Joints::<N>::from_fn(|joint, _| {
             let moving = torques[joint] - holding[joint];
             moving.abs() / self.left(joint, holding[joint] * moving.signum())
         });
@@ -247,11 +245,12 @@ struct Bound {
     high: f64,
 }
 
-/// The limits that hold at a point of a path.
-type Bounds = [Bound; BOUNDS];
+/// The limits that hold at a point of a path, one for each joint: of acceleration there, of acceleration at the next
+/// point, and of torque.
+type Bounds<const N: usize> = [[Bound; N]; 3];
 
 /// The mean of each sample and those before it in a window; before the start and after the end it rests.
-fn smooth(raw: &[Joints], window: usize) -> Vec<Joints> {
+fn smooth<const N: usize>(raw: &[Joints<N>], window: usize) -> Vec<Joints<N>> {
     let last = raw.len() - 1;
     let mut sum = raw[0] * window as f64;
     let mut smooth = vec![raw[0]];
@@ -279,10 +278,10 @@ struct Law {
 
 impl Law {
     /// On so many steps, with the limits of torque or without.
-    fn fastest(limits: &TimeLaw, spline: &Spline, count: usize, torques: bool) -> Law {
+    fn fastest<const N: usize>(limits: &TimeLaw<N>, spline: &Spline<N>, count: usize, torques: bool) -> Law {
         let step = spline.end() / count as f64;
-        let points: Vec<Point> = (0..=count).map(|i| spline.at(i as f64 * step)).collect();
-        let bounds: Vec<Bounds> =
+        let points: Vec<Point<N>> = (0..=count).map(|i| spline.at(i as f64 * step)).collect();
+        let bounds: Vec<Bounds<N>> =
             points.windows(2).map(|pair| limits.bounds(&pair[0], &pair[1], step, torques)).collect();
         // Largest squares from which the end can still be reached at rest.
         let mut reach = vec![0.0; count + 1];
@@ -296,8 +295,8 @@ impl Law {
             let x: f64 = squares[i];
             let (low, high) = accelerations(&bounds[i], x);
             let u = high.min((reach[i + 1] - x) / (2.0 * step)).max(low);
-            let torques = Joints::from_fn(|joint, _| {
-                let bound = &bounds[i][2 * DOF + joint];
+            let torques = Joints::<N>::from_fn(|joint, _| {
+                let bound = &bounds[i][2][joint];
                 bound.factor * u + bound.bend * x
             });
             jump = jump.max((torques - before).component_div(&limits.torque_rate).amax());
@@ -310,7 +309,7 @@ impl Law {
     }
 
     /// Joint positions at every control period, with all times stretched by a factor.
-    fn samples(&self, spline: &Spline, stretch: f64) -> Vec<Joints> {
+    fn samples<const N: usize>(&self, spline: &Spline<N>, stretch: f64) -> Vec<Joints<N>> {
         let last = self.times.len() - 1;
         let duration = self.times[last];
         let periods = (duration * stretch / PERIOD).ceil() as usize;
@@ -330,9 +329,9 @@ impl Law {
     }
 }
 
-impl TimeLaw {
+impl<const N: usize> TimeLaw<N> {
     /// The largest speeds of the joints at angles `q` (rad) in the directions of `way`, rad/s.
-    fn velocity(&self, q: &Joints, way: &Joints) -> Joints {
+    fn velocity(&self, q: &Joints<N>, way: &Joints<N>) -> Joints<N> {
         Joints::from_fn(|joint, _| {
             let [backwards, forwards] = self.joints[joint].velocity_at(q[joint]);
             let most = if way[joint] < 0.0 { -backwards } else { forwards };
@@ -342,48 +341,48 @@ impl TimeLaw {
 
     /// The largest square of the speed along the path that keeps the limits of velocity, and those of
     /// acceleration at constant speed.
-    fn largest_square(&self, point: &Point) -> f64 {
+    fn largest_square(&self, point: &Point<N>) -> f64 {
         let velocity = self.velocity(&point.position, &point.slope);
-        (0..DOF)
+        (0..N)
             .map(|joint| (velocity[joint] / point.slope[joint].abs().max(FLAT)).powi(2))
             .fold(f64::MAX, f64::min)
     }
 
     /// The limits at a point: of acceleration there and, with what an acceleration makes of the speed, at the next point one
     /// `step` on; and those of torque, if asked for.
-    fn bounds(&self, here: &Point, next: &Point, step: f64, torques: bool) -> Bounds {
-        let mut bounds = [Bound { factor: 0.0, bend: 0.0, low: f64::MIN, high: f64::MAX }; BOUNDS];
-        for joint in 0..DOF {
-            let limit = self.acceleration[joint];
-            // q̈ = slope · u + bend · x, and x grows by 2 step u to the next point.
-            let here = (here.slope[joint], here.bend[joint]);
-            let next = (next.slope[joint] + 2.0 * step * next.bend[joint], next.bend[joint]);
-            bounds[2 * joint] = Bound { factor: here.0, bend: here.1, low: -limit, high: limit };
-            bounds[2 * joint + 1] = Bound { factor: next.0, bend: next.1, low: -limit, high: limit };
-        }
-        if torques {
+    fn bounds(&self, here: &Point<N>, next: &Point<N>, step: f64, torques: bool) -> Bounds<N> {
+        let within = |factor: f64, bend: f64, limit: f64| Bound { factor, bend, low: -limit, high: limit };
+        // q̈ = slope · u + bend · x, and x grows by 2 step u to the next point.
+        let accelerations_here = std::array::from_fn(|joint| {
+            within(here.slope[joint], here.bend[joint], self.acceleration[joint])
+        });
+        let accelerations_next = std::array::from_fn(|joint| {
+            let factor = next.slope[joint] + 2.0 * step * next.bend[joint];
+            within(factor, next.bend[joint], self.acceleration[joint])
+        });
+        let torques = if torques {
             let chain = self.dynamics.at(&here.position);
             let factor = chain.moving(&Joints::zeros(), &here.slope);
             let bend = chain.moving(&here.slope, &here.bend);
             let holding = chain.holding();
-            for joint in 0..DOF {
-                bounds[2 * DOF + joint] = Bound {
-                    factor: factor[joint],
-                    bend: bend[joint],
-                    low: -self.left(joint, -holding[joint]),
-                    high: self.left(joint, holding[joint]),
-                };
-            }
-        }
-        bounds
+            std::array::from_fn(|joint| Bound {
+                factor: factor[joint],
+                bend: bend[joint],
+                low: -self.left(joint, -holding[joint]),
+                high: self.left(joint, holding[joint]),
+            })
+        } else {
+            [Bound { factor: 0.0, bend: 0.0, low: f64::MIN, high: f64::MAX }; N]
+        };
+        [accelerations_here, accelerations_next, torques]
     }
 }
 
 /// The range of accelerations along the path that keep these limits at the speed `x` (squared). Empty (low above high) when
 /// none does.
-fn accelerations(bounds: &Bounds, x: f64) -> (f64, f64) {
+fn accelerations<const N: usize>(bounds: &Bounds<N>, x: f64) -> (f64, f64) {
     let (mut least, mut most) = (f64::MIN, f64::MAX);
-    for Bound { factor, bend, low, high } in bounds {
+    for Bound { factor, bend, low, high } in bounds.as_flattened() {
         if factor.abs() < FLAT {
             if !(*low..=*high).contains(&(bend * x)) {
                 return (f64::MAX, f64::MIN);
@@ -403,13 +402,14 @@ fn accelerations(bounds: &Bounds, x: f64) -> (f64, f64) {
 /// Each limit bounds the acceleration by two lines over x. The lines from below and those from above enclose a convex
 /// region around rest. Its largest x is found from beyond, each time going back to where the two lines cross
 /// that are the furthest apart.
-fn largest_from(bounds: &Bounds, largest: f64, step: f64, reach: f64) -> f64 {
+fn largest_from<const N: usize>(bounds: &Bounds<N>, largest: f64, step: f64, reach: f64) -> f64 {
     // Lines value + slope · x: the next speed is at least zero and at most what is in reach.
-    let mut lines = [[(0.0, 0.0); 2]; BOUNDS + 1];
-    let mut count = 1;
-    lines[0] = [(0.0, -0.5 / step), (reach * 0.5 / step, -0.5 / step)];
+    let first = [(0.0, -0.5 / step), (reach * 0.5 / step, -0.5 / step)];
+    let mut lines = [[[(0.0, 0.0); 2]; N]; 3];
+    let lines = lines.as_flattened_mut();
+    let mut count = 0;
     let mut x = largest;
-    for Bound { factor, bend, low, high } in bounds {
+    for Bound { factor, bend, low, high } in bounds.as_flattened() {
         if factor.abs() < FLAT {
             let limit = if *bend > 0.0 { *high } else { -low };
             x = x.min(limit / bend.abs().max(f64::MIN_POSITIVE));
@@ -421,8 +421,8 @@ fn largest_from(bounds: &Bounds, largest: f64, step: f64, reach: f64) -> f64 {
     }
     for _ in 0..LARGEST_TURNS {
         let at = |line: (f64, f64)| line.0 + line.1 * x;
-        let (mut low, mut high) = (lines[0][0], lines[0][1]);
-        for [lower, upper] in &lines[1..count] {
+        let [mut low, mut high] = first;
+        for [lower, upper] in &lines[..count] {
             low = if at(*lower) > at(low) { *lower } else { low };
             high = if at(*upper) < at(high) { *upper } else { high };
         }

@@ -1,29 +1,29 @@
 //! A joint path with its times.
 
-use ramp_robot::PERIOD;
+use ramp_robot::{DOF, PERIOD};
 
 use crate::space::Joints;
 
 /// Joint positions for every control period, at rest at both ends. Made by a [`TimeLaw`](crate::TimeLaw).
 #[derive(Clone, Debug)]
-pub struct Trajectory {
+pub struct Trajectory<const N: usize = DOF> {
     /// One for each period, at least one, rad.
-    samples: Vec<Joints>,
+    samples: Vec<Joints<N>>,
 }
 
-impl Trajectory {
+impl<const N: usize> Trajectory<N> {
     /// A trajectory that stays at `q`.
-    pub fn resting(q: Joints) -> Trajectory {
+    pub fn resting(q: Joints<N>) -> Trajectory<N> {
         Trajectory { samples: vec![q] }
     }
 
     /// Through these samples, one for each period; `None` without any.
-    pub(crate) fn through(samples: Vec<Joints>) -> Option<Trajectory> {
+    pub(crate) fn through(samples: Vec<Joints<N>>) -> Option<Trajectory<N>> {
         (!samples.is_empty()).then_some(Trajectory { samples })
     }
 
     /// This trajectory and then `next`, which begins where this one ends.
-    pub fn then(mut self, next: Trajectory) -> Trajectory {
+    pub fn then(mut self, next: Trajectory<N>) -> Trajectory<N> {
         self.samples.extend(next.samples.into_iter().skip(1));
         self
     }
@@ -34,12 +34,12 @@ impl Trajectory {
     }
 
     /// Joint positions for every control period, rad.
-    pub fn samples(&self) -> &[Joints] {
+    pub fn samples(&self) -> &[Joints<N>] {
         &self.samples
     }
 
     /// Where it ends, rad.
-    pub fn end(&self) -> Joints {
+    pub fn end(&self) -> Joints<N> {
         self.samples[self.samples.len() - 1]
     }
 }

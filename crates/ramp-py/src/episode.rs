@@ -11,12 +11,12 @@ use ramp_gym::own::{Body, BodyError, Moment, OwnSkill, kind};
 use ramp_log::Sources;
 use ramp_report::curve::completion_svg;
 use ramp_result::EpisodeResult;
-use ramp_result::episode::Software;
+use ramp_result::episode::{RobotTime, Software};
 use ramp_robot::{
     Account, Agent, Camera, CameraModel, Command, Event, Image, Observation, PartReading, Robot as Seam,
     RobotError, TIME_LIMIT,
 };
-use ramp_skills::{Baseline, Parameters};
+use ramp_skills::{Baseline, Parameters, ReferenceTimes, reference_times_of_goal};
 use ramp_twin::{Disturbance, Setup, Twin};
 
 use crate::convert::seven;
@@ -374,10 +374,12 @@ pub fn run(
                 raised.keep(error);
             }
         };
+        let times = reference_times_of_goal(&assembly, &inner.kit, &inner.arm, &inner.domains);
+        let robot_time = times.ok().map(|ReferenceTimes { bound, reference }| RobotTime { bound, reference });
+        let label = Label { robot_time, ..Label::new(software(), repeat) };
         let result = match &record {
             Some(path) => {
                 let sources = Sources { goal: &goal_text, kit: &kit_text, arm: &arm_text };
-                let label = Label { software: software(), repeat, secret: None };
                 let recorded = record_episode(&setup, &sources, &mut worker, &label, path, &mut watcher);
                 let Recorded { result, unlogged } = recorded.map_err(|error| match error {
                     EpisodeError::Log(error) => input(error),
@@ -388,7 +390,7 @@ pub fn run(
                 }
                 result
             }
-            None => run_episode(&setup, &mut worker, &software(), repeat, &mut watcher).map_err(input)?,
+            None => run_episode(&setup, &mut worker, &label, &mut watcher).map_err(input)?,
         };
         match raised.take() {
             Some(error) => Err(error),

@@ -437,6 +437,7 @@ impl Run<'_> {
             completion: completion(&pegs),
             pegs,
             time: Time { planning: head.planning, compute: 0.0, robot: total - head.planning, total },
+            robot_time: None,
             plan: PlanInfo { coarse: 0, fine: 0, replans: 0 },
             events: Vec::new(),
             physics: None,

@@ -231,6 +231,8 @@ fn table(view: View, class: &ClassPart) -> Markup {
                     th { "planning" small { "s" } }
                     th { "compute" small { "s" } }
                     th { "robot" small { "s" } }
+                    th { "bound" small { "s" } }
+                    th { "reference" small { "s" } }
                 } }
                 tbody {
                     @for line in lines { (row(view, line, one)) }
@@ -269,8 +271,11 @@ fn row(view: View, line: &Line, one: bool) -> Markup {
                 td { (format!("{:.2}", mean.planning)) }
                 td { (format!("{:.2}", mean.compute)) }
                 td { (time(mean.robot)) }
+                @for it in [mean.compared.map(|it| it.bound), mean.compared.map(|it| it.reference)] {
+                    td { (it.map_or_else(|| NONE.to_string(), time)) }
+                }
             } @else {
-                @for _ in 0..4 { td { (NONE) } }
+                @for _ in 0..6 { td { (NONE) } }
             }
         }
     }

@@ -67,11 +67,14 @@ fn sums(report: &Report) -> String {
         "planning",
         "compute",
         "robot",
+        "bound",
+        "reference",
         "total_of_complete",
     ]);
     head.extend(Activity::ALL.map(|activity| activity.name().replace(' ', "_")));
     let line = |line: &Line| {
         let sum = &line.summary;
+        let compared = sum.time.and_then(|it| it.compared);
         let mut row = who(report, line.entrant);
         let scope = match &line.scope {
             Scope::Goal(_) => "goal",
@@ -97,6 +100,8 @@ fn sums(report: &Report) -> String {
             optional(sum.time.map(|it| it.planning)),
             optional(sum.time.map(|it| it.compute)),
             optional(sum.time.map(|it| it.robot)),
+            optional(compared.map(|it| it.bound)),
+            optional(compared.map(|it| it.reference)),
             optional(line.complete_total.map(|it| it.mean)),
         ]);
         row.extend(line.activities.map(number));
@@ -155,6 +160,8 @@ fn episodes(report: &Report) -> String {
         "compute",
         "robot",
         "total",
+        "bound",
+        "reference",
         "ended",
         "file",
         "sha256",
@@ -168,6 +175,10 @@ fn episodes(report: &Report) -> String {
             row.extend([result.counted().to_string(), result.pegs.len().to_string()]);
             let time = &result.time;
             row.extend([time.planning, time.compute, time.robot, time.total].map(|it| format!("{it:.6}")));
+            row.extend(
+                [result.robot_time.map(|it| it.bound), result.robot_time.map(|it| it.reference)]
+                    .map(optional),
+            );
             let name = file.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             row.extend([result.ended.reason.clone(), name, file.sha256.clone()]);
             row.push(result.log.clone().unwrap_or_default());
@@ -176,7 +187,7 @@ fn episodes(report: &Report) -> String {
         for lost in &agent.lost {
             let mut row = who(report, entrant);
             row.extend([lost.goal.clone(), lost.seed.to_string(), "0".to_string(), "0".to_string()]);
-            row.extend(vec![String::new(); 5]);
+            row.extend(vec![String::new(); 7]);
             row.extend(["lost".to_string(), String::new(), String::new(), String::new()]);
             rows.push(row);
         }

@@ -50,6 +50,10 @@ pub struct EpisodeResult {
     pub pegs: Vec<Option<PegResult>>,
     /// Where the time went.
     pub time: Time,
+    /// What robot time is to be compared with; `None` of a real run, where the baseline has no plan for the goal, and in files
+    /// of earlier versions. Then it is not in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot_time: Option<RobotTime>,
     /// The agent's plan.
     pub plan: PlanInfo,
     /// What happened, in order.
@@ -201,6 +205,16 @@ pub struct Time {
     pub robot: f64,
     /// The sum.
     pub total: f64,
+}
+
+/// What robot time is to be compared with: of the baseline's plan for the goal, from the start, by the model of the arm. It
+/// is the same for every agent, track, world and seed, and says nothing of the plan that the agent carried out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RobotTime {
+    /// No arm with these limits rests at all grasps and places of that plan in less time, s.
+    pub bound: f64,
+    /// What that plan takes with motions at the arm's limits, without looks, searches, waits and tries, s. It is no bound.
+    pub reference: f64,
 }
 
 /// Size of the agent's plan.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::episode::EpisodeResult;
+use crate::episode::{EpisodeResult, RobotTime};
 
 /// One episode of a bench.
 #[derive(Clone, Debug)]
@@ -63,6 +63,8 @@ pub struct MeanTime {
     pub total: f64,
     /// Standard deviation of the sum.
     pub total_deviation: Option<f64>,
+    /// What the robot's own time is to be compared with, of the results that tell it.
+    pub compared: Option<RobotTime>,
 }
 
 impl Spread {
@@ -92,12 +94,20 @@ impl Summary {
         let mean = |part: fn(&EpisodeResult) -> f64| {
             Spread::of(&results.iter().map(|result| part(result)).collect::<Vec<_>>())
         };
+        let compared: Vec<RobotTime> = results.iter().filter_map(|result| result.robot_time).collect();
+        let compared_mean = |part: fn(&RobotTime) -> f64| {
+            Spread::of(&compared.iter().map(part).collect::<Vec<_>>()).map(|it| it.mean)
+        };
+        let compared = compared_mean(|it| it.bound)
+            .zip(compared_mean(|it| it.reference))
+            .map(|(bound, reference)| RobotTime { bound, reference });
         let time = mean(|it| it.time.total).map(|total| MeanTime {
             planning: mean(|it| it.time.planning).map_or(0.0, |it| it.mean),
             compute: mean(|it| it.time.compute).map_or(0.0, |it| it.mean),
             robot: mean(|it| it.time.robot).map_or(0.0, |it| it.mean),
             total: total.mean,
             total_deviation: total.deviation,
+            compared,
         });
         Summary {
             episodes: entries.len(),

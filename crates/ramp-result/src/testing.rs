@@ -35,6 +35,7 @@ pub fn episode(goal: &str, seed: u64, since: &[f64], pegs: usize) -> EpisodeResu
             })
             .collect(),
         time: Time { planning, compute: 0.0, robot: end - planning, total: end },
+        robot_time: None,
         plan: PlanInfo { coarse: 1, fine: 1, replans: 0 },
         events: Vec::new(),
         log: None,

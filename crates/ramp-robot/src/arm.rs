@@ -5,14 +5,27 @@
 
 use ramp_source::{MAX_SENTENCE, plain};
 use serde::Deserialize;
+use serde::de::{Deserializer, Error};
 use std::path::{Path, PathBuf};
 
-/// Number of joints of the arm.
+/// Number of joints of the arm that robots, the twin and skills drive.
 pub const DOF: usize = 7;
 
-/// A serial arm of seven revolute joints with a hand and two parallel fingers.
+/// A serial arm of `N` revolute joints with a hand and two parallel fingers. Motions of any of them can be planned; robots,
+/// the twin and skills take arms of [`DOF`] joints.
+///
+/// ```
+/// # use std::path::Path;
+/// # use ramp_robot::arm::ArmModel;
+/// let file = Path::new("../../data/arms/ur5e.json");
+/// let arm: ArmModel<6> = ArmModel::read(file)?;
+/// assert_eq!(arm.name, "ur5e");
+/// let refused = ArmModel::<7>::read(file).unwrap_err().to_string();
+/// assert!(refused.contains("found 6, expected 7"));
+/// # Ok::<(), ramp_robot::arm::ArmError>(())
+/// ```
 #[derive(Clone, Debug, Deserialize)]
-pub struct ArmModel {
+pub struct ArmModel<const N: usize = DOF> {
     /// For example `panda`.
     pub name: String,
     /// Where the numbers come from.
@@ -20,7 +33,8 @@ pub struct ArmModel {
     /// The part that does not move.
     pub base: BaseLink,
     /// From the base outwards; each turns about its own z.
-    pub joints: [ArmJoint; DOF],
+    #[serde(deserialize_with = "one_for_each_joint")]
+    pub joints: [ArmJoint; N],
     /// The hand, fixed to the last link.
     pub hand: Hand,
     /// The limits of a commanded motion of the tip; none are checked when this is missing.
@@ -29,7 +43,31 @@ pub struct ArmModel {
     /// A finger; the other is the same, turned by 180° about the hand's z.
     pub finger: Finger,
     /// Joint positions at the start of an episode, rad.
-    pub home: [f64; DOF],
+    #[serde(deserialize_with = "one_for_each_joint")]
+    pub home: [f64; N],
+    /// Joint positions that motions lean to when they work straight ahead, rad: the tip in front of the base (y = 0), the hand
+    /// down with its x forward, the elbow up, every joint far from its ends. When this is missing, `home`.
+    #[serde(default, deserialize_with = "some_for_each_joint")]
+    pub posture: Option<[f64; N]>,
+}
+
+/// A list of `N`.
+fn one_for_each_joint<'de, D: Deserializer<'de>, T: Deserialize<'de>, const N: usize>(
+    from: D,
+) -> Result<[T; N], D::Error> {
+    let list = Vec::deserialize(from)?;
+    list.try_into().map_err(|list: Vec<T>| {
+        D::Error::custom(format!(
+            "a list with one element for each joint: found {}, expected {N}",
+            list.len()
+        ))
+    })
+}
+
+fn some_for_each_joint<'de, D: Deserializer<'de>, const N: usize>(
+    from: D,
+) -> Result<Option<[f64; N]>, D::Error> {
+    one_for_each_joint(from).map(Some)
 }
 
 /// The limits of a commanded motion of the tip: of its point, in m and s, then of its turn, in rad and s.
@@ -92,7 +130,7 @@ impl ArmJoint {
     /// ```
     /// # use std::path::Path;
     /// # use ramp_robot::arm::ArmModel;
-    /// let arm = ArmModel::read(Path::new("../../data/arms/fr3.json"))?;
+    /// let arm: ArmModel = ArmModel::read(Path::new("../../data/arms/fr3.json"))?;
     /// let joint = &arm.joints[0];
     /// assert_eq!(joint.velocity_at(0.0), [-2.62, 2.62]);
     /// let [backwards, forwards] = joint.velocity_at(2.8);
@@ -209,12 +247,12 @@ pub enum ArmError {
     },
 }
 
-impl ArmModel {
+impl<const N: usize> ArmModel<N> {
     /// Reads an arm file.
     ///
     /// # Errors
-    /// When the file is missing, is not JSON of this form, or holds limits that make no sense.
-    pub fn read(path: &Path) -> Result<ArmModel, ArmError> {
+    /// When the file is missing, is not JSON of this form, is of an arm that has not `N` joints, or holds limits that make no sense.
+    pub fn read(path: &Path) -> Result<ArmModel<N>, ArmError> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| ArmError::Io { path: path.to_path_buf(), source })?;
         ArmModel::from_json(path, &text)
@@ -224,9 +262,9 @@ impl ArmModel {
     ///
     /// # Errors
     /// As [`ArmModel::read`].
-    pub fn from_json(path: &Path, text: &str) -> Result<ArmModel, ArmError> {
+    pub fn from_json(path: &Path, text: &str) -> Result<ArmModel<N>, ArmError> {
         let at = |line, column, message| ArmError::Format { path: path.to_path_buf(), line, column, message };
-        let model: ArmModel = serde_json::from_str(text)
+        let model: ArmModel<N> = serde_json::from_str(text)
             .map_err(|error| at(error.line(), error.column(), plain(&error.to_string(), MAX_SENTENCE)))?;
         for (index, joint) in model.joints.iter().enumerate() {
             let torques = [joint.torque, joint.torque_rate];
@@ -291,7 +329,7 @@ mod tests {
     fn bad_braking_is_refused() {
         let text = std::fs::read_to_string("../../data/arms/fr3.json").unwrap();
         let refused = |from: &str, to: &str| {
-            ArmModel::from_json(Path::new("arm.json"), &text.replace(from, to)).unwrap_err().to_string()
+            ArmModel::<7>::from_json(Path::new("arm.json"), &text.replace(from, to)).unwrap_err().to_string()
         };
         let sign =
             "arm.json:1:1: joint 2: its deceleration in braking is not positive or its offset is negative";

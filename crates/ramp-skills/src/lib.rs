@@ -27,5 +27,5 @@ pub use fault::{Fault, SkillError};
 pub use parameters::Parameters;
 pub use piece::Piece;
 pub use pose::Pose;
-pub use reference_times::{ReferenceTimes, reference_times};
+pub use reference_times::{ReferenceTimes, reference_times, reference_times_of_goal};
 pub use table::SkillTable;

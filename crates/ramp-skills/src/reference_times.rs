@@ -6,11 +6,11 @@
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_motion::{Joints, Pace, PathPlanner, TimeLaw, least_time_over};
-use ramp_planner::{Plan, PlanError, State};
+use ramp_planner::{Domains, Plan, PlanError, State};
 use ramp_robot::arm::ArmModel;
 
 use crate::parameters::Parameters;
-use crate::rehearsal::{Done, Rehearsal};
+use crate::rehearsal::{Done, Rehearsal, Rehearsed, plan_for_arm};
 
 /// Speed of the reference in contact, m/s. Chosen: twice that of the baseline's insertions.
 const IN_CONTACT: f64 = 0.1;
@@ -28,10 +28,25 @@ pub struct ReferenceTimes {
     pub reference: f64,
 }
 
+/// The times of the baseline's plan for a goal from nothing, around what the arm cannot do.
+///
+/// # Errors
+/// When there is no plan that the arm can carry out, or as [`reference_times`].
+pub fn reference_times_of_goal(
+    assembly: &Assembly,
+    kit: &Kit,
+    arm: &ArmModel,
+    domains: &Domains,
+) -> Result<ReferenceTimes, PlanError> {
+    let state = State::default();
+    let Rehearsed { plan, facts, .. } = plan_for_arm(assembly, kit, arm, &state, domains)?;
+    reference_times(assembly, kit, arm, &State { motion: facts, ..state }, &plan)
+}
+
 /// The times of a plan, with every part where it nominally is in `state`.
 ///
 /// # Errors
-/// When the arm cannot carry out the plan, or has no closed-form inverse kinematics.
+/// When the arm cannot carry out the plan, or the bound has no end: a grasp or place is out of reach.
 pub fn reference_times(
     assembly: &Assembly,
     kit: &Kit,
@@ -63,5 +78,8 @@ pub fn reference_times(
     }
     let bound =
         least_time_over(arm, &Joints::from(arm.home), &rests).map_err(|error| refused(error.to_string()))?;
+    if !bound.is_finite() {
+        return Err(refused("a grasp or place is out of reach".to_string()));
+    }
     Ok(ReferenceTimes { bound, reference })
 }

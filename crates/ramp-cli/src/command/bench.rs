@@ -171,8 +171,8 @@ impl Bench<'_> {
         let width = self.0.goals.iter().map(|goal| goal.name.chars().count()).max().unwrap_or(0).max(16);
         let _ = writeln!(
             text,
-            "{:<width$}  episodes  completion  deviation    best      pegs   mean total time",
-            "goal"
+            "{:<width$}  episodes  completion  deviation    best      pegs   {:<18}  {:>7}  {:>7}  {:>9}",
+            "goal", "mean total time", "robot", "bound", "reference"
         );
         for (goal, sum) in self.0.goals.iter().zip(&goals) {
             line(&mut text, &goal.name, width, sum);
@@ -198,9 +198,11 @@ impl Bench<'_> {
 fn line(text: &mut String, name: &str, width: usize, sum: &Summary) {
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     let none = || "-".to_string();
+    let seconds = |time: Option<f64>| time.map_or_else(none, |time| format!("{time:.1} s"));
+    let compared = sum.time.and_then(|it| it.compared);
     let _ = writeln!(
         text,
-        "{name:<width$}  {:>8}  {:>10}  {:>9}  {:>6}  {:>8}   {}",
+        "{name:<width$}  {:>8}  {:>10}  {:>9}  {:>6}  {:>8}   {:<18}  {:>7}  {:>7}  {:>9}",
         format!("{}/{}", sum.finished, sum.episodes),
         percent(sum.completion.mean),
         sum.completion.deviation.map_or_else(none, percent),
@@ -210,5 +212,8 @@ fn line(text: &mut String, name: &str, width: usize, sum: &Summary) {
             Some(deviation) => format!("{:.1} s ± {deviation:.1} s", time.total),
             None => format!("{:.1} s", time.total),
         }),
+        seconds(sum.time.map(|it| it.robot)),
+        seconds(compared.map(|it| it.bound)),
+        seconds(compared.map(|it| it.reference)),
     );
 }

@@ -12,8 +12,9 @@ use ramp_episode::{EpisodeError, Label, Progress, Recorded, record_episode};
 use ramp_gym::{PlanFileError, read_plan};
 use ramp_kit::source::read_text;
 use ramp_report::curve::completion_svg;
-use ramp_result::episode::EpisodeResult;
+use ramp_result::episode::{EpisodeResult, RobotTime};
 use ramp_robot::Event;
+use ramp_skills::{ReferenceTimes, reference_times_of_goal};
 use ramp_twin::{Disturbance, Fault, Setup, Twin};
 
 use crate::command::agent;
@@ -168,6 +169,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         skills: &skills,
         plan,
     };
+    let robot_time = robot_time(data, &setup)?;
     let limit = arguments.agent.agent_limit;
     let mut agent = agent::start(&world, agent_file.as_ref(), sandbox, limit, end, |event| {
         display.event(event);
@@ -188,6 +190,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         software: software(),
         repeat: arguments.repeat,
         secret: arguments.secret.clone().map(|commitment| (arguments.seed, commitment)),
+        robot_time,
     };
     let recorded = record_episode(&setup, &texts.sources(), agent.as_mut(), &label, &log, &mut watcher);
     display.finish();
@@ -210,6 +213,13 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         None if result.counted() == result.pegs.len() => Ok(DONE),
         None => Ok(INCOMPLETE),
     }
+}
+
+/// What robot time is to be compared with, where the baseline has a plan for the goal.
+fn robot_time(data: &Data, setup: &Setup) -> Result<Option<RobotTime>, Report> {
+    let domains = data.domains(None)?;
+    let times = reference_times_of_goal(setup.assembly, setup.kit, setup.arm, &domains);
+    Ok(times.ok().map(|ReferenceTimes { bound, reference }| RobotTime { bound, reference }))
 }
 
 /// The result for a person.
@@ -239,6 +249,12 @@ fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
         "time {:.1} s = planning {:.2} + computing {:.2} + robot {:.1}",
         time.total, time.planning, time.compute, time.robot
     );
+    if let Some(RobotTime { bound, reference }) = result.robot_time {
+        let _ = writeln!(
+            text,
+            "robot time of the baseline's plan: bound {bound:.1} s, reference {reference:.1} s"
+        );
+    }
     if result.ended.reason != "done" {
         let _ = writeln!(text, "ended early: {}", result.ended.reason);
     }

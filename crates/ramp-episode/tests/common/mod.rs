@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use ramp_assembly::Assembly;
-use ramp_episode::run_episode;
+use ramp_episode::{Label, run_episode};
 use ramp_kit::Kit;
 use ramp_log::calls::{Decoder, Encoder, Entry};
 use ramp_planner::Domains;
@@ -65,7 +65,8 @@ impl World {
     pub fn run_on(&self, track: Track, seed: u64) -> EpisodeResult {
         let mut agent = Baseline::new(&self.kit, &self.assembly, &self.arm, &self.domains, seed);
         let software = Software { version: "test".into(), commit: "test".into() };
-        run_episode(&self.setup_on(track, seed), &mut agent, &software, 1, &mut |_, _| {}).unwrap()
+        run_episode(&self.setup_on(track, seed), &mut agent, &Label::new(software, 1), &mut |_, _| {})
+            .unwrap()
     }
 }
 
@@ -123,7 +124,7 @@ impl World {
         let sources = ramp_log::Sources { goal: &goal, kit: &kit, arm: &arm };
         let software = Software { version: "test".into(), commit: "test".into() };
         let setup = self.setup_on(track, seed);
-        let label = ramp_episode::Label { software, repeat: 1, secret: None };
+        let label = Label::new(software, 1);
         let recorded = ramp_episode::record_episode(&setup, &sources, agent, &label, path, &mut |_, _| {});
         let recorded = recorded.unwrap();
         assert!(recorded.unlogged.is_none());

@@ -85,6 +85,7 @@ impl<'a> Run<'a> {
             completion: if pegs.is_empty() { 0.0 } else { counted as f64 / pegs.len() as f64 },
             pegs,
             time: Time { planning, compute: 0.0, robot: self.now - planning, total: self.now },
+            robot_time: None,
             plan: PlanInfo { coarse: 0, fine: 0, replans: 0 },
             events: self.faults.into_iter().map(event).collect(),
             physics: None,

@@ -2,7 +2,7 @@
 
 use ramp_kit::source::shorten;
 
-use crate::episode::EpisodeResult;
+use crate::episode::{EpisodeResult, RobotTime};
 use crate::words::{self, MOST_PEGS};
 
 /// The longest time that an episode can have, s: more than any protocol asks for, and what a picture can show.
@@ -23,7 +23,10 @@ pub(super) fn check(result: &EpisodeResult) -> Result<(), String> {
         ("time.robot", time.robot),
         ("time.total", time.total),
     ];
-    for (name, value) in parts {
+    let compared = result.robot_time.iter().flat_map(|RobotTime { bound, reference }| {
+        [("robot_time.bound", *bound), ("robot_time.reference", *reference)]
+    });
+    for (name, value) in parts.into_iter().chain(compared) {
         if !(0.0..=LONGEST).contains(&value) {
             return Err(format!("`{name}` is {value} s, expected 0 to {LONGEST}"));
         }
