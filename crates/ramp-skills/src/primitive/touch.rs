@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use ramp_assembly::JointRef;
-use ramp_kit::joint::{self, AXIS_HEIGHT_LYING, BODY_WIDTH, EXTRUSION, FEMALE_HEIGHT};
+use ramp_kit::joint::{self, BODY_WIDTH, EXTRUSION, FEMALE_HEIGHT};
 
 use crate::Pose;
 use crate::cell::Workcell;
@@ -11,7 +11,7 @@ use crate::hand::Rise;
 
 impl Workcell<'_, '_> {
     /// Presses a held beam, a little over the table, flat on it: then its height and its tilt in the hand are known, however
-    /// the cameras and the arm are off. A beam whose height is known well enough, or that stands on feet, is left as it is.
+    /// the cameras and the arm are off. A beam whose height is known well enough is left as it is.
     ///
     /// # Errors
     /// [`Fault::Unseen`](crate::Fault::Unseen), [`Fault::Overload`](crate::Fault::Overload), and the robot's.
@@ -20,7 +20,7 @@ impl Workcell<'_, '_> {
         let ends = [0.0, placed.span()].map(|x| Point3::new(x, 0.0, 0.0));
         let known =
             |p: &Point3<f64>| self.belief.deviation(&placed.name, p)[1] < self.parameters.touch.trusted;
-        if placed.stands_at_assembled_height() || ends.iter().all(known) {
+        if ends.iter().all(known) {
             return Ok(());
         }
         self.hand.relax();
@@ -30,7 +30,7 @@ impl Workcell<'_, '_> {
         let x_wa = self.x_wa();
         let lying = |p: &Point3<f64>| {
             let p_a = x_wa.inverse_transform_point(p);
-            (x_wa * Point3::new(p_a.x, p_a.y, AXIS_HEIGHT_LYING)).z
+            (x_wa * Point3::new(p_a.x, p_a.y, placed.axis_height_on_table())).z
         };
         let over = ends.map(|end| (x_wb * end).z - lying(&(x_wb * end)));
         let mut down = before;

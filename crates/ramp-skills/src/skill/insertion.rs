@@ -98,7 +98,7 @@ impl Insertion {
             &name,
             &cell.insertion_start(beam, if attempt == 0 { self.parameters.clear } else { 0.0 })?,
         )?;
-        if cell.sleeves(beam).next().is_some() {
+        if attempt == 0 {
             cell.touch_table(beam)?;
         }
         cell.bring_to(&name, &cell.insertion_start(beam, height.max(self.parameters.lowest))?)?;
