@@ -33,7 +33,8 @@ parameters! {
         press: f64 = "N", 0.5, 50.0;
         /// Speed with which it comes down. Chosen.
         press_speed: f64 = "m/s", 1e-4, 0.1;
-        /// How far below where it is believed the table is looked for.
+        /// How far below where the table is believed the setpoint goes: to press against the stiffness of the hand, and as far as
+        /// the height may be off.
         further: f64 = "m", 0.0, 0.02;
         /// How long the hand presses. Chosen.
         flat: f64 = "s", 0.0, 5.0;
