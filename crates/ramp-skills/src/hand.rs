@@ -194,8 +194,12 @@ impl Rise {
 
     /// Takes in one control period. N; 0 while the motion begins.
     pub fn sense(&mut self, hand: &Hand) -> f64 {
+        self.over(hand.seen.wrench.fixed_rows::<3>(0).dot(&self.direction))
+    }
+
+    /// The rise of a force (N) in the direction, one control period after the last.
+    fn over(&mut self, force: f64) -> f64 {
         self.time += PERIOD;
-        let force = hand.seen.wrench.fixed_rows::<3>(0).dot(&self.direction);
         if self.time < self.parameters.begin {
             self.mean = force;
         }
@@ -621,5 +625,71 @@ impl<'r> Hand<'r> {
         let shift = x_wt_goal.translation.vector - x_wt.translation.vector;
         let turn: UnitQuaternion<f64> = x_wt_goal.rotation * x_wt.rotation.inverse();
         Pose::from_parts(Translation3::from(told.translation.vector + shift), turn * told.rotation)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a push into a loose sleeve measures: a bias, a step of friction as the hand begins to move, a slow drift, and
+    /// then an edge. Only the edge is told, and soon.
+    #[test]
+    fn an_edge_is_told_from_bias_and_friction() {
+        let parameters = Parameters::baseline();
+        let limit = parameters.assemble.loose_limit;
+        let mut rise = Rise::new(Vector3::x(), &parameters.rise);
+        let mut told = None;
+        for period in 0..2000 {
+            let time = f64::from(period) * PERIOD;
+            let friction = if time < 0.03 { 0.0 } else { 1.3 };
+            let edge = (time - 1.5).max(0.0) * 75.0;
+            if told.is_none() && rise.over(-2.0 + friction + 0.5 * time + edge) > limit {
+                told = Some(time);
+            }
+        }
+        assert!(told.is_some_and(|time| (1.5..1.52).contains(&time)), "{told:?}");
+    }
+
+    /// A slow touch is told by its rise since the beginning, which a running mean would follow.
+    #[test]
+    fn a_slow_touch_is_told() {
+        let parameters = Parameters::baseline();
+        let force = |time: f64| 2.0 + (time - 0.5).max(0.0) * 15.0;
+        let largest = |mut rise: Rise| {
+            (0..1200).map(|period| rise.over(force(f64::from(period) * PERIOD))).fold(0.0, f64::max)
+        };
+        let limit = parameters.touch.press;
+        assert!(largest(Rise::new(Vector3::x(), &parameters.rise)) < limit);
+        assert!(largest(Rise::over_beginning(Vector3::x(), &parameters.rise)) > limit);
+    }
+
+    /// Joint friction holds the tip a third of a millimetre and 3 mrad off its line: the setpoint goes the other way until the
+    /// tip is back, along the motion it stays as it was, and it goes no further than its bounds.
+    #[test]
+    fn the_trim_brings_the_tip_back_to_its_line() {
+        let parameters = Parameters::baseline().trim.clone();
+        let trim = |direction| Trim {
+            parameters: parameters.clone(),
+            from: Pose::identity(),
+            tip: Pose::identity(),
+            direction,
+            shift: Vector3::zeros(),
+            turn: Vector3::zeros(),
+        };
+        let friction = Pose::new(Vector3::new(-0.4e-3, 0.0, -0.3e-3), Vector3::new(0.0, 3.0e-3, 0.0));
+        let mut kept = trim(Vector3::x());
+        let mut setpoint = Pose::identity();
+        for _ in 0..2000 {
+            setpoint = kept.trimmed(&Pose::identity(), &(setpoint * friction));
+        }
+        let tip = setpoint * friction;
+        assert!(tip.translation.z.abs() < 0.01e-3 && tip.rotation.angle() < 0.1e-3, "{tip}");
+        assert!(setpoint.translation.x.abs() < 1e-6, "{setpoint}");
+        let mut held = trim(Vector3::x());
+        for _ in 0..20_000 {
+            setpoint = held.trimmed(&Pose::identity(), &Pose::translation(0.0, 0.0, -5.0e-3));
+        }
+        assert!((setpoint.translation.z - parameters.most).abs() < 1e-9, "{setpoint}");
     }
 }

@@ -532,4 +532,28 @@ mod tests {
         belief.x_wt = Pose::identity();
         assert!(off(&belief, "b4", &carried) < 1e-12);
     }
+
+    /// A held beam that lies flat on the table is known in height and tilt in the hand, and stays so as the hand moves.
+    #[test]
+    fn a_touch_of_the_table_tells_the_height_in_the_hand() {
+        let mut belief = belief();
+        let there = belief.parts["b4"].estimate.x;
+        belief.take(&reading(&mut Stream::new(8, "test"), "b4", &there));
+        belief.x_wt = Pose::from_parts(
+            (there * Point3::new(0.08, 0.0, 0.0)).coords.into(),
+            crate::grasp::hand_down(crate::grasp::yaw_of(&there)),
+        );
+        belief.gripped("b4", false);
+        let height = there.translation.z + 1.2 * MM;
+        let ends = [0.0, 0.2924].map(|x| Point3::new(x, 0.0, 0.0));
+        for end in &ends {
+            belief.stands_at("b4", end, height, 0.02 * MM);
+        }
+        belief.x_wt = Translation3::new(0.1, 0.0, 0.05) * belief.x_wt;
+        let x_wb = belief.pose("b4").unwrap();
+        for end in &ends {
+            assert!(((x_wb * end).z - height - 0.05).abs() < 0.1 * MM, "{}", (x_wb * end).z - height);
+            assert!(belief.deviation("b4", end)[1] < 0.1 * MM);
+        }
+    }
 }
