@@ -91,8 +91,15 @@ fn a_dropped_peg_is_replaced_by_another() {
 }
 
 #[test]
-fn a_hole_that_is_not_found_is_tried_again_after_another_look() {
-    let (seated, events, _) = run(2, Trouble::Misreads { beams: ["b7", "b4"], from: 18.0, to: 40.0 });
+fn a_clamped_beam_that_is_misread_is_believed_where_it_is_clamped() {
+    let (seated, events, replans) = run(2, Trouble::Misreads { beams: ["b7", "b4"], from: 18.0, to: 40.0 });
+    assert!(events.iter().all(|event| event.kind != "fault"), "{events:?}");
+    assert_eq!((seated, replans), (3, 0), "{events:?}");
+}
+
+#[test]
+fn a_joint_that_is_misread_is_tried_again_after_another_look() {
+    let (seated, events, _) = run(2, Trouble::Misreads { beams: ["b5", "b1"], from: 18.8, to: 40.0 });
     assert!(events.iter().any(|event| event.kind == "fault"), "{events:?}");
     assert_eq!(seated, 3, "{events:?}");
 }

@@ -183,6 +183,10 @@ impl Belief {
             part.seen = true;
             return false;
         }
+        let off = part.estimate.error(&seen.x).fixed_rows::<3>(0).norm();
+        if part.frame == Frame::Clamped && off > self.parameters.clamped_most {
+            return true;
+        }
         match part.odd.take() {
             // Two readings agree: the part is not where it was believed.
             Some(mut before) if before.surprise(&seen) < self.parameters.gate => {
@@ -451,6 +455,27 @@ mod tests {
         assert!(!belief.take(&reading(&mut stream, "b4", &away)));
         assert!(off(&belief, "b4", &away) < 3.0 * MM);
         assert_eq!(belief.astray().len(), 1);
+    }
+
+    /// The clamped beam cannot be far from its place, however often it is seen there; but its table may be high.
+    #[test]
+    fn a_clamped_beam_is_not_far_away() {
+        let mut belief = belief();
+        let there = belief.parts["b7"].estimate.x;
+        let exact = |x: Pose| Sighting {
+            part: "b7".to_string(),
+            estimate: Estimate { x, covariance: covariance([1e-9; 3], [1e-9; 3]) },
+            x_wt: Pose::identity(),
+        };
+        for _ in 0..3 {
+            belief.take(&exact(Translation3::new(12.0 * MM, 0.0, 0.0) * there));
+        }
+        assert!(off(&belief, "b7", &there) < 0.1 * MM);
+        let high = Translation3::new(0.0, 0.0, 0.5 * MM) * there;
+        for _ in 0..2 {
+            belief.take(&exact(high));
+        }
+        assert!(off(&belief, "b7", &high) < 0.01 * MM);
     }
 
     /// A push too small for one reading to stand out is noticed over some.

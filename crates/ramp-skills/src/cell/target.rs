@@ -9,17 +9,10 @@ use crate::fault::{Fault, SkillError};
 
 impl Workcell<'_, '_> {
     /// The frame of the assembly in the world: where the clamped beam is believed to be, with the height and the tilt of the
-    /// table under it. A clamped beam that seems far from its place was misread.
+    /// table under it.
     pub fn x_wa(&self) -> Pose {
-        let nominal = self.kit.x_wa();
         let base = &self.assembly.beams[self.assembly.base];
-        let Ok(x_wb) = self.belief.pose(&base.beam.name) else { return nominal };
-        let x_wa = x_wb * base.x_ab.inverse();
-        let off = (x_wa.translation.vector - nominal.translation.vector).norm();
-        let turned = x_wa.rotation.angle_to(&nominal.rotation);
-        let clamped =
-            off < self.parameters.alignment.clamped && turned < self.parameters.alignment.clamped_turn;
-        if clamped { x_wa } else { nominal }
+        self.belief.pose(&base.beam.name).map_or(self.kit.x_wa(), |x_wb| x_wb * base.x_ab.inverse())
     }
 
     /// Where a beam of the assembly is to stand, in the world: its nominal place, moved to where the joints it

@@ -11,6 +11,8 @@ parameters! {
         clamped: f64 = "m", 1e-7, 0.1;
         /// Rotation of the clamped beam, each axis.
         clamped_turn: f64 = "°", 1e-4, 90.0;
+        /// It may be this far off its place, more than a table's height and lean: what is seen further away was misread.
+        clamped_most: f64 = "m", 0.0, 0.1;
         /// What a second adds to the position of any part, each axis.
         resting: f64 = "m", 0.0, 0.1;
         /// What a second adds to its rotation.

@@ -71,9 +71,5 @@ parameters! {
         level: f64 = "m", 1e-6, 0.1;
         /// An upright peg this near to a hole, along the table, stands in it.
         fallen: f64 = "m", 1e-5, 0.1;
-        /// The clamped beam may be this far off its place: more than a table's height and lean, less than a misreading.
-        clamped: f64 = "m", 0.0, 0.1;
-        /// How far it may be turned.
-        clamped_turn: f64 = "rad", 0.0, 0.5;
     }
 }
