@@ -127,7 +127,7 @@ impl Ramped {
     }
 }
 
-/// What keeps the tip on a line: how far it is off, summed up.
+/// What keeps the tip on a line: how far it is off, summed up. All in the world.
 struct Trim {
     parameters: TrimParameters,
     /// Setpoint and tip at the beginning.
@@ -135,6 +135,7 @@ struct Trim {
     tip: Pose,
     /// Of the motion, a unit vector; along it nothing is trimmed.
     direction: Vector3<f64>,
+    /// What the setpoint is moved by, m, and turned by: a rotation vector, rad.
     shift: Vector3<f64>,
     turn: Vector3<f64>,
 }
@@ -192,7 +193,7 @@ impl Rise {
         Rise { direction, mean: 0.0, time: 0.0, parameters }
     }
 
-    /// Takes in one control period. N; 0 while the motion begins.
+    /// The rise after another control period, N; 0 while the motion begins.
     pub fn sense(&mut self, hand: &Hand) -> f64 {
         self.over(hand.seen.wrench.fixed_rows::<3>(0).dot(&self.direction))
     }

@@ -8,5 +8,5 @@ pub mod press;
 pub mod release;
 pub mod search;
 pub mod touch;
-mod travel;
+pub mod travel;
 pub mod wrench;
