@@ -441,12 +441,15 @@ impl Twin {
         let sensing = &self.physics.sensing;
         let (force, moment) = (sensing.force_noise, sensing.moment_noise);
         let noise = Vector6::from_fn(|axis, _| self.noise.normal(if axis < 3 { force } else { moment }));
-        if self.physics.sensing.torque_sensors >= 0.5 {
+        let told = self.physics.sensing.torque_sensors >= 0.5;
+        if told || !self.has_wrist_sensor() {
             // Coriolis and centrifugal torques: what the engine's bias has beside the weights that it compensates.
             let coriolis = JointVector::from_column_slice(&self.data.qfrc_bias()[..DOF])
                 - JointVector::from_column_slice(&self.data.qfrc_gravcomp()[..DOF]);
             let after = JointVector::from_column_slice(&self.data.qvel()[..DOF]);
             self.drive.sensed(&before.inertia, [&before.velocities, &after], &coriolis, &before.positions);
+        }
+        if told {
             self.torques = *self.drive.torques();
         }
         if self.has_wrist_sensor() {

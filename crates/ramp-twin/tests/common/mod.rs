@@ -25,19 +25,19 @@ impl World {
         World { kit, assembly, arm }
     }
 
+    #[allow(dead_code)] // Each test binary compiles this file, and not all of them put a twin into another world.
+    pub fn twin_in(&self, world: &ramp_twin::World, seed: u64) -> Twin {
+        self.build(Track::State, seed, world)
+    }
+
+    #[allow(dead_code)]
     pub fn twin(&self, track: Track, seed: u64) -> Twin {
+        self.build(track, seed, ramp_twin::World::ideal())
+    }
+
+    fn build(&self, track: Track, seed: u64, world: &ramp_twin::World) -> Twin {
         let (kit, assembly, arm) = (&self.kit, &self.assembly, &self.arm);
         let disturbance = Disturbance::default();
-        Twin::new(&Setup {
-            kit,
-            assembly,
-            arm,
-            track,
-            seed,
-            disturbance,
-            world: ramp_twin::World::ideal(),
-            fault: None,
-        })
-        .unwrap()
+        Twin::new(&Setup { kit, assembly, arm, track, seed, disturbance, world, fault: None }).unwrap()
     }
 }
