@@ -1,12 +1,13 @@
 //! Speed of a whole easy-3 episode on one core, beside raw MuJoCo stepping the same scene with the same commands.
 //!
 //! Raw stepping is the lower bound: what is above it is the controller, the sensors, the referee, planning and
-//! motion planning together. Prints the real-time factors and their ratio.
+//! motion planning together. Prints the real-time factors and their ratio. Then the steps a second of the twin in the world
+//! `real` over those in `ideal`.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use common::World;
 use mujoco_rs::prelude::*;
@@ -22,11 +23,25 @@ use ramp_twin::Twin;
 struct Recorder<'r> {
     robot: &'r mut Twin,
     commands: Vec<[f64; 9]>,
+    /// The time that the twin's steps took.
+    stepping: Duration,
+}
+
+impl Recorder<'_> {
+    fn over(robot: &mut Twin) -> Recorder<'_> {
+        Recorder { robot, commands: Vec::new(), stepping: Duration::ZERO }
+    }
+
+    fn steps_a_second(&self) -> f64 {
+        self.commands.len() as f64 / self.stepping.as_secs_f64()
+    }
 }
 
 impl Robot for Recorder<'_> {
     fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
+        let begin = Instant::now();
         let result = self.robot.step(command);
+        self.stepping += begin.elapsed();
         let mut applied = [0.0; 9];
         applied.copy_from_slice(&self.robot.ctrl()[..9]);
         self.commands.push(applied);
@@ -69,7 +84,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut twin = Twin::new(&world.setup(1))?;
     let start = twin.qpos().to_vec();
     let scene = twin.scene().to_string();
-    let mut recorder = Recorder { robot: &mut twin, commands: Vec::new() };
+    let mut recorder = Recorder::over(&mut twin);
     let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
     agent.run(&mut recorder)?;
     let _: Account = agent.account();
@@ -104,5 +119,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if !same {
         return Err("raw MuJoCo ends in another state than the episode".into());
     }
+    worlds(&world, repeats)
+}
+
+/// Steps a second of the twin in both worlds, the same agent on the same goal; the fastest of so many episodes counts.
+fn worlds(goal: &World, repeats: usize) -> Result<(), Box<dyn std::error::Error>> {
+    let mut fastest = [0.0_f64; 2];
+    for _ in 0..repeats {
+        for (name, fastest) in ["ideal", "real"].into_iter().zip(&mut fastest) {
+            let world = ramp_twin::World::shipped(name).ok_or("the world is not built in")?;
+            let mut twin = Twin::new(&ramp_twin::Setup { world, ..goal.setup(1) })?;
+            let mut agent = Baseline::new(&goal.kit, &goal.assembly, &goal.arm, &goal.domains, 1);
+            let mut recorder = Recorder::over(&mut twin);
+            agent.run(&mut recorder)?;
+            *fastest = fastest.max(recorder.steps_a_second());
+        }
+    }
+    let [ideal, real] = fastest;
+    println!("steps a second {ideal:.0} in `ideal`, {real:.0} in `real`, ratio {:.2}", real / ideal);
     Ok(())
 }

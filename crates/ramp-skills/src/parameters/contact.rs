@@ -140,6 +140,12 @@ parameters! {
         long: f64 = "s", 0.0, 60.0;
         /// Longest pressing.
         time: f64 = "s", 0.1, 60.0;
+        /// A head that seems this near to the plate and does not sink for a time stands on it: eyes tell heights less exactly.
+        nearly: f64 = "m", 0.0, 0.03;
+        /// That time.
+        stall: f64 = "s", 0.1, 60.0;
+        /// It has sunk when it is so much lower.
+        sunk: f64 = "m", 1e-6, 0.01;
         /// For so long at the end of it, what the wrist feels tells where the peg presses.
         measured: f64 = "s", 0.0, 60.0;
         /// A peg that stands on the mouth of its hole and presses this far beside the hand has turned between the fingers. One

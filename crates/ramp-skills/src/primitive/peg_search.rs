@@ -6,11 +6,15 @@ use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_kit::joint::{HEAD_HEIGHT, STEM_LENGTH, STEM_RADIUS};
 use ramp_robot::Cause;
 
+use super::wrench::{across, moment_below};
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::grasp::PEG_HEIGHT;
 use ramp_robot::PERIOD;
+
+/// By how many times the error of the moment on the way down the moment may be off under load. Chosen: friction turns round.
+const MOMENT_SPREAD: f64 = 2.0;
 
 impl Workcell<'_, '_> {
     /// Is the tip of the held peg so far below the plate (m, in the world) that it must be in the hole?
@@ -25,21 +29,34 @@ impl Workcell<'_, '_> {
     }
 
     /// Lets the held peg down by `height` (m) and a little further, until it touches the plate (m, in the world) or is in.
-    pub fn lower(&mut self, plate: f64, height: f64) -> Result<(), SkillError> {
+    /// Returns how far off the moment at its tip was on the way, where nothing touches it, N·m: what the wrist measures of
+    /// where the tip presses is no better than that. A sensor's noise is little; what an arm estimates is off by the friction
+    /// in its joints.
+    pub fn lower(&mut self, plate: f64, height: f64) -> Result<f64, SkillError> {
         let mut down = self.hand.setpoint;
         down.translation.z -= height + 2.0 * self.parameters.peg_search.found;
         let tip = |x_wp: &Pose| (x_wp * Point3::new(0.0, 0.0, -STEM_LENGTH)).z - plate;
+        let (touch, length) = (self.parameters.peg_search.touch, self.arm.hand.tip);
+        let mut off = 0.0_f64;
         self.hand.drive(&down, self.parameters.peg_search.lower_speed, |hand| {
-            -hand.force().z > self.parameters.peg_search.touch
-                || hand.x_wp_held().is_some_and(|x| tip(&x) < -self.parameters.peg_search.found)
+            let pressed = -hand.force().z;
+            if pressed < 0.5 * touch {
+                off = off.max(moment_below(hand, length, &hand.wrench(), plate).dot(&across(hand)).abs());
+            }
+            pressed > touch || hand.x_wp_held().is_some_and(|x| tip(&x) < -self.parameters.peg_search.found)
         })?;
-        Ok(())
+        Ok(off)
+    }
+
+    /// How far beside the hand (m) the tip of an upright peg may seem to press, when the moment is off by so much (N·m).
+    fn seems_beside(&self, off: f64) -> f64 {
+        self.parameters.peg_search.tilted_least + MOMENT_SPREAD * off / self.parameters.peg_search.force
     }
 
     /// Searches for the hole along an Archimedean spiral with constant force down, until the tip drops in, for so many
-    /// seconds at most. A `wary` search soon ends when what the wrist measures cannot be the tip of an upright peg, which would come
-    /// off the plate before it came to the hole.
-    pub fn spiral(&mut self, plate: f64, longest: f64, wary: bool) -> Result<(), SkillError> {
+    /// seconds at most. A `wary` search, which is told how far off the moment is (N·m), soon ends when what the wrist measures
+    /// cannot be the tip of an upright peg, which would come off the plate before it came to the hole.
+    pub fn spiral(&mut self, plate: f64, longest: f64, wary: Option<f64>) -> Result<(), SkillError> {
         let centre = self.hand.seen.x_wt.translation.vector;
         let begin = self.hand.time();
         let (mut angle, mut measured, mut period) = (0.0_f64, Vector6::zeros(), 0);
@@ -55,9 +72,9 @@ impl Workcell<'_, '_> {
                 measured += self.hand.wrench();
             }
             let beside = || self.tip_beside(&measured, plate).dot(&self.across()).abs();
-            if wary
+            if let Some(off) = wary
                 && period == self.parameters.peg_search.periods
-                && beside() > STEM_RADIUS + self.parameters.peg_search.tilted_least
+                && beside() > STEM_RADIUS + self.seems_beside(off)
             {
                 break;
             }
@@ -88,7 +105,7 @@ impl Workcell<'_, '_> {
         up.translation.z = self.hand.seen.x_wt.translation.z + self.parameters.peg_search.lift_off;
         self.hand.go(&up, self.parameters.peg_search.lower_speed)?;
         self.hand.zero()?;
-        self.lower(plate, self.parameters.peg_search.lift_off)?;
+        let off = self.lower(plate, self.parameters.peg_search.lift_off)?;
         let axis = self.across();
         let aside = Vector3::z().cross(&axis);
         // A tip on the edge of the hole does not press straight down: then it is measured beside the hole.
@@ -100,9 +117,7 @@ impl Workcell<'_, '_> {
             }
             beside = self.measure_tip(plate)?.dot(&axis);
         }
-        if !(self.parameters.peg_search.tilted_least..self.parameters.peg_search.tilted_most)
-            .contains(&beside.abs())
-        {
+        if !(self.seems_beside(off)..self.parameters.peg_search.tilted_most).contains(&beside.abs()) {
             return Ok(false);
         }
         let lean = beside.abs().atan2(STEM_LENGTH + HEAD_HEIGHT / 2.0).to_degrees();

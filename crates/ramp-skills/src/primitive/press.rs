@@ -38,13 +38,15 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Presses the peg down with growing force and a small circle, until it is seated.
+    /// Presses the peg down with growing force and a small circle, until it is seated, or sinks no further where its head
+    /// seems to be at the plate.
     pub fn press(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
         let begin = self.hand.time();
         let plate = self.mouth(connection)?.z;
         let mut centre = self.hand.seen.x_wt.translation.vector;
         let mut force: f64 = 0.0;
         let (mut ticks, mut measured) = (0u32, Vector6::zeros());
+        let (mut lowest_seen, mut sunk_at) = (f64::INFINITY, 0.0);
         self.hand.setpoint.translation = self.hand.seen.x_wt.translation;
         while self.hand.time() - begin < self.parameters.press.time {
             let elapsed = self.hand.time() - begin;
@@ -69,10 +71,15 @@ impl Workcell<'_, '_> {
             if elapsed > self.parameters.press.time - self.parameters.press.measured {
                 measured += self.hand.wrench();
             }
+            if here.z < lowest_seen - self.parameters.press.sunk || force < self.parameters.press.force {
+                (lowest_seen, sunk_at) = (here.z, elapsed);
+            }
             ticks += 1;
             if ticks.is_multiple_of(20) {
                 self.glance()?;
-                if self.belief.pose(peg)?.translation.z - plate < 0.3 * self.parameters.press.seated {
+                let gap = self.belief.pose(peg)?.translation.z - plate;
+                let stands = elapsed - sunk_at > self.parameters.press.stall;
+                if gap < 0.3 * self.parameters.press.seated || stands && gap < self.parameters.press.nearly {
                     break;
                 }
             }

@@ -129,15 +129,15 @@ impl Fasten {
         cell.hand.zero()?;
         let plate = cell.mouth(connection)?.z;
         cell.check_grip(peg)?;
-        cell.lower(plate, cell.parameters.peg_search.over)?;
+        let off = cell.lower(plate, cell.parameters.peg_search.over)?;
         if !cell.is_in(plate) {
             let (begin, mut upright) = (cell.hand.time(), false);
-            cell.spiral(plate, self.parameters.near_time, true)?;
+            cell.spiral(plate, self.parameters.near_time, Some(off))?;
             if !cell.is_in(plate) {
                 upright = cell.search_tilted(connection, peg, plate)?;
             }
             if !cell.is_in(plate) {
-                cell.spiral(plate, self.parameters.search_time, false)?;
+                cell.spiral(plate, self.parameters.search_time, None)?;
             }
             let seconds = cell.hand.time() - begin;
             cell.note("search", format!("spiral at {name}, {seconds:.1} s"));

@@ -91,8 +91,11 @@ pub(super) fn beam_body(
     for shape in beam_shapes(beam) {
         shape_geoms(xml, shape, printed);
     }
-    for rest in beam_rests(beam) {
-        box_geom(xml, "rest", &rest);
+    // What the clamp holds needs no table below.
+    if gives.is_none() {
+        for rest in beam_rests(beam) {
+            box_geom(xml, "rest", &rest);
+        }
     }
     xml.push_str("</body>\n");
 }
