@@ -27,7 +27,7 @@ def run(
     skills: Sequence[Skill] = (),
     plan: Plan | str | os.PathLike[str] | None = None,
     domain: str | os.PathLike[str] | None = None,
-    world: str = "ideal",
+    world: str = "real",
     track: str = "tags",
     seed: int = 1,
     parameters: str | os.PathLike[str] | None = None,

@@ -12,22 +12,22 @@ use crate::data::Data;
 #[derive(clap::Args)]
 pub struct WorldOption {
     /// What the physics are drawn from: ideal, real, hard, or a world file
-    #[arg(long = "world", value_name = "NAME|FILE", default_value = DEFAULT_WORLD)]
-    name: String,
+    #[arg(long, value_name = "NAME|FILE", default_value = "ideal")]
+    world: String,
 }
 
-/// The world when none is named.
-pub const DEFAULT_WORLD: &str = "ideal";
+/// The world where results are made that others are to believe, when none is named.
+pub const RESULTS_WORLD: &str = "real";
 
 impl WorldOption {
     /// The world.
     pub fn read(&self, data: &Data) -> Result<World, Report> {
-        data.world(&self.name)
+        data.world(&self.world)
     }
 
     /// As on the command line.
     pub fn argument(&self) -> OsString {
-        OsString::from(&self.name)
+        OsString::from(&self.world)
     }
 }
 

@@ -12,10 +12,12 @@ use serde_json::{Value, json};
 use super::episodes::{self, Batch, Episode, Outcome};
 use super::seeds;
 use crate::data::Data;
+use crate::options::RESULTS_WORLD;
 use crate::output::print;
 use crate::status::{DONE, INCOMPLETE, STOPPED};
 
 #[derive(clap::Args)]
+#[command(mut_arg("world", |world| world.default_value(RESULTS_WORLD)))]
 pub struct Arguments {
     /// Goals, classes (easy, medium, hard) or `all`
     #[arg(required = true, value_name = "CLASS|GOAL")]

@@ -21,7 +21,7 @@ use crate::command::agent;
 use crate::command::own_skill::Replacement;
 use crate::data::Data;
 use crate::ending::end_on_request;
-use crate::options::{TrackName, WorldOption};
+use crate::options::{RESULTS_WORLD, TrackName, WorldOption};
 use crate::output::{check_place, make_folder_of, print, write_file};
 use crate::pictures::{self, Pictures};
 use crate::software::software;
@@ -33,6 +33,7 @@ const LARGEST_PLAN: usize = 16 << 20;
 const RESULTS: &str = "results";
 
 #[derive(clap::Args)]
+#[command(mut_arg("world", |world| world.default_value(RESULTS_WORLD)))]
 pub struct Arguments {
     /// Name of a goal, or a goal file
     goal: String,
