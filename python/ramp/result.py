@@ -57,6 +57,10 @@ class Result:
     pegs: tuple[Peg | None, ...]
     """For each connection of the goal the peg that counts, or none."""
     time: Time
+    bound: float | None
+    """What no robot with these limits can beat with the baseline's plan, s; none where the result does not tell it."""
+    reference: float | None
+    """The robot time of that plan without looks, searches and tries, s; none where the result does not tell it."""
     ended: str
     """``done``, or why the episode ended early."""
     largest_force: float
@@ -75,6 +79,7 @@ class Result:
         """From a result file."""
         value = json.loads(text)
         physics = value.get("physics") or {}
+        compared = value.get("robot_time") or {}
         pegs = [None if it is None else Peg(**{**it, "joints": tuple(it["joints"])}) for it in value["pegs"]]
         return Result(
             goal=value["goal"],
@@ -86,6 +91,8 @@ class Result:
             completion=value["completion"],
             pegs=tuple(pegs),
             time=Time(**value["time"]),
+            bound=compared.get("bound"),
+            reference=compared.get("reference"),
             ended=value["ended"]["reason"],
             largest_force=physics.get("largest_force", float("nan")),
             deepest_penetration=physics.get("deepest_penetration", float("nan")),
@@ -117,6 +124,8 @@ class Result:
             "planning": self.time.planning,
             "compute": self.time.compute,
             "robot": self.time.robot,
+            "bound": self.bound,
+            "reference": self.reference,
             "total": self.time.total,
             "largest_force": self.largest_force,
             "ended": self.ended,

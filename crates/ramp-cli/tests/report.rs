@@ -91,8 +91,10 @@ fn bound_and_reference_stand_beside_the_time() {
         std::fs::write(&path, result.replacen("\"plan\": {", &told, 1)).unwrap();
     };
     with("12.25");
-    done(&ramp(&folder, &["report", "one", "two", "--figures", "figures"]));
+    done(&ramp(&folder, &["report", "one", "two", "--paper", "table.tex", "--figures", "figures"]));
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let latex = read("table.tex");
+    assert!(latex.contains(" & 12.2 & 47.5 \\\\") && latex.contains(" & -- & -- \\\\"), "{latex}");
     assert!(read("report.html").contains("<td>12.2</td><td>47.5</td>"), "{}", read("report.html"));
     for table in ["figures/sums.csv", "figures/episodes.csv"] {
         let text = read(table);

@@ -10,15 +10,17 @@ use ramp_result::statistics::Interval;
 pub fn latex(report: &Report) -> String {
     let mut text = String::from(
         "% Needs \\usepackage{booktabs}. Completion in per cent and total time in seconds: mean, sample standard\n\
-         % deviation, interval of 95 % (see the report for how it is made). Written by `ramp report --paper`.\n\
-         \\begin{tabular}{llrrrrr}\n\\toprule\n\
-         Agent & Goal & Episodes & Complete & Completion (\\%) & Best (\\%) & Total time (s) \\\\\n",
+         % deviation, interval of 95 % (see the report for how it is made). The robot's own part of the time in seconds,\n\
+         % and bound and reference that it is to be compared with: means. Written by `ramp report --paper`.\n\
+         \\begin{tabular}{llrrrrrrrr}\n\\toprule\n\
+         Agent & Goal & Episodes & Complete & Completion (\\%) & Best (\\%) & Total time (s) & Robot (s) & Bound (s) & \
+         Reference (s) \\\\\n",
     );
     for part in &report.tracks {
         for class in &part.classes {
             let _ = write!(
                 text,
-                "\\midrule\n\\multicolumn{{7}}{{l}}{{Class {}, track {}}} \\\\\n",
+                "\\midrule\n\\multicolumn{{10}}{{l}}{{Class {}, track {}}} \\\\\n",
                 escape(class.name()),
                 escape(&part.title())
             );
@@ -32,7 +34,7 @@ pub fn latex(report: &Report) -> String {
             for it in &class.published {
                 let _ = writeln!(
                     text,
-                    "{} (published) & {} & {} & -- & {:.1} & -- & {:.1} \\\\",
+                    "{} (published) & {} & {} & -- & {:.1} & -- & {:.1} & -- & -- & -- \\\\",
                     escape(&it.name),
                     escape(&it.class),
                     it.goals * it.repeats,
@@ -58,14 +60,19 @@ fn line(text: &mut String, name: &str, it: &Line) {
         || "--".to_string(),
         |time| of(time.total, time.total_deviation, it.total_interval, 1.0),
     );
+    let compared = sum.time.and_then(|time| time.compared);
+    let seconds = |mean: Option<f64>| mean.map_or_else(|| "--".to_string(), |it| format!("{it:.1}"));
     let best = sum.best.map_or_else(|| "--".to_string(), |best| format!("{:.0}", 100.0 * best.completion));
     let _ = writeln!(
         text,
-        "{name} & {} & {} & {} & {} & {best} & {total} \\\\",
+        "{name} & {} & {} & {} & {} & {best} & {total} & {} & {} & {} \\\\",
         escape(it.scope.name()),
         sum.episodes,
         it.complete,
         of(sum.completion.mean, sum.completion.deviation, it.completion_interval, 100.0),
+        seconds(sum.time.map(|it| it.robot)),
+        seconds(compared.map(|it| it.bound)),
+        seconds(compared.map(|it| it.reference)),
     );
 }
 
