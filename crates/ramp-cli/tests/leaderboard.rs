@@ -104,7 +104,7 @@ fn change(path: &Path, from: &str, to: &str) {
 }
 
 /// The page of the one board here.
-const BOARD: &str = "board-easy-state-ideal-ramp-rules-2.html";
+const BOARD: &str = "board-easy-state-real-ramp-rules-2.html";
 
 #[test]
 fn bad_entries_are_told_and_the_others_are_on_the_board() {
