@@ -127,7 +127,8 @@ impl Sweep {
         const ROW: f64 = 17.0;
         const PANEL: f64 = 150.0;
         let labelled = if self.curves.len() > 1 { self.curves.len() as f64 } else { 0.0 };
-        let tops = [36.0 + ROW * labelled, 36.0 + ROW * labelled + PANEL + 34.0];
+        let first = 52.0 + ROW * labelled;
+        let tops = [first, first + PANEL + 34.0];
         let height = tops[1] + PANEL + 44.0;
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
         let low = points().map(|it| it.value).fold(f64::INFINITY, f64::min);

@@ -102,6 +102,8 @@ parameters! {
         speed: f64 = "m/s", 1e-4, 0.1;
         /// A peg whose tip is at least this far beside the hand is tilted in it.
         tilted_least: f64 = "m", 1e-4, 0.1;
+        /// By how many times as much as before contact the moment may be off under load. Chosen: friction turns round.
+        moment_spread: f64 = "", 0.0, 10.0;
         /// The tip of a peg that the fingers hold is no further beside the hand: 16°.
         tilted_most: f64 = "m", 1e-4, 0.1;
         /// How far a tilted peg is lifted off the plate to take zero again.

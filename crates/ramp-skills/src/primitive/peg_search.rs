@@ -13,9 +13,6 @@ use crate::fault::SkillError;
 use crate::grasp::PEG_HEIGHT;
 use ramp_robot::PERIOD;
 
-/// By how many times the error of the moment on the way down the moment may be off under load. Chosen: friction turns round.
-const MOMENT_SPREAD: f64 = 2.0;
-
 impl Workcell<'_, '_> {
     /// Is the tip of the held peg so far below the plate (m, in the world) that it must be in the hole?
     pub fn is_in(&self, plate: f64) -> bool {
@@ -50,7 +47,8 @@ impl Workcell<'_, '_> {
 
     /// How far beside the hand (m) the tip of an upright peg may seem to press, when the moment is off by so much (N·m).
     fn seems_beside(&self, off: f64) -> f64 {
-        self.parameters.peg_search.tilted_least + MOMENT_SPREAD * off / self.parameters.peg_search.force
+        let search = &self.parameters.peg_search;
+        search.tilted_least + search.moment_spread * off / search.force
     }
 
     /// Searches for the hole along an Archimedean spiral with constant force down, until the tip drops in, for so many
