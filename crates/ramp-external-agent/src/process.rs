@@ -136,6 +136,7 @@ impl Process {
             Ok(Heard::Line(line)) => Ok(line),
             Ok(Heard::Endless) => Err(Silence::Endless),
             Ok(Heard::End) | Err(RecvTimeoutError::Disconnected) => Err(self.how_it_ended()),
+            Err(RecvTimeoutError::Timeout) if self.was_ended() => Err(self.how_it_ended()),
             Err(RecvTimeoutError::Timeout) if late => Err(Silence::Late),
             Err(RecvTimeoutError::Timeout) => Err(Silence::Hangs { seconds: self.seconds() }),
         }
@@ -152,12 +153,18 @@ impl Process {
         match self.said.recv_timeout(wait) {
             Ok(true) => Ok(()),
             Ok(false) | Err(RecvTimeoutError::Disconnected) => Err(self.how_it_ended()),
+            Err(RecvTimeoutError::Timeout) if self.was_ended() => Err(self.how_it_ended()),
             Err(RecvTimeoutError::Timeout) if late => Err(Silence::Late),
             Err(RecvTimeoutError::Timeout) => Err(Silence::Deaf { seconds: self.seconds() }),
         }
     }
 
-    /// What became of an agent that closed a pipe.
+    /// Whether it was ended for what it used. A process that outlives it may still hold its pipe open.
+    fn was_ended(&self) -> bool {
+        self.watch.as_ref().is_some_and(|watch| watch.found().is_some())
+    }
+
+    /// What became of an agent that closed a pipe, or that was ended.
     fn how_it_ended(&mut self) -> Silence {
         let status = self.wait_for_end(FAREWELL);
         if let Some(how) = self.watch.as_ref().and_then(Watch::found) {

@@ -8,7 +8,7 @@ use std::time::Duration;
 use ramp_external_agent::limits::Allowance;
 use ramp_external_agent::process::Process;
 use ramp_external_agent::sandbox::open_ends;
-use ramp_external_agent::{AgentFile, Patience, Sandbox, Silence};
+use ramp_external_agent::{AgentFile, Patience, Sandbox, Silence, adopt_orphans};
 
 /// Each way takes more in several processes or files than it would in one.
 const GREEDY: &str = r#"
@@ -38,6 +38,8 @@ fn agents_are_kept_within_their_sandbox() {
         eprintln!("this system has no sandbox, and nothing is tested");
         return;
     }
+    // As every program does that starts agents: what is forked while its parent is killed is met here.
+    adopt_orphans();
     an_agent_that_takes_too_much_is_ended_with_all_that_it_has_started();
     what_is_hidden_must_not_lie_where_the_agent_may_read();
 }
