@@ -18,8 +18,8 @@ use ramp_twin::Twin;
 enum Trouble {
     /// The first time this peg is carried over 0.12 m, the gripper opens for 0.4 s.
     Drops { peg: &'static str, ticks_left: u32 },
-    /// These beams are read 12 mm beside where they are, between two robot times (s).
-    Misreads { beams: [&'static str; 2], from: f64, to: f64 },
+    /// These beams are read beside where they are, so far along x (m), between two robot times (s).
+    Misreads { beams: &'static [&'static str], by: f64, from: f64, to: f64 },
 }
 
 struct Troubled<'t> {
@@ -48,11 +48,11 @@ impl Robot for Troubled<'_> {
     fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
         let time = self.twin.time();
         let mut parts = self.twin.read_parts()?;
-        if let Trouble::Misreads { beams, from, to } = &self.trouble
+        if let Trouble::Misreads { beams, by, from, to } = &self.trouble
             && (*from..*to).contains(&time)
         {
             for part in parts.iter_mut().filter(|part| beams.contains(&part.part.as_str())) {
-                part.x_wp = Translation3::new(0.012, 0.0, 0.0) * part.x_wp;
+                part.x_wp = Translation3::new(*by, 0.0, 0.0) * part.x_wp;
             }
         }
         Ok(parts)
@@ -92,14 +92,45 @@ fn a_dropped_peg_is_replaced_by_another() {
 
 #[test]
 fn a_clamped_beam_that_is_misread_is_believed_where_it_is_clamped() {
-    let (seated, events, replans) = run(2, Trouble::Misreads { beams: ["b7", "b4"], from: 18.0, to: 40.0 });
+    let (seated, events, replans) =
+        run(2, Trouble::Misreads { beams: &["b7", "b4"], by: 0.012, from: 18.0, to: 40.0 });
     assert!(events.iter().all(|event| event.kind != "fault"), "{events:?}");
     assert_eq!((seated, replans), (3, 0), "{events:?}");
 }
 
 #[test]
 fn a_joint_that_is_misread_is_tried_again_after_another_look() {
-    let (seated, events, _) = run(2, Trouble::Misreads { beams: ["b5", "b1"], from: 18.8, to: 40.0 });
+    let (seated, events, _) =
+        run(2, Trouble::Misreads { beams: &["b5", "b1"], by: 0.012, from: 18.8, to: 40.0 });
     assert!(events.iter().any(|event| event.kind == "fault"), "{events:?}");
+    assert_eq!(seated, 3, "{events:?}");
+}
+
+/// How many events of a kind there are that say this.
+fn count(events: &[Event], kind: &str, what: &str) -> usize {
+    events.iter().filter(|event| event.kind == kind && event.what.contains(what)).count()
+}
+
+/// b4 seems to be all the way in and is 3.5 mm short: the peg comes to stand on its male, and searches there.
+#[test]
+fn a_peg_that_stands_on_the_male_searches_for_its_hole() {
+    let (seated, events, replans) =
+        run(2, Trouble::Misreads { beams: &["b4"], by: -3.5e-3, from: 4.5, to: 15.0 });
+    assert_eq!(count(&events, "search", "spiral in C1"), 1, "{events:?}");
+    assert_eq!((seated, replans), (3, 0), "{events:?}");
+}
+
+/// b4 is 7 mm short, which is more than a search can find. The peg goes back into its holder, b4 is pushed, and the same peg is
+/// fetched again.
+#[test]
+fn a_peg_that_stays_on_the_male_is_put_back_until_the_beam_is_pushed() {
+    let (seated, events, _) = run(2, Trouble::Misreads { beams: &["b4"], by: -7.0e-3, from: 4.5, to: 17.0 });
+    assert!(count(&events, "fault", "p1 is not flush") > 0, "{events:?}");
+    assert_eq!(
+        (count(&events, "fault", "is lost"), count(&events, "retry", "fasten C1")),
+        (0, 0),
+        "{events:?}"
+    );
+    assert_eq!(count(&events, "done", "pick up p1"), 2, "{events:?}");
     assert_eq!(seated, 3, "{events:?}");
 }

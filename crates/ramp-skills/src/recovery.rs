@@ -24,12 +24,17 @@ fn align(skills: &SkillTable, cell: &mut Workcell, beam: usize) -> Result<(), Sk
 /// # Errors
 /// [`Fault::Misaligned`] when the holes stay too far apart, or what stopped a push.
 pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) -> Result<(), SkillError> {
-    let connection = &cell.assembly.connections[connection];
+    let index = connection;
+    let connection = &cell.assembly.connections[index];
     let holes = [cell.hole(connection.female), cell.hole(connection.male)];
     cell.see(&holes, cell.parameters.agent.holes_known)?;
     cell.diagnose_standing();
     let offset = cell.belief.offset(cell.assembly, connection)?;
-    if offset <= cell.parameters.alignment.peggable {
+    // A peg has told that they are further apart than they seem: then they are pushed nearer, as far as that goes.
+    let told = cell.apart.iter().position(|apart| *apart == index).map(|at| cell.apart.swap_remove(at));
+    let peggable = cell.parameters.alignment.peggable;
+    let enough = told.map_or(peggable, |_| cell.parameters.alignment.told_apart);
+    if offset <= enough {
         return Ok(());
     }
     let misaligned =
@@ -44,11 +49,12 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
         align(skills, cell, beam)?;
         cell.see(&holes, cell.parameters.agent.holes_known)?;
         cell.remember_standing(&[beam]);
-        if cell.belief.offset(cell.assembly, connection)? <= cell.parameters.alignment.peggable {
+        if cell.belief.offset(cell.assembly, connection)? <= enough {
             return Ok(());
         }
     }
-    Err(misaligned(cell.belief.offset(cell.assembly, connection)?).into())
+    let offset = cell.belief.offset(cell.assembly, connection)?;
+    if offset <= peggable { Ok(()) } else { Err(misaligned(offset).into()) }
 }
 
 /// Pushes beams that lie loose in the assembly and were displaced back to their places. The planner knows beams by what

@@ -61,6 +61,8 @@ pub struct Workcell<'a, 'r> {
     pub deep: Vec<usize>,
     /// Connections that are pinned, by index, and by which peg.
     pub pinned: Vec<(usize, String)>,
+    /// Connections whose peg has come to stand on the male, by index: their holes are further apart than they seem.
+    pub apart: Vec<usize>,
     /// How beams get to their places, by index: as the plan says.
     pub paths: BTreeMap<usize, InsertionPath>,
     /// How beams are to be gripped for which the usual grasp would not do, by name.
@@ -98,6 +100,7 @@ impl<'a, 'r> Workcell<'a, 'r> {
             standing: vec![assembly.base],
             deep: Vec::new(),
             pinned: Vec::new(),
+            apart: Vec::new(),
             paths: BTreeMap::new(),
             grasps: BTreeMap::new(),
             stream: Stream::new(seed, "motion"),

@@ -13,9 +13,7 @@ parameters! {
         growth: f64 = "s", 0.01, 60.0;
         /// After what time the swing begins small again.
         cycle: f64 = "s", 0.01, 600.0;
-        /// A beam that comes on by no more than `pace_distance` in so long is not searched for any further.
-        pace_time: f64 = "s", 0.1, 600.0;
-        /// See `pace_time`.
+        /// A beam that comes on by no more than this in a search's `pace_time` is not searched for any further.
         pace_distance: f64 = "m", 0.0, 0.1;
         /// How often a part that does not move is looked at: it may have moved in the hand.
         look_every: f64 = "s", 0.1, 600.0;
@@ -56,9 +54,10 @@ parameters! {
 parameters! {
     /// The motion of a compliant search: a push along the insertion path, and swings across it.
     ComplianceParameters {
-        /// Push along the path. Through sleeves 4 N: with more, friction holds the edge against the search. A loose beam on
-        /// the table slides at 1.4 N and turns at 0.7 N at its end. A cap needs more than the light end weighs.
-        force: f64 = "N", 0.0, 50.0;
+        /// Push along the path, when it begins and when the search has taken long. Through sleeves 4 N: with more, friction
+        /// holds the edge against the search, but an arm's own friction may take all of it. A loose beam on the table slides
+        /// at 1.4 N and turns at 0.7 N at its end. A cap needs more than the light end weighs.
+        force: [f64; 2] = "N", 0.0, 50.0;
         /// Swing across the path, when it begins and when it has grown. With a cap it must be wider than the frame
         /// gives way.
         across: [f64; 2] = "m", 0.0, 0.05;
@@ -76,6 +75,8 @@ parameters! {
         roll: f64 = "rad", 0.0, 0.5;
         /// How often it swings about that.
         roll_rate: f64 = "Hz", 0.0, 20.0;
+        /// In so long a search must come on, or it ends: a cap that stalls long is aside of an end, and is put on anew.
+        pace_time: f64 = "s", 0.1, 600.0;
         /// This near to its place the beam is in, and the search ends.
         near: f64 = "m", 1e-5, 0.02;
     }
@@ -94,12 +95,16 @@ parameters! {
         touch: f64 = "N", 0.5, 50.0;
         /// Speed with which the peg is lowered onto the plate, or lifted off it. Chosen.
         lower_speed: f64 = "m/s", 1e-3, 0.5;
-        /// Force down during the search. Chosen.
+        /// Force down during the search. Friction holds the tip until the hand is so much times 0.3 / 1500 N/m ahead of it.
         force: f64 = "N", 0.5, 50.0;
-        /// Distance between turns of the spiral.
+        /// Distance between turns of the spiral: the cone of a hole catches a tip that passes within 1.7 mm.
         pitch: f64 = "m", 1e-5, 0.01;
         /// Speed along the spiral.
         speed: f64 = "m/s", 1e-4, 0.1;
+        /// Radius at which the spiral goes back inward. Chosen.
+        widest: f64 = "m", 1e-3, 0.1;
+        /// Force down while the wrist measures where the tip of a tilted peg presses, and while that peg is searched with.
+        tilted_force: f64 = "N", 0.5, 50.0;
         /// A peg whose tip is at least this far beside the hand is tilted in it.
         tilted_least: f64 = "m", 1e-4, 0.1;
         /// By how many times as much as before contact the moment may be off under load. Chosen: friction turns round.
@@ -148,8 +153,8 @@ parameters! {
         stall: f64 = "s", 0.1, 60.0;
         /// It has sunk when it is so much lower.
         sunk: f64 = "m", 1e-6, 0.01;
-        /// For so long at the end of it, what the wrist feels tells where the peg presses.
-        measured: f64 = "s", 0.0, 60.0;
+        /// A peg whose stem is still outside and that does not sink for so long stands on the mouth of a hole. Chosen.
+        stands: f64 = "s", 0.1, 60.0;
         /// A peg that stands on the mouth of its hole and presses this far beside the hand has turned between the fingers. One
         /// that is held up by something else presses up to 6.3 mm beside it.
         beside: f64 = "m", 0.0, 0.1;

@@ -63,6 +63,8 @@ parameters! {
         good: f64 = "m", 1e-5, 0.05;
         /// Horizontal distance between two holes that a peg still pulls together: its cone takes 1.7 mm.
         peggable: f64 = "m", 1e-5, 0.05;
+        /// The same for holes that a peg could not pass, though they seemed near enough.
+        told_apart: f64 = "m", 1e-5, 0.05;
         /// A hole this near to a peg tells nothing of how its beam is turned.
         short: f64 = "m", 0.0, 1.0;
         /// A beam that lies loose may be this far off its place: another one goes through it all the same.

@@ -60,6 +60,8 @@ parameters! {
         speed: f64 = "m/s", 1e-3, 0.5;
         /// Force on the table or the holder at which a part is put down.
         limit: f64 = "N", 0.5, 100.0;
+        /// How long the tip of a peg that stands beside the hole of its holder searches for it. Chosen.
+        search_time: f64 = "s", 0.0, 600.0;
     }
 }
 
@@ -144,7 +146,7 @@ parameters! {
         known: f64 = "m", 1e-5, 0.1;
         /// Angle by which the peg may be off upright when it is lowered.
         upright: f64 = "rad", 1e-4, 0.5;
-        /// How long a hole is searched near where it was seen: up to 3 mm around.
+        /// How long a hole is searched near where it was seen, before the peg is thought to be tilted: up to 4 mm around.
         near_time: f64 = "s", 0.0, 600.0;
         /// Longest search further around. Chosen.
         search_time: f64 = "s", 0.0, 600.0;

@@ -11,7 +11,16 @@ use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::grasp::PEG_HEIGHT;
+use crate::parameters::contact::PegSearchParameters;
 use ramp_robot::PERIOD;
+
+impl PegSearchParameters {
+    /// Distance of the spiral from its centre (m) after it has turned by an angle: outward, inward, and outward again.
+    fn radius(&self, angle: f64) -> f64 {
+        let path = self.pitch * angle / TAU % (2.0 * self.widest);
+        path.min(2.0 * self.widest - path)
+    }
+}
 
 impl Workcell<'_, '_> {
     /// Is the tip of the held peg so far below the plate (m, in the world) that it must be in the hole?
@@ -45,23 +54,25 @@ impl Workcell<'_, '_> {
         Ok(off)
     }
 
-    /// How far beside the hand (m) the tip of an upright peg may seem to press, when the moment is off by so much (N·m).
-    fn seems_beside(&self, off: f64) -> f64 {
+    /// How far beside the hand (m) the tip of an upright peg may seem to press with that force (N), when the moment is off by
+    /// so much (N·m).
+    fn seems_beside(&self, off: f64, force: f64) -> f64 {
         let search = &self.parameters.peg_search;
-        search.tilted_least + search.moment_spread * off / search.force
+        search.tilted_least + search.moment_spread * off / force
     }
 
-    /// Searches for the hole along an Archimedean spiral with constant force down, until the tip drops in, for so many
-    /// seconds at most. A `wary` search, which is told how far off the moment is (N·m), soon ends when what the wrist measures
+    /// Searches for the hole along an Archimedean spiral with constant light force down, until the tip drops in, for so many
+    /// seconds at most; where the spiral is wide enough, it goes back inward. A `wary` search, which is told how far off the moment is (N·m), soon ends when what the wrist measures
     /// cannot be the tip of an upright peg, which would come off the plate before it came to the hole.
     pub fn spiral(&mut self, plate: f64, longest: f64, wary: Option<f64>) -> Result<(), SkillError> {
         let centre = self.hand.seen.x_wt.translation.vector;
         let begin = self.hand.time();
         let (mut angle, mut measured, mut period) = (0.0_f64, Vector6::zeros(), 0);
+        let force = self.parameters.peg_search.force;
         while self.hand.time() - begin < longest {
-            let radius = self.parameters.peg_search.pitch * angle / TAU;
+            let radius = self.parameters.peg_search.radius(angle);
             angle += self.parameters.peg_search.speed * PERIOD / radius.max(0.5e-3);
-            self.slide_to(centre.x + radius * angle.cos(), centre.y + radius * angle.sin())?;
+            self.slide_to(centre.x + radius * angle.cos(), centre.y + radius * angle.sin(), force)?;
             if self.is_in(plate) {
                 break;
             }
@@ -72,7 +83,7 @@ impl Workcell<'_, '_> {
             let beside = || self.tip_beside(&measured, plate).dot(&self.across()).abs();
             if let Some(off) = wary
                 && period == self.parameters.peg_search.periods
-                && beside() > STEM_RADIUS + self.seems_beside(off)
+                && beside() > STEM_RADIUS + self.seems_beside(off, force)
             {
                 break;
             }
@@ -81,9 +92,9 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// One control period of sliding over the plate with constant force down, m in the world.
-    fn slide_to(&mut self, x: f64, y: f64) -> Result<(), SkillError> {
-        let z = self.hand.seen.x_wt.translation.z - self.parameters.peg_search.force / self.hand.stiffness.z;
+    /// One control period of sliding over the plate, to a place (m in the world), with constant force down (N).
+    fn slide_to(&mut self, x: f64, y: f64, force: f64) -> Result<(), SkillError> {
+        let z = self.hand.seen.x_wt.translation.z - force / self.hand.stiffness.z;
         let setpoint = &mut self.hand.setpoint.translation;
         setpoint.x = x;
         setpoint.y = y;
@@ -104,6 +115,7 @@ impl Workcell<'_, '_> {
         self.hand.go(&up, self.parameters.peg_search.lower_speed)?;
         self.hand.zero()?;
         let off = self.lower(plate, self.parameters.peg_search.lift_off)?;
+        let force = self.parameters.peg_search.tilted_force;
         let axis = self.across();
         let aside = Vector3::z().cross(&axis);
         // A tip on the edge of the hole does not press straight down: then it is measured beside the hole.
@@ -111,11 +123,11 @@ impl Workcell<'_, '_> {
         if beside.abs() > self.parameters.peg_search.tilted_most {
             let p = mouth + aside * self.parameters.peg_search.tilted_around;
             for _ in 0..self.parameters.peg_search.periods {
-                self.slide_to(p.x, p.y)?;
+                self.slide_to(p.x, p.y, force)?;
             }
             beside = self.measure_tip(plate)?.dot(&axis);
         }
-        if !(self.seems_beside(off)..self.parameters.peg_search.tilted_most).contains(&beside.abs()) {
+        if !(self.seems_beside(off, force)..self.parameters.peg_search.tilted_most).contains(&beside.abs()) {
             return Ok(false);
         }
         let lean = beside.abs().atan2(STEM_LENGTH + HEAD_HEIGHT / 2.0).to_degrees();
@@ -137,7 +149,7 @@ impl Workcell<'_, '_> {
             let sway = self.parameters.peg_search.tilted_sway
                 * (TAU * (p - over).dot(&axis) / self.parameters.peg_search.pitch).sin();
             let p = p + aside * sway;
-            self.slide_to(p.x, p.y)?;
+            self.slide_to(p.x, p.y, force)?;
             if self.is_in(plate) {
                 self.set_upright(peg, &mouth)?;
                 return Ok(true);
@@ -152,7 +164,7 @@ impl Workcell<'_, '_> {
         let here = self.hand.setpoint.translation.vector;
         let mut measured = Vector6::zeros();
         for period in 0..self.parameters.peg_search.periods {
-            self.slide_to(here.x, here.y)?;
+            self.slide_to(here.x, here.y, self.parameters.peg_search.tilted_force)?;
             if period >= self.parameters.peg_search.periods / 3 {
                 measured += self.hand.wrench();
             }

@@ -38,8 +38,8 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Presses the peg down with growing force and a small circle, until it is seated, or sinks no further where its head
-    /// seems to be at the plate.
+    /// Presses the peg down with growing force and a small circle, until it is seated, or sinks no further: soon where its
+    /// head seems to be at the plate, and after a while where it stands on the joint below.
     pub fn press(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
         let begin = self.hand.time();
         let plate = self.mouth(connection)?.z;
@@ -68,25 +68,28 @@ impl Workcell<'_, '_> {
             setpoint.y = centre.y + radius * phase.sin();
             setpoint.z = (here.z - lead).max(lowest);
             self.hand.tick()?;
-            if elapsed > self.parameters.press.time - self.parameters.press.measured {
-                measured += self.hand.wrench();
-            }
             if here.z < lowest_seen - self.parameters.press.sunk || force < self.parameters.press.force {
                 (lowest_seen, sunk_at) = (here.z, elapsed);
+                measured = Vector6::zeros();
+            } else {
+                measured += self.hand.wrench();
             }
             ticks += 1;
             if ticks.is_multiple_of(20) {
                 self.glance()?;
                 let gap = self.belief.pose(peg)?.translation.z - plate;
-                let stands = elapsed - sunk_at > self.parameters.press.stall;
-                if gap < 0.3 * self.parameters.press.seated || stands && gap < self.parameters.press.nearly {
+                let stands = elapsed - sunk_at;
+                if gap < 0.3 * self.parameters.press.seated
+                    || stands > self.parameters.press.stall && gap < self.parameters.press.nearly
+                    || stands > self.parameters.press.stands && gap > STEM_LENGTH / 2.0
+                {
                     break;
                 }
             }
         }
         let seconds = self.hand.time() - begin;
-        if seconds > self.parameters.press.long {
-            let gap = self.belief.pose(peg)?.translation.z - plate;
+        let gap = self.belief.pose(peg)?.translation.z - plate;
+        if seconds > self.parameters.press.long || gap > STEM_LENGTH / 2.0 {
             let beside = self.tip_beside(&measured, plate).dot(&self.across()).abs();
             if gap > STEM_LENGTH / 2.0 && beside > self.parameters.press.beside {
                 self.diagnose(

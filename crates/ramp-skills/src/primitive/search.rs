@@ -50,7 +50,7 @@ impl Workcell<'_, '_> {
                 if remaining < compliance.near {
                     break;
                 }
-                if self.hand.time() - paced.0 > self.parameters.search.pace_time {
+                if self.hand.time() - paced.0 > compliance.pace_time {
                     if paced.1 - remaining < self.parameters.search.pace_distance {
                         break;
                     }
@@ -76,7 +76,11 @@ impl Workcell<'_, '_> {
             let wave = |hertz: f64| (std::f64::consts::TAU * hertz * time).sin();
             let swing =
                 |[begin, end]: [f64; 2], hertz: f64| swings * (begin + (end - begin) * grown) * wave(hertz);
-            let lead = compliance.force / self.hand.stiffness.x;
+            // Harder once it takes longer than a swing to grow.
+            let long =
+                ((time - self.parameters.search.growth) / self.parameters.search.cycle).clamp(0.0, 1.0);
+            let [begins, ends] = compliance.force;
+            let lead = (begins + (ends - begins) * long) / self.hand.stiffness.x;
             let shift = direction * lead
                 + across * swing(compliance.across, compliance.across_rate)
                 + Vector3::z() * swing(compliance.up, compliance.up_rate);

@@ -70,6 +70,10 @@ impl Fasten {
                     let lost = matches!(fault, Fault::HoleNotFound { .. });
                     cell.diagnose(if lost { Cause::GripMoved } else { Cause::Jam }, &fault);
                     last = Some(fault);
+                    // Another try would end in the same place: the beams must be pushed.
+                    if cell.apart.contains(&connection) {
+                        break;
+                    }
                 }
                 Err(error) => return Err(error),
                 Ok(()) => {
@@ -153,6 +157,18 @@ impl Fasten {
             return Err(Fault::HoleNotFound { peg: peg.to_string(), connection: name }.into());
         }
         cell.press(connection, peg)?;
+        if cell.gap(connection, peg)? > STEM_LENGTH / 2.0 {
+            // Through the female's plate, and on the male's: its hole is searched with a light force as well.
+            let tip = plate + cell.gap(connection, peg)? - STEM_LENGTH;
+            let begin = cell.hand.time();
+            cell.spiral(tip, self.parameters.near_time, None)?;
+            cell.note("search", format!("spiral in {name}, {:.1} s", cell.hand.time() - begin));
+            cell.press(connection, peg)?;
+            let gap = cell.gap(connection, peg)?;
+            if (STEM_LENGTH / 2.0..STEM_LENGTH - cell.parameters.peg_search.found).contains(&gap) {
+                cell.apart.push(connection);
+            }
+        }
         for joint in
             [cell.assembly.connections[connection].female, cell.assembly.connections[connection].male]
         {

@@ -1,6 +1,9 @@
 //! Puts a part back where it was picked up.
 
+use nalgebra::Translation3;
+
 use super::contract::{ActionKind, Call, Effect, Skill};
+use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::parameters::Parameters;
@@ -22,7 +25,7 @@ impl Skill for PutDown {
     }
 
     fn parameters(&self) -> &[&'static str] {
-        &["put_down"]
+        &["put_down", "peg_search"]
     }
 
     fn expects(&self) -> &[Effect] {
@@ -54,7 +57,18 @@ impl PutDown {
             cell.carry_above(held.x_wp_origin * held.x_tp.inverse(), |down| down + self.parameters.above)?;
         cell.hand.relax();
         cell.hand.zero()?;
-        cell.hand.drive(&down, self.parameters.speed, |hand| -hand.force().z > self.parameters.limit)?;
+        let lower = |cell: &mut Workcell, down: &Pose| {
+            cell.hand.drive(down, self.parameters.speed, |hand| -hand.force().z > self.parameters.limit)
+        };
+        lower(cell, &down)?;
+        // The head of a peg rests on its holder, so that is as high as the head's underside.
+        let holder = held.x_wp_origin.translation.z;
+        if cell.kit.beam(&part).is_none() && !cell.is_in(holder) {
+            cell.spiral(holder, self.parameters.search_time, None)?;
+            let here =
+                Translation3::from(cell.hand.seen.x_wt.translation.vector.xy().push(down.translation.z));
+            lower(cell, &Pose::from_parts(here, down.rotation))?;
+        }
         cell.release()
     }
 }
