@@ -5,7 +5,7 @@ import pytest
 
 pytest.importorskip("gymnasium")
 
-from ramp.policies import fasten  # noqa: E402
+from ramp.policies import fasten, judge  # noqa: E402
 
 
 def test_the_weights_are_there_and_beat_a_straight_push():
@@ -14,21 +14,21 @@ def test_the_weights_are_there_and_beat_a_straight_push():
     env = fasten.environments("ideal", 4, (100_001, 4), 2e-3)
     seeds = list(range(4))
     _, policy, _ = fasten.episodes(env, seeds, lambda seen: fasten.linear(weights, seen))
-    _, push, _ = fasten.episodes(env, seeds, fasten.push)
+    _, push, _ = fasten.episodes(env, seeds, judge.push)
     assert policy.sum() > push.sum()
 
 
 def test_a_spiral_begins_anew_with_the_next_episode():
     over, touching = np.zeros((2, fasten.FEATURES)), np.zeros((2, fasten.FEATURES))
     over[:, 2] = 1.0
-    act = fasten.TUNED.policy()
+    act = judge.LIGHT.policy()
     first = [act(it) for it in (over, touching, touching)]
     again = [act(it) for it in (over, touching, touching)]
     assert np.array_equal(first, again) and not np.array_equal(first[1], first[2])
 
 
 def test_a_share_has_an_interval():
-    low, high = fasten.interval(36, 40)
+    low, high = judge.interval(36, 40)
     assert 76.0 < low < 77.5 and 95.0 < high < 96.5
 
 

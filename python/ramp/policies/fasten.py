@@ -3,15 +3,13 @@
 The peg is in the hand over its hole, whose place is known to a millimetre or two. The policy moves the target of a
 Cartesian impedance 20 times a second. It has no memory: it has learned how force and velocity move the target.
 
-    python -m ramp.policies.fasten train -o weights.npy     about half an hour on one core
-    python -m ramp.policies.fasten judge weights.npy        held starts, beside a straight push
+    python -m ramp.policies.fasten -o weights.npy     trains, about half an hour on one core
+    python -m ramp.policies.judge weights.npy         held starts, beside a straight push and two spirals
 """
 
 from __future__ import annotations
 
 import argparse
-import dataclasses
-import math
 import pathlib
 import time
 from collections.abc import Callable
@@ -86,51 +84,6 @@ def straight() -> Array:
     weights[0, 0] = weights[1, 1] = 1.0
     weights[2, FEATURES - 1] = -1.0
     return weights
-
-
-def push(features: Array) -> Array:
-    """The rival without a search: over the hole as it is believed, and straight down."""
-    sideways = np.clip(2.0 * features[:, :2], -1.0, 1.0)
-    return np.concatenate([sideways, -np.ones((len(features), 1))], axis=1)
-
-
-@dataclasses.dataclass(frozen=True)
-class Spiral:
-    """The rival with a search: over the hole, down to the plate, then a growing spiral with light force."""
-
-    pitch: float
-    """Distance between turns, m."""
-    speed: float
-    """Along the spiral, m/s."""
-    force: float
-    """Of the spring on the plate, N."""
-
-    def policy(self) -> Policy:
-        """It as a policy, for as many environments as it meets; it begins anew when all are over the plate again."""
-        turns: list[Array] = []
-
-        def act(features: Array) -> Array:
-            if not turns or features[:, 2].min() > 0.9:
-                turns[:] = [np.zeros(len(features))]
-            return self._step(features, turns[0])
-
-        return act
-
-    def _step(self, features: Array, turn: Array) -> Array:
-        touching = (features[:, 2] < 0.03) & (features[:, 2] > -0.2)
-        radius = self.pitch * turn / (2.0 * np.pi)
-        turn[touching] += self.speed / RATE / np.maximum(radius[touching], 5e-4)
-        radius = self.pitch * turn / (2.0 * np.pi) / 3e-3
-        want = features[:, :2] + (radius * np.stack([np.cos(turn), np.sin(turn)])).T
-        lead = -self.force / STIFFNESS / SETTINGS["leash"][2]
-        down = np.where(touching, np.clip(5.0 * (lead - features[:, 17]), -1.0, 1.0), -1.0)
-        return np.concatenate([np.clip(2.0 * want, -1.0, 1.0), down[:, None]], axis=1)
-
-
-TUNED = Spiral(2.0e-3, 0.03, 4.0)
-"""Chosen by hand for six seconds and two millimetres."""
-BASELINE = Spiral(0.7e-3, 8.0e-3, 9.0)
-"""With the numbers of the baseline's search (``peg_search``), which has more time than six seconds and looks again."""
 
 
 def load(file: str | pathlib.Path = WEIGHTS) -> Array:
@@ -267,56 +220,18 @@ def train(
     return np.asarray(average.reshape(3, FEATURES))
 
 
-def judge(env: Any, policy: Policy, count: int = 200) -> tuple[int, float]:
-    """How many of ``count`` episodes succeed, and the median time of those, s."""
-    won, times = 0, []
-    for first in range(0, count, env.num_envs):
-        _, success, time_of = episodes(env, [500_000 + first + it for it in range(env.num_envs)], policy)
-        won += int(success.sum())
-        times += time_of[success].tolist()
-    return won, float(np.median(times)) if times else float("nan")
-
-
-def interval(won: int, count: int) -> tuple[float, float]:
-    """Wilson's interval of 95 % for a share, in %."""
-    share, z = won / count, 1.96
-    middle = (share + z**2 / (2 * count)) / (1 + z**2 / count)
-    half = z * math.sqrt(share * (1 - share) / count + z**2 / (4 * count**2)) / (1 + z**2 / count)
-    return 100.0 * (middle - half), 100.0 * (middle + half)
-
-
 def main() -> None:
-    """Trains or judges, as the command line says."""
-    parser = argparse.ArgumentParser(description="A policy for `fasten`.")
-    parser.add_argument("what", choices=["train", "judge"])
-    parser.add_argument("weights", nargs="?", help="to be judged, or to be trained on")
+    """Trains, as the command line says."""
+    parser = argparse.ArgumentParser(description="Trains a policy for `fasten`.")
+    parser.add_argument("weights", nargs="?", help="to be trained on")
     parser.add_argument("-o", "--output", default="fasten.npy")
     parser.add_argument("--seconds", type=float, default=1500.0, help="CPU time of training")
     parser.add_argument("--worlds", default="ideal,real")
     parser.add_argument("--starts", type=int, default=24, help="different starts to train on")
-    parser.add_argument("--errors", default="0,1,2", help="errors of the hole's place to judge at, mm")
-    parser.add_argument("--episodes", type=int, default=200, help="held starts to judge on")
     told = parser.parse_args()
+    begin = None if told.weights is None else load(told.weights)
     worlds = tuple(told.worlds.split(","))
-    if told.what == "train":
-        begin = None if told.weights is None else load(told.weights)
-        np.save(told.output, train(told.seconds, worlds, told.starts, begin=begin, output=told.output))
-        return
-    weights = load(told.weights or WEIGHTS)
-    rivals: dict[str, Callable[[], Policy]] = {
-        "linear policy": lambda: lambda features: linear(weights, features),
-        "spiral": TUNED.policy,
-        "baseline's numbers": BASELINE.policy,
-        "straight push": lambda: push,
-    }
-    for world in worlds:
-        for error in told.errors.split(","):
-            env = environments(world, 20, (100_001, told.episodes), 1e-3 * float(error))
-            for name, rival in rivals.items():
-                won, median = judge(env, rival(), told.episodes)
-                low, high = interval(won, told.episodes)
-                share = f"{won} of {told.episodes}, {low:.1f} to {high:.1f} %"
-                print(f"{world}  {error} mm  {name:18}  {share}  {median:.2f} s", flush=True)
+    np.save(told.output, train(told.seconds, worlds, told.starts, begin=begin, output=told.output))
 
 
 if __name__ == "__main__":
