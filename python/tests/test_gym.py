@@ -12,7 +12,8 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 from gymnasium.vector import AutoresetMode  # noqa: E402
 
 import ramp  # noqa: E402
-from ramp.gym import IDS, RampEnv, RampVectorEnv  # noqa: E402
+from ramp.gym import CHAIN, IDS, RampEnv, RampVectorEnv  # noqa: E402
+from ramp.policies.fasten import SETTINGS, Features, linear, load  # noqa: E402
 
 FASTEN = {"goals": ["easy-3"], "starts": (1, 2)}
 
@@ -171,3 +172,35 @@ def test_a_start_can_be_that_of_a_trial():
     env = RampEnv("push", ["medium-1"], start="home", whole_scene=True, starts=(4, 1))
     _, info = env.reset(seed=1)
     assert info["skill"] == "push" and info["goal"] == "medium-1" and info["scene_seed"] == 4
+
+
+def test_a_chain_builds_a_whole_goal_with_a_policy_for_one_action():
+    env = gymnasium.make(CHAIN, goal="easy-1", speed=SETTINGS["speed"], leash=SETTINGS["leash"])
+    seen, _ = env.reset(seed=1)
+    first = {name: value.copy() for name, value in seen.items()}
+    weights, features = load(), Features(1)
+    parts, terminated = 0, False
+    while not terminated:
+        action = linear(weights, features({name: seen[name][None] for name in ("error", "wrench", "tip", "lead")}))[0]
+        features.action = action[None]
+        done = -seen["error"][2] < 3e-4
+        seen, reward, terminated, _, info = env.step(np.array([*action, 1.0 if done else -1.0], np.float32))
+        if done:
+            parts, features = parts + 1, Features(1)
+    assert (parts, reward, info["success"]) == (3, 1.0, True)
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(env.action_space.sample())
+    again, _ = env.reset(seed=1)
+    assert all(np.array_equal(first[name], again[name]) for name in first)
+    # In the middle of a build.
+    env.reset(seed=2)
+    env.close()
+
+
+def test_a_chain_says_what_is_wrong():
+    with pytest.raises(ramp.InputError, match="no action of the kind slide"):
+        gymnasium.make(CHAIN, goal="easy-1", skill="slide").reset(seed=1)
+    with pytest.raises(ramp.InputError, match="rate"):
+        gymnasium.make(CHAIN, rate=1.0)
+    with pytest.raises(ramp.InputError, match="goal"):
+        gymnasium.make(CHAIN, goal="no-goal").reset(seed=1)

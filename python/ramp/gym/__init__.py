@@ -10,8 +10,9 @@ They are registered as ``RAMP/Fasten-v0`` and so on when :mod:`ramp` is imported
 >>> env.close()
 """
 
+from ramp.gym.chain import RampChainEnv
 from ramp.gym.env import RampEnv
-from ramp.gym.register import IDS, register
+from ramp.gym.register import CHAIN, IDS, register
 from ramp.gym.vector import RampVectorEnv
 
-__all__ = ["IDS", "RampEnv", "RampVectorEnv", "register"]
+__all__ = ["CHAIN", "IDS", "RampChainEnv", "RampEnv", "RampVectorEnv", "register"]

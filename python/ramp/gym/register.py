@@ -24,7 +24,10 @@ SKILLS = {
 """Skills: name in the id, and the skill. ``Fasten`` stands for the four joints that pegs pin."""
 
 IDS = tuple(f"RAMP/{name}-v0" for name in (*GOALS, *SKILLS))
-"""All ids."""
+"""All ids of goals and skills."""
+
+CHAIN = "RAMP/Chain-v0"
+"""A whole goal, of which one kind of action is the environment's."""
 
 
 def _arguments(name: str) -> dict[str, Any]:
@@ -42,6 +45,8 @@ def _arguments(name: str) -> dict[str, Any]:
 
 def register() -> None:
     """Registers all ids with Gymnasium; again without effect."""
+    if CHAIN not in gymnasium.registry:
+        gymnasium.register(CHAIN, entry_point="ramp.gym.chain:RampChainEnv")
     for name in (*GOALS, *SKILLS):
         env_id = f"RAMP/{name}-v0"
         if env_id in gymnasium.registry:

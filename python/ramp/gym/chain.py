@@ -1,0 +1,234 @@
+"""A goal from the sheet to the last peg, of which one kind of action is the environment's."""
+
+from __future__ import annotations
+
+import os
+import queue
+import threading
+from collections.abc import Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.utils import EzPickle
+from numpy.typing import NDArray
+
+from ramp._core import Driver, InputError, Robot, benchmark
+from ramp._core import Observation as Sensed
+from ramp.agent import Skill, Task
+from ramp.bench import run
+from ramp.goal import Goal
+from ramp.gym.spaces import LIMITS
+from ramp.result import Result
+
+Observation = dict[str, NDArray[np.float32]]
+Array = NDArray[np.float64]
+
+FIELDS = {
+    "positions": 7, "velocities": 7, "torques": 7, "tip": 7, "width": 1, "wrench": 6, "lead": 6,
+    "part": 7, "error": 6, "time": 1,
+}  # fmt: skip
+"""The fields of an observation, as in the environments of single skills, and how many numbers each has."""
+
+
+class _Closed(Exception):
+    """The environment was reset or closed while an episode ran."""
+
+
+class _Relay(Skill):
+    """Hands the robot over to the environment: it waits for actions, and tells what is sensed after each."""
+
+    name = "relay"
+
+    def __init__(self, env: RampChainEnv) -> None:
+        self.env = env
+        self.serves = env.skill
+
+    def work(self, robot: Robot, task: Task) -> str | None:
+        """One action of the plan."""
+        env = self.env
+        held = None
+        if task.held_pose is not None and task.held_mass is not None and task.held_centre is not None:
+            held = (task.held_pose, task.held_mass, task.held_centre)
+        driver = Driver(benchmark(), robot, env.settings, task.width, task.force, env.gripper, held)
+        numbers = env.numbers - 1
+        seen = driver.act(robot, np.zeros(numbers), 100)
+        begin, tare = seen.time, seen.wrench
+        while True:
+            left = 1.0 - (seen.time - begin) / env.limit
+            env.told.put(_observation(seen, seen.wrench - tare, driver.lead(seen), task, left))
+            action = env.actions.get()
+            if action is None:
+                raise _Closed
+            if action[-1] > 0.0:
+                return None
+            seen = driver.act(robot, action[:-1], env.periods)
+            if seen.time - begin >= env.limit:
+                return f"it took longer than {env.limit:g} s"
+
+
+class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
+    """A whole goal in one go: the baseline carries out its plan, and hands over each action of one kind.
+
+    An episode is one build. Between two actions of yours the baseline lets go, fetches and carries in the same physics:
+    what one action leaves crooked, the next one meets. The last number of an action ends your part of it where it is
+    above 0. The reward is the share of the pegs that count, at the end of the episode.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}
+
+    def __init__(
+        self,
+        goal: str | os.PathLike[str] | Goal = "easy-1",
+        *,
+        skill: str = "fasten",
+        track: str = "state",
+        world: str | os.PathLike[str] = "ideal",
+        turns: bool = False,
+        gripper: bool = False,
+        speed: float | None = None,
+        turn_speed: float | None = None,
+        leash: Sequence[float] | None = None,
+        stiffness: Sequence[float] | None = None,
+        rate: float = 20.0,
+        limit: float = 6.0,
+        render_mode: str | None = None,
+    ) -> None:
+        """Makes the environment.
+
+        Args:
+            goal: The goal that is built.
+            skill: The kind of action that is handed over, as ``serves`` of :class:`ramp.Skill`.
+            track: What the agent may see of the parts: ``state``, ``noisy`` or ``tags``.
+            world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
+            turns: Whether an action turns the hand.
+            gripper: Whether an action moves the fingers.
+            speed: Largest speed of the target, m/s.
+            turn_speed: Largest speed of its turn, rad/s.
+            leash: How far the target may be from the tip along x, y and z, m.
+            stiffness: Stiffness along (N/m) and about (N·m/rad) the axes of the world, six numbers.
+            rate: Actions a second, 5 to 100.
+            limit: Robot time after which an action of the plan is given up, s.
+            render_mode: Nothing; there are no pictures.
+
+        """
+        EzPickle.__init__(
+            self, goal, skill=skill, track=track, world=world, turns=turns, gripper=gripper, speed=speed,
+            turn_speed=turn_speed, leash=leash, stiffness=stiffness, rate=rate, limit=limit, render_mode=render_mode,
+        )  # fmt: skip
+        if not (5.0 <= rate <= 100.0 and limit > 0.0):
+            raise InputError("`rate` is expected within 5 to 100, and `limit` above 0")
+        self.goal, self.skill, self.track, self.world = goal, skill, track, os.fspath(world)
+        self.gripper, self.limit, self.render_mode = gripper, limit, render_mode
+        settings = {
+            "action": "cartesian", "turns": turns, "speed": speed, "turn_speed": turn_speed,
+            "leash": None if leash is None else list(leash),
+            "stiffness": None if stiffness is None else list(stiffness),
+        }  # fmt: skip
+        self.settings = {key: value for key, value in settings.items() if value is not None}
+        self.periods = round(1000.0 / rate)
+        self.numbers = (6 if turns else 3) + int(gripper) + 1
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (self.numbers,), np.float32)
+        boxes: dict[str, gymnasium.spaces.Space[Any]] = {
+            name: gymnasium.spaces.Box(-LIMITS[name], LIMITS[name], (n,), np.float32) for name, n in FIELDS.items()
+        }
+        space: Any = gymnasium.spaces.Dict(boxes)
+        self.observation_space = space
+        self.actions: queue.Queue[Array | None] = queue.Queue(1)
+        self.told: queue.Queue[Observation | Result | BaseException] = queue.Queue(1)
+        self._thread: threading.Thread | None = None
+        self._last = {name: np.zeros(n, np.float32) for name, n in FIELDS.items()}
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begins a new build, and lets the baseline work until the first action that is handed over."""
+        super().reset(seed=seed)
+        self.close()
+        own = int(self.np_random.integers(2**31))
+        self._thread = threading.Thread(target=self._build, args=(own,), daemon=True)
+        self._thread.start()
+        told = self.told.get()
+        if isinstance(told, Result):
+            raise InputError(f"the plan of {told.goal} has no action of the kind {self.skill}")
+        if isinstance(told, BaseException):
+            self._thread = None
+            raise told
+        self._last = told
+        return told, {"seed": own}
+
+    def _build(self, seed: int) -> None:
+        """In a thread of its own: the whole episode."""
+        try:
+            told: Result | BaseException = run(
+                self.goal, skills=[_Relay(self)], track=self.track, world=self.world, seed=seed
+            )
+        except BaseException as error:
+            told = error
+        if not isinstance(told, _Closed):
+            self.told.put(told)
+
+    def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Lets an action work for one period of control, or until your next part begins where it ends this one."""
+        if self._thread is None:
+            raise gymnasium.error.ResetNeeded("the episode is over, or was not begun: call `reset`")
+        numbers = np.asarray(action, dtype=np.float64).ravel()
+        if numbers.shape != (self.numbers,) or not np.isfinite(numbers).all():
+            raise InputError(f"an action of {self.numbers} finite numbers is expected")
+        self.actions.put(np.clip(numbers, -1.0, 1.0))
+        told = self.told.get()
+        if isinstance(told, Result):
+            self._thread = None
+            info = {"success": told.completion == 1.0, "completion": told.completion, "result": told}
+            return self._last, float(told.completion), True, False, info
+        if isinstance(told, BaseException):
+            self._thread = None
+            raise told
+        self._last = told
+        return told, 0.0, False, False, {"success": False}
+
+    def close(self) -> None:
+        """Ends the build that is going on."""
+        if self._thread is not None:
+            self.actions.put(None)
+            self._thread.join()
+            self._thread = None
+
+
+def _observation(seen: Sensed, wrench: Array, lead: Array, task: Task, left: float) -> Observation:
+    """What is sensed and believed, with the fields of an environment."""
+    part = _moved(seen, task)
+    error = np.concatenate([task.goal_pose[:3] - part[:3], _between(part[3:], task.goal_pose[3:])])
+    values = {
+        "positions": seen.positions, "velocities": seen.velocities, "torques": seen.torques,
+        "tip": np.concatenate([seen.tip_position, seen.tip_quat_wxyz]), "width": [seen.width], "wrench": wrench,
+        "lead": lead, "part": part, "error": error, "time": [min(max(left, 0.0), 1.0)],
+    }  # fmt: skip
+    return {name: np.clip(np.asarray(value, np.float32), -LIMITS[name], LIMITS[name]) for name, value in values.items()}
+
+
+def _moved(seen: Sensed, task: Task) -> Array:
+    """Where the part is now: what is held moves with the hand."""
+    if task.held_pose is None:
+        return task.part_pose
+    turn = seen.tip_quat_wxyz
+    place = seen.tip_position + _product(_product(turn, np.array([0.0, *task.held_pose[:3]])), _inverse(turn))[1:]
+    return np.concatenate([place, _product(turn, task.held_pose[3:])])
+
+
+def _between(first: Array, second: Array) -> Array:
+    """The turn from one quaternion to another, a rotation vector in rad, axes of the world."""
+    turn = _product(second, _inverse(first))
+    turn = turn if turn[0] >= 0.0 else -turn
+    sine = float(np.linalg.norm(turn[1:]))
+    angle = 2.0 * np.arctan2(sine, turn[0])
+    return np.asarray(turn[1:] * (angle / sine if sine > 1e-12 else 2.0))
+
+
+def _inverse(turn: Array) -> Array:
+    return np.asarray(turn * np.array([1.0, -1.0, -1.0, -1.0]))
+
+
+def _product(a: Array, b: Array) -> Array:
+    vector = a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])
+    return np.array([a[0] * b[0] - a[1:] @ b[1:], *vector])
