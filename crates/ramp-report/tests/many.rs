@@ -8,7 +8,7 @@ use std::time::Instant;
 use ramp_report::leaderboard::{Boards, Refusal, pages, standings};
 use ramp_report::{Report, page, table};
 use ramp_result::collection::{Collection, collect};
-use ramp_result::episode::EventInfo;
+use ramp_result::episode::{EventInfo, RobotTime};
 use ramp_result::testing::episode;
 
 /// Results of agents of different quality on two goals, with many events.
@@ -22,6 +22,7 @@ fn results(agents: usize, seeds: u64) -> Collection {
                     .collect();
                 let mut result = episode(goal, seed, &since, 4);
                 result.agent.name = format!("agent-{agent}");
+                result.robot_time = Some(RobotTime { bound: 11.25, reference: 33.75 });
                 result.events = (0..40)
                     .map(|index| EventInfo {
                         t: f64::from(index) / 10.0,
@@ -96,6 +97,7 @@ fn a_board_has_fifty_on_a_page_and_the_front_page_the_best_of_each() {
     let rows = |text: &str| text.matches("<tr><td>").count();
     assert_eq!(pages.iter().map(|(_, text)| rows(text)).collect::<Vec<_>>(), [50, 5, 5, 0, 0, 6]);
     assert!(pages[1].1.contains("<tr><td>51</td>") && pages[1].1.contains(&format!("href=\"{state}.html\"")));
+    assert!(pages[0].1.contains("<td>11.2</td><td>33.8</td>"), "bound and reference are beside the robot's time");
     for (name, text) in &pages {
         for markup in ["<i>", "<b>", "<u>", "<s>"] {
             assert!(!text.contains(markup), "{name}: a name became markup");

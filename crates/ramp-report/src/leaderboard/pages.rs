@@ -130,7 +130,8 @@ fn board_words(board: &Board) -> Markup {
     html! {
         p.soft {
             (count(board.standings.len(), "entry", "entries")) ", rules " (board.key.rules)
-            ". Higher completion first, then less total time. Intervals are of 95 %. "
+            ". Higher completion first, then less total time. Intervals are of 95 %. The bound is a lower one for the robot's \
+             time, the reference that of a work without looks and retries. "
             @if board.key.real {
                 "By stopwatch: nobody can run these again."
             } @else {
@@ -147,6 +148,7 @@ fn table(standings: &[Standing], above: usize) -> Markup {
                 thead { tr {
                     th { "" } th.name { "agent" small { "entry" } } th { "completion" small { "%" } } th { "complete" } th { "pegs" }
                     th { "total time" small { "s" } } th { "planning" small { "s" } } th { "compute" small { "s" } }
+                    th { "robot" small { "s" } } th { "bound" small { "s" } } th { "reference" small { "s" } }
                     th.name { "robot or computer" } th.name { "software" }
                 } }
                 tbody { @for (index, it) in standings.iter().enumerate() { (row(it, above + index + 1)) } }
@@ -157,6 +159,7 @@ fn table(standings: &[Standing], above: usize) -> Markup {
 
 fn row(it: &Standing, place: usize) -> Markup {
     let sum = &it.line.summary;
+    let compared = sum.time.and_then(|time| time.compared);
     let mean = |digits: usize, time: Option<f64>| {
         time.map_or_else(|| NONE.to_string(), |time| format!("{time:.digits$}"))
     };
@@ -174,6 +177,9 @@ fn row(it: &Standing, place: usize) -> Markup {
             td { (mean(1, sum.time.map(|time| time.total))) }
             td { (mean(2, sum.time.map(|time| time.planning))) @if it.timed_here { small { "timed here" } } }
             td { (mean(2, sum.time.map(|time| time.compute))) @if it.timed_here { small { "timed here" } } }
+            td { (mean(1, sum.time.map(|time| time.robot))) }
+            td { (mean(1, compared.map(|it| it.bound))) }
+            td { (mean(1, compared.map(|it| it.reference))) }
             td.long { @if let Some(real) = &it.real { (real.robot) } @else { (it.host) } }
             td.name { "ramp " (it.software[0]) small { (it.software[1]) } }
         }
