@@ -7,7 +7,7 @@
 mod common;
 
 use common::{domains, kit, replay};
-use ramp_assembly::{Assembly, Request, generate_many};
+use ramp_assembly::{Assembly, Generated, Request, generate_many};
 use ramp_planner::{CoarseAction, CoarseStep, Options, PlanError, State, plan, plan_with};
 use std::collections::BTreeSet;
 
@@ -35,41 +35,52 @@ fn with_another_argument(assembly: &Assembly, steps: &[CoarseStep], index: usize
 
 #[test]
 fn plans_of_a_thousand_goals_are_accepted_and_wrong_ones_refused() {
-    let mut planned = 0;
-    for beams in 3..=7 {
-        let goals = generate_many(kit(), Request { beams, seed: 1, class: None }, 210).unwrap();
-        for (number, made) in goals.iter().enumerate() {
-            let assembly = &made.assembly;
-            let steps = match plan(assembly, kit(), &State::default(), domains()) {
-                Ok(found) => found.steps,
-                // A male end that droops cannot be capped, and not every one can be pushed back.
-                Err(PlanError::Illegal { why, .. }) if why.contains("droops") => continue,
-                Err(error) => panic!("{}: {error}", made.name),
-            };
-            planned += 1;
-            let outcome = |steps: &[CoarseStep]| replay(assembly, &State::default(), steps);
-            assert_eq!(outcome(&steps), Ok(()), "{}", made.name);
-
-            // One in four is enough for the wrong ones, of which each takes as long as the right one.
-            if number % 4 > 0 {
-                continue;
-            }
-            let index = number % (steps.len() - 1);
-            let mut fewer = steps.clone();
-            let left_out = fewer.remove(index).coarse;
-            assert!(outcome(&fewer).is_err(), "{} without {left_out}", made.name);
-
-            let is_push = |step: &CoarseStep| matches!(step.coarse, CoarseAction::Push { .. });
-            if !(is_push(&steps[index]) && is_push(&steps[index + 1])) {
-                let mut swapped = steps.clone();
-                swapped.swap(index, index + 1);
-                assert!(outcome(&swapped).is_err(), "{} with {left_out} one step later", made.name);
-            }
-            let other = with_another_argument(assembly, &steps, number);
-            assert!(outcome(&other).is_err(), "{} with another argument", made.name);
-        }
-    }
+    let goals: Vec<Generated> = (3..=7)
+        .flat_map(|beams| generate_many(kit(), Request { beams, seed: 1, class: None }, 210).unwrap())
+        .collect();
+    // Four of sixteen for each, so that all threads have small and large ones.
+    let planned: usize = std::thread::scope(|scope| {
+        let goals = &goals;
+        let checks: Vec<_> = (0..4)
+            .map(|own| {
+                let own = goals.iter().enumerate().filter(move |(number, _)| number / 4 % 4 == own);
+                scope.spawn(move || own.filter(|(number, made)| check(*number, made)).count())
+            })
+            .collect();
+        checks.into_iter().map(|check| check.join().unwrap()).sum()
+    });
     assert!(planned >= 1000, "only {planned} goals have a plan");
+}
+
+/// Plans the goal with this number, and lets the replayer judge its plan and wrong ones. Returns whether there is a plan.
+fn check(number: usize, made: &Generated) -> bool {
+    let assembly = &made.assembly;
+    let steps = match plan(assembly, kit(), &State::default(), domains()) {
+        Ok(found) => found.steps,
+        // A male end that droops cannot be capped, and not every one can be pushed back.
+        Err(PlanError::Illegal { why, .. }) if why.contains("droops") => return false,
+        Err(error) => panic!("{}: {error}", made.name),
+    };
+    let outcome = |steps: &[CoarseStep]| replay(assembly, &State::default(), steps);
+    assert_eq!(outcome(&steps), Ok(()), "{}", made.name);
+    // One in four is enough for the wrong ones, of which each takes as long as the right one.
+    if number % 4 > 0 {
+        return true;
+    }
+    let index = number % (steps.len() - 1);
+    let mut fewer = steps.clone();
+    let left_out = fewer.remove(index).coarse;
+    assert!(outcome(&fewer).is_err(), "{} without {left_out}", made.name);
+
+    let is_push = |step: &CoarseStep| matches!(step.coarse, CoarseAction::Push { .. });
+    if !(is_push(&steps[index]) && is_push(&steps[index + 1])) {
+        let mut swapped = steps.clone();
+        swapped.swap(index, index + 1);
+        assert!(outcome(&swapped).is_err(), "{} with {left_out} one step later", made.name);
+    }
+    let other = with_another_argument(assembly, &steps, number);
+    assert!(outcome(&other).is_err(), "{} with another argument", made.name);
+    true
 }
 
 /// A large frame has a proven order, and so it has a plan. These were refused for an insertion path that their order

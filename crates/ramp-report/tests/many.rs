@@ -97,7 +97,10 @@ fn a_board_has_fifty_on_a_page_and_the_front_page_the_best_of_each() {
     let rows = |text: &str| text.matches("<tr><td>").count();
     assert_eq!(pages.iter().map(|(_, text)| rows(text)).collect::<Vec<_>>(), [50, 5, 5, 0, 0, 6]);
     assert!(pages[1].1.contains("<tr><td>51</td>") && pages[1].1.contains(&format!("href=\"{state}.html\"")));
-    assert!(pages[0].1.contains("<td>11.2</td><td>33.8</td>"), "bound and reference are beside the robot's time");
+    assert!(
+        pages[0].1.contains("<td>11.2</td><td>33.8</td>"),
+        "bound and reference are beside the robot's time"
+    );
     for (name, text) in &pages {
         for markup in ["<i>", "<b>", "<u>", "<s>"] {
             assert!(!text.contains(markup), "{name}: a name became markup");
