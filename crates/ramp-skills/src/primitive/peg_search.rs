@@ -71,7 +71,11 @@ impl Workcell<'_, '_> {
         let force = self.parameters.peg_search.force;
         while self.hand.time() - begin < longest {
             let radius = self.parameters.peg_search.radius(angle);
-            angle += self.parameters.peg_search.speed * PERIOD / radius.max(0.5e-3);
+            // The tip of a tilted peg is near the edge of the plate: slowly, until it is known where it presses.
+            let slow = wary.is_some() && period < self.parameters.peg_search.periods;
+            let search = &self.parameters.peg_search;
+            let speed = if slow { search.tilted_speed } else { search.speed };
+            angle += speed * PERIOD / radius.max(0.5e-3);
             self.slide_to(centre.x + radius * angle.cos(), centre.y + radius * angle.sin(), force)?;
             if self.is_in(plate) {
                 break;
