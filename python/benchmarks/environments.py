@@ -1,7 +1,7 @@
 """Speed and memory of `RAMP/Fasten-v0` at 20 Hz, each figure beside something that is measured in the same run.
 
     pip install '.[test]'
-    python python/benchmarks/environments.py            about ten minutes
+    python python/benchmarks/environments.py            some minutes
     python python/benchmarks/environments.py --short    under a minute
 
 With the PyPI package `mujoco` installed, the engine's steps are compared with `mujoco.rollout` on the same scene.

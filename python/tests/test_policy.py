@@ -33,5 +33,5 @@ def test_a_share_has_an_interval():
 
 
 def test_training_takes_its_steps():
-    weights = fasten.train(0.1, ("ideal",), 1, pairs=1)
+    weights = fasten.train(1, ("ideal",), 1, pairs=1)
     assert weights.shape == (3, fasten.FEATURES) and not np.array_equal(weights, fasten.straight())

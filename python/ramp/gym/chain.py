@@ -145,6 +145,8 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         """Begins a new build, and lets the baseline work until the first action that is handed over."""
         super().reset(seed=seed)
         self.close()
+        # An episode that was broken off may have left something in them.
+        self.actions, self.told = queue.Queue(1), queue.Queue(1)
         own = int(self.np_random.integers(2**31))
         self._thread = threading.Thread(target=self._build, args=(own,), daemon=True)
         self._thread.start()

@@ -181,7 +181,7 @@ def episodes(env: Any, seeds: list[int], policy: Policy) -> tuple[Array, Array, 
 
 
 def train(
-    seconds: float,
+    generations: int,
     worlds: tuple[str, ...],
     starts: int,
     pairs: int = 12,
@@ -196,16 +196,16 @@ def train(
     mean = (straight() if begin is None else begin).ravel().copy()
     moment, square, average = np.zeros(size), np.zeros(size), mean.copy()
     sigma, rate = (0.2, 0.08) if begin is None else (0.12, 0.05)
-    start, number, done = time.process_time(), 0, 0
-    while time.process_time() - start < seconds:
+    start, done = time.process_time(), 0
+    for number in range(1, generations + 1):
         changes = random.standard_normal((pairs, size))
         weights = np.stack([mean + sigma * changes, mean - sigma * changes], axis=1).reshape(-1, 3, FEATURES)
         seeds = np.repeat(random.integers(2**31, size=pairs), 2).tolist()
-        env = envs[number % len(envs)]
+        env = envs[(number - 1) % len(envs)]
         returns, success, _ = episodes(env, seeds, lambda seen, own=weights: linear(own, seen))  # type: ignore[misc]
         difference = returns[0::2] - returns[1::2]
         gradient = changes.T @ difference / (np.sqrt(np.mean(difference**2)) + 1e-8) / np.sqrt(pairs)
-        number, done = number + 1, done + len(returns)
+        done += len(returns)
         moment, square = 0.8 * moment + 0.2 * gradient, 0.98 * square + 0.02 * gradient**2
         mean += rate * (moment / (1 - 0.8**number)) / (np.sqrt(square / (1 - 0.98**number)) + 1e-6)
         mean *= 0.998
@@ -225,13 +225,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Trains a policy for `fasten`.")
     parser.add_argument("weights", nargs="?", help="to be trained on")
     parser.add_argument("-o", "--output", default="fasten.npy")
-    parser.add_argument("--seconds", type=float, default=1500.0, help="CPU time of training")
+    parser.add_argument("--generations", type=int, default=20, help="of the evolution strategy, a world each by turns")
     parser.add_argument("--worlds", default="ideal,real")
     parser.add_argument("--starts", type=int, default=24, help="different starts to train on")
     told = parser.parse_args()
     begin = None if told.weights is None else load(told.weights)
     worlds = tuple(told.worlds.split(","))
-    np.save(told.output, train(told.seconds, worlds, told.starts, begin=begin, output=told.output))
+    np.save(told.output, train(told.generations, worlds, told.starts, begin=begin, output=told.output))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,8 @@
 """Judges policies for `fasten` on held starts, beside rivals with and without a search.
 
 python -m ramp.policies.judge weights.npy
+
+In `real` that takes an hour or more of CPU time for each error: starts with a frame on the table are slow.
 """
 
 from __future__ import annotations

@@ -131,7 +131,7 @@ fn board_words(board: &Board) -> Markup {
         p.soft {
             (count(board.standings.len(), "entry", "entries")) ", rules " (board.key.rules)
             ". Higher completion first, then less total time. Intervals are of 95 %. The bound is a lower one for the robot's \
-             time, the reference that of a work without looks and retries. "
+             time; the reference is the time of the same plan without looks and retries. "
             @if board.key.real {
                 "By stopwatch: nobody can run these again."
             } @else {

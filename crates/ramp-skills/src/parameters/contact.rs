@@ -95,7 +95,7 @@ parameters! {
         touch: f64 = "N", 0.5, 50.0;
         /// Speed with which the peg is lowered onto the plate, or lifted off it. Chosen.
         lower_speed: f64 = "m/s", 1e-3, 0.5;
-        /// Force down during the search. Friction holds the tip until the hand is so much times 0.3 / 1500 N/m ahead of it.
+        /// Force down during the search. Friction holds the tip until the hand is ahead of it by force × 0.3 / 1500 N/m.
         force: f64 = "N", 0.5, 50.0;
         /// Distance between turns of the spiral: the cone of a hole catches a tip that passes within 1.7 mm.
         pitch: f64 = "m", 1e-5, 0.01;
@@ -115,7 +115,8 @@ parameters! {
         lift_off: f64 = "m", 0.0, 0.05;
         /// How far around the place where its tip should meet the hole the line of the search goes.
         tilted_around: f64 = "m", 0.0, 0.05;
-        /// Speed of that search.
+        /// Speed of that search, and of a spiral until the wrist has told where the tip presses: that of a tilted peg is near the
+        /// edge of the plate.
         tilted_speed: f64 = "m/s", 1e-4, 0.1;
         /// Swing across that line.
         tilted_sway: f64 = "m", 0.0, 0.01;

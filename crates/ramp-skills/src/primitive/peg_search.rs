@@ -62,7 +62,8 @@ impl Workcell<'_, '_> {
     }
 
     /// Searches for the hole along an Archimedean spiral with constant light force down, until the tip drops in, for so many
-    /// seconds at most; where the spiral is wide enough, it goes back inward. A `wary` search, which is told how far off the moment is (N·m), soon ends when what the wrist measures
+    /// seconds at most; where the spiral is wide enough, it goes back inward. A `wary` search, which is told how far off the
+    /// moment is (N·m), begins slowly, and ends when what the wrist measures
     /// cannot be the tip of an upright peg, which would come off the plate before it came to the hole.
     pub fn spiral(&mut self, plate: f64, longest: f64, wary: Option<f64>) -> Result<(), SkillError> {
         let centre = self.hand.seen.x_wt.translation.vector;

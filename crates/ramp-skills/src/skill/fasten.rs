@@ -164,10 +164,6 @@ impl Fasten {
             cell.spiral(tip, self.parameters.near_time, None)?;
             cell.note("search", format!("spiral in {name}, {:.1} s", cell.hand.time() - begin));
             cell.press(connection, peg)?;
-            let gap = cell.gap(connection, peg)?;
-            if (STEM_LENGTH / 2.0..STEM_LENGTH - cell.parameters.peg_search.found).contains(&gap) {
-                cell.apart.push(connection);
-            }
         }
         for joint in
             [cell.assembly.connections[connection].female, cell.assembly.connections[connection].male]
@@ -179,6 +175,12 @@ impl Fasten {
         let gap = cell.gap(connection, peg)?;
         // Only what is sure: there is a better look when the hand is off.
         if gap > cell.parameters.press.seated + 2.0 * cell.gap_deviation(connection, peg) {
+            // Its tip is in the female and goes no further.
+            if (STEM_LENGTH / 2.0..STEM_LENGTH - cell.parameters.peg_search.found).contains(&gap)
+                && !cell.apart.contains(&connection)
+            {
+                cell.apart.push(connection);
+            }
             return Err(Fault::NotSeated { peg: peg.to_string(), connection: name, gap_mm: gap * 1e3 }.into());
         }
         Ok(())
