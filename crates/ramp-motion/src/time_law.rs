@@ -171,7 +171,7 @@ impl<const N: usize> TimeLaw<N> {
     }
 
     /// A lower bound on the time between joint positions, s: each joint straight from rest to rest.
-    pub(crate) fn least_time(&self, from: &Joints<N>, to: &Joints<N>) -> f64 {
+    pub fn least_time(&self, from: &Joints<N>, to: &Joints<N>) -> f64 {
         let joint = |joint: usize| {
             let (way, a) = ((to[joint] - from[joint]).abs(), self.acceleration[joint]);
             let v = self.share * self.joints[joint].velocity;

@@ -27,6 +27,7 @@ use crate::grasp::{
     BEAM_WIDTH, BeamGrasp, PEG_HEIGHT, PEG_WIDTH, beam_grasp, hand_down, peg_grasp, points_on,
 };
 use crate::parameters::Parameters;
+use crate::primitive::travel::Way;
 
 /// The most facts that plan and rehearsal exchange before they give up: each takes away one grasp, path or order.
 const MOST_FACTS: usize = 60;
@@ -452,23 +453,17 @@ impl<'a> Rehearsal<'a> {
     }
 
     /// The grasps of a link in the order in which the skills try them: near the middle of the beam first, and of the two
-    /// senses of the hand the one that keeps the joints from their ends, here and at the place.
+    /// senses of the hand the one that keeps the joints from their ends, here and at the place, and takes less time.
     fn candidates(&self, beam: usize, link: &str, x_wb: Option<Pose>) -> Vec<BeamGrasp> {
         let placed = &self.assembly.beams[beam].beam;
         let Some(link) = placed.links.iter().find(|candidate| candidate.name == link) else {
             return Vec::new();
         };
         let goal = self.goal(beam, None, 0.0);
-        let now = self.planner.kinematics.tip(&self.q).rotation;
-        let margin = |x_wt: &Pose| {
-            let q = self.planner.solve(x_wt, &self.q);
-            q.map_or(-1.0, |q| self.planner.kinematics.range_margin(&q))
-        };
         let score = |grasp: &BeamGrasp| {
-            let here = beam_grasp(&x_wb.unwrap_or(goal), grasp.s, grasp.reverse);
-            let least = margin(&here).min(margin(&beam_grasp(&goal, grasp.s, grasp.reverse)));
-            let travel = &self.parameters.travel;
-            least.min(travel.good_margin) - travel.turn_cost * now.angle_to(&here.rotation)
+            let stops = [x_wb, Some(goal)].into_iter().flatten();
+            let stops: Vec<Pose> = stops.map(|x_wb| beam_grasp(&x_wb, grasp.s, grasp.reverse)).collect();
+            Way::along(&stops, &self.q, &self.planner, &self.law).score(&self.parameters.travel)
         };
         let mut grasps = Vec::new();
         for s in points_on(link, placed.span() / 2.0, &self.parameters.grip) {

@@ -22,8 +22,8 @@ parameters! {
         ramp: f64 = "s", 0.0, 0.5;
         /// Distance from the ends of the joints' ranges beyond which more is no better. Chosen.
         good_margin: f64 = "rad", 0.0, 3.0;
-        /// What a radian of turning the hand counts against a radian of that distance. Chosen.
-        turn_cost: f64 = "", 0.0, 10.0;
+        /// What a second of the way to a grasp, and on from there, counts against a radian of that distance. Chosen.
+        time_cost: f64 = "rad/s", 0.0, 10.0;
         /// Speed with which the hand retreats to travelling height. Chosen.
         retreat_speed: f64 = "m/s", 0.001, 1.0;
         /// How far beside the hand a free place is looked for, when it stands where no motion can begin. Chosen.

@@ -134,6 +134,9 @@ parameters! {
         dragged_turn: f64 = "°", 0.0, 45.0;
         /// How often a beam is pushed. Chosen.
         tries: usize = "", 1.0, 20.0;
+        /// A beam that is still off by more than this share of what it was before is not pushed again, where it is near enough for
+        /// a peg. Chosen.
+        no_nearer: f64 = "", 0.0, 1.0;
         /// Motions of one push at most: friction on the table stops each of them a little short.
         motions: usize = "", 1.0, 50.0;
     }

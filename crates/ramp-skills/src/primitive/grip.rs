@@ -35,10 +35,9 @@ impl Workcell<'_, '_> {
             let mut nearest = None;
             for s in grasp::points_on(link, beam.span() / 2.0, &self.parameters.grip) {
                 let senses = [false, true].map(|reverse| {
-                    let x_wt = beam_grasp(&x_wp, s, reverse);
-                    let margin = self.reach(&x_wt, &q);
-                    let at_goal = goal.map_or(margin, |x_wb| self.reach(&beam_grasp(&x_wb, s, reverse), &q));
-                    (x_wt, margin.min(at_goal))
+                    let stops = [Some(x_wp), goal].into_iter().flatten();
+                    let stops: Vec<Pose> = stops.map(|x_wb| beam_grasp(&x_wb, s, reverse)).collect();
+                    (stops[0], self.way(&stops))
                 });
                 let Some(x_wt) = self.choose(&senses) else { continue };
                 if self.has_room(&x_wt, self.parameters.grip.beam_open, part) {
@@ -53,7 +52,7 @@ impl Workcell<'_, '_> {
         // Pegs stand close together along x of their holder: the hand closes across it.
         let senses = [0, 2].map(|quarter| {
             let x_wt = peg_grasp(&x_wp, quarter);
-            (x_wt, self.reach(&x_wt, &q))
+            (x_wt, self.way(&[x_wt]))
         });
         let x_wt = self.choose(&senses).ok_or_else(no_grasp)?;
         Ok((x_wt, self.parameters.grip.peg_open, PEG_WIDTH))
@@ -114,10 +113,9 @@ impl Workcell<'_, '_> {
     pub fn grasp_standing(&mut self, beam: usize, s: f64) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
         let x_wb = self.belief.pose(&name)?;
-        let q = self.hand.joints();
         let senses = [false, true].map(|reverse| {
             let x_wt = beam_grasp(&x_wb, s, reverse);
-            (x_wt, self.reach(&x_wt, &q))
+            (x_wt, self.way(&[x_wt]))
         });
         let x_wt = self.choose(&senses).ok_or_else(|| Fault::NoGrasp { part: name.clone() })?;
         self.grasp(&name, &x_wt, self.parameters.grip.beam_open, BEAM_WIDTH)

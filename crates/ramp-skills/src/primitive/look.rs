@@ -128,7 +128,6 @@ impl Workcell<'_, '_> {
     /// Brings the camera on the empty hand over a point of the world.
     fn visit(&mut self, aim: &Point3<f64>) -> Result<(), SkillError> {
         let Mount::Tip(x_tc) = self.hand.camera(Camera::Wrist).mount else { return Ok(()) };
-        let q = self.hand.joints();
         let x = self.hand.seen.x_wt.rotation * Vector3::x();
         let yaw = x.y.atan2(x.x);
         let candidates = [0.0, 0.5, -0.5, 1.0, -1.0, 2.0, -2.0, 3.0].map(|step| {
@@ -138,7 +137,7 @@ impl Workcell<'_, '_> {
                 Translation3::new(aim.x - aside.x, aim.y - aside.y, self.parameters.travel.height),
                 rotation,
             );
-            (x_wt, self.reach(&x_wt, &q))
+            (x_wt, self.way(&[x_wt]))
         });
         let Some(x_wt) = self.choose(&candidates) else { return Ok(()) };
         self.retreat()?;

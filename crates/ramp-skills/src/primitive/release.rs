@@ -1,6 +1,6 @@
 //! Lets go of what is held, so that it stays where it is.
 
-use nalgebra::Vector3;
+use nalgebra::{Translation3, Vector3};
 
 use crate::Pose;
 use crate::cell::Workcell;
@@ -23,10 +23,11 @@ impl Workcell<'_, '_> {
             self.belief.released(&held.part);
         }
         let beam = held.as_ref().filter(|held| self.kit.beam(&held.part).is_some());
+        let fast = (self.parameters.release.lift_off, self.parameters.release.lift_off_speed);
         let Some(held) = beam else {
             self.hand.grip(self.parameters.grip.peg_open, self.parameters.grip.opening_force)?;
             self.glance()?;
-            return self.lift_off(f64::INFINITY).map(|_| ());
+            return self.lift_off(&[fast], f64::INFINITY).map(|_| ());
         };
         for attempt in 0..=self.parameters.release.again {
             self.hand.grip(self.parameters.grip.beam_release, self.parameters.grip.opening_force)?;
@@ -49,7 +50,9 @@ impl Workcell<'_, '_> {
             } else {
                 f64::INFINITY
             };
-            if self.lift_off(limit)? {
+            // A beam that hangs on a finger comes along, and meets the upper edge of its joint: slowly at first.
+            let slow = (self.parameters.release.leaving, self.parameters.release.leaving_speed);
+            if self.lift_off(&[slow, fast], limit)? {
                 break;
             }
             self.note("retry", format!("let go of {}, which hangs on a finger", held.part));
@@ -105,14 +108,15 @@ impl Workcell<'_, '_> {
     }
 
     /// Lifts the hand off what it let go of, while it meets no more than `limit` (N). Returns whether it is off.
-    fn lift_off(&mut self, limit: f64) -> Result<bool, SkillError> {
-        let mut up = self.hand.setpoint;
-        up.translation.z += self.parameters.release.lift_off;
+    /// `stages` are heights (m) and the speeds up to them (m/s).
+    fn lift_off(&mut self, stages: &[(f64, f64)], limit: f64) -> Result<bool, SkillError> {
+        let from = self.hand.setpoint;
         let before = self.hand.force();
-        if self.hand.drive(&up, self.parameters.release.lift_off_speed, |hand| {
-            (hand.force() - before).norm() > limit
-        })? {
-            return Ok(false);
+        for &(height, speed) in stages {
+            let up = Translation3::new(0.0, 0.0, height) * from;
+            if self.hand.drive(&up, speed, |hand| (hand.force() - before).norm() > limit)? {
+                return Ok(false);
+            }
         }
         self.belief.update(&mut self.hand)?;
         Ok(true)

@@ -1,13 +1,43 @@
 //! Motions through free space, and which poses of the tip the arm reaches.
 
 use nalgebra::{Translation3, Vector3};
-use ramp_motion::{Checker, Joints, MotionError, Pace, Terms, TimeLaw, Trajectory};
+use ramp_motion::{Checker, Joints, MotionError, Pace, PathPlanner, Terms, TimeLaw, Trajectory};
 use ramp_robot::GripperCommand;
 
 use crate::Pose;
 use crate::belief::obstacles::held_boxes;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
+use crate::parameters::motion::TravelParameters;
+
+/// What it takes to bring the tip to some poses, one after another.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
+    /// Least distance of the joints from the ends of their ranges at these poses, rad; negative when one is out of reach.
+    pub margin: f64,
+    /// Least time for all of it, straight in joint space, s.
+    pub time: f64,
+}
+
+impl Way {
+    /// The way of the tip from `q` (rad) to `stops`.
+    pub fn along(stops: &[Pose], q: &Joints, planner: &PathPlanner, law: &TimeLaw) -> Way {
+        let mut way = Way { margin: f64::INFINITY, time: 0.0 };
+        let mut from = *q;
+        for stop in stops {
+            let Ok(to) = planner.solve(stop, &from) else { return Way { margin: -1.0, time: f64::INFINITY } };
+            way.margin = way.margin.min(planner.kinematics.range_margin(&to));
+            way.time += law.least_time(&from, &to);
+            from = to;
+        }
+        way
+    }
+
+    /// How good it is, rad: distance from the joints' ends as far as it matters, less what its time counts.
+    pub fn score(&self, travel: &TravelParameters) -> f64 {
+        self.margin.min(travel.good_margin) - travel.time_cost * self.time
+    }
+}
 
 impl Workcell<'_, '_> {
     /// Moves the tip through free space to `x_wt`, keeping clear of everything but the held part. A hand that stands too near
@@ -172,17 +202,18 @@ impl Workcell<'_, '_> {
             .is_ok_and(|q| checker.is_free(&self.planner.kinematics.frames(&q)))
     }
 
-    /// Of several poses of the tip, each with its distance from the joints' ends (rad), the one to use: reachable
-    /// with room to spare if any is, and of those the least turn of the hand.
-    pub fn choose(&self, candidates: &[(Pose, f64)]) -> Option<Pose> {
-        let now = self.hand.seen.x_wt.rotation;
-        let score = |(x_wt, margin): &(Pose, f64)| {
-            margin.min(self.parameters.travel.good_margin)
-                - self.parameters.travel.turn_cost * now.angle_to(&x_wt.rotation)
-        };
+    /// What it takes to bring the tip to `stops`, one after another.
+    pub fn way(&self, stops: &[Pose]) -> Way {
+        Way::along(stops, &self.hand.joints(), &self.planner, &self.law())
+    }
+
+    /// Of several poses of the tip, each with the way to it and on, the one to use: reachable with room to spare if any is, and
+    /// of those the one that takes the least time.
+    pub fn choose(&self, candidates: &[(Pose, Way)]) -> Option<Pose> {
+        let score = |(_, way): &(Pose, Way)| way.score(&self.parameters.travel);
         candidates
             .iter()
-            .filter(|(_, margin)| *margin > 0.0)
+            .filter(|(_, way)| way.margin > 0.0)
             .max_by(|a, b| score(a).total_cmp(&score(b)))
             .map(|(x_wt, _)| *x_wt)
     }

@@ -16,6 +16,7 @@ use crate::fault::{Fault, SkillError};
 use crate::grasp::{PEG_HEIGHT, hand_down};
 use crate::parameters::Parameters;
 use crate::parameters::skills::MoveToParameters;
+use crate::primitive::travel::Way;
 
 /// Moves the hand, and what it holds, from place to place.
 #[derive(Clone)]
@@ -170,7 +171,8 @@ impl MoveTo {
             let seated =
                 Pose::from_parts(Translation3::new(mouth.x, mouth.y, mouth.z + PEG_HEIGHT), rotation);
             let arrival = cell.planner.solve(&over, &q);
-            (over, arrival.map_or(-1.0, |arrival| cell.planner.straight_margin(&arrival, &seated)))
+            let margin = arrival.map_or(-1.0, |arrival| cell.planner.straight_margin(&arrival, &seated));
+            (over, Way { margin, ..cell.way(&[over]) })
         });
         if let Some(x_wt) = cell.choose(&candidates) {
             return cell.travel(&x_wt);

@@ -63,6 +63,7 @@ impl Push {
             return Err(Fault::NoGrasp { part: name }.into());
         };
         let far = cell.far_end(beam);
+        let mut before = f64::INFINITY;
         for attempt in 0..self.parameters.tries {
             cell.see_ends(beam)?;
             if attempt == 0 {
@@ -73,6 +74,12 @@ impl Push {
             if off < cell.parameters.alignment.good && near_off < cell.parameters.alignment.peggable {
                 return Ok(());
             }
+            // Friction takes it back each time: another push does no more, and what comes next takes this much.
+            let worst = off.max(near_off);
+            if worst > self.parameters.no_nearer * before && worst < cell.parameters.alignment.peggable {
+                return Ok(());
+            }
+            before = worst;
             if attempt > 0 {
                 let off = if off < cell.parameters.alignment.good { near_off } else { off };
                 cell.note("retry", format!("push {name}, {:.2} mm off", off * 1e3));
