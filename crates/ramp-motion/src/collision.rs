@@ -3,6 +3,7 @@
 //! A [`Checker`] is built once for a motion and asked at every sample of it. It lists the solids of the arm with what the
 //! hand holds, each with a ball around it, and the boxes around the arm with their bounds along the axes of the world.
 //! Most solids are ruled out by the bounds of all boxes together, most boxes by their own; what is left is tested exactly.
+//! Then the hand, what it holds and the links are tested against those links that are far enough up the arm.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use parry3d_f64::math::{Pose as ParryPose, Rotation, Vector};
@@ -10,7 +11,7 @@ use parry3d_f64::query::intersection_test;
 use parry3d_f64::shape::{Capsule, Cuboid, Shape};
 use ramp_robot::arm::{ArmBox, ArmModel};
 
-use crate::kinematics::Frames;
+use crate::kinematics::{Frames, Kinematics};
 use crate::space::Pose;
 
 /// A box somewhere in the world (or on the hand), named after the part it belongs to.
@@ -27,6 +28,10 @@ pub struct Obstacle {
 /// How much further than its margin the arm keeps from everything where it could take another way, m: parts are not exactly
 /// where they are believed to be.
 const CLEAR: f64 = 5.0e-3;
+
+/// How many joints are between two bodies of the arm that may meet: nearer ones are kept apart by the joints' ranges, and
+/// their capsules, which are wider than the arm, overlap.
+const JOINTS_BETWEEN: usize = 3;
 
 /// Bounds along the axes of the world, m.
 #[derive(Clone, Copy)]
@@ -77,8 +82,33 @@ impl Surroundings {
 /// What a solid is fixed to.
 #[derive(Clone, Copy)]
 enum Body {
+    Base,
     Link(usize),
     Hand,
+}
+
+impl Body {
+    fn frame<'a, const N: usize>(&self, frames: &'a Frames<N>, world: &'a Pose) -> &'a Pose {
+        match self {
+            Body::Base => world,
+            Body::Link(link) => &frames.links[*link],
+            Body::Hand => &frames.hand,
+        }
+    }
+
+    /// How many joints carry it, in an arm of `joints`.
+    fn carried_by(&self, joints: usize) -> usize {
+        match self {
+            Body::Base => 0,
+            Body::Link(link) => link + 1,
+            Body::Hand => joints,
+        }
+    }
+
+    /// May it come near to something around the arm? The base and the first link do not move there.
+    fn reaches_out(&self) -> bool {
+        !matches!(self, Body::Base | Body::Link(0))
+    }
 }
 
 enum Form {
@@ -98,10 +128,21 @@ struct Solid {
     radius: f64,
 }
 
+/// What the arm touches.
+enum Touched {
+    Table,
+    /// A box around it, by number.
+    Box(usize),
+    /// Another body of its own.
+    Itself,
+}
+
 /// Tells whether the arm, opened or closed and with or without a part, touches anything.
 pub struct Checker {
-    /// Solids of the links from the second on (the first cannot reach the table), of the hand, the fingers, and what is held.
+    /// Solids of the base, the links, the hand, the fingers, and what is held.
     solids: Vec<Solid>,
+    /// Those of them that may meet each other, by number.
+    pairs: Vec<[usize; 2]>,
     around: Surroundings,
     /// The same with more room.
     widely: Surroundings,
@@ -122,11 +163,11 @@ fn bounds(shape: &dyn Shape, pose: &ParryPose) -> Bounds {
 }
 
 impl Solid {
-    fn capsule(link: usize, capsule: &ramp_robot::arm::Capsule) -> Solid {
+    fn capsule(body: Body, capsule: &ramp_robot::arm::Capsule) -> Solid {
         let (a, b) = (Vector::from(capsule.from), Vector::from(capsule.to));
         let centre = (a + b) / 2.0;
         Solid {
-            body: Body::Link(link),
+            body,
             form: Form::Capsule(Capsule::new(a, b, capsule.radius)),
             offset: ParryPose::IDENTITY,
             centre: Point3::new(centre.x, centre.y, centre.z),
@@ -153,9 +194,15 @@ impl Solid {
         }
     }
 
-    /// The number of a box that it touches at a pose of its body, or `None` in it for the table; `None` when it touches
-    /// nothing.
-    fn touches(&self, frame: &Pose, around: &Surroundings) -> Option<Option<usize>> {
+    /// Do the two touch, each at a pose of its body?
+    fn meets(&self, frame: &Pose, other: &Solid, other_frame: &Pose) -> bool {
+        let (pose, other_pose) = (parry(frame) * self.offset, parry(other_frame) * other.offset);
+        intersection_test(&pose, self.shape(), &other_pose, other.shape())
+            .is_ok_and(|result| result.intersecting)
+    }
+
+    /// What it touches of what is around the arm, at a pose of its body.
+    fn touches(&self, frame: &Pose, around: &Surroundings) -> Option<Touched> {
         let centre = (frame * self.centre).coords;
         let ball = Bounds {
             low: centre.map(|value| value - self.radius),
@@ -168,7 +215,7 @@ impl Solid {
         let pose = parry(frame) * self.offset;
         let own = bounds(self.shape(), &pose);
         if own.low.z < 0.0 {
-            return Some(None);
+            return Some(Touched::Table);
         }
         let mut boxes = around.bounds.iter().zip(&around.boxes);
         let touched = boxes.position(|(bounds, (placed, shape))| {
@@ -176,7 +223,7 @@ impl Solid {
                 && !intersection_test(&pose, self.shape(), placed, shape)
                     .is_ok_and(|result| !result.intersecting)
         });
-        touched.map(Some)
+        touched.map(Touched::Box)
     }
 }
 
@@ -200,6 +247,23 @@ fn fingers<const N: usize>(arm: &ArmModel<N>, width: f64) -> impl Iterator<Item 
     })
 }
 
+/// The pairs of solids that may meet: enough joints are between them, and they are apart with the arm at home.
+fn may_meet<const N: usize>(arm: &ArmModel<N>, solids: &[Solid]) -> Vec<[usize; 2]> {
+    let (frames, world) = (Kinematics::new(arm).frames(&arm.home.into()), Pose::identity());
+    let mut pairs = Vec::new();
+    for (first, one) in solids.iter().enumerate() {
+        for (second, other) in solids.iter().enumerate().skip(first + 1) {
+            let between = other.body.carried_by(N).saturating_sub(one.body.carried_by(N));
+            let apart =
+                || !one.meets(one.body.frame(&frames, &world), other, other.body.frame(&frames, &world));
+            if between >= JOINTS_BETWEEN && apart() {
+                pairs.push([first, second]);
+            }
+        }
+    }
+    pairs
+}
+
 impl Checker {
     /// A checker for `arm` with the gripper opened to `width` (m, both fingers together), carrying `held` (boxes
     /// in the tip's frame), among `around` (boxes in the world), keeping `margin` (m) from everything. The table
@@ -211,8 +275,9 @@ impl Checker {
         around: &[Obstacle],
         margin: f64,
     ) -> Checker {
-        let links = arm.joints.iter().enumerate().skip(1).flat_map(|(index, joint)| {
-            joint.link.capsules.iter().map(move |capsule| Solid::capsule(index, capsule))
+        let base = arm.base.capsules.iter().map(|capsule| Solid::capsule(Body::Base, capsule));
+        let links = arm.joints.iter().enumerate().flat_map(|(index, joint)| {
+            joint.link.capsules.iter().map(move |capsule| Solid::capsule(Body::Link(index), capsule))
         });
         let hand = arm.hand.boxes.iter().map(|piece| {
             let (half, centre) = half_and_centre(piece);
@@ -220,8 +285,12 @@ impl Checker {
         });
         let x_ht = Translation3::new(0.0, 0.0, arm.hand.tip);
         let held = held.iter().map(|piece| Solid::on_hand(piece.half, &(x_ht * piece.x)));
+        let solids: Vec<Solid> =
+            base.chain(links).chain(hand).chain(fingers(arm, width)).chain(held).collect();
+        let pairs = may_meet(arm, &solids);
         Checker {
-            solids: links.chain(hand).chain(fingers(arm, width)).chain(held).collect(),
+            solids,
+            pairs,
             around: Surroundings::new(around, margin),
             widely: Surroundings::new(around, margin + CLEAR),
             names: around.iter().map(|obstacle| obstacle.name.clone()).collect(),
@@ -238,20 +307,32 @@ impl Checker {
         self.first(frames, &self.widely).is_none()
     }
 
-    /// What the arm touches with its frames here: the name of a part, or `the table`.
+    /// What the arm touches with its frames here: the name of a part, `the table`, or `itself`.
     pub fn touched<const N: usize>(&self, frames: &Frames<N>) -> Option<&str> {
         let touched = self.first(frames, &self.around)?;
-        Some(touched.map_or("the table", |number| self.names[number].as_str()))
+        Some(match touched {
+            Touched::Table => "the table",
+            Touched::Box(number) => &self.names[number],
+            Touched::Itself => "itself",
+        })
     }
 
-    /// As [`Solid::touches`], of the first solid that touches something.
-    fn first<const N: usize>(&self, frames: &Frames<N>, around: &Surroundings) -> Option<Option<usize>> {
-        self.solids.iter().find_map(|solid| {
-            let frame = match solid.body {
-                Body::Link(link) => &frames.links[link],
-                Body::Hand => &frames.hand,
-            };
-            solid.touches(frame, around)
-        })
+    /// What the first solid touches that touches something.
+    fn first<const N: usize>(&self, frames: &Frames<N>, around: &Surroundings) -> Option<Touched> {
+        let world = Pose::identity();
+        let out = self.solids.iter().filter(|solid| solid.body.reaches_out());
+        let touched = out.map(|solid| solid.touches(solid.body.frame(frames, &world), around));
+        if let Some(touched) = touched.flatten().next() {
+            return Some(touched);
+        }
+        let centre = |solid: &Solid| solid.body.frame(frames, &world) * solid.centre;
+        let centres: Vec<Point3<f64>> = self.solids.iter().map(centre).collect();
+        let meet = |&[one, other]: &[usize; 2]| {
+            let apart = (centres[one] - centres[other]).norm_squared();
+            let [one, other] = [&self.solids[one], &self.solids[other]];
+            apart < (one.radius + other.radius).powi(2)
+                && one.meets(one.body.frame(frames, &world), other, other.body.frame(frames, &world))
+        };
+        self.pairs.iter().any(meet).then_some(Touched::Itself)
     }
 }

@@ -105,6 +105,24 @@ fn the_ur5e_stands_where_its_dh_parameters_say() {
     assert!(holding[0].abs() < 1e-9, "{holding}");
 }
 
+/// A UR5e that folds its forearm down its upright upper arm touches itself within its ranges; at
+/// home and in its usual posture it does not, nor does any other arm.
+#[test]
+fn an_arm_is_kept_from_touching_itself() {
+    let arm: ArmModel<6> = arm("ur5e");
+    let (kinematics, checker) = (Kinematics::new(&arm), Checker::new(&arm, 0.04, Vec::new(), &[], 0.0));
+    let folded = Joints::<6>::from([0.0, -PI / 2.0, 2.7, 0.0, -PI / 2.0, 0.0]);
+    assert_eq!(checker.touched(&kinematics.frames(&folded)), Some("itself"));
+    fn is_free<const N: usize>(arm: &ArmModel<N>) {
+        let (kinematics, checker) = (Kinematics::new(arm), Checker::new(arm, 0.04, Vec::new(), &[], 0.0));
+        for q in [Some(arm.home), arm.posture].into_iter().flatten() {
+            assert_eq!(checker.touched(&kinematics.frames(&q.into())), None, "{}", arm.name);
+        }
+    }
+    is_free(&arm);
+    SEVEN.map(self::arm::<7>).iter().for_each(is_free);
+}
+
 /// On the way every limit is kept at every control period, and speeds stay within those that hold at each angle: the paths
 /// keep away from the ends.
 #[test]

@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 use nalgebra::Point3;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
-use ramp_motion::PathPlanner;
+use ramp_motion::{Checker, Joints, Pace, PathPlanner, Terms, TimeLaw};
 use ramp_planner::{CoarseAction, Domains, FineAction, Grasp, PlanError, Replayer, State};
 use ramp_robot::arm::ArmModel;
+use ramp_robot::random::Stream;
 use ramp_skills::grasp::point_on;
 use ramp_skills::rehearsal::{Rehearsal, Rehearsed, plan_for_arm, quicker_for_arm};
 use ramp_skills::{Parameters, Pose};
@@ -58,6 +59,38 @@ fn the_nine_goals_need_no_other_plan() {
         assert!(rehearsed.facts.is_empty(), "{name}: {:?}", rehearsed.facts);
         let plan = ramp_planner::plan(&goal, &data.kit, &State::default(), &data.domains).unwrap();
         assert_eq!(rehearsed.plan.steps, plan.steps, "{name}");
+    }
+}
+
+/// The motions that a goal asks of the Panda, between the beams and pegs of that goal, with what they carry: an arm of another
+/// maker finds them, too, and none of them leads it into itself.
+#[test]
+fn a_ur5e_finds_its_way_among_the_beams_of_a_goal() {
+    let data = data();
+    let arm: ArmModel<6> = ArmModel::read(&root().join("data/arms/ur5e.json")).unwrap();
+    let goal = ramp_assembly::read_goal(&root().join("data/goals/medium-2.xml"), &data.kit).unwrap();
+    let plan = ramp_planner::plan(&goal, &data.kit, &State::default(), &data.domains).unwrap();
+    let (panda, planner) = (PathPlanner::new(&data.arm), PathPlanner::new(&arm));
+    let parameters = Parameters::baseline();
+    let rehearsal =
+        Rehearsal::nominal(&data.kit, &goal, &data.arm, &panda, parameters.clone(), &State::default());
+    let legs = rehearsal.legs(&plan);
+    assert!(legs.len() > 15 && legs.iter().any(|leg| !leg.held.is_empty()));
+    let law = TimeLaw::new(&arm, &Pace { velocity: 1.0, acceleration: 1.0, jerk: 1.0, ramp: 0.0 });
+    let mut stream = Stream::new(1, "legs");
+    for (number, leg) in legs.iter().enumerate() {
+        let travel = &parameters.travel;
+        let checker = Checker::new(&arm, leg.open, leg.held.clone(), &leg.around, travel.margin);
+        let terms = Terms { height: travel.height, level: leg.level, checker: &checker, law: &law };
+        let start = panda.kinematics.tip(&leg.q);
+        let q = planner.solve(&start, &Joints::from(arm.home)).unwrap();
+        let motion = planner.plan(&q, &leg.x_wt, &terms, &mut stream);
+        let motion = motion.unwrap_or_else(|error| panic!("leg {number}: {error}"));
+        let reached = planner.kinematics.tip(&motion.end());
+        assert!((reached.translation.vector - leg.x_wt.translation.vector).norm() < 1e-5);
+        for q in motion.samples() {
+            assert_eq!(checker.touched(&planner.kinematics.frames(q)), None, "leg {number}");
+        }
     }
 }
 
