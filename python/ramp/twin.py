@@ -87,8 +87,15 @@ class Twin:
         """Where the parts are, as far as the track tells: name to pose, shape (7,)."""
         return self._twin.read_parts()
 
+    def expose(self) -> None:
+        """Opens the shutters of both cameras, and takes no robot time: :meth:`look` gives the images later, the oldest first."""
+        self._twin.expose()
+
     def look(self, camera: str = "wrist") -> CameraImage:
-        """An image of a camera, ``wrist`` or ``birds-eye``. Exposure and the way to the agent take robot time."""
+        """An image of a camera, ``wrist`` or ``birds-eye``: the oldest that was exposed and not taken, or one of now.
+
+        Exposure and the way to the agent take robot time.
+        """
         return self._twin.look(camera)
 
     def snapshot(self) -> Snapshot:

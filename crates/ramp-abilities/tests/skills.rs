@@ -51,6 +51,10 @@ impl Robot for Biased<'_> {
         Ok(parts)
     }
 
+    fn expose(&mut self) -> Result<(), RobotError> {
+        self.twin.expose()
+    }
+
     fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
         self.twin.look(camera)
     }

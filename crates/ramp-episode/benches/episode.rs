@@ -56,6 +56,10 @@ impl Robot for Recorder<'_> {
         self.robot.read_parts()
     }
 
+    fn expose(&mut self) -> Result<(), RobotError> {
+        self.robot.expose()
+    }
+
     fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
         self.robot.look(camera)
     }

@@ -76,6 +76,14 @@ pub(crate) fn call_again(judged: &mut Judged, calls: Decoder) -> Result<Again, A
                 again.conduct.looked(judged.twin.time(), &image);
                 again.answer(judged, &mut entries, image.map(|image| answer::of_image(&image)))
             }
+            Entry::Expose => {
+                let opened = judged.expose();
+                again.conduct.exposed(judged.twin.time(), &opened);
+                match opened {
+                    Ok(()) => Ok(()),
+                    Err(error) => again.answer(judged, &mut entries, Err(error)),
+                }
+            }
             Entry::State(logged) if entries.peek().is_none() => {
                 ended = true;
                 again.compare_state(judged, logged);

@@ -49,6 +49,11 @@ impl Conduct {
         Conduct::note(&mut self.image, &mut self.forbidden, time, answer);
     }
 
+    /// The shutters were opened; `time` is robot time, s. That shows nothing yet.
+    pub(crate) fn exposed(&mut self, time: f64, answer: &Result<(), RobotError>) {
+        Conduct::note(&mut None, &mut self.forbidden, time, answer);
+    }
+
     /// The parts were read; `time` is robot time after it, s.
     pub(crate) fn read<T>(&mut self, time: f64, answer: &Result<T, RobotError>) {
         Conduct::note(&mut self.reading, &mut self.forbidden, time, answer);

@@ -60,6 +60,10 @@ impl Robot for Until<'_> {
         self.twin.read_parts()
     }
 
+    fn expose(&mut self) -> Result<(), RobotError> {
+        self.twin.expose()
+    }
+
     fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
         self.twin.look(camera)
     }
@@ -210,6 +214,10 @@ impl Robot for Stop<'_> {
         self.twin.read_parts()
     }
 
+    fn expose(&mut self) -> Result<(), RobotError> {
+        self.twin.expose()
+    }
+
     fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
         self.twin.look(camera)
     }
@@ -280,6 +288,9 @@ impl Agent for Short<'_> {
             }
             fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
                 self.0.read_parts()
+            }
+            fn expose(&mut self) -> Result<(), RobotError> {
+                self.0.expose()
             }
             fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
                 self.0.look(camera)

@@ -104,13 +104,14 @@ fn read(bytes: &[u8]) -> bool {
     replay::World::of(&log).is_ok() && calls > 0
 }
 
-const LINES: [&str; 9] = [
+const LINES: [&str; 10] = [
     r#"{"hello": {"protocol": 1, "name": "fuzz", "version": "1.0"}}"#,
     r#"{"step": {"commands": [{"arm": {"joint_positions": [0, 0, 0, -1.5, 0, 1.5, 0]}, "gripper": {"width": 0.04, "force": 10}, "repeat": 20}]}}"#,
     r#"{"step": {"commands": [{"arm": {"pose": {"position": [0.4, 0, 0.3], "quat_wxyz": [0, 1, 0, 0]}}, "gripper": {"width": 0.04, "force": 10}}]}}"#,
     r#"{"step": {"commands": [{"arm": {"impedance": {"x_wt": {"position": [0.4, 0, 0.3], "quat_wxyz": [0, 1, 0, 0]}, "stiffness": [1, 1, 1, 1, 1, 1], "damping_ratio": 1, "feed_forward": [0, 0, 0, 0, 0, 0], "posture": [0, 0, 0, 0, 0, 0, 0]}}, "gripper": {"width": 0.04, "force": 10}}]}}"#,
     r#"{"observe": {}}"#,
     r#"{"look": {"camera": "birds-eye"}}"#,
+    r#"{"expose": {}}"#,
     r#"{"plan": {"coarse": 3, "fine": 9, "planning": 0.1}}"#,
     r#"{"event": {"kind": "start", "what": "pick up b4"}}"#,
     r#"{"done": {}}"#,

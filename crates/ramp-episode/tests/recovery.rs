@@ -58,6 +58,10 @@ impl Robot for Troubled<'_> {
         Ok(parts)
     }
 
+    fn expose(&mut self) -> Result<(), RobotError> {
+        self.twin.expose()
+    }
+
     fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
         self.twin.look(camera)
     }

@@ -45,6 +45,10 @@ impl Robot for Short<'_> {
         self.twin.read_parts()
     }
 
+    fn expose(&mut self) -> Result<(), RobotError> {
+        self.twin.expose()
+    }
+
     fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
         let mut image = self.twin.look(camera)?;
         match self.trouble {

@@ -169,6 +169,11 @@ impl<'a> ExternalAgent<'a> {
                 Err(error) if error.is_final() => Err(End::Robot(error)),
                 Err(error) => Ok(Answer::Refused(error)),
             },
+            Request::Expose {} => match robot.expose() {
+                Ok(()) => Ok(Answer::Noted),
+                Err(error) if error.is_final() => Err(End::Robot(error)),
+                Err(error) => Ok(Answer::Refused(error)),
+            },
             Request::Look(look) => match robot.look(look.camera()) {
                 Ok(image) => Ok(Answer::Image(image)),
                 Err(error) if error.is_final() => Err(End::Robot(error)),

@@ -35,6 +35,8 @@ pub enum Request {
     Observe {},
     /// Reads where the parts are.
     ReadParts {},
+    /// Opens the shutters of the cameras.
+    Expose {},
     /// Takes an image.
     Look(Look),
     /// Tells of a plan.

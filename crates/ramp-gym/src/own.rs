@@ -135,6 +135,10 @@ impl Robot for HandRobot<'_, '_> {
         self.0.read_parts()
     }
 
+    fn expose(&mut self) -> Result<(), RobotError> {
+        self.0.expose()
+    }
+
     fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
         self.0.look(camera)
     }

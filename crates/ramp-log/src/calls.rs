@@ -23,6 +23,7 @@ const LOOK_BIRDS_EYE: u8 = 9;
 const STATE: u8 = 10;
 const ANSWERED: u8 = 11;
 const REFUSED: u8 = 12;
+const EXPOSE: u8 = 13;
 
 /// One entry of the record of an episode.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,9 +34,11 @@ pub enum Entry {
     ReadParts,
     /// An image was taken.
     Look(Camera),
+    /// The shutters of the cameras were opened.
+    Expose,
     /// Not a call: the reading or image before this was given, and what was given has this hash.
     Answered(u64),
-    /// Not a call: the reading or image before this was refused.
+    /// Not a call: the reading, image or exposure before this was refused.
     Refused,
     /// Not a call: the hash of the physics state at this point.
     State(u64),
@@ -272,6 +275,12 @@ impl Encoder {
         });
     }
 
+    /// The shutters of the cameras were opened.
+    pub fn expose(&mut self) {
+        self.end_repeats();
+        self.bytes.push(EXPOSE);
+    }
+
     /// The last reading or image was given; `hash` is that of what was given.
     pub fn answered(&mut self, hash: u64) {
         self.end_repeats();
@@ -361,6 +370,7 @@ impl<'b> Decoder<'b> {
             READ_PARTS => Ok(Entry::ReadParts),
             LOOK_WRIST => Ok(Entry::Look(Camera::Wrist)),
             LOOK_BIRDS_EYE => Ok(Entry::Look(Camera::BirdsEye)),
+            EXPOSE => Ok(Entry::Expose),
             STATE => Ok(Entry::State(self.hash()?)),
             ANSWERED => Ok(Entry::Answered(self.hash()?)),
             REFUSED => Ok(Entry::Refused),

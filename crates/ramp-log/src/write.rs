@@ -193,6 +193,11 @@ impl Recorder {
         self.calls.look(camera);
     }
 
+    /// The agent is about to open the shutters of the cameras.
+    pub fn expose(&mut self) {
+        self.calls.expose();
+    }
+
     /// The last reading or image was given; `hash` is that of what was given.
     pub fn answered(&mut self, hash: u64) {
         self.calls.answered(hash);

@@ -81,6 +81,11 @@ impl Seam for Watched<'_> {
         self.robot.read_parts()
     }
 
+    fn expose(&mut self) -> Result<(), RobotError> {
+        self.check()?;
+        self.robot.expose()
+    }
+
     fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
         self.check()?;
         self.robot.look(camera)
@@ -206,6 +211,11 @@ impl Seam for Kept<'_> {
 
     fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
         let result = self.robot.read_parts();
+        self.keep(result)
+    }
+
+    fn expose(&mut self) -> Result<(), RobotError> {
+        let result = self.robot.expose();
         self.keep(result)
     }
 

@@ -127,6 +127,11 @@ impl Robot {
         readings(py, parts)
     }
 
+    /// Opens the shutters of both cameras, and takes no time: `look` gives the images later, the oldest first.
+    fn expose(&self) -> PyResult<()> {
+        self.with(|it| it.expose().map_err(|error| robot(&error)))
+    }
+
     /// An image of a camera, `wrist` or `birds-eye`. Robot time passes.
     fn look(&self, py: Python<'_>, camera: &str) -> PyResult<CameraImage> {
         let which = camera_of(camera)?;

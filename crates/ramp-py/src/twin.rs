@@ -116,6 +116,10 @@ impl Twin {
         readings(py, parts)
     }
 
+    fn expose(&self) -> PyResult<()> {
+        self.cell()?.twin.expose().map_err(|error| robot(&error))
+    }
+
     fn look(&self, py: Python<'_>, camera: &str) -> PyResult<CameraImage> {
         let camera = camera_of(camera)?;
         let image = detached(py, || self.cell()?.twin.look(camera).map_err(|error| robot(&error)))?;

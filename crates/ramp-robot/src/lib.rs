@@ -26,6 +26,6 @@ pub use command::{ArmCommand, Command, GripperCommand, Impedance};
 pub use error::RobotError;
 pub use observation::{Observation, PartReading};
 pub use pose::Pose;
-pub use robot::Robot;
+pub use robot::{MOST_EXPOSURES, Robot};
 pub use time::{PERIOD, TIME_LIMIT};
 pub use track::Track;

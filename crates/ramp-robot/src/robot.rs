@@ -5,6 +5,9 @@ use crate::command::Command;
 use crate::error::RobotError;
 use crate::observation::{Observation, PartReading};
 
+/// Exposures of the cameras whose images wait to be asked for, at most.
+pub const MOST_EXPOSURES: usize = 8;
+
 /// A robot that an agent can drive: the twin, or a real arm.
 ///
 /// The trait is all that an agent gets of it. What is behind it, with the truth that the referee reads, cannot be had
@@ -39,9 +42,19 @@ pub trait Robot {
     /// As [`Robot::step`]; on `tags` always [`RobotError::NotOnTrack`], and the robot goes on.
     fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError>;
 
-    /// Takes an image. Exposure and the way to the agent take robot time, during which the arm goes on with its
-    /// last command. The cameras are exposed together: the other one's image of the same moment is there, too, and takes
-    /// no time if it is asked for before any passes.
+    /// Opens the shutters of both cameras, and takes no robot time: the arm goes on as it is commanded, and the image carries
+    /// its pose in the middle of the exposure. What moves meanwhile is blurred. [`Robot::look`] gives the images later, the
+    /// oldest first. A camera is done with one image before it begins the next, so that exposures that are asked for at once
+    /// follow each other. [`MOST_EXPOSURES`] are kept: with more, the oldest is dropped.
+    ///
+    /// # Errors
+    /// That of an earlier step; on `noisy` [`RobotError::NotOnTrack`], and the robot goes on.
+    fn expose(&mut self) -> Result<(), RobotError>;
+
+    /// Gives an image: the oldest of those exposed by [`Robot::expose`] that this camera has not given yet, as soon as it
+    /// is there, or else one that is exposed now. Exposure and the way to the agent take robot time, during which the arm
+    /// goes on with its last command. The cameras are exposed together: the other one's image of the same moment is there, too,
+    /// and takes no time if it is asked for before any passes.
     ///
     /// # Errors
     /// As [`Robot::step`]; [`RobotError::CameraStopped`] when there is no image, and on `noisy`

@@ -39,6 +39,15 @@ pub struct Held {
     pub p_centre: Point3<f64>,
 }
 
+/// What is done shortly before the end of a motion.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Arrival {
+    /// What a gripper is told that is known to do nothing for a while after a command, and has nothing else to do.
+    pub closing: Option<GripperCommand>,
+    /// How long before the end the cameras are exposed, s.
+    pub look: Option<f64>,
+}
+
 /// The robot with what the skills keep in mind about its hand.
 pub struct Hand<'r> {
     robot: &'r mut dyn Robot,
@@ -245,6 +254,14 @@ impl<'r> Hand<'r> {
         readings
     }
 
+    /// Opens the shutters of the cameras: the next image that is taken is of now.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn expose(&mut self) -> Result<(), RobotError> {
+        self.robot.expose()
+    }
+
     /// Takes an image. Time passes, during which the arm goes on with its last command.
     ///
     /// # Errors
@@ -289,30 +306,29 @@ impl<'r> Hand<'r> {
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
     pub fn follow(&mut self, trajectory: &Trajectory) -> Result<(), SkillError> {
-        self.follow_and_grip(trajectory, None)
+        self.follow_and(trajectory, &Arrival::default())
     }
 
-    /// The same. A gripper that is known to do nothing for a while after a command, and has nothing else to do, is told `closing`
-    /// so long before the end.
+    /// The same, with what is done shortly before the end.
     ///
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
-    pub fn follow_and_grip(
-        &mut self,
-        trajectory: &Trajectory,
-        closing: Option<GripperCommand>,
-    ) -> Result<(), SkillError> {
+    pub fn follow_and(&mut self, trajectory: &Trajectory, arrival: &Arrival) -> Result<(), SkillError> {
         let measured = |seen: &Observation| {
             (seen.wrench.fixed_rows::<3>(0).norm(), seen.wrench.fixed_rows::<3>(3).norm())
         };
         let (force, moment) = measured(&self.seen);
         let samples = trajectory.samples();
         let early = (self.dead_time.least.unwrap_or(0.0) / PERIOD) as usize;
+        let look = arrival.look.map(|ahead| samples.len().saturating_sub((ahead / PERIOD) as usize));
         for (index, q) in samples.iter().enumerate().skip(1) {
             if let Some(closing) =
-                closing.filter(|_| samples.len() - index < early && !self.seen.gripper_busy)
+                arrival.closing.filter(|_| samples.len() - index < early && !self.seen.gripper_busy)
             {
                 self.gripper = closing;
+            }
+            if look == Some(index) {
+                self.expose()?;
             }
             self.joint_step(*q)?;
             self.guard()?;

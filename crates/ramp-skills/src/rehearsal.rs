@@ -460,18 +460,18 @@ impl<'a> Rehearsal<'a> {
             return Vec::new();
         };
         let goal = self.goal(beam, None, 0.0);
-        let score = |grasp: &BeamGrasp| {
+        let way = |grasp: &BeamGrasp| {
             let stops = [x_wb, Some(goal)].into_iter().flatten();
             let stops: Vec<Pose> = stops.map(|x_wb| beam_grasp(&x_wb, grasp.s, grasp.reverse)).collect();
-            Way::along(&stops, &self.q, &self.planner, &self.law).score(&self.parameters.travel)
+            Way::along(&stops, &self.q, &self.planner, &self.law)
         };
         let mut grasps = Vec::new();
         for s in points_on(link, placed.span() / 2.0, &self.parameters.grip) {
             let mut senses = [false, true].map(|reverse| {
                 let grasp = BeamGrasp { s, reverse };
-                (grasp, score(&grasp))
+                (grasp, way(&grasp))
             });
-            senses.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+            senses.sort_by(|(_, a), (_, b)| b.compare(a, &self.parameters.travel));
             grasps.extend(senses.map(|(grasp, _)| grasp));
         }
         grasps

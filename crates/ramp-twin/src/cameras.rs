@@ -14,6 +14,13 @@ use ramp_world::groups;
 
 /// How long the shutter is open, in control periods of a millisecond.
 pub const EXPOSURE_STEPS: u32 = 8;
+/// The periods after its opening at which is kept where everything is: the image carries the pose of the middle one, and shows
+/// the others together if the hand moved.
+const MOMENTS: [u64; 5] = [1, 3, 4, 5, 7];
+/// See [`MOMENTS`].
+const MIDDLE: usize = 2;
+/// A hand that moves no further than this while the shutter is open (m, and rad) blurs nothing: a fifth of a pixel or less.
+const AT_REST: (f64, f64) = (1.0e-4, 3.0e-4);
 
 /// A camera as it really is in the episode of this seed: the nominal one with an error of calibration, 1 σ for each axis: m
 /// and rad.
@@ -44,21 +51,65 @@ pub(crate) struct Cameras {
     eyes: [Option<Eye>; 2],
 }
 
-/// What both cameras saw at one moment; an image is drawn when it is asked for.
+/// Where everything was at a moment.
 #[derive(Clone)]
-pub(crate) struct Exposure {
-    /// Where everything was; `None` when it cannot be drawn.
-    pub scene: Option<Scene>,
+pub(crate) struct Moment {
+    pub scene: Scene,
     /// The tip in the world.
     pub x_wt: Pose,
     /// Robot time, s.
     pub time: f64,
-    /// Whether the cameras give their last images again.
-    pub frozen: bool,
+}
+
+/// What both cameras see while their shutters are open together; an image is drawn when it is asked for.
+#[derive(Clone)]
+pub(crate) struct Exposure {
+    /// The period in which the shutters open.
+    begin: u64,
     /// The period in which the images are there.
     pub there: u64,
+    /// Asked for ahead of its images: they are kept until somebody wants them.
+    pub kept: bool,
+    /// At each of [`MOMENTS`] so far; nothing when it cannot be drawn.
+    moments: Vec<Moment>,
+    /// Whether the cameras give their last images again.
+    pub frozen: bool,
     /// Whose image has been handed out.
     pub taken: Vec<Camera>,
+}
+
+impl Exposure {
+    pub fn new(begin: u64, latency: u32, kept: bool) -> Exposure {
+        let there = begin + u64::from(EXPOSURE_STEPS + latency);
+        Exposure { begin, there, kept, moments: Vec::new(), frozen: false, taken: Vec::new() }
+    }
+
+    /// Does it want to know where everything is at the end of this period?
+    pub fn is_due(&self, period: u64) -> bool {
+        period.checked_sub(self.begin).is_some_and(|since| MOMENTS.contains(&since))
+    }
+
+    /// Takes in where everything is, and whether the cameras are frozen.
+    pub fn add(&mut self, moment: Moment, frozen: bool) {
+        self.moments.push(moment);
+        self.frozen = frozen;
+    }
+
+    /// What the images carry: where everything was in the middle.
+    pub fn middle(&self) -> Option<&Moment> {
+        self.moments.get(MIDDLE)
+    }
+
+    /// What is in the images: the middle alone, or where the hand moved the moments before and after.
+    fn shown(&self) -> Vec<&Moment> {
+        let ([first, .., last], Some(middle)) = (&self.moments[..], self.middle()) else { return Vec::new() };
+        let moved = (last.x_wt.translation.vector - first.x_wt.translation.vector).norm();
+        if moved < AT_REST.0 && last.x_wt.rotation.angle_to(&first.x_wt.rotation) < AT_REST.1 {
+            return vec![middle];
+        }
+        let aside = self.moments.iter().enumerate().filter(|(index, _)| *index != MIDDLE);
+        aside.map(|(_, moment)| moment).collect()
+    }
 }
 
 /// What changes of the cameras from image to image.
@@ -173,21 +224,21 @@ impl Cameras {
         true_camera(camera, &self.arm, self.seed, [physics.position_error, physics.angle_error])
     }
 
+    /// From the beginning of an exposure until that of the next, in control periods.
+    pub fn interval(&self) -> u64 {
+        ((self.physics.interval / PERIOD).round() as u64).max(u64::from(EXPOSURE_STEPS))
+    }
+
     /// Takes an image: its width, its height, and red, green and blue of each pixel. A frozen camera gives its last
     /// image again, if it has taken one.
     pub fn take(
         &mut self,
         camera: Camera,
-        mut scene: Scene,
-        x_wt: &Pose,
-        frozen: bool,
+        exposure: &Exposure,
     ) -> Result<(usize, usize, Vec<u8>), LooksError> {
         let looks = self.looks()?;
         // The wrist camera sits inside its own housing.
-        if camera == Camera::Wrist {
-            let housing = looks.body(HOUSING);
-            scene.bodies.retain(|(index, _)| Some(*index) != housing);
-        }
+        let housing = looks.body(HOUSING).filter(|_| camera == Camera::Wrist);
         let (seed, model, light) = (self.seed, self.true_camera(camera), self.physics.light);
         let slot = &mut self.eyes[usize::from(camera == Camera::BirdsEye)];
         let eye = slot.get_or_insert_with(|| Eye {
@@ -196,8 +247,17 @@ impl Cameras {
             model,
             last: Vec::new(),
         });
-        if !frozen || eye.last.is_empty() {
-            eye.last = eye.renderer.render(&scene, &eye.model.x_wc(x_wt), &mut eye.sensor);
+        if !exposure.frozen || eye.last.is_empty() {
+            let seen = exposure.shown().into_iter().map(|moment| {
+                let mut scene = moment.scene.clone();
+                scene.bodies.retain(|(index, _)| Some(*index) != housing);
+                (scene, eye.model.x_wc(&moment.x_wt))
+            });
+            let seen: Vec<(Scene, Pose)> = seen.collect();
+            eye.last = match &seen[..] {
+                [(scene, x_wc)] => eye.renderer.render(scene, x_wc, &mut eye.sensor),
+                moving => eye.renderer.render_moving(moving, &mut eye.sensor),
+            };
         }
         Ok((eye.model.width, eye.model.height, eye.last.clone()))
     }

@@ -2,6 +2,7 @@
 
 pub mod snapshot;
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use mujoco_rs::prelude::*;
@@ -13,13 +14,13 @@ use ramp_render::{Looks, Scene};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_robot::{
-    ArmCommand, Camera, CameraModel, Command, DOF, GripperCommand, Image, Observation, PERIOD, PartReading,
-    Pose, Robot, RobotError, TIME_LIMIT, Track,
+    ArmCommand, Camera, CameraModel, Command, DOF, GripperCommand, Image, MOST_EXPOSURES, Observation,
+    PERIOD, PartReading, Pose, Robot, RobotError, TIME_LIMIT, Track,
 };
 use ramp_world::Physics;
 
 use crate::broad_phase::BroadPhase;
-use crate::cameras::{self, Cameras, Exposure};
+use crate::cameras::{Cameras, Exposure, Moment};
 use crate::command::{check_command, fed_forward};
 use crate::drive::{Drive, believed};
 use crate::engine::{GRAVITY, body_pose, rotation_from_rows};
@@ -88,8 +89,10 @@ pub struct Twin {
     /// Noise of the readings of parts.
     reading_noise: Stream,
     cameras: Cameras,
-    /// The last exposure of the cameras.
-    exposure: Option<Exposure>,
+    /// Exposures of the cameras whose images have not all been handed out, the oldest first.
+    exposures: VecDeque<Exposure>,
+    /// The period in which the cameras can begin the next one.
+    shutters_free: u64,
     fault: Option<Injector>,
     failed: Option<RobotError>,
     deepest: f64,
@@ -199,7 +202,8 @@ impl Twin {
                 &physics.cameras,
             ),
             physics,
-            exposure: None,
+            exposures: VecDeque::new(),
+            shutters_free: 0,
             fault,
             failed: None,
             deepest: 0.0,
@@ -630,28 +634,42 @@ impl Twin {
         readings
     }
 
-    /// Opens the shutters of both cameras, and lets the time pass until their images are there.
-    fn expose(&mut self) -> Result<(), RobotError> {
-        self.hold(cameras::EXPOSURE_STEPS / 2)?;
-        let scene = self.cameras.looks().ok().map(|looks| self.picture(&looks));
-        let (x_wt, time) = (self.state.x_wt, self.time());
-        let frozen = self.fault.as_ref().is_some_and(Injector::freezes_cameras);
-        let latency = self.cameras.latency();
-        self.hold(cameras::EXPOSURE_STEPS.div_ceil(2) + latency)?;
-        self.exposure = Some(Exposure { scene, x_wt, time, frozen, there: self.steps, taken: Vec::new() });
-        Ok(())
+    /// Opens the shutters of both cameras as soon as they are free; whether the images are `kept` until somebody asks for them.
+    fn open_shutters(&mut self, kept: bool) {
+        let begin = self.steps.max(self.shutters_free);
+        self.shutters_free = begin + self.cameras.interval();
+        self.exposures.push_back(Exposure::new(begin, self.cameras.latency(), kept));
+        while self.exposures.len() > MOST_EXPOSURES {
+            self.exposures.pop_front();
+        }
     }
 
-    /// The image of a camera from the last exposure.
-    fn image(&mut self, camera: Camera) -> Result<Image, RobotError> {
+    /// Keeps where everything is for the exposures that go on.
+    fn keep_moment(&mut self) {
+        let steps = self.steps;
+        if !self.exposures.iter().any(|exposure| exposure.is_due(steps)) {
+            return;
+        }
+        let Ok(looks) = self.cameras.looks() else { return };
+        let moment = Moment { scene: self.picture(&looks), x_wt: self.state.x_wt, time: self.time() };
+        let frozen = self.fault.as_ref().is_some_and(Injector::freezes_cameras);
+        for exposure in self.exposures.iter_mut().filter(|exposure| exposure.is_due(steps)) {
+            exposure.add(moment.clone(), frozen);
+        }
+    }
+
+    /// The image of a camera from the exposure with this number.
+    fn image(&mut self, camera: Camera, number: usize) -> Result<Image, RobotError> {
         let stopped = RobotError::CameraStopped { camera };
-        let Some(exposure) = &mut self.exposure else { return Err(stopped) };
+        let exposure = &mut self.exposures[number];
         exposure.taken.push(camera);
-        let Some(scene) = exposure.scene.clone() else { return Err(stopped) };
-        let (x_wt, time) = (exposure.x_wt, exposure.time);
-        let (width, height, pixels) =
-            self.cameras.take(camera, scene, &x_wt, exposure.frozen).map_err(|_| stopped)?;
-        Ok(Image { camera, time, x_wt, width, height, pixels })
+        let exposure = exposure.clone();
+        if Camera::ALL.iter().all(|camera| exposure.taken.contains(camera)) {
+            self.exposures.remove(number);
+        }
+        let Some(middle) = exposure.middle() else { return Err(stopped) };
+        let (width, height, pixels) = self.cameras.take(camera, &exposure).map_err(|_| stopped)?;
+        Ok(Image { camera, time: middle.time, x_wt: middle.x_wt, width, height, pixels })
     }
 
     fn advance(&mut self, command: &Command) -> Result<(), RobotError> {
@@ -691,6 +709,7 @@ impl Twin {
         self.pressed += (reading.fixed_rows::<3>(0) - self.pressed) * WRENCH_FILTER;
         self.largest_force = self.largest_force.max(self.pressed.norm());
         self.sense();
+        self.keep_moment();
         self.drive.check_reflex(self.wrench.fixed_rows::<3>(0).norm())?;
         self.check_arm()
     }
@@ -736,6 +755,17 @@ impl Robot for Twin {
         }
     }
 
+    fn expose(&mut self) -> Result<(), RobotError> {
+        if let Some(error) = &self.failed {
+            return Err(error.clone());
+        }
+        if self.track == Track::Noisy {
+            return Err(RobotError::NotOnTrack { track: self.track, what: "images" });
+        }
+        self.open_shutters(true);
+        Ok(())
+    }
+
     fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
         if let Some(error) = &self.failed {
             return Err(error.clone());
@@ -743,11 +773,16 @@ impl Robot for Twin {
         if self.track == Track::Noisy {
             return Err(RobotError::NotOnTrack { track: self.track, what: "images" });
         }
-        let is_there = |it: &Exposure| it.there == self.steps && !it.taken.contains(&camera);
-        if !self.exposure.as_ref().is_some_and(is_there) {
-            self.expose()?;
-        }
-        self.image(camera)
+        // The image of the other camera from a look is there as long as no time passes.
+        self.exposures.retain(|exposure| exposure.kept || exposure.there == self.steps);
+        let waits = |exposure: &Exposure| !exposure.taken.contains(&camera);
+        let number = self.exposures.iter().position(waits).unwrap_or_else(|| {
+            self.open_shutters(false);
+            self.exposures.len() - 1
+        });
+        let wait = self.exposures[number].there.saturating_sub(self.steps);
+        self.hold(u32::try_from(wait).unwrap_or(u32::MAX))?;
+        self.image(camera, number)
     }
 
     fn camera(&self, camera: Camera) -> CameraModel {

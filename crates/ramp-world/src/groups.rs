@@ -118,6 +118,8 @@ quantities! {
         latency: f64 = "s", 0.001, 1.0;
         /// How much later than that an image comes at most, drawn for each.
         jitter: f64 = "s", 0.0, 1.0;
+        /// From the beginning of an exposure until that of the next at the earliest.
+        interval: f64 = "s", 0.0, 1.0;
         /// Error of each camera's calibration along each axis (1 σ).
         position_error: f64 = "m", 0.0, 0.02;
         /// The same about each axis.

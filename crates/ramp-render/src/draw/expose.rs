@@ -1,20 +1,17 @@
-//! Every pixel coloured once, blurred as the lens does, and counted by the sensor.
+//! Every pixel coloured once, and blurred as the lens does.
 
 use super::renderer::{Renderer, SeenTag, TAG};
 use super::table::Table;
 use crate::looks::Looks;
-use crate::sensor::Sensor;
 use ramp_robot::Pose;
 
 /// Pixels along a row for which the way to the next direction is taken to be the same.
 const STRETCH: usize = 16;
 
 impl Renderer {
-    /// Colours every pixel, blurs as the lens does, and lets the sensor count the light.
-    pub(super) fn expose(&mut self, looks: &Looks, x_wc: &Pose, sensor: &mut Sensor) -> Vec<u8> {
+    /// Colours every pixel, blurs as the lens does, and hands over the linear light of one row after another.
+    pub(super) fn expose(&mut self, looks: &Looks, x_wc: &Pose, mut row: impl FnMut(&[u16])) {
         let (width, height) = (self.lens.model.width, self.lens.model.height);
-        sensor.begin();
-        let mut image = Vec::with_capacity(width * height * 3);
         // A row of linear light with its first and last pixel repeated, and the last three rows, blurred.
         let mut light = vec![0u16; 3 * (width + 2)];
         let mut rows = vec![vec![0u16; 3 * width]; 3];
@@ -35,9 +32,8 @@ impl Renderer {
             let here = &rows[(y - 1) % 3];
             let below = &rows[y.min(height - 1) % 3];
             blur(&mut mixed, above, here, below);
-            sensor.expose(&mixed, &mut image);
+            row(&mixed);
         }
-        image
     }
 
     fn colour_row(

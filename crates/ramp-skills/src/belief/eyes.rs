@@ -218,6 +218,9 @@ impl Eyes {
         let begin = hand.time();
         loop {
             let image = hand.look(camera)?;
+            if hand.time() - image.time > self.parameters.stale {
+                continue;
+            }
             if image.pixels != self.eyes[index].last {
                 return Ok(image);
             }

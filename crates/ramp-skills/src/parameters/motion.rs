@@ -20,6 +20,9 @@ parameters! {
         jerk: f64 = "", 0.01, 1.0;
         /// Time in which the acceleration may change between its extremes. The arm's controller swings when it changes faster.
         ramp: f64 = "s", 0.0, 0.5;
+        /// A place that brings a joint nearer to an end of its range is used only where there is no other: what is done there in
+        /// contact needs room. Chosen.
+        least_margin: f64 = "rad", 0.0, 3.0;
         /// Distance from the ends of the joints' ranges beyond which more is no better. Chosen.
         good_margin: f64 = "rad", 0.0, 3.0;
         /// What a second of the way to a grasp, and on from there, counts against a radian of that distance. Chosen.
@@ -38,6 +41,8 @@ parameters! {
     LookParameters {
         /// Longest series of looks. What is not known well enough by then has to be found by contact.
         longest: f64 = "s", 0.0, 600.0;
+        /// How long before the hand arrives at a place to look from the cameras are exposed: it is nearly at rest by then. Chosen.
+        ahead: f64 = "s", 0.0, 1.0;
         /// How often a camera looks again from where it is before it goes to another place. Chosen: a look takes a tenth of the time
         /// that a way does.
         again: usize = "", 1.0, 100.0;

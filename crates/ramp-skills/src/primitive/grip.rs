@@ -131,9 +131,7 @@ impl Workcell<'_, '_> {
         if pushed {
             // How the fingers took it says nothing any more.
             self.belief.pushed(part);
-            for _ in 0..self.parameters.grip.looks {
-                self.look_once()?;
-            }
+            self.look_again(self.parameters.grip.looks)?;
         }
         self.belief.update(&mut self.hand)?;
         let x_wp = self.belief.pose(part)?;

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_4;
 use nalgebra::{Point3, Translation3, Vector3};
 use ramp_kit::tags::x_wg_sheet;
 use ramp_robot::camera::Mount;
-use ramp_robot::{Camera, Cause};
+use ramp_robot::{Camera, Cause, MOST_EXPOSURES};
 
 use crate::Pose;
 use crate::belief::Belief;
@@ -55,8 +55,8 @@ impl Workcell<'_, '_> {
         if self.belief.is_fresh(&self.hand) && points.iter().all(|point| excess(&self.belief, point) <= 1.0) {
             return Ok(());
         }
+        self.look_once()?;
         loop {
-            self.look_once()?;
             let worst = points
                 .iter()
                 .max_by(|a, b| excess(&self.belief, a).total_cmp(&excess(&self.belief, b)))
@@ -66,9 +66,7 @@ impl Workcell<'_, '_> {
                 // Images from one place have their errors in common: after some of them only another place helps, and there is
                 // none for a hand that holds something.
                 let again = if self.hand.held.is_some() { 1 } else { self.parameters.look.again };
-                for _ in 0..again {
-                    self.look_once()?;
-                }
+                self.look_again(again)?;
                 if excess(&self.belief, worst) <= 1.0 {
                     continue;
                 }
@@ -82,7 +80,25 @@ impl Workcell<'_, '_> {
             {
                 return Ok(());
             }
+            self.look_once()?;
         }
+    }
+
+    /// Looks so many times in a row. Where the cameras give images, the shutters open for all of them before the first image
+    /// is there.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn look_again(&mut self, times: usize) -> Result<(), SkillError> {
+        if self.belief.eyes.images() {
+            for _ in 0..times.min(MOST_EXPOSURES) {
+                self.hand.expose()?;
+            }
+        }
+        for _ in 0..times {
+            self.look_once()?;
+        }
+        Ok(())
     }
 
     /// Looks once, and notes what was odd.
@@ -109,10 +125,7 @@ impl Workcell<'_, '_> {
             return Ok(());
         }
         self.visit(&Point3::from(x_wg_sheet(self.kit).translation.vector))?;
-        for _ in 0..self.parameters.look.calibrating {
-            self.look_once()?;
-        }
-        Ok(())
+        self.look_again(self.parameters.look.calibrating)
     }
 
     /// Brings the camera on the empty hand over the tag of a part that is nearest to a point of it.
@@ -141,7 +154,7 @@ impl Workcell<'_, '_> {
         });
         let Some(x_wt) = self.choose(&candidates) else { return Ok(()) };
         self.retreat()?;
-        match self.travel(&x_wt) {
+        match self.travel_to_look(&x_wt) {
             // No motion leads there: then from where the hand is.
             Err(SkillError::Motion(_)) => Ok(()),
             other => other,

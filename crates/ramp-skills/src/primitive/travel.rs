@@ -1,5 +1,7 @@
 //! Motions through free space, and which poses of the tip the arm reaches.
 
+use std::cmp::Ordering;
+
 use nalgebra::{Translation3, Vector3};
 use ramp_motion::{Checker, Joints, MotionError, Pace, PathPlanner, Terms, TimeLaw, Trajectory};
 use ramp_robot::GripperCommand;
@@ -8,6 +10,7 @@ use crate::Pose;
 use crate::belief::obstacles::held_boxes;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
+use crate::hand::Arrival;
 use crate::parameters::motion::TravelParameters;
 
 /// What it takes to bring the tip to some poses, one after another.
@@ -33,9 +36,12 @@ impl Way {
         way
     }
 
-    /// How good it is, rad: distance from the joints' ends as far as it matters, less what its time counts.
-    pub fn score(&self, travel: &TravelParameters) -> f64 {
-        self.margin.min(travel.good_margin) - travel.time_cost * self.time
+    /// Which of two is better: one that leaves the joints room, and of such the one with the larger distance from their ends, as
+    /// far as that matters, less what its time counts.
+    pub fn compare(&self, other: &Way, travel: &TravelParameters) -> Ordering {
+        let has_room = |way: &Way| way.margin >= travel.least_margin;
+        let score = |way: &Way| way.margin.min(travel.good_margin) - travel.time_cost * way.time;
+        has_room(self).cmp(&has_room(other)).then(score(self).total_cmp(&score(other)))
     }
 }
 
@@ -46,16 +52,30 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// When no motion is found or the robot stops.
     pub fn travel(&mut self, x_wt: &Pose) -> Result<(), SkillError> {
-        self.belief.update(&mut self.hand)?;
+        self.travel_and(x_wt, &Arrival::default())
+    }
+
+    /// The same, to a place from which something is looked at: the cameras are exposed as the hand arrives, so that their images
+    /// are on the way while it comes to rest.
+    ///
+    /// # Errors
+    /// As [`Workcell::travel`].
+    pub fn travel_to_look(&mut self, x_wt: &Pose) -> Result<(), SkillError> {
+        let look = self.belief.eyes.images().then_some(self.parameters.look.ahead);
+        self.travel_and(x_wt, &Arrival { look, closing: None })
+    }
+
+    fn travel_and(&mut self, x_wt: &Pose, arrival: &Arrival) -> Result<(), SkillError> {
+        self.glance()?;
         match self.plan(x_wt) {
             Err(MotionError::Blocked("start")) => self.retreat()?,
-            planned => return self.hand.follow(&planned?),
+            planned => return self.hand.follow_and(&planned?, arrival),
         }
         let planned = match self.plan(x_wt) {
             Err(MotionError::Blocked("start")) if self.back_out()? => self.plan(x_wt),
             planned => planned,
         };
-        self.hand.follow(&planned?)
+        self.hand.follow_and(&planned?, arrival)
     }
 
     /// Moves a hand that stands where nothing can begin to the nearest place beside it that is free, upwards first. False when
@@ -108,7 +128,7 @@ impl Workcell<'_, '_> {
         self.travel_and_grip(x_wt, part, None)
     }
 
-    /// The same, with what a slow gripper is told before the end: see [`Hand::follow_and_grip`](crate::hand::Hand::follow_and_grip).
+    /// The same, with what a slow gripper is told before the end.
     fn travel_and_grip(
         &mut self,
         x_wt: &Pose,
@@ -124,7 +144,7 @@ impl Workcell<'_, '_> {
             return Err(MotionError::Blocked("end").into());
         }
         let trajectory = self.law().time(&line);
-        self.hand.follow_and_grip(&trajectory, closing)
+        self.hand.follow_and(&trajectory, &Arrival { closing, look: None })
     }
 
     /// How fast the arm goes through free space with what it holds.
@@ -210,11 +230,10 @@ impl Workcell<'_, '_> {
     /// Of several poses of the tip, each with the way to it and on, the one to use: reachable with room to spare if any is, and
     /// of those the one that takes the least time.
     pub fn choose(&self, candidates: &[(Pose, Way)]) -> Option<Pose> {
-        let score = |(_, way): &(Pose, Way)| way.score(&self.parameters.travel);
         candidates
             .iter()
             .filter(|(_, way)| way.margin > 0.0)
-            .max_by(|a, b| score(a).total_cmp(&score(b)))
+            .max_by(|(_, a), (_, b)| a.compare(b, &self.parameters.travel))
             .map(|(x_wt, _)| *x_wt)
     }
 

@@ -93,7 +93,7 @@ impl MoveTo {
         let (mut x_wt, open, _) = cell.choose_grasp(part, link)?;
         cell.hand.gripper.width = open;
         x_wt.translation.z = cell.parameters.travel.height;
-        cell.travel(&x_wt)?;
+        cell.travel_to_look(&x_wt)?;
         cell.diagnose_force()?;
         Ok(())
     }
@@ -175,7 +175,7 @@ impl MoveTo {
             (over, Way { margin, ..cell.way(&[over]) })
         });
         if let Some(x_wt) = cell.choose(&candidates) {
-            return cell.travel(&x_wt);
+            return cell.travel_to_look(&x_wt);
         }
         // On no level path does the arm arrive so that the peg can go in: it takes another posture over the hole.
         for (over, _) in candidates {

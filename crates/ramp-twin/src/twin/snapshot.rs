@@ -4,6 +4,7 @@
 //! snapshot copies all of MuJoCo's data, and every field of the twin that changes: motions, filters, streams of random
 //! numbers, cameras, fault. Functions here name every field, so that the compiler tells when one is added.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use mujoco_rs::prelude::*;
@@ -37,7 +38,8 @@ pub struct Snapshot {
     noise: Stream,
     reading_noise: Stream,
     cameras: CamerasState,
-    exposure: Option<Exposure>,
+    exposures: VecDeque<Exposure>,
+    shutters_free: u64,
     fault: Option<Injector>,
     failed: Option<RobotError>,
     deepest: f64,
@@ -95,7 +97,8 @@ impl Twin {
             noise,
             reading_noise,
             cameras,
-            exposure,
+            exposures,
+            shutters_free,
             fault,
             failed,
             deepest,
@@ -120,7 +123,8 @@ impl Twin {
             noise: noise.clone(),
             reading_noise: reading_noise.clone(),
             cameras: cameras.state(),
-            exposure: exposure.clone(),
+            exposures: exposures.clone(),
+            shutters_free: *shutters_free,
             fault: fault.clone(),
             failed: failed.clone(),
             deepest: *deepest,
@@ -153,7 +157,8 @@ impl Twin {
             noise,
             reading_noise,
             cameras,
-            exposure,
+            exposures,
+            shutters_free,
             fault,
             failed,
             deepest,
@@ -180,7 +185,8 @@ impl Twin {
         self.wrench = *wrench;
         self.noise.clone_from(noise);
         self.reading_noise.clone_from(reading_noise);
-        self.exposure.clone_from(exposure);
+        self.exposures.clone_from(exposures);
+        self.shutters_free = *shutters_free;
         self.fault.clone_from(fault);
         self.failed.clone_from(failed);
         self.deepest = *deepest;
@@ -223,7 +229,8 @@ impl Twin {
             noise,
             reading_noise,
             cameras,
-            exposure,
+            exposures,
+            shutters_free,
             fault,
             failed,
             deepest,
@@ -261,7 +268,8 @@ impl Twin {
             noise: noise.clone(),
             reading_noise: reading_noise.clone(),
             cameras: fresh,
-            exposure: exposure.clone(),
+            exposures: exposures.clone(),
+            shutters_free: *shutters_free,
             fault: fault.clone(),
             failed: failed.clone(),
             deepest: *deepest,
