@@ -88,7 +88,7 @@ class Twin:
         return self._twin.read_parts()
 
     def expose(self) -> None:
-        """Opens the shutters of both cameras, and takes no robot time: :meth:`look` gives the images later, the oldest first."""
+        """Opens the shutters of both cameras, and takes no robot time: :meth:`look` gives the images later."""
         self._twin.expose()
 
     def look(self, camera: str = "wrist") -> CameraImage:

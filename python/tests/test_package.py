@@ -169,6 +169,11 @@ def test_a_twin_goes_back_to_the_last_bit():
         for name in ("positions", "velocities", "wrench"):
             assert np.array_equal(getattr(after, name), getattr(again, name))
         assert twin.render(size=64).shape == (64, 64, 3) and twin.look("birds-eye").pixels.shape == (800, 1280, 3)
+        twin.expose()
+        exposed = twin.time
+        twin.step(hold, 60)
+        image = twin.look("wrist")
+        assert abs(image.time - exposed - 0.004) < 1e-9 and abs(twin.time - exposed - 0.06) < 1e-9
         assert set(twin.pegs()) == {"C1", "C2", "C3"} and twin.true_poses()["p1"].shape == (7,)
         with pytest.raises(ramp.InputError, match="another twin"):
             ramp.Twin("easy-1").restore(start)
