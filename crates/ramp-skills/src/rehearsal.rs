@@ -463,7 +463,7 @@ impl<'a> Rehearsal<'a> {
         let way = |grasp: &BeamGrasp| {
             let stops = [x_wb, Some(goal)].into_iter().flatten();
             let stops: Vec<Pose> = stops.map(|x_wb| beam_grasp(&x_wb, grasp.s, grasp.reverse)).collect();
-            Way::along(&stops, &self.q, &self.planner, &self.law)
+            Way::along(&stops, &self.q, self.planner, &self.law)
         };
         let mut grasps = Vec::new();
         for s in points_on(link, placed.span() / 2.0, &self.parameters.grip) {

@@ -43,7 +43,9 @@ fn exposures_go_on_while_the_arm_moves() {
     let mut twin = world.twin(Track::Tags, 4);
     let wait = |twin: &mut Twin, periods: usize| {
         let hold = Command { arm: ArmCommand::JointPositions(world.arm.home), gripper: GRIPPER };
-        (0..periods).for_each(|_| drop(twin.step(&hold).unwrap()));
+        for _ in 0..periods {
+            twin.step(&hold).unwrap();
+        }
     };
     let before = twin.time();
     (0..3).for_each(|_| twin.expose().unwrap());

@@ -224,7 +224,7 @@ impl Workcell<'_, '_> {
 
     /// What it takes to bring the tip to `stops`, one after another.
     pub fn way(&self, stops: &[Pose]) -> Way {
-        Way::along(stops, &self.hand.joints(), &self.planner, &self.law())
+        Way::along(stops, &self.hand.joints(), self.planner, &self.law())
     }
 
     /// Of several poses of the tip, each with the way to it and on, the one to use: reachable with room to spare if any is, and
