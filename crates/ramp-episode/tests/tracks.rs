@@ -113,7 +113,7 @@ fn a_camera_that_stops_is_told_and_the_run_goes_on() {
 /// Without any sight the run ends, and says why; it does not go on by what it believed.
 #[test]
 fn a_robot_in_the_dark_ends_with_a_reason() {
-    let (ended, events, _) = begin(Track::Tags, 1, 60.0, Trouble::Dark(4.0));
+    let (ended, events, _) = begin(Track::Tags, 1, 60.0, Trouble::Dark(2.0));
     assert!(matches!(ended, Err(RobotError::CameraStopped { .. })), "{ended:?}");
     assert!(has(&events, "fault", "black"), "{events:?}");
     assert!(!has(&events, "done", "insert"), "{events:?}");

@@ -218,7 +218,7 @@ impl Eyes {
         let begin = hand.time();
         loop {
             let image = hand.look(camera)?;
-            if hand.time() - image.time > self.parameters.stale {
+            if begin - image.time > self.parameters.stale {
                 continue;
             }
             if image.pixels != self.eyes[index].last {

@@ -99,8 +99,8 @@ parameters! {
         legible: f64 = "pixels", 0.0, 1000.0;
         /// A tag is in sight when it faces the camera this much: the cosine of the angle.
         facing: f64 = "", 0.0, 1.0;
-        /// An image that is older than this tells of another moment, and another one is taken. Chosen: above what eight exposures
-        /// in a row and their way take.
+        /// An image that was exposed this long before it is asked for tells of another moment, and another one is taken. Chosen:
+        /// above what eight exposures in a row and their way take.
         stale: f64 = "s", 0.01, 60.0;
         /// How long the agent waits for a camera that repeats its image.
         patience: f64 = "s", 0.0, 600.0;
