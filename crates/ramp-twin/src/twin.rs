@@ -653,8 +653,10 @@ impl Twin {
         let Ok(looks) = self.cameras.looks() else { return };
         let moment = Moment { scene: self.picture(&looks), x_wt: self.state.x_wt, time: self.time() };
         let frozen = self.fault.as_ref().is_some_and(Injector::freezes_cameras);
-        for exposure in self.exposures.iter_mut().filter(|exposure| exposure.is_due(steps)) {
-            exposure.add(moment.clone(), frozen);
+        for exposure in &mut self.exposures {
+            if exposure.is_due(steps) {
+                exposure.add(moment.clone(), frozen);
+            }
         }
     }
 
