@@ -27,6 +27,15 @@ struct Short<'t> {
     twin: &'t mut Twin,
     limit: f64,
     trouble: Trouble,
+    /// How often something was asked for that the track does not give.
+    refused: usize,
+}
+
+impl Short<'_> {
+    fn note<T>(&mut self, given: Result<T, RobotError>) -> Result<T, RobotError> {
+        self.refused += usize::from(matches!(given, Err(RobotError::NotOnTrack { .. })));
+        given
+    }
 }
 
 impl Robot for Short<'_> {
@@ -42,15 +51,18 @@ impl Robot for Short<'_> {
     }
 
     fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
-        self.twin.read_parts()
+        let given = self.twin.read_parts();
+        self.note(given)
     }
 
     fn expose(&mut self) -> Result<(), RobotError> {
-        self.twin.expose()
+        let given = self.twin.expose();
+        self.note(given)
     }
 
     fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
-        let mut image = self.twin.look(camera)?;
+        let given = self.twin.look(camera);
+        let mut image = self.note(given)?;
         match self.trouble {
             Trouble::Stops(stopped, from) if stopped == camera && image.time > from => {
                 Err(RobotError::CameraStopped { camera })
@@ -73,7 +85,7 @@ fn begin(track: Track, seed: u64, limit: f64, trouble: Trouble) -> (Result<(), R
     let world = World::new("easy-1");
     let mut twin = Twin::new(&world.setup_on(track, seed)).unwrap();
     let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, seed);
-    let ended = agent.run(&mut Short { twin: &mut twin, limit, trouble });
+    let ended = agent.run(&mut Short { twin: &mut twin, limit, trouble, refused: 0 });
     (ended, agent.account().events, twin.state_hash())
 }
 
@@ -86,6 +98,19 @@ fn easy_1_is_built_from_readings_with_noise() {
     let result = World::new("easy-1").run_on(Track::Noisy, 1);
     assert_eq!((result.track.as_str(), result.counted()), ("noisy", 3), "{:?}", result.events);
     assert_eq!(result.ended.reason, "done");
+}
+
+/// An episode in which it does counts on no board.
+#[test]
+fn the_baseline_asks_for_nothing_that_its_track_does_not_give() {
+    let world = World::new("easy-1");
+    for track in Track::ALL {
+        let mut twin = Twin::new(&world.setup_on(track, 1)).unwrap();
+        let agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+        let mut robot = Short { twin: &mut twin, limit: 6.0, trouble: Trouble::None, refused: 0 };
+        assert_eq!(agent.on_track(track).run(&mut robot), Err(RobotError::OutOfTime { limit: 6.0 }));
+        assert_eq!(robot.refused, 0, "{track:?}");
+    }
 }
 
 /// With cameras and noise as without: a seed says everything.
@@ -113,7 +138,7 @@ fn a_camera_that_stops_is_told_and_the_run_goes_on() {
 /// Without any sight the run ends, and says why; it does not go on by what it believed.
 #[test]
 fn a_robot_in_the_dark_ends_with_a_reason() {
-    let (ended, events, _) = begin(Track::Tags, 1, 60.0, Trouble::Dark(2.0));
+    let (ended, events, _) = begin(Track::Tags, 1, 60.0, Trouble::Dark(4.0));
     assert!(matches!(ended, Err(RobotError::CameraStopped { .. })), "{ended:?}");
     assert!(has(&events, "fault", "black"), "{events:?}");
     assert!(!has(&events, "done", "insert"), "{events:?}");

@@ -366,6 +366,7 @@ pub fn run(
             }
             None => {
                 let baseline = Baseline::new(&inner.kit, setup.assembly, &inner.arm, &domains, seed)
+                    .on_track(setup.track)
                     .with_parameters(parameters)
                     .with_skills(table);
                 Box::new(match plan {

@@ -45,7 +45,8 @@ pub trait Robot {
     /// Opens the shutters of both cameras, and takes no robot time: the arm goes on as it is commanded, and the image carries
     /// its pose in the middle of the exposure. What moves meanwhile is blurred. [`Robot::look`] gives the images later, the
     /// oldest first. A camera is done with one image before it begins the next, so that exposures that are asked for at once
-    /// follow each other. [`MOST_EXPOSURES`] are kept: with more, the oldest is dropped.
+    /// follow each other. [`MOST_EXPOSURES`] are kept: another one takes the place of the oldest whose images are there, and is
+    /// not begun if there is none.
     ///
     /// # Errors
     /// That of an earlier step; on `noisy` [`RobotError::NotOnTrack`], and the robot goes on.

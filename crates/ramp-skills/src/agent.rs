@@ -13,7 +13,7 @@ use ramp_planner::{
     State, Target,
 };
 use ramp_robot::arm::ArmModel;
-use ramp_robot::{Account, Agent, Event, Robot, RobotError};
+use ramp_robot::{Account, Agent, Event, Robot, RobotError, Track};
 
 use crate::cell::{InsertionPath, Workcell};
 use crate::fault::{Fault, SkillError};
@@ -35,6 +35,7 @@ pub struct Baseline<'a> {
     pub(crate) arm: &'a ArmModel,
     domains: &'a Domains,
     seed: u64,
+    track: Option<Track>,
     parameters: Arc<Parameters>,
     pub(crate) skills: SkillTable,
     /// Its name in results.
@@ -73,6 +74,7 @@ impl<'a> Baseline<'a> {
             arm,
             domains,
             seed,
+            track: None,
             parameters,
             skills,
             name: NAME.to_string(),
@@ -92,6 +94,14 @@ impl<'a> Baseline<'a> {
     #[must_use]
     pub fn with_listener(mut self, listener: impl FnMut(&Event) + 'a) -> Baseline<'a> {
         self.on_event = Box::new(listener);
+        self
+    }
+
+    /// Tells it the track. Without that it asks for poses first, which a track with images refuses: such an episode counts on no
+    /// board.
+    #[must_use]
+    pub fn on_track(mut self, track: Track) -> Baseline<'a> {
+        self.track = Some(track);
         self
     }
 
@@ -219,7 +229,13 @@ impl<'a> Baseline<'a> {
     where
         'a: 'p,
     {
-        Workcell::new(self.kit, self.assembly, self.arm, planner, robot, self.seed, self.parameters.clone())
+        let parameters = self.parameters.clone();
+        let mut cell =
+            Workcell::new(self.kit, self.assembly, self.arm, planner, robot, self.seed, parameters);
+        if let Some(track) = self.track {
+            cell.belief.eyes.on_track(track);
+        }
+        cell
     }
 
     /// Hands new events on to the listener and into the account.
@@ -417,6 +433,7 @@ impl Agent for Baseline<'_> {
         let planner = PathPlanner::new(self.arm);
         let mut cell = self.cell(&planner, robot);
         let result = self.work(&mut cell);
+        cell.tell_complaints();
         self.report(&mut cell);
         result
     }

@@ -254,7 +254,7 @@ impl<'r> Hand<'r> {
         readings
     }
 
-    /// Opens the shutters of the cameras: the next image that is taken is of now.
+    /// Opens the shutters of the cameras while the arm goes on: [`Hand::look`] gives the images later, the oldest first.
     ///
     /// # Errors
     /// The robot's.

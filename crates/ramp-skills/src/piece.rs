@@ -81,6 +81,7 @@ impl Agent for Piece<'_> {
         let planner = PathPlanner::new(self.baseline.arm);
         let mut cell = self.baseline.cell(&planner, robot);
         let result = self.work(&mut cell);
+        cell.tell_complaints();
         if let Err(error) = &result {
             cell.note("fault", error.to_string());
             self.failure = Some(plain(&error.to_string(), MAX_SENTENCE - 1));

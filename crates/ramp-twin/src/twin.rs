@@ -635,13 +635,16 @@ impl Twin {
     }
 
     /// Opens the shutters of both cameras as soon as they are free; whether the images are `kept` until somebody asks for them.
+    /// Of as many as are kept, the oldest whose images are there makes room; when there is none, nothing is done.
     fn open_shutters(&mut self, kept: bool) {
+        if self.exposures.len() >= MOST_EXPOSURES {
+            let there = |exposure: &Exposure| exposure.there <= self.steps;
+            let Some(oldest) = self.exposures.iter().position(there) else { return };
+            self.exposures.remove(oldest);
+        }
         let begin = self.steps.max(self.shutters_free);
         self.shutters_free = begin + self.cameras.interval();
         self.exposures.push_back(Exposure::new(begin, self.cameras.latency(), kept));
-        while self.exposures.len() > MOST_EXPOSURES {
-            self.exposures.pop_front();
-        }
     }
 
     /// Keeps where everything is for the exposures that go on.
@@ -779,6 +782,7 @@ impl Robot for Twin {
         self.exposures.retain(|exposure| exposure.kept || exposure.there == self.steps);
         let waits = |exposure: &Exposure| !exposure.taken.contains(&camera);
         let number = self.exposures.iter().position(waits).unwrap_or_else(|| {
+            // Those of which this camera has given its image are there, and make room.
             self.open_shutters(false);
             self.exposures.len() - 1
         });

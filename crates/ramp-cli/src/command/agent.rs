@@ -102,8 +102,9 @@ pub fn start<'a>(
 ) -> Result<Box<dyn Agent + 'a>, Report> {
     let World { kit, assembly, arm, domains, texts, track, seed, parameters, skills, ref plan } = *world;
     let Some(file) = file else {
-        let mut baseline =
-            Baseline::new(kit, assembly, arm, domains, seed).with_parameters(parameters.clone());
+        let mut baseline = Baseline::new(kit, assembly, arm, domains, seed)
+            .on_track(track)
+            .with_parameters(parameters.clone());
         if !skills.is_empty() {
             adopt_orphans();
             let cell = own_skill::Cell::new(kit, assembly, arm, track, texts, limit);

@@ -319,6 +319,7 @@ impl Trials<'_> {
             fault: None,
         };
         let mut baseline = Baseline::new(&self.kit, &goal.assembly, &self.arm, &self.domains, seed)
+            .on_track(self.track)
             .with_parameters(self.parameters.clone());
         if self.skill.is_some() || self.agent.is_some() {
             let texts = self.data.texts(&goal.assembly.name)?;

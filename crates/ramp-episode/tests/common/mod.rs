@@ -63,7 +63,8 @@ impl World {
 
     #[allow(dead_code)]
     pub fn run_on(&self, track: Track, seed: u64) -> EpisodeResult {
-        let mut agent = Baseline::new(&self.kit, &self.assembly, &self.arm, &self.domains, seed);
+        let baseline = Baseline::new(&self.kit, &self.assembly, &self.arm, &self.domains, seed);
+        let mut agent = baseline.on_track(track);
         let software = Software { version: "test".into(), commit: "test".into() };
         run_episode(&self.setup_on(track, seed), &mut agent, &Label::new(software, 1), &mut |_, _| {})
             .unwrap()

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{Matrix6, Point3, Rotation3, SMatrix, Vector3};
 use ramp_kit::Kit;
 use ramp_kit::tags::TagPlace;
-use ramp_robot::{Camera, CameraModel, Image, RobotError};
+use ramp_robot::{Camera, CameraModel, Image, PartReading, RobotError, Track};
 use ramp_vision::{Calibration, Lying, Oddity, PartFinder, SeenPart};
 
 use super::estimate::{Estimate, covariance};
@@ -106,7 +106,12 @@ impl Eyes {
         self.cost
     }
 
-    /// Does the track give images instead of poses? Known after the first look.
+    /// Tells the track: nothing is asked for that it does not give.
+    pub fn on_track(&mut self, track: Track) {
+        self.images = track == Track::Tags;
+    }
+
+    /// Does the track give images instead of poses? Known when it was told, or after the first look.
     pub fn images(&self) -> bool {
         self.images
     }
@@ -145,37 +150,54 @@ impl Eyes {
         middles.min_by(|a, b| (a - p).norm().total_cmp(&(b - p).norm()))
     }
 
-    /// Looks once. `lying` is what is known of how parts lie.
+    /// Looks once; an agent whose cameras all show nothing looks again after a pause, and does nothing else until one shows
+    /// something or all count as broken. `lying` is what is known of how parts lie.
     ///
     /// # Errors
     /// The robot's; [`RobotError::CameraStopped`] when no camera gives an image in which something could be seen.
     pub fn look(&mut self, hand: &mut Hand, lying: &[Lying]) -> Result<Vec<Sighting>, RobotError> {
         let begin = hand.time();
-        let sightings = match hand.read_parts() {
-            Err(RobotError::NotOnTrack { .. }) => {
-                self.images = true;
-                self.look_through_cameras(hand, lying)
-            }
-            readings => readings.map(|readings| {
-                let sighting = |reading: ramp_robot::PartReading| {
-                    let [position, angle] = reading.sigma.map(|sigma| sigma.max(EXACT));
-                    let covariance = covariance([position; 3], [angle; 3]);
-                    let estimate = Estimate { x: reading.x_wp, covariance };
-                    Sighting { part: reading.part, estimate, x_wt: hand.seen.x_wt }
-                };
-                readings.into_iter().map(sighting).collect()
-            }),
+        let sightings = match self.read_poses(hand)? {
+            Some(sightings) => sightings,
+            None => loop {
+                if let Some(sightings) = self.look_through_cameras(hand, lying)? {
+                    break sightings;
+                }
+                hand.hold(self.parameters.pause)?;
+            },
         };
         self.cost = hand.time() - begin;
-        sightings
+        Ok(sightings)
     }
 
+    /// The poses that the robot tells; `None` on a track that gives images.
+    fn read_poses(&mut self, hand: &mut Hand) -> Result<Option<Vec<Sighting>>, RobotError> {
+        if self.images {
+            return Ok(None);
+        }
+        let readings = match hand.read_parts() {
+            Err(RobotError::NotOnTrack { .. }) => {
+                self.images = true;
+                return Ok(None);
+            }
+            readings => readings?,
+        };
+        let sighting = |reading: PartReading| {
+            let [position, angle] = reading.sigma.map(|sigma| sigma.max(EXACT));
+            let covariance = covariance([position; 3], [angle; 3]);
+            let estimate = Estimate { x: reading.x_wp, covariance };
+            Sighting { part: reading.part, estimate, x_wt: hand.seen.x_wt }
+        };
+        Ok(Some(readings.into_iter().map(sighting).collect()))
+    }
+
+    /// What both cameras show; `None` when no image was of use.
     fn look_through_cameras(
         &mut self,
         hand: &mut Hand,
         lying: &[Lying],
-    ) -> Result<Vec<Sighting>, RobotError> {
-        let mut sightings = Vec::new();
+    ) -> Result<Option<Vec<Sighting>>, RobotError> {
+        let mut sightings = None;
         for index in 0..self.eyes.len() {
             if self.eyes[index].broken(&self.parameters) {
                 continue;
@@ -185,7 +207,7 @@ impl Eyes {
                     Ok(found) => {
                         self.eyes[index].bad = 0;
                         self.eyes[index].last = image.pixels;
-                        sightings.extend(found);
+                        sightings.get_or_insert_with(Vec::new).extend(found);
                         continue;
                     }
                     Err(why) => why,

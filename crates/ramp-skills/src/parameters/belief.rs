@@ -104,7 +104,7 @@ parameters! {
         stale: f64 = "s", 0.01, 60.0;
         /// How long the agent waits for a camera that repeats its image.
         patience: f64 = "s", 0.0, 600.0;
-        /// How often it asks the camera meanwhile.
+        /// How often it asks the camera meanwhile, and how long it waits when no camera shows anything.
         pause: f64 = "s", 0.001, 60.0;
         /// So many images in a row that show nothing at all, and a camera counts as broken.
         broken: usize = "", 1.0, 1000.0;

@@ -160,7 +160,7 @@ parameters! {
         stayed_rotation: [f64; 3] = "rad", 1e-6, 1.0;
         /// Force on the table at which a beam lies on it.
         table_limit: f64 = "N", 0.5, 100.0;
-        /// How far the hand rises slowly from a beam: until its ribs have left the slots, 8 mm with what they give. Chosen.
+        /// How far the hand rises slowly from a beam. Within it the ribs of the fingers leave the slots. Chosen.
         leaving: f64 = "m", 0.0, 0.05;
         /// Speed with which it does. At 0.4 m/s a beam that hung on a finger pressed with 110 N before the wrench told it.
         leaving_speed: f64 = "m/s", 1e-3, 0.5;

@@ -108,11 +108,16 @@ impl Workcell<'_, '_> {
             self.note("seen", format!("{part} is {:.1} mm from where it was believed", off * 1e3));
             self.diagnose_astray(&part, off);
         }
+        self.tell_complaints();
+        Ok(())
+    }
+
+    /// Tells what was wrong with images and has not been told.
+    pub fn tell_complaints(&mut self) {
         for complaint in self.belief.eyes.complaints() {
             self.note("fault", complaint.clone());
             self.diagnose(Cause::Sight, complaint);
         }
-        Ok(())
     }
 
     /// Shows the camera on the empty hand the tag of the sheet, which tells where that camera is. A build shows it tags
