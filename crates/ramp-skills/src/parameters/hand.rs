@@ -144,6 +144,8 @@ parameters! {
         straighten_limit: f64 = "N", 1.0, 100.0;
         /// Force at which an open finger has met the beam that the hand has let go of. Without one it feels less than 7 N.
         beside_limit: f64 = "N", 1.0, 100.0;
+        /// A beam follows a finger when it is still off the middle of the open hand by this share of the way to the finger. Chosen.
+        followed: f64 = "", 0.1, 1.0;
         /// How often a beam is let go of again when it hangs on a rib. Chosen.
         again: usize = "", 0.0, 20.0;
         /// How much wider than a beam the fingers are when their ribs move freely in its slots without leaving them.

@@ -1,11 +1,12 @@
 //! Lets go of what is held, so that it stays where it is.
 
-use nalgebra::{Translation3, Vector3};
+use nalgebra::{Point3, Translation3, Vector3};
 
 use crate::Pose;
 use crate::cell::Workcell;
-use crate::fault::SkillError;
+use crate::fault::{Fault, SkillError};
 use crate::grasp::{BEAM_WIDTH, hand_down};
+use crate::hand::Held;
 
 impl Workcell<'_, '_> {
     /// Lets go of what is held and retreats straight up.
@@ -45,14 +46,12 @@ impl Workcell<'_, '_> {
                 self.hand.go(&here, self.parameters.release.centre_speed)?;
             }
             let low = self.hand.setpoint;
-            let limit = if attempt < self.parameters.release.again {
-                self.parameters.release.beside_limit
-            } else {
-                f64::INFINITY
-            };
+            let last = attempt == self.parameters.release.again;
+            let limit = if last { f64::INFINITY } else { self.parameters.release.beside_limit };
             // A beam that hangs on a finger comes along, and meets the upper edge of its joint: slowly at first.
             let slow = (self.parameters.release.leaving, self.parameters.release.leaving_speed);
-            if self.lift_off(&[slow, fast], limit)? {
+            let follows = !last && self.follows_a_finger(&held)?;
+            if !follows && self.lift_off(&[slow, fast], limit)? {
                 break;
             }
             self.note("retry", format!("let go of {}, which hangs on a finger", held.part));
@@ -66,6 +65,16 @@ impl Workcell<'_, '_> {
             }
         }
         Ok(())
+    }
+
+    /// Does the beam still lie at one finger of the open hand that has gone to the middle of it? It is there if it follows a rib.
+    fn follows_a_finger(&mut self, held: &Held) -> Result<bool, SkillError> {
+        self.belief.update(&mut self.hand)?;
+        let x_tp = self.hand.seen.x_wt.inverse() * self.belief.pose(&held.part)?;
+        let gripped = held.x_tp.inverse() * Point3::origin();
+        let off = (x_tp * gripped).y.abs();
+        let at_a_finger = (self.hand.seen.width - BEAM_WIDTH) / 2.0;
+        Ok(off > self.parameters.release.followed * at_a_finger)
     }
 
     /// Turns a hand that leans straight down again: it leans when the beam in it has turned and was made level, and then its
@@ -114,7 +123,12 @@ impl Workcell<'_, '_> {
         let before = self.hand.force();
         for &(height, speed) in stages {
             let up = Translation3::new(0.0, 0.0, height) * from;
-            if self.hand.drive(&up, speed, |hand| (hand.force() - before).norm() > limit)? {
+            let stopped = match self.hand.drive(&up, speed, |hand| (hand.force() - before).norm() > limit) {
+                // An estimated wrench tells of the limit only when more than it is there.
+                Err(SkillError::Fault(Fault::Overload { .. })) if limit.is_finite() => true,
+                stopped => stopped?,
+            };
+            if stopped {
                 return Ok(false);
             }
         }
