@@ -69,7 +69,7 @@ impl Workcell<'_, '_> {
 
     /// Does the beam still lie at one finger of the open hand that has gone to the middle of it? It is there if it follows a rib.
     fn follows_a_finger(&mut self, held: &Held) -> Result<bool, SkillError> {
-        self.belief.update(&mut self.hand)?;
+        self.glance()?;
         let x_tp = self.hand.seen.x_wt.inverse() * self.belief.pose(&held.part)?;
         let gripped = held.x_tp.inverse() * Point3::origin();
         let off = (x_tp * gripped).y.abs();
