@@ -50,7 +50,7 @@ impl Workcell<'_, '_> {
             let limit = if last { f64::INFINITY } else { self.parameters.release.beside_limit };
             // A beam that hangs on a finger comes along, and meets the upper edge of its joint: slowly at first.
             let slow = (self.parameters.release.leaving, self.parameters.release.leaving_speed);
-            let follows = !last && self.follows_a_finger(&held)?;
+            let follows = !last && self.follows_a_finger(held)?;
             if !follows && self.lift_off(&[slow, fast], limit)? {
                 break;
             }
