@@ -12,7 +12,7 @@ impl Workcell<'_, '_> {
     /// Lets go of what is held and retreats straight up.
     ///
     /// # Errors
-    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
+    /// [`Fault::Overload`], and the robot's.
     pub fn release(&mut self) -> Result<(), SkillError> {
         self.hand.relax();
         if self.hand.held.as_ref().is_some_and(|held| self.kit.beam(&held.part).is_some()) {
