@@ -45,12 +45,25 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
     let mut beams = cell.swung()?;
     let sides = [connection.female.beam, connection.male.beam];
     beams.extend(sides.into_iter().filter(|beam| *beam != cell.assembly.base));
-    for beam in beams {
-        align(skills, cell, beam)?;
-        cell.see(&holes, cell.parameters.agent.holes_known)?;
-        cell.remember_standing(&[beam]);
-        if cell.belief.offset(cell.assembly, connection)? <= enough {
-            return Ok(());
+    for _ in 0..cell.parameters.alignment.rounds {
+        // One that does not follow may hang on another: it is pushed again once that one stands where it should.
+        let mut stuck = false;
+        for beam in &beams {
+            match align(skills, cell, *beam) {
+                Err(SkillError::Fault(Fault::Misaligned { connection, offset_mm })) => {
+                    cell.note("fault", Fault::Misaligned { connection, offset_mm }.to_string());
+                    stuck = true;
+                }
+                done => done?,
+            }
+            cell.see(&holes, cell.parameters.agent.holes_known)?;
+            cell.remember_standing(&[*beam]);
+            if cell.belief.offset(cell.assembly, connection)? <= enough {
+                return Ok(());
+            }
+        }
+        if !stuck {
+            break;
         }
     }
     let offset = cell.belief.offset(cell.assembly, connection)?;

@@ -140,6 +140,8 @@ parameters! {
         landing: f64 = "m", 0.0, 0.03;
         /// How fast it goes then. At 0.04 m/s the force of the stop is 43 N with the drives of an FR3, at this speed 25 N.
         landing_speed: f64 = "m/s", 0.001, 0.5;
+        /// So long after it has sunk last it has landed, and the force grows fast.
+        landed: f64 = "s", 0.0, 10.0;
         /// Radius of the circle that keeps a peg from jamming.
         circle: f64 = "m", 0.0, 0.01;
         /// How often the circle is made.

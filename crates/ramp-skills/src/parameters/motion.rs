@@ -70,6 +70,8 @@ parameters! {
         peggable: f64 = "m", 1e-5, 0.05;
         /// The same for holes that a peg could not pass, though they seemed near enough.
         told_apart: f64 = "m", 1e-5, 0.05;
+        /// How often the beams of a connection are pushed, one after another, while one of them does not follow. Chosen.
+        rounds: usize = "", 1.0, 10.0;
         /// A hole this near to a peg tells nothing of how its beam is turned.
         short: f64 = "m", 0.0, 1.0;
         /// A beam that lies loose may be this far off its place: another one goes through it all the same.

@@ -46,7 +46,7 @@ impl Workcell<'_, '_> {
         let mut centre = self.hand.seen.x_wt.translation.vector;
         let mut force: f64 = 0.0;
         let (mut ticks, mut measured) = (0u32, Vector6::zeros());
-        let (mut lowest_seen, mut sunk_at) = (f64::INFINITY, 0.0);
+        let (mut lowest_seen, mut sunk_at, mut pressed_at) = (f64::INFINITY, 0.0, 0.0);
         self.hand.setpoint.translation = self.hand.seen.x_wt.translation;
         while self.hand.time() - begin < self.parameters.press.time {
             let elapsed = self.hand.time() - begin;
@@ -61,15 +61,21 @@ impl Workcell<'_, '_> {
             let lead = force / self.hand.stiffness.z;
             let gap = self.hand.x_wp_held().map_or(0.0, |x_wp| x_wp.translation.z - plate);
             let lands = gap < self.parameters.press.landing;
-            let speed = if lands { self.parameters.press.landing_speed } else { self.parameters.press.speed };
+            // Once its head has landed the force may grow fast.
+            let landing = lands && elapsed - sunk_at < self.parameters.press.landed;
+            let speed = if landing { self.parameters.press.landing_speed } else { self.parameters.press.speed };
             let lowest = self.hand.setpoint.translation.z - speed * PERIOD;
             let setpoint = &mut self.hand.setpoint.translation;
             setpoint.x = centre.x + radius * phase.cos();
             setpoint.y = centre.y + radius * phase.sin();
             setpoint.z = (here.z - lead).max(lowest);
             self.hand.tick()?;
-            if here.z < lowest_seen - self.parameters.press.sunk || force < self.parameters.press.force {
+            let sinks = here.z < lowest_seen - self.parameters.press.sunk;
+            if sinks {
                 (lowest_seen, sunk_at) = (here.z, elapsed);
+            }
+            if sinks || force < self.parameters.press.force {
+                pressed_at = elapsed;
                 measured = Vector6::zeros();
             } else {
                 measured += self.hand.wrench();
@@ -78,10 +84,9 @@ impl Workcell<'_, '_> {
             if ticks.is_multiple_of(20) {
                 self.glance()?;
                 let gap = self.belief.pose(peg)?.translation.z - plate;
-                let stands = elapsed - sunk_at;
                 if gap < 0.3 * self.parameters.press.seated
-                    || stands > self.parameters.press.stall && gap < self.parameters.press.nearly
-                    || stands > self.parameters.press.stands && gap > STEM_LENGTH / 2.0
+                    || elapsed - sunk_at > self.parameters.press.stall && gap < self.parameters.press.nearly
+                    || elapsed - pressed_at > self.parameters.press.stands && gap > STEM_LENGTH / 2.0
                 {
                     break;
                 }

@@ -79,11 +79,12 @@ impl Assemble {
         }
         if pushed.stopped {
             let direction = aim.direction;
+            let enough = 2.0 * cell.parameters.search.seated;
             let mut remaining = cell.remaining(&name, &aim.goal, &direction)?;
             let met =
                 format!("{name} meets {:.0} N {:.1} mm before its place", pushed.force, remaining * 1e3);
-            let mut stuck = remaining > cell.parameters.search.seated;
-            if remaining > cell.parameters.search.seated {
+            let mut stuck = remaining > enough;
+            if remaining > enough {
                 let sleeve = cell.sleeves(beam).next();
                 if let Some(sleeve) = sleeve {
                     aim.goal.translation.z += cell.touch_floor(&name, sleeve, &direction)?;
@@ -91,12 +92,12 @@ impl Assemble {
                 let stood = cell.compliant_search(&name, &aim.goal, &direction, &cell.compliance(loose))?;
                 remaining = cell.remaining(&name, &aim.goal, &direction)?;
                 // The search gets past edges. What holds a beam for longer is an obstacle.
-                stuck = stood > cell.parameters.insertion.stuck || remaining > cell.parameters.search.seated;
+                stuck = stood > cell.parameters.insertion.stuck || remaining > enough;
             }
             if stuck {
                 cell.diagnose(Cause::Jam, met);
             }
-            if remaining > cell.parameters.search.seated {
+            if remaining > enough {
                 return self.insertion.back_out(cell, beam, &direction, remaining, pushed.force);
             }
         }
@@ -159,6 +160,9 @@ impl Assemble {
     ) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         let direction = cell.insertion_direction(beam, goal)?;
+        // What the cone of a peg draws together: worth another push, and no search, which swings the beam at its far end.
+        let enough = 2.0 * cell.parameters.search.seated;
+        let mut before = f64::INFINITY;
         for _ in 0..cell.parameters.insertion.tries {
             let x_wp = cell.belief.pose(&name)?;
             let fine = cell.hand.corrected(&x_wp, &(Translation3::new(0.0, 0.0, height) * goal));
@@ -166,15 +170,20 @@ impl Assemble {
             cell.hand.wait(cell.parameters.insertion.rest)?;
             cell.see(&[cell.middle(&name)], cell.parameters.insertion.known)?;
             let remaining = cell.remaining(&name, goal, &direction)?;
-            if remaining < cell.parameters.search.seated {
+            if remaining < cell.parameters.search.seated
+                || remaining < enough && before - remaining < cell.parameters.search.progress
+            {
                 return Ok(());
             }
+            before = remaining;
             cell.note("retry", format!("insert {name}, {:.1} mm short", remaining * 1e3));
-            cell.compliant_search(&name, goal, &direction, &cell.compliance(loose))?;
+            if remaining > enough {
+                cell.compliant_search(&name, goal, &direction, &cell.compliance(loose))?;
+            }
         }
         let (remaining, force) =
             (cell.remaining(&name, goal, &direction)?, cell.hand.force().dot(&direction));
-        if remaining < 2.0 * cell.parameters.search.seated {
+        if remaining < enough {
             return Ok(());
         }
         Err(Fault::Jammed { part: name, remaining_mm: remaining * 1e3, force }.into())

@@ -171,6 +171,10 @@ impl Fasten {
             let (beam, _) = cell.hole(joint);
             cell.belief.bumped(&beam, (self.parameters.bump, self.parameters.bump_turn.to_radians()));
         }
+        // The look when the hand is off tells more, and then the peg is pressed again by its head should it stand too high.
+        if cell.gap(connection, peg)? < cell.parameters.press.nearly {
+            return Ok(());
+        }
         cell.see_gap(connection, peg)?;
         let gap = cell.gap(connection, peg)?;
         // Only what is sure: there is a better look when the hand is off.

@@ -74,10 +74,16 @@ impl Push {
             if off < cell.parameters.alignment.good && near_off < cell.parameters.alignment.peggable {
                 return Ok(());
             }
-            // Friction takes it back each time: another push does no more, and what comes next takes this much.
             let worst = off.max(near_off);
-            if worst > self.parameters.no_nearer * before && worst < cell.parameters.alignment.peggable {
+            if attempt > 0 && worst < self.parameters.near {
                 return Ok(());
+            }
+            if worst > self.parameters.no_nearer * before {
+                // Friction takes it back each time, and what comes next takes this much; or it hangs on something.
+                if worst < cell.parameters.alignment.peggable {
+                    return Ok(());
+                }
+                break;
             }
             before = worst;
             if attempt > 0 {
