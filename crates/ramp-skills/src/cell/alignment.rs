@@ -41,6 +41,16 @@ impl Workcell<'_, '_> {
         Ok(off)
     }
 
+    /// A standing beam was moved: what it is joined with may have come along, by so much (m, rad).
+    pub fn drag(&mut self, beam: usize, bump: (f64, f64)) {
+        let sides = self.assembly.connections.iter();
+        let joined = sides.filter_map(|connection| Some(self.assembly.sides(connection, beam)?.1.beam));
+        let joined: Vec<usize> = joined.filter(|other| self.standing.contains(other)).collect();
+        for other in joined {
+            self.belief.bumped(&self.assembly.beams[other].beam.name, bump);
+        }
+    }
+
     /// Where a standing beam should be, in the world, and how far its far end is from there now, m. A pinned beam
     /// is turned about its peg so that the hole of its next peg comes to the other beam's, or else its far end to its
     /// nominal place; any other goes to its target.

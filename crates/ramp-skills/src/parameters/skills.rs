@@ -92,6 +92,10 @@ parameters! {
         known: f64 = "m", 1e-5, 0.1;
         /// Steps aside, in turn, when the end meets an edge.
         aside: [f64; 5] = "m", -0.02, 0.02;
+        /// How far the slide may move the beams that it joins. Measured: 0.9 mm.
+        dragged: f64 = "m", 0.0, 0.05;
+        /// How far it may turn them. Chosen.
+        dragged_turn: f64 = "°", 0.0, 45.0;
     }
 }
 

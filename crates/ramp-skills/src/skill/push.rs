@@ -119,7 +119,7 @@ impl Push {
             }
             cell.settle(beam)?;
             cell.release()?;
-            self.drag(cell, beam);
+            cell.drag(beam, (self.parameters.dragged, self.parameters.dragged_turn.to_radians()));
         }
         cell.see_ends(beam)?;
         let (_, off) = cell.straightened(beam)?;
@@ -128,18 +128,5 @@ impl Push {
             return Ok(());
         }
         Err(Fault::Misaligned { connection: name, offset_mm: off * 1e3 }.into())
-    }
-
-    /// A beam was pushed: what it is joined with may have come along.
-    fn drag(&self, cell: &mut Workcell, beam: usize) {
-        let sides = cell.assembly.connections.iter();
-        let joined = sides.filter_map(|connection| Some(cell.assembly.sides(connection, beam)?.1.beam));
-        let joined: Vec<usize> = joined.filter(|other| cell.standing.contains(other)).collect();
-        for other in joined {
-            cell.belief.bumped(
-                &cell.assembly.beams[other].beam.name,
-                (self.parameters.dragged, self.parameters.dragged_turn.to_radians()),
-            );
-        }
     }
 }

@@ -78,7 +78,9 @@ impl Slide {
             if attempt > 0 {
                 cell.note("retry", format!("slide {name}, {:.1} mm aside", aside * 1e3));
             }
-            jam = self.slide_once(cell, beam, aside)?;
+            let tried = self.slide_once(cell, beam, aside);
+            cell.drag(beam, (self.parameters.dragged, self.parameters.dragged_turn.to_radians()));
+            jam = tried?;
             if jam.is_none() {
                 break;
             }
