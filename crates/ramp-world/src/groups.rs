@@ -138,6 +138,9 @@ quantities! {
         radius: f64 = "m", 0.0, 0.00012;
         /// The largest error of a beam's length; each beam draws its own.
         length: f64 = "m", 0.0, 0.003;
+        /// The largest share of its length by which the middle of a beam stands aside of the line between its ends; each beam
+        /// draws its own.
+        bow: f64 = "", 0.0, 0.003;
         /// Coefficient of friction between printed parts.
         friction: f64 = "", 0.02, 2.0;
         /// The same for the aluminium of a beam.

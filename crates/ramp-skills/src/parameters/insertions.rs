@@ -72,6 +72,8 @@ parameters! {
         press: f64 = "N", 0.5, 100.0;
         /// An end of a cap this far before its place is blocked. A male that stands on a face stands 22 mm before it.
         blocked: f64 = "m", 1e-4, 0.1;
+        /// An end this far before its place after the sweep is searched for once more: no push gets it there later.
+        short: f64 = "m", 1e-4, 0.1;
         /// How far the setpoint is pulled past the goal: it seats each end on its stop wall.
         overdrive: f64 = "m", 0.0, 0.02;
         /// How far a cap is pressed below its height, onto the table.

@@ -63,7 +63,8 @@ impl Workcell<'_, '_> {
             let lands = gap < self.parameters.press.landing;
             // Once its head has landed the force may grow fast.
             let landing = lands && elapsed - sunk_at < self.parameters.press.landed;
-            let speed = if landing { self.parameters.press.landing_speed } else { self.parameters.press.speed };
+            let speed =
+                if landing { self.parameters.press.landing_speed } else { self.parameters.press.speed };
             let lowest = self.hand.setpoint.translation.z - speed * PERIOD;
             let setpoint = &mut self.hand.setpoint.translation;
             setpoint.x = centre.x + radius * phase.cos();

@@ -119,32 +119,48 @@ impl Cap {
     }
 
     /// Ends a cap that has been pushed as far as it went, at `goal` if all is well: searches compliantly for an end that is
-    /// blocked, then sweeps both ends to their stop walls.
+    /// blocked, then sweeps both ends to their stop walls. An end that is still short after that is searched for once more.
     fn finish(&self, cell: &mut Workcell, beam: usize, goal: &Pose, force: f64) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         let direction = cell.insertion_direction(beam, goal)?;
-        let mut remaining = cell.remaining(&name, goal, &direction)?;
-        if remaining > self.parameters.blocked {
-            let met = format!("{name} meets {force:.0} N {:.1} mm before its place", remaining * 1e3);
-            let stood =
-                cell.compliant_search(&name, goal, &direction, &cell.parameters.search_cap.clone())?;
-            let mut home = cell.hand.corrected(&cell.belief.pose(&name)?, goal);
-            home.translation.vector += direction * self.parameters.overdrive;
-            cell.hand.drive(&home, cell.parameters.insertion.speed, |hand| {
-                hand.force().dot(&direction) > self.parameters.press
-            })?;
-            cell.hand.wait(cell.parameters.insertion.rest)?;
-            cell.glance()?;
-            remaining = cell.remaining(&name, goal, &direction)?;
-            if stood > cell.parameters.insertion.stuck || remaining > self.parameters.blocked {
-                cell.diagnose(Cause::Jam, met);
+        for enough in [self.parameters.blocked, self.parameters.short] {
+            if cell.remaining(&name, goal, &direction)? > enough {
+                self.free(cell, beam, goal, force)?;
             }
-            if remaining > self.parameters.blocked {
-                return self.insertion.back_out(cell, beam, &direction, remaining, force);
+            self.sweep(cell)?;
+            cell.belief.update(&mut cell.hand)?;
+            if cell.remaining(&name, goal, &direction)? < self.parameters.short {
+                break;
             }
         }
-        self.sweep(cell)?;
-        cell.belief.update(&mut cell.hand)?;
+        Ok(())
+    }
+
+    /// Searches compliantly for an end that is blocked, and presses the cap on.
+    ///
+    /// # Errors
+    /// [`Fault::Jammed`](crate::Fault::Jammed) with the cap backed out, or what stopped the motion.
+    fn free(&self, cell: &mut Workcell, beam: usize, goal: &Pose, force: f64) -> Result<(), SkillError> {
+        let name = cell.assembly.beams[beam].beam.name.clone();
+        let direction = cell.insertion_direction(beam, goal)?;
+        let remaining = cell.remaining(&name, goal, &direction)?;
+        let met = format!("{name} meets {force:.0} N {:.1} mm before its place", remaining * 1e3);
+        let stood = cell.compliant_search(&name, goal, &direction, &cell.parameters.search_cap.clone())?;
+        let mut home = cell.hand.corrected(&cell.belief.pose(&name)?, goal);
+        home.translation.vector += direction * self.parameters.overdrive;
+        cell.hand.drive(&home, cell.parameters.insertion.speed, |hand| {
+            hand.force().dot(&direction) > self.parameters.press
+        })?;
+        cell.hand.wait(cell.parameters.insertion.rest)?;
+        cell.glance()?;
+        let remaining = cell.remaining(&name, goal, &direction)?;
+        let blocked = remaining > self.parameters.blocked;
+        if stood > cell.parameters.insertion.stuck || blocked {
+            cell.diagnose(Cause::Jam, met);
+        }
+        if blocked {
+            return self.insertion.back_out(cell, beam, &direction, remaining, force);
+        }
         Ok(())
     }
 

@@ -58,10 +58,13 @@ pub fn scene_xml(
     header(&mut xml, look, options.memory, &physics.parts, stems);
     table(&mut xml, kit, physics);
     arm_bodies(&mut xml, arm, look, physics);
+    let mut meshes = String::new();
     for (name, x_wb) in &layout.beams {
         if let Some(beam) = kit.beam(name) {
             let clamp = (name == base).then_some(physics.table.clamp_give);
-            beam_body(&mut xml, beam, x_wb, clamp, &mut printed.part(name));
+            let mut part = printed.part(name);
+            beam_body(&mut xml, beam, x_wb, clamp, &mut part);
+            meshes.push_str(&part.meshes);
         }
     }
     for (name, x_wh) in &layout.holders {
@@ -71,6 +74,9 @@ pub fn scene_xml(
         peg_body(&mut xml, name, x_wp, &mut printed.part(name));
     }
     xml.push_str("</worldbody>\n");
+    if !meshes.is_empty() {
+        xml.push_str(&format!("<asset>\n{meshes}</asset>\n"));
+    }
     actuators_and_sensors(&mut xml, arm);
     xml.push_str("</mujoco>\n");
     xml

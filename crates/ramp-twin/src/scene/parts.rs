@@ -27,15 +27,21 @@ const HOLDER_MASS: f64 = 0.1;
 /// The chamfered end of a male: full section at x = 0, the tip at x = +length.
 pub(super) fn nose_mesh() -> String {
     let half = BODY_WIDTH / 2.0;
+    let body = Cuboid::new([0.0, MALE_CHAMFER], [-half, half], [-half, half]);
+    chamfered("nose", &body, [0.0, MALE_CHAMFER])
+}
+
+/// A mesh like that box, but smaller by the chamfer on all four sides at its tip: it goes from the first to the second `x`, m.
+fn chamfered(name: &str, body: &Cuboid, [root, tip]: [f64; 2]) -> String {
     let mut vertices = Vec::new();
-    for (x, h) in [(0.0, half), (MALE_CHAMFER, half - MALE_CHAMFER)] {
-        for y in [-h, h] {
-            for z in [-h, h] {
+    for (x, smaller) in [(root, 0.0), (tip, MALE_CHAMFER)] {
+        for y in [body.min[1] + smaller, body.max[1] - smaller] {
+            for z in [body.min[2] + smaller, body.max[2] - smaller] {
                 vertices.extend([x, y, z]);
             }
         }
     }
-    format!("<mesh name=\"nose\" vertex=\"{}\"/>\n", numbers(&vertices))
+    format!("<mesh name=\"{name}\" vertex=\"{}\"/>\n", numbers(&vertices))
 }
 
 /// The cone at the end of a peg's stem of that radius (m), with a short piece of the stem above it, in the peg's frame.
@@ -89,7 +95,15 @@ pub(super) fn beam_body(
         );
     }
     for shape in beam_shapes(beam) {
+        let [middle, ..] = shape.bounds().centre();
+        printed.go_to(beam, middle);
+        let Some([x, y, turn]) = printed.bent(beam, middle) else {
+            shape_geoms(xml, shape, printed);
+            continue;
+        };
+        let _ = write!(xml, r#"<frame pos="{}" euler="0 0 {turn}">"#, numbers(&[x, y, 0.0]));
         shape_geoms(xml, shape, printed);
+        xml.push_str("</frame>");
     }
     // What the clamp holds needs no table below.
     if gives.is_none() {
@@ -116,14 +130,7 @@ fn shape_geoms(xml: &mut String, shape: Shape, printed: &mut PrintedPart) {
             let (cuboid, radius) = (printed.cuboid(cuboid), printed.hole(HOLE_RADIUS));
             plate_geoms(xml, "part", &cuboid, hole, radius);
         }
-        Shape::Nose { x0, x1 } => {
-            let turn = if x1 > x0 { "1 0 0 0" } else { "0 0 0 1" };
-            let _ = write!(
-                xml,
-                r#"<geom class="part" type="mesh" mesh="nose" pos="{}" quat="{turn}"/>"#,
-                numbers(&[x0, 0.0, 0.0])
-            );
-        }
+        Shape::Nose { x0, x1 } => nose_geom(xml, [x0, x1], &shape.bounds(), printed),
         Shape::Foot(cuboid) => box_geom(xml, "feet", &printed.cuboid(cuboid)),
         Shape::Turned { about, angle, piece } => {
             let _ = write!(xml, r#"<frame pos="{}" euler="0 0 {angle}">"#, numbers(&[about, 0.0, 0.0]));
@@ -139,6 +146,21 @@ fn shape_geoms(xml: &mut String, shape: Shape, printed: &mut PrintedPart) {
             xml.push_str("</frame>");
         }
     }
+}
+
+/// The chamfered tip of a male from `x0` to `x1`, m, with that box around it.
+fn nose_geom(xml: &mut String, [x0, x1]: [f64; 2], bounds: &Cuboid, printed: &mut PrintedPart) {
+    if printed.is_exact() {
+        let turn = if x1 > x0 { "1 0 0 0" } else { "0 0 0 1" };
+        let place = numbers(&[x0, 0.0, 0.0]);
+        let _ = write!(xml, r#"<geom class="part" type="mesh" mesh="nose" pos="{place}" quat="{turn}"/>"#);
+        return;
+    }
+    let body = printed.cuboid(*bounds);
+    let ends = if x1 > x0 { [body.min[0], body.max[0]] } else { [body.max[0], body.min[0]] };
+    let name = printed.mesh_name("nose");
+    printed.meshes.push_str(&chamfered(&name, &body, ends));
+    let _ = write!(xml, r#"<geom class="part" type="mesh" mesh="{name}"/>"#);
 }
 
 /// Mass (kg), centre of mass (m, in B) and principal moments (kg·m²) of a beam: printed joints as boxes of their
