@@ -65,7 +65,7 @@ impl Painter {
             housing: looks.body(HOUSING),
             renderer: Renderer::new(looks, &model),
             model,
-            sensor: Sensor::ideal(),
+            sensor: Sensor::steady(),
             colour: vec![0; view.size * view.size * 3],
             depth: if view.depth { vec![0.0; view.size * view.size] } else { Vec::new() },
         }
@@ -83,8 +83,7 @@ impl Painter {
             scene.bodies.retain(|(index, _)| Some(*index) != self.housing);
         }
         let x_wc = self.model.x_wc(&twin.observe().x_wt);
-        // A sensor draws its exposure anew for each image; here all are alike.
-        let samples = self.renderer.render(&scene, &x_wc, &mut self.sensor.clone());
+        let samples = self.renderer.render(&scene, &x_wc, &mut self.sensor);
         let size = self.view.size;
         let row = size * SAMPLES * 3;
         for y in 0..size {

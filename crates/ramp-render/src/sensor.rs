@@ -22,6 +22,8 @@ pub struct Sensor {
     stream: Stream,
     noise: Vec<i16>,
     tone: Box<[i16; FULL as usize + 1]>,
+    /// Whether `tone` stays as it is from image to image.
+    steady: bool,
     row: Vec<i16>,
 }
 
@@ -31,7 +33,7 @@ impl Sensor {
         let mut stream = Stream::new(seed, &format!("sensor-{name}"));
         let noise = (0..TABLE).map(|_| (stream.normal(NOISE) * f64::from(FINE)).round() as i16).collect();
         let gain = (1.0 + stream.normal(GAIN_EPISODE)).clamp(0.7, 1.3);
-        Sensor { gain, stream, noise, tone: Box::new([0; FULL as usize + 1]), row: Vec::new() }
+        Sensor { gain, stream, noise, tone: Box::new([0; FULL as usize + 1]), steady: false, row: Vec::new() }
     }
 
     /// A sensor without noise, and the exposure that was meant.
@@ -41,8 +43,17 @@ impl Sensor {
             stream: Stream::new(0, "ideal"),
             noise: vec![0; TABLE],
             tone: Box::new([0; FULL as usize + 1]),
+            steady: false,
             row: Vec::new(),
         }
+    }
+
+    /// The same, with one exposure for all images.
+    pub fn steady() -> Sensor {
+        let mut sensor = Sensor::ideal();
+        sensor.begin();
+        sensor.steady = true;
+        sensor
     }
 
     /// With `gain` times as much light as was meant: 0 is a closed shutter.
@@ -59,6 +70,9 @@ impl Sensor {
 
     /// Prepares the next image.
     pub(crate) fn begin(&mut self) {
+        if self.steady {
+            return;
+        }
         let gain = self.gain * (1.0 + self.stream.normal(GAIN_IMAGE));
         for (value, tone) in self.tone.iter_mut().enumerate() {
             let light = (value as f64 / f64::from(FULL) * gain).min(1.0);
