@@ -17,6 +17,10 @@ const SHARE: f64 = 0.9;
 /// The share of the limits of the tip, on each of three axes: their sum must keep the limit.
 const POSE_SHARE: f64 = 0.5;
 
+/// The shares of the limits with which a way is looked for in turn: for one in some ten thousand states Ruckig finds none, and
+/// does so with slightly other limits. Chosen: all are within the room that [`SHARE`] and [`POSE_SHARE`] leave.
+const OTHER_LIMITS: [f64; 5] = [1.0, 1.01, 0.99, 1.05, 0.95];
+
 /// Where something is on each axis and how it moves, in the unit of the axis and s.
 #[derive(Clone)]
 struct Moving<const N: usize> {
@@ -41,6 +45,16 @@ impl<const N: usize> Moving<N> {
 
 /// How it moves one period later on the quickest way to rest at `target`; `None` when there is no such way.
 fn towards<const N: usize>(
+    from: &Moving<N>,
+    target: &SVector<f64, N>,
+    limits: &Limits<N>,
+) -> Option<Moving<N>> {
+    let scaled = |share: f64| limits.map(|limit| limit * share);
+    OTHER_LIMITS.into_iter().find_map(|share| quickest(from, target, &scaled(share)))
+}
+
+/// As [`towards`], with exactly these limits.
+fn quickest<const N: usize>(
     from: &Moving<N>,
     target: &SVector<f64, N>,
     [velocity, acceleration, jerk]: &Limits<N>,
