@@ -168,7 +168,8 @@ impl Insertion {
         Ok(Pushed { stopped, force })
     }
 
-    /// Backs a jammed beam out to where its insertion began, free of the joint.
+    /// Backs a jammed beam out to where its insertion began, free of the joint. A beam that catches on an edge on its way out
+    /// searches compliantly for the way, as on its way in.
     ///
     /// # Errors
     /// Always: [`Fault::Jammed`], or what stopped the motion.
@@ -181,13 +182,20 @@ impl Insertion {
         force: f64,
     ) -> Result<(), SkillError> {
         let part = cell.assembly.beams[beam].beam.name.clone();
-        let jam = Fault::Jammed { part, remaining_mm: remaining * 1e3, force };
+        let jam = Fault::Jammed { part: part.clone(), remaining_mm: remaining * 1e3, force };
         cell.note("fault", jam.to_string());
         let mut back = cell.hand.setpoint;
         back.translation = cell.hand.seen.x_wt.translation;
         let path = cell.path(beam)?;
         back.translation.vector -= direction * (path.distance + path.depth - remaining).max(0.0);
-        cell.hand.go(&back, self.parameters.back_speed)?;
+        let out = -direction;
+        let caught = cell.hand.drive(&back, self.parameters.back_speed, |hand| {
+            hand.force().dot(&out) > self.parameters.back_limit
+        })?;
+        if caught {
+            let start = cell.insertion_start(beam, 0.0)?;
+            cell.compliant_search(&part, &start, &out, &cell.compliance(false))?;
+        }
         Err(jam.into())
     }
 
