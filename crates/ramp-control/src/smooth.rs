@@ -17,9 +17,9 @@ const SHARE: f64 = 0.9;
 /// The share of the limits of the tip, on each of three axes: their sum must keep the limit.
 const POSE_SHARE: f64 = 0.5;
 
-/// The shares of the limits with which a way is looked for in turn: for one in some ten thousand states Ruckig finds none, and
-/// does so with slightly other limits. Chosen: all are within the room that [`SHARE`] and [`POSE_SHARE`] leave.
-const OTHER_LIMITS: [f64; 5] = [1.0, 1.01, 0.99, 1.05, 0.95];
+/// The shares of the limits with which a way is looked for in turn: from rare states Ruckig finds none, though it finds one with
+/// slightly other limits. Chosen: all are within the room that [`SHARE`] and [`POSE_SHARE`] leave.
+const TRIED_LIMITS: [f64; 5] = [1.0, 1.01, 0.99, 1.05, 0.95];
 
 /// Where something is on each axis and how it moves, in the unit of the axis and s.
 #[derive(Clone)]
@@ -50,7 +50,7 @@ fn towards<const N: usize>(
     limits: &Limits<N>,
 ) -> Option<Moving<N>> {
     let scaled = |share: f64| limits.map(|limit| limit * share);
-    OTHER_LIMITS.into_iter().find_map(|share| quickest(from, target, &scaled(share)))
+    TRIED_LIMITS.into_iter().find_map(|share| quickest(from, target, &scaled(share)))
 }
 
 /// As [`towards`], with exactly these limits.

@@ -50,8 +50,8 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
         let mut stuck = false;
         for beam in &beams {
             match align(skills, cell, *beam) {
-                Err(SkillError::Fault(Fault::Misaligned { connection, offset_mm })) => {
-                    cell.note("fault", Fault::Misaligned { connection, offset_mm }.to_string());
+                Err(SkillError::Fault(fault @ Fault::Misaligned { .. })) => {
+                    cell.note("fault", fault.to_string());
                     stuck = true;
                 }
                 done => done?,
