@@ -19,6 +19,9 @@ parameters! {
         back_speed: f64 = "m/s", 1e-3, 0.5;
         /// Force at which a beam that is backed out has caught on an edge. Chosen: more than the friction of a joint.
         back_limit: f64 = "N", 0.5, 100.0;
+        /// How far an end of a beam that was backed out may be from where the insertion began: one that is further has stayed in
+        /// its joint. Chosen.
+        back_short: f64 = "m", 1e-3, 0.1;
         /// How well the joints that are to meet must be known, 1 σ. An unchamfered edge stops dead unless it meets its female
         /// within 0.3 mm.
         known: f64 = "m", 1e-5, 0.1;

@@ -168,8 +168,8 @@ impl Insertion {
         Ok(Pushed { stopped, force })
     }
 
-    /// Backs a jammed beam out to where its insertion began, free of the joint. A beam that catches on an edge on its way out
-    /// searches compliantly for the way, as on its way in.
+    /// Backs a jammed beam out to where its insertion began, free of the joint. A beam that catches on an edge on its way out,
+    /// or of which one end stays behind in a joint, searches compliantly for the way, as on its way in.
     ///
     /// # Errors
     /// Always: [`Fault::Jammed`], or what stopped the motion.
@@ -192,8 +192,9 @@ impl Insertion {
         let caught = cell.hand.drive(&back, self.parameters.back_speed, |hand| {
             hand.force().dot(&out) > self.parameters.back_limit
         })?;
-        if caught {
-            let start = cell.insertion_start(beam, 0.0)?;
+        cell.glance()?;
+        let start = cell.insertion_start(beam, 0.0)?;
+        if caught || cell.remaining(&part, &start, &out)? > self.parameters.back_short {
             cell.compliant_search(&part, &start, &out, &cell.compliance(false))?;
         }
         Err(jam.into())
