@@ -158,6 +158,8 @@ parameters! {
         sunk: f64 = "m", 1e-6, 0.01;
         /// A peg whose stem is still outside and that does not sink for so long stands on the mouth of a hole. Chosen.
         stands: f64 = "s", 0.1, 60.0;
+        /// It stands if it gets no lower than this meanwhile: what the fingers hold creeps in them.
+        creep: f64 = "m", 1e-6, 0.01;
         /// A peg that stands on the mouth of its hole and presses this far beside the hand has turned between the fingers. One
         /// that is held up by something else presses up to 6.3 mm beside it.
         beside: f64 = "m", 0.0, 0.1;

@@ -46,7 +46,9 @@ impl Workcell<'_, '_> {
         let mut centre = self.hand.seen.x_wt.translation.vector;
         let mut force: f64 = 0.0;
         let (mut ticks, mut measured) = (0u32, Vector6::zeros());
-        let (mut lowest_seen, mut sunk_at, mut pressed_at) = (f64::INFINITY, 0.0, 0.0);
+        let (mut lowest_seen, mut sunk_at) = (f64::INFINITY, 0.0);
+        // What the fingers hold creeps in them under the load: a peg that stands seems to sink a little all the time.
+        let (mut stands_at, mut pressed_at) = (f64::INFINITY, 0.0);
         self.hand.setpoint.translation = self.hand.seen.x_wt.translation;
         while self.hand.time() - begin < self.parameters.press.time {
             let elapsed = self.hand.time() - begin;
@@ -75,8 +77,9 @@ impl Workcell<'_, '_> {
             if sinks {
                 (lowest_seen, sunk_at) = (here.z, elapsed);
             }
-            if sinks || force < self.parameters.press.force {
-                pressed_at = elapsed;
+            let goes_on = here.z < stands_at - self.parameters.press.creep;
+            if goes_on || force < self.parameters.press.force {
+                (stands_at, pressed_at) = (here.z, elapsed);
                 measured = Vector6::zeros();
             } else {
                 measured += self.hand.wrench();

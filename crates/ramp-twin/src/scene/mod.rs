@@ -55,7 +55,7 @@ pub fn scene_xml(
     // There are no meshes of an arm without a name.
     let look = if options.looks { arm.name.as_str() } else { "" };
     let stems = printed.stems(layout.pegs.iter().map(|(name, _)| name.as_str()));
-    header(&mut xml, look, options.memory, &physics.parts, stems);
+    header(&mut xml, look, options.memory, physics, stems);
     table(&mut xml, kit, physics);
     arm_bodies(&mut xml, arm, look, physics);
     let mut meshes = String::new();

@@ -11,15 +11,16 @@ use ramp_world::groups::Parts;
 use std::fmt::Write;
 
 /// Options, defaults, meshes and lights; `look` names the arm whose meshes are shown, `memory` is in MiB.
-pub(super) fn header(xml: &mut String, look: &str, memory: u32, parts: &Parts, stems: Vec<(&str, f64)>) {
-    let Parts { friction, metal_friction, peg_friction, table_friction, pad_friction, .. } = parts;
+pub(super) fn header(xml: &mut String, look: &str, memory: u32, physics: &Physics, stems: Vec<(&str, f64)>) {
+    let Parts { friction, metal_friction, peg_friction, table_friction, pad_friction, .. } = &physics.parts;
+    let noslip = physics.engine.noslip.round();
     let cones: String =
         stems.iter().map(|(name, radius)| cone_mesh(&format!("cone-{name}"), *radius)).collect();
     let _ = write!(
         xml,
         r#"<mujoco model="ramp">
 <compiler angle="radian" autolimits="true" boundmass="1e-6"/>
-<option timestep="0.001" integrator="discrete" cone="elliptic" impratio="10" noslip_iterations="3" iterations="100" tolerance="1e-8"><flag sleep="enable"/></option>
+<option timestep="0.001" integrator="discrete" cone="elliptic" impratio="10" noslip_iterations="{noslip}" iterations="100" tolerance="1e-8"><flag sleep="enable"/></option>
 <size memory="{memory}M"/>
 <visual><global offwidth="1280" offheight="800" fovy="40"/><headlight ambient="0.35 0.35 0.35" diffuse="0.4 0.4 0.4"/><map znear="0.005"/></visual>
 <default>
