@@ -18,7 +18,8 @@ def blocks(text):
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_the_examples_of_a_page_run(page, capsys):
+def test_the_examples_of_a_page_run(page, capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
     if "gymnasium" in (text := (ROOT / page).read_text(encoding="utf-8")):
         pytest.importorskip("gymnasium")
     names = {}

@@ -158,7 +158,7 @@ fn creep(world: &ramp_twin::World, pads: Option<&str>) -> f64 {
 }
 
 /// In every world, what the fingers hold stays where it is for as long as a press takes. `real` has no iterations against
-/// creep: there the damping of the fingertips keeps it.
+/// creep: there the damping of the fingertips holds it.
 #[test]
 fn a_held_part_hardly_creeps_under_a_load() {
     let shipped = |name: &str| ramp_twin::World::shipped(name).unwrap();
@@ -166,6 +166,6 @@ fn a_held_part_hardly_creeps_under_a_load() {
     let undamped = creep(shipped("real"), Some("solref=\"0.004 1\" "));
     println!("µm/s: ideal {:.1}, real {:.1}, undamped {:.1}", ideal * 1e6, real * 1e6, undamped * 1e6);
     assert!(ideal < 2e-6, "{ideal} m/s");
-    assert!(real < 50e-6, "{real} m/s");
+    assert!(real < 6e-6, "{real} m/s");
     assert!(undamped > 200e-6, "{undamped} m/s: nothing loads the part");
 }

@@ -169,10 +169,11 @@ quantities! {
 quantities! {
     /// How the engine computes contacts.
     Engine {
-        /// Iterations against the creep of contacts that friction holds (MuJoCo's `noslip_iterations`, rounded). Without them
-        /// what the fingers hold creeps by 0.03 mm/s while it is pressed with 25 N, and steps take as little as a quarter of
-        /// the time.
+        /// Iterations against the creep of contacts that friction holds (MuJoCo's `noslip_iterations`, rounded). Steps without
+        /// them take as little as a quarter of the time.
         noslip: f64 = "", 0.0, 100.0;
+        /// Damping of the contacts of the fingertips. What they hold creeps the less, the larger it is.
+        grip_damping: f64 = "1/s", 100.0, 1e5;
     }
 }
 

@@ -1,7 +1,7 @@
 //! The head of the file, and the table with the sheet on it.
 
 use super::parts::{cone_mesh, nose_mesh};
-use super::text::{CONTACT, GRIP, numbers, placed};
+use super::text::{CONTACT, grip, numbers, placed};
 use crate::layout::x_table;
 use crate::looks;
 use ramp_kit::joint::STEM_RADIUS;
@@ -14,6 +14,7 @@ use std::fmt::Write;
 pub(super) fn header(xml: &mut String, look: &str, memory: u32, physics: &Physics, stems: Vec<(&str, f64)>) {
     let Parts { friction, metal_friction, peg_friction, table_friction, pad_friction, .. } = &physics.parts;
     let noslip = physics.engine.noslip.round();
+    let grip = grip(physics.engine.grip_damping);
     let cones: String =
         stems.iter().map(|(name, radius)| cone_mesh(&format!("cone-{name}"), *radius)).collect();
     let _ = write!(
@@ -32,7 +33,7 @@ pub(super) fn header(xml: &mut String, look: &str, memory: u32, physics: &Physic
 <default class="arm"><geom mass="0" {CONTACT} contype="1" conaffinity="0" group="3" rgba="0.92 0.93 0.95 1"/></default>
 <default class="tool"><geom mass="0" {CONTACT} contype="1" conaffinity="0" rgba="0.30 0.31 0.34 1"/></default>
 <default class="look"><geom type="mesh" mass="0" contype="0" conaffinity="0"/></default>
-<default class="pad"><geom mass="0" friction="{pad_friction} 0.01 0.0005" condim="4" priority="1" {GRIP} contype="1" conaffinity="0" rgba="0.18 0.19 0.21 1"/></default>
+<default class="pad"><geom mass="0" friction="{pad_friction} 0.01 0.0005" condim="4" priority="1" {grip} contype="1" conaffinity="0" rgba="0.18 0.19 0.21 1"/></default>
 </default>
 <asset>
 <texture name="sky" type="skybox" builtin="gradient" rgb1="0.85 0.90 0.95" rgb2="0.55 0.62 0.70" width="256" height="256"/>
