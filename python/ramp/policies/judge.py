@@ -2,7 +2,7 @@
 
 python -m ramp.policies.judge weights.npy
 
-In `real` that takes an hour or more of CPU time for each error: starts with a frame on the table are slow.
+That takes an hour or more of CPU time for each world and error: steps are slow where the peg touches a large frame.
 """
 
 from __future__ import annotations
