@@ -139,9 +139,11 @@ impl Ramped {
 /// What keeps the tip on a line: how far it is off, summed up. All in the world.
 struct Trim {
     parameters: TrimParameters,
-    /// Setpoint and tip at the beginning.
-    from: Pose,
+    /// A setpoint of the motion, and where the tip is to be with it.
+    setpoint: Pose,
     tip: Pose,
+    /// The tip turns as the setpoint turns.
+    turns: bool,
     /// Of the motion, a unit vector; along it nothing is trimmed.
     direction: Vector3<f64>,
     /// What the setpoint is moved by, m, and turned by: a rotation vector, rad.
@@ -150,13 +152,16 @@ struct Trim {
 }
 
 impl Trim {
-    /// For a motion of the hand to `x_wt`. The tip keeps the distance from the setpoint that it has at the beginning.
-    fn new(hand: &Hand, x_wt: &Pose) -> Trim {
+    /// For a motion of the hand to `x_wt`, where the tip `arrives` at a pose, or keeps the distance from the setpoint that it
+    /// has at the beginning.
+    fn new(hand: &Hand, x_wt: &Pose, arrives: Option<&Pose>) -> Trim {
         let way = x_wt.translation.vector - hand.setpoint.translation.vector;
+        let (setpoint, tip) = arrives.map_or((hand.setpoint, hand.seen.x_wt), |arrives| (*x_wt, *arrives));
         Trim {
             parameters: hand.trim.clone(),
-            from: hand.setpoint,
-            tip: hand.seen.x_wt,
+            setpoint,
+            tip,
+            turns: arrives.is_none(),
             direction: way.try_normalize(1e-9).unwrap_or_default(),
             shift: Vector3::zeros(),
             turn: Vector3::zeros(),
@@ -165,11 +170,12 @@ impl Trim {
 
     /// The setpoint for a point of the line, with the tip at `seen`.
     fn trimmed(&mut self, line: &Pose, seen: &Pose) -> Pose {
-        let wanted = self.tip.translation.vector + line.translation.vector - self.from.translation.vector;
+        let wanted = self.tip.translation.vector + line.translation.vector - self.setpoint.translation.vector;
         let off = wanted - seen.translation.vector;
         let off = off - self.direction * off.dot(&self.direction);
-        let turned =
-            line.rotation * self.from.rotation.inverse() * self.tip.rotation * seen.rotation.inverse();
+        let with_line = line.rotation * self.setpoint.rotation.inverse();
+        let turn = if self.turns { with_line } else { UnitQuaternion::identity() };
+        let turned = turn * self.tip.rotation * seen.rotation.inverse();
         let gain = PERIOD / self.parameters.time;
         self.shift = (self.shift + off * gain).cap_magnitude(self.parameters.most);
         self.turn = (self.turn + turned.scaled_axis() * gain).cap_magnitude(self.parameters.most_turn);
@@ -486,17 +492,20 @@ impl<'r> Hand<'r> {
     }
 
     /// The same along a line that must be kept: friction turns a hand aside as it moves, and the setpoint is trimmed against
-    /// that until the tip is on its line again, but by no more than the trim's bounds.
+    /// that until the tip is on its line again, but by no more than the trim's bounds. The line is the one that ends where the
+    /// tip `arrives` (world), turned as there all along; without that, the one on which the tip keeps its distance from the
+    /// setpoint.
     ///
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
     pub fn drive_in_line(
         &mut self,
         x_wt: &Pose,
+        arrives: Option<&Pose>,
         speed: f64,
         stop: impl FnMut(&Hand) -> bool,
     ) -> Result<bool, SkillError> {
-        let trim = Trim::new(self, x_wt);
+        let trim = Trim::new(self, x_wt, arrives);
         self.drive_trimmed(x_wt, speed, Some(trim), stop)
     }
 

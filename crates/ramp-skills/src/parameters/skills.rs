@@ -138,7 +138,7 @@ parameters! {
         dragged_turn: f64 = "°", 0.0, 45.0;
         /// How often a beam is pushed. Chosen.
         tries: usize = "", 1.0, 20.0;
-        /// A beam that is off by less after a push is not pushed again: well within what a peg or a cap takes. Chosen.
+        /// A beam that is off by less is not pushed: well within what a peg or a cap takes. Chosen.
         near: f64 = "m", 0.0, 0.01;
         /// A beam that is still off by more than this share of what it was before is not pushed again. Chosen.
         no_nearer: f64 = "", 0.0, 1.0;

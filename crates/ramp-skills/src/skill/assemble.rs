@@ -70,10 +70,13 @@ impl Assemble {
         let loose = !aim.loose.is_empty();
         let limit = if loose { self.parameters.loose_limit } else { self.parameters.limit };
         cell.glance()?;
-        let mut target = cell.hand.corrected(&cell.belief.pose(&name)?, &aim.goal);
-        target.translation.z += height;
+        let raised = Translation3::new(0.0, 0.0, height) * aim.goal;
+        let target = cell.hand.corrected(&cell.belief.pose(&name)?, &raised);
         self.insertion.approach_mouths(cell, beam, &aim, &target)?;
-        let mut pushed = self.insertion.push_in(cell, beam, &aim, &target, limit)?;
+        cell.glance()?;
+        // What a loose sleeve lets in finds its own way through it.
+        let arrive = (!loose).then_some(&raised);
+        let mut pushed = self.insertion.push_in(cell, beam, &aim, &target, arrive, limit)?;
         if loose {
             self.push_on(cell, beam, &mut aim, &mut pushed)?;
         }
@@ -139,7 +142,8 @@ impl Assemble {
             before = remaining;
             let raised = Translation3::from(Vector3::z() * offset) * aim.goal;
             let target = cell.hand.corrected(&cell.belief.pose(&name)?, &raised);
-            *pushed = self.insertion.push_in(cell, beam, aim, &target, self.parameters.loose_limit)?;
+            let limit = self.parameters.loose_limit;
+            *pushed = self.insertion.push_in(cell, beam, aim, &target, None, limit)?;
         }
         if pushes > 0 {
             cell.note("search", format!("{name}: {pushes} more pushes"));

@@ -69,7 +69,7 @@ impl Cap {
         if self.meets_angled(cell, beam, &aim.direction) {
             self.pass_under(cell, beam, &aim.goal, height)?;
         }
-        let pushed = self.insertion.push_in(cell, beam, &aim, &target, self.parameters.limit)?;
+        let pushed = self.insertion.push_in(cell, beam, &aim, &target, None, self.parameters.limit)?;
         self.finish(cell, beam, &(Translation3::new(0.0, 0.0, height) * aim.goal), pushed.force)
     }
 

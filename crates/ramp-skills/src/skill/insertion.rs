@@ -131,7 +131,7 @@ impl Insertion {
 
     /// Pushes the tip to `target` (world) until the beam meets more than `limit` (N, through a sleeve
     /// that little holds a rise of the force), and takes into account what the
-    /// push may have moved.
+    /// push may have moved. A beam that is to `arrive` at a pose (world) is brought on its line on the way.
     ///
     /// # Errors
     /// What stopped the motion, or the robot's error.
@@ -141,12 +141,16 @@ impl Insertion {
         beam: usize,
         aim: &Aim,
         target: &Pose,
+        arrive: Option<&Pose>,
         limit: f64,
     ) -> Result<Pushed, SkillError> {
         let direction = aim.direction;
+        let name = &cell.assembly.beams[beam].beam.name;
+        let x_pt = cell.belief.pose(name)?.inverse() * cell.hand.seen.x_wt;
+        let arrives = arrive.map(|x_wp| x_wp * x_pt);
         let mut rise = Rise::new(direction, &cell.parameters.rise);
         let loose = !aim.loose.is_empty();
-        let stopped = cell.hand.drive_in_line(target, self.parameters.speed, |hand| {
+        let stopped = cell.hand.drive_in_line(target, arrives.as_ref(), self.parameters.speed, |hand| {
             let met = if loose { rise.sense(hand) } else { hand.force().dot(&direction) };
             met > limit
         })?;

@@ -75,7 +75,7 @@ impl Push {
                 return Ok(());
             }
             let worst = off.max(near_off);
-            if attempt > 0 && worst < self.parameters.near {
+            if worst < self.parameters.near {
                 return Ok(());
             }
             if worst > self.parameters.no_nearer * before {
