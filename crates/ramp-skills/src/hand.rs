@@ -697,8 +697,9 @@ mod tests {
         let parameters = Parameters::baseline().trim.clone();
         let trim = |direction| Trim {
             parameters: parameters.clone(),
-            from: Pose::identity(),
+            setpoint: Pose::identity(),
             tip: Pose::identity(),
+            turns: true,
             direction,
             shift: Vector3::zeros(),
             turn: Vector3::zeros(),
@@ -717,5 +718,29 @@ mod tests {
             setpoint = held.trimmed(&Pose::identity(), &Pose::translation(0.0, 0.0, -5.0e-3));
         }
         assert!((setpoint.translation.z - parameters.most).abs() < 1e-9, "{setpoint}");
+    }
+    /// A hand that stands beside its line when the motion begins, turned by 2 mrad, is on it before it has gone 30 mm: the end of
+    /// a long beam would else meet its joint a millimetre too high.
+    #[test]
+    fn the_trim_brings_the_tip_onto_the_line_on_which_it_arrives() {
+        let setpoint = Pose::translation(45.0e-3, 0.0, 0.0);
+        let mut trim = Trim {
+            parameters: Parameters::baseline().trim.clone(),
+            setpoint,
+            tip: setpoint,
+            turns: false,
+            direction: Vector3::x(),
+            shift: Vector3::zeros(),
+            turn: Vector3::zeros(),
+        };
+        let off = Pose::new(Vector3::new(0.0, 0.3e-3, 1.0e-3), Vector3::new(0.0, 2.0e-3, 0.0));
+        let mut seen = off;
+        for period in 0..600 {
+            let line = Pose::translation(50.0e-3 * f64::from(period) * PERIOD, 0.0, 0.0);
+            seen = trim.trimmed(&line, &seen) * off;
+        }
+        let left = seen.translation.vector.yz().norm();
+        assert!(left < 0.05e-3 && seen.rotation.angle() < 0.1e-3, "{seen}");
+        assert!((seen.translation.x - 30.0e-3).abs() < 0.1e-3, "{seen}");
     }
 }
