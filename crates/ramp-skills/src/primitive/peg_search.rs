@@ -97,13 +97,15 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// One control period of sliding over the plate, to a place (m in the world), with constant force down (N).
+    /// One control period of sliding over the plate, to a place (m in the world), with constant force down (N). A tip that falls
+    /// into the hole goes down with the speed of lowering, and does not gain speed until its head meets the plate.
     fn slide_to(&mut self, x: f64, y: f64, force: f64) -> Result<(), SkillError> {
         let z = self.hand.seen.x_wt.translation.z - force / self.hand.stiffness.z;
+        let fall = self.parameters.peg_search.lower_speed * PERIOD;
         let setpoint = &mut self.hand.setpoint.translation;
         setpoint.x = x;
         setpoint.y = y;
-        setpoint.z = setpoint.z.min(z);
+        setpoint.z = setpoint.z.min(z.max(setpoint.z - fall));
         self.hand.tick()?;
         Ok(())
     }
