@@ -162,7 +162,19 @@ impl Workcell<'_, '_> {
         let mut above = *x_wt;
         above.translation.z = above.translation.z.max(self.parameters.travel.height);
         self.travel(&above)?;
-        match self.travel_and_grip(x_wt, Some(part), Some(closing)) {
+        let down = match self.travel_and_grip(x_wt, Some(part), Some(closing)) {
+            // Where there is no room for fingers that are still closing from a wider grasp, they close first.
+            Err(SkillError::Motion(MotionError::Blocked("end")))
+                if self.hand.seen.width > self.hand.gripper.width + self.parameters.grip.width_tolerance =>
+            {
+                self.hand.relax();
+                let GripperCommand { width, force } = self.hand.gripper;
+                self.hand.grip(width, force)?;
+                self.travel_and_grip(x_wt, Some(part), Some(closing))
+            }
+            down => down,
+        };
+        match down {
             Err(SkillError::Motion(MotionError::Unreachable(_))) => {}
             other => return other,
         }
