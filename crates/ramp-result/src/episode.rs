@@ -151,7 +151,7 @@ pub struct RealRun {
 pub struct Software {
     /// The version.
     pub version: String,
-    /// The commit it was built from, or `unknown`.
+    /// The commit it was built from, with `-dirty` behind it where the sources differ from it, or `unknown`.
     pub commit: String,
 }
 

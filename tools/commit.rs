@@ -1,0 +1,30 @@
+//! What every build script whose programs write results tells them: the commit that they are built from.
+
+use std::path::Path;
+use std::process::Command;
+
+/// What is built in, beside the folder `src` of each crate.
+const BUILT_IN: [&str; 5] = ["data", "tools/commit.rs", "Cargo.toml", "Cargo.lock", ".cargo"];
+
+/// Sets `RAMP_COMMIT`: the commit, with `-dirty` behind it where what is built in differs from it, or `unknown`.
+pub fn main() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let crates = std::fs::read_dir(root.join("crates")).into_iter().flatten().flatten();
+    let sources = crates.map(|it| format!("crates/{}/src", it.file_name().display()));
+    let built_in: Vec<String> = sources.chain(BUILT_IN.map(String::from)).collect();
+    for path in built_in.iter().map(String::as_str).chain([".git/logs/HEAD"]) {
+        println!("cargo::rerun-if-changed=../../{path}");
+    }
+    let git = |arguments: &[&str], paths: &[String]| {
+        let output = Command::new("git").current_dir(&root).args(arguments).args(paths).output().ok()?;
+        let text = String::from_utf8(output.stdout).ok().filter(|_| output.status.success())?;
+        Some(text.trim().to_string())
+    };
+    let mut commit = git(&["rev-parse", "--short=12", "HEAD"], &[]).unwrap_or_else(|| "unknown".into());
+    if git(&["--no-optional-locks", "status", "--porcelain", "--"], &built_in)
+        .is_some_and(|changed| !changed.is_empty())
+    {
+        commit.push_str("-dirty");
+    }
+    println!("cargo::rustc-env=RAMP_COMMIT={commit}");
+}
