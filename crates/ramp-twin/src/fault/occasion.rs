@@ -20,6 +20,9 @@ const LIFTED: f64 = 15.0e-3;
 const GRIPPED: f64 = 0.1;
 /// See [`GRIPPED`].
 const LET_GO: f64 = 0.2;
+/// A held part is inserted into a beam from which it is no further than this, m: 0.3 mm lie on each side of a male in a female,
+/// and printed faces are off by up to 0.1 mm each.
+const ENTERED: f64 = 0.5e-3;
 /// Least speed of what is inserted, m/s.
 const INSERTING: f64 = 5.0e-3;
 /// The hand works at a beam below this height of the tip, m, and is away above the other.
@@ -64,6 +67,8 @@ pub(super) struct Cell {
     /// Body of each geom, and part of each body.
     geom_body: Vec<usize>,
     body_part: Vec<Option<usize>>,
+    /// The geoms of each part that touch others, each with the radius of the sphere around it, m.
+    solids: Vec<Vec<(usize, f64)>>,
 }
 
 impl Cell {
@@ -90,6 +95,13 @@ impl Cell {
                 *slot = Some(index);
             }
         }
+        let mut solids = vec![Vec::new(); parts.len()];
+        let touches = model.geom_contype().iter().zip(model.geom_conaffinity());
+        for (geom, (own, others)) in touches.enumerate() {
+            if let Some(part) = body_part[geom_body[geom]].filter(|_| own | others != 0) {
+                solids[part].push((geom, model.geom_rbound()[geom]));
+            }
+        }
         let placed = setup
             .assembly
             .beams
@@ -110,7 +122,7 @@ impl Cell {
                 })
             })
             .collect();
-        Cell { parts, placed, holders, fingers, geom_body, body_part }
+        Cell { parts, placed, holders, fingers, geom_body, body_part, solids }
     }
 
     /// Where a part is.
@@ -133,6 +145,29 @@ impl Cell {
                 !placed.clamped && Some(placed.part) != held && self.in_place(data, placed)
             })
             .collect()
+    }
+
+    /// Where a part touches or has entered a beam that stands in the assembly, in the world.
+    fn entered(&self, data: &mut Data, part: usize) -> Option<Point3<f64>> {
+        for placed in self.placed.iter().filter(|placed| placed.part != part) {
+            if !placed.clamped && !self.in_place(data, placed) {
+                continue;
+            }
+            for (one, reach) in &self.solids[part] {
+                for (other, radius) in &self.solids[placed.part] {
+                    let centre = |geom: usize| Vector3::from(data.geom_xpos()[geom]);
+                    if (centre(*one) - centre(*other)).norm() > reach + radius + ENTERED {
+                        continue;
+                    }
+                    let mut ends = [0.0; 6];
+                    if data.geom_distance(*one, *other, ENTERED, Some(&mut ends)) < ENTERED {
+                        let [x, y, z, to_x, to_y, to_z] = ends;
+                        return Some(nalgebra::center(&Point3::new(x, y, z), &Point3::new(to_x, to_y, to_z)));
+                    }
+                }
+            }
+        }
+        None
     }
 
     /// How many pegs are in the holes of a beam.
@@ -213,11 +248,10 @@ impl Watch {
     }
 
     /// Looks at the world; tells an occasion when there is one. `fingers` is the speed at which they open, m/s.
-    pub fn look(&mut self, cell: &Cell, data: &Data, x_wt: &Pose, fingers: f64) -> Option<Occasion> {
+    pub fn look(&mut self, cell: &Cell, data: &mut Data, x_wt: &Pose, fingers: f64) -> Option<Occasion> {
         let passed = self.every() as f64 * PERIOD;
-        // Which parts each finger touches, and where the held part touches beams.
+        // Which parts each finger touches.
         let mut touched: [Vec<usize>; 2] = [Vec::new(), Vec::new()];
-        let mut met: Option<(usize, Point3<f64>)> = None;
         for contact in data.contact() {
             let bodies = contact.geom.map(|geom| {
                 usize::try_from(geom).ok().and_then(|geom| cell.geom_body.get(geom)).copied().unwrap_or(0)
@@ -227,20 +261,11 @@ impl Watch {
                 if let Some(finger) = cell.fingers.iter().position(|finger| *finger == one) {
                     touched[finger].push(part);
                 }
-                let held = self.held().map(|held| cell.parts[held].body);
-                if Some(one) == held && contact.dist < 0.0 && met.is_none() {
-                    met = cell
-                        .placed
-                        .iter()
-                        .any(|placed| placed.part == part)
-                        .then(|| (part, contact.pos.into()));
-                }
             }
         }
         let closed = self.closing(&touched, fingers, passed);
         let gripped = self.grip(cell, data, &touched, passed);
         let lifted = self.lifted(cell, data);
-        let inserted = self.inserted(cell, data, met, passed);
         match self.kind {
             FaultKind::PegDropped | FaultKind::PegTilted | FaultKind::HolderShifted => {
                 lifted.filter(|part| cell.parts[*part].is_peg).map(Occasion::Part)
@@ -249,7 +274,7 @@ impl Watch {
                 lifted.filter(|part| !cell.parts[*part].is_peg).map(Occasion::Part)
             }
             FaultKind::BeamBumped => self.left(cell, data, x_wt).then_some(Occasion::Left),
-            FaultKind::Jam => inserted,
+            FaultKind::Jam => self.inserted(cell, data, passed),
             FaultKind::GripperWeak => closed.map(Occasion::Part),
             FaultKind::CameraFrozen | FaultKind::ForceDrift => gripped.map(Occasion::Part),
             FaultKind::PegMissing | FaultKind::TagCovered => None,
@@ -304,22 +329,15 @@ impl Watch {
     }
 
     /// The held part in the look in which it first moves into a beam of the assembly.
-    fn inserted(
-        &mut self,
-        cell: &Cell,
-        data: &Data,
-        met: Option<(usize, Point3<f64>)>,
-        passed: f64,
-    ) -> Option<Occasion> {
+    fn inserted(&mut self, cell: &Cell, data: &mut Data, passed: f64) -> Option<Occasion> {
         let grip = self.grip.as_mut()?;
         let p_w = cell.pose(data, grip.part).translation.vector;
         let velocity = (p_w - grip.before) / passed;
         grip.before = p_w;
-        let (other, at) = met.filter(|_| grip.lifted && !grip.inserted)?;
-        let placed = cell.placed.iter().find(|placed| placed.part == other)?;
-        let direction = velocity.try_normalize(INSERTING)?;
-        grip.inserted = placed.clamped || cell.in_place(data, placed);
-        grip.inserted.then_some(Occasion::Inserted { part: grip.part, p_w: at, direction })
+        let direction = velocity.try_normalize(INSERTING).filter(|_| grip.lifted && !grip.inserted)?;
+        let p_w = cell.entered(data, grip.part)?;
+        grip.inserted = true;
+        Some(Occasion::Inserted { part: grip.part, p_w, direction })
     }
 
     /// Whether the hand works at a beam.
