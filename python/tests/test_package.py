@@ -208,7 +208,8 @@ def test_two_threads_on_one_twin_get_an_error_and_not_a_mixture():
 
 
 SCRIPT = """
-import time, ramp, sys
+import ramp, signal
+signal.signal(signal.SIGINT, signal.default_int_handler)  # Tests that run in the background hand on that it is ignored.
 twin = ramp.Twin("easy-1")
 hold = ramp.Command.joint_positions(twin.observe().positions)
 print("ready", flush=True)
