@@ -3,15 +3,19 @@
 use std::path::Path;
 use std::process::Command;
 
-/// What is built in, beside the folder `src` of each crate.
+/// What is built in of each crate, where it is there.
+const OF_A_CRATE: [&str; 3] = ["src", "Cargo.toml", "build.rs"];
+/// What is built in beside that.
 const BUILT_IN: [&str; 5] = ["data", "tools/commit.rs", "Cargo.toml", "Cargo.lock", ".cargo"];
 
 /// Sets `RAMP_COMMIT`: the commit, with `-dirty` behind it where what is built in differs from it, or `unknown`.
 pub fn main() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let crates = std::fs::read_dir(root.join("crates")).into_iter().flatten().flatten();
-    let sources = crates.map(|it| format!("crates/{}/src", it.file_name().display()));
-    let built_in: Vec<String> = sources.chain(BUILT_IN.map(String::from)).collect();
+    let parts =
+        crates.flat_map(|it| OF_A_CRATE.map(|part| format!("crates/{}/{part}", it.file_name().display())));
+    let parts = parts.filter(|path| root.join(path).exists());
+    let built_in: Vec<String> = parts.chain(BUILT_IN.map(String::from)).collect();
     for path in built_in.iter().map(String::as_str).chain([".git/logs/HEAD"]) {
         println!("cargo::rerun-if-changed=../../{path}");
     }

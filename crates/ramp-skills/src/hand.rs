@@ -719,6 +719,7 @@ mod tests {
         }
         assert!((setpoint.translation.z - parameters.most).abs() < 1e-9, "{setpoint}");
     }
+
     /// A hand that stands beside its line when the motion begins, turned by 2 mrad, is on it before it has gone 30 mm: the end of
     /// a long beam would else meet its joint a millimetre too high.
     #[test]

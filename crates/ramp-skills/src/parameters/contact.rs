@@ -93,7 +93,8 @@ parameters! {
         found: f64 = "m", 1e-4, 0.02;
         /// Force at which the peg has touched the plate.
         touch: f64 = "N", 0.5, 50.0;
-        /// Speed with which the peg is lowered onto the plate, or lifted off it. Chosen.
+        /// Speed with which the peg is lowered onto the plate or lifted off it, and the most with which a search lets it down into
+        /// its hole. Chosen.
         lower_speed: f64 = "m/s", 1e-3, 0.5;
         /// Force down during the search. Friction holds the tip until the hand is ahead of it by force × 0.3 / 1500 N/m.
         force: f64 = "N", 0.5, 50.0;

@@ -147,7 +147,7 @@ impl Cell {
             .collect()
     }
 
-    /// Where a part touches or has entered a beam that stands in the assembly, in the world.
+    /// Where a part is within [`ENTERED`] of a beam that stands in the assembly, m in the world: between the two.
     fn entered(&self, data: &mut Data, part: usize) -> Option<Point3<f64>> {
         for placed in self.placed.iter().filter(|placed| placed.part != part) {
             if !placed.clamped && !self.in_place(data, placed) {
@@ -217,7 +217,7 @@ pub(super) enum Occasion {
     Part(usize),
     /// The hand left the assembly, in which beams stand.
     Left,
-    /// A held part moves into a beam: where it touches it, and the direction of its motion, both in the world.
+    /// A held part moves into a beam: where the two are nearest to each other, m, and the direction of its motion, both in the world.
     Inserted { part: usize, p_w: Point3<f64>, direction: Vector3<f64> },
 }
 
