@@ -63,11 +63,17 @@ impl World {
 
     #[allow(dead_code)]
     pub fn run_on(&self, track: Track, seed: u64) -> EpisodeResult {
+        self.run_in(ramp_twin::World::ideal(), track, seed)
+    }
+
+    /// An episode of the baseline in a world.
+    #[allow(dead_code)]
+    pub fn run_in(&self, world: &ramp_twin::World, track: Track, seed: u64) -> EpisodeResult {
         let baseline = Baseline::new(&self.kit, &self.assembly, &self.arm, &self.domains, seed);
         let mut agent = baseline.on_track(track);
         let software = Software { version: "test".into(), commit: "test".into() };
-        run_episode(&self.setup_on(track, seed), &mut agent, &Label::new(software, 1), &mut |_, _| {})
-            .unwrap()
+        let setup = Setup { world, ..self.setup_on(track, seed) };
+        run_episode(&setup, &mut agent, &Label::new(software, 1), &mut |_, _| {}).unwrap()
     }
 }
 
