@@ -15,8 +15,10 @@ use ramp_robot::{
     Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError, Track,
 };
 use ramp_skills::cell::{InsertionPath, Workcell};
+use ramp_skills::grasp::BeamGrasp;
+use ramp_skills::rehearsal::{Outline, Scene};
 use ramp_skills::skill::{ActionKind, Call, Effect, Skill};
-use ramp_skills::{Baseline, Fault, Parameters, SkillError, SkillTable};
+use ramp_skills::{Baseline, Fault, Parameters, Pose, SkillError, SkillTable};
 use ramp_twin::Twin;
 
 /// The insertion path that the goal's own order of insertions gives a beam.
@@ -76,6 +78,12 @@ fn act(cell: &mut Workcell, action: &FineAction) {
     SkillTable::default().execute(cell, &Call::alone(action)).unwrap();
 }
 
+/// The grasp of the beam at `x_wb` (world) at `s` metres from its j1 hole.
+fn beam_held_at(x_wb: &Pose, s: f64) -> ramp_skills::grasp::Grasp {
+    let grip = &Parameters::baseline().grip;
+    ramp_skills::grasp::Grasp::of_beam(x_wb, BeamGrasp { s, reverse: false }, grip)
+}
+
 fn name(cell: &Workcell, beam: usize) -> String {
     cell.assembly.beams[beam].beam.name.clone()
 }
@@ -93,8 +101,8 @@ fn picking(part: &str, link: Option<&str>) -> (Item, FineAction) {
 fn hover(cell: &mut Workcell, part: &str, link: Option<&str>) {
     let (item, pick_up) = picking(part, link);
     let action = FineAction::Move { to: Place::Input(item.clone()) };
-    let rest = [CoarseStep { coarse: CoarseAction::PickUp { item }, fine: vec![pick_up] }];
-    SkillTable::default().execute(cell, &Call { action: &action, rest: &rest }).unwrap();
+    let plan = [CoarseStep { coarse: CoarseAction::PickUp { item }, fine: vec![pick_up] }];
+    SkillTable::default().execute(cell, &Call { action: &action, plan: &plan, step: 0 }).unwrap();
 }
 
 fn pick_up(cell: &mut Workcell, part: &str, link: Option<&str>) {
@@ -136,6 +144,10 @@ impl Skill for Pretend {
 
     fn expects(&self) -> &[Effect] {
         &[Effect::HoldsPart]
+    }
+
+    fn rehearse(&self, _: &Scene, _: &Call) -> Outline {
+        Outline::Unknown
     }
 
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
@@ -257,8 +269,8 @@ fn swing_and_push(world: &World, cell: &mut Workcell, beam: usize, link: &str) {
     for side in [-1.0, 1.0] {
         cell.belief.update(&mut cell.hand).unwrap();
         let x_wb = cell.belief.pose(&name).unwrap();
-        let x_wt = ramp_skills::grasp::beam_grasp(&x_wb, 226.0e-3, false);
-        cell.grasp(&name, &x_wt, 0.038, 0.022).unwrap();
+        let grasp = beam_held_at(&x_wb, 226.0e-3);
+        cell.grasp(&name, &grasp).unwrap();
         let pivot = x_wb.translation;
         let turn = nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), side * 0.03);
         let aside = pivot * turn * pivot.inverse() * x_wb;
@@ -330,9 +342,9 @@ fn a_beam_that_is_held_too_far_out_is_taken_anew() {
     let (direction, distance, depth) = (entry.direction.into(), entry.distance, entry.depth);
     cell.paths.insert(b6, InsertionPath { direction, distance, depth });
     cell.belief.update(&mut cell.hand).unwrap();
-    let x_wt = ramp_skills::grasp::beam_grasp(&cell.belief.pose("b6").unwrap(), 270.0e-3, false);
+    let grasp = beam_held_at(&cell.belief.pose("b6").unwrap(), 270.0e-3);
     hover(&mut cell, "b6", Some("b6l2"));
-    cell.grasp("b6", &x_wt, 0.038, 0.022).unwrap();
+    cell.grasp("b6", &grasp).unwrap();
     cell.retreat().unwrap();
     approach_beam(&mut cell, b6);
     let again = cell.events.iter().any(|event| event.what == "regrasp b6l2");
@@ -401,9 +413,9 @@ fn a_beam_that_hangs_on_a_finger_is_let_go_of_anew() {
         let mut twin = Twin::new(&world.setup(4)).unwrap();
         let mut cell = fetched(&world, &planner, &mut twin, b4, "b4l2");
         assemble(&mut cell, b4);
-        let mut x_wt = ramp_skills::grasp::beam_grasp(&cell.belief.pose("b4").unwrap(), 226.0e-3, false);
-        x_wt.translation.z += high;
-        cell.grasp("b4", &x_wt, 0.038, 0.022).unwrap();
+        let mut grasp = beam_held_at(&cell.belief.pose("b4").unwrap(), 226.0e-3);
+        grasp.x_wt.translation.z += high;
+        cell.grasp("b4", &grasp).unwrap();
         let mut up = cell.hand.setpoint;
         up.translation.z += lift;
         cell.hand.go(&up, 0.01).unwrap();

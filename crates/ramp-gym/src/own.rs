@@ -1,31 +1,24 @@
 //! A skill of one's own in place of one of the baseline's: what drives the robot is anything that implements [`Body`], such
 //! as a Python object or a program in another process.
 
+use ramp_planner::Impossible;
 use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
 use ramp_skills::cell::Workcell;
 use ramp_skills::hand::Hand;
+use ramp_skills::rehearsal::{Outline, Scene};
 use ramp_skills::skill::{ActionKind, Call, Effect, Need, Skill};
 use ramp_skills::{Fault, SkillError, SkillTable};
 
 use crate::known::Known;
 
-/// The kinds of actions that a skill of one's own can carry out.
-pub const KINDS: [ActionKind; 9] = [
-    ActionKind::AssembleSquare,
-    ActionKind::AssembleAngled,
-    ActionKind::AssembleThrough,
-    ActionKind::AssembleDeep,
-    ActionKind::AssembleCap,
-    ActionKind::LayDown,
-    ActionKind::Slide,
-    ActionKind::Fasten,
-    ActionKind::Push,
-];
+/// The kinds of actions that a skill of one's own can carry out: those that work on the assembly.
+pub fn kinds() -> impl Iterator<Item = ActionKind> {
+    ActionKind::ALL.iter().copied().filter(|kind| kind.is_assembling())
+}
 
-/// The kind of that name ([`ActionKind::name`]), with `-` for `_` as well.
+/// The kind of that name ([`ActionKind::name`]) that a skill of one's own can carry out, with `-` for `_` as well.
 pub fn kind(name: &str) -> Option<ActionKind> {
-    let name = name.replace('-', "_");
-    KINDS.into_iter().find(|kind| kind.name() == name)
+    ActionKind::named(name).filter(|kind| kind.is_assembling())
 }
 
 /// What a skill is asked to do.
@@ -57,6 +50,12 @@ pub trait Body: Send + Sync {
     /// # Errors
     /// When the robot stopped, or the body gives up.
     fn run(&self, robot: &mut dyn Robot, moment: &Moment) -> Result<(), BodyError>;
+
+    /// The motions that [`Body::run`] will ask for in the moment that is expected, with alternatives
+    /// ([`Skill::rehearse`]). A body that cannot say is not rehearsed.
+    fn rehearse(&self, _expected: &Moment) -> Outline {
+        Outline::Unknown
+    }
 }
 
 /// A skill of one's own for one kind of action. It needs and promises what the baseline's does.
@@ -98,6 +97,16 @@ impl Skill for OwnSkill {
 
     fn expects(&self) -> &[Effect] {
         &self.expects
+    }
+
+    fn rehearse(&self, scene: &Scene, call: &Call) -> Outline {
+        let Some(known) = Known::expected(scene, call) else { return Outline::Unknown };
+        self.body.rehearse(&Moment { kind: call.kind(), action: call.action.to_string(), known })
+    }
+
+    /// As the baseline's skill would.
+    fn blame(&self, call: &Call) -> Option<Impossible> {
+        SkillTable::default().get(call.kind())?.blame(call)
     }
 
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {

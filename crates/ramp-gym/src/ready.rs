@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use ramp_robot::Agent;
 use ramp_skills::cell::Workcell;
+use ramp_skills::rehearsal::{Outline, Scene};
 use ramp_skills::skill::{ActionKind, Call, Effect, Need, Skill};
 use ramp_skills::{Baseline, Fault, Piece, SkillError, SkillTable};
 use ramp_twin::{Setup, Twin};
@@ -38,6 +39,10 @@ impl Skill for Pause {
 
     fn expects(&self) -> &[Effect] {
         &[]
+    }
+
+    fn rehearse(&self, _: &Scene, _: &Call) -> Outline {
+        Outline::Unknown
     }
 
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {

@@ -1,8 +1,10 @@
 //! What the rules answer, in the words of plans.
 
 use crate::error::PlanError;
+use crate::fine_action::{ActionKind, FineAction, Parameter, Value};
 use crate::pegs::Pegs;
-use crate::plan::{Area, CoarseAction, FineAction, Grasp, Item, Place, Target};
+use crate::place::{Area, Grasp, Item, Place, Target};
+use crate::plan::CoarseAction;
 use ramp_action_language::Term;
 use ramp_assembly::Assembly;
 use ramp_source::SourceFile;
@@ -48,56 +50,52 @@ impl Answers<'_> {
         deep: &[bool],
         pegs: &mut Pegs,
     ) -> Result<FineAction, PlanError> {
-        Ok(match term.parts() {
-            Some(("move", [to])) => FineAction::Move { to: self.place(to, pegs)? },
-            Some(("pick_up", [item, grasp])) => {
-                let grasp = match grasp.parts() {
-                    Some(("link", [link])) => Grasp::Link(self.text(link)?),
-                    Some(("head", [])) => Grasp::Head,
-                    _ => return Err(self.wrong(term)),
-                };
-                FineAction::PickUp { item: self.item(item, pegs)?, grasp }
-            }
-            Some(("put_down", [item])) => FineAction::PutDown { item: self.item(item, pegs)? },
-            Some(("regrasp", [beam, link])) => {
-                FineAction::Regrasp { beam: self.beam_name(beam)?, link: self.text(link)? }
-            }
-            Some(("assemble_square", [beam, joint])) => {
-                FineAction::AssembleSquare { beam: self.beam_name(beam)?, joint: self.text(joint)? }
-            }
-            Some(("assemble_angled", [beam, joint])) => {
-                FineAction::AssembleAngled { beam: self.beam_name(beam)?, joint: self.text(joint)? }
-            }
-            Some(("assemble_deep", [beam, joint])) => {
-                FineAction::AssembleDeep { beam: self.beam_name(beam)?, joint: self.text(joint)? }
-            }
-            Some(("assemble_through", [beam, joint])) => {
-                let through = sleeved(self.assembly, self.beam(beam)?, stands);
-                FineAction::AssembleThrough { beam: self.beam_name(beam)?, joint: self.text(joint)?, through }
-            }
-            Some(("assemble_cap", [beam])) => {
-                let joints = receives(self.assembly, self.beam(beam)?, stands, deep);
-                FineAction::AssembleCap { beam: self.beam_name(beam)?, joints }
-            }
-            Some(("lay_down", [beam])) => FineAction::LayDown { beam: self.beam_name(beam)? },
-            Some(("slide", [beam, link])) => {
-                FineAction::Slide { beam: self.beam_name(beam)?, link: self.text(link)? }
-            }
-            Some(("push", [beam, link])) => {
-                FineAction::Push { beam: self.beam_name(beam)?, link: self.text(link)? }
-            }
-            Some(("fasten", [connection])) => {
-                let index = self.connection(connection)?;
-                let pair = &self.assembly.connections[index];
-                FineAction::Fasten {
-                    connection: pair.name.clone(),
-                    female: self.assembly.joint_name(pair.female).to_string(),
-                    male: self.assembly.joint_name(pair.male).to_string(),
-                    peg: pegs.name(self.pegs, index),
+        let wrong = || self.wrong(term);
+        let (name, terms) = term.parts().ok_or_else(wrong)?;
+        let kind = ActionKind::ALL.iter().copied().find(|kind| kind.name() == name).ok_or_else(wrong)?;
+        let mut terms = terms.iter();
+        let mut values: Vec<Value> = Vec::new();
+        // The beam and the connection of the action, by index: other fields follow from them.
+        let (mut beam, mut connection) = (None, None);
+        for parameter in kind.parameters() {
+            let mut next = || terms.next().ok_or_else(wrong);
+            let joints = |connection: Option<usize>| {
+                connection.map(|index| &self.assembly.connections[index]).ok_or_else(wrong)
+            };
+            values.push(match parameter {
+                Parameter::Place => self.place(next()?, pegs)?.into(),
+                Parameter::Item | Parameter::Held => self.item(next()?, pegs)?.into(),
+                Parameter::Grasp => self.grasp(next()?)?.into(),
+                Parameter::Beam => {
+                    let term = next()?;
+                    beam = Some(self.beam(term)?);
+                    self.beam_name(term)?.into()
                 }
-            }
-            _ => return Err(self.wrong(term)),
-        })
+                Parameter::Name => self.text(next()?)?.into(),
+                Parameter::Sleeved => sleeved(self.assembly, beam.ok_or_else(wrong)?, stands).into(),
+                Parameter::Receiving => receives(self.assembly, beam.ok_or_else(wrong)?, stands, deep).into(),
+                Parameter::Connection => {
+                    let index = self.connection(next()?)?;
+                    connection = Some(index);
+                    self.assembly.connections[index].name.clone().into()
+                }
+                Parameter::Female => self.assembly.joint_name(joints(connection)?.female).to_string().into(),
+                Parameter::Male => self.assembly.joint_name(joints(connection)?.male).to_string().into(),
+                Parameter::Peg => pegs.name(self.pegs, connection.ok_or_else(wrong)?).into(),
+            });
+        }
+        match terms.next() {
+            None => FineAction::new(kind, values).ok_or_else(wrong),
+            Some(_) => Err(wrong()),
+        }
+    }
+
+    fn grasp(&self, term: &Term) -> Result<Grasp, PlanError> {
+        match term.parts() {
+            Some(("link", [link])) => Ok(Grasp::Link(self.text(link)?)),
+            Some(("head", [])) => Ok(Grasp::Head),
+            _ => Err(self.wrong(term)),
+        }
     }
 
     fn place(&self, term: &Term, pegs: &mut Pegs) -> Result<Place, PlanError> {

@@ -183,7 +183,6 @@ fn undone(
     let held = |beam: &String, links: &mut HashMap<String, Vec<String>>| {
         links.get(beam).and_then(|links| links.last()).cloned().unwrap_or_default()
     };
-    let at = |beam: &String| Place::Target(Target::Beam(beam.clone()));
     Some(match action {
         FineAction::Move { to } => FineRemoval::Move { to: std::mem::replace(place, to.clone()) },
         FineAction::PickUp { item, grasp } => {
@@ -197,21 +196,19 @@ fn undone(
             links.entry(beam.clone()).or_default().push(link.clone());
             FineRemoval::Regrasp { beam: beam.clone(), link: before }
         }
-        FineAction::AssembleSquare { beam, .. }
-        | FineAction::AssembleAngled { beam, .. }
-        | FineAction::AssembleThrough { beam, .. }
-        | FineAction::AssembleDeep { beam, .. }
-        | FineAction::AssembleCap { beam, .. }
-        | FineAction::LayDown { beam } => {
-            *place = at(beam);
-            FineRemoval::TakeOut { beam: beam.clone(), link: held(beam, links) }
-        }
         FineAction::Fasten { connection, peg, .. } => {
             *place = Place::Target(Target::Connection(connection.clone()));
             FineRemoval::PullOut { connection: connection.clone(), peg: peg.clone() }
         }
         FineAction::Slide { beam, link } => FineRemoval::SlideBack { beam: beam.clone(), link: link.clone() },
         FineAction::Push { .. } | FineAction::PutDown { .. } => return None,
+        // All others bring the held beam to its place.
+        _ => {
+            let beam = action.part()?.to_string();
+            *place = Place::Target(Target::Beam(beam.clone()));
+            let link = held(&beam, links);
+            FineRemoval::TakeOut { beam, link }
+        }
     })
 }
 

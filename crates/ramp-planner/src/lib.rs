@@ -18,11 +18,13 @@ mod domains;
 mod error;
 mod explain;
 mod facts;
+mod fine_action;
 mod geometry;
 mod limits;
 mod motion;
 mod pddl;
 mod pegs;
+mod place;
 pub mod plan;
 mod planner;
 mod quicker;
@@ -39,7 +41,8 @@ pub use limits::{Exceeded, Limit, Limits, Watch};
 pub use motion::{End, Impossible, InTheWay, MotionFact};
 pub use pddl::{pddl, pddl_plan};
 pub use plan::{
-    Area, CoarseAction, CoarseStep, Entry, FineAction, Grasp, Item, Place, Plan, State, Statistics, Target,
+    ActionKind, Area, CoarseAction, CoarseStep, Entry, FineAction, Grasp, Item, Place, Plan, State,
+    Statistics, Target,
 };
 pub use planner::{Options, asp, plan, plan_with};
 pub use quicker::quicker;

@@ -1,6 +1,8 @@
 //! What goes into the planner and what comes out: plain data, names as in the kit and the goal.
 
+pub use crate::fine_action::{ActionKind, FineAction};
 use crate::motion::MotionFact;
+pub use crate::place::{Area, Grasp, Item, Place, Target};
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display};
 
@@ -26,38 +28,6 @@ pub struct State {
     pub hand_over: Area,
     /// What the arm and the hand were found not to be able to do.
     pub motion: Vec<MotionFact>,
-}
-
-/// Coarse places: three areas in a line.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Area {
-    /// Over the sheet.
-    #[default]
-    Input,
-    /// Between the sheet and the assembly.
-    Intermediate,
-    /// Over the assembly.
-    Assembly,
-}
-
-/// A thing the hand can hold.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Item {
-    /// A beam, by name.
-    Beam(String),
-    /// A peg, by name.
-    Peg(String),
-}
-
-impl Item {
-    /// Its name in the kit.
-    pub fn name(&self) -> &str {
-        match self {
-            Item::Beam(name) | Item::Peg(name) => name,
-        }
-    }
 }
 
 /// An action of the coarse resolution.
@@ -115,137 +85,6 @@ pub enum CoarseAction {
     Push {
         /// Which beam.
         beam: String,
-    },
-}
-
-/// How the hand holds a thing.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Grasp {
-    /// A beam, by one of its links.
-    Link(String),
-    /// A peg, by its head.
-    Head,
-}
-
-/// Fine places of the hand.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Place {
-    /// Over an area, clear of everything.
-    Above(Area),
-    /// Over the start place of an item.
-    Input(Item),
-    /// Where the insertion of a beam begins, or over the hole of a connection (`Beam` or the connection's name).
-    Approach(Target),
-    /// The place itself.
-    Target(Target),
-}
-
-/// What a fine place belongs to.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Target {
-    /// A beam's place in the assembly.
-    Beam(String),
-    /// A connection's hole.
-    Connection(String),
-}
-
-/// An action of the fine resolution: what a skill executes.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", tag = "action")]
-pub enum FineAction {
-    /// Move the hand, and what it holds, along the graph of places.
-    Move {
-        /// Where to.
-        to: Place,
-    },
-    /// Grasp an item and lift it.
-    PickUp {
-        /// What.
-        item: Item,
-        /// Where.
-        grasp: Grasp,
-    },
-    /// Let go of what the hand holds and retreat.
-    PutDown {
-        /// What.
-        item: Item,
-    },
-    /// Insert a joint of the held beam into a joint of the assembly.
-    AssembleSquare {
-        /// The held beam.
-        beam: String,
-        /// Its joint that enters or receives, for example `b4j1`.
-        joint: String,
-    },
-    /// Insert a joint of the held beam at an angle, along the beam's own axis.
-    AssembleAngled {
-        /// The held beam.
-        beam: String,
-        /// Its joint that enters.
-        joint: String,
-    },
-    /// Slide the held beam through sleeves and insert its end.
-    AssembleThrough {
-        /// The held beam.
-        beam: String,
-        /// Its joint that enters in the end.
-        joint: String,
-        /// Its joints that come to lie in sleeves, from j1 on.
-        through: Vec<String>,
-    },
-    /// Lay the held beam down at its place.
-    LayDown {
-        /// The held beam.
-        beam: String,
-    },
-    /// Insert the held beam deeper than its place; [`Plan::entries`] says how deep.
-    AssembleDeep {
-        /// The held beam.
-        beam: String,
-        /// Its joint that enters.
-        joint: String,
-    },
-    /// Grasp a beam that stands too deep, lift it level, slide it forward to its place, let go.
-    Slide {
-        /// Which beam.
-        beam: String,
-        /// The link to hold it by.
-        link: String,
-    },
-    /// Set the held beam down on the way and hold it by another link.
-    Regrasp {
-        /// The held beam.
-        beam: String,
-        /// The link to hold it by from now on.
-        link: String,
-    },
-    /// Cap: one or more joints of the assembly enter the held beam.
-    AssembleCap {
-        /// The held beam.
-        beam: String,
-        /// Its joints that receive.
-        joints: Vec<String>,
-    },
-    /// Pin two joints with the held peg, and let go of it.
-    Fasten {
-        /// The connection's name in the goal.
-        connection: String,
-        /// Its female joint.
-        female: String,
-        /// Its male joint.
-        male: String,
-        /// Which peg.
-        peg: String,
-    },
-    /// Grasp a beam in the assembly, bring it to its nominal place, let go.
-    Push {
-        /// Which beam.
-        beam: String,
-        /// The link to hold it by.
-        link: String,
     },
 }
 
@@ -316,22 +155,6 @@ impl Display for Plan {
     }
 }
 
-impl Display for Area {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Area::Input => "the sheet",
-            Area::Intermediate => "the intermediate area",
-            Area::Assembly => "the assembly",
-        })
-    }
-}
-
-impl Display for Item {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
 impl Display for CoarseAction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -345,58 +168,6 @@ impl Display for CoarseAction {
             CoarseAction::Regrasp { beam } => write!(f, "regrasp {beam}"),
             CoarseAction::Fasten { connection, peg } => write!(f, "fasten {connection} with {peg}"),
             CoarseAction::Push { beam } => write!(f, "push {beam}"),
-        }
-    }
-}
-
-impl Display for Grasp {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Grasp::Link(link) => f.write_str(link),
-            Grasp::Head => f.write_str("its head"),
-        }
-    }
-}
-
-impl Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Place::Above(area) => write!(f, "above {area}"),
-            Place::Input(item) => write!(f, "the start of {item}"),
-            Place::Approach(target) => write!(f, "the approach of {target}"),
-            Place::Target(target) => write!(f, "the place of {target}"),
-        }
-    }
-}
-
-impl Display for Target {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Target::Beam(name) | Target::Connection(name) => f.write_str(name),
-        }
-    }
-}
-
-impl Display for FineAction {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            FineAction::Move { to } => write!(f, "move to {to}"),
-            FineAction::PickUp { item, grasp } => write!(f, "pick up {item} by {grasp}"),
-            FineAction::PutDown { item } => write!(f, "put down {item}"),
-            FineAction::AssembleSquare { beam, joint } => write!(f, "insert {beam} by {joint}"),
-            FineAction::AssembleAngled { beam, joint } => write!(f, "insert {beam} at an angle by {joint}"),
-            FineAction::AssembleThrough { beam, joint, through } => {
-                write!(f, "slide {beam} in by {joint} until {} is in its sleeve", through.join(", "))
-            }
-            FineAction::LayDown { beam } => write!(f, "lay down {beam} at its place"),
-            FineAction::AssembleDeep { beam, joint } => write!(f, "insert {beam} too deep by {joint}"),
-            FineAction::Slide { beam, link } => write!(f, "slide {beam} forward by {link}"),
-            FineAction::Regrasp { beam, link } => write!(f, "regrasp {beam} by {link}"),
-            FineAction::AssembleCap { beam, joints } => write!(f, "cap with {beam} at {}", joints.join(", ")),
-            FineAction::Fasten { connection, female, male, peg } => {
-                write!(f, "fasten {connection} ({male}-{female}) with {peg}")
-            }
-            FineAction::Push { beam, link } => write!(f, "push {beam} by {link}"),
         }
     }
 }

@@ -115,29 +115,21 @@ fn is_fastening(steps: &[CoarseStep]) -> bool {
 
 /// The steps with two pegs in each other's place.
 fn with_pegs_exchanged(steps: &[CoarseStep], first: &str, second: &str) -> Vec<CoarseStep> {
-    let exchange = |peg: &mut String| {
-        if peg == first {
-            *peg = second.to_string();
-        } else if peg == second {
-            *peg = first.to_string();
-        }
+    let exchanged = |peg: &str| match peg {
+        peg if peg == first => second.to_string(),
+        peg if peg == second => first.to_string(),
+        peg => peg.to_string(),
     };
     let mut steps = steps.to_vec();
     for step in &mut steps {
         match &mut step.coarse {
             CoarseAction::PickUp { item: Item::Peg(peg) }
             | CoarseAction::PutDown { item: Item::Peg(peg) }
-            | CoarseAction::Fasten { peg, .. } => exchange(peg),
+            | CoarseAction::Fasten { peg, .. } => *peg = exchanged(peg),
             _ => {}
         }
         for action in &mut step.fine {
-            match action {
-                FineAction::Move { to: Place::Input(Item::Peg(peg)) }
-                | FineAction::PickUp { item: Item::Peg(peg), .. }
-                | FineAction::PutDown { item: Item::Peg(peg) }
-                | FineAction::Fasten { peg, .. } => exchange(peg),
-                _ => {}
-            }
+            *action = action.with_pegs(exchanged);
         }
     }
     steps

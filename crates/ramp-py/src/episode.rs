@@ -281,7 +281,7 @@ fn moment_of<'py>(py: Python<'py>, moment: &Moment) -> PyResult<Bound<'py, PyDic
 
 /// A skill in Python as one of the table.
 fn own_skill(name: &str, label: &str, object: Py<PyAny>, raised: &Raised) -> PyResult<OwnSkill> {
-    let kinds: Vec<String> = ramp_gym::own::KINDS.iter().map(|kind| kind.name().replace('_', "-")).collect();
+    let kinds: Vec<String> = ramp_gym::own::kinds().map(|kind| kind.name().replace('_', "-")).collect();
     let kind = kind(name)
         .ok_or_else(|| input(format!("no skill carries out `{name}`; there are {}", kinds.join(", "))))?;
     let body = PythonBody { object, raised: raised.clone() };

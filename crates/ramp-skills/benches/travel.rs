@@ -167,8 +167,7 @@ fn queries(data: &Path, arm: &ArmModel, seeds: u64) -> Result<Vec<Leg>, Box<dyn 
                     .map(|(name, x)| (name, off(x)))
                     .collect();
                 let home = Joints::from(arm.home).map(|angle| angle + stream.symmetric(AWAY));
-                let rehearsal =
-                    Rehearsal::nominal(&kit, &goal, arm, &planner, Parameters::baseline(), &state);
+                let rehearsal = Rehearsal::of_baseline(&kit, &goal, arm, &planner, &state);
                 legs.extend(rehearsal.from_here(believed, home, seed).legs(&plan));
             }
         }

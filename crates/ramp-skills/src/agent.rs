@@ -8,10 +8,7 @@ use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_kit::source::{MAX_SENTENCE, plain, to_name};
 use ramp_motion::{MotionError, PathPlanner};
-use ramp_planner::{
-    CoarseAction, Domains, End, FineAction, Grasp, Impossible, Item, MotionFact, Place, Plan, PlanError,
-    State, Target,
-};
+use ramp_planner::{CoarseAction, Domains, FineAction, Item, MotionFact, Plan, PlanError, State};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Account, Agent, Event, Robot, RobotError, Track};
 
@@ -19,8 +16,8 @@ use crate::cell::{InsertionPath, Workcell};
 use crate::fault::{Fault, SkillError};
 use crate::parameters::Parameters;
 use crate::recovery::{check_holes, recover};
-use crate::rehearsal::{Rehearsal, UnusualGrasp, plan_with_motion};
-use crate::skill::Call;
+use crate::rehearsal::{Rehearsal, Scene, UnusualGrasp, plan_with_motion};
+use crate::skill::{Call, Effect};
 use crate::table::{SkillTable, baseline};
 
 /// Name of the agent with no skill replaced.
@@ -50,6 +47,8 @@ pub struct Baseline<'a> {
     learned: Vec<MotionFact>,
     /// What an event has told that the arm cannot do.
     told: Vec<MotionFact>,
+    /// Skills that an event has reported as not rehearsed, by name.
+    not_rehearsed: Vec<String>,
     /// The peg that is being fetched: one that cannot be gripped is not tried again.
     fetching: Option<String>,
     /// Why it gave up.
@@ -84,6 +83,7 @@ impl<'a> Baseline<'a> {
             fixed: None,
             learned: Vec::new(),
             told: Vec::new(),
+            not_rehearsed: Vec::new(),
             fetching: None,
             failure: None,
             on_event: Box::new(|_| {}),
@@ -163,15 +163,10 @@ impl<'a> Baseline<'a> {
             parts.filter_map(|name| Some((name.clone(), cell.belief.pose(name).ok()?))).collect();
         let q = cell.hand.joints();
         let rehearsed = plan_with_motion(self.assembly, self.kit, &state, self.domains, || {
-            Rehearsal::nominal(
-                self.kit,
-                self.assembly,
-                self.arm,
-                cell.planner,
-                self.parameters.clone(),
-                &state,
-            )
-            .from_here(believed.clone(), q, self.seed)
+            let (kit, arm, parameters) = (self.kit, self.arm, self.parameters.clone());
+            let scene = Scene::nominal(kit, self.assembly, arm, cell.planner, parameters, &state);
+            let rehearsal = Rehearsal::new(scene, self.skills.clone());
+            rehearsal.from_here(believed.clone(), q, self.seed)
         });
         let plan = match rehearsed {
             Ok(rehearsed) => {
@@ -186,6 +181,12 @@ impl<'a> Baseline<'a> {
                     let words = format!("{beam} is gripped {:.0} mm from its j1 hole{turned}", grasp.s * 1e3);
                     if cell.grasps.get(beam) != Some(grasp) {
                         cell.note("motion", format!("{words}; by the usual grasp {because}"));
+                    }
+                }
+                for skill in &rehearsed.not_rehearsed {
+                    if !self.not_rehearsed.contains(skill) {
+                        cell.note("motion", format!("not rehearsed: {skill}; its actions count as possible"));
+                        self.not_rehearsed.push(skill.clone());
                     }
                 }
                 cell.grasps = rehearsed.grasps.into_iter().map(|(beam, it)| (beam, it.grasp)).collect();
@@ -205,7 +206,7 @@ impl<'a> Baseline<'a> {
     }
 
     /// Takes over from the error of an action what the arm cannot do.
-    fn learn(&mut self, cell: &mut Workcell, plan: &Plan, action: &FineAction, error: &SkillError) {
+    fn learn(&mut self, cell: &mut Workcell, call: &Call, error: &SkillError) {
         let unable = match error {
             // How the arm gets away from where it stands says nothing of the plan.
             SkillError::Motion(error) => *error != MotionError::Blocked("start"),
@@ -215,7 +216,8 @@ impl<'a> Baseline<'a> {
         if !unable {
             return;
         }
-        let Some(cannot) = cannot(plan, action) else { return };
+        let skill = self.skills.get(call.kind());
+        let Some(cannot) = skill.and_then(|skill| skill.blame(call)) else { return };
         let fact = MotionFact { cannot, past: None, because: plain(&error.to_string(), MAX_SENTENCE - 1) };
         if !self.learned.contains(&fact) {
             cell.note("motion", fact.to_string());
@@ -307,8 +309,7 @@ impl<'a> Baseline<'a> {
     pub(crate) fn learn_paths(&self, cell: &mut Workcell, plan: &Plan) {
         for entry in &plan.entries {
             if let Some(beam) = self.assembly.beam_index(&entry.beam) {
-                let (direction, distance, depth) = (entry.direction.into(), entry.distance, entry.depth);
-                cell.paths.insert(beam, InsertionPath { direction, distance, depth });
+                cell.paths.insert(beam, InsertionPath::from(entry));
             }
         }
     }
@@ -351,11 +352,12 @@ impl<'a> Baseline<'a> {
                     FineAction::PickUp { item: Item::Peg(peg), .. } => Some(peg.clone()),
                     _ => None,
                 };
-                if let Err(error) = self.skills.execute(cell, &Call { action, rest }) {
-                    self.learn(cell, plan, action, &error);
+                let call = Call { action, plan: &plan.steps, step: index };
+                if let Err(error) = self.skills.execute(cell, &call) {
+                    self.learn(cell, &call, &error);
                     return Err(error);
                 }
-                cell.remember_standing(&self.touched(action));
+                cell.remember_standing(&self.touched(&call));
                 cell.note("done", action.to_string());
                 self.report(cell);
             }
@@ -363,52 +365,24 @@ impl<'a> Baseline<'a> {
         Ok(())
     }
 
-    /// The beams of the assembly that an action works on, by index.
-    fn touched(&self, action: &FineAction) -> Vec<usize> {
-        match action {
-            FineAction::AssembleSquare { beam, .. }
-            | FineAction::AssembleAngled { beam, .. }
-            | FineAction::AssembleThrough { beam, .. }
-            | FineAction::AssembleDeep { beam, .. }
-            | FineAction::AssembleCap { beam, .. }
-            | FineAction::LayDown { beam }
-            | FineAction::Slide { beam, .. }
-            | FineAction::Push { beam, .. } => self.assembly.beam_index(beam).into_iter().collect(),
-            FineAction::Fasten { connection, .. } => {
-                let index = self.assembly.connection_index(connection);
-                let sides = index.map(|index| &self.assembly.connections[index]);
-                sides.map(|sides| vec![sides.female.beam, sides.male.beam]).unwrap_or_default()
+    /// The beams of the assembly that an action has worked on, by index, according to what its skill expects.
+    fn touched(&self, call: &Call) -> Vec<usize> {
+        let expects = self.skills.get(call.kind()).map_or(&[][..], |skill| skill.expects());
+        let mut beams = Vec::new();
+        for effect in expects {
+            match effect {
+                Effect::BeamStands | Effect::BeamAtPlace | Effect::BeamAligned => {
+                    beams.extend(call.beam(self.assembly).ok());
+                }
+                Effect::PegSeated => {
+                    let connection = call.connection(self.assembly).ok();
+                    let sides = connection.map(|index| &self.assembly.connections[index]);
+                    beams.extend(sides.into_iter().flat_map(|sides| [sides.female.beam, sides.male.beam]));
+                }
+                Effect::HoldsPart | Effect::HandEmpty => {}
             }
-            _ => Vec::new(),
         }
-    }
-}
-
-/// What a plan must do without when an action of it cannot be carried out.
-fn cannot(plan: &Plan, action: &FineAction) -> Option<Impossible> {
-    let grasp = |beam: &str, link: &str, at: End| {
-        let (beam, link) = (beam.to_string(), link.to_string());
-        Some(Impossible::Grasp { beam, link, at })
-    };
-    // By which link a plan holds a beam when it is brought to its place.
-    let held = |beam: &str, last: bool| {
-        let mut links = plan.fine().filter_map(|action| match action {
-            FineAction::PickUp { item: Item::Beam(other), grasp: Grasp::Link(link) } if other == beam => {
-                Some(link)
-            }
-            FineAction::Regrasp { beam: other, link } if other == beam => Some(link),
-            _ => None,
-        });
-        if last { links.last() } else { links.next() }
-    };
-    match action {
-        FineAction::Move { to: Place::Input(Item::Beam(beam)) }
-        | FineAction::PickUp { item: Item::Beam(beam), .. } => grasp(beam, held(beam, false)?, End::Start),
-        FineAction::Move { to: Place::Approach(Target::Beam(beam)) } => {
-            grasp(beam, held(beam, true)?, End::Place)
-        }
-        FineAction::Push { beam, link } | FineAction::Slide { beam, link } => grasp(beam, link, End::Place),
-        _ => None,
+        beams
     }
 }
 

@@ -5,6 +5,8 @@ use ramp_kit::{Beam, Link, joint};
 
 use crate::Pose;
 use crate::parameters::hand::GripParameters;
+use crate::parameters::motion::TravelParameters;
+use crate::way::Way;
 
 /// Height of the tip over a beam's axis when the fingertips' ribs are in its slots, m.
 pub const BEAM_HEIGHT: f64 = 17.0e-3;
@@ -24,15 +26,92 @@ pub struct BeamGrasp {
     pub reverse: bool,
 }
 
+/// A grasp of a part: the tip's pose and the gripper before and after it closes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grasp {
+    /// The pose of the tip, in the world.
+    pub x_wt: Pose,
+    /// Distance of the fingers before they close, m.
+    pub open: f64,
+    /// Distance of the fingers that hold the part, m.
+    pub width: f64,
+    /// The grasp in terms of the beam; `None` for a peg.
+    pub beam: Option<BeamGrasp>,
+}
+
+impl Grasp {
+    /// A grasp of the beam at `x_wb` (world).
+    pub fn of_beam(x_wb: &Pose, grasp: BeamGrasp, grip: &GripParameters) -> Grasp {
+        let x_wt = beam_grasp(x_wb, grasp.s, grasp.reverse);
+        Grasp { x_wt, open: grip.beam_open, width: BEAM_WIDTH, beam: Some(grasp) }
+    }
+}
+
+/// The grasps of a link of the beam at `x_wb` (world): for each point of the link, the one nearest to the middle of the beam
+/// first, both senses of the hand, the better one first. The hand turns with the beam, so its way leads by `goal` (world) as
+/// well; `way` measures a way of the tip.
+pub fn beam_grasps(
+    beam: &Beam,
+    link: &Link,
+    x_wb: &Pose,
+    goal: Option<&Pose>,
+    grip: &GripParameters,
+    travel: &TravelParameters,
+    way: impl Fn(&[Pose]) -> Way,
+) -> Vec<[(Grasp, Way); 2]> {
+    let points = points_on(link, beam.span() / 2.0, grip).into_iter();
+    points.map(|s| senses(s, x_wb, goal, grip, travel, &way)).collect()
+}
+
+/// The two grasps of the beam at `x_wb` (world) at `s` metres from its j1 hole, the better one first: see [`beam_grasps`].
+pub fn senses(
+    s: f64,
+    x_wb: &Pose,
+    goal: Option<&Pose>,
+    grip: &GripParameters,
+    travel: &TravelParameters,
+    way: impl Fn(&[Pose]) -> Way,
+) -> [(Grasp, Way); 2] {
+    let mut senses = [false, true].map(|reverse| {
+        let stops = [Some(x_wb), goal].into_iter().flatten();
+        let stops: Vec<Pose> = stops.map(|x_wb| beam_grasp(x_wb, s, reverse)).collect();
+        (Grasp::of_beam(x_wb, BeamGrasp { s, reverse }, grip), way(&stops))
+    });
+    senses.sort_by(|(_, a), (_, b)| b.compare(a, travel));
+    senses
+}
+
+/// The grasps of the peg at `x_wp` (world) in its holder. Pegs stand close together along x: the hand closes across it.
+pub fn peg_grasps(x_wp: &Pose, grip: &GripParameters) -> [Grasp; 2] {
+    [0, 2].map(|quarter| {
+        let x_wt = peg_grasp(x_wp, quarter);
+        Grasp { x_wt, open: grip.peg_open, width: PEG_WIDTH, beam: None }
+    })
+}
+
+/// The rotations in which a hand can bring a peg over its hole, with its x axis at `yaw` (rad) now, the nearest first: any
+/// turn of the square head fits.
+pub fn peg_rotations(yaw: f64) -> [UnitQuaternion<f64>; 12] {
+    [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0, 5.0, -5.0, 6.0]
+        .map(|step| hand_down(yaw + step * std::f64::consts::TAU / 12.0))
+}
+
+/// The poses of the tip (world) with a peg over the mouth of a hole at `p_wm`, and with the peg seated in it. The peg's tip is
+/// the sum of `heights` (m) over the mouth.
+pub fn peg_over_hole(p_wm: &Vector3<f64>, heights: [f64; 2], rotation: UnitQuaternion<f64>) -> [Pose; 2] {
+    let over = p_wm.z + heights[0] + heights[1] + joint::STEM_LENGTH + PEG_HEIGHT;
+    [over, p_wm.z + PEG_HEIGHT].map(|z| Pose::from_parts(Translation3::new(p_wm.x, p_wm.y, z), rotation))
+}
+
 /// The rotation of a hand that points down with its x axis at `yaw` (rad) in the world; it closes across x.
 pub fn hand_down(yaw: f64) -> UnitQuaternion<f64> {
     UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw)
         * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
 }
 
-/// The direction of a beam's +x in the world, as an angle about the vertical, rad.
-pub fn yaw_of(x_wb: &Pose) -> f64 {
-    let x = x_wb.rotation * Vector3::x();
+/// The direction of a frame's +x (a beam's, a peg's, the tip's) in the world, as an angle about the vertical, rad.
+pub fn yaw_of(x_wf: &Pose) -> f64 {
+    let x = x_wf.rotation * Vector3::x();
     x.y.atan2(x.x)
 }
 

@@ -12,6 +12,7 @@ pub mod cell;
 pub mod fault;
 pub mod grasp;
 pub mod hand;
+pub mod insertion_path;
 pub mod parameters;
 pub mod piece;
 pub mod pose;
@@ -21,6 +22,7 @@ pub mod reference_times;
 pub mod rehearsal;
 pub mod skill;
 pub mod table;
+pub mod way;
 
 pub use agent::Baseline;
 pub use fault::{Fault, SkillError};

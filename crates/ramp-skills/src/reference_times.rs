@@ -9,7 +9,6 @@ use ramp_motion::{Joints, Pace, PathPlanner, TimeLaw, least_time_over};
 use ramp_planner::{Domains, Plan, PlanError, State};
 use ramp_robot::arm::ArmModel;
 
-use crate::parameters::Parameters;
 use crate::rehearsal::{Done, Rehearsal, Rehearsed, plan_for_arm};
 
 /// Speed of the reference in contact, m/s. Chosen: twice that of the baseline's insertions.
@@ -54,14 +53,14 @@ pub fn reference_times(
     state: &State,
     plan: &Plan,
 ) -> Result<ReferenceTimes, PlanError> {
-    let (planner, parameters) = (PathPlanner::new(arm), Parameters::baseline());
+    let planner = PathPlanner::new(arm);
     let pace = Pace { velocity: 1.0, acceleration: 1.0, jerk: 1.0, ramp: 0.0 };
     let refused = |why: String| PlanError::Motion {
         goal: assembly.name.clone(),
         why: "the arm cannot carry out the plan".to_string(),
         reasons: why,
     };
-    let done = Rehearsal::nominal(kit, assembly, arm, &planner, parameters, state)
+    let done = Rehearsal::of_baseline(kit, assembly, arm, &planner, state)
         .done(plan, TimeLaw::new(arm, &pace))
         .map_err(|fact| refused(fact.to_string()))?;
     let mut rests = Vec::new();

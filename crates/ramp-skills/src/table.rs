@@ -25,6 +25,7 @@ use crate::skill::{ActionKind, Call, Need, Skill};
 /// ```
 /// use ramp_skills::skill::{ActionKind, Call, Effect, Need, Skill};
 /// use ramp_skills::cell::Workcell;
+/// use ramp_skills::rehearsal::{Outline, Scene};
 /// use ramp_skills::{SkillError, SkillTable};
 ///
 /// /// Presses each peg in with 5 N, and trusts that it is seated.
@@ -42,6 +43,9 @@ use crate::skill::{ActionKind, Call, Need, Skill};
 ///     }
 ///     fn expects(&self) -> &[Effect] {
 ///         &[Effect::PegSeated, Effect::HandEmpty]
+///     }
+///     fn rehearse(&self, _: &Scene, _: &Call) -> Outline {
+///         Outline::Unknown
 ///     }
 ///     fn run(&self, cell: &mut Workcell, _: &Call) -> Result<(), SkillError> {
 ///         cell.hand.zero()?;
@@ -65,23 +69,26 @@ pub struct SkillTable {
 
 /// The skills of the baseline, with these numbers.
 pub fn baseline(parameters: &Parameters) -> SkillTable {
-    let mut table = SkillTable { skills: BTreeMap::new(), replaced: Vec::new() };
-    let skills: [Arc<dyn Skill>; 10] = [
-        Arc::new(MoveTo::new(parameters)),
-        Arc::new(PickUp::new(parameters)),
-        Arc::new(PutDown::new(parameters)),
-        Arc::new(Assemble::new(parameters)),
-        Arc::new(Cap::new(parameters)),
-        Arc::new(LayDown::new(parameters)),
-        Arc::new(Slide::new(parameters)),
-        Arc::new(Regrasp::new(parameters)),
-        Arc::new(Fasten::new(parameters)),
-        Arc::new(Push::new(parameters)),
-    ];
-    for skill in skills {
-        table.insert(&skill);
-    }
-    table
+    let assemble: Arc<dyn Skill> = Arc::new(Assemble::new(parameters));
+    let skill = |kind: ActionKind| -> Arc<dyn Skill> {
+        match kind {
+            ActionKind::Move => Arc::new(MoveTo::new(parameters)),
+            ActionKind::PickUp => Arc::new(PickUp::new(parameters)),
+            ActionKind::PutDown => Arc::new(PutDown::new(parameters)),
+            ActionKind::AssembleSquare
+            | ActionKind::AssembleAngled
+            | ActionKind::AssembleThrough
+            | ActionKind::AssembleDeep => assemble.clone(),
+            ActionKind::AssembleCap => Arc::new(Cap::new(parameters)),
+            ActionKind::LayDown => Arc::new(LayDown::new(parameters)),
+            ActionKind::Slide => Arc::new(Slide::new(parameters)),
+            ActionKind::Regrasp => Arc::new(Regrasp::new(parameters)),
+            ActionKind::Fasten => Arc::new(Fasten::new(parameters)),
+            ActionKind::Push => Arc::new(Push::new(parameters)),
+        }
+    };
+    let skills = ActionKind::ALL.iter().map(|kind| (*kind, skill(*kind))).collect();
+    SkillTable { skills, replaced: Vec::new() }
 }
 
 impl Default for SkillTable {
@@ -91,17 +98,13 @@ impl Default for SkillTable {
 }
 
 impl SkillTable {
-    fn insert(&mut self, skill: &Arc<dyn Skill>) {
-        for kind in skill.serves() {
-            self.skills.insert(*kind, skill.clone());
-        }
-    }
-
     /// Has `skill` carry out the kinds of actions that it serves, in place of whatever did.
     pub fn replace(&mut self, skill: impl Skill + 'static) {
         let skill: Arc<dyn Skill> = Arc::new(skill);
         self.replaced.extend(skill.serves());
-        self.insert(&skill);
+        for kind in skill.serves() {
+            self.skills.insert(*kind, skill.clone());
+        }
     }
 
     /// As [`SkillTable::replace`], for a chain of calls.

@@ -72,8 +72,7 @@ fn a_ur5e_finds_its_way_among_the_beams_of_a_goal() {
     let plan = ramp_planner::plan(&goal, &data.kit, &State::default(), &data.domains).unwrap();
     let (panda, planner) = (PathPlanner::new(&data.arm), PathPlanner::new(&arm));
     let parameters = Parameters::baseline();
-    let rehearsal =
-        Rehearsal::nominal(&data.kit, &goal, &data.arm, &panda, parameters.clone(), &State::default());
+    let rehearsal = Rehearsal::of_baseline(&data.kit, &goal, &data.arm, &panda, &State::default());
     let legs = rehearsal.legs(&plan);
     assert!(legs.len() > 15 && legs.iter().any(|leg| !leg.held.is_empty()));
     let law = TimeLaw::new(&arm, &Pace { velocity: 1.0, acceleration: 1.0, jerk: 1.0, ramp: 0.0 });
@@ -113,8 +112,8 @@ fn pegs_are_exchanged_for_shorter_motions() {
         let mut table = Replayer::new(&goal, &data.kit, &data.domains, &state).unwrap();
         assert_eq!(table.run(&found.plan.steps), Ok(()), "{name}");
         // The time that is told is that of the plan.
-        let (planner, parameters) = (PathPlanner::new(&data.arm), Parameters::baseline());
-        let rehearsal = Rehearsal::nominal(&data.kit, &goal, &data.arm, &planner, parameters, &state);
+        let planner = PathPlanner::new(&data.arm);
+        let rehearsal = Rehearsal::of_baseline(&data.kit, &goal, &data.arm, &planner, &state);
         assert_eq!(rehearsal.seconds(&found.plan).unwrap(), found.seconds, "{name}");
     }
 }
@@ -140,8 +139,7 @@ fn a_plan_that_fails_for_motion_is_changed() {
         let goal = data.goal(name);
         let state = State::default();
         let first = ramp_planner::plan(&goal, &data.kit, &state, &data.domains).unwrap();
-        let rehearse =
-            || Rehearsal::nominal(&data.kit, &goal, &data.arm, &planner, Parameters::baseline(), &state);
+        let rehearse = || Rehearsal::of_baseline(&data.kit, &goal, &data.arm, &planner, &state);
         assert_eq!(rehearse().check(&first).unwrap_err().to_string(), expected, "{name}");
         let rehearsed = data.rehearsed(&goal).unwrap();
         let facts: Vec<String> = rehearsed.facts.iter().map(ToString::to_string).collect();
@@ -172,9 +170,9 @@ fn a_place_that_only_another_grasp_reaches_is_reached() {
     let usual = point_on(link.unwrap(), b4.beam.span() / 2.0, &Parameters::baseline().grip);
     let beside = data.kit.x_wa() * b4.x_ab * Point3::new(usual, 0.045, 0.0);
     let x_wp = Pose::translation(beside.x, beside.y, 0.05);
-    let rehearsal = Rehearsal::nominal(&data.kit, &goal, &data.arm, &planner, Parameters::baseline(), &state);
+    let rehearsal = Rehearsal::of_baseline(&data.kit, &goal, &data.arm, &planner, &state);
     let grasps =
-        rehearsal.from_here([("p9".to_string(), x_wp)], data.arm.home.into(), 1).check(&plan).unwrap();
+        rehearsal.from_here([("p9".to_string(), x_wp)], data.arm.home.into(), 1).check(&plan).unwrap().grasps;
     assert!(grasps["b4"].because.contains("would touch p9"), "{}", grasps["b4"].because);
 }
 

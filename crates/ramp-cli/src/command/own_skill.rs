@@ -11,7 +11,7 @@ use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
 use ramp_external_agent::{AgentFile, ExternalAgent, Goal, Patience, protocol};
 use ramp_gym::known::Known;
-use ramp_gym::own::{Body, BodyError, KINDS, Moment, OwnSkill, kind};
+use ramp_gym::own::{Body, BodyError, Moment, OwnSkill, kind, kinds};
 use ramp_kit::Kit;
 use ramp_kit::source::to_name;
 use ramp_log::Sources;
@@ -38,7 +38,7 @@ impl std::str::FromStr for Replacement {
     fn from_str(text: &str) -> Result<Replacement, String> {
         let (name, file) = text.split_once('=').ok_or("expected ACTION=FILE, such as fasten=my.py")?;
         let kind = kind(name).ok_or_else(|| {
-            let known: Vec<String> = KINDS.iter().map(|it| it.name().replace('_', "-")).collect();
+            let known: Vec<String> = kinds().map(|it| it.name().replace('_', "-")).collect();
             format!("there is no action `{name}` for a skill; there are {}", known.join(", "))
         })?;
         Ok(Replacement { kind, file: file.into() })
@@ -149,7 +149,7 @@ fn task(moment: &Moment) -> Value {
 
 /// The skill for an action. Its name in results has the file's name, and the begin of its hash.
 pub fn skill(kind: ActionKind, file: &AgentFile, cell: &Cell) -> Result<OwnSkill, Report> {
-    if !KINDS.contains(&kind) {
+    if !kind.is_assembling() {
         return Err(miette!("no skill of one's own can carry out `{}`", kind.name().replace('_', "-")));
     }
     let stem = file.path().file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();

@@ -3,9 +3,12 @@
 use super::table::Replayer;
 use crate::answer::{receives, sleeved};
 use crate::facts::{beam_item, beam_name, connection_name, peg_item};
-use crate::plan::{CoarseAction, FineAction, Grasp, Item, Place, Target};
+use crate::fine_action::{FineAction, Parameter, Value};
+use crate::place::{Grasp, Item, Place, Target};
+use crate::plan::CoarseAction;
 use crate::state::area_name;
 use ramp_action_language::Term;
+use ramp_assembly::{Connection, JointRef};
 
 /// Something about an action, or what is wrong with it.
 pub(crate) type Check<T> = Result<T, String>;
@@ -41,76 +44,82 @@ impl Replayer<'_> {
         rest: impl Iterator<Item = &'s CoarseAction> + Clone,
     ) -> Check<Term> {
         let assembly = self.planner.assembly;
-        let beam = |name: &str| self.beam(name);
-        let text = |name: &str| Term::from(name);
-        Ok(match action {
-            FineAction::Move { to } => {
-                let target = |target: &Target| {
-                    Ok::<Term, String>(match target {
-                        Target::Beam(name) => Term::new("beam", [beam(name)?]),
-                        Target::Connection(name) => Term::new("hole", [self.connection(name)?]),
-                    })
-                };
-                let place = match to {
-                    Place::Above(area) => Term::new("above", [area_name(*area)]),
-                    Place::Input(item) => {
-                        let item = match coarse {
-                            CoarseAction::PutDown { .. } => self.held(item)?,
-                            _ => self.item(item, rest)?,
-                        };
-                        Term::new("input", [item])
+        let kind = action.kind();
+        let mut terms = Vec::new();
+        // The beam and the connection of the action, by index: other fields follow from them.
+        let (mut beam, mut connection) = (None, None);
+        for (parameter, value) in kind.parameters().iter().zip(action.values()) {
+            let of_beam = || beam.ok_or("there is no such beam");
+            let of_connection = || connection.ok_or("there is no such connection");
+            let joint = |side: fn(&Connection) -> JointRef, name: &str| {
+                let joint = side(&assembly.connections[of_connection()?]);
+                if assembly.joint_name(joint) == name { Ok(()) } else { Err("these are not its joints") }
+            };
+            match (parameter, value) {
+                (Parameter::Place, Value::Place(place)) => {
+                    terms.push(self.place(&place, coarse, rest.clone())?);
+                }
+                (Parameter::Item, Value::Item(item)) => terms.push(self.item(&item, rest.clone())?),
+                (Parameter::Held, Value::Item(item)) => terms.push(self.held(&item)?),
+                (Parameter::Grasp, Value::Grasp(Grasp::Head)) => terms.push(Term::new("head", [])),
+                (Parameter::Grasp, Value::Grasp(Grasp::Link(link))) => {
+                    terms.push(Term::new("link", [Term::from(link.as_str())]));
+                }
+                (Parameter::Beam, Value::Name(name)) => {
+                    beam = assembly.beam_index(&name);
+                    terms.push(self.beam(&name)?);
+                }
+                (Parameter::Name, Value::Name(name)) => terms.push(Term::from(name.as_str())),
+                (Parameter::Sleeved, Value::Names(names)) => {
+                    if names != sleeved(assembly, of_beam()?, stands) {
+                        return Err("these are not the joints that come to lie in sleeves".to_string());
                     }
-                    Place::Approach(of) => Term::new("approach", [target(of)?]),
-                    Place::Target(of) => Term::new("target", [target(of)?]),
+                }
+                (Parameter::Receiving, Value::Names(names)) => {
+                    if names != receives(assembly, of_beam()?, stands, deep) {
+                        return Err("these are not the joints that receive".to_string());
+                    }
+                }
+                (Parameter::Connection, Value::Name(name)) => {
+                    connection = assembly.connection_index(&name);
+                    terms.push(connection_name(assembly, connection.ok_or("there is no such connection")?));
+                }
+                (Parameter::Female, Value::Name(name)) => joint(|pair| pair.female, &name)?,
+                (Parameter::Male, Value::Name(name)) => joint(|pair| pair.male, &name)?,
+                (Parameter::Peg, Value::Name(peg)) => {
+                    if !matches!(coarse, CoarseAction::Fasten { peg: other, .. } if *other == peg) {
+                        return Err("the fine actions use another peg than the coarse one".to_string());
+                    }
+                }
+                _ => return Err(format!("the fields of {} do not fit", kind.name())),
+            }
+        }
+        Ok(Term::Function(kind.name().to_string(), terms))
+    }
+
+    fn place<'s>(
+        &self,
+        place: &Place,
+        coarse: &CoarseAction,
+        rest: impl Iterator<Item = &'s CoarseAction>,
+    ) -> Check<Term> {
+        let target = |target: &Target| {
+            Ok::<Term, String>(match target {
+                Target::Beam(name) => Term::new("beam", [self.beam(name)?]),
+                Target::Connection(name) => Term::new("hole", [self.connection(name)?]),
+            })
+        };
+        Ok(match place {
+            Place::Above(area) => Term::new("above", [area_name(*area)]),
+            Place::Input(item) => {
+                let item = match coarse {
+                    CoarseAction::PutDown { .. } => self.held(item)?,
+                    _ => self.item(item, rest)?,
                 };
-                Term::new("move", [place])
+                Term::new("input", [item])
             }
-            FineAction::PickUp { item, grasp } => {
-                let grasp = match grasp {
-                    Grasp::Link(link) => Term::new("link", [text(link)]),
-                    Grasp::Head => Term::new("head", []),
-                };
-                Term::new("pick_up", [self.item(item, rest)?, grasp])
-            }
-            FineAction::PutDown { item } => Term::new("put_down", [self.held(item)?]),
-            FineAction::AssembleSquare { beam: name, joint } => {
-                Term::new("assemble_square", [beam(name)?, text(joint)])
-            }
-            FineAction::AssembleAngled { beam: name, joint } => {
-                Term::new("assemble_angled", [beam(name)?, text(joint)])
-            }
-            FineAction::AssembleThrough { beam: name, joint, through } => {
-                let index = assembly.beam_index(name).ok_or("there is no such beam")?;
-                if *through != sleeved(assembly, index, stands) {
-                    return Err("these are not the joints that come to lie in sleeves".to_string());
-                }
-                Term::new("assemble_through", [beam(name)?, text(joint)])
-            }
-            FineAction::AssembleDeep { beam: name, joint } => {
-                Term::new("assemble_deep", [beam(name)?, text(joint)])
-            }
-            FineAction::AssembleCap { beam: name, joints } => {
-                let index = assembly.beam_index(name).ok_or("there is no such beam")?;
-                if *joints != receives(assembly, index, stands, deep) {
-                    return Err("these are not the joints that receive".to_string());
-                }
-                Term::new("assemble_cap", [beam(name)?])
-            }
-            FineAction::LayDown { beam: name } => Term::new("lay_down", [beam(name)?]),
-            FineAction::Slide { beam: name, link } => Term::new("slide", [beam(name)?, text(link)]),
-            FineAction::Regrasp { beam: name, link } => Term::new("regrasp", [beam(name)?, text(link)]),
-            FineAction::Push { beam: name, link } => Term::new("push", [beam(name)?, text(link)]),
-            FineAction::Fasten { connection, female, male, peg } => {
-                let index = assembly.connection_index(connection).ok_or("there is no such connection")?;
-                let pair = &assembly.connections[index];
-                if [assembly.joint_name(pair.female), assembly.joint_name(pair.male)] != [female, male] {
-                    return Err("these are not its joints".to_string());
-                }
-                if !matches!(coarse, CoarseAction::Fasten { peg: other, .. } if other == peg) {
-                    return Err("the fine actions use another peg than the coarse one".to_string());
-                }
-                Term::new("fasten", [connection_name(assembly, index)])
-            }
+            Place::Approach(of) => Term::new("approach", [target(of)?]),
+            Place::Target(of) => Term::new("target", [target(of)?]),
         })
     }
 

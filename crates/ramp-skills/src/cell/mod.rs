@@ -7,4 +7,5 @@ pub mod pegs;
 pub mod target;
 pub mod workcell;
 
-pub use workcell::{InsertionPath, Point, Stand, Workcell};
+pub use crate::insertion_path::InsertionPath;
+pub use workcell::{Point, Stand, Workcell};

@@ -3,9 +3,10 @@
 use nalgebra::{Point2, Translation3, UnitQuaternion, Vector2, Vector3};
 use ramp_assembly::JointRef;
 
-use super::workcell::{InsertionPath, Point, Workcell};
+use super::workcell::{Point, Workcell};
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
+use crate::insertion_path::InsertionPath;
 
 impl Workcell<'_, '_> {
     /// The frame of the assembly in the world: where the clamped beam is believed to be, with the height and the tilt of the

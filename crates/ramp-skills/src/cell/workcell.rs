@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
-use nalgebra::{Point2, Point3, Vector3};
+use nalgebra::{Point2, Point3};
 use ramp_assembly::{Assembly, JointRef};
 use ramp_kit::Kit;
 use ramp_kit::source::{MAX_SENTENCE, plain};
@@ -16,21 +16,11 @@ use ramp_robot::{Cause, Event, Robot};
 use crate::belief::Belief;
 use crate::grasp::BeamGrasp;
 use crate::hand::Hand;
+use crate::insertion_path::InsertionPath;
 use crate::parameters::Parameters;
 
 /// A point of a part: its name, and the point in its frame, m.
 pub type Point = (String, Point3<f64>);
-
-/// How a beam gets to its place: a straight motion.
-#[derive(Clone, Debug, PartialEq)]
-pub struct InsertionPath {
-    /// Its direction in the assembly frame.
-    pub direction: Vector3<f64>,
-    /// Its length, m: beyond it nothing obstructs the beam.
-    pub distance: f64,
-    /// How much further than its place the beam goes at first, m.
-    pub depth: f64,
-}
 
 /// How a beam stands in the assembly.
 #[derive(Clone, Copy, Debug, PartialEq)]

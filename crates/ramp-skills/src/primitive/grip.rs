@@ -6,56 +6,49 @@ use ramp_robot::{Cause, GripperCommand};
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
-use crate::grasp::{self, BEAM_WIDTH, PEG_WIDTH, beam_grasp, peg_grasp};
+use crate::grasp::{self, BEAM_WIDTH, Grasp, PEG_WIDTH, beam_grasp, beam_grasps, peg_grasps, senses};
 use crate::hand::Held;
+use crate::parameters::Parameters;
+use crate::rehearsal::outline::{InHand, Motion, Outline, Stage};
+use crate::rehearsal::scene::Scene;
 
 impl Workcell<'_, '_> {
-    /// The grasp of a part where it stands now: pose of the tip, gripper width before and after closing.
-    pub fn choose_grasp(&mut self, part: &str, link: Option<&str>) -> Result<(Pose, f64, f64), SkillError> {
+    /// The grasp of a part where it stands now, a beam by a link.
+    ///
+    /// # Errors
+    /// [`Fault::NoGrasp`] when no grasp is reachable; [`Fault::Unseen`].
+    pub fn choose_grasp(&mut self, part: &str, link: Option<&str>) -> Result<Grasp, SkillError> {
         let x_wp = self.belief.pose(part)?;
-        let q = self.hand.joints();
         let no_grasp = || Fault::NoGrasp { part: part.to_string() };
-        if let Some(beam) = self.kit.beam(part) {
-            let link = link
-                .and_then(|name| beam.links.iter().find(|link| link.name == name))
-                .ok_or_else(no_grasp)?;
-            // The hand turns with the beam: what counts is the worse of its start and its goal.
-            let goal = self.assembly.beam_index(part).map(|index| self.target(index)).transpose()?;
-            if let Some(known) = self.grasps.get(part) {
-                let x_wt = beam_grasp(&x_wp, known.s, known.reverse);
-                let [from, to] = grasp::span(link, &self.parameters.grip);
-                let on_link = (from..=to).contains(&known.s);
-                if on_link
-                    && self.reach(&x_wt, &q) > 0.0
-                    && self.has_room(&x_wt, self.parameters.grip.beam_open, part)
-                {
-                    return Ok((x_wt, self.parameters.grip.beam_open, BEAM_WIDTH));
-                }
+        let grip = &self.parameters.grip;
+        let Some(beam) = self.kit.beam(part) else {
+            let grasps = peg_grasps(&x_wp, grip).map(|grasp| (grasp, self.way(&[grasp.x_wt])));
+            return Ok(self.choose(&grasps).ok_or_else(no_grasp)?);
+        };
+        let link =
+            link.and_then(|name| beam.links.iter().find(|link| link.name == name)).ok_or_else(no_grasp)?;
+        // The hand turns with the beam: the worse of start and goal counts.
+        let goal = self.assembly.beam_index(part).map(|index| self.target(index)).transpose()?;
+        let has_room = |grasp: &Grasp| self.has_room(&grasp.x_wt, grasp.open, part);
+        if let Some(known) = self.grasps.get(part) {
+            let grasp = Grasp::of_beam(&x_wp, *known, grip);
+            let [from, to] = grasp::span(link, grip);
+            let on_link = (from..=to).contains(&known.s);
+            if on_link && self.reach(&grasp.x_wt, &self.hand.joints()) > 0.0 && has_room(&grasp) {
+                return Ok(grasp);
             }
-            let mut nearest = None;
-            for s in grasp::points_on(link, beam.span() / 2.0, &self.parameters.grip) {
-                let senses = [false, true].map(|reverse| {
-                    let stops = [Some(x_wp), goal].into_iter().flatten();
-                    let stops: Vec<Pose> = stops.map(|x_wb| beam_grasp(&x_wb, s, reverse)).collect();
-                    (stops[0], self.way(&stops))
-                });
-                let Some(x_wt) = self.choose(&senses) else { continue };
-                if self.has_room(&x_wt, self.parameters.grip.beam_open, part) {
-                    return Ok((x_wt, self.parameters.grip.beam_open, BEAM_WIDTH));
-                }
-                nearest = nearest.or(Some(x_wt));
-            }
-            // With no room anywhere the motion planner names the obstacle.
-            let x_wt = nearest.ok_or_else(no_grasp)?;
-            return Ok((x_wt, self.parameters.grip.beam_open, BEAM_WIDTH));
         }
-        // Pegs stand close together along x of their holder: the hand closes across it.
-        let senses = [0, 2].map(|quarter| {
-            let x_wt = peg_grasp(&x_wp, quarter);
-            (x_wt, self.way(&[x_wt]))
-        });
-        let x_wt = self.choose(&senses).ok_or_else(no_grasp)?;
-        Ok((x_wt, self.parameters.grip.peg_open, PEG_WIDTH))
+        let way = |stops: &[Pose]| self.way(stops);
+        let mut nearest = None;
+        for senses in beam_grasps(beam, link, &x_wp, goal.as_ref(), grip, &self.parameters.travel, way) {
+            let Some(grasp) = self.choose(&senses) else { continue };
+            if has_room(&grasp) {
+                return Ok(grasp);
+            }
+            nearest = nearest.or(Some(grasp));
+        }
+        // With no room anywhere the motion planner names the obstacle.
+        Ok(nearest.ok_or_else(no_grasp)?)
     }
 
     /// Grips a part where it stands: the hand comes from above, closes and checks that it holds something of the
@@ -63,11 +56,12 @@ impl Workcell<'_, '_> {
     ///
     /// # Errors
     /// [`Fault::NotHeld`], or what stopped the motion.
-    pub fn grasp(&mut self, part: &str, x_wt: &Pose, open: f64, width: f64) -> Result<(), SkillError> {
+    pub fn grasp(&mut self, part: &str, grasp: &Grasp) -> Result<(), SkillError> {
+        let Grasp { x_wt, open, width, .. } = *grasp;
         self.hand.gripper.width = open;
         let closing =
             GripperCommand { width: width - self.parameters.grip.squeeze, force: self.parameters.grip.force };
-        self.descend(x_wt, part, closing)?;
+        self.descend(&x_wt, part, closing)?;
         if self.hand.gripper != closing {
             self.hand.wait_for_gripper()?;
         }
@@ -113,12 +107,10 @@ impl Workcell<'_, '_> {
     pub fn grasp_standing(&mut self, beam: usize, s: f64) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
         let x_wb = self.belief.pose(&name)?;
-        let senses = [false, true].map(|reverse| {
-            let x_wt = beam_grasp(&x_wb, s, reverse);
-            (x_wt, self.way(&[x_wt]))
-        });
-        let x_wt = self.choose(&senses).ok_or_else(|| Fault::NoGrasp { part: name.clone() })?;
-        self.grasp(&name, &x_wt, self.parameters.grip.beam_open, BEAM_WIDTH)
+        let Parameters { grip, travel, .. } = &*self.parameters;
+        let senses = senses(s, &x_wb, None, grip, travel, |stops: &[Pose]| self.way(stops));
+        let grasp = self.choose(&senses).ok_or_else(|| Fault::NoGrasp { part: name.clone() })?;
+        self.grasp(&name, &grasp)
     }
 
     /// Looks whether the part is still in the hand, and where in it.
@@ -201,4 +193,26 @@ impl Workcell<'_, '_> {
             .ok_or(Fault::NoGrasp { part: name })?;
         Ok(link)
     }
+}
+
+/// The motions that grasp a part, a beam by a link, for each grasp: over it, straight down around it, the fingers close, and
+/// straight up.
+pub fn rehearse_grasps(scene: &Scene, part: &str, link: Option<&str>) -> Outline {
+    let Some(x_wp) = scene.x_wp(part) else { return Outline::nothing() };
+    let motions = |grasp: Grasp| {
+        let Grasp { x_wt, open, width, .. } = grasp;
+        let above = scene.raised(&x_wt);
+        let straight = |x_wt: Pose, would_touch: &'static str| {
+            let around = Some(part.to_string());
+            Motion::Straight { x_wt, open, around, stage: Stage::Grasp, would_touch }
+        };
+        vec![
+            Motion::Travel { x_wt: above, open, stage: Stage::Grasp },
+            straight(x_wt, "the fingers would touch"),
+            Motion::Fingers(open - width),
+            straight(above, "the hand would touch"),
+            Motion::Hold(InHand::by(part, &x_wp, &grasp)),
+        ]
+    };
+    Outline::Alternatives(scene.grasps(part, link).into_iter().map(motions).collect())
 }

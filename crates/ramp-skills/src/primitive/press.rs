@@ -8,7 +8,7 @@ use ramp_robot::Cause;
 
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
-use crate::grasp::{PEG_WIDTH, peg_grasp};
+use crate::grasp::peg_grasps;
 use ramp_robot::PERIOD;
 
 impl Workcell<'_, '_> {
@@ -29,8 +29,8 @@ impl Workcell<'_, '_> {
                 return Err(fault.into());
             }
             self.note("retry", fault.to_string());
-            let x_wt = peg_grasp(&self.belief.pose(peg)?, 0);
-            self.grasp(peg, &x_wt, self.parameters.grip.peg_open, PEG_WIDTH)?;
+            let [grasp, _] = peg_grasps(&self.belief.pose(peg)?, &self.parameters.grip);
+            self.grasp(peg, &grasp)?;
             self.hand.zero()?;
             self.press(connection, peg)?;
             self.release()?;

@@ -1,9 +1,7 @@
 //! Motions through free space, and which poses of the tip the arm reaches.
 
-use std::cmp::Ordering;
-
 use nalgebra::{Translation3, Vector3};
-use ramp_motion::{Checker, Joints, MotionError, Pace, PathPlanner, Terms, TimeLaw, Trajectory};
+use ramp_motion::{Checker, Joints, MotionError, Pace, Terms, TimeLaw, Trajectory};
 use ramp_robot::GripperCommand;
 
 use crate::Pose;
@@ -11,39 +9,7 @@ use crate::belief::obstacles::held_boxes;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::hand::Arrival;
-use crate::parameters::motion::TravelParameters;
-
-/// What it takes to bring the tip to some poses, one after another.
-#[derive(Clone, Copy, Debug)]
-pub struct Way {
-    /// Least distance of the joints from the ends of their ranges at these poses, rad; negative when one is out of reach.
-    pub margin: f64,
-    /// Least time for all of it, straight in joint space, s.
-    pub time: f64,
-}
-
-impl Way {
-    /// The way of the tip from `q` (rad) to `stops`.
-    pub fn along(stops: &[Pose], q: &Joints, planner: &PathPlanner, law: &TimeLaw) -> Way {
-        let mut way = Way { margin: f64::INFINITY, time: 0.0 };
-        let mut from = *q;
-        for stop in stops {
-            let Ok(to) = planner.solve(stop, &from) else { return Way { margin: -1.0, time: f64::INFINITY } };
-            way.margin = way.margin.min(planner.kinematics.range_margin(&to));
-            way.time += law.least_time(&from, &to);
-            from = to;
-        }
-        way
-    }
-
-    /// Which of two is better: one that leaves the joints room, and of such the one with the larger distance from their ends, as
-    /// far as that matters, less what its time counts.
-    pub fn compare(&self, other: &Way, travel: &TravelParameters) -> Ordering {
-        let has_room = |way: &Way| way.margin >= travel.least_margin;
-        let score = |way: &Way| way.margin.min(travel.good_margin) - travel.time_cost * way.time;
-        has_room(self).cmp(&has_room(other)).then(score(self).total_cmp(&score(other)))
-    }
-}
+use crate::way::Way;
 
 impl Workcell<'_, '_> {
     /// Moves the tip through free space to `x_wt`, keeping clear of everything but the held part. A hand that stands too near
@@ -239,14 +205,14 @@ impl Workcell<'_, '_> {
         Way::along(stops, &self.hand.joints(), self.planner, &self.law())
     }
 
-    /// Of several poses of the tip, each with the way to it and on, the one to use: reachable with room to spare if any is, and
-    /// of those the one that takes the least time.
-    pub fn choose(&self, candidates: &[(Pose, Way)]) -> Option<Pose> {
+    /// The best of several candidates, each with the way of the tip to it and on, by [`Way::compare`]. `None` where all are out
+    /// of reach.
+    pub fn choose<T: Copy>(&self, candidates: &[(T, Way)]) -> Option<T> {
         candidates
             .iter()
             .filter(|(_, way)| way.margin > 0.0)
             .max_by(|(_, a), (_, b)| a.compare(b, &self.parameters.travel))
-            .map(|(x_wt, _)| *x_wt)
+            .map(|(candidate, _)| *candidate)
     }
 
     /// How far the joints stay from their ends at a pose, rad; negative when it is out of reach.

@@ -1,15 +1,18 @@
 //! Inserts a male of the held beam into the assembly.
 
 use nalgebra::{Translation3, Vector3};
+use ramp_planner::{End, Impossible};
 use ramp_robot::Cause;
 
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
-use super::insertion::{Aim, Insertion, Pushed};
+use super::insertion::{Aim, Insertion, Pushed, rehearse_insertion};
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
 use crate::parameters::Parameters;
 use crate::parameters::insertions::AssembleParameters;
+use crate::rehearsal::outline::Outline;
+use crate::rehearsal::scene::Scene;
 
 /// Inserts a male of the held beam into the assembly, along the beam's insertion path: square, at an angle, through
 /// sleeves, or deeper than its place.
@@ -45,13 +48,21 @@ impl Skill for Assemble {
         &[Effect::BeamStands, Effect::HandEmpty]
     }
 
+    fn rehearse(&self, scene: &Scene, call: &Call) -> Outline {
+        rehearse_insertion(scene, call)
+    }
+
+    fn blame(&self, call: &Call) -> Option<Impossible> {
+        call.cannot_grasp(End::Place)
+    }
+
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
-        let beam = call.beam(cell)?;
+        let beam = call.beam(cell.assembly)?;
         self.insertion.tries(cell, beam, |cell, attempt| self.once(cell, beam, attempt))
     }
 
     fn let_go(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
-        let beam = call.beam(cell)?;
+        let beam = call.beam(cell.assembly)?;
         self.insertion.let_go(cell, beam)
     }
 }

@@ -1,15 +1,18 @@
 //! Puts the held beam as a cap over males of the assembly.
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use ramp_planner::{End, Impossible};
 use ramp_robot::Cause;
 
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
-use super::insertion::Insertion;
+use super::insertion::{Insertion, rehearse_insertion};
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::parameters::Parameters;
 use crate::parameters::insertions::CapParameters;
+use crate::rehearsal::outline::Outline;
+use crate::rehearsal::scene::Scene;
 
 /// Puts the held beam as a cap over males of the assembly: pressed on the table a little, pulled past its goal so that
 /// each end seats on its stop wall, and swept to and fro at the end.
@@ -40,13 +43,21 @@ impl Skill for Cap {
         &[Effect::BeamStands, Effect::HandEmpty]
     }
 
+    fn rehearse(&self, scene: &Scene, call: &Call) -> Outline {
+        rehearse_insertion(scene, call)
+    }
+
+    fn blame(&self, call: &Call) -> Option<Impossible> {
+        call.cannot_grasp(End::Place)
+    }
+
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
-        let beam = call.beam(cell)?;
+        let beam = call.beam(cell.assembly)?;
         self.insertion.tries(cell, beam, |cell, attempt| self.once(cell, beam, attempt))
     }
 
     fn let_go(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
-        let beam = call.beam(cell)?;
+        let beam = call.beam(cell.assembly)?;
         self.insertion.let_go(cell, beam)
     }
 }

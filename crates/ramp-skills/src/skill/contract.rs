@@ -2,165 +2,83 @@
 
 use std::fmt;
 
-use ramp_planner::{CoarseStep, FineAction, Item, Place, Target};
+use ramp_assembly::Assembly;
+pub use ramp_planner::ActionKind;
+use ramp_planner::{CoarseStep, End, FineAction, Impossible, Place};
 
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
+use crate::rehearsal::outline::Outline;
+use crate::rehearsal::scene::Scene;
 
-/// A kind of fine action ([`FineAction`] without its arguments): the key of a table of skills.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum ActionKind {
-    /// [`FineAction::Move`].
-    Move,
-    /// [`FineAction::PickUp`].
-    PickUp,
-    /// [`FineAction::PutDown`].
-    PutDown,
-    /// [`FineAction::AssembleSquare`].
-    AssembleSquare,
-    /// [`FineAction::AssembleAngled`].
-    AssembleAngled,
-    /// [`FineAction::AssembleThrough`].
-    AssembleThrough,
-    /// [`FineAction::AssembleDeep`].
-    AssembleDeep,
-    /// [`FineAction::AssembleCap`].
-    AssembleCap,
-    /// [`FineAction::LayDown`].
-    LayDown,
-    /// [`FineAction::Slide`].
-    Slide,
-    /// [`FineAction::Regrasp`].
-    Regrasp,
-    /// [`FineAction::Fasten`].
-    Fasten,
-    /// [`FineAction::Push`].
-    Push,
-}
-
-impl ActionKind {
-    /// The kind of an action.
-    pub fn of(action: &FineAction) -> ActionKind {
-        match action {
-            FineAction::Move { .. } => ActionKind::Move,
-            FineAction::PickUp { .. } => ActionKind::PickUp,
-            FineAction::PutDown { .. } => ActionKind::PutDown,
-            FineAction::AssembleSquare { .. } => ActionKind::AssembleSquare,
-            FineAction::AssembleAngled { .. } => ActionKind::AssembleAngled,
-            FineAction::AssembleThrough { .. } => ActionKind::AssembleThrough,
-            FineAction::AssembleDeep { .. } => ActionKind::AssembleDeep,
-            FineAction::AssembleCap { .. } => ActionKind::AssembleCap,
-            FineAction::LayDown { .. } => ActionKind::LayDown,
-            FineAction::Slide { .. } => ActionKind::Slide,
-            FineAction::Regrasp { .. } => ActionKind::Regrasp,
-            FineAction::Fasten { .. } => ActionKind::Fasten,
-            FineAction::Push { .. } => ActionKind::Push,
-        }
-    }
-
-    /// Its name, as in a plan's JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            ActionKind::Move => "move",
-            ActionKind::PickUp => "pick_up",
-            ActionKind::PutDown => "put_down",
-            ActionKind::AssembleSquare => "assemble_square",
-            ActionKind::AssembleAngled => "assemble_angled",
-            ActionKind::AssembleThrough => "assemble_through",
-            ActionKind::AssembleDeep => "assemble_deep",
-            ActionKind::AssembleCap => "assemble_cap",
-            ActionKind::LayDown => "lay_down",
-            ActionKind::Slide => "slide",
-            ActionKind::Regrasp => "regrasp",
-            ActionKind::Fasten => "fasten",
-            ActionKind::Push => "push",
-        }
-    }
-}
-
-/// What a skill is asked to do: a fine action, and where in the plan it stands.
+/// A fine action that a skill is asked to carry out, and its place in the plan.
 #[derive(Clone, Copy, Debug)]
 pub struct Call<'p> {
     /// The action.
     pub action: &'p FineAction,
-    /// The plan from the action's own coarse step on; empty outside a plan.
-    pub rest: &'p [CoarseStep],
+    /// The plan; empty outside a plan.
+    pub plan: &'p [CoarseStep],
+    /// The coarse step of the action, an index into `plan`.
+    pub step: usize,
 }
 
 impl<'p> Call<'p> {
     /// A call outside a plan.
     pub fn alone(action: &'p FineAction) -> Call<'p> {
-        Call { action, rest: &[] }
+        Call { action, plan: &[], step: 0 }
     }
 
     /// Its kind.
     pub fn kind(&self) -> ActionKind {
-        ActionKind::of(self.action)
+        self.action.kind()
     }
 
-    /// The part that the hand works with: the one that the action names first; for [`FineAction::Fasten`] the peg.
+    /// The part that the hand works with ([`FineAction::part`]).
     pub fn part(&self) -> Option<&'p str> {
-        match self.action {
-            FineAction::Move { to: Place::Input(item) }
-            | FineAction::PickUp { item, .. }
-            | FineAction::PutDown { item } => Some(item.name()),
-            FineAction::Move {
-                to: Place::Approach(Target::Beam(beam)) | Place::Target(Target::Beam(beam)),
-            }
-            | FineAction::AssembleSquare { beam, .. }
-            | FineAction::AssembleAngled { beam, .. }
-            | FineAction::AssembleThrough { beam, .. }
-            | FineAction::AssembleDeep { beam, .. }
-            | FineAction::AssembleCap { beam, .. }
-            | FineAction::LayDown { beam }
-            | FineAction::Slide { beam, .. }
-            | FineAction::Regrasp { beam, .. }
-            | FineAction::Push { beam, .. } => Some(beam),
-            FineAction::Fasten { peg, .. } => Some(peg),
-            FineAction::Move { .. } => None,
-        }
+        self.action.part()
     }
 
     /// The beam of the assembly that the action names, by index.
     ///
     /// # Errors
     /// [`Fault::NoSkill`] when the goal has no such beam, or the action names none.
-    pub fn beam(&self, cell: &Workcell) -> Result<usize, Fault> {
-        self.part().and_then(|part| cell.assembly.beam_index(part)).ok_or_else(|| self.no_skill())
+    pub fn beam(&self, assembly: &Assembly) -> Result<usize, Fault> {
+        self.part().and_then(|part| assembly.beam_index(part)).ok_or_else(|| self.no_skill())
     }
 
     /// The connection of the goal that the action names, by index.
     ///
     /// # Errors
     /// [`Fault::NoSkill`] when the goal has no such connection, or the action names none.
-    pub fn connection(&self, cell: &Workcell) -> Result<usize, Fault> {
-        let name = match self.action {
-            FineAction::Fasten { connection, .. }
-            | FineAction::Move { to: Place::Approach(Target::Connection(connection)) } => Some(connection),
-            _ => None,
-        };
-        name.and_then(|name| cell.assembly.connection_index(name)).ok_or_else(|| self.no_skill())
+    pub fn connection(&self, assembly: &Assembly) -> Result<usize, Fault> {
+        let connection = self.action.connection();
+        connection.and_then(|name| assembly.connection_index(name)).ok_or_else(|| self.no_skill())
     }
 
-    /// The link by which the plan has the hand hold the beam: in this action, or for [`Place::Input`] when it picks
-    /// the item up next.
+    /// The link by which the hand holds the beam of the action, according to the plan: the one that the action names, the
+    /// one of the pick-up that follows for [`Place::Input`], and otherwise the one of the last grasp before.
     pub fn link(&self) -> Option<&'p str> {
-        let grasped = |item: &Item, action: &'p FineAction| match action {
-            FineAction::PickUp { item: other, grasp: ramp_planner::Grasp::Link(link) } if other == item => {
-                Some(link.as_str())
+        if let Some(link) = self.action.link() {
+            return Some(link);
+        }
+        let part = self.part()?;
+        let grasped = |action: &'p FineAction| match action {
+            FineAction::PickUp { .. } | FineAction::Regrasp { .. } if action.part() == Some(part) => {
+                action.link()
             }
             _ => None,
         };
+        let fine = |steps: &'p [CoarseStep]| steps.iter().flat_map(|step| &step.fine);
         match self.action {
-            FineAction::Slide { link, .. }
-            | FineAction::Regrasp { link, .. }
-            | FineAction::Push { link, .. } => Some(link),
-            FineAction::PickUp { item, .. } => grasped(item, self.action),
-            FineAction::Move { to: Place::Input(item) } => {
-                self.rest.iter().flat_map(|step| &step.fine).find_map(|action| grasped(item, action))
-            }
-            _ => None,
+            FineAction::Move { to: Place::Input(_) } => fine(self.plan.get(self.step..)?).find_map(grasped),
+            _ => fine(self.plan.get(..=self.step)?).filter_map(grasped).last(),
         }
+    }
+
+    /// The fact that the hand cannot hold the beam of the action by its link ([`Call::link`]) at one of its two places.
+    pub fn cannot_grasp(&self, at: End) -> Option<Impossible> {
+        let (beam, link) = (self.part()?.to_string(), self.link()?.to_string());
+        Some(Impossible::Grasp { beam, link, at })
     }
 
     /// The fault that nothing here can do the action.
@@ -187,7 +105,7 @@ pub enum Need {
 impl Need {
     /// Does it hold, as the agent believes?
     pub fn holds(self, cell: &Workcell, call: &Call) -> bool {
-        let beam = || call.beam(cell).ok();
+        let beam = || call.beam(cell.assembly).ok();
         match self {
             Need::HandRaised => true,
             Need::HandEmpty => cell.hand.held.is_none(),
@@ -235,7 +153,7 @@ impl Effect {
     pub fn apply(self, cell: &mut Workcell, call: &Call) -> Result<(), Fault> {
         match self {
             Effect::BeamStands => {
-                let beam = call.beam(cell)?;
+                let beam = call.beam(cell.assembly)?;
                 if !cell.standing.contains(&beam) {
                     cell.standing.push(beam);
                 }
@@ -245,11 +163,11 @@ impl Effect {
                 }
             }
             Effect::BeamAtPlace => {
-                let beam = call.beam(cell)?;
+                let beam = call.beam(cell.assembly)?;
                 cell.deep.retain(|other| *other != beam);
             }
             Effect::PegSeated => {
-                let connection = call.connection(cell)?;
+                let connection = call.connection(cell.assembly)?;
                 let peg = call.part().ok_or_else(|| call.no_skill())?;
                 cell.pinned.push((connection, peg.to_string()));
             }
@@ -265,7 +183,7 @@ impl Effect {
     pub fn confirm(self, cell: &mut Workcell, call: &Call) -> Result<(), Fault> {
         let met = match self {
             Effect::BeamStands | Effect::BeamAtPlace => {
-                let beam = call.beam(cell)?;
+                let beam = call.beam(cell.assembly)?;
                 cell.reckon_heights(beam);
                 true
             }
@@ -320,6 +238,17 @@ pub trait Skill: Send + Sync {
     /// The tables of the parameter file that have its numbers: its own first, then those that it shares.
     fn parameters(&self) -> &[&'static str] {
         &[]
+    }
+
+    /// The motions that [`Skill::run`] will ask for, with the alternatives among which it chooses, in the order in which it
+    /// prefers them. [`Outline::Unknown`] for a skill that cannot say: its actions then
+    /// count as possible, and an event says so.
+    fn rehearse(&self, scene: &Scene, call: &Call) -> Outline;
+
+    /// The fact for the planner that follows when the arm cannot carry out the action. `None` where the failure says nothing
+    /// by itself: a rehearsal then asks the actions that follow with the same part in the hand.
+    fn blame(&self, _call: &Call) -> Option<Impossible> {
+        None
     }
 
     /// Can it run now?

@@ -2,15 +2,18 @@
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_kit::joint::STEM_LENGTH;
+use ramp_planner::Impossible;
 use ramp_robot::Cause;
 
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
-use crate::grasp::PEG_HEIGHT;
+use crate::grasp::{PEG_HEIGHT, PEG_WIDTH, hand_down, peg_over_hole, yaw_of};
 use crate::parameters::Parameters;
 use crate::parameters::skills::FastenParameters;
+use crate::rehearsal::outline::{Motion, Outline, Stage};
+use crate::rehearsal::scene::Scene;
 
 /// Pins two joints with the held peg.
 #[derive(Clone)]
@@ -39,8 +42,30 @@ impl Skill for Fasten {
         &[Effect::PegSeated, Effect::HandEmpty]
     }
 
+    /// Straight down from over the hole, in the rotation in which the hand has arrived.
+    fn rehearse(&self, scene: &Scene, call: &Call) -> Outline {
+        let Ok(connection) = call.connection(scene.assembly) else { return Outline::nothing() };
+        if scene.now.held.is_none() {
+            return Outline::nothing();
+        }
+        let mouth = scene.x_wp_seated(connection).translation.vector;
+        let [_, x_wt] = peg_over_hole(&mouth, [0.0; 2], hand_down(yaw_of(&scene.x_wt())));
+        let open = scene.parameters.grip.peg_open;
+        let would_touch = "the hand with the peg would touch";
+        Outline::one(vec![
+            Motion::Straight { x_wt, open, around: None, stage: Stage::Insertion, would_touch },
+            Motion::Fingers(open - PEG_WIDTH),
+            Motion::Retreat,
+        ])
+    }
+
+    fn blame(&self, call: &Call) -> Option<Impossible> {
+        let connection = call.action.connection()?.to_string();
+        Some(Impossible::Fasten { connection })
+    }
+
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
-        let connection = call.connection(cell)?;
+        let connection = call.connection(cell.assembly)?;
         self.fasten(cell, connection)
     }
 }

@@ -2,12 +2,16 @@
 
 use nalgebra::{Translation3, Vector3};
 
+use super::contract::Call;
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
+use crate::grasp::BEAM_WIDTH;
 use crate::hand::Rise;
 use crate::parameters::Parameters;
 use crate::parameters::insertions::InsertionParameters;
+use crate::rehearsal::outline::{Motion, Outline, Stage};
+use crate::rehearsal::scene::Scene;
 
 /// What all insertions share.
 #[derive(Clone)]
@@ -212,4 +216,21 @@ impl Insertion {
         cell.settle(beam)?;
         cell.release()
     }
+}
+
+/// The motions of an insertion, from where it begins: the held beam goes straight to its place, the fingers open, and the hand
+/// retreats. Joints that go into each other overlap as boxes, so the check is one of arm and hand alone.
+pub fn rehearse_insertion(scene: &Scene, call: &Call) -> Outline {
+    let Ok(beam) = call.beam(scene.assembly) else { return Outline::nothing() };
+    let name = &scene.assembly.beams[beam].beam.name;
+    let Some(held) = scene.holds(name) else { return Outline::nothing() };
+    let depth = scene.paths.get(&beam).map_or(0.0, |path| path.depth);
+    let x_wt = scene.x_wb_goal(beam, depth) * held.x_tp.inverse();
+    let would_touch = "on its insertion path the hand would touch";
+    Outline::one(vec![
+        Motion::Straight { x_wt, open: BEAM_WIDTH, around: None, stage: Stage::Insertion, would_touch },
+        // The planner's geometry knows that the fingers have room to open at some point of the link.
+        Motion::Fingers(scene.parameters.grip.beam_release - BEAM_WIDTH),
+        Motion::Retreat,
+    ])
 }

@@ -1,12 +1,16 @@
 //! Lays the held beam down at its place.
 
 use nalgebra::Translation3;
+use ramp_planner::{End, Impossible};
 
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
+use super::insertion::rehearse_insertion;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::parameters::Parameters;
 use crate::parameters::skills::LayDownParameters;
+use crate::rehearsal::outline::Outline;
+use crate::rehearsal::scene::Scene;
 
 /// Lays the held beam, which is over its place, on the table.
 #[derive(Clone)]
@@ -35,8 +39,16 @@ impl Skill for LayDown {
         &[Effect::BeamStands, Effect::HandEmpty]
     }
 
+    fn rehearse(&self, scene: &Scene, call: &Call) -> Outline {
+        rehearse_insertion(scene, call)
+    }
+
+    fn blame(&self, call: &Call) -> Option<Impossible> {
+        call.cannot_grasp(End::Place)
+    }
+
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
-        let beam = call.beam(cell)?;
+        let beam = call.beam(cell.assembly)?;
         self.lay_down(cell, beam)
     }
 

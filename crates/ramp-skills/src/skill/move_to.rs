@@ -1,11 +1,8 @@
 //! Moves the hand, and what it holds, from place to place.
 
-use std::f64::consts::TAU;
-
 use nalgebra::{Translation3, Vector3};
-use ramp_kit::joint::STEM_LENGTH;
 use ramp_motion::MotionError;
-use ramp_planner::{FineAction, Place, Target};
+use ramp_planner::{End, FineAction, Impossible, Item, Place, Target};
 use ramp_robot::Cause;
 
 use super::contract::{ActionKind, Call, Effect, Skill};
@@ -13,10 +10,12 @@ use super::regrasp::Regrasp;
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
-use crate::grasp::{PEG_HEIGHT, hand_down};
+use crate::grasp::{Grasp, peg_over_hole, peg_rotations, yaw_of};
 use crate::parameters::Parameters;
 use crate::parameters::skills::MoveToParameters;
-use crate::primitive::travel::Way;
+use crate::rehearsal::outline::{Motion, Outline, Stage};
+use crate::rehearsal::scene::Scene;
+use crate::way::Way;
 
 /// Moves the hand, and what it holds, from place to place.
 #[derive(Clone)]
@@ -42,6 +41,28 @@ impl Skill for MoveTo {
         &[]
     }
 
+    /// The way to a part is rehearsed by the skill that grasps it.
+    fn rehearse(&self, scene: &Scene, call: &Call) -> Outline {
+        match call.action {
+            FineAction::Move { to: Place::Approach(Target::Beam(_)) } => call
+                .beam(scene.assembly)
+                .map_or_else(|_| Outline::nothing(), |beam| self.rehearse_beam(scene, beam)),
+            FineAction::Move { to: Place::Approach(Target::Connection(_)) } if scene.now.held.is_some() => {
+                call.connection(scene.assembly)
+                    .map_or_else(|_| Outline::nothing(), |connection| self.rehearse_peg(scene, connection))
+            }
+            _ => Outline::nothing(),
+        }
+    }
+
+    fn blame(&self, call: &Call) -> Option<Impossible> {
+        match call.action {
+            FineAction::Move { to: Place::Input(Item::Beam(_)) } => call.cannot_grasp(End::Start),
+            FineAction::Move { to: Place::Approach(Target::Beam(_)) } => call.cannot_grasp(End::Place),
+            _ => None,
+        }
+    }
+
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
         let FineAction::Move { to } = call.action else { return Err(call.no_skill().into()) };
         match to {
@@ -51,11 +72,11 @@ impl Skill for MoveTo {
             // With an empty hand the skill that follows moves on its own.
             Place::Approach(_) | Place::Target(_) if cell.hand.held.is_none() => Ok(()),
             Place::Approach(Target::Beam(_)) => {
-                let beam = call.beam(cell)?;
+                let beam = call.beam(cell.assembly)?;
                 self.approach_beam(cell, beam)
             }
             Place::Approach(Target::Connection(_)) => {
-                let connection = call.connection(cell)?;
+                let connection = call.connection(cell.assembly)?;
                 self.approach_hole(cell, connection)
             }
             Place::Target(_) => Ok(()),
@@ -64,9 +85,39 @@ impl Skill for MoveTo {
 }
 
 impl MoveTo {
+    /// The held beam goes to where its insertion begins.
+    fn rehearse_beam(&self, scene: &Scene, beam: usize) -> Outline {
+        let name = &scene.assembly.beams[beam].beam.name;
+        let (Some(held), Some(path)) = (scene.holds(name), scene.paths.get(&beam)) else {
+            return Outline::nothing();
+        };
+        let goal = scene.x_wb_goal(beam, path.depth);
+        let back = scene.kit.x_wa().rotation * path.direction * -(path.distance + path.depth);
+        let start = Translation3::from(back + Vector3::z() * scene.parameters.insertion.clear) * goal;
+        let x_wt = start * held.x_tp.inverse();
+        Outline::one(vec![Motion::Travel { x_wt, open: scene.width(name), stage: Stage::Approach }])
+    }
+
+    /// The held peg goes over its hole, in any rotation that fits.
+    fn rehearse_peg(&self, scene: &Scene, connection: usize) -> Outline {
+        let mouth = scene.x_wp_seated(connection).translation.vector;
+        let heights = [scene.parameters.peg_search.over, 0.0];
+        let open = scene.parameters.grip.peg_open;
+        let over = peg_rotations(yaw_of(&scene.x_wt())).map(|rotation| {
+            let [x_wt, _] = peg_over_hole(&mouth, heights, rotation);
+            vec![Motion::Travel { x_wt, open, stage: Stage::Approach }]
+        });
+        Outline::Alternatives(over.to_vec())
+    }
+
     /// With these numbers.
     pub fn new(parameters: &Parameters) -> MoveTo {
         MoveTo { parameters: parameters.move_to.clone(), regrasp: Regrasp::new(parameters) }
+    }
+
+    /// The height over a hole to which a peg is carried: the height from which it is lowered, and more above it, m.
+    fn heights(&self, parameters: &Parameters) -> [f64; 2] {
+        [parameters.peg_search.over, self.parameters.above]
     }
 
     /// Moves the open hand over a part, at travelling height.
@@ -90,7 +141,7 @@ impl MoveTo {
             }
             cell.diagnose_holder(part);
         }
-        let (mut x_wt, open, _) = cell.choose_grasp(part, link)?;
+        let Grasp { mut x_wt, open, .. } = cell.choose_grasp(part, link)?;
         cell.hand.gripper.width = open;
         x_wt.translation.z = cell.parameters.travel.height;
         cell.travel_to_look(&x_wt)?;
@@ -158,18 +209,13 @@ impl MoveTo {
             return Err(Fault::NotHeld { part: "the peg".into() }.into());
         };
         cell.check_grip(&part)?;
-        let height =
-            mouth.z + cell.parameters.peg_search.over + self.parameters.above + STEM_LENGTH + PEG_HEIGHT;
         let q = cell.hand.joints();
-        let x = cell.hand.seen.x_wt.rotation * Vector3::x();
-        let yaw = x.y.atan2(x.x);
-        // Any turn of the square head will do. What counts is how far the joints stay from their ends while the peg
-        // goes in, in the posture in which the arm arrives there.
-        let candidates = [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0, 5.0, -5.0, 6.0].map(|step| {
-            let rotation = hand_down(yaw + step * TAU / 12.0);
-            let over = Pose::from_parts(Translation3::new(mouth.x, mouth.y, height), rotation);
-            let seated =
-                Pose::from_parts(Translation3::new(mouth.x, mouth.y, mouth.z + PEG_HEIGHT), rotation);
+        let heights = self.heights(&cell.parameters);
+        let rotations = peg_rotations(yaw_of(&cell.hand.seen.x_wt));
+        // Of the rotations that fit, the one that leaves the joints most room while the peg goes in, in the posture in which
+        // the arm arrives there.
+        let candidates = rotations.map(|rotation| {
+            let [over, seated] = peg_over_hole(&mouth, heights, rotation);
             let arrival = cell.planner.solve(&over, &q);
             let margin = arrival.map_or(-1.0, |arrival| cell.planner.straight_margin(&arrival, &seated));
             (over, Way { margin, ..cell.way(&[over]) })
@@ -178,8 +224,8 @@ impl MoveTo {
             return cell.travel_to_look(&x_wt);
         }
         // On no level path does the arm arrive so that the peg can go in: it takes another posture over the hole.
-        for (over, _) in candidates {
-            let down = Translation3::new(0.0, 0.0, mouth.z + PEG_HEIGHT - height) * over;
+        for rotation in rotations {
+            let [over, down] = peg_over_hole(&mouth, heights, rotation);
             let Some(arrival) = cell.planner.posture_for(&over, &down) else { continue };
             match cell.take_posture(&arrival) {
                 Err(SkillError::Motion(_)) => {}

@@ -1,10 +1,15 @@
 //! Picks up a part and lifts it a little.
 
+use ramp_planner::{End, FineAction, Impossible, Item};
+
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::parameters::Parameters;
 use crate::parameters::skills::PickUpParameters;
+use crate::primitive::grip::rehearse_grasps;
+use crate::rehearsal::outline::Outline;
+use crate::rehearsal::scene::Scene;
 
 /// Grasps a part where it stands, and lifts it.
 #[derive(Clone)]
@@ -33,6 +38,18 @@ impl Skill for PickUp {
         &[Effect::HoldsPart]
     }
 
+    fn rehearse(&self, scene: &Scene, call: &Call) -> Outline {
+        let Some(part) = call.part() else { return Outline::nothing() };
+        rehearse_grasps(scene, part, call.link())
+    }
+
+    fn blame(&self, call: &Call) -> Option<Impossible> {
+        match call.action {
+            FineAction::PickUp { item: Item::Beam(_), .. } => call.cannot_grasp(End::Start),
+            _ => None,
+        }
+    }
+
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
         let part = call.part().ok_or_else(|| call.no_skill())?;
         self.pick_up(cell, part, call.link())
@@ -51,8 +68,8 @@ impl PickUp {
     /// As [`Workcell::grasp`].
     pub fn pick_up(&self, cell: &mut Workcell, part: &str, link: Option<&str>) -> Result<(), SkillError> {
         cell.see_to_grip(part)?;
-        let (x_wt, open, width) = cell.choose_grasp(part, link)?;
-        cell.grasp(part, &x_wt, open, width)?;
+        let grasp = cell.choose_grasp(part, link)?;
+        cell.grasp(part, &grasp)?;
         let mut up = cell.hand.setpoint;
         // A peg must leave its holder altogether, a beam only the table.
         up.translation.z +=

@@ -1,5 +1,7 @@
 //! Brings a beam that already stands in the assembly to its nominal place.
 
+use ramp_planner::{End, Impossible};
+
 use super::assemble::Assemble;
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use crate::cell::Workcell;
@@ -7,6 +9,9 @@ use crate::fault::{Fault, SkillError};
 use crate::grasp;
 use crate::parameters::Parameters;
 use crate::parameters::skills::PushParameters;
+use crate::primitive::grip::rehearse_grasps;
+use crate::rehearsal::outline::Outline;
+use crate::rehearsal::scene::Scene;
 
 /// Grasps a beam in the assembly, and moves it to its nominal place.
 ///
@@ -39,8 +44,17 @@ impl Skill for Push {
         &[Effect::BeamAligned, Effect::HandEmpty]
     }
 
+    fn rehearse(&self, scene: &Scene, call: &Call) -> Outline {
+        let Some(part) = call.part() else { return Outline::nothing() };
+        rehearse_grasps(scene, part, call.link())
+    }
+
+    fn blame(&self, call: &Call) -> Option<Impossible> {
+        call.cannot_grasp(End::Place)
+    }
+
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
-        let beam = call.beam(cell)?;
+        let beam = call.beam(cell.assembly)?;
         let link = call.link().ok_or_else(|| call.no_skill())?;
         self.push(cell, beam, link)
     }

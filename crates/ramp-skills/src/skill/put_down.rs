@@ -8,6 +8,8 @@ use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::parameters::Parameters;
 use crate::parameters::skills::PutDownParameters;
+use crate::rehearsal::outline::Outline;
+use crate::rehearsal::scene::Scene;
 
 /// Puts the held part back where it was picked up, and lets go of it.
 #[derive(Clone)]
@@ -30,6 +32,11 @@ impl Skill for PutDown {
 
     fn expects(&self) -> &[Effect] {
         &[Effect::HandEmpty]
+    }
+
+    /// The place is the one from which the part was taken: what reached it then reaches it again.
+    fn rehearse(&self, _: &Scene, _: &Call) -> Outline {
+        Outline::nothing()
     }
 
     fn run(&self, cell: &mut Workcell, _: &Call) -> Result<(), SkillError> {

@@ -12,6 +12,8 @@ use crate::fault::{Fault, SkillError};
 use crate::grasp::{beam_grasp, points_on};
 use crate::parameters::Parameters;
 use crate::parameters::skills::RegraspParameters;
+use crate::rehearsal::outline::{InHand, Motion, Outline};
+use crate::rehearsal::scene::Scene;
 
 /// Changes the grasp of the held beam to another link: lays it on a free place of the table, and picks it up again.
 #[derive(Clone)]
@@ -41,8 +43,20 @@ impl Skill for Regrasp {
         &[Effect::HoldsPart]
     }
 
+    /// The beam lies on a free place of the table when the hand takes it again: any grasp of the link will do there.
+    fn rehearse(&self, scene: &Scene, call: &Call) -> Outline {
+        let Some(part) = call.part().filter(|part| scene.holds(part).is_some()) else {
+            return Outline::nothing();
+        };
+        let Some(x_wp) = scene.x_wp(part) else { return Outline::nothing() };
+        let grasps = scene.grasps(part, call.link()).into_iter();
+        Outline::Alternatives(
+            grasps.map(|grasp| vec![Motion::Hold(InHand::by(part, &x_wp, &grasp))]).collect(),
+        )
+    }
+
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
-        let beam = call.beam(cell)?;
+        let beam = call.beam(cell.assembly)?;
         let link = call.link().ok_or_else(|| call.no_skill())?;
         self.regrasp(cell, beam, link)
     }

@@ -1,6 +1,7 @@
 //! Slides a beam that stands deeper than its place forward into the joint that now stands in front of it.
 
 use nalgebra::{Point3, Translation3};
+use ramp_planner::{End, Impossible};
 
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use crate::cell::Workcell;
@@ -8,6 +9,9 @@ use crate::fault::{Fault, SkillError};
 use crate::grasp;
 use crate::parameters::Parameters;
 use crate::parameters::skills::SlideParameters;
+use crate::primitive::grip::rehearse_grasps;
+use crate::rehearsal::outline::{Motion, Outline};
+use crate::rehearsal::scene::Scene;
 
 /// Slides a beam that stands deeper than its place forward to its place.
 ///
@@ -40,8 +44,20 @@ impl Skill for Slide {
         &[Effect::BeamAtPlace, Effect::HandEmpty]
     }
 
+    fn rehearse(&self, scene: &Scene, call: &Call) -> Outline {
+        let (Some(part), Ok(beam)) = (call.part(), call.beam(scene.assembly)) else {
+            return Outline::nothing();
+        };
+        let depth = scene.paths.get(&beam).map_or(0.0, |path| path.depth);
+        rehearse_grasps(scene, part, call.link()).then(&Motion::Contact(depth))
+    }
+
+    fn blame(&self, call: &Call) -> Option<Impossible> {
+        call.cannot_grasp(End::Place)
+    }
+
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
-        let beam = call.beam(cell)?;
+        let beam = call.beam(cell.assembly)?;
         let link = call.link().ok_or_else(|| call.no_skill())?;
         self.slide(cell, beam, link)
     }
