@@ -1,0 +1,57 @@
+//! Opens and closes the gripper, and waits for it.
+
+use ramp_robot::{GripperCommand, PERIOD, RobotError};
+
+use super::access::Hand;
+use crate::fault::SkillError;
+
+/// The longest wait for a gripper, periods.
+const SLOWEST_GRIPPER: u32 = 10_000;
+impl Hand<'_> {
+    /// Opens or closes to `width` (m) with at most `force` (N) and waits until the fingers are still.
+    ///
+    /// # Errors
+    /// [`Fault::Overload`], and the robot's.
+    pub fn grip(&mut self, width: f64, force: f64) -> Result<(), SkillError> {
+        self.gripper = GripperCommand { width, force };
+        let opens = width > self.seen.width;
+        let mut still = 0;
+        let mut before = self.seen.width;
+        let mut period = 0;
+        let mut busy = 0;
+        while period < 3000 {
+            self.tick()?;
+            // A gripper that reports when it is done need not be watched.
+            if self.seen.gripper_busy && busy < SLOWEST_GRIPPER {
+                busy += 1;
+                continue;
+            }
+            if busy > 0 {
+                break;
+            }
+            period += 1;
+            still = if (self.seen.width - before).abs() < 2e-6 { still + 1 } else { 0 };
+            before = self.seen.width;
+            // Fingers that squeeze a part hold still for a while before they open.
+            let unloading = opens && period <= 600 && width - self.seen.width > self.parameters.opened;
+            if still > (self.parameters.still / PERIOD).round() as u32 && !unloading {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Repeats the last command until the gripper has carried out its command.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn wait_for_gripper(&mut self) -> Result<(), RobotError> {
+        for _ in 0..SLOWEST_GRIPPER {
+            if !self.seen.gripper_busy {
+                break;
+            }
+            self.hold(PERIOD)?;
+        }
+        Ok(())
+    }
+}
