@@ -101,7 +101,7 @@ impl MoveTo {
     /// The held peg goes over its hole, in any rotation that fits.
     fn rehearse_peg(&self, scene: &Scene, connection: usize) -> Outline {
         let mouth = scene.x_wp_seated(connection).translation.vector;
-        let heights = [scene.parameters.peg_search.over, 0.0];
+        let heights = self.heights(&scene.parameters);
         let open = scene.parameters.grip.peg_open;
         let over = peg_rotations(yaw_of(&scene.x_wt())).map(|rotation| {
             let [x_wt, _] = peg_over_hole(&mouth, heights, rotation);
