@@ -59,7 +59,7 @@ impl Eye {
 
 /// How far a camera may be from where the robot says it is, 1 σ, m and rad.
 fn calibration(parameters: &EyesParameters) -> [f64; 2] {
-    [parameters.calibration, parameters.calibration_turn.to_radians()]
+    [parameters.calibration, parameters.calibration_turn]
 }
 
 /// What finds the parts.
@@ -306,7 +306,7 @@ impl Eyes {
             if !known.is_empty() {
                 let (better, left) = calibration.solve();
                 *model = better;
-                let (position, angle) = (self.parameters.remains, self.parameters.remains_turn.to_radians());
+                let (position, angle) = (self.parameters.remains, self.parameters.remains_turn);
                 eye.covariance = left + covariance([position; 3], [angle; 3]);
             }
         }

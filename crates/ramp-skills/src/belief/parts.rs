@@ -40,8 +40,8 @@ impl Belief {
     /// What is known before anything is seen.
     pub fn new(kit: &Kit, assembly: &Assembly, parameters: &Parameters) -> Belief {
         let own = &parameters.belief;
-        let on_sheet = (own.on_sheet, radians(own.on_sheet_turn));
-        let clamped = ([own.clamped; 3], radians([own.clamped_turn; 3]));
+        let on_sheet = (own.on_sheet, own.on_sheet_turn);
+        let clamped = ([own.clamped; 3], [own.clamped_turn; 3]);
         let base = &assembly.beams[assembly.base];
         let mut parts = BTreeMap::new();
         let mut insert = |name: &str, x: Pose, (position, rotation): ([f64; 3], [f64; 3]), frame| {
@@ -128,7 +128,7 @@ impl Belief {
                 Frame::Tip => (own.doubted_held, own.doubted_held_turn),
                 Frame::World | Frame::Clamped => (own.doubted, own.doubted_turn),
             };
-            part.estimate.spread([distance; 3], radians([turn; 3]));
+            part.estimate.spread([distance; 3], [turn; 3]);
         }
     }
 
@@ -138,7 +138,7 @@ impl Belief {
             let x_wp = self.find(name).unwrap_or(part.estimate.x);
             let up = (x_wp.rotation * Vector3::z()).z;
             let tilt = (part.estimate.covariance[(3, 3)] + part.estimate.covariance[(4, 4)]).sqrt();
-            if up.abs() < self.parameters.level || tilt > self.parameters.tilted.to_radians() {
+            if up.abs() < self.parameters.level || tilt > self.parameters.tilted {
                 return None;
             }
             let height = part.estimate.covariance[(2, 2)].sqrt();
@@ -157,13 +157,10 @@ impl Belief {
         self.x_wt = hand.seen.x_wt;
         let own = &self.parameters;
         for part in self.parts.values_mut().filter(|part| part.frame != Frame::Clamped) {
-            part.estimate.spread([own.resting * share; 3], [own.resting_turn.to_radians() * share; 3]);
+            part.estimate.spread([own.resting * share; 3], [own.resting_turn * share; 3]);
             if part.frame == Frame::Tip {
                 let share = way.norm().sqrt();
-                part.estimate.spread(
-                    own.carried.map(|sigma| sigma * share),
-                    [own.carried_turn.to_radians() * share; 3],
-                );
+                part.estimate.spread(own.carried.map(|sigma| sigma * share), [own.carried_turn * share; 3]);
             }
         }
     }
@@ -220,8 +217,8 @@ impl Belief {
         let x_wt = self.x_wt;
         let Some(part) = self.parts.get_mut(part) else { return };
         let mut estimate = part.estimate.seen_from(&x_wt.inverse());
-        estimate.spread(own.gripped, radians(own.gripped_turn));
-        let (offset, angle) = (own.centred, own.centred_turn.to_radians());
+        estimate.spread(own.gripped, own.gripped_turn);
+        let (offset, angle) = (own.centred, own.centred_turn);
         let x = estimate.x.rotation * Vector3::x();
         let yaw = x.y.atan2(x.x);
         let step = if square { std::f64::consts::FRAC_PI_2 } else { std::f64::consts::PI };
@@ -251,7 +248,7 @@ impl Belief {
         let own = &self.parameters;
         let x_wt = self.x_wt;
         let Some(part) = self.parts.get_mut(part).filter(|part| part.frame == Frame::Tip) else { return };
-        let covariance = covariance([own.reckoned; 3], radians([own.reckoned_turn; 3]));
+        let covariance = covariance([own.reckoned; 3], [own.reckoned_turn; 3]);
         part.rebase(Frame::Tip, Estimate { x: x_wt.inverse() * x_wp, covariance });
     }
 
@@ -259,21 +256,21 @@ impl Belief {
     pub fn pushed(&mut self, part: &str) {
         let own = &self.parameters;
         if let Some(part) = self.parts.get_mut(part).filter(|part| part.frame == Frame::Tip) {
-            part.estimate.spread(own.pushed, radians(own.pushed_turn));
-            part.estimate.spread_turn(&Vector3::y(), own.pushed_roll.to_radians());
+            part.estimate.spread(own.pushed, own.pushed_turn);
+            part.estimate.spread_turn(&Vector3::y(), own.pushed_roll);
         }
     }
 
     /// The fingers have let go of a part where it is now.
     pub fn released(&mut self, part: &str) {
         let own = &self.parameters;
-        self.freed(part, ([own.released; 3], radians(own.released_turn)));
+        self.freed(part, ([own.released; 3], own.released_turn));
     }
 
     /// A part has slipped out of the fingers: it may be anywhere below.
     pub fn lost(&mut self, part: &str) {
         let own = &self.parameters;
-        self.freed(part, ([own.lost; 3], radians([own.lost_turn; 3])));
+        self.freed(part, ([own.lost; 3], [own.lost_turn; 3]));
     }
 
     fn freed(&mut self, part: &str, (position, rotation): ([f64; 3], [f64; 3])) {
@@ -379,11 +376,6 @@ impl Belief {
         obstacles.extend(holder_boxes(kit));
         obstacles
     }
-}
-
-/// Degrees about three axes as radians.
-fn radians(degrees: [f64; 3]) -> [f64; 3] {
-    degrees.map(f64::to_radians)
 }
 
 #[cfg(test)]

@@ -111,7 +111,7 @@ impl Workcell<'_, '_> {
 
     /// Says so when a part has moved in the hand by `moved` (m) and `turned` (rad).
     pub fn diagnose_grip(&mut self, part: &str, moved: f64, turned: f64) {
-        if turned > self.parameters.diagnosis.slip_turn / 180.0 * std::f64::consts::PI {
+        if turned > self.parameters.diagnosis.slip_turn {
             self.diagnose(
                 Cause::GripMoved,
                 format!("{part} has turned by {:.1}° in the hand", turned.to_degrees()),

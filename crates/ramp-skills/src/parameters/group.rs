@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 
-/// The values of a parameter file: by table and field, a single number as a list of one.
+/// The unit of angles in the file, where it is not rad.
+const DEGREES: &str = "°";
+
+/// The values of a parameter file, in its units: by table and field, a single number as a list of one.
 pub type Values = BTreeMap<(String, String), Vec<f64>>;
 
 /// What one parameter is.
@@ -10,15 +13,15 @@ pub type Values = BTreeMap<(String, String), Vec<f64>>;
 pub struct Field {
     /// Its name in the parameter file.
     pub name: &'static str,
-    /// Its unit; empty for a plain number.
+    /// Its unit in the file; empty for a plain number.
     pub unit: &'static str,
     /// What it means, and how it was found.
     pub meaning: &'static str,
     /// Its form.
     pub form: Form,
-    /// The least value that it may have.
+    /// Its least value, in the unit of the file.
     pub least: f64,
-    /// The largest value that it may have.
+    /// Its largest value, in the unit of the file.
     pub most: f64,
 }
 
@@ -94,6 +97,36 @@ pub struct Group {
     pub values: Vec<Vec<f64>>,
 }
 
+/// The numbers of a parameter in SI units, from those of the file in `unit`. Angles in degrees become radians; all other units of
+/// parameter files are SI.
+pub fn to_si(numbers: &[f64], unit: &str) -> Vec<f64> {
+    if unit == DEGREES {
+        numbers.iter().map(|number| number.to_radians()).collect()
+    } else {
+        numbers.to_vec()
+    }
+}
+
+/// The inverse of [`to_si`], to twelve digits.
+pub fn from_si(numbers: &[f64], unit: &str) -> Vec<f64> {
+    let rounded = |degrees: f64| format!("{degrees:.11e}").parse().unwrap_or(degrees);
+    if unit == DEGREES {
+        numbers.iter().map(|number| rounded(number.to_degrees())).collect()
+    } else {
+        numbers.to_vec()
+    }
+}
+
+/// The unit of a parameter in its struct, from that of the file.
+macro_rules! si_unit {
+    ("°") => {
+        "rad, in the file °"
+    };
+    ($unit:literal) => {
+        $unit
+    };
+}
+
 /// Declares a struct of parameters: each field with its type, its unit, the least and the largest value that it may have.
 macro_rules! parameters {
     (
@@ -101,7 +134,7 @@ macro_rules! parameters {
         $group:ident {
             $(
                 $(#[doc = $meaning:literal])+
-                $field:ident: $type:ty = $unit:literal, $least:literal, $most:literal;
+                $field:ident: $type:ty = $unit:tt, $least:literal, $most:literal;
             )+
         }
     ) => {
@@ -110,7 +143,7 @@ macro_rules! parameters {
         pub struct $group {
             $(
                 $(#[doc = $meaning])+
-                #[doc = concat!("\n\nUnit: ", $unit, ".")]
+                #[doc = concat!("\n\nUnit: ", si_unit!($unit), ".")]
                 pub $field: $type,
             )+
         }
@@ -138,15 +171,19 @@ macro_rules! parameters {
                 values: &$crate::parameters::group::Values,
                 table: &str,
             ) -> Option<$group> {
-                let get = |field: &str| values.get(&(table.to_string(), field.to_string()));
+                let get = |field: &str, unit: &str| {
+                    let numbers = values.get(&(table.to_string(), field.to_string()))?;
+                    Some($crate::parameters::group::to_si(numbers, unit))
+                };
                 Some($group {
-                    $($field: $crate::parameters::group::Value::from_numbers(get(stringify!($field))?)?,)+
+                    $($field: $crate::parameters::group::Value::from_numbers(&get(stringify!($field), $unit)?)?,)+
                 })
             }
 
-            /// Its values, in the order of [`Self::FIELDS`].
+            /// Its values in the units of the file, in the order of [`Self::FIELDS`].
             pub fn values(&self) -> Vec<Vec<f64>> {
-                vec![$($crate::parameters::group::Value::numbers(&self.$field),)+]
+                let numbers = [$($crate::parameters::group::Value::numbers(&self.$field),)+];
+                numbers.iter().zip(Self::FIELDS).map(|(it, field)| $crate::parameters::group::from_si(it, field.unit)).collect()
             }
         }
     };

@@ -108,8 +108,8 @@ parameters! {
         /// Fingers count as opened when they are so much further apart than where they stopped. Those that sprang back as far
         /// as they open for a peg have not been opened by that.
         opened: f64 = "m", 0.0, 0.02;
-        /// Sine of the angle to the table beyond which a beam in the hand is tilted.
-        tilted: f64 = "", 1e-3, 1.0;
+        /// Angle to the table beyond which a beam in the hand is tilted.
+        tilted: f64 = "rad", 1e-3, 1.5;
     }
 }
 

@@ -164,10 +164,9 @@ impl Workcell<'_, '_> {
 
     /// Is the held beam tilted in the hand?
     pub fn is_tilted(&self) -> bool {
-        self.hand
-            .held
-            .as_ref()
-            .is_some_and(|held| (held.x_tp.rotation * Vector3::x()).z.abs() > self.parameters.grip.tilted)
+        self.hand.held.as_ref().is_some_and(|held| {
+            (held.x_tp.rotation * Vector3::x()).z.abs() > self.parameters.grip.tilted.sin()
+        })
     }
 
     /// The reachable link of a standing beam that is nearest to the beam's free end.

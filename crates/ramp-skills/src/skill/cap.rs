@@ -93,7 +93,7 @@ impl Cap {
                 let angle = along.dot(direction).abs().min(1.0).acos();
                 cell.meets(theirs, beam)
                     && other.beam.joints[theirs.joint].kind.is_end()
-                    && angle > self.parameters.angled.to_radians()
+                    && angle > self.parameters.angled
             },
         )
     }
@@ -109,9 +109,7 @@ impl Cap {
     ) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         let direction = cell.insertion_direction(beam, goal)?;
-        let lean = UnitQuaternion::from_scaled_axis(
-            Vector3::z().cross(&direction) * self.parameters.lean.to_radians(),
-        );
+        let lean = UnitQuaternion::from_scaled_axis(Vector3::z().cross(&direction) * self.parameters.lean);
         let leaning = Pose::from_parts(goal.translation, lean * goal.rotation);
         let x_wp = cell.belief.pose(&name)?;
         let stations = [cell.remaining(&name, goal, &direction)?, self.parameters.under].map(|before| {
@@ -178,7 +176,7 @@ impl Cap {
     /// Turns a capped beam to and fro about its grasp while it is pressed on, so that both ends find their walls.
     fn sweep(&self, cell: &mut Workcell) -> Result<(), SkillError> {
         let centre = cell.hand.setpoint;
-        let sweep = self.parameters.sweep.to_radians();
+        let sweep = self.parameters.sweep;
         for angle in [sweep, -sweep, 0.0] {
             let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
             let target = Pose::from_parts(centre.translation, turn * centre.rotation);

@@ -194,7 +194,7 @@ impl Fasten {
             [cell.assembly.connections[connection].female, cell.assembly.connections[connection].male]
         {
             let (beam, _) = cell.hole(joint);
-            cell.belief.bumped(&beam, (self.parameters.bump, self.parameters.bump_turn.to_radians()));
+            cell.belief.bumped(&beam, (self.parameters.bump, self.parameters.bump_turn));
         }
         // The look when the hand is off tells more, and then the peg is pressed again by its head should it stand too high.
         if cell.gap(connection, peg)? < cell.parameters.press.nearly {

@@ -166,9 +166,9 @@ impl Insertion {
         for (met, _) in cell.meeting(beam) {
             let carried = aim.loose.contains(&met) || (stopped && sleeves.contains(&met));
             let bump = match sleeves.contains(&met) {
-                _ if carried => (self.parameters.loose_bump, self.parameters.loose_bump_turn.to_radians()),
-                true => (self.parameters.sleeve_bump, self.parameters.sleeve_bump_turn.to_radians()),
-                false => (self.parameters.bump, self.parameters.bump_turn.to_radians()),
+                _ if carried => (self.parameters.loose_bump, self.parameters.loose_bump_turn),
+                true => (self.parameters.sleeve_bump, self.parameters.sleeve_bump_turn),
+                false => (self.parameters.bump, self.parameters.bump_turn),
             };
             cell.belief.bumped(&met, bump);
         }

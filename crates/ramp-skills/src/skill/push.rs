@@ -133,7 +133,7 @@ impl Push {
             }
             cell.settle(beam)?;
             cell.release()?;
-            cell.drag(beam, (self.parameters.dragged, self.parameters.dragged_turn.to_radians()));
+            cell.drag(beam, (self.parameters.dragged, self.parameters.dragged_turn));
         }
         cell.see_ends(beam)?;
         let (_, off) = cell.straightened(beam)?;

@@ -95,7 +95,7 @@ impl Slide {
                 cell.note("retry", format!("slide {name}, {:.1} mm aside", aside * 1e3));
             }
             let tried = self.slide_once(cell, beam, aside);
-            cell.drag(beam, (self.parameters.dragged, self.parameters.dragged_turn.to_radians()));
+            cell.drag(beam, (self.parameters.dragged, self.parameters.dragged_turn));
             jam = tried?;
             if jam.is_none() {
                 break;
