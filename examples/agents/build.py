@@ -34,8 +34,8 @@ def ask(message):
     return answer
 
 
-def note(kind, what):
-    ask({"event": {"kind": kind, "what": what}})
+def report(kind, **fields):
+    ask({"event": {"kind": kind, **fields}})
 
 
 # ---- Poses.
@@ -239,17 +239,22 @@ def main():
     standing = {it["name"] for it in goal["beams"] if it["clamped"]}
     pinned = set()
     for insertion in goal["insertions"]:
-        note("start", f"insert {insertion['beam']}")
+        action = {"action": "insert", "beam": insertion["beam"]}
+        report("action_begun", **action)
         insert(hand, goal, insertion)
-        note("done", f"insert {insertion['beam']}")
+        report("action_ended", **action)
         standing.add(insertion["beam"])
         for connection in goal["connections"]:
             name = connection["name"]
             beams = {connection[side].rsplit("j", 1)[0] for side in ("female", "male")}
             if name not in pinned and beams <= standing:
                 peg = next(pegs)
-                note("start", f"fasten {name} with {peg}")
-                note("done" if fasten(hand, goal, connection, peg) else "fault", f"fasten {name} with {peg}")
+                action = {"action": "fasten", "connection": name, "peg": peg}
+                report("action_begun", **action)
+                if fasten(hand, goal, connection, peg):
+                    report("action_ended", **action)
+                else:
+                    report("fault", fault="hole_not_found", peg=peg, connection=name)
                 pinned.add(name)
     ask({"done": {}})
 

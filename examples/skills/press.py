@@ -65,7 +65,7 @@ def main():
         }
         seen = say("step", {"commands": [command]})["observation"]
     else:
-        say("event", {"kind": "fault", "what": f"the peg stands {-off[2] * 1e3:.1f} mm high"})
+        say("event", {"kind": "fault", "fault": "other", "why": f"the peg stands {-off[2] * 1e3:.1f} mm high"})
     say("done")
 
 

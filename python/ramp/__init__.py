@@ -23,12 +23,12 @@ from ramp._core import (
     __version__,
     data,
 )
-from ramp.agent import Agent, Skill, Task
+from ramp.agent import Agent, EventKind, Skill, Task
 from ramp.bench import Results, bench, run
 from ramp.film import Film
 from ramp.goal import Connection, Goal, goals
 from ramp.plan import Plan, plan
-from ramp.result import Peg, Result, Time
+from ramp.result import Peg, Result, Time, describe
 from ramp.twin import Twin
 
 __all__ = [
@@ -36,6 +36,7 @@ __all__ = [
     "CameraImage",
     "Command",
     "Connection",
+    "EventKind",
     "Film",
     "Goal",
     "InputError",
@@ -56,6 +57,7 @@ __all__ = [
     "__version__",
     "bench",
     "data",
+    "describe",
     "goals",
     "plan",
     "run",

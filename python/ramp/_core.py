@@ -27,7 +27,10 @@ try:
         RobotStopped,
         Snapshot,
         __version__,
+        check_event,
+        current_result,
         curve_svg,
+        describe_event,
     )
     from ramp._ramp import Twin as CompiledTwin
     from ramp._ramp import run as run_episode
@@ -52,8 +55,11 @@ __all__ = [
     "Snapshot",
     "__version__",
     "benchmark",
+    "check_event",
+    "current_result",
     "curve_svg",
     "data",
+    "describe_event",
     "run_episode",
 ]
 

@@ -260,5 +260,14 @@ def run(
 ) -> str:
     """Runs an episode; the result as JSON."""
 
+def check_event(event: str) -> None:
+    """Checks an event that an agent reports, as JSON."""
+
+def describe_event(event: str) -> str:
+    """The text of an event, from its JSON."""
+
+def current_result(result: str) -> str:
+    """A result as JSON of the present schema, from JSON of this one or of the one before."""
+
 def curve_svg(result: str) -> str:
     """The completion of a result over time, as SVG."""

@@ -3,15 +3,34 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+import json
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ramp._core import Robot
+from ramp._core import Robot, check_event
 from ramp.goal import Goal
 
 Array = NDArray[np.float64]
+
+EventKind = Literal[
+    "action_begun",
+    "action_ended",
+    "fault",
+    "retry",
+    "search",
+    "touched",
+    "seen",
+    "diagnosis",
+    "replan",
+    "motion",
+    "unusual_grasp",
+    "not_rehearsed",
+    "clipped",
+    "note",
+]
+"""The kinds of events that an agent reports; their fields are in the reference of results."""
 
 
 class Agent:
@@ -30,7 +49,7 @@ class Agent:
     """Its version in results."""
 
     def __init__(self) -> None:
-        self.events: list[tuple[float, str]] = []
+        self.events: list[dict[str, Any]] = []
 
     def run(self, robot: Robot, goal: Goal) -> None:
         """Works on the goal. Returning ends the episode.
@@ -40,9 +59,30 @@ class Agent:
         """
         raise NotImplementedError
 
-    def note(self, time: float, what: str) -> None:
-        """Adds what happened, at a robot time in s, to the result."""
-        self.__dict__.setdefault("events", []).append((float(time), str(what)))
+    def report(self, time: float, kind: EventKind, **fields: Any) -> None:
+        """Adds an event to the result.
+
+        Args:
+            time: Robot time, s.
+            kind: The kind of the event, such as ``diagnosis``.
+            fields: The fields of that kind, such as ``cause``, ``part`` and ``evidence``. Lengths are in m.
+
+        Raises:
+            ramp.InputError: The kind or a field is wrong, or the event is too long.
+
+        >>> agent = ramp.Agent()
+        >>> agent.report(1.5, "diagnosis", cause="jam", part="b4", evidence="25 N")
+        >>> agent.report(2.0, "action_begun", action="push", beam="b4", link="b4l2")
+
+        """
+        event = {"t": float(time), "kind": kind, **fields}
+        check_event(json.dumps(event))
+        self.__dict__.setdefault("events", []).append(event)
+
+    def note(self, time: float, text: str) -> None:
+        """Adds a text for a person to the result, at a robot time in s: an event of the kind ``note``."""
+        printable = "".join(c if c.isprintable() else " " for c in str(text))
+        self.report(time, "note", text=printable[:200])
 
 
 @dataclasses.dataclass(frozen=True)

@@ -8,7 +8,16 @@ import os
 import pathlib
 from typing import Any
 
-from ramp._core import curve_svg
+from ramp._core import current_result, curve_svg, describe_event
+
+
+def describe(event: dict[str, Any]) -> str:
+    """The text of an event for a person, as the command line and reports show it.
+
+    >>> ramp.describe({"t": 1.5, "kind": "fault", "fault": "not_held", "part": "b4"})
+    'b4 is not in the hand'
+    """
+    return describe_event(json.dumps(event))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -70,14 +79,16 @@ class Result:
     state: str
     """Hash of the physics at the end: the same in two runs only if every bit is."""
     events: tuple[dict[str, Any], ...] = dataclasses.field(repr=False)
-    """What happened: ``t`` in s, ``kind``, ``what``."""
+    """What happened: ``t`` in s, ``kind``, and the fields of that kind. :func:`ramp.describe` gives the text of one."""
     json: str = dataclasses.field(repr=False)
     """The result file, of the schema ``data/schema/episode.schema.json``."""
 
     @staticmethod
     def from_json(text: str) -> Result:
-        """From a result file."""
+        """From a result file. Events of the schema before are converted."""
         value = json.loads(text)
+        if value.get("schema") == "ramp-episode-3":
+            value = json.loads(current_result(text))
         physics = value.get("physics") or {}
         compared = value.get("robot_time") or {}
         pegs = [None if it is None else Peg(**{**it, "joints": tuple(it["joints"])}) for it in value["pegs"]]

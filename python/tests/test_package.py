@@ -95,6 +95,9 @@ class Stays(ramp.Agent):
         hold = ramp.Command.joint_positions(seen.positions.astype(np.float32)[::1])
         for _ in range(10):
             seen = robot.step(hold, 100)
+        self.report(0.5, "action_begun", action="wait", seconds=1)
+        self.report(0.6, "fault", fault="jammed", part="b4", remaining=0.0031, force=25.0)
+        self.report(0.7, "diagnosis", cause="jam", part="b4", evidence="25 N")
         self.note(seen.time, "stood still")
         self.parts = robot.read_parts()
 
@@ -104,7 +107,25 @@ def test_an_agent_in_python_works_is_named_and_filmed(tmp_path):
     log = tmp_path / "log.mcap"
     result = ramp.run("easy-1", agent=agent, track="state", record=log)
     assert result.agent == "stays 0.1" and result.counted == 0 and result.ended == "done"
-    assert result.time.robot == pytest.approx(1.0) and result.events[-1]["what"] == "stood still"
+    assert result.time.robot == pytest.approx(1.0) and result.events[-1]["text"] == "stood still"
+    kinds = [event["kind"] for event in result.events]
+    assert kinds == ["action_begun", "fault", "diagnosis", "note"]
+    assert [ramp.describe(event) for event in result.events] == [
+        "wait seconds 1",
+        "b4 jams 3.1 mm before its place at 25.0 N",
+        "jam: 25 N",
+        "stood still",
+    ]
+    for kind, fields, why in [
+        ("dance", {}, "unknown variant `dance`, expected one of `action_begun`"),
+        ("diagnosis", {"cause": "bad luck", "evidence": ""}, "unknown variant `bad luck`, expected one of `part-lost`"),
+        ("note", {"text": "a", "what": "b"}, "unknown field `what`"),
+        ("note", {"text": "a" * 300}, "325 characters, and 250 is the most"),
+        ("note", {"text": "a\x1b[2J"}, "a control character"),
+        ("stopped", {"why": "it says so"}, "only the episode reports"),
+    ]:
+        with pytest.raises(ramp.InputError, match=why.replace("`", ".")):
+            agent.report(1.0, kind, **fields)
     assert agent.parts["b4"].shape == (7,)
     with pytest.raises(RuntimeError, match="the robot is gone"):
         agent.robot.observe()
@@ -151,7 +172,7 @@ def test_a_skill_in_python_fastens_inside_the_baseline():
     result = ramp.run("easy-1", skills=[GivesUpOnce()], track="state")
     assert result.agent.startswith("baseline+fasten-by-linear-policy")
     # The baseline goes on as after any fault, and tries again.
-    assert any("not today" in it["what"] for it in result.events)
+    assert any("not today" in it.get("why", "") for it in result.events)
     assert result.counted == 3, result
 
 

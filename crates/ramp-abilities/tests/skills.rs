@@ -12,7 +12,8 @@ use ramp_assembly::Insertion;
 use ramp_motion::{Pace, PathPlanner, TimeLaw};
 use ramp_planner::{CoarseAction, CoarseStep, FineAction, Grasp, Item, Place, Target};
 use ramp_robot::{
-    Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError, Track,
+    Agent, Camera, CameraModel, Cause, Command, Event, EventKind, Image, Observation, PartReading, Robot,
+    RobotError, Track,
 };
 use ramp_skills::cell::{InsertionPath, Workcell};
 use ramp_skills::grasp::BeamGrasp;
@@ -151,7 +152,7 @@ impl Skill for Pretend {
     }
 
     fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
-        cell.note("seen", format!("pretends to {}", call.action));
+        cell.record(EventKind::Note { text: format!("pretends to {}", call.action) });
         Ok(())
     }
 }
@@ -170,7 +171,7 @@ fn a_skill_of_ones_own_takes_the_place_of_one_of_the_baseline() {
     let (_, pick_up) = picking("b4", Some("b4l2"));
     let pretended = table.execute(&mut cell, &Call::alone(&pick_up)).unwrap_err();
     assert!(matches!(&pretended, SkillError::Fault(Fault::Unmet { .. })), "{pretended}");
-    assert_eq!(cell.events[0].what, format!("pretends to {pick_up}"));
+    assert_eq!(cell.events[0].kind.to_string(), format!("pretends to {pick_up}"));
     let beam = "b4".to_string();
     let lay_down = table.execute(&mut cell, &Call::alone(&FineAction::LayDown { beam })).unwrap_err();
     assert!(matches!(&lay_down, SkillError::Fault(Fault::NotReady { .. })), "{lay_down}");
@@ -215,7 +216,10 @@ fn the_spiral_finds_a_hole_that_is_not_where_it_is_believed() {
             referee.watch(&truth, 0.0);
             referee.verdict()[connection].clone()
         };
-        assert!(events.iter().any(|event| event.kind == "search"), "no search was needed: {events:?}");
+        assert!(
+            events.iter().any(|event| matches!(event.kind, EventKind::Search(_))),
+            "no search was needed: {events:?}"
+        );
         assert!(referee_sees.is_some(), "{events:?} {:?}", truth.x_wp[find("p1")]);
     }
 }
@@ -323,8 +327,8 @@ fn fingers_that_spring_back_as_far_as_they_open_grip_a_peg_all_the_same() {
     let mut cell = cell(&world, &planner, &mut twin);
     hover(&mut cell, "p1", None);
     pick_up(&mut cell, "p1", None);
-    let short = "grip-weak: the fingers stop ";
-    assert!(cell.events.iter().any(|event| event.what.starts_with(short)), "{:?}", cell.events);
+    let weak = |event: &Event| matches!(event.kind, EventKind::Diagnosis { cause: Cause::GripWeak, .. });
+    assert!(cell.events.iter().any(weak), "{:?}", cell.events);
 }
 
 /// A beam that is held so far out that the arm cannot take it to where its insertion begins is laid down and taken where
@@ -347,7 +351,7 @@ fn a_beam_that_is_held_too_far_out_is_taken_anew() {
     cell.grasp("b6", &grasp).unwrap();
     cell.retreat().unwrap();
     approach_beam(&mut cell, b6);
-    let again = cell.events.iter().any(|event| event.what == "regrasp b6l2");
+    let again = cell.events.iter().any(|event| event.kind.to_string() == "regrasp b6l2");
     assert!(again, "the arm reached it as it was: {:?}", cell.events);
     let nominal = world.kit.x_wa() * world.assembly.beams[b6].x_ab;
     let back = world.kit.x_wa().rotation * cell.paths[&b6].direction * -distance;
@@ -420,8 +424,8 @@ fn a_beam_that_hangs_on_a_finger_is_let_go_of_anew() {
         up.translation.z += lift;
         cell.hand.go(&up, 0.01).unwrap();
         cell.release().unwrap();
-        let told = "let go of b4, which hangs on a finger";
-        assert!(cell.events.iter().any(|event| event.what == told), "{:?}", cell.events);
+        let hangs = |event: &Event| matches!(&event.kind, EventKind::Retry(it) if it.step == "let_go_of");
+        assert!(cell.events.iter().any(hangs), "{:?}", cell.events);
         let off = (cell.belief.pose("b4").unwrap() * free - place).norm();
         drop(cell);
         assert!(off < 3.0e-3, "the free end of b4 is {:.2} mm from its place", off * 1e3);
@@ -439,7 +443,7 @@ fn a_beam_that_is_turned_on_the_way_is_taken_anew_before_it_goes_down() {
     let mut twin = turning(&world, 6);
     {
         let cell = fetched(&world, &planner, &mut twin, b5, "b5l2");
-        let told: Vec<&str> = cell.events.iter().map(|event| event.what.as_str()).collect();
+        let told: Vec<String> = cell.events.iter().map(|event| event.kind.to_string()).collect();
         let turned = told.iter().position(|what| what.starts_with("grip-moved: b5 has turned by"));
         let turned = turned.unwrap_or_else(|| panic!("{told:?}"));
         assert_eq!(told[turned + 1], "regrasp b5l2", "{told:?}");

@@ -50,15 +50,10 @@ fn spied(results: &TempDir, arguments: &[&str]) -> BTreeMap<String, Option<Strin
     assert_eq!(result["ended"]["reason"], "done", "{}", text(&output.stderr));
     let events = result["events"].as_array().unwrap();
     let doors = events.iter().map(|event| {
-        let what = event["what"].as_str().unwrap();
-        assert!(!what.contains(SEED), "{what}");
-        match event["kind"].as_str().unwrap() {
-            "fault" => {
-                let (door, found) = what.split_once(": ").unwrap();
-                (door.to_string(), Some(found.to_string()))
-            }
-            _ => (what.to_string(), None),
-        }
+        let door = event["door"].as_str().unwrap().to_string();
+        let found = event["found"].as_str().map(str::to_string);
+        assert!(!found.as_deref().unwrap_or_default().contains(SEED), "{door}: {found:?}");
+        (door, found)
     });
     doors.collect()
 }

@@ -8,11 +8,11 @@ use ramp_log::header::{
 };
 use ramp_log::{LogError, Recorder, SecretSeed};
 use ramp_result::episode::{
-    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PlanInfo, RULES, RobotTime, SCHEMA, Software, Time,
+    AgentInfo, Ended, EpisodeResult, FaultInfo, Host, PlanInfo, RULES, RobotTime, SCHEMA, Software, Time,
     WorldInfo, completion,
 };
 use ramp_result::sha256;
-use ramp_robot::{Account, Agent};
+use ramp_robot::{Account, Agent, Event, EventKind, MOST_EVENTS, RobotError};
 use ramp_twin::{Setup, Twin, TwinError};
 
 use crate::judged::{Judged, Watcher};
@@ -28,17 +28,17 @@ pub enum EpisodeError {
     Log(#[from] LogError),
 }
 
-/// What an episode is called in its result and its log.
+/// The labels of an episode in its result and its log.
 #[derive(Clone, Debug)]
 pub struct Label {
     /// With what it is run.
     pub software: Software,
     /// Which of several runs in a row this is, from 1.
     pub repeat: u32,
-    /// Where a secret was mixed into the seed: the number that stands for the seed, and the secret's commitment. The
-    /// seed of the setup is the one that came of both.
+    /// With a secret that was mixed into the seed: the number that stands for the seed, and the secret's
+    /// commitment. The seed of the setup is the one that came of both.
     pub secret: Option<(u64, String)>,
-    /// What robot time is to be compared with, if that is known.
+    /// Times to compare robot time with, if they are known.
     pub robot_time: Option<RobotTime>,
 }
 
@@ -82,8 +82,8 @@ pub struct Recorded {
     pub unlogged: Option<LogError>,
 }
 
-/// Runs one episode to its end, judges it, and leaves its log at `path`: whole, or not at all. `sources` are the texts
-/// that the setup was read from. A log that cannot be written costs the log, and not the result.
+/// Runs one episode to its end, judges it, and leaves its log at `path`: whole, or not at all. `sources` are
+/// the texts that the setup was read from. A log that cannot be written costs the log, and not the result.
 ///
 /// # Errors
 /// When the twin cannot be made or the log cannot be begun.
@@ -139,17 +139,34 @@ fn header(setup: &Setup, sources: &Sources, label: &Label) -> Header {
     }
 }
 
+/// Adds the events that no agent reports: that the injected fault struck, and that the robot stopped at
+/// `end`, s.
+fn add_own(events: &mut Vec<Event>, fault: Option<&FaultInfo>, stopped: Option<&RobotError>, end: f64) {
+    // Room for both.
+    events.truncate(MOST_EVENTS - 2);
+    if let Some((fault, at)) = fault.and_then(|fault| Some((fault, fault.at?))) {
+        let kind = EventKind::FaultStruck { fault: fault.kind.clone(), part: fault.part.clone() };
+        let place = events.iter().position(|event| event.time > at).unwrap_or(events.len());
+        events.insert(place, Event::new(at, kind));
+    }
+    if let Some(error) = stopped {
+        events.push(Event::new(end, EventKind::Stopped { why: error.to_string() }));
+    }
+}
+
 fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label) -> EpisodeResult {
     judged.answered = Instant::now();
     let outcome = agent.run(judged);
     judged.called();
     judged.judge();
-    let Account { planning, coarse, fine, replans, events } = agent.account();
+    let Account { planning, coarse, fine, replans, mut events } = agent.account();
     let thought = judged.thought;
     let planning = planning.clamp(0.0, thought);
     let robot = judged.twin.time();
     let pegs = judged.pegs(setup);
     let (name, version) = agent.name();
+    let fault = judged.fault();
+    add_own(&mut events, fault.as_ref(), outcome.as_ref().err(), robot);
     let reason = match (agent.failure(), outcome) {
         (Some(failure), _) => failure,
         (None, Err(error)) => error.to_string(),
@@ -178,12 +195,9 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
         time: Time { planning, compute: thought - planning, robot, total: thought + robot },
         robot_time: label.robot_time,
         plan: PlanInfo { coarse, fine, replans },
-        events: events
-            .into_iter()
-            .map(|event| EventInfo { t: event.time, kind: event.kind.to_string(), what: event.what })
-            .collect(),
+        events,
         physics: Some(judged.physics()),
-        fault: judged.fault(),
+        fault,
         ended: Ended { reason },
         log: None,
     }

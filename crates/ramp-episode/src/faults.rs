@@ -1,26 +1,22 @@
-//! Episodes in which something went wrong on purpose: did the agent tell what, and did it build the goal all the same?
+//! Episodes in which something went wrong on purpose: did the agent tell what, and did it build the goal all
+//! the same?
 //!
-//! An agent tells what it takes to be the cause by an event of the kind `diagnosis`, whose text is a [`Cause`], a colon and
-//! free words. What it may have been told apart from is in [`accepted`].
+//! An agent names the cause by an event of the kind `diagnosis`. The right causes of each fault are in
+//! [`accepted`].
 //!
-//! Beams jam now and then without anybody's doing. So an episode is read beside its control, the same goal from the same
-//! seed without the fault: what an agent says there too is not said of the fault.
+//! Beams jam now and then without a fault. So an episode is compared with its control, the same goal from the
+//! same seed without the fault: events that the agent reports there too are not attributed to the fault.
 
-use ramp_robot::Cause;
+use ramp_robot::{Cause, Event, EventKind};
 use ramp_twin::FaultKind;
 use serde::Serialize;
+use serde_json::Value;
 
-use ramp_result::episode::{EpisodeResult, EventInfo};
+use ramp_result::episode::EpisodeResult;
 use ramp_result::statistics::{Interval, wilson};
 
-/// The kind of the events by which an agent tells a cause.
-pub const DIAGNOSIS: &str = "diagnosis";
-
-/// The kinds of the events that tell that something had to be repaired.
-const REPAIR: [&str; 2] = ["fault", "replan"];
-
-/// The causes that are right for a fault: the one that it is, and those that nobody could tell from it by what a robot
-/// senses.
+/// The causes that are right for a fault: the one that it is, and those that nobody could tell from it by
+/// what a robot senses.
 pub fn accepted(kind: FaultKind) -> &'static [Cause] {
     match kind {
         FaultKind::PegDropped => &[Cause::PartLost],
@@ -36,19 +32,25 @@ pub fn accepted(kind: FaultKind) -> &'static [Cause] {
     }
 }
 
-/// What an event says, without its numbers: events of two episodes are the same when this is.
-fn gist(event: &EventInfo) -> String {
-    let words = event.what.split_whitespace().filter(|word| word.parse::<f64>().is_err());
-    [event.kind.as_str()].into_iter().chain(words).collect::<Vec<_>>().join(" ")
+/// Fields of events that are text for a person.
+const PROSE: [&str; 4] = ["evidence", "because", "why", "text"];
+
+/// An event without its numbers and without text for a person: its kind, its cause and the parts in it.
+/// Events of two episodes are the same when this is.
+fn gist(event: &Event) -> Value {
+    let mut value = serde_json::to_value(&event.kind).unwrap_or_default();
+    if let Some(fields) = value.as_object_mut() {
+        fields.retain(|name, field| !PROSE.contains(&name.as_str()) && !field.is_number());
+    }
+    value
 }
 
-/// What became of an episode in which a fault struck.
+/// The outcome of an episode in which a fault struck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Judgement {
-    /// The first diagnosis after the strike that is not in the control as well; `None` without any, `Some(None)` when it
-    /// names no cause that there is.
-    pub told: Option<Option<Cause>>,
-    /// Whether that was right.
+    /// The cause in the first diagnosis after the strike that is not in the control as well.
+    pub told: Option<Cause>,
+    /// Whether that is right.
     pub diagnosed: bool,
     /// All pegs of the goal count at the end.
     pub recovered: bool,
@@ -63,14 +65,15 @@ impl Judgement {
     }
 }
 
-/// Judges an episode beside its control, if there is one; `None` when it had no fault or its occasion did not come.
+/// Judges an episode beside its control, if there is one; `None` when it had no fault or its occasion did not
+/// come.
 pub fn judge(result: &EpisodeResult, control: Option<&EpisodeResult>) -> Option<Judgement> {
     let fault = result.fault.as_ref()?;
     let struck = fault.at?;
     let kind = FaultKind::ALL.into_iter().find(|kind| kind.name() == fault.kind)?;
     // Each event of the control stands for one.
-    let mut ordinary: Vec<String> = control.iter().flat_map(|it| &it.events).map(gist).collect();
-    let mut events: Vec<&EventInfo> = result.events.iter().collect();
+    let mut ordinary: Vec<Value> = control.iter().flat_map(|it| &it.events).map(gist).collect();
+    let mut events: Vec<&Event> = result.events.iter().collect();
     events.retain(|event| {
         let known = ordinary.iter().position(|it| *it == gist(event));
         known.is_none_or(|known| {
@@ -78,10 +81,13 @@ pub fn judge(result: &EpisodeResult, control: Option<&EpisodeResult>) -> Option<
             false
         })
     });
-    let after = || events.iter().filter(|event| event.t >= struck);
-    let told = after().find(|event| event.kind == DIAGNOSIS).map(|event| Cause::told(&event.what));
-    let repaired = after().any(|event| REPAIR.contains(&event.kind.as_str()));
-    let diagnosed = told.flatten().is_some_and(|cause| accepted(kind).contains(&cause));
+    let mut after = events.iter().filter(|event| event.time >= struck).map(|event| &event.kind);
+    let told = after.clone().find_map(|event| match event {
+        EventKind::Diagnosis { cause, .. } => Some(*cause),
+        _ => None,
+    });
+    let repaired = after.any(|event| matches!(event, EventKind::Fault(_) | EventKind::Replan { .. }));
+    let diagnosed = told.is_some_and(|cause| accepted(kind).contains(&cause));
     Some(Judgement { told, diagnosed, recovered: result.counted() == result.pegs.len(), repaired })
 }
 
@@ -147,16 +153,21 @@ mod tests {
     use super::*;
     use ramp_result::episode::FaultInfo;
     use ramp_result::testing::episode;
+    use ramp_robot::Fault;
+
+    /// A diagnosis in the words of `CAUSE: PART evidence`.
+    fn diagnosis(words: &str) -> EventKind {
+        let (cause, evidence) = words.split_once(": ").unwrap();
+        let part = evidence.split(' ').next().map(str::to_string);
+        EventKind::Diagnosis { cause: Cause::named(cause).unwrap(), part, evidence: evidence.to_string() }
+    }
 
     fn struck(kind: FaultKind, at: Option<f64>, seated: &[f64], told: &[(f64, &str)]) -> EpisodeResult {
         let mut result = episode("easy-1", 1, seated, 3);
         let name = kind.name().to_string();
         result.fault =
             Some(FaultInfo { kind: name, occasion: 1, at, part: None, size: None, text: String::new() });
-        result.events = told
-            .iter()
-            .map(|(t, what)| EventInfo { t: *t, kind: DIAGNOSIS.to_string(), what: (*what).to_string() })
-            .collect();
+        result.events = told.iter().map(|(t, words)| Event::new(*t, diagnosis(words))).collect();
         result
     }
 
@@ -168,7 +179,7 @@ mod tests {
         let right = judge(&struck(FaultKind::Jam, Some(2.0), ALL, &told), None).unwrap();
         assert!(right.diagnosed && right.recovered && !right.harmless());
         let wrong = judge(&struck(FaultKind::TagCovered, Some(2.0), ALL, &told), None).unwrap();
-        assert!(!wrong.diagnosed && wrong.told == Some(Some(Cause::Jam)));
+        assert!(!wrong.diagnosed && wrong.told == Some(Cause::Jam));
         let early = judge(&struck(FaultKind::TagCovered, Some(0.0), ALL, &told), None).unwrap();
         assert!(early.diagnosed);
     }
@@ -179,11 +190,9 @@ mod tests {
         let failed = judge(&struck(FaultKind::Jam, Some(2.0), &[1.0], &[]), None).unwrap();
         assert!(!failed.harmless() && !failed.diagnosed && !failed.recovered);
         let mut repaired = struck(FaultKind::Jam, Some(2.0), ALL, &[]);
-        repaired.events.push(EventInfo { t: 3.0, kind: "replan".to_string(), what: String::new() });
+        repaired.events.push(Event::new(3.0, EventKind::Replan { coarse: 5 }));
         let judgement = judge(&repaired, None).unwrap();
         assert!(!judgement.harmless() && !judgement.diagnosed && judgement.recovered);
-        let babble = judge(&struck(FaultKind::Jam, Some(2.0), ALL, &[(3.0, "something")]), None).unwrap();
-        assert!(!babble.harmless() && !babble.diagnosed);
     }
 
     #[test]
@@ -198,8 +207,8 @@ mod tests {
             &[(1.5, "jam: b6 meets 13 N 179.8 mm before its place"), (5.0, "beam-moved: b4")],
         );
         for (result, t) in [(&mut control, 6.0), (&mut harmless, 6.5)] {
-            let what = format!("the holes of C6 are {t} mm apart");
-            result.events.push(EventInfo { t, kind: "fault".to_string(), what });
+            let fault = Fault::Misaligned { connection: "C6".into(), offset: t * 1e-3 };
+            result.events.push(Event::new(t, fault.into()));
         }
         assert!(judge(&harmless, Some(&control)).unwrap().harmless());
         assert!(!judge(&harmless, None).unwrap().harmless());
@@ -207,7 +216,7 @@ mod tests {
         for news in ["jam: b5 meets 12 N 180.5 mm before its place", "beam-moved: b4"] {
             let told = [said[0], said[1], (7.0, news)];
             let judged = judge(&struck(FaultKind::Jam, Some(0.5), ALL, &told), Some(&control)).unwrap();
-            assert_eq!(judged.told.flatten(), Cause::told(news));
+            assert_eq!(judged.told.map(Cause::name), news.split(':').next());
         }
     }
 
@@ -231,7 +240,7 @@ mod tests {
     fn every_cause_is_right_for_some_fault() {
         for cause in Cause::ALL {
             assert!(FaultKind::ALL.iter().any(|kind| accepted(*kind).contains(&cause)), "{cause:?}");
-            assert_eq!(Cause::told(&format!("{}: words", cause.name())), Some(cause));
+            assert_eq!(Cause::named(cause.name()), Some(cause));
         }
     }
 }

@@ -8,7 +8,7 @@ mod common;
 use common::World;
 use ramp_episode::{Label, run_episode};
 use ramp_result::episode::{EpisodeResult, Software};
-use ramp_robot::Track;
+use ramp_robot::{EventKind, Track};
 use ramp_skills::Baseline;
 
 /// The goal is built from a seed although `fault` strikes, and the first diagnosis after that names `cause`.
@@ -20,8 +20,9 @@ fn told(goal: &str, seed: u64, fault: &str, cause: &str) -> EpisodeResult {
     let software = Software { version: "0".into(), commit: String::new() };
     let result = run_episode(&setup, &mut agent, &Label::new(software, 1), &mut |_, _| {}).unwrap();
     let at = result.fault.as_ref().unwrap().at.unwrap();
-    let told = result.events.iter().find(|event| event.kind == "diagnosis" && event.t >= at);
-    let told = told.map(|event| event.what.as_str()).unwrap_or("nothing");
+    let mut after = result.events.iter().filter(|event| event.time >= at).map(|event| &event.kind);
+    let told = after.find(|event| matches!(event, EventKind::Diagnosis { .. }));
+    let told = told.map_or("nothing".to_string(), ToString::to_string);
     assert!(told.starts_with(cause), "{fault}: {told}");
     assert_eq!(result.counted(), result.pegs.len(), "{fault}: {:?}", result.events);
     result
@@ -33,16 +34,18 @@ fn a_peg_that_stands_aslant_is_set_upright() {
     told("easy-1", 3, "peg-tilted@1", "grip-moved: ");
 }
 
-/// One whose tip caught the rim of its hole does not go in, however it is pressed: where it presses tells that it is tilted.
+/// One whose tip caught the rim of its hole does not go in, however it is pressed: where it presses tells
+/// that it is tilted.
 #[test]
 fn a_peg_that_is_pressed_aslant_is_no_jam() {
     let result = told("easy-1", 9, "peg-tilted@3", "grip-moved: p3 ");
-    let diagnoses = result.events.iter().filter(|event| event.kind == "diagnosis");
-    let presses = diagnoses.filter(|event| event.what.starts_with("grip-moved: p3 presses ")).count();
+    let told = result.events.iter().map(|event| event.kind.to_string());
+    let presses = told.filter(|text| text.starts_with("grip-moved: p3 presses ")).count();
     assert!(presses > 0, "{:?}", result.events);
 }
 
-/// The pixels that a frozen camera repeats would put parts where they were seen from another place of the hand.
+/// The pixels that a frozen camera repeats would put parts where they were seen from another place of the
+/// hand.
 #[test]
 fn a_camera_that_repeats_its_image_is_waited_for() {
     told("easy-1", 3, "camera-frozen@2", "sight: ");

@@ -8,6 +8,7 @@
 mod common;
 
 use common::World;
+use ramp_robot::EventKind;
 
 fn seeds() -> Vec<u64> {
     let text = std::env::var("RAMP_SEEDS").unwrap_or_else(|_| "1 101".to_string());
@@ -18,7 +19,8 @@ fn completes(goal: &str) {
     let world = World::new(goal);
     for seed in seeds() {
         let result = world.run(seed);
-        let faults: Vec<_> = result.events.iter().filter(|event| event.kind == "fault").collect();
+        let faults: Vec<_> =
+            result.events.iter().filter(|event| matches!(event.kind, EventKind::Fault(_))).collect();
         assert_eq!(result.ended.reason, "done", "{goal}, seed {seed}: {faults:?}");
         assert!((result.completion - 1.0).abs() < 1e-12, "{goal}, seed {seed}: {faults:?}");
         assert!(result.physics.as_ref().unwrap().deepest_penetration < 0.3e-3, "{goal}, seed {seed}");

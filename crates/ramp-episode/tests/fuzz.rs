@@ -104,7 +104,7 @@ fn read(bytes: &[u8]) -> bool {
     replay::World::of(&log).is_ok() && calls > 0
 }
 
-const LINES: [&str; 10] = [
+const LINES: [&str; 12] = [
     r#"{"hello": {"protocol": 1, "name": "fuzz", "version": "1.0"}}"#,
     r#"{"step": {"commands": [{"arm": {"joint_positions": [0, 0, 0, -1.5, 0, 1.5, 0]}, "gripper": {"width": 0.04, "force": 10}, "repeat": 20}]}}"#,
     r#"{"step": {"commands": [{"arm": {"pose": {"position": [0.4, 0, 0.3], "quat_wxyz": [0, 1, 0, 0]}}, "gripper": {"width": 0.04, "force": 10}}]}}"#,
@@ -114,6 +114,8 @@ const LINES: [&str; 10] = [
     r#"{"expose": {}}"#,
     r#"{"plan": {"coarse": 3, "fine": 9, "planning": 0.1}}"#,
     r#"{"event": {"kind": "start", "what": "pick up b4"}}"#,
+    r#"{"event": {"kind": "action_begun", "action": "pick_up", "item": {"beam": "b4"}, "grasp": {"link": "b4l1"}}}"#,
+    r#"{"event": {"kind": "fault", "fault": "jammed", "part": "b4", "remaining": 0.003, "force": 25}}"#,
     r#"{"done": {}}"#,
 ];
 

@@ -1,4 +1,5 @@
-//! What goes wrong is noticed and repaired: the whole agent in the real physics, with a robot that misbehaves.
+//! What goes wrong is noticed and repaired: the whole agent in the real physics, with a robot that
+//! misbehaves.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -88,7 +89,10 @@ fn run(seed: u64, trouble: Trouble) -> (usize, Vec<Event>, usize) {
 fn a_dropped_peg_is_replaced_by_another() {
     for seed in [2, 3, 4] {
         let (seated, events, replans) = run(seed, Trouble::Drops { peg: "p1", ticks_left: 400 });
-        assert!(events.iter().any(|event| event.kind == "fault" && event.what.contains("p1")), "{events:?}");
+        assert!(
+            events.iter().any(|event| event.kind.name() == "fault" && event.kind.to_string().contains("p1")),
+            "{events:?}"
+        );
         assert!(replans >= 1);
         assert_eq!(seated, 3, "seed {seed}: {events:?}");
     }
@@ -98,7 +102,7 @@ fn a_dropped_peg_is_replaced_by_another() {
 fn a_clamped_beam_that_is_misread_is_believed_where_it_is_clamped() {
     let (seated, events, replans) =
         run(2, Trouble::Misreads { beams: &["b7", "b4"], by: 0.012, from: 18.0, to: 40.0 });
-    assert!(events.iter().all(|event| event.kind != "fault"), "{events:?}");
+    assert!(events.iter().all(|event| event.kind.name() != "fault"), "{events:?}");
     assert_eq!((seated, replans), (3, 0), "{events:?}");
 }
 
@@ -106,13 +110,13 @@ fn a_clamped_beam_that_is_misread_is_believed_where_it_is_clamped() {
 fn a_joint_that_is_misread_is_tried_again_after_another_look() {
     let (seated, events, _) =
         run(2, Trouble::Misreads { beams: &["b5", "b1"], by: 0.012, from: 20.0, to: 40.0 });
-    assert!(events.iter().any(|event| event.kind == "fault"), "{events:?}");
+    assert!(events.iter().any(|event| event.kind.name() == "fault"), "{events:?}");
     assert_eq!(seated, 3, "{events:?}");
 }
 
 /// How many events of a kind there are that say this.
 fn count(events: &[Event], kind: &str, what: &str) -> usize {
-    events.iter().filter(|event| event.kind == kind && event.what.contains(what)).count()
+    events.iter().filter(|event| event.kind.name() == kind && event.kind.to_string().contains(what)).count()
 }
 
 /// b4 seems to be all the way in and is 3.7 mm short: the peg comes to stand on its male, and searches there.
@@ -120,12 +124,12 @@ fn count(events: &[Event], kind: &str, what: &str) -> usize {
 fn a_peg_that_stands_on_the_male_searches_for_its_hole() {
     let (seated, events, replans) =
         run(2, Trouble::Misreads { beams: &["b4"], by: -3.7e-3, from: 4.5, to: 15.0 });
-    assert_eq!(count(&events, "search", "spiral in C1"), 1, "{events:?}");
+    assert_eq!(count(&events, "search", "C1: spiral inside"), 1, "{events:?}");
     assert_eq!((seated, replans), (3, 0), "{events:?}");
 }
 
-/// b4 is 7 mm short, which is more than a search can find. The peg goes back into its holder, b4 is pushed, and the same peg is
-/// fetched again.
+/// b4 is 7 mm short, which is more than a search can find. The peg goes back into its holder, b4 is pushed,
+/// and the same peg is fetched again.
 #[test]
 fn a_peg_that_stays_on_the_male_is_put_back_until_the_beam_is_pushed() {
     let (seated, events, _) = run(2, Trouble::Misreads { beams: &["b4"], by: -7.0e-3, from: 4.5, to: 17.0 });
@@ -135,6 +139,6 @@ fn a_peg_that_stays_on_the_male_is_put_back_until_the_beam_is_pushed() {
         (0, 0),
         "{events:?}"
     );
-    assert_eq!(count(&events, "done", "pick up p1"), 2, "{events:?}");
+    assert_eq!(count(&events, "action_ended", "pick up p1"), 2, "{events:?}");
     assert_eq!(seated, 3, "{events:?}");
 }

@@ -1,4 +1,5 @@
-//! Tracks: what an agent may see. The baseline builds from readings with noise and from images; it gets nothing else.
+//! Tracks: what an agent may see. The baseline builds from readings with noise and from images; it gets
+//! nothing else.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -90,7 +91,7 @@ fn begin(track: Track, seed: u64, limit: f64, trouble: Trouble) -> (Result<(), R
 }
 
 fn has(events: &[Event], kind: &str, what: &str) -> bool {
-    events.iter().any(|event| event.kind == kind && event.what.contains(what))
+    events.iter().any(|event| event.kind.name() == kind && event.kind.to_string().contains(what))
 }
 
 #[test]
@@ -144,8 +145,8 @@ fn a_robot_in_the_dark_ends_with_a_reason() {
     assert!(!has(&events, "done", "insert"), "{events:?}");
 }
 
-/// What decides and acts is built without the twin and without whoever judges: there is no path to the truth but the
-/// trait. The crates that an agent is made of use one another and no other crate of ours.
+/// What decides and acts is built without the twin and without whoever judges: there is no path to the truth
+/// but the trait. The crates that an agent is made of use one another and no other crate of ours.
 #[test]
 fn nothing_that_an_agent_is_made_of_knows_the_twin() {
     const AGENT: [&str; 9] =

@@ -1,11 +1,11 @@
 //! An agent in a process of its own, behind the same seam as any other.
 
 use ramp_control::Smoother;
-use ramp_robot::{Account, Agent, Command, Event, Observation, Robot, RobotError};
+use ramp_robot::{Account, Agent, Command, Event, EventKind, MOST_EVENTS, Observation, Robot, RobotError};
 
 use crate::file::{AgentFile, AgentFileError};
 use crate::goal::Goal;
-use crate::limits::{MOST_EVENTS, MOST_IDLE, Patience};
+use crate::limits::{MOST_IDLE, Patience};
 use crate::process::Process;
 use crate::protocol::{self, Answer, Request};
 use crate::sandbox::Sandbox;
@@ -13,7 +13,7 @@ use crate::sandbox::Sandbox;
 /// An agent in a process of its own.
 pub struct ExternalAgent<'a> {
     process: Process,
-    /// What surrounds it; its folder must be there for as long as the process is.
+    /// Its sandbox, whose folder must exist for as long as the process.
     _sandbox: Option<Sandbox>,
     goal: Goal<'a>,
     name: String,
@@ -29,7 +29,7 @@ pub struct ExternalAgent<'a> {
     messages: u64,
     /// Makes its commands smooth, if it asked for that.
     smoother: Option<Smoother>,
-    /// Has the result been told that a command was clipped?
+    /// A clipped command has been reported.
     clipped: bool,
     on_event: Box<dyn FnMut(&Event) + 'a>,
 }
@@ -51,10 +51,10 @@ impl From<String> for End {
 }
 
 impl<'a> ExternalAgent<'a> {
-    /// Starts an agent and waits until it has said hello: until then no clock of the episode runs. What goes wrong
-    /// with that is the agent's failure, told by [`Agent::failure`]. `command` is what starts it, usually
-    /// [`AgentFile::command`]; with a sandbox, a program that goes [`Inside`](crate::sandbox::Inside) and then becomes
-    /// the agent.
+    /// Starts an agent and waits until it has said hello: until then no clock of the episode runs. What goes
+    /// wrong with that is the agent's failure, told by [`Agent::failure`]. `command` is what starts it,
+    /// usually [`AgentFile::command`]; with a sandbox, a program that goes [`Inside`](crate::sandbox::Inside)
+    /// and then becomes the agent.
     ///
     /// # Errors
     /// When the system does not start the program.
@@ -133,14 +133,14 @@ impl<'a> ExternalAgent<'a> {
         }
     }
 
-    /// One period under a command, made smooth if the agent asked for that. The first one that had to be changed is noted.
+    /// One period under a command, made smooth if the agent asked for that. The first one that had to be
+    /// changed is noted.
     fn step(&mut self, command: &Command, robot: &mut dyn Robot) -> Result<Observation, End> {
         let Some(smoother) = &mut self.smoother else { return robot.step(command).map_err(End::Robot) };
         let (smooth, changed) = smoother.smooth(command, &robot.observe());
         if changed && !self.clipped {
             self.clipped = true;
-            let what = "a command was clipped to the limits of the arm; more may be".to_string();
-            let event = Event { time: robot.observe().time, kind: "clipped", what };
+            let event = Event::new(robot.observe().time, EventKind::Clipped {});
             (self.on_event)(&event);
             self.account.events.push(event);
         }
@@ -192,8 +192,8 @@ impl<'a> ExternalAgent<'a> {
             }
             Request::Event(event) => {
                 let event = event.at(robot.observe().time).map_err(wrong)?;
-                if self.account.events.len() >= MOST_EVENTS[0] {
-                    return Err(End::Failure(format!("the agent told more than {} events", MOST_EVENTS[0])));
+                if self.account.events.len() >= MOST_EVENTS {
+                    return Err(End::Failure(format!("the agent reported more than {MOST_EVENTS} events")));
                 }
                 (self.on_event)(&event);
                 self.account.events.push(event);
@@ -238,7 +238,7 @@ impl Agent for ExternalAgent<'_> {
             let reason = outcome.as_ref().err().map_or("done".to_string(), RobotError::to_string);
             self.process.dismiss(Answer::End(reason).to_bytes());
         }
-        // What is written after this is not for the agent.
+        // Output after this is not for the agent.
         self.process.end();
         outcome
     }

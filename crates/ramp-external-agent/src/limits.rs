@@ -6,8 +6,7 @@ use std::time::{Duration, Instant};
 pub const MOST_PERIODS: u64 = 10_000;
 /// The most messages in a row between which the robot does not move.
 pub const MOST_IDLE: u32 = 10_000;
-/// The most events of an episode, and the most characters of one.
-pub const MOST_EVENTS: [usize; 2] = [10_000, 200];
+
 /// How patient one is with an agent.
 #[derive(Clone, Copy, Debug)]
 pub struct Patience {
@@ -17,7 +16,7 @@ pub struct Patience {
     pub end: Option<Instant>,
 }
 
-/// What an agent in a sandbox may use, together with all processes that it has started.
+/// The resources that an agent in a sandbox may use, together with all processes that it has started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Allowance {
     /// Memory, bytes: enough for a policy of a few hundred million parameters.

@@ -1,16 +1,16 @@
-//! The messages of the protocol: one JSON object a line, its only key the kind of message. An image is followed by its
-//! pixels as bytes.
+//! The messages of the protocol: one JSON object a line, its only key the kind of message. An image is
+//! followed by its pixels as bytes.
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector6};
 use ramp_kit::source::{A_NAME, is_name, is_text, plain, shorten};
 use ramp_robot::{
-    ArmCommand, Camera, Command, DOF, Event, GripperCommand, Image, Impedance, Observation, PartReading,
-    Pose, RobotError,
+    ArmCommand, Camera, Command, DOF, Event, EventKind, GripperCommand, Image, Impedance, MOST_EVENT,
+    OLDER_KINDS, Observation, PartReading, Pose, RobotError,
 };
 use serde::Deserialize;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
-use crate::limits::{MOST_EVENTS, MOST_PERIODS};
+use crate::limits::MOST_PERIODS;
 
 /// The version of the protocol.
 pub const PROTOCOL: u32 = 1;
@@ -18,12 +18,16 @@ pub const PROTOCOL: u32 = 1;
 pub const LONGEST_MESSAGE: usize = 4 << 20;
 /// The longest reason that may hold an agent's own words, characters.
 const LONGEST_REASON: usize = 200;
+/// The longest text of an older event, characters.
+const LONGEST_WHAT: usize = 200;
+/// The longest message of the parser about an event, characters: it lists all kinds.
+const LONGEST_WHY: usize = 400;
 /// How far the length of a quaternion may be from one.
 const QUATERNION: f64 = 1e-3;
 /// The longest time that planning can have taken, s.
 const LONGEST_PLANNING: f64 = 1e6;
 
-/// What an agent may say.
+/// A message of an agent.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Request {
@@ -41,7 +45,7 @@ pub enum Request {
     Look(Look),
     /// Tells of a plan.
     Plan(PlanText),
-    /// Tells what happens.
+    /// Reports an event.
     Event(EventText),
     /// Ends the episode.
     Done {},
@@ -65,7 +69,7 @@ impl Hello {
     /// Whether this can be worked with.
     ///
     /// # Errors
-    /// What is wrong, for a person.
+    /// The mistake, for a person.
     pub fn check(&self) -> Result<(), String> {
         if self.protocol != PROTOCOL {
             let theirs = self.protocol;
@@ -151,7 +155,7 @@ impl Step {
     /// The commands with their numbers of periods.
     ///
     /// # Errors
-    /// What is wrong, for a person.
+    /// The mistake, for a person.
     pub fn commands(&self) -> Result<Vec<(Command, u64)>, String> {
         let periods = self.commands.iter().fold(0_u64, |sum, it| sum.saturating_add(it.repeat));
         if periods > MOST_PERIODS {
@@ -224,7 +228,7 @@ impl PlanText {
     /// Whether it can be.
     ///
     /// # Errors
-    /// What is wrong, for a person.
+    /// The mistake, for a person.
     pub fn check(&self) -> Result<(), String> {
         if (0.0..=LONGEST_PLANNING).contains(&self.planning) && self.coarse.max(self.fine) <= 1_000_000 {
             Ok(())
@@ -234,31 +238,43 @@ impl PlanText {
     }
 }
 
-/// Something that happens.
+/// An event that an agent reports: `kind` and the fields of that kind; or, as up to version 0.1.0 of this
+/// program, one of the older kinds with its text in `what`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(transparent)]
 pub struct EventText {
-    kind: String,
-    what: String,
+    fields: Map<String, Value>,
 }
 
 impl EventText {
     /// The event, at a robot time (s).
     ///
     /// # Errors
-    /// What is wrong, for a person.
+    /// The mistake, for a person.
     pub fn at(self, time: f64) -> Result<Event, String> {
-        let Some(kind) = Event::KINDS.into_iter().find(|kind| *kind == self.kind) else {
-            let kinds = Event::KINDS.join(", ");
-            return Err(format!("has an event of the kind `{}`; the kinds are {kinds}", shorten(&self.kind)));
+        let text = |name: &str| self.fields.get(name).and_then(Value::as_str);
+        let older = (self.fields.len() == 2).then(|| Some((text("kind")?, text("what")?))).flatten();
+        let kind: EventKind = match older.filter(|(kind, _)| OLDER_KINDS.contains(kind)) {
+            Some((kind, what)) if is_text(what, LONGEST_WHAT) => {
+                return Ok(Event::new(time, EventKind::of_words(kind, what)));
+            }
+            Some(_) => {
+                return Err(format!(
+                    "has an event of more than {LONGEST_WHAT} characters, or with a control character"
+                ));
+            }
+            None => serde_json::from_value(Value::Object(self.fields)).map_err(|error| {
+                format!("has an event that is not understood: {}", plain(&error.to_string(), LONGEST_WHY))
+            })?,
         };
-        if !is_text(&self.what, MOST_EVENTS[1]) {
+        if kind.is_of_episode() {
             return Err(format!(
-                "has an event of more than {} characters, or with a control character",
-                MOST_EVENTS[1]
+                "has an event of the kind `{}`, which only the episode reports",
+                kind.name()
             ));
         }
-        Ok(Event { time, kind, what: self.what })
+        kind.check(MOST_EVENT).map_err(|why| format!("has an event that {why}"))?;
+        Ok(Event::new(time, kind))
     }
 }
 
@@ -277,14 +293,14 @@ pub fn parse(line: &[u8]) -> Result<Request, String> {
     })
 }
 
-/// What an agent is told.
+/// An answer to an agent.
 #[derive(Clone, Debug)]
 pub enum Answer {
     /// After hello: all about the goal.
     Goal(Value),
-    /// What was sensed.
+    /// The last observation.
     Observation(Observation),
-    /// Where parts are.
+    /// Poses of parts.
     Parts(Vec<PartReading>),
     /// An image.
     Image(Image),
@@ -350,7 +366,58 @@ mod tests {
     // A failed unwrap here is a failed test.
     #![allow(clippy::unwrap_used)]
 
+    use ramp_robot::Fault;
+
     use super::*;
+
+    fn event(event: Value) -> Result<Event, String> {
+        let Request::Event(event) = parse(json!({ "event": event }).to_string().as_bytes())? else {
+            panic!("not an event");
+        };
+        event.at(1.5)
+    }
+
+    #[test]
+    fn an_agent_reports_events_in_the_form_of_results_and_in_the_older_one() {
+        let jam =
+            json!({"kind": "fault", "fault": "jammed", "part": "b4", "remaining": 0.003, "force": 25.0});
+        let fault = Fault::Jammed { part: "b4".into(), remaining: 0.003, force: 25.0 };
+        assert_eq!(event(jam), Ok(Event::new(1.5, fault.into())));
+        let push = json!({"kind": "action_begun", "action": "push", "beam": "b4", "link": "b4l2"});
+        assert_eq!(event(push).unwrap().kind.to_string(), "push b4 by b4l2");
+        let older = json!({"kind": "diagnosis", "what": "jam: b4 stands still"});
+        assert_eq!(event(older).unwrap().kind.to_string(), "jam: b4 stands still");
+    }
+
+    #[test]
+    fn events_are_bounded_in_length_depth_and_characters() {
+        let note = |text: &str| json!({"kind": "note", "text": text});
+        assert!(event(note(&"é".repeat(225))).is_ok());
+        let mut deep = json!("b4");
+        for _ in 0..5 {
+            deep = json!({ "beam": deep });
+        }
+        let many = vec!["a"; 80];
+        for (wrong, why) in [
+            (note(&"é".repeat(226)), "has an event that has 251 characters, and 250 is the most"),
+            (note("\u{1b}[2J"), "a control character"),
+            (json!({"kind": "note", "text": 1}), "not understood"),
+            (json!({"kind": "note"}), "missing field `text`"),
+            (json!({"kind": "dance"}), "unknown variant `dance`, expected one of `action_begun`"),
+            (json!({"kind": "clipped", "t": 1.0}), "unknown field `t`"),
+            (json!({"kind": "stopped", "why": "so it says"}), "which only the episode reports"),
+            (json!({"kind": "fault_struck", "fault": "jam"}), "which only the episode reports"),
+            (json!({"kind": "action_begun", "action": "x", "to": deep}), "nested too deep"),
+            (json!({"kind": "action_begun", "action": "x", "to": many}), "characters, and 250 is the most"),
+            (json!({"kind": "action_begun", "action": "x", "t": 1.0}), "an argument `t`"),
+            (json!({"kind": "action_begun", "action": "x", "\u{1b}": 1.0}), "not a name"),
+            (json!({"kind": "start", "what": "é".repeat(201)}), "more than 200 characters"),
+            (json!({"kind": "start", "what": "a\nb"}), "a control character"),
+        ] {
+            let refused = event(wrong.clone());
+            assert!(refused.as_ref().is_err_and(|it| it.contains(why)), "{wrong}: {refused:?}");
+        }
+    }
 
     #[test]
     fn an_agent_says_a_name_and_a_version_that_are_names() {

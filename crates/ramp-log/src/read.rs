@@ -17,7 +17,7 @@ const MOST_CALLS: usize = 256 << 20;
 /// An episode's log.
 #[derive(Clone, Debug)]
 pub struct Log {
-    /// What the episode was made from.
+    /// The sources of the episode.
     pub header: Header,
     /// The result that the log tells; its `log` is `None`.
     pub result: EpisodeResult,
@@ -50,14 +50,14 @@ impl Log {
         Decoder::new(&self.calls)
     }
 
-    /// SHA-256 of the bytes of the calls, in hex: two episodes of one goal, seed and track that share it were driven
-    /// alike, to the last bit.
+    /// SHA-256 of the bytes of the calls, in hex: two episodes of one goal, seed and track that share it were
+    /// driven alike, to the last bit.
     pub fn calls_sha256(&self) -> String {
         sha256(&self.calls)
     }
 }
 
-/// What is found in the file.
+/// The parts of a file.
 #[derive(Default)]
 struct Parts {
     /// Numbers and topics of the channels.
@@ -111,15 +111,15 @@ impl Parts {
                 if self.header.is_some() {
                     return Err("it has two messages on /episode, and one is expected".to_string());
                 }
-                same_schema(data, SCHEMA, "/episode")?;
+                same_schema(data, |schema| schema == SCHEMA, SCHEMA, "/episode")?;
                 self.header = Some(serde_json::from_slice(data).map_err(|error| wrong("/episode", &error))?);
             }
             Topic::Result => {
                 if self.result.is_some() {
                     return Err("it has two messages on /result, and one is expected".to_string());
                 }
-                same_schema(data, episode::SCHEMA, "/result")?;
-                self.result = Some(serde_json::from_slice(data).map_err(|error| wrong("/result", &error))?);
+                same_schema(data, EpisodeResult::reads, episode::SCHEMA, "/result")?;
+                self.result = Some(EpisodeResult::from_json(data).map_err(|error| wrong("/result", &error))?);
             }
             Topic::Calls => {
                 if self.calls.len() + data.len() > MOST_CALLS {
@@ -147,13 +147,13 @@ impl Parts {
 }
 
 /// Another version is told as such, and not as a field that is missing.
-fn same_schema(data: &[u8], expected: &str, topic: &str) -> Result<(), String> {
+fn same_schema(data: &[u8], reads: impl Fn(&str) -> bool, expected: &str, topic: &str) -> Result<(), String> {
     #[derive(serde::Deserialize)]
     struct Only {
         schema: String,
     }
     let Only { schema } = serde_json::from_slice(data).map_err(|error| wrong(topic, &error))?;
-    if schema == expected {
+    if reads(&schema) {
         Ok(())
     } else {
         let schema = shorten(&schema);
@@ -161,7 +161,7 @@ fn same_schema(data: &[u8], expected: &str, topic: &str) -> Result<(), String> {
     }
 }
 
-/// What a library says of a message, which may repeat what stands in it.
+/// A library's complaint about a message, which may quote from it.
 fn wrong(topic: &str, error: &serde_json::Error) -> String {
     format!("{topic}: {}", plain(&error.to_string(), MAX_SENTENCE))
 }

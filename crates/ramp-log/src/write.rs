@@ -47,21 +47,21 @@ const CHANNELS: [(&str, &str, &str); 8] = [
     ("/result", "ramp.EpisodeResult", schema!("episode")),
 ];
 
-/// What of the world a log wants to know at one moment.
+/// The quantities that a log records at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Due {
     /// Robot time, s.
     time: f64,
-    /// What the robot senses.
+    /// The robot's observation.
     pub signals: bool,
-    /// Where the parts are.
+    /// Poses of the parts.
     pub truth: bool,
     /// The hash of the physics state.
     pub state: bool,
 }
 
-/// A log that is being written. Until it is whole it is in a file without a name, so that nobody else can open it, and
-/// nothing of it is left when the program ends early.
+/// A log that is being written. Until it is whole it is in a file without a name, so that nobody else can
+/// open it, and nothing of it is left when the program ends early.
 pub struct Recorder {
     path: PathBuf,
     /// `None` once something went wrong.
@@ -78,16 +78,16 @@ pub struct Recorder {
     /// Whether the world was looked at before.
     begun: bool,
     parts: Vec<String>,
-    /// Where each part was written last.
+    /// The last pose of each part that was written.
     places: Vec<Option<Pose>>,
     connections: Vec<String>,
     verdict: Vec<Option<Seated>>,
 }
 
 impl Recorder {
-    /// Opens a log for an episode. It is written to a file without a name in the folder of `path`, and put there when it
-    /// is whole. `parts` names the
-    /// parts in the order of the truths that will come, `connections` those of the goal.
+    /// Opens a log for an episode. It is written to a file without a name in the folder of `path`, and put
+    /// there when it is whole. `parts` names the parts in the order of the truths that will come,
+    /// `connections` those of the goal.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -208,7 +208,7 @@ impl Recorder {
         self.calls.refused();
     }
 
-    /// What of the world is to be written now; `time` is robot time, s.
+    /// The quantities to write now; `time` is robot time, s.
     pub fn due(&self, time: f64) -> Due {
         let period = periods(time);
         let passed = |every: u64| period / every > self.period / every;
@@ -293,7 +293,7 @@ impl Recorder {
         }
     }
 
-    /// What the referee says now.
+    /// The referee's verdict now.
     pub fn judge(&mut self, referee: &Referee) {
         for (index, seated) in referee.verdict().iter().enumerate() {
             if self.verdict[index] != *seated {
@@ -313,8 +313,8 @@ impl Recorder {
         json!({"sec": self.period / 1000, "nsec": self.period % 1000 * 1_000_000})
     }
 
-    /// Writes the end: the last state, the agent's events and the result. Then the log is whole and gets its name.
-    /// Returns its SHA-256 in hex.
+    /// Writes the end: the last state, the agent's events and the result. Then the log is whole and gets its
+    /// name. Returns its SHA-256 in hex.
     ///
     /// # Errors
     /// When something could not be written, now or earlier.
@@ -323,9 +323,9 @@ impl Recorder {
         self.put_calls();
         let end = self.period;
         for event in &result.events {
-            let value = json!({"t": event.t, "kind": event.kind, "what": event.what});
-            let text = value.to_string();
-            self.attempt(|recorder| recorder.put("/events", periods(event.t), text.as_bytes()));
+            // Structs of numbers and texts always serialise.
+            let text = serde_json::to_string(event).unwrap_or_default();
+            self.attempt(|recorder| recorder.put("/events", periods(event.time), text.as_bytes()));
         }
         let text = result.to_json();
         self.attempt(|recorder| recorder.put("/result", end, text.as_bytes()));

@@ -13,8 +13,8 @@ use ramp_report::curve::completion_svg;
 use ramp_result::EpisodeResult;
 use ramp_result::episode::{RobotTime, Software};
 use ramp_robot::{
-    Account, Agent, Camera, CameraModel, Command, Event, Image, Observation, PartReading, Robot as Seam,
-    RobotError, TIME_LIMIT,
+    Account, Agent, Camera, CameraModel, Command, Event, Image, MOST_EVENT, MOST_EVENTS, Observation,
+    PartReading, Robot as Seam, RobotError, TIME_LIMIT,
 };
 use ramp_skills::{Baseline, Parameters, ReferenceTimes, reference_times_of_goal};
 use ramp_twin::{Disturbance, Setup, Twin};
@@ -127,6 +127,42 @@ impl Agent for Stoppable<'_> {
     }
 }
 
+/// The events that an agent in Python reported: a list of dictionaries.
+fn events_of(py: Python<'_>, events: &Bound<'_, PyAny>) -> PyResult<Vec<Event>> {
+    let json: String = py.import("json")?.call_method1("dumps", (events,))?.extract()?;
+    let events: Vec<serde_json::Value> = serde_json::from_str(&json).map_err(input)?;
+    if events.len() > MOST_EVENTS {
+        return Err(input(format!(
+            "the agent reported {} events, and {MOST_EVENTS} is the most",
+            events.len()
+        )));
+    }
+    events.into_iter().map(|event| event_of(&event.to_string())).collect()
+}
+
+/// An event that an agent reported, from its JSON.
+fn event_of(json: &str) -> PyResult<Event> {
+    let event: Event = serde_json::from_str(json).map_err(|error| input(format!("event: {error}")))?;
+    if event.kind.is_of_episode() {
+        return Err(input(format!("event: `{}` is a kind that only the episode reports", event.kind.name())));
+    }
+    event.kind.check(MOST_EVENT).map_err(|why| input(format!("the event {why}")))?;
+    if event.time.is_finite() { Ok(event) } else { Err(input("event: its time is not finite")) }
+}
+
+/// Checks an event that an agent reports.
+#[pyfunction]
+pub fn check_event(event: &str) -> PyResult<()> {
+    event_of(event).map(drop)
+}
+
+/// The text of an event.
+#[pyfunction]
+pub fn describe_event(event: &str) -> PyResult<String> {
+    let event: Event = serde_json::from_str(event).map_err(|error| input(format!("event: {error}")))?;
+    Ok(event.kind.to_string())
+}
+
 /// An agent in Python.
 struct PythonAgent {
     object: Py<PyAny>,
@@ -145,10 +181,7 @@ impl PythonAgent {
             let object = self.object.bind(py);
             let outcome = Robot::lend(py, robot, |robot| object.call_method1("run", (robot, &self.goal)));
             if let Ok(events) = object.getattr("events") {
-                for (time, what) in events.extract::<Vec<(f64, String)>>()? {
-                    let what = ramp_kit::source::plain(&what, 199);
-                    self.account.events.push(Event { time, kind: "done", what });
-                }
+                self.account.events = events_of(py, &events)?;
             }
             outcome.map(|_| ())
         })
@@ -440,9 +473,15 @@ fn aside(
     }
 }
 
+/// A result in the form of the present schema, from that of this one or of the one before.
+#[pyfunction]
+pub fn current_result(result: &str) -> PyResult<String> {
+    Ok(EpisodeResult::from_json(result.as_bytes()).map_err(input)?.to_json())
+}
+
 /// The completion of a result over time, as SVG.
 #[pyfunction]
 pub fn curve_svg(result: &str) -> PyResult<String> {
-    let result: EpisodeResult = serde_json::from_str(result).map_err(input)?;
+    let result = EpisodeResult::from_json(result.as_bytes()).map_err(input)?;
     Ok(completion_svg(&result))
 }

@@ -33,5 +33,8 @@ fn _ramp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<gym::Batch>()?;
     module.add_function(wrap_pyfunction!(episode::run, module)?)?;
     module.add_function(wrap_pyfunction!(episode::curve_svg, module)?)?;
+    module.add_function(wrap_pyfunction!(episode::current_result, module)?)?;
+    module.add_function(wrap_pyfunction!(episode::check_event, module)?)?;
+    module.add_function(wrap_pyfunction!(episode::describe_event, module)?)?;
     Ok(())
 }

@@ -12,9 +12,9 @@ use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_kit::source::{Fault, FormProblem, Problem, SourceFile, nearest, shorten};
 
-use ramp_result::MOST_EVENTS;
 use ramp_result::episode::{AgentInfo, EpisodeResult, Host, RULES, RealRun, Software};
 use ramp_result::published::{self, Published};
+use ramp_robot::MOST_EVENTS;
 use run::Run;
 
 /// First value of a log of episodes.

@@ -54,7 +54,7 @@ fn what_a_person_writes_becomes_results_of_the_schema() {
     // A peg that came out does not count, and a touch ends it.
     assert_eq!(two.counted(), 1);
     assert!(two.ended.reason.contains("emergency stop"), "{}", two.ended.reason);
-    assert_eq!(two.events[0].what, "p2 dropped beside the sheet");
+    assert_eq!(two.events[0].kind.to_string(), "p2 dropped beside the sheet");
     let schema = std::fs::read_to_string(data("schema/episode.schema.json")).unwrap();
     let schema = jsonschema::validator_for(&serde_json::from_str(&schema).unwrap()).unwrap();
     for result in &results {

@@ -1,14 +1,16 @@
-//! The report's figures as SVG. Colours are names of CSS variables, so that a page can show them light and dark;
-//! [`standalone`] puts the light ones in.
+//! The report's figures as SVG. Colours are names of CSS variables, so that a page can show them light and
+//! dark; [`standalone`] puts the light ones in.
 
 use std::fmt::Write;
 
 use crate::curves::Curves;
 use ramp_result::activity::{self, Activity};
 use ramp_result::episode::EpisodeResult;
+use ramp_robot::EventKind;
 
-/// Names of colours, with their values on light and dark ground. Those of agents and activities are the set of Okabe and
-/// Ito, which people with any kind of colour vision can tell apart; some are lighter where the ground is dark.
+/// Names of colours, with their values on light and dark ground. Those of agents and activities are the set
+/// of Okabe and Ito, which people with any kind of colour vision can tell apart; some are lighter where the
+/// ground is dark.
 pub const COLOURS: [(&str, &str, &str); 20] = [
     ("paper", "#ffffff", "#14181d"),
     ("card", "#f6f7f9", "#1c2128"),
@@ -389,7 +391,8 @@ pub fn timeline(title: &str, episodes: &[&EpisodeResult]) -> String {
         let name = format!("{}, {}", words(&episode.goal, 14), episode.seed);
         label(&mut body, [LEFT - 10.0, y + 17.0], "end", "ink", &name);
         for span in spans {
-            let what = if span.what.is_empty() { span.activity.name() } else { span.what };
+            let name = || span.activity.name().to_string();
+            let action = span.action.map(ToString::to_string).unwrap_or_else(name);
             let _ = write!(
                 body,
                 "<rect x=\"{:.2}\" y=\"{:.1}\" width=\"{:.2}\" height=\"11\" fill=\"{}\">\
@@ -400,14 +403,15 @@ pub fn timeline(title: &str, episodes: &[&EpisodeResult]) -> String {
                 activity_colour(span.activity),
                 span.from,
                 span.to,
-                words(what, 80)
+                words(&action, 80)
             );
         }
         let place = |t: f64| LEFT + t.clamp(0.0, episode.time.robot) * scale;
         for event in &episode.events {
-            if ["fault", "retry", "replan"].contains(&event.kind.as_str()) {
-                let note = format!("{:.1} s, {}: {}", event.t, event.kind, event.what);
-                sign(&mut body, &event.kind, [place(event.t), y + 14.5], &note);
+            if matches!(event.kind, EventKind::Fault(_) | EventKind::Retry(_) | EventKind::Replan { .. }) {
+                let name = event.kind.name();
+                let note = format!("{:.1} s, {name}: {}", event.time, event.kind);
+                sign(&mut body, name, [place(event.time), y + 14.5], &note);
             }
         }
         for peg in episode.pegs.iter().flatten() {

@@ -1,4 +1,5 @@
-//! Reports and boards of many agents: a front page grows with the agents a little, and not with their episodes or pairs.
+//! Reports and boards of many agents: a front page grows with the agents a little, and not with their
+//! episodes or pairs.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -8,8 +9,9 @@ use std::time::Instant;
 use ramp_report::leaderboard::{Boards, Refusal, pages, standings};
 use ramp_report::{Report, page, table};
 use ramp_result::collection::{Collection, collect};
-use ramp_result::episode::{EventInfo, RobotTime};
+use ramp_result::episode::RobotTime;
 use ramp_result::testing::episode;
+use ramp_robot::{Action, Event, EventKind};
 
 /// Results of agents of different quality on two goals, with many events.
 fn results(agents: usize, seeds: u64) -> Collection {
@@ -24,10 +26,13 @@ fn results(agents: usize, seeds: u64) -> Collection {
                 result.agent.name = format!("agent-{agent}");
                 result.robot_time = Some(RobotTime { bound: 11.25, reference: 33.75 });
                 result.events = (0..40)
-                    .map(|index| EventInfo {
-                        t: f64::from(index) / 10.0,
-                        kind: if index % 2 == 0 { "start" } else { "done" }.into(),
-                        what: format!("move the hand to beam {index}"),
+                    .map(|index| {
+                        let action = Action::new("move").with("to", &format!("beam {index}"));
+                        let kind = match index % 2 {
+                            0 => EventKind::ActionBegun(action),
+                            _ => EventKind::ActionEnded(action),
+                        };
+                        Event::new(f64::from(index) / 10.0, kind)
                     })
                     .collect();
                 let path = folder.path().join(format!("{agent}-{goal}-{seed}.json"));

@@ -1,4 +1,6 @@
-//! Where a robot's time went, as far as the events of a result tell: what was done from when to when.
+//! Robot time by activity, from the actions that a result's events report.
+
+use ramp_robot::{Action, EventKind};
 
 use crate::episode::EpisodeResult;
 
@@ -13,9 +15,9 @@ pub enum Activity {
     Inserting,
     /// Pegs going into their holes.
     Fastening,
-    /// Actions that are called something else.
+    /// Actions of other kinds.
     Other,
-    /// Not told: looking, waiting, or an agent that gives no events.
+    /// Not reported: looking, waiting, or an agent that reports no events.
     Untold,
 }
 
@@ -42,12 +44,14 @@ impl Activity {
         }
     }
 
-    /// By the first word of an action.
-    fn of(action: &str) -> Activity {
-        match action.split_whitespace().next().unwrap_or_default() {
+    /// The activity of an action, by its kind; of no action, [`Activity::Untold`].
+    fn of(action: Option<&Action>) -> Activity {
+        let Some(action) = action else { return Activity::Untold };
+        match action.kind.as_str() {
             "move" => Activity::Moving,
-            "pick" | "put" | "lay" | "regrasp" => Activity::Gripping,
-            "insert" | "slide" | "cap" | "push" => Activity::Inserting,
+            "pick_up" | "put_down" | "lay_down" | "regrasp" => Activity::Gripping,
+            "slide" | "push" => Activity::Inserting,
+            kind if kind.starts_with("assemble_") => Activity::Inserting,
             "fasten" => Activity::Fastening,
             _ => Activity::Other,
         }
@@ -61,41 +65,40 @@ pub struct Span<'r> {
     pub from: f64,
     /// Robot time of its end, s.
     pub to: f64,
-    /// What it was.
+    /// The activity.
     pub activity: Activity,
-    /// The action, in the agent's words; empty between actions.
-    pub what: &'r str,
+    /// The action; `None` between actions.
+    pub action: Option<&'r Action>,
 }
 
-/// The whole robot time of an episode, cut into stretches without gaps. An action begins with the event `start` and
-/// ends with `done` of the same words, or else where the next one starts, a new plan is made, or the episode ends.
+/// The whole robot time of an episode, cut into spans without gaps. An action begins with the event
+/// `action_begun` and ends with `action_ended` of the same action, or else where the next one begins, a new
+/// plan is made, or the episode ends.
 pub fn spans(result: &EpisodeResult) -> Vec<Span<'_>> {
     let end = result.time.robot;
     let mut spans: Vec<Span> = Vec::new();
-    let mut push = |from: f64, to: f64, activity, what| {
+    let mut push = |from: f64, to: f64, action| {
         if to > from {
-            spans.push(Span { from, to, activity, what });
+            spans.push(Span { from, to, activity: Activity::of(action), action });
         }
     };
-    // From where on nothing is told yet, and the action that is being done.
+    // The end of the last span, and the action that is under way.
     let mut told = 0.0;
-    let mut open: Option<&str> = None;
+    let mut open: Option<&Action> = None;
     for event in &result.events {
         // An agent's clock may run past the end, or back.
-        let t = event.t.clamp(told, end);
-        let ends = match (event.kind.as_str(), open) {
-            ("start", _) | ("replan", Some(_)) => true,
-            ("done", Some(action)) => action == event.what,
-            _ => false,
+        let t = event.time.clamp(told, end);
+        let next = match (&event.kind, open) {
+            (EventKind::ActionBegun(action), _) => Some(action),
+            (EventKind::Replan { .. }, Some(_)) => None,
+            (EventKind::ActionEnded(ended), Some(action)) if ended == action => None,
+            _ => continue,
         };
-        if !ends {
-            continue;
-        }
-        push(told, t, open.map_or(Activity::Untold, Activity::of), open.unwrap_or_default());
+        push(told, t, open);
         told = t;
-        open = (event.kind == "start").then_some(event.what.as_str());
+        open = next;
     }
-    push(told, end, open.map_or(Activity::Untold, Activity::of), open.unwrap_or_default());
+    push(told, end, open);
     spans
 }
 
@@ -111,30 +114,29 @@ pub fn times(result: &EpisodeResult) -> [f64; Activity::ALL.len()] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::episode::EventInfo;
     use crate::testing::episode;
+    use ramp_robot::{Event, Fault, Retry};
 
-    fn told(events: &[(f64, &str, &str)], robot: f64) -> EpisodeResult {
+    fn told(events: Vec<(f64, EventKind)>, robot: f64) -> EpisodeResult {
         let mut result = episode("easy-1", 1, &[], 3);
         result.time.robot = robot;
-        result.events = events
-            .iter()
-            .map(|(t, kind, what)| EventInfo { t: *t, kind: (*kind).into(), what: (*what).into() })
-            .collect();
+        result.events = events.into_iter().map(|(t, kind)| Event::new(t, kind)).collect();
         result
     }
 
     #[test]
     fn every_second_is_told_once() {
+        let (insert, carry) = (Action::new("assemble_square").with("beam", "b4"), Action::new("move"));
+        let fault = Fault::Jammed { part: "b4".into(), remaining: 3e-3, force: 25.0 };
         let result = told(
-            &[
-                (1.0, "start", "move to the start of b4"),
-                (3.0, "done", "move to the start of b4"),
-                (4.0, "start", "insert b4 by b4j1"),
-                (4.5, "retry", "insert b4, try 2"),
-                (6.0, "fault", "b4 jams"),
-                (6.5, "replan", "12 coarse actions"),
-                (7.0, "start", "fasten C1 with p1"),
+            vec![
+                (1.0, EventKind::ActionBegun(carry.clone())),
+                (3.0, EventKind::ActionEnded(carry)),
+                (4.0, EventKind::ActionBegun(insert)),
+                (4.5, Retry::new("insert", "b4").attempt(2).into()),
+                (6.0, fault.into()),
+                (6.5, EventKind::Replan { coarse: 12 }),
+                (7.0, EventKind::ActionBegun(Action::new("fasten"))),
             ],
             10.0,
         );
@@ -145,11 +147,17 @@ mod tests {
 
     #[test]
     fn nonsense_of_an_agent_does_no_harm() {
+        let dance = Action::new("dance");
         let result = told(
-            &[(50.0, "start", "dance"), (2.0, "done", "dance"), (3.0, "done", ""), (1e7, "start", "")],
+            vec![
+                (50.0, EventKind::ActionBegun(dance.clone())),
+                (2.0, EventKind::ActionEnded(dance)),
+                (3.0, EventKind::ActionEnded(Action::default())),
+                (1e7, EventKind::ActionBegun(Action::default())),
+            ],
             10.0,
         );
         assert_eq!(times(&result).iter().sum::<f64>(), 10.0);
-        assert_eq!(times(&told(&[], 10.0)), [0.0, 0.0, 0.0, 0.0, 0.0, 10.0]);
+        assert_eq!(times(&told(Vec::new(), 10.0)), [0.0, 0.0, 0.0, 0.0, 0.0, 10.0]);
     }
 }

@@ -2,13 +2,18 @@
 
 use std::collections::BTreeMap;
 
+use ramp_robot::Event;
 use ramp_world::{Spread, World};
 use serde::{Deserialize, Serialize};
 
+use crate::older;
 use crate::sha256;
 
 /// The version of the schema these files follow.
-pub const SCHEMA: &str = "ramp-episode-3";
+pub const SCHEMA: &str = "ramp-episode-4";
+
+/// The version before, whose events are a kind and a text. It is read, too.
+const OLDER_SCHEMA: &str = "ramp-episode-3";
 
 /// The version of the rules by which episodes are judged: `docs/src/reference/rules.md`, which names it.
 pub const RULES: &str = "ramp-rules-2";
@@ -24,21 +29,23 @@ pub struct EpisodeResult {
     pub goal: String,
     /// Its class, if it has one.
     pub class: Option<String>,
-    /// What the agent was allowed to see.
+    /// The track: the agent's sensors.
     pub track: String,
-    /// Where a real robot worked and a person held the stopwatch: who and what; `None` in the twin.
+    /// The robot and the scorer of a run of a real robot; `None` in the twin.
     pub real: Option<RealRun>,
-    /// What the physics were drawn from; `None` of a real run, and then not in the file.
+    /// The world of the physics; `None` of a real run, and then not in the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub world: Option<WorldInfo>,
-    /// All randomness of the world came from here; with a secret, from both together; of a real run, the repeat.
+    /// All randomness of the world came from here; with a secret, from both together; of a real run, the
+    /// repeat.
     pub seed: u64,
-    /// The commitment of the secret that was mixed into the seed; `None` without one, and then not in the file.
+    /// The commitment of the secret that was mixed into the seed; `None` without one, and then not in the
+    /// file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub secret: Option<String>,
     /// Which of several runs in a row this is, from 1.
     pub repeat: u32,
-    /// Who worked.
+    /// The agent.
     pub agent: AgentInfo,
     /// With what this file was made.
     pub software: Software,
@@ -48,19 +55,19 @@ pub struct EpisodeResult {
     pub completion: f64,
     /// For each connection of the goal, in its order: the peg that counts, or null.
     pub pegs: Vec<Option<PegResult>>,
-    /// Where the time went.
+    /// Planning, compute and robot time.
     pub time: Time,
-    /// What robot time is to be compared with; `None` of a real run, where the baseline has no plan for the goal, and in files
-    /// of earlier versions. Then it is not in the file.
+    /// Times to compare robot time with; `None` of a real run, where the baseline has no plan for the
+    /// goal, and in files of earlier versions. Then it is not in the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot_time: Option<RobotTime>,
     /// The agent's plan.
     pub plan: PlanInfo,
-    /// What happened, in order.
-    pub events: Vec<EventInfo>,
+    /// The events, in order.
+    pub events: Vec<Event>,
     /// Figures of the physics that a reader may want to check; `None` for a real run.
     pub physics: Option<Physics>,
-    /// What went wrong on purpose; `None` without a fault, and then not in the file.
+    /// The injected fault; `None` without one, and then not in the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<FaultInfo>,
     /// Why the episode ended.
@@ -76,8 +83,8 @@ pub struct WorldInfo {
     pub name: String,
     /// SHA-256 of its file, in hex.
     pub sha256: String,
-    /// What the episode drew, where a number is not the same in all episodes: by group and quantity, such as
-    /// `friction.coulomb`.
+    /// The numbers that the episode drew, of those that differ between episodes: by group and quantity, such
+    /// as `friction.coulomb`.
     pub draw: BTreeMap<String, Vec<f64>>,
 }
 
@@ -95,7 +102,8 @@ impl WorldInfo {
         World::shipped(&self.name).is_some_and(|world| sha256(world.text.as_bytes()) == self.sha256)
     }
 
-    /// What tells it from all other worlds: its name, and for one that is not the program's the begin of its hash.
+    /// A label that no other world has: its name, and for one that is not the program's the begin of its
+    /// hash.
     pub fn title(&self) -> String {
         if self.is_shipped() {
             return self.name.clone();
@@ -130,19 +138,19 @@ pub struct AgentInfo {
     pub name: String,
     /// Its version.
     pub version: String,
-    /// SHA-256 of its file, in hex. For the baseline that of a file of parameters of its skills; `None` with its own ones,
-    /// which the software's commit tells.
+    /// SHA-256 of its file, in hex. For the baseline that of a file of parameters of its skills; `None` with
+    /// its own ones, which the software's commit tells.
     pub sha256: Option<String>,
 }
 
-/// What is known of a run of a real robot, in the words of who scored it.
+/// A run of a real robot, in the words of its scorer.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct RealRun {
     /// The robot.
     pub robot: String,
-    /// Who held the stopwatch.
+    /// The person with the stopwatch.
     pub scorer: String,
-    /// Where this was done or published.
+    /// The place or publication.
     pub source: String,
 }
 
@@ -207,13 +215,15 @@ pub struct Time {
     pub total: f64,
 }
 
-/// What robot time is to be compared with: of the baseline's plan for the goal, from the start, by the model of the arm. It
-/// is the same for every agent, track, world and seed, and says nothing of the plan that the agent carried out.
+/// Times to compare robot time with: of the baseline's plan for the goal, from the start, by the model
+/// of the arm. It is the same for every agent, track, world and seed, and says nothing of the plan that the
+/// agent carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RobotTime {
     /// No arm with these limits rests at all grasps and places of that plan in less time, s.
     pub bound: f64,
-    /// What that plan takes with motions at the arm's limits, without looks, searches, waits and tries, s. It is no bound.
+    /// Duration of that plan with motions at the arm's limits, without looks, searches, waits and tries, s.
+    /// It is no bound.
     pub reference: f64,
 }
 
@@ -228,17 +238,6 @@ pub struct PlanInfo {
     pub replans: usize,
 }
 
-/// Something that happened.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct EventInfo {
-    /// Robot time, s.
-    pub t: f64,
-    /// In one word.
-    pub kind: String,
-    /// For a person.
-    pub what: String,
-}
-
 /// Figures of the physics.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Physics {
@@ -250,7 +249,7 @@ pub struct Physics {
     pub state: String,
 }
 
-/// What went wrong on purpose in an episode. The agent knows nothing of it.
+/// An injected fault. The agent does not know of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FaultInfo {
     /// The name of its kind.
@@ -275,6 +274,19 @@ pub struct Ended {
 }
 
 impl EpisodeResult {
+    /// From JSON of [`SCHEMA`] or of the version before, whose events it converts.
+    ///
+    /// # Errors
+    /// When it is not JSON, or not a result. The field `schema` is not checked.
+    pub fn from_json(bytes: &[u8]) -> Result<EpisodeResult, serde_json::Error> {
+        older::read(bytes, [OLDER_SCHEMA, SCHEMA])
+    }
+
+    /// Whether results of this schema can be read.
+    pub fn reads(schema: &str) -> bool {
+        [OLDER_SCHEMA, SCHEMA].contains(&schema)
+    }
+
     /// As JSON, ending in a line break.
     pub fn to_json(&self) -> String {
         // Plain structs of numbers and strings always serialise.
@@ -283,8 +295,8 @@ impl EpisodeResult {
         text
     }
 
-    /// The same result with everything that a clock on the wall decided set to zero, and without the hash of the log,
-    /// in which clocks are kept: what two runs with one seed must share to the last bit.
+    /// The same result with everything that a clock on the wall decided set to zero, and without the hash of
+    /// the log, in which clocks are kept: what two runs with one seed must share to the last bit.
     #[must_use]
     pub fn without_clock(&self) -> EpisodeResult {
         let mut result = self.clone();

@@ -1,26 +1,31 @@
-//! The track of manipulation alone: the [`Trial`] of a single skill as a result file, and trials of one skill summed up.
+//! The track of manipulation alone: the [`Trial`] of a single skill as a result file, and trials of one skill
+//! summed up.
 
 pub mod sums;
 
+use ramp_robot::Event;
 use serde::{Deserialize, Serialize};
 
-use crate::episode::{AgentInfo, EventInfo, Host, Physics, Software, WorldInfo};
-use crate::words;
+use crate::episode::{AgentInfo, Host, Physics, Software, WorldInfo};
+use crate::{older, words};
 
 /// The version of the schema of these files.
-pub const SCHEMA: &str = "ramp-manipulation-2";
+pub const SCHEMA: &str = "ramp-manipulation-3";
 
-/// What came of one trial of a skill.
+/// The version before, whose events are a kind and a text. It is read, too.
+const OLDER_SCHEMA: &str = "ramp-manipulation-2";
+
+/// The result of one trial of a skill.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trial {
     /// [`SCHEMA`].
     pub schema: String,
-    /// What the skill is called.
+    /// The skill's name.
     pub skill: String,
-    /// What the agent was allowed to see.
+    /// The track: the agent's sensors.
     pub track: String,
-    /// What the physics were drawn from.
+    /// The world of the physics.
     pub world: WorldInfo,
     /// All randomness of the trial came from here.
     pub seed: u64,
@@ -34,7 +39,7 @@ pub struct Trial {
     pub action: String,
     /// How it began.
     pub start: StartInfo,
-    /// Who worked.
+    /// The agent.
     pub agent: AgentInfo,
     /// With what this file was made.
     pub software: Software,
@@ -42,16 +47,17 @@ pub struct Trial {
     pub host: Host,
     /// Does the truth say that the step is done?
     pub success: bool,
-    /// What the truth lacks when it is not.
+    /// The condition that does not hold, without success.
     pub missing: Option<String>,
-    /// The fault with which the agent gave up, or what stopped the robot; `None` where it holds the step to be done.
+    /// The fault with which the agent gave up, or what stopped the robot; `None` where it holds the step to
+    /// be done.
     pub cause: Option<String>,
     /// How often the agent tried something again.
     pub retries: usize,
     /// Robot time, s.
     pub time: f64,
-    /// What happened, in order.
-    pub events: Vec<EventInfo>,
+    /// The events, in order.
+    pub events: Vec<Event>,
     /// Figures of the physics.
     pub physics: Physics,
 }
@@ -67,6 +73,19 @@ pub struct StartInfo {
 }
 
 impl Trial {
+    /// From JSON of [`SCHEMA`] or of the version before, whose events it converts.
+    ///
+    /// # Errors
+    /// When it is not JSON, or not a trial. The field `schema` is not checked.
+    pub fn from_json(bytes: &[u8]) -> Result<Trial, serde_json::Error> {
+        older::read(bytes, [OLDER_SCHEMA, SCHEMA])
+    }
+
+    /// Whether trials of this schema can be read.
+    pub fn reads(schema: &str) -> bool {
+        [OLDER_SCHEMA, SCHEMA].contains(&schema)
+    }
+
     /// As JSON, ending in a line break.
     pub fn to_json(&self) -> String {
         // Plain structs of numbers and strings always serialise.
@@ -83,7 +102,7 @@ impl Trial {
     /// Can this be?
     ///
     /// # Errors
-    /// What contradicts what, in words.
+    /// The contradiction, in words.
     pub fn check(&self) -> Result<(), String> {
         if self.success == self.missing.is_some() {
             return Err("a trial is a success, or lacks something".to_string());

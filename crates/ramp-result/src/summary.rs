@@ -1,5 +1,6 @@
 //! Several episodes summed up: what the protocol reports of a goal or a class.
 
+use ramp_robot::EventKind;
 use serde::Serialize;
 
 use crate::episode::{EpisodeResult, RobotTime};
@@ -63,7 +64,7 @@ pub struct MeanTime {
     pub total: f64,
     /// Standard deviation of the sum.
     pub total_deviation: Option<f64>,
-    /// What the robot's own time is to be compared with, of the results that tell it.
+    /// Mean times to compare robot time with, of the results that have them.
     pub compared: Option<RobotTime>,
 }
 
@@ -129,8 +130,11 @@ pub fn shortfall(result: &EpisodeResult) -> Option<String> {
     if result.ended.reason != "done" {
         return Some(result.ended.reason.clone());
     }
-    let fault = result.events.iter().rev().find(|event| event.kind == "fault");
-    Some(fault.map_or_else(|| "the agent stopped".to_string(), |event| event.what.clone()))
+    let fault = result.events.iter().rev().find_map(|event| match &event.kind {
+        EventKind::Fault(fault) => Some(fault),
+        _ => None,
+    });
+    Some(fault.map_or_else(|| "the agent stopped".to_string(), ToString::to_string))
 }
 
 /// A reason without what differs from episode to episode: words with digits in them become `…`.

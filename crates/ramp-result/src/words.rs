@@ -1,14 +1,15 @@
-//! What may stand in the words and lists of a result file: names, text for a person, hashes, and how many of each. Whoever
-//! shows a result, or calls a file after something in it, relies on this.
+//! Checks of the texts and lists of a result file: names, text for a person, hashes, and how many of
+//! each. Whoever shows a result, or calls a file after something in it, relies on this.
 
 use ramp_kit::source::{A_NAME, MAX_SENTENCE, MAX_TITLE, is_name, is_text, shorten};
+use ramp_robot::{Event, MOST_EVENTS};
 
-use crate::episode::{AgentInfo, EventInfo, Host, Software, WorldInfo};
+use crate::episode::{AgentInfo, Host, Software, WorldInfo};
 
 /// The most pegs of a goal.
 pub const MOST_PEGS: usize = 1000;
-/// The most events of an episode or a trial.
-pub const MOST_EVENTS: usize = 10_000;
+/// The longest JSON of an event, characters.
+const LONGEST_EVENT: usize = 4 * MAX_SENTENCE;
 /// The most quantities that a world draws, and the longest list of numbers of one.
 const MOST_NUMBERS: usize = 200;
 
@@ -103,15 +104,14 @@ pub(crate) fn known_class(class: &str) -> Result<(), String> {
     }
 }
 
-/// What happened, and when: up to the latest time, s.
-pub(crate) fn events(events: &[EventInfo], latest: f64) -> Result<(), String> {
+/// Events up to the latest time, s.
+pub(crate) fn events(events: &[Event], latest: f64) -> Result<(), String> {
     few("events", events, MOST_EVENTS)?;
     for event in events {
-        if !(0.0..=latest).contains(&event.t) {
-            return Err(format!("an event is at {} s", event.t));
+        if !(0.0..=latest).contains(&event.time) {
+            return Err(format!("an event is at {} s", event.time));
         }
-        name("the kind of an event", &event.kind)?;
-        sentence("an event", &event.what)?;
+        event.kind.check(LONGEST_EVENT).map_err(|why| format!("an event {why}"))?;
     }
     Ok(())
 }

@@ -1,9 +1,10 @@
-//! The other side of the seam: an agent, and what it tells about its work.
+//! The other side of the seam: an agent, and its report of its work.
 
 use crate::error::RobotError;
+use crate::event::Event;
 use crate::robot::Robot;
 
-/// What an agent tells about its own work.
+/// An agent's report of its own work.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Account {
     /// Time spent on task planning, s of its own clock.
@@ -14,25 +15,8 @@ pub struct Account {
     pub fine: usize,
     /// How often it planned again.
     pub replans: usize,
-    /// What happened, in order of time.
+    /// Its events, in order of time.
     pub events: Vec<Event>,
-}
-
-/// One thing that happened.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Event {
-    /// Robot time, s.
-    pub time: f64,
-    /// In one word, one of [`Event::KINDS`].
-    pub kind: &'static str,
-    /// What it was about, for a person.
-    pub what: String,
-}
-
-impl Event {
-    /// The kinds there are.
-    pub const KINDS: [&'static str; 10] =
-        ["start", "done", "fault", "retry", "search", "replan", "seen", "diagnosis", "motion", "clipped"];
 }
 
 /// An agent: gets a robot and works until it is done or the robot stops it.
@@ -40,16 +24,17 @@ pub trait Agent {
     /// Its name and version in results.
     fn name(&self) -> (&str, &str);
 
-    /// What it did, for the result; read after [`Agent::run`].
+    /// Its report, for the result; read after [`Agent::run`].
     fn account(&self) -> Account;
 
-    /// SHA-256, in hex, of the file that the agent, or its parameters, were read from; `None` where both are part of the
-    /// program.
+    /// SHA-256, in hex, of the file that the agent, or its parameters, were read from; `None` where both are
+    /// part of the program.
     fn file_hash(&self) -> Option<&str> {
         None
     }
 
-    /// Why the agent itself could not go on, where it was not the robot that stopped it; read after [`Agent::run`].
+    /// Why the agent itself could not go on, where it was not the robot that stopped it; read after
+    /// [`Agent::run`].
     fn failure(&self) -> Option<String> {
         None
     }

@@ -1,13 +1,16 @@
-//! What an agent can tell of what goes wrong, in words that whoever judges it understands.
+//! The causes of disturbances that an agent can name in a diagnosis.
 
 use std::fmt;
 
-/// What an agent may say was the cause.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+use serde::{Deserialize, Serialize};
+
+/// The cause of a disturbance, as an agent diagnoses it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Cause {
-    /// A part left the grip, or is not where it was put.
+    /// A part left the grasp, or is not where it was put.
     PartLost,
-    /// A part sits in the grip otherwise than it should.
+    /// A part has moved in the grasp.
     GripMoved,
     /// A beam of the assembly is not where it stood.
     BeamMoved,
@@ -17,11 +20,11 @@ pub enum Cause {
     Jam,
     /// A part was never there.
     PartMissing,
-    /// What is seen cannot be relied on, or something is not to be seen.
+    /// The images cannot be relied on, or a part cannot be seen.
     Sight,
-    /// The gripper does not close as it is told.
+    /// The gripper does not close as commanded.
     GripWeak,
-    /// The wrist feels a force where there is none.
+    /// The wrist measures a force where there is none.
     ForceBias,
 }
 
@@ -39,7 +42,7 @@ impl Cause {
         Cause::ForceBias,
     ];
 
-    /// The word in an event.
+    /// Its name in events.
     pub fn name(self) -> &'static str {
         match self {
             Cause::PartLost => "part-lost",
@@ -54,16 +57,9 @@ impl Cause {
         }
     }
 
-    /// The cause that the text of a diagnosis names; `None` when it is no such text.
-    ///
-    /// ```
-    /// use ramp_robot::Cause;
-    /// assert_eq!(Cause::told("jam: b4 stands still at 25 N"), Some(Cause::Jam));
-    /// assert_eq!(Cause::told("I do not know"), None);
-    /// ```
-    pub fn told(text: &str) -> Option<Cause> {
-        let (word, _) = text.split_once(':')?;
-        Cause::ALL.into_iter().find(|cause| cause.name() == word.trim())
+    /// The cause of this name.
+    pub fn named(name: &str) -> Option<Cause> {
+        Cause::ALL.into_iter().find(|cause| cause.name() == name)
     }
 }
 

@@ -1,5 +1,5 @@
-//! The baseline agent: plans, executes the plan action by action, notices what goes wrong and re-plans from what it
-//! then believes.
+//! The baseline agent: plans, executes the plan action by action, notices what goes wrong and re-plans from
+//! what it then believes.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -10,7 +10,7 @@ use ramp_kit::source::{MAX_SENTENCE, plain, to_name};
 use ramp_motion::{MotionError, PathPlanner};
 use ramp_planner::{CoarseAction, Domains, FineAction, Item, MotionFact, Plan, PlanError, State};
 use ramp_robot::arm::ArmModel;
-use ramp_robot::{Account, Agent, Event, Robot, RobotError, Track};
+use ramp_robot::{Account, Action, Agent, Event, EventKind, Robot, RobotError, Track};
 
 use crate::cell::{InsertionPath, Workcell};
 use crate::fault::{Fault, SkillError};
@@ -97,16 +97,16 @@ impl<'a> Baseline<'a> {
         self
     }
 
-    /// Tells it the track. Without that it asks for poses first, which a track with images refuses: such an episode counts on no
-    /// board.
+    /// Tells it the track. Without that it asks for poses first, which a track with images refuses: such an
+    /// episode counts on no board.
     #[must_use]
     pub fn on_track(mut self, track: Track) -> Baseline<'a> {
         self.track = Some(track);
         self
     }
 
-    /// Takes the numbers of a parameter file. The agent's version in results then ends in the hash of that file. The skills
-    /// become the baseline's with these numbers: call it before [`Baseline::with_skills`].
+    /// Takes the numbers of a parameter file. The agent's version in results then ends in the hash of that
+    /// file. The skills become the baseline's with these numbers: call it before [`Baseline::with_skills`].
     #[must_use]
     pub fn with_parameters(mut self, parameters: Arc<Parameters>) -> Baseline<'a> {
         let hash = parameters.sha256.as_ref().map(|hash| format!("+skills.{}", &hash[..8]));
@@ -116,7 +116,8 @@ impl<'a> Baseline<'a> {
         self
     }
 
-    /// Takes the skills from another table. The agent's name in results tells which skills are not the baseline's.
+    /// Takes the skills from another table. The agent's name in results tells which skills are not the
+    /// baseline's.
     ///
     /// ```
     /// # use ramp_skills::{Baseline, SkillTable, skill::Skill};
@@ -138,8 +139,9 @@ impl<'a> Baseline<'a> {
         self
     }
 
-    /// Carries out this plan of somebody else, with a check of the holes before each peg as always, and no other: where it
-    /// fails, the agent gives up. The agent's name in results tells so. Call it after [`Baseline::with_skills`].
+    /// Carries out this plan of somebody else, with a check of the holes before each peg as always, and no
+    /// other: where it fails, the agent gives up. The agent's name in results tells so. Call it after
+    /// [`Baseline::with_skills`].
     #[must_use]
     pub fn with_plan(mut self, plan: Plan) -> Baseline<'a> {
         self.name = to_name(&format!("{}+plan-given", self.name));
@@ -152,8 +154,8 @@ impl<'a> Baseline<'a> {
         self.plan.as_ref()
     }
 
-    /// Plans from a state with what the arm cannot do from here. Where no such plan is left, the goal is built as far as it
-    /// goes without.
+    /// Plans from a state with what the arm cannot do from here. Where no such plan is left, the goal is
+    /// built as far as it goes without.
     fn make_plan(&mut self, cell: &mut Workcell, mut state: State) -> Result<Plan, PlanError> {
         let begin = Instant::now();
         state.motion.clone_from(&self.learned);
@@ -172,20 +174,20 @@ impl<'a> Baseline<'a> {
             Ok(rehearsed) => {
                 for fact in rehearsed.facts {
                     if !self.told.contains(&fact) {
-                        cell.note("motion", fact.to_string());
+                        cell.record(EventKind::motion(&fact));
                         self.told.push(fact);
                     }
                 }
                 for (beam, UnusualGrasp { grasp, because }) in &rehearsed.grasps {
-                    let turned = if grasp.reverse { ", the hand turned by 180°" } else { "" };
-                    let words = format!("{beam} is gripped {:.0} mm from its j1 hole{turned}", grasp.s * 1e3);
                     if cell.grasps.get(beam) != Some(grasp) {
-                        cell.note("motion", format!("{words}; by the usual grasp {because}"));
+                        let (beam, because) = (beam.clone(), because.to_string());
+                        let (s, reverse) = (grasp.s, grasp.reverse);
+                        cell.record(EventKind::UnusualGrasp { beam, s, reverse, because });
                     }
                 }
                 for skill in &rehearsed.not_rehearsed {
                     if !self.not_rehearsed.contains(skill) {
-                        cell.note("motion", format!("not rehearsed: {skill}; its actions count as possible"));
+                        cell.record(EventKind::NotRehearsed { skill: skill.clone() });
                         self.not_rehearsed.push(skill.clone());
                     }
                 }
@@ -193,7 +195,7 @@ impl<'a> Baseline<'a> {
                 Ok(rehearsed.plan)
             }
             Err(error @ PlanError::Motion { .. }) => {
-                cell.note("motion", error.to_string());
+                cell.record(EventKind::Note { text: error.to_string() });
                 self.learned.clear();
                 state.motion.clear();
                 cell.grasps.clear();
@@ -220,7 +222,7 @@ impl<'a> Baseline<'a> {
         let Some(cannot) = skill.and_then(|skill| skill.blame(call)) else { return };
         let fact = MotionFact { cannot, past: None, because: plain(&error.to_string(), MAX_SENTENCE - 1) };
         if !self.learned.contains(&fact) {
-            cell.note("motion", fact.to_string());
+            cell.record(EventKind::motion(&fact));
             self.told.push(fact.clone());
             self.learned.push(fact);
         }
@@ -250,7 +252,7 @@ impl<'a> Baseline<'a> {
 
     /// Nothing more can be done.
     fn give_up(&mut self, cell: &mut Workcell, why: &str) {
-        cell.note("fault", why.to_string());
+        cell.record(Fault::GaveUp { why: why.to_string() });
         self.report(cell);
         self.failure = Some(plain(why, MAX_SENTENCE - 1));
     }
@@ -285,7 +287,7 @@ impl<'a> Baseline<'a> {
                 self.plan = Some(plan.clone());
             } else {
                 self.account.replans += 1;
-                cell.note("replan", format!("{} coarse actions", plan.steps.len()));
+                cell.record(EventKind::Replan { coarse: plan.steps.len() });
             }
             // Of beams that stand already the new plan says nothing: for them the old one holds.
             self.learn_paths(cell, &plan);
@@ -294,7 +296,7 @@ impl<'a> Baseline<'a> {
                 Err(SkillError::Robot(error)) => return Err(error),
                 Err(error) => {
                     last = error.to_string();
-                    cell.note("fault", last.clone());
+                    cell.record(error.fault());
                     self.report(cell);
                     recover(&self.skills, cell, self.fetching.take().as_deref(), &mut lost)?;
                     self.report(cell);
@@ -346,7 +348,8 @@ impl<'a> Baseline<'a> {
                 }
             }
             for action in &step.fine {
-                cell.note("start", action.to_string());
+                let event = Action::of(action);
+                cell.record(EventKind::ActionBegun(event.clone()));
                 self.report(cell);
                 self.fetching = match action {
                     FineAction::PickUp { item: Item::Peg(peg), .. } => Some(peg.clone()),
@@ -358,7 +361,7 @@ impl<'a> Baseline<'a> {
                     return Err(error);
                 }
                 cell.remember_standing(&self.touched(&call));
-                cell.note("done", action.to_string());
+                cell.record(EventKind::ActionEnded(event));
                 self.report(cell);
             }
         }
@@ -410,5 +413,68 @@ impl Agent for Baseline<'_> {
         cell.tell_complaints();
         self.report(&mut cell);
         result
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ramp_planner::{Area, InTheWay};
+
+    /// Events have the text of the planner, made from their data alone.
+    #[test]
+    fn an_action_and_a_motion_fact_read_in_an_event_as_in_a_plan() {
+        let beam = || "b4".to_string();
+        let joint = || "b4j1".to_string();
+        let link = || "b4l2".to_string();
+        let moves = [
+            Place::Above(Area::Input),
+            Place::Above(Area::Intermediate),
+            Place::Above(Area::Assembly),
+            Place::Input(Item::Peg("p1".into())),
+            Place::Approach(Target::Connection("C1".into())),
+            Place::Target(Target::Beam(beam())),
+        ];
+        let mut actions: Vec<FineAction> = moves.map(|to| FineAction::Move { to }).into();
+        actions.extend([
+            FineAction::PickUp { item: Item::Beam(beam()), grasp: Grasp::Link(link()) },
+            FineAction::PickUp { item: Item::Peg("p1".into()), grasp: Grasp::Head },
+            FineAction::PutDown { item: Item::Beam(beam()) },
+            FineAction::AssembleSquare { beam: beam(), joint: joint() },
+            FineAction::AssembleAngled { beam: beam(), joint: joint() },
+            FineAction::AssembleThrough {
+                beam: beam(),
+                joint: joint(),
+                through: vec![joint(), "b4j2".into()],
+            },
+            FineAction::AssembleDeep { beam: beam(), joint: joint() },
+            FineAction::AssembleCap { beam: beam(), joints: vec![joint(), "b4j2".into()] },
+            FineAction::LayDown { beam: beam() },
+            FineAction::Slide { beam: beam(), link: link() },
+            FineAction::Regrasp { beam: beam(), link: link() },
+            FineAction::Push { beam: beam(), link: link() },
+            FineAction::Fasten {
+                connection: "C1".into(),
+                female: "b7j1".into(),
+                male: joint(),
+                peg: "p1".into(),
+            },
+        ]);
+        for action in &actions {
+            assert_eq!(Action::of(action).to_string(), action.to_string());
+        }
+        let fact = |cannot, past| MotionFact { cannot, past, because: "the fingers would touch b3".into() };
+        for fact in [
+            fact(Impossible::Grasp { beam: beam(), link: link(), at: End::Start }, None),
+            fact(
+                Impossible::Grasp { beam: beam(), link: link(), at: End::Place },
+                Some(InTheWay::Stands("b3".into())),
+            ),
+            fact(Impossible::Insert { beam: beam(), path: "x".into() }, Some(InTheWay::OnSheet("b3".into()))),
+            fact(Impossible::Fasten { connection: "C1".into() }, None),
+        ] {
+            let event = EventKind::motion(&fact);
+            assert_eq!((event.name(), event.to_string()), ("motion", fact.to_string()));
+        }
     }
 }

@@ -83,7 +83,7 @@ impl Agent for Piece<'_> {
         let result = self.work(&mut cell);
         cell.tell_complaints();
         if let Err(error) = &result {
-            cell.note("fault", error.to_string());
+            cell.record(error.fault());
             self.failure = Some(plain(&error.to_string(), MAX_SENTENCE - 1));
         }
         self.baseline.report(&mut cell);

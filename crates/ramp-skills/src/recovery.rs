@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use ramp_planner::{FineAction, Item};
-use ramp_robot::RobotError;
+use ramp_robot::{Retry, RobotError};
 
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
@@ -37,9 +37,8 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
     if offset <= enough {
         return Ok(());
     }
-    let misaligned =
-        |offset: f64| Fault::Misaligned { connection: connection.name.clone(), offset_mm: offset * 1e3 };
-    cell.note("fault", misaligned(offset).to_string());
+    let misaligned = |offset: f64| Fault::Misaligned { connection: connection.name.clone(), offset };
+    cell.record(misaligned(offset));
     // Beams that have swung about their only peg drag along what is joined to them: they are aligned first, then the two
     // beams themselves.
     let mut beams = cell.swung()?;
@@ -51,7 +50,7 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
         for beam in &beams {
             match align(skills, cell, *beam) {
                 Err(SkillError::Fault(fault @ Fault::Misaligned { .. })) => {
-                    cell.note("fault", fault.to_string());
+                    cell.record(fault);
                     stuck = true;
                 }
                 done => done?,
@@ -75,7 +74,7 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
 fn realign(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
     for beam in cell.displaced()? {
         match align(skills, cell, beam) {
-            Err(SkillError::Fault(fault @ Fault::Misaligned { .. })) => cell.note("fault", fault.to_string()),
+            Err(SkillError::Fault(fault @ Fault::Misaligned { .. })) => cell.record(fault),
             done => done?,
         }
         cell.remember_standing(&[beam]);
@@ -95,7 +94,7 @@ fn note_fault(cell: &mut Workcell, result: Result<(), SkillError>) -> Result<boo
     match result {
         Err(SkillError::Robot(error)) => Err(error),
         Err(error) => {
-            cell.note("fault", error.to_string());
+            cell.record(error.fault());
             Ok(false)
         }
         Ok(()) => Ok(true),
@@ -130,7 +129,8 @@ pub fn recover(
         }
         let Ok(Some(connection)) = cell.fallen_into(&peg.name) else { continue };
         let name = &cell.assembly.connections[connection].name;
-        cell.note("retry", format!("{} has fallen into the hole of {name}", peg.name));
+        let because = format!("it has fallen into the hole of {name}");
+        cell.record(Retry::new("seat", &peg.name).because(because));
         let done = cell.seat_peg(connection, &peg.name);
         if note_fault(cell, done)? {
             cell.pinned.push((connection, peg.name.clone()));
@@ -147,7 +147,7 @@ pub fn recover(
         });
         let usable = upright && refused != Some(peg.name.as_str());
         if !pinned && !usable && !lost.contains(&peg.name) {
-            cell.note("fault", Fault::Lost { peg: peg.name.clone() }.to_string());
+            cell.record(Fault::Lost { peg: peg.name.clone() });
             lost.push(peg.name.clone());
         }
     }

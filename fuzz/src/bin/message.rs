@@ -34,6 +34,8 @@ target!(
         r#"{"look": {"camera": "birds-eye"}}"#,
         r#"{"plan": {"coarse": 3, "fine": 9, "planning": 0.1}}"#,
         r#"{"event": {"kind": "start", "what": "pick up b4"}}"#,
+        r#"{"event": {"kind": "action_begun", "action": "pick_up", "item": {"beam": "b4"}, "grasp": {"link": "b4l1"}}}"#,
+        r#"{"event": {"kind": "fault", "fault": "jammed", "part": "b4", "remaining": 0.003, "force": 25}}"#,
         r#"{"done": {}}"#,
     ]
     .map(|line| line.as_bytes().to_vec()),

@@ -1,8 +1,8 @@
 //! One trial: the twin is prepared, the agent does the task, the judge looks at the truth.
 
-use ramp_result::episode::{AgentInfo, EventInfo, Host, Physics, Software, WorldInfo};
+use ramp_result::episode::{AgentInfo, Host, Physics, Software, WorldInfo};
 use ramp_result::manipulation::{SCHEMA, Trial};
-use ramp_robot::Agent;
+use ramp_robot::{Agent, EventKind};
 use ramp_twin::Setup;
 
 use super::start::StartError;
@@ -12,7 +12,8 @@ use super::{judge, start};
 /// Prepares the twin, lets the agent do the task, and judges.
 ///
 /// # Errors
-/// When the twin cannot be made, or no start that is drawn holds. Whatever ends the trial afterwards is part of its result.
+/// When the twin cannot be made, or no start that is drawn holds. Whatever ends the trial afterwards is part
+/// of its result.
 pub fn run_trial(
     setup: &Setup,
     task: &Task,
@@ -46,17 +47,13 @@ pub fn run_trial(
         success: missing.is_none(),
         cause,
         missing,
-        retries: account.events.iter().filter(|event| event.kind == "retry").count(),
+        retries: account.events.iter().filter(|it| matches!(it.kind, EventKind::Retry(_))).count(),
         time: twin.time(),
         physics: Physics {
             deepest_penetration: twin.deepest_penetration(),
             largest_force: twin.largest_force(),
             state: format!("{:016x}", twin.state_hash()),
         },
-        events: account
-            .events
-            .into_iter()
-            .map(|event| EventInfo { t: event.time, kind: event.kind.to_string(), what: event.what })
-            .collect(),
+        events: account.events,
     })
 }

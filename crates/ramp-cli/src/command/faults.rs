@@ -124,8 +124,7 @@ fn shortfalls(episodes: &[Episode]) -> impl Iterator<Item = (&Episode, String)> 
                 match judgement.told {
                     _ if judgement.harmless() || (judgement.diagnosed && short == 0) => return None,
                     None => format!("{pegs}nothing diagnosed"),
-                    Some(Some(cause)) => format!("{pegs}diagnosed {}", cause.name()),
-                    Some(None) => format!("{pegs}diagnosed what is no cause"),
+                    Some(cause) => format!("{pegs}diagnosed {}", cause.name()),
                 }
             }
         };

@@ -16,7 +16,7 @@ use ramp_kit::Kit;
 use ramp_kit::source::to_name;
 use ramp_log::Sources;
 use ramp_robot::arm::ArmModel;
-use ramp_robot::{Agent, Robot, Track};
+use ramp_robot::{Agent, EventKind, Robot, Track};
 use ramp_skills::skill::ActionKind;
 use serde_json::{Value, json};
 
@@ -119,8 +119,11 @@ impl Body for Program {
         if let Some(why) = program.failure() {
             return Err(BodyError::GaveUp(why));
         }
-        let gave_up = program.account().events.into_iter().rev().find(|event| event.kind == "fault");
-        gave_up.map_or(Ok(()), |event| Err(BodyError::GaveUp(event.what)))
+        let gave_up = program.account().events.into_iter().rev().find_map(|event| match event.kind {
+            EventKind::Fault(fault) => Some(fault),
+            _ => None,
+        });
+        gave_up.map_or(Ok(()), |fault| Err(BodyError::GaveUp(fault.to_string())))
     }
 }
 

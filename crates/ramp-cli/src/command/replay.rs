@@ -9,7 +9,7 @@ use miette::{IntoDiagnostic, Report};
 use ramp_episode::Progress;
 use ramp_episode::replay::{Replayed, World, replay_watched};
 use ramp_log::Log;
-use ramp_result::episode::EventInfo;
+use ramp_robot::{Event, EventKind};
 use ramp_twin::Twin;
 use serde_json::json;
 
@@ -47,7 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Report> {
         if let Some(bar) = &bar {
             bar.set_position(progress.time as u64);
         }
-        pictures.show(twin, actions.at(progress.time), progress);
+        pictures.show(twin, &actions.at(progress.time), progress);
     };
     let replayed = replay_watched(&log, &world, &mut watcher).into_diagnostic()?;
     if let Some(bar) = &bar {
@@ -58,24 +58,24 @@ pub fn run(arguments: &Arguments) -> Result<u8, Report> {
     Ok(if replayed.is_equal() && replayed.breach.is_none() { DONE } else { INCOMPLETE })
 }
 
-/// What the agent does at a time, from its events.
+/// The agent's action at a time, from its events.
 struct Actions<'e> {
-    rest: std::iter::Peekable<std::slice::Iter<'e, EventInfo>>,
-    now: &'e str,
+    rest: std::iter::Peekable<std::slice::Iter<'e, Event>>,
+    now: String,
 }
 
 impl<'e> Actions<'e> {
-    fn of(events: &'e [EventInfo]) -> Actions<'e> {
-        Actions { rest: events.iter().peekable(), now: "planning" }
+    fn of(events: &'e [Event]) -> Actions<'e> {
+        Actions { rest: events.iter().peekable(), now: "planning".to_string() }
     }
 
-    fn at(&mut self, time: f64) -> &'e str {
-        while let Some(event) = self.rest.next_if(|event| event.t <= time) {
-            if event.kind == "start" {
-                self.now = &event.what;
+    fn at(&mut self, time: f64) -> String {
+        while let Some(event) = self.rest.next_if(|event| event.time <= time) {
+            if let EventKind::ActionBegun(action) = &event.kind {
+                self.now = action.to_string();
             }
         }
-        self.now
+        self.now.clone()
     }
 }
 

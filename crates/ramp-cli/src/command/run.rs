@@ -13,7 +13,7 @@ use ramp_gym::{PlanFileError, read_plan};
 use ramp_kit::source::read_text;
 use ramp_report::curve::completion_svg;
 use ramp_result::episode::{EpisodeResult, RobotTime};
-use ramp_robot::Event;
+use ramp_robot::{Event, EventKind};
 use ramp_skills::{ReferenceTimes, reference_times_of_goal};
 use ramp_twin::{Disturbance, Fault, Setup, Twin};
 
@@ -302,12 +302,13 @@ impl Display {
     }
 
     fn event(&self, event: &Event) {
-        match (&self.bar, event.kind) {
-            (_, "start") => *self.action.borrow_mut() = event.what.clone(),
-            (None, "done") => eprintln!("{:7.1} s  {}", event.time, event.what),
-            (Some(_), "done") => {}
-            (Some(bar), kind) => bar.println(format!("{:7.1} s  {kind}: {}", event.time, event.what)),
-            (None, kind) => eprintln!("{:7.1} s  {kind}: {}", event.time, event.what),
+        let line = || format!("{:7.1} s  {}: {}", event.time, event.kind.name(), event.kind);
+        match (&self.bar, &event.kind) {
+            (_, EventKind::ActionBegun(action)) => *self.action.borrow_mut() = action.to_string(),
+            (None, EventKind::ActionEnded(action)) => eprintln!("{:7.1} s  {action}", event.time),
+            (Some(_), EventKind::ActionEnded(_)) => {}
+            (Some(bar), _) => bar.println(line()),
+            (None, _) => eprintln!("{}", line()),
         }
     }
 

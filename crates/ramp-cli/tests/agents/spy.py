@@ -1,7 +1,6 @@
-"""An agent that looks for what it must not know, and for ways out. It tells what it found as events.
+"""An agent that looks for what it must not know, and for ways out. It reports each door that it tried as an event.
 
-Each event says a door. It is of the kind `fault` if the door was open, and then says what was behind it; otherwise
-`done`.
+The event is an action with the argument `door`. If the door was open, `found` is what was behind it.
 """
 import ctypes
 import glob
@@ -24,9 +23,10 @@ TRUTH = re.compile(rb'"child_frame_id"|ramp\.Verdict|\x89MCAP')
 
 def note(door, found):
     """Tells whether a door is open, and what was behind it."""
-    kind = "fault" if found else "done"
-    what = f"{door}: {found}" if found else door
-    tell({"event": {"kind": kind, "what": "".join(c if c.isprintable() else " " for c in what)[:200]}})
+    event = {"kind": "action_ended", "action": "try", "door": door}
+    if found:
+        event["found"] = "".join(c if c.isprintable() and c not in "\"\\" else " " for c in str(found))[:120]
+    tell({"event": event})
     assert hear() == {"noted": {}}
 
 

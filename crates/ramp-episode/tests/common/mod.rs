@@ -87,7 +87,8 @@ impl ramp_robot::Agent for Swing {
     }
 
     fn account(&self) -> ramp_robot::Account {
-        let event = ramp_robot::Event { time: 0.1, kind: "start", what: "swing".into() };
+        let kind = ramp_robot::EventKind::ActionBegun(ramp_robot::Action::new("swing"));
+        let event = ramp_robot::Event::new(0.1, kind);
         ramp_robot::Account { events: vec![event], ..ramp_robot::Account::default() }
     }
 

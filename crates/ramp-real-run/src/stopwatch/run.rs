@@ -5,9 +5,9 @@ use std::ops::Range;
 use ramp_assembly::Assembly;
 
 use ramp_result::episode::{
-    AgentInfo, Ended, EpisodeResult, EventInfo, Host, PegResult, PlanInfo, RULES, RealRun, SCHEMA, Software,
-    Time,
+    AgentInfo, Ended, EpisodeResult, Host, PegResult, PlanInfo, RULES, RealRun, SCHEMA, Software, Time,
 };
+use ramp_robot::{Event, Fault};
 
 /// An episode while its lines are read.
 pub(super) struct Run<'a> {
@@ -63,11 +63,8 @@ impl<'a> Run<'a> {
             })
             .collect();
         let counted = pegs.iter().flatten().count();
-        let event = |(time, what): (f64, String)| EventInfo {
-            t: (time - planning).max(0.0),
-            kind: "fault".to_string(),
-            what,
-        };
+        let event =
+            |(time, why): (f64, String)| Event::new((time - planning).max(0.0), Fault::Other { why }.into());
         EpisodeResult {
             schema: SCHEMA.to_string(),
             rules: RULES.to_string(),

@@ -5,7 +5,8 @@ use ramp_kit::source::shorten;
 use crate::episode::{EpisodeResult, RobotTime};
 use crate::words::{self, MOST_PEGS};
 
-/// The longest time that an episode can have, s: more than any protocol asks for, and what a picture can show.
+/// The longest time that an episode can have, s: more than any protocol asks for, and what a picture can
+/// show.
 const LONGEST: f64 = 1e7;
 /// By how much times that should agree may differ, s: rounding of whoever wrote them.
 const SLACK: f64 = 1e-3;
@@ -118,19 +119,31 @@ fn words(result: &EpisodeResult) -> Result<(), String> {
 mod tests {
     use super::*;
     use crate::collection::LARGEST;
-    use crate::episode::EventInfo;
+    use ramp_robot::{Action, Argument, Event, EventKind, MOST_EVENT, MOST_EVENTS};
+
     use crate::testing::episode;
-    use crate::words::MOST_EVENTS;
 
     #[test]
     fn the_longest_result_that_an_agent_can_make_is_read_and_a_longer_one_is_not() {
-        // As many events, each as long, as the protocol lets an agent tell of, in letters of four bytes.
-        let event = EventInfo { t: 1.0, kind: "fault".into(), what: "\u{1f980}".repeat(200) };
+        // As many events as an agent may report, each as long as it may be: one long text, or many short
+        // ones, in letters of four bytes.
+        let long = EventKind::Note { text: "\u{1f980}".repeat(MOST_EVENT - 25) };
+        let mut short = Action::new("a");
+        for index in 'a'..='h' {
+            let many = vec![Argument::Text("\u{1f980}".to_string()); 4];
+            short.arguments.insert(index.to_string(), Argument::List(many));
+        }
+        let short = EventKind::ActionBegun(short);
+        for kind in [long, short] {
+            assert_eq!(kind.check(MOST_EVENT), Ok(()));
+            let mut result = episode("easy-1", 1, &[20.0], 3);
+            result.events = vec![Event::new(1.0, kind); MOST_EVENTS];
+            assert_eq!(check(&result), Ok(()));
+            assert!(result.to_json().len() < LARGEST, "{}", result.to_json().len());
+        }
+        let event = Event::new(1.0, EventKind::Clipped {});
         let mut result = episode("easy-1", 1, &[20.0], 3);
-        result.events = vec![event.clone(); MOST_EVENTS];
-        assert_eq!(check(&result), Ok(()));
-        assert!(result.to_json().len() < LARGEST);
-        result.events.push(event);
+        result.events = vec![event; MOST_EVENTS + 1];
         assert!(check(&result).is_err_and(|why| why.contains("10001 events, expected at most 10000")));
     }
 

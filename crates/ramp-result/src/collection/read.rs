@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::check::check;
 use crate::episode::{EpisodeResult, RULES, SCHEMA};
 use crate::file::sha256;
-use crate::manipulation::{self, Trial};
+use crate::manipulation::Trial;
 use crate::perception::{self, PerceptionVerdict};
 use crate::planning::{self, PlanVerdict};
 use crate::published::{self, Published};
@@ -21,11 +21,11 @@ const LONGEST_WHY: usize = 300;
 /// One result file.
 #[derive(Clone, Debug)]
 pub struct ResultFile {
-    /// Where it was read from.
+    /// Its path.
     pub path: PathBuf,
     /// SHA-256 of its bytes, hexadecimal.
     pub sha256: String,
-    /// What it says.
+    /// The result.
     pub result: EpisodeResult,
 }
 
@@ -37,7 +37,7 @@ pub enum CollectError {
     Unreadable {
         /// Which.
         path: String,
-        /// What the system said.
+        /// The system's message.
         why: String,
     },
     /// A file that cannot be read, or is too large.
@@ -50,7 +50,7 @@ pub enum CollectError {
     Form {
         /// File, line and column.
         place: String,
-        /// What is wrong.
+        /// The mistake.
         why: String,
     },
     /// A result of another schema.
@@ -59,7 +59,7 @@ pub enum CollectError {
     Schema {
         /// The file.
         file: String,
-        /// What it says.
+        /// The version in the file.
         found: String,
     },
     /// A result by other rules.
@@ -68,7 +68,7 @@ pub enum CollectError {
     Rules {
         /// The file.
         file: String,
-        /// What it says.
+        /// The version in the file.
         found: String,
     },
     /// A result that cannot be.
@@ -77,7 +77,7 @@ pub enum CollectError {
     Impossible {
         /// The file.
         file: String,
-        /// What contradicts what.
+        /// The contradiction.
         why: String,
     },
     /// Two results of one episode.
@@ -98,7 +98,7 @@ pub enum CollectError {
         first: String,
         /// The other.
         second: String,
-        /// What differs.
+        /// The difference.
         why: String,
     },
     /// Nothing there.
@@ -183,22 +183,22 @@ pub fn parse(name: &str, bytes: &[u8]) -> Result<Option<Parsed>, CollectError> {
         verdict.check().map_err(impossible)?;
         return Ok(Some(Parsed::Perception(verdict)));
     }
-    if schema == manipulation::SCHEMA {
-        let trial: Trial = serde_json::from_slice(bytes).map_err(bad)?;
+    if Trial::reads(schema) {
+        let trial = Trial::from_json(bytes).map_err(bad)?;
         trial.check().map_err(impossible)?;
         return Ok(Some(Parsed::Trial(Box::new(trial))));
     }
     if !schema.starts_with("ramp-episode-") {
         return Ok(None);
     }
-    if schema != SCHEMA {
+    if !EpisodeResult::reads(schema) {
         return Err(CollectError::Schema { file: name.to_string(), found: shorten(schema) });
     }
     if let Some(rules) = value["rules"].as_str().filter(|rules| *rules != RULES) {
         let found = shorten(rules);
         return Err(CollectError::Rules { file: name.to_string(), found });
     }
-    let result: EpisodeResult = serde_json::from_slice(bytes).map_err(bad)?;
+    let result = EpisodeResult::from_json(bytes).map_err(bad)?;
     check(&result).map_err(impossible)?;
     Ok(Some(Parsed::Episode(Box::new(result))))
 }

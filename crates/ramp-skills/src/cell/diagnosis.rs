@@ -1,7 +1,7 @@
 //! Names the cause of what skills measure and see.
 //!
-//! A skill goes on when it can. What it noticed becomes an event `diagnosis` with the text `CAUSE: evidence`, for people
-//! and for whoever judges how well the agent knows what happens to it.
+//! A skill continues when it can. Each cause becomes an event of the kind `diagnosis` with the part and the evidence, for
+//! people and for the campaigns that judge diagnoses.
 
 use nalgebra::{Point3, Vector3};
 use ramp_robot::{Cause, RobotError};
@@ -10,15 +10,15 @@ use super::workcell::{Stand, Workcell};
 use crate::hand::{GRAVITY, Hand};
 
 impl Workcell<'_, '_> {
-    /// Says why a part is not where it was believed to be, `off` metres away.
+    /// Diagnoses why a part is not where it was believed to be, `off` metres away.
     pub fn diagnose_astray(&mut self, part: &str, off: f64) {
         if self.hand.held.as_ref().is_some_and(|held| held.part == part) {
             return;
         }
         let words = format!("{part} is {:.1} mm from where it was", off * 1e3);
         match self.assembly.beam_index(part) {
-            Some(beam) if self.standing.contains(&beam) => self.diagnose(Cause::BeamMoved, words),
-            Some(_) => self.diagnose(Cause::PartLost, words),
+            Some(beam) if self.standing.contains(&beam) => self.diagnose(Cause::BeamMoved, part, words),
+            Some(_) => self.diagnose(Cause::PartLost, part, words),
             None => self.diagnose_holder(part),
         }
     }
@@ -41,7 +41,7 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// Says which beams stand otherwise than they did when the hand left them.
+    /// Diagnoses which beams have moved since the hand left them.
     pub fn diagnose_standing(&mut self) {
         for (beam, now) in self.seen_standing() {
             let Some(before) = self.stood.get(&beam) else { continue };
@@ -56,7 +56,7 @@ impl Workcell<'_, '_> {
             {
                 let name = &self.assembly.beams[beam].beam.name;
                 let words = format!("{name} is {:.1} mm from where it stood", moved * 1e3);
-                self.diagnose(Cause::BeamMoved, words);
+                self.diagnose(Cause::BeamMoved, name.as_str(), words);
                 self.stood.insert(beam, now);
             }
         }
@@ -92,7 +92,7 @@ impl Workcell<'_, '_> {
             || shifts.len() == 1 && off.norm() > self.parameters.diagnosis.in_place
         {
             let words = format!("the pegs of {holder} are {:.1} mm from their outlines", mean.norm() * 1e3);
-            self.diagnose(Cause::HolderMoved, words);
+            self.diagnose(Cause::HolderMoved, holder.as_str(), words);
         }
     }
 
@@ -109,16 +109,18 @@ impl Workcell<'_, '_> {
         (known && upright).then_some(off)
     }
 
-    /// Says so when a part has moved in the hand by `moved` (m) and `turned` (rad).
+    /// Diagnoses that a part has moved in the hand, by `moved` (m) and `turned` (rad), if that is too far.
     pub fn diagnose_grip(&mut self, part: &str, moved: f64, turned: f64) {
         if turned > self.parameters.diagnosis.slip_turn {
             self.diagnose(
                 Cause::GripMoved,
+                part,
                 format!("{part} has turned by {:.1}° in the hand", turned.to_degrees()),
             );
         } else if moved > self.parameters.diagnosis.slip {
             self.diagnose(
                 Cause::GripMoved,
+                part,
                 format!("{part} has slipped by {:.1} mm in the hand", moved * 1e3),
             );
         }
@@ -146,7 +148,8 @@ impl Workcell<'_, '_> {
         let measured = measured(&self.hand);
         if measured > biased {
             self.force_told = true;
-            self.diagnose(Cause::ForceBias, format!("the wrist measures {measured:.1} N in free space"));
+            let evidence = format!("the wrist measures {measured:.1} N in free space");
+            self.diagnose(Cause::ForceBias, None, evidence);
         }
         Ok(())
     }

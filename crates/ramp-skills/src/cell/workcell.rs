@@ -7,11 +7,10 @@ use std::sync::Arc;
 use nalgebra::{Point2, Point3};
 use ramp_assembly::{Assembly, JointRef};
 use ramp_kit::Kit;
-use ramp_kit::source::{MAX_SENTENCE, plain};
 use ramp_motion::PathPlanner;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
-use ramp_robot::{Cause, Event, Robot};
+use ramp_robot::{Cause, Event, EventKind, Robot};
 
 use crate::belief::Belief;
 use crate::grasp::BeamGrasp;
@@ -51,7 +50,8 @@ pub struct Workcell<'a, 'r> {
     pub deep: Vec<usize>,
     /// Connections that are pinned, by index, and by which peg.
     pub pinned: Vec<(usize, String)>,
-    /// Connections whose peg has come to stand on the male, by index: their holes are further apart than they seem.
+    /// Connections whose peg has come to stand on the male, by index: their holes are further apart than they
+    /// seem.
     pub apart: Vec<usize>,
     /// How beams get to their places, by index: as the plan says.
     pub paths: BTreeMap<usize, InsertionPath>,
@@ -61,7 +61,7 @@ pub struct Workcell<'a, 'r> {
     pub stream: Stream,
     /// The numbers of the skills.
     pub parameters: Arc<Parameters>,
-    /// What happened.
+    /// Events that are not yet reported.
     pub events: Vec<Event>,
     /// It has been told that the wrist sensor is off.
     pub force_told: bool,
@@ -70,7 +70,8 @@ pub struct Workcell<'a, 'r> {
 }
 
 impl<'a, 'r> Workcell<'a, 'r> {
-    /// A work cell with nothing built in it but the clamped beam. `seed` feeds the motion planner's random numbers.
+    /// A work cell with nothing built in it but the clamped beam. `seed` feeds the motion planner's random
+    /// numbers.
     pub fn new(
         kit: &'a Kit,
         assembly: &'a Assembly,
@@ -101,15 +102,20 @@ impl<'a, 'r> Workcell<'a, 'r> {
         }
     }
 
-    /// Notes what happened, as a text that a result may hold.
-    pub fn note(&mut self, kind: &'static str, what: String) {
-        let what = plain(&what, MAX_SENTENCE - 1);
-        self.events.push(Event { time: self.hand.time(), kind, what });
+    /// Records an event at the present robot time.
+    pub fn record(&mut self, kind: impl Into<EventKind>) {
+        self.events.push(Event::new(self.hand.time(), kind.into().plain()));
     }
 
-    /// Notes a cause and what tells so.
-    pub fn diagnose(&mut self, cause: Cause, why: impl fmt::Display) {
-        self.note("diagnosis", format!("{cause}: {why}"));
+    /// Records the cause of a disturbance, the part that it affects, and the evidence for it.
+    pub fn diagnose<'p>(
+        &mut self,
+        cause: Cause,
+        part: impl Into<Option<&'p str>>,
+        evidence: impl fmt::Display,
+    ) {
+        let part = part.into().map(str::to_string);
+        self.record(EventKind::Diagnosis { cause, part, evidence: evidence.to_string() });
     }
 
     /// The middle of a part.

@@ -72,7 +72,8 @@ impl Workcell<'_, '_> {
             if short < self.parameters.grip.short {
                 break;
             }
-            self.diagnose(Cause::GripWeak, format!("the fingers stop {:.1} mm before {part}", short * 1e3));
+            let evidence = format!("the fingers stop {:.1} mm before {part}", short * 1e3);
+            self.diagnose(Cause::GripWeak, part, evidence);
             if attempt + 1 < self.parameters.grip.closings {
                 self.hand.grip(
                     open.max(self.hand.seen.width + self.parameters.grip.opened),
@@ -82,7 +83,7 @@ impl Workcell<'_, '_> {
         }
         if (self.hand.seen.width - width).abs() > self.parameters.grip.width_tolerance {
             if self.hand.seen.width < width {
-                self.diagnose(Cause::PartLost, format!("{part} is not between the fingers"));
+                self.diagnose(Cause::PartLost, part, format!("{part} is not between the fingers"));
             }
             return Err(Fault::NotHeld { part: part.to_string() }.into());
         }
@@ -148,14 +149,15 @@ impl Workcell<'_, '_> {
             moved.x.abs() < along && moved.yz().norm() < self.parameters.grip.strayed
         });
         if closed || !here {
-            self.diagnose(Cause::PartLost, format!("{part} has left the hand"));
+            self.diagnose(Cause::PartLost, part, format!("{part} has left the hand"));
             self.hand.held = None;
             self.belief.lost(part);
             return Err(Fault::NotHeld { part: part.to_string() }.into());
         }
         let beside = x_tp.inverse() * Point3::new(self.parameters.grip.beside, 0.0, 0.0);
         if pushed && self.belief.deviation(part, &beside)[1] > self.parameters.grip.unseen {
-            self.diagnose(Cause::GripMoved, format!("{part} was pushed, and cannot be seen in the hand"));
+            let evidence = format!("{part} was pushed, and cannot be seen in the hand");
+            self.diagnose(Cause::GripMoved, part, evidence);
         } else if let Some((moved, turned)) = slip {
             self.diagnose_grip(part, moved, turned);
         }

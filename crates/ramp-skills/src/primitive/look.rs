@@ -5,12 +5,12 @@ use std::f64::consts::FRAC_PI_4;
 use nalgebra::{Point3, Translation3, Vector3};
 use ramp_kit::tags::x_wg_sheet;
 use ramp_robot::camera::Mount;
-use ramp_robot::{Camera, Cause, MOST_EXPOSURES};
+use ramp_robot::{Camera, Cause, EventKind, MOST_EXPOSURES};
 
 use crate::Pose;
 use crate::belief::Belief;
 use crate::cell::{Point, Workcell};
-use crate::fault::SkillError;
+use crate::fault::{Fault, SkillError};
 use crate::grasp::hand_down;
 
 impl Workcell<'_, '_> {
@@ -101,22 +101,22 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Looks once, and notes what was odd.
+    /// Looks once, and records oddities.
     pub fn look_once(&mut self) -> Result<(), SkillError> {
         self.belief.update(&mut self.hand)?;
         for (part, off) in self.belief.astray() {
-            self.note("seen", format!("{part} is {:.1} mm from where it was believed", off * 1e3));
+            self.record(EventKind::Seen { part: part.clone(), off });
             self.diagnose_astray(&part, off);
         }
         self.tell_complaints();
         Ok(())
     }
 
-    /// Tells what was wrong with images and has not been told.
+    /// Records the oddities in images that are not yet recorded.
     pub fn tell_complaints(&mut self) {
         for complaint in self.belief.eyes.complaints() {
-            self.note("fault", complaint.clone());
-            self.diagnose(Cause::Sight, complaint);
+            self.record(Fault::Sight { why: complaint.clone() });
+            self.diagnose(Cause::Sight, None, complaint);
         }
     }
 

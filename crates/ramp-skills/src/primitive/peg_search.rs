@@ -138,7 +138,7 @@ impl Workcell<'_, '_> {
             return Ok(false);
         }
         let lean = beside.abs().atan2(STEM_LENGTH + HEAD_HEIGHT / 2.0).to_degrees();
-        self.diagnose(Cause::GripMoved, format!("{peg} is tilted in the hand by {lean:.0}°"));
+        self.diagnose(Cause::GripMoved, peg, format!("{peg} is tilted in the hand by {lean:.0}°"));
         let start = self.hand.seen.x_wt.translation.vector;
         let over = mouth - axis * beside;
         let speed = self.parameters.peg_search.tilted_speed;

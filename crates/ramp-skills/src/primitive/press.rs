@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector6;
 use ramp_kit::joint::STEM_LENGTH;
-use ramp_robot::Cause;
+use ramp_robot::{Cause, Retry};
 
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
@@ -24,11 +24,11 @@ impl Workcell<'_, '_> {
                 break;
             }
             let name = self.assembly.connections[connection].name.clone();
-            let fault = Fault::NotSeated { peg: peg.to_string(), connection: name, gap_mm: gap * 1e3 };
+            let fault = Fault::NotSeated { peg: peg.to_string(), connection: name, gap };
             if attempt == self.parameters.press.tries {
                 return Err(fault.into());
             }
-            self.note("retry", fault.to_string());
+            self.record(Retry::new("press", peg).attempt(attempt + 1).off(gap).because(&fault));
             let [grasp, _] = peg_grasps(&self.belief.pose(peg)?, &self.parameters.grip);
             self.grasp(peg, &grasp)?;
             self.hand.zero()?;
@@ -101,12 +101,10 @@ impl Workcell<'_, '_> {
         if seconds > self.parameters.press.long || gap > STEM_LENGTH / 2.0 {
             let beside = self.tip_beside(&measured, plate).dot(&self.across()).abs();
             if gap > STEM_LENGTH / 2.0 && beside > self.parameters.press.beside {
-                self.diagnose(
-                    Cause::GripMoved,
-                    format!("{peg} presses {:.0} mm beside the hand", beside * 1e3),
-                );
+                let evidence = format!("{peg} presses {:.0} mm beside the hand", beside * 1e3);
+                self.diagnose(Cause::GripMoved, peg, evidence);
             } else {
-                self.diagnose(Cause::Jam, format!("{peg} was pressed for {seconds:.1} s"));
+                self.diagnose(Cause::Jam, peg, format!("{peg} was pressed for {seconds:.1} s"));
             }
         }
         Ok(())

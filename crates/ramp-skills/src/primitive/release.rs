@@ -1,6 +1,7 @@
 //! Lets go of what is held, so that it stays where it is.
 
 use nalgebra::{Point3, Translation3, Vector3};
+use ramp_robot::Retry;
 
 use crate::Pose;
 use crate::cell::Workcell;
@@ -54,7 +55,8 @@ impl Workcell<'_, '_> {
             if !follows && self.lift_off(&[slow, fast], limit)? {
                 break;
             }
-            self.note("retry", format!("let go of {}, which hangs on a finger", held.part));
+            let retry = Retry::new("let_go_of", &held.part).attempt(attempt + 2);
+            self.record(retry.because("it hangs on a finger"));
             self.hand.relax();
             // A rib that has left its slot meets the beam on the way back: then the hand is free to retreat.
             if !self.hand.drive(&low, self.parameters.release.back_speed, |hand| {

@@ -4,6 +4,7 @@
 //! with growing amplitude, until it slips off the edge.
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use ramp_robot::Search;
 
 use crate::Pose;
 use crate::cell::Workcell;
@@ -92,8 +93,8 @@ impl Workcell<'_, '_> {
                 Pose::from_parts(Translation3::from(line.translation.vector + shift), turn * line.rotation);
             self.hand.tick()?;
         }
-        let seconds = self.hand.time() - begin;
-        self.note("search", format!("{part}: compliant search for {seconds:.1} s"));
+        let duration = Some(self.hand.time() - begin);
+        self.record(Search { method: "compliant".into(), part: part.to_string(), duration, attempts: None });
         Ok(stood)
     }
 }

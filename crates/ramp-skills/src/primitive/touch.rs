@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3};
 use ramp_assembly::JointRef;
 use ramp_kit::joint::{self, BODY_WIDTH, EXTRUSION, FEMALE_HEIGHT};
+use ramp_robot::{EventKind, Surface};
 
 use crate::Pose;
 use crate::cell::Workcell;
@@ -48,8 +49,8 @@ impl Workcell<'_, '_> {
                 let height = lying(&(x_wb * end));
                 self.belief.stands_at(&placed.name, end, height, self.parameters.touch.known);
             }
-            let [first, last] = off.map(|off| off * 1e3);
-            self.note("search", format!("{} touched the table {first:.2} and {last:.2} mm off", placed.name));
+            let (part, off) = (placed.name.clone(), off.to_vec());
+            self.record(EventKind::Touched { part, surface: Surface::Table, off });
         }
         self.hand.go(&before, self.parameters.touch.back_speed)
     }
@@ -89,7 +90,8 @@ impl Workcell<'_, '_> {
         if !touched || off.abs() > self.parameters.touch.depth / 2.0 {
             return Ok(0.0);
         }
-        self.note("search", format!("{part} touched the floor {:.2} mm off", off * 1e3));
+        let part = part.to_string();
+        self.record(EventKind::Touched { part, surface: Surface::Floor, off: vec![off] });
         Ok(off)
     }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Translation3, Vector3};
 use ramp_motion::{Checker, Joints, MotionError, Pace, Terms, TimeLaw, Trajectory};
-use ramp_robot::GripperCommand;
+use ramp_robot::{GripperCommand, Retry};
 
 use crate::Pose;
 use crate::belief::obstacles::held_boxes;
@@ -66,7 +66,8 @@ impl Workcell<'_, '_> {
             self.planner.solve(x_wt, &q).is_ok_and(|q| checker.is_free(&self.planner.kinematics.frames(&q)))
         };
         let Some(free) = places.into_iter().find(is_free) else { return Ok(false) };
-        self.note("retry", "the hand stands too near to something, and backs out".to_string());
+        let because = Some("the hand is too near to something, and backs out".to_string());
+        self.record(Retry { step: "travel".into(), because, ..Retry::default() });
         self.hand.relax();
         self.hand.go(&free, self.parameters.travel.back_out_speed)?;
         Ok(true)

@@ -2,7 +2,7 @@
 
 use nalgebra::{Translation3, Vector3};
 use ramp_planner::{End, Impossible};
-use ramp_robot::Cause;
+use ramp_robot::{Cause, Retry, Search};
 
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use super::insertion::{Aim, Insertion, Pushed, rehearse_insertion};
@@ -109,7 +109,7 @@ impl Assemble {
                 stuck = stood > cell.parameters.insertion.stuck || remaining > enough;
             }
             if stuck {
-                cell.diagnose(Cause::Jam, met);
+                cell.diagnose(Cause::Jam, name.as_str(), met);
             }
             if remaining > enough {
                 return self.insertion.back_out(cell, beam, &direction, remaining, pushed.force);
@@ -157,7 +157,8 @@ impl Assemble {
             *pushed = self.insertion.push_in(cell, beam, aim, &target, None, limit)?;
         }
         if pushes > 0 {
-            cell.note("search", format!("{name}: {pushes} more pushes"));
+            let method = "push".to_string();
+            cell.record(Search { method, part: name, duration: None, attempts: Some(pushes) });
         }
         Ok(())
     }
@@ -191,7 +192,7 @@ impl Assemble {
                 return Ok(());
             }
             before = remaining;
-            cell.note("retry", format!("insert {name}, {:.1} mm short", remaining * 1e3));
+            cell.record(Retry::new("insert", &name).off(remaining));
             if remaining > enough {
                 cell.compliant_search(&name, goal, &direction, &cell.compliance(loose))?;
             }
@@ -201,7 +202,7 @@ impl Assemble {
         if remaining < enough {
             return Ok(());
         }
-        Err(Fault::Jammed { part: name, remaining_mm: remaining * 1e3, force }.into())
+        Err(Fault::Jammed { part: name, remaining, force }.into())
     }
 
     /// Grasps a beam that stands short of its place on its insertion path, and moves it there.

@@ -165,7 +165,7 @@ impl Cap {
         let remaining = cell.remaining(&name, goal, &direction)?;
         let blocked = remaining > self.parameters.blocked;
         if stood > cell.parameters.insertion.stuck || blocked {
-            cell.diagnose(Cause::Jam, met);
+            cell.diagnose(Cause::Jam, name.as_str(), met);
         }
         if blocked {
             return self.insertion.back_out(cell, beam, &direction, remaining, force);

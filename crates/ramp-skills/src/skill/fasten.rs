@@ -3,7 +3,7 @@
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_kit::joint::STEM_LENGTH;
 use ramp_planner::Impossible;
-use ramp_robot::Cause;
+use ramp_robot::{Cause, Retry, Search};
 
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use crate::Pose;
@@ -90,10 +90,10 @@ impl Fasten {
             match self.fasten_once(cell, connection, &peg) {
                 Err(SkillError::Fault(fault @ Fault::NotHeld { .. })) => return Err(fault.into()),
                 Err(SkillError::Fault(fault)) => {
-                    cell.note("fault", fault.to_string());
+                    cell.record(fault.clone());
                     // The hole is where it was seen, so the tip cannot be where it is believed to be.
                     let lost = matches!(fault, Fault::HoleNotFound { .. });
-                    cell.diagnose(if lost { Cause::GripMoved } else { Cause::Jam }, &fault);
+                    cell.diagnose(if lost { Cause::GripMoved } else { Cause::Jam }, peg.as_str(), &fault);
                     last = Some(fault);
                     // Another try would end in the same place: the beams must be pushed.
                     if cell.apart.contains(&connection) {
@@ -112,10 +112,8 @@ impl Fasten {
                 up.translation.z =
                     cell.mouth(connection)?.z + cell.parameters.peg_search.over + STEM_LENGTH + PEG_HEIGHT;
                 cell.hand.go(&up, self.parameters.back_speed)?;
-                cell.note(
-                    "retry",
-                    format!("fasten {} with {peg}", cell.assembly.connections[connection].name),
-                );
+                let name = &cell.assembly.connections[connection].name;
+                cell.record(Retry::new("fasten", name).attempt(attempt + 2));
             }
         }
         if let Some(fault) = last {
@@ -169,13 +167,14 @@ impl Fasten {
                 cell.spiral(plate, self.parameters.search_time, None)?;
             }
             let seconds = cell.hand.time() - begin;
-            cell.note("search", format!("spiral at {name}, {seconds:.1} s"));
+            let (method, part) = ("spiral".to_string(), name.clone());
+            cell.record(Search { method, part, duration: Some(seconds), attempts: None });
             if seconds > self.parameters.near_time
                 && cell.is_deeper(plate, 0.5 * cell.parameters.peg_search.found)
                 && !upright
             {
                 let words = format!("{peg} went into {name} only after {seconds:.0} s");
-                cell.diagnose(Cause::GripMoved, words);
+                cell.diagnose(Cause::GripMoved, peg, words);
             }
         }
         if !cell.is_deeper(plate, 0.5 * cell.parameters.peg_search.found) {
@@ -187,7 +186,9 @@ impl Fasten {
             let tip = plate + cell.gap(connection, peg)? - STEM_LENGTH;
             let begin = cell.hand.time();
             cell.spiral(tip, self.parameters.near_time, None)?;
-            cell.note("search", format!("spiral in {name}, {:.1} s", cell.hand.time() - begin));
+            let (method, part) = ("spiral_inside".to_string(), name.clone());
+            let duration = Some(cell.hand.time() - begin);
+            cell.record(Search { method, part, duration, attempts: None });
             cell.press(connection, peg)?;
         }
         for joint in
@@ -210,7 +211,7 @@ impl Fasten {
             {
                 cell.apart.push(connection);
             }
-            return Err(Fault::NotSeated { peg: peg.to_string(), connection: name, gap_mm: gap * 1e3 }.into());
+            return Err(Fault::NotSeated { peg: peg.to_string(), connection: name, gap }.into());
         }
         Ok(())
     }

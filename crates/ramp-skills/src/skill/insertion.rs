@@ -1,6 +1,7 @@
 //! What all insertions of a held beam share: the tries, the start, the push, the retreat.
 
 use nalgebra::{Translation3, Vector3};
+use ramp_robot::Retry;
 
 use super::contract::Call;
 use crate::Pose;
@@ -58,7 +59,7 @@ impl Insertion {
         let mut last = None;
         for attempt in 0..self.parameters.tries {
             if attempt > 0 {
-                cell.note("retry", format!("insert {name}, try {}", attempt + 1));
+                cell.record(Retry::new("insert", &name).attempt(attempt + 1));
             }
             match once(cell, attempt) {
                 Err(SkillError::Fault(fault @ Fault::NotHeld { .. })) => return Err(fault.into()),
@@ -190,8 +191,8 @@ impl Insertion {
         force: f64,
     ) -> Result<(), SkillError> {
         let part = cell.assembly.beams[beam].beam.name.clone();
-        let jam = Fault::Jammed { part: part.clone(), remaining_mm: remaining * 1e3, force };
-        cell.note("fault", jam.to_string());
+        let jam = Fault::Jammed { part: part.clone(), remaining, force };
+        cell.record(jam.clone());
         let mut back = cell.hand.setpoint;
         back.translation = cell.hand.seen.x_wt.translation;
         let path = cell.path(beam)?;

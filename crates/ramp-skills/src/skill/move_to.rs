@@ -137,7 +137,7 @@ impl MoveTo {
         cell.diagnose_standing();
         if cell.kit.beam(part).is_none() {
             if cell.belief.pose(part).is_err() {
-                cell.diagnose(Cause::PartMissing, format!("{part} is not in its holder"));
+                cell.diagnose(Cause::PartMissing, part, format!("{part} is not in its holder"));
             }
             cell.diagnose_holder(part);
         }

@@ -1,6 +1,7 @@
 //! Brings a beam that already stands in the assembly to its nominal place.
 
 use ramp_planner::{End, Impossible};
+use ramp_robot::Retry;
 
 use super::assemble::Assemble;
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
@@ -102,7 +103,7 @@ impl Push {
             before = worst;
             if attempt > 0 {
                 let off = if off < cell.parameters.alignment.good { near_off } else { off };
-                cell.note("retry", format!("push {name}, {:.2} mm off", off * 1e3));
+                cell.record(Retry::new("push", &name).attempt(attempt + 1).off(off));
             }
             let s = grasp::point_on(link, far, &cell.parameters.grip);
             if cell.anchor(beam).is_none() && cell.short(beam)? > self.parameters.short_of {
@@ -141,6 +142,6 @@ impl Push {
         if off < cell.parameters.alignment.peggable {
             return Ok(());
         }
-        Err(Fault::Misaligned { connection: name, offset_mm: off * 1e3 }.into())
+        Err(Fault::Misaligned { connection: name, offset: off }.into())
     }
 }

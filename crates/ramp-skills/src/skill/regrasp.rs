@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_PI_4;
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use ramp_robot::Retry;
 
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use super::pick_up::PickUp;
@@ -114,7 +115,7 @@ impl Regrasp {
         let off = |link: &ramp_kit::Link| (s - s.clamp(link.grasp[0], link.grasp[1])).abs();
         let Some(link) = links.iter().min_by(|a, b| off(a).total_cmp(&off(b))) else { return Ok(()) };
         let link = link.name.clone();
-        cell.note("retry", format!("regrasp {link}"));
+        cell.record(Retry::new("regrasp", &link));
         self.regrasp(cell, beam, &link)
     }
 

@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Translation3};
 use ramp_planner::{End, Impossible};
+use ramp_robot::Retry;
 
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use crate::cell::Workcell;
@@ -92,7 +93,8 @@ impl Slide {
         let mut jam = None;
         for (attempt, aside) in self.parameters.aside.into_iter().enumerate() {
             if attempt > 0 {
-                cell.note("retry", format!("slide {name}, {:.1} mm aside", aside * 1e3));
+                let retry = Retry::new("slide", &name).attempt(attempt + 1);
+                cell.record(retry.because(format!("aimed {:.1} mm aside", aside * 1e3)));
             }
             let tried = self.slide_once(cell, beam, aside);
             cell.drag(beam, (self.parameters.dragged, self.parameters.dragged_turn));
@@ -143,7 +145,7 @@ impl Slide {
             let mut back = cell.hand.setpoint;
             back.translation.vector -= out * (to_go - remaining).max(0.0);
             cell.hand.go(&back, self.parameters.speed)?;
-            return Ok(Some(Fault::Jammed { part: name, remaining_mm: remaining * 1e3, force }));
+            return Ok(Some(Fault::Jammed { part: name, remaining, force }));
         }
         let fine = cell.hand.corrected(&cell.belief.pose(&name)?, &goal);
         cell.hand
@@ -152,7 +154,7 @@ impl Slide {
         cell.see(&[(name.clone(), end)], self.parameters.known)?;
         let remaining = cell.remaining(&name, &goal, &out)?;
         if remaining > self.parameters.seated {
-            cell.note("retry", format!("slide {name}, {:.1} mm short", remaining * 1e3));
+            cell.record(Retry::new("slide", &name).off(remaining));
             cell.compliant_search(&name, &goal, &out, &cell.compliance(false))?;
         }
         Ok(None)
