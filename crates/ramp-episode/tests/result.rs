@@ -72,7 +72,7 @@ fn every_kind_of_event_follows_the_schemas() {
 }
 
 /// An event of each kind, without its time.
-const EVENTS: &[&str] = [
+const EVENTS: [&str; 34] = [
     r#""kind": "action_begun", "action": "pick_up", "item": {"beam": "b4"}, "grasp": {"link": "b4l1"}"#,
     r#""kind": "action_ended", "action": "assemble_cap", "beam": "b4", "joints": ["b4j1", "b4j2"]"#,
     r#""kind": "fault", "fault": "not_held", "part": "b4""#,

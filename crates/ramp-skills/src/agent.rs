@@ -419,7 +419,7 @@ impl Agent for Baseline<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ramp_planner::{Area, InTheWay};
+    use ramp_planner::{Area, End, Grasp, Impossible, InTheWay, Place, Target};
 
     /// Events have the text of the planner, made from their data alone.
     #[test]
