@@ -123,13 +123,13 @@ pub struct Rehearsal<'a> {
 impl<'a> Rehearsal<'a> {
     /// With every part where it nominally is in a state, and the arm in its home pose.
     pub fn nominal(
-        kit: &'a Kit,
         assembly: &'a Assembly,
         arm: &'a ArmModel,
         planner: &'a PathPlanner,
         parameters: Arc<Parameters>,
         state: &State,
     ) -> Rehearsal<'a> {
+        let kit = &*assembly.kit;
         let mut parts = BTreeMap::new();
         let standing: BTreeSet<usize> = state
             .in_assembly
@@ -747,14 +747,13 @@ fn regrasped_by<'s>(beam: &str, rest: &'s [CoarseStep]) -> Option<&'s str> {
 /// As [`plan_with_motion`].
 pub fn plan_for_arm(
     assembly: &Assembly,
-    kit: &Kit,
     arm: &ArmModel,
     state: &State,
     domains: &Domains,
 ) -> Result<Rehearsed, PlanError> {
     let (planner, parameters) = (PathPlanner::new(arm), Parameters::baseline());
-    plan_with_motion(assembly, kit, state, domains, || {
-        Rehearsal::nominal(kit, assembly, arm, &planner, parameters.clone(), state)
+    plan_with_motion(assembly, state, domains, || {
+        Rehearsal::nominal(assembly, arm, &planner, parameters.clone(), state)
     })
 }
 
@@ -777,14 +776,13 @@ pub struct Quicker {
 /// When the state cannot be, or the arm cannot carry out the plan.
 pub fn quicker_for_arm(
     assembly: &Assembly,
-    kit: &Kit,
     arm: &ArmModel,
     state: &State,
     domains: &Domains,
     plan: &Plan,
 ) -> Result<Quicker, PlanError> {
     let (planner, parameters) = (PathPlanner::new(arm), Parameters::baseline());
-    let rehearsal = || Rehearsal::nominal(kit, assembly, arm, &planner, parameters.clone(), state);
+    let rehearsal = || Rehearsal::nominal(assembly, arm, &planner, parameters.clone(), state);
     let before = rehearsal().seconds(plan).map_err(|fact| PlanError::Motion {
         goal: assembly.name.clone(),
         why: "the arm cannot carry out the plan".to_string(),
@@ -794,7 +792,7 @@ pub fn quicker_for_arm(
     let mut cost = |from: &Place, to: &Place| {
         ways.way(from, to).map_or(u64::from(u32::MAX), |seconds| (seconds * 1e3).round() as u64)
     };
-    let (tried, _) = ramp_planner::quicker(assembly, kit, state, domains, plan, &mut cost)?;
+    let (tried, _) = ramp_planner::quicker(assembly, state, domains, plan, &mut cost)?;
     Ok(match rehearsal().seconds(&tried) {
         Ok(seconds) if seconds < before => Quicker { plan: tried, seconds, before },
         _ => Quicker { plan: plan.clone(), seconds: before, before },
@@ -808,14 +806,13 @@ pub fn quicker_for_arm(
 /// The planner's, when no plan is left; it then says what the arm cannot do.
 pub fn plan_with_motion<'a>(
     assembly: &Assembly,
-    kit: &Kit,
     state: &State,
     domains: &Domains,
     mut rehearsal: impl FnMut() -> Rehearsal<'a>,
 ) -> Result<Rehearsed, PlanError> {
     let mut state = state.clone();
     loop {
-        let plan = ramp_planner::plan(assembly, kit, &state, domains)?;
+        let plan = ramp_planner::plan(assembly, &state, domains)?;
         match rehearsal().check(&plan) {
             Ok(grasps) => return Ok(Rehearsed { plan, facts: state.motion, grasps }),
             // The same answer again, or too many: the plan is carried out as far as it goes.
