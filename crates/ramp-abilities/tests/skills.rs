@@ -68,8 +68,7 @@ impl Robot for Biased<'_> {
 }
 
 fn cell<'a, 'r>(world: &'a World, planner: &'a PathPlanner, robot: &'r mut dyn Robot) -> Workcell<'a, 'r> {
-    let mut cell =
-        Workcell::new(&world.kit, &world.assembly, &world.arm, planner, robot, 1, Parameters::baseline());
+    let mut cell = Workcell::new(&world.assembly, &world.arm, planner, robot, 1, Parameters::baseline());
     cell.paths = world.assembly.insertions.iter().map(path).collect();
     cell
 }
@@ -176,7 +175,7 @@ fn a_skill_of_ones_own_takes_the_place_of_one_of_the_baseline() {
     let lay_down = table.execute(&mut cell, &Call::alone(&FineAction::LayDown { beam })).unwrap_err();
     assert!(matches!(&lay_down, SkillError::Fault(Fault::NotReady { .. })), "{lay_down}");
     assert_eq!(cell.hand.time(), 0.0);
-    let baseline = || Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+    let baseline = || Baseline::new(&world.assembly, &world.arm, &world.domains, 1);
     assert_eq!(baseline().name().0, "baseline");
     assert_eq!(baseline().with_skills(table).name().0, "baseline+pretend");
 }
@@ -212,7 +211,7 @@ fn the_spiral_finds_a_hole_that_is_not_where_it_is_believed() {
         let truth = twin.truth();
         let find = |name: &str| twin.part_names().position(|part| part == name).unwrap();
         let referee_sees = {
-            let mut referee = ramp_referee::Referee::new(&world.kit, &world.assembly, twin.part_names());
+            let mut referee = ramp_referee::Referee::new(&world.assembly, twin.part_names());
             referee.watch(&truth, 0.0);
             referee.verdict()[connection].clone()
         };
@@ -268,7 +267,7 @@ fn swing_and_push(world: &World, cell: &mut Workcell, beam: usize, link: &str) {
     let placed = &world.assembly.beams[beam];
     let name = placed.beam.name.clone();
     let free = placed.beam.p_b_hole(placed.beam.joints.len() - 1);
-    let nominal = (world.kit.x_wa() * placed.x_ab * free).xy();
+    let nominal = (world.assembly.kit.x_wa() * placed.x_ab * free).xy();
     let off = |cell: &Workcell| ((cell.belief.pose(&name).unwrap() * free).xy() - nominal).norm();
     for side in [-1.0, 1.0] {
         cell.belief.update(&mut cell.hand).unwrap();
@@ -311,7 +310,7 @@ fn a_beam_is_regrasped_by_another_link_and_inserted() {
     drop(cell);
     let truth = twin.truth();
     let b5_at = truth.x_wp[twin.part_names().position(|part| part == "b5").unwrap()];
-    let place = world.kit.x_wa() * world.assembly.beams[b5].x_ab;
+    let place = world.assembly.kit.x_wa() * world.assembly.beams[b5].x_ab;
     let off = (b5_at.translation.vector - place.translation.vector).norm();
     assert!(off < 2.0e-3, "b5 stands {:.2} mm from its place", off * 1e3);
 }
@@ -339,7 +338,7 @@ fn a_beam_that_is_held_too_far_out_is_taken_anew() {
     let planner = PathPlanner::new(&world.arm);
     let b6 = world.assembly.beam_index("b6").unwrap();
     let state = ramp_planner::State::default();
-    let plan = ramp_planner::plan(&world.assembly, &world.kit, &state, &world.domains).unwrap();
+    let plan = ramp_planner::plan(&world.assembly, &state, &world.domains).unwrap();
     let entry = plan.entries.iter().find(|entry| entry.beam == "b6").unwrap();
     let mut twin = Twin::new(&world.setup(4)).unwrap();
     let mut cell = cell(&world, &planner, &mut twin);
@@ -353,8 +352,8 @@ fn a_beam_that_is_held_too_far_out_is_taken_anew() {
     approach_beam(&mut cell, b6);
     let again = cell.events.iter().any(|event| event.kind.to_string() == "regrasp b6l2");
     assert!(again, "the arm reached it as it was: {:?}", cell.events);
-    let nominal = world.kit.x_wa() * world.assembly.beams[b6].x_ab;
-    let back = world.kit.x_wa().rotation * cell.paths[&b6].direction * -distance;
+    let nominal = world.assembly.kit.x_wa() * world.assembly.beams[b6].x_ab;
+    let back = world.assembly.kit.x_wa().rotation * cell.paths[&b6].direction * -distance;
     let p = cell.belief.pose("b6").unwrap().translation.vector;
     let off = (p - nominal.translation.vector - back).xy().norm();
     assert!(off < 3.0e-3, "b6 is {:.1} mm from where its insertion begins", off * 1e3);
@@ -398,7 +397,7 @@ fn a_beam_that_turned_in_the_hand_stays_where_it_is_let_go() {
     }
     let truth = twin.truth();
     let b4_at = truth.x_wp[twin.part_names().position(|part| part == "b4").unwrap()];
-    let place = world.kit.x_wa() * world.assembly.beams[b4].x_ab;
+    let place = world.assembly.kit.x_wa() * world.assembly.beams[b4].x_ab;
     let off = (b4_at.translation.vector - place.translation.vector).norm();
     assert!(off < 2.0e-3, "b4 stands {:.2} mm from its place", off * 1e3);
     assert!(twin.largest_force() < 35.0, "{:.0} N", twin.largest_force());
@@ -412,7 +411,7 @@ fn a_beam_that_hangs_on_a_finger_is_let_go_of_anew() {
     let planner = PathPlanner::new(&world.arm);
     let b4 = world.assembly.beam_index("b4").unwrap();
     let free = world.assembly.beams[b4].beam.p_b_hole(2);
-    let place = world.kit.x_wa() * world.assembly.beams[b4].x_ab * free;
+    let place = world.assembly.kit.x_wa() * world.assembly.beams[b4].x_ab * free;
     for (high, lift) in [(0.7e-3, 2.0e-3), (0.9e-3, 2.0e-3), (0.9e-3, 4.0e-3)] {
         let mut twin = Twin::new(&world.setup(4)).unwrap();
         let mut cell = fetched(&world, &planner, &mut twin, b4, "b4l2");

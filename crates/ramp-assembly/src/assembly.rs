@@ -3,6 +3,7 @@
 use crate::paths::Paths;
 pub use crate::placed::{Connection, Insertion, JointRef, PlacedBeam};
 use nalgebra::{Point3, Vector3};
+use ramp_kit::Kit;
 use std::sync::Arc;
 
 /// The three classes of goals.
@@ -37,6 +38,8 @@ pub struct Assembly {
     pub name: String,
     /// Its class; `None` for a goal that belongs to none.
     pub class: Option<Class>,
+    /// The kit that its beams and pegs are taken from.
+    pub kit: Arc<Kit>,
     /// The beams, in the order of the file.
     pub beams: Vec<PlacedBeam>,
     /// Index into `beams` of the beam that is clamped to the table.

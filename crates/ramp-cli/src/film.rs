@@ -99,7 +99,7 @@ impl Film {
     /// # Errors
     /// A file that cannot be written or parts that cannot be drawn.
     pub fn new(path: &Path, setup: &Setup, from: From) -> Result<Film, Report> {
-        let looks = Looks::shared(setup.kit, setup.arm).into_diagnostic()?;
+        let looks = Looks::shared(&setup.assembly.kit, setup.arm).into_diagnostic()?;
         let [width, height] = SIZE;
         let (w, h) = (width * FINER, height * FINER);
         let model = match from {

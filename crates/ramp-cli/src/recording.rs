@@ -90,7 +90,7 @@ mod inner {
     impl Recording {
         pub fn new(path: &Path, setup: &Setup) -> Result<Recording, Report> {
             crate::output::make_folder_of(path)?;
-            let looks = Looks::shared(setup.kit, setup.arm).into_diagnostic()?;
+            let looks = Looks::shared(&setup.assembly.kit, setup.arm).into_diagnostic()?;
             // The name of the recording comes from what it shows: the same episode gives the same one.
             let title = format!("{}, track {}, seed {}", setup.assembly.name, setup.track.name(), setup.seed);
             let stream = RecordingStreamBuilder::new("ramp")

@@ -78,7 +78,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut whole = Vec::new();
     let mut robot_time = 0.0;
     for _ in 0..repeats {
-        let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+        let mut agent = Baseline::new(&world.assembly, &world.arm, &world.domains, 1);
         let begin = Instant::now();
         let result = run_episode(&world.setup(1), &mut agent, &label, &mut |_: &Progress, _: &Twin| {});
         whole.push(begin.elapsed().as_secs_f64());
@@ -89,7 +89,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let start = twin.qpos().to_vec();
     let scene = twin.scene().to_string();
     let mut recorder = Recorder::over(&mut twin);
-    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+    let mut agent = Baseline::new(&world.assembly, &world.arm, &world.domains, 1);
     agent.run(&mut recorder)?;
     let _: Account = agent.account();
     let commands = recorder.commands;
@@ -133,7 +133,7 @@ fn worlds(goal: &World, repeats: usize) -> Result<(), Box<dyn std::error::Error>
         for (name, fastest) in ["ideal", "real"].into_iter().zip(&mut fastest) {
             let world = ramp_twin::World::shipped(name).ok_or("the world is not built in")?;
             let mut twin = Twin::new(&ramp_twin::Setup { world, ..goal.setup(1) })?;
-            let mut agent = Baseline::new(&goal.kit, &goal.assembly, &goal.arm, &goal.domains, 1);
+            let mut agent = Baseline::new(&goal.assembly, &goal.arm, &goal.domains, 1);
             let mut recorder = Recorder::over(&mut twin);
             agent.run(&mut recorder)?;
             *fastest = fastest.max(recorder.steps_a_second());

@@ -50,7 +50,7 @@ impl<'a, 'w> Judged<'a, 'w> {
         recorder: Option<Recorder>,
         watcher: &'a mut Watcher<'w>,
     ) -> Judged<'a, 'w> {
-        let referee = Referee::new(setup.kit, setup.assembly, twin.part_names());
+        let referee = Referee::new(setup.assembly, twin.part_names());
         let mut judged = Judged {
             twin,
             referee,

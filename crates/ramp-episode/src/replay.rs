@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use ramp_assembly::{Assembly, GoalError};
+use ramp_kit::KitError;
 use ramp_kit::source::SourceFile;
-use ramp_kit::{Kit, KitError};
 use ramp_robot::Track;
 use ramp_robot::arm::{ArmError, ArmModel};
 use ramp_twin::{Disturbance, Fault, Setup, Twin, TwinError};
@@ -91,8 +91,6 @@ pub enum ReplayError {
 
 /// The files of a log, read.
 pub struct World {
-    /// The parts.
-    pub kit: Kit,
     /// The goal.
     pub assembly: Assembly,
     /// The arm.
@@ -146,13 +144,12 @@ impl World {
             None => None,
         };
         let seed = header.secret.as_ref().map_or(header.seed, |secret| secret.seed);
-        Ok(World { kit, assembly, arm, world, track, seed, disturbance, fault })
+        Ok(World { assembly, arm, world, track, seed, disturbance, fault })
     }
 
     /// As the twin is made from it.
     pub fn setup(&self) -> Setup<'_> {
         Setup {
-            kit: &self.kit,
             assembly: &self.assembly,
             arm: &self.arm,
             track: self.track,

@@ -16,7 +16,7 @@ fn told(goal: &str, seed: u64, fault: &str, cause: &str) -> EpisodeResult {
     let world = World::new(goal);
     let mut setup = world.setup_on(Track::Tags, seed);
     setup.fault = Some(fault.parse().unwrap());
-    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, seed);
+    let mut agent = Baseline::new(&world.assembly, &world.arm, &world.domains, seed);
     let software = Software { version: "0".into(), commit: String::new() };
     let result = run_episode(&setup, &mut agent, &Label::new(software, 1), &mut |_, _| {}).unwrap();
     let at = result.fault.as_ref().unwrap().at.unwrap();

@@ -93,7 +93,7 @@ impl Outcome {
     fn beam<'w>(&self, world: &'w World) -> (Pose, Pose, &'w ramp_kit::Beam) {
         let name = self.report.part.as_ref();
         let placed = world.assembly.beams.iter().find(|it| Some(&it.beam.name) == name).unwrap();
-        (self.now(self.part.unwrap().0), world.kit.x_wa() * placed.x_ab, &placed.beam)
+        (self.now(self.part.unwrap().0), world.assembly.kit.x_wa() * placed.x_ab, &placed.beam)
     }
 
     /// How the struck part has moved in the hand: m, rad.
@@ -113,7 +113,7 @@ fn setup<'w>(world: &'w World, fault: &str) -> Setup<'w> {
 
 fn strike(world: &World, fault: &str, after: f64) -> Outcome {
     let mut twin = Twin::new(&setup(world, fault)).unwrap();
-    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+    let mut agent = Baseline::new(&world.assembly, &world.arm, &world.domains, 1);
     let mut until = Until { twin: &mut twin, after, struck: None, widest: 0.0 };
     assert!(agent.run(&mut until).is_err(), "{fault} did not strike");
     let ((before, seen), widest) = (until.struck.unwrap(), until.widest);
@@ -183,7 +183,7 @@ fn fingers_and_sensors_fail() {
     let drift = strike(&world, "force-drift@1", 5.0);
     let (at, growth) = (drift.report.at.unwrap(), drift.report.size.unwrap());
     let mut calm = Twin::new(&world.setup(1)).unwrap();
-    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+    let mut agent = Baseline::new(&world.assembly, &world.arm, &world.domains, 1);
     let end = drift.twin.time();
     assert!(agent.run(&mut Stop { twin: &mut calm, end }).is_err());
     let force = |twin: &Twin| -> Vector3<f64> { twin.observe().wrench.fixed_rows::<3>(0).into() };
@@ -314,7 +314,7 @@ fn a_replay_has_the_fault_too() {
     let software = Software { version: "test".into(), commit: "test".into() };
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("a.mcap");
-    let mut agent = Short(Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1));
+    let mut agent = Short(Baseline::new(&world.assembly, &world.arm, &world.domains, 1));
     let setup = setup(&world, "beam-slipped@1");
     let label = Label::new(software.clone(), 1);
     let result = record_episode(&setup, &sources, &mut agent, &label, &path, &mut |_, _| {}).unwrap().result;

@@ -183,7 +183,7 @@ fn a_frame_that_was_built_blind_is_caught() {
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("a.mcap");
     let world = World::new("easy-1");
-    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 3);
+    let mut agent = Baseline::new(&world.assembly, &world.arm, &world.domains, 3);
     let result = world.record_on(Track::State, 3, "easy-1", &mut agent, &path);
     assert!(result.completion > 0.0);
     let forged = Forged::read(&path);

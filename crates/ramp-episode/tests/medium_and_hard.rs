@@ -65,7 +65,7 @@ fn generated_goals_are_built() {
     for (beams, class) in [(4, Class::Easy), (5, Class::Medium), (5, Class::Hard)] {
         let mut world = World::new("easy-1");
         let request = Request { beams, seed: 202, class: Some(class) };
-        let made = generate_many(&world.kit, request, 1).unwrap().remove(0);
+        let made = generate_many(&world.assembly.kit, request, 1).unwrap().remove(0);
         world.assembly = made.assembly;
         builds(&world, 1);
     }

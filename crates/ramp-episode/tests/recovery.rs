@@ -76,10 +76,10 @@ impl Robot for Troubled<'_> {
 fn run(seed: u64, trouble: Trouble) -> (usize, Vec<Event>, usize) {
     let world = World::new("easy-1");
     let mut twin = Twin::new(&world.setup(seed)).unwrap();
-    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, seed);
+    let mut agent = Baseline::new(&world.assembly, &world.arm, &world.domains, seed);
     let ended = agent.run(&mut Troubled { twin: &mut twin, trouble });
     assert_eq!(ended, Ok(()), "{:?}", agent.account().events);
-    let mut referee = Referee::new(&world.kit, &world.assembly, twin.part_names());
+    let mut referee = Referee::new(&world.assembly, twin.part_names());
     referee.watch(&twin.truth(), 0.0);
     let account = agent.account();
     (referee.verdict().iter().flatten().count(), account.events, account.replans)

@@ -85,7 +85,7 @@ impl Robot for Short<'_> {
 fn begin(track: Track, seed: u64, limit: f64, trouble: Trouble) -> (Result<(), RobotError>, Vec<Event>, u64) {
     let world = World::new("easy-1");
     let mut twin = Twin::new(&world.setup_on(track, seed)).unwrap();
-    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, seed);
+    let mut agent = Baseline::new(&world.assembly, &world.arm, &world.domains, seed);
     let ended = agent.run(&mut Short { twin: &mut twin, limit, trouble, refused: 0 });
     (ended, agent.account().events, twin.state_hash())
 }
@@ -107,7 +107,7 @@ fn the_baseline_asks_for_nothing_that_its_track_does_not_give() {
     let world = World::new("easy-1");
     for track in Track::ALL {
         let mut twin = Twin::new(&world.setup_on(track, 1)).unwrap();
-        let agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+        let agent = Baseline::new(&world.assembly, &world.arm, &world.domains, 1);
         let mut robot = Short { twin: &mut twin, limit: 6.0, trouble: Trouble::None, refused: 0 };
         assert_eq!(agent.on_track(track).run(&mut robot), Err(RobotError::OutOfTime { limit: 6.0 }));
         assert_eq!(robot.refused, 0, "{track:?}");

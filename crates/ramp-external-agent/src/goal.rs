@@ -1,7 +1,7 @@
 //! What an agent is told of its goal, as plain data.
 
 use ramp_assembly::Assembly;
-use ramp_kit::{Kit, joint, tags};
+use ramp_kit::{joint, tags};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::camera::Mount;
 use ramp_robot::{Camera, CameraModel, Robot, Track};
@@ -12,7 +12,6 @@ use ramp_log::Sources;
 
 /// What an agent is told of its goal.
 pub struct Goal<'a> {
-    kit: &'a Kit,
     assembly: &'a Assembly,
     arm: &'a ArmModel,
     track: Track,
@@ -23,14 +22,8 @@ pub struct Goal<'a> {
 
 impl<'a> Goal<'a> {
     /// A goal, with the texts of its files.
-    pub fn new(
-        kit: &'a Kit,
-        assembly: &'a Assembly,
-        arm: &'a ArmModel,
-        track: Track,
-        texts: Sources<'a>,
-    ) -> Goal<'a> {
-        Goal { kit, assembly, arm, track, texts, task: None }
+    pub fn new(assembly: &'a Assembly, arm: &'a ArmModel, track: Track, texts: Sources<'a>) -> Goal<'a> {
+        Goal { assembly, arm, track, texts, task: None }
     }
 
     /// With a task: a step of it that is to be done alone.
@@ -47,7 +40,8 @@ impl<'a> Goal<'a> {
 
     /// As plain data. Neither the seed nor where anything really is can be found in it.
     pub fn to_json(&self, robot: &dyn Robot) -> Value {
-        let (kit, assembly) = (self.kit, self.assembly);
+        let assembly = self.assembly;
+        let kit = &assembly.kit;
         let x_wa = kit.x_wa();
         let beams: Vec<Value> = assembly
             .beams

@@ -133,7 +133,7 @@ impl Benchmark {
         if let Some(goal) = lock().get(name) {
             return Ok(Arc::clone(goal));
         }
-        let goal = Goal::new(self.goal(name)?, &self.kit, &self.domains)
+        let goal = Goal::new(self.goal(name)?, &self.domains)
             .map_err(|error| DataError::Plan { goal: name.to_string(), error: Box::new(error) })?;
         Ok(Arc::clone(lock().entry(name.to_string()).or_insert(Arc::new(goal))))
     }

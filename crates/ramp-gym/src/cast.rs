@@ -15,7 +15,8 @@ const CUT_MEMORY: [u32; 2] = [32, 32];
 const WHOLE_MEMORY: u32 = 512;
 
 /// The parts that a step needs: what stands, what pins it, and what the step itself works with, a peg with its holder.
-pub fn cut(kit: &Kit, assembly: &Assembly, step: &Step) -> Cast {
+pub fn cut(assembly: &Assembly, step: &Step) -> Cast {
+    let kit = &assembly.kit;
     let beam = |index: &usize| assembly.beams[*index].beam.name.clone();
     let mut only: Vec<String> = step.task.build.standing.iter().map(beam).collect();
     only.extend(step.task.build.pinned.iter().map(|(_, peg)| peg.clone()));

@@ -275,7 +275,7 @@ impl Env {
         };
         let referee = (self.scenario.mission == Mission::Goal).then(|| {
             let assembly = &self.scenario.goals[0].assembly;
-            Referee::new(&self.scenario.benchmark.kit, assembly, twin.part_names())
+            Referee::new(assembly, twin.part_names())
         });
         self.episode = Some(Episode {
             driver: Driver::new(&self.options.action, &self.scenario.benchmark.arm, &seen, gripper, held),

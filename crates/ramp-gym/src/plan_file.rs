@@ -1,7 +1,6 @@
 //! Plans of somebody else: read, checked by the rules, and given what the skills need to carry them out.
 
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use ramp_kit::source::plain;
 use ramp_planner::{CoarseStep, Domains, Entry, Plan, PlanError, Refused, Replayer, State, Statistics};
 use serde::Deserialize;
@@ -50,12 +49,7 @@ struct Steps {
 ///
 /// # Errors
 /// When the text is no plan, or a step of it is not possible.
-pub fn read_plan(
-    text: &str,
-    assembly: &Assembly,
-    kit: &Kit,
-    domains: &Domains,
-) -> Result<Plan, PlanFileError> {
+pub fn read_plan(text: &str, assembly: &Assembly, domains: &Domains) -> Result<Plan, PlanFileError> {
     let state = State::default();
     let Steps { steps, mut entries } = if text.trim_start().starts_with('{') {
         let file: Result<File, _> = serde_json::from_str(text);
@@ -66,14 +60,14 @@ pub fn read_plan(
         })?
         .plan
     } else {
-        Steps { steps: ramp_planner::pddl_plan(assembly, kit, &state, domains, text)?, entries: Vec::new() }
+        Steps { steps: ramp_planner::pddl_plan(assembly, &state, domains, text)?, entries: Vec::new() }
     };
-    Replayer::new(assembly, kit, domains, &state)?.run(&steps)?;
+    Replayer::new(assembly, domains, &state)?.run(&steps)?;
     let told = |entries: &[Entry], beam: &str| entries.iter().any(|entry| entry.beam == beam);
     let base = &assembly.beams[assembly.base].beam.name;
     let names = assembly.beams.iter().map(|placed| &placed.beam.name).filter(|name| *name != base);
     if !names.clone().all(|name| told(&entries, name)) {
-        let own = ramp_planner::plan(assembly, kit, &state, domains)?;
+        let own = ramp_planner::plan(assembly, &state, domains)?;
         let (lacking, _): (Vec<Entry>, Vec<Entry>) =
             own.entries.into_iter().partition(|entry| !told(&entries, &entry.beam));
         entries.extend(lacking);

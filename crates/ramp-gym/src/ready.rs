@@ -63,10 +63,9 @@ pub(crate) fn bring(
     let table = SkillTable::default();
     let needs = table.get(step.kind).map(|skill| skill.needs().to_vec()).unwrap_or_default();
     let pause = Pause { kind: [step.kind], needs, known: Arc::clone(&known) };
-    let baseline =
-        Baseline::new(&benchmark.kit, setup.assembly, &benchmark.arm, &benchmark.domains, setup.seed)
-            .on_track(setup.track)
-            .with_skills(table.with(pause));
+    let baseline = Baseline::new(setup.assembly, &benchmark.arm, &benchmark.domains, setup.seed)
+        .on_track(setup.track)
+        .with_skills(table.with(pause));
     let mut agent = Piece::new(baseline, step.state.clone(), step.plan.clone(), Vec::new());
     let outcome = agent.run(twin);
     let known = known.lock().unwrap_or_else(PoisonError::into_inner).take();

@@ -119,7 +119,6 @@ impl Scenario {
     /// The setup of an episode of one of the goals.
     pub fn setup(&self, goal: usize, seed: u64) -> Setup<'_> {
         Setup {
-            kit: &self.benchmark.kit,
             assembly: &self.goals[goal].assembly,
             arm: &self.benchmark.arm,
             track: self.track,

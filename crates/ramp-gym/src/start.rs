@@ -73,7 +73,7 @@ pub(crate) fn prepare(scenario: &Scenario, seed: u64) -> Result<Prepared, BeginE
     let benchmark = &scenario.benchmark;
     let Mission::Skill { steps, name } = &scenario.mission else {
         let setup = scenario.setup(0, seed);
-        let layout = Layout::new(setup.kit, setup.assembly, setup.disturbance, seed);
+        let layout = Layout::new(setup.assembly, setup.disturbance, seed);
         let twin = Twin::with_options(&setup, layout, &whole().options)?;
         let places = twin.part_names().map(str::to_string).zip(twin.truth().x_wp).collect();
         return Ok(Prepared { twin, seed, task: (0, 0), places, known: None });
@@ -85,7 +85,7 @@ pub(crate) fn prepare(scenario: &Scenario, seed: u64) -> Result<Prepared, BeginE
         let task = crate::tasks::draw(steps, own).unwrap_or_default();
         let setup = scenario.setup(task.0, own);
         let step = &scenario.goals[task.0].steps[task.1];
-        let cast = if scenario.whole_scene { whole() } else { cut(&benchmark.kit, setup.assembly, step) };
+        let cast = if scenario.whole_scene { whole() } else { cut(setup.assembly, step) };
         let start = match draw(&setup, &step.task, &cast) {
             Err(StartError::None { why: last, .. }) if scenario.begin == Begin::Ready => {
                 why = last;
@@ -122,7 +122,8 @@ fn next(again: &mut Stream) -> u64 {
 
 /// What is known with the arm at home and before any look: where sheet and goal say that the parts are.
 fn nominal(setup: &Setup, aim: &Aim, twin: &Twin) -> Known {
-    let (kit, assembly) = (setup.kit, setup.assembly);
+    let assembly = setup.assembly;
+    let kit = &assembly.kit;
     let beam = |index: usize| {
         let placed = &assembly.beams[index];
         let start = kit.x_wb_start(&placed.beam).unwrap_or_default();

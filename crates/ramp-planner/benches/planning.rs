@@ -5,7 +5,7 @@
 //! frames, to see whether all still runs.
 
 use ramp_assembly::{Assembly, Request, generate, read_goal, read_goal_str};
-use ramp_kit::{Kit, read_kit, read_kit_str};
+use ramp_kit::{read_kit, read_kit_str};
 use ramp_planner::{Domains, Options, State, plan, plan_with};
 use std::error::Error;
 use std::path::Path;
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         for number in 1..=3 {
             let name = format!("{class}-{number}");
             let assembly = read_goal(&data.join(format!("goals/{name}.xml")), &kit)?;
-            measure(&name, &assembly, &kit, &domains, repeats)?;
+            measure(&name, &assembly, &domains, repeats)?;
         }
     }
     for beams in if short { vec![20, 100] } else { vec![20, 50, 100, 200] } {
@@ -36,14 +36,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         let text = made.kit.as_deref().ok_or("a frame comes with a kit")?;
         let larger = read_kit_str("kit.xml", text)?;
         let assembly = read_goal_str("frame.xml", &made.goal, &larger)?;
-        measure(&format!("{beams} beams"), &assembly, &larger, &domains, 1)?;
+        measure(&format!("{beams} beams"), &assembly, &domains, 1)?;
     }
     if std::env::args().any(|argument| argument == "--optimal") {
         for name in ["easy-1", "easy-2", "easy-3"] {
             let assembly = read_goal(&data.join(format!("goals/{name}.xml")), &kit)?;
             let begin = cpu_time();
             let options = Options { optimal: true, ..Options::default() };
-            let found = plan_with(&assembly, &kit, &State::default(), &domains, options)?;
+            let found = plan_with(&assembly, &State::default(), &domains, options)?;
             let (steps, optimal) = (found.steps.len(), found.statistics.optimal);
             println!("{name}: {steps} coarse actions, proven optimal: {optimal}, {:?}", cpu_time() - begin);
         }
@@ -51,18 +51,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn measure(
-    name: &str,
-    assembly: &Assembly,
-    kit: &Kit,
-    domains: &Domains,
-    repeats: usize,
-) -> Result<(), Box<dyn Error>> {
+fn measure(name: &str, assembly: &Assembly, domains: &Domains, repeats: usize) -> Result<(), Box<dyn Error>> {
     let mut fastest = [Duration::MAX; 2];
     let mut found = None;
     for _ in 0..repeats {
         let (begin, wall) = (cpu_time(), Instant::now());
-        found = Some(plan(assembly, kit, &State::default(), domains)?);
+        found = Some(plan(assembly, &State::default(), domains)?);
         fastest = [fastest[0].min(cpu_time() - begin), fastest[1].min(wall.elapsed())];
     }
     let found = found.ok_or("nothing was planned")?;

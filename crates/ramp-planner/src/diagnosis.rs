@@ -12,7 +12,6 @@ use crate::replay::Replayer;
 use crate::solver::{Happening, Solver};
 use ramp_action_language::{Prospect, Term, Unrolled};
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
@@ -78,18 +77,17 @@ pub struct Unexpected {
 ///     Record::Did(CoarseAction::PickUp { item: Item::Beam("b4".to_string()) }),
 ///     Record::Saw("-in_hand(beam(b4))".to_string()),
 /// ];
-/// let found = diagnose(&assembly, &kit, &domains, &History { records, ..History::default() })?;
+/// let found = diagnose(&assembly, &domains, &History { records, ..History::default() })?;
 /// assert_eq!(found[0].events[0].event, "no_effect(pick_up(beam(\"b4\")))");
 /// assert!(found[0].state.in_hand.is_none());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn diagnose(
     assembly: &Assembly,
-    kit: &Kit,
     domains: &Domains,
     history: &History,
 ) -> Result<Vec<Diagnosis>, PlanError> {
-    let table = Replayer::new(assembly, kit, domains, &history.start)?;
+    let table = Replayer::new(assembly, domains, &history.start)?;
     let actions = terms(&table, history)?;
     let model = &table.planner.model;
     let mut unrolled = Unrolled::new(model, table.fluents().clone());
@@ -131,7 +129,7 @@ pub fn diagnose(
     for set in sets {
         let mut events: Vec<&Happening> = set.iter().map(|&index| &happenings[index]).collect();
         events.sort_by_key(|happening| happening.before);
-        let state = believed(assembly, kit, domains, history, &actions, &events)?;
+        let state = believed(assembly, domains, history, &actions, &events)?;
         let events = events
             .iter()
             .map(|happening| Unexpected { event: happening.event.to_string(), before: happening.before });
@@ -196,13 +194,12 @@ fn observation(table: &Replayer, text: &str) -> Result<(Term, bool), PlanError> 
 /// The state after a history in which some events happened.
 fn believed(
     assembly: &Assembly,
-    kit: &Kit,
     domains: &Domains,
     history: &History,
     actions: &[Term],
     events: &[&Happening],
 ) -> Result<State, PlanError> {
-    let mut table = Replayer::new(assembly, kit, domains, &history.start)?;
+    let mut table = Replayer::new(assembly, domains, &history.start)?;
     let mut done = Vec::new();
     for record in &history.records {
         if let Record::Did(action) = record {

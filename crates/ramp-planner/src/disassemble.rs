@@ -9,7 +9,6 @@ use crate::error::PlanError;
 use crate::plan::{Area, CoarseAction, Entry, FineAction, Grasp, Item, Place, State, Target};
 use crate::planner::plan;
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use serde::Serialize;
 use std::collections::HashMap;
 use std::fmt::{self, Display};
@@ -125,12 +124,12 @@ pub enum FineRemoval {
 /// let kit = ramp_kit::read_kit("../../data/kit.xml".as_ref())?;
 /// let assembly = ramp_assembly::read_goal("../../data/goals/easy-3.xml".as_ref(), &kit)?;
 /// let domains = Domains::read("../../data/domains".as_ref())?;
-/// let plan = disassemble(&assembly, &kit, &domains)?;
+/// let plan = disassemble(&assembly, &domains)?;
 /// assert!(matches!(&plan.steps[2].coarse, Removal::PullOut { connection, .. } if connection == "C4"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn disassemble(assembly: &Assembly, kit: &Kit, domains: &Domains) -> Result<Disassembly, PlanError> {
-    let plan = plan(assembly, kit, &State::default(), domains)?;
+pub fn disassemble(assembly: &Assembly, domains: &Domains) -> Result<Disassembly, PlanError> {
+    let plan = plan(assembly, &State::default(), domains)?;
     let mut area = Area::Input;
     let mut place = Place::Above(area);
     // The link by which each beam is held when it is inserted, and the one before it was regrasped.

@@ -6,7 +6,6 @@ use crate::plan::State;
 use crate::planner::{Options, Planner};
 use crate::state::look_up;
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use ramp_source::nearest;
 use serde::Serialize;
 
@@ -47,19 +46,18 @@ pub struct Reason {
 /// let kit = ramp_kit::read_kit("../../data/kit.xml".as_ref())?;
 /// let assembly = ramp_assembly::read_goal("../../data/goals/easy-3.xml".as_ref(), &kit)?;
 /// let domains = Domains::read("../../data/domains".as_ref())?;
-/// let explanation = why(&assembly, &kit, &State::default(), &domains, "push(b4)")?;
+/// let explanation = why(&assembly, &State::default(), &domains, "push(b4)")?;
 /// assert!(explanation.reasons.iter().any(|reason| reason.law == "impossible push(B) if -in_assembly(B)"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn why(
     assembly: &Assembly,
-    kit: &Kit,
     state: &State,
     domains: &Domains,
     action: &str,
 ) -> Result<Explanation, PlanError> {
-    let known = look_up(assembly, kit, state)?;
-    let mut planner = Planner::new(assembly, kit, domains, Options::default(), known.motion.clone());
+    let known = look_up(assembly, state)?;
+    let mut planner = Planner::new(assembly, domains, Options::default(), known.motion.clone());
     let transitions = planner.transitions(&known)?;
     let plain = |text: &str| text.chars().filter(|c| !c.is_whitespace() && *c != '"').collect::<String>();
     let wanted = plain(action);

@@ -9,7 +9,7 @@ use ramp_assembly::sweep::Solid;
 use ramp_assembly::{Assembly, Connection, Pose};
 use ramp_kit::joint::{BODY_WIDTH, HEAD_WIDTH};
 use ramp_kit::shape::{Cuboid, Shape, beam_shapes, peg_head};
-use ramp_kit::{Holder, Kit, Link};
+use ramp_kit::{Holder, Link};
 
 /// A beam is pushed back this much further than it must be, m: it covers the arm's error on both sides.
 const SHUTTLE_MARGIN: f64 = 5.0e-3;
@@ -36,7 +36,6 @@ pub(crate) struct Shuttle {
 /// The geometry of an assembly, computed once.
 pub(crate) struct Geometry<'a> {
     assembly: &'a Assembly,
-    kit: &'a Kit,
     pub paths: &'a Paths,
     pub shuttles: Vec<Shuttle>,
     /// What the arm and the hand were found not to be able to do.
@@ -44,9 +43,9 @@ pub(crate) struct Geometry<'a> {
 }
 
 impl<'a> Geometry<'a> {
-    pub(crate) fn new(assembly: &'a Assembly, kit: &'a Kit, motion: Motion) -> Geometry<'a> {
+    pub(crate) fn new(assembly: &'a Assembly, motion: Motion) -> Geometry<'a> {
         let paths = &assembly.paths;
-        let mut geometry = Geometry { assembly, kit, paths, shuttles: Vec::new(), motion };
+        let mut geometry = Geometry { assembly, paths, shuttles: Vec::new(), motion };
         geometry.shuttles = geometry.find_shuttles();
         geometry
     }
@@ -121,7 +120,7 @@ impl<'a> Geometry<'a> {
             return false;
         }
         let beam = &self.assembly.beams[beam].beam;
-        let Some(x_wb) = self.kit.x_wb_start(beam) else { return usable(link) };
+        let Some(x_wb) = self.assembly.kit.x_wb_start(beam) else { return usable(link) };
         if !usable(link) || !reaches(&x_wb, link) {
             return false;
         }
@@ -133,14 +132,14 @@ impl<'a> Geometry<'a> {
 
     /// What is on the sheet beside a beam, in the world: the other beams, the holders and the pegs in them.
     fn beside_at_start(&self, beam: &str) -> Vec<Solid> {
-        let others = self.kit.beams.iter().filter(|other| other.name != beam);
-        let others =
-            others.filter_map(|other| Some(Solid::new(&beam_shapes(other), &self.kit.x_wb_start(other)?)));
-        let holders = self.kit.holders.iter().map(|holder| {
-            let at = self.kit.sheet_to_world(holder.centre);
+        let others = self.assembly.kit.beams.iter().filter(|other| other.name != beam);
+        let others = others
+            .filter_map(|other| Some(Solid::new(&beam_shapes(other), &self.assembly.kit.x_wb_start(other)?)));
+        let holders = self.assembly.kit.holders.iter().map(|holder| {
+            let at = self.assembly.kit.sheet_to_world(holder.centre);
             Solid::new(&Holder::blocks().map(Shape::Solid), &Pose::translation(at.x, at.y, at.z))
         });
-        let pegs = self.kit.pegs.iter().filter_map(|peg| self.kit.x_wp_start(peg));
+        let pegs = self.assembly.kit.pegs.iter().filter_map(|peg| self.assembly.kit.x_wp_start(peg));
         let pegs = pegs.map(|x_wp| Solid::new(&[Shape::Solid(peg_head())], &x_wp));
         others.chain(holders).chain(pegs).collect()
     }
@@ -154,7 +153,7 @@ impl<'a> Geometry<'a> {
         pinned: &[bool],
     ) -> bool {
         let placed = &self.assembly.beams[beam];
-        let near = placed.beam.start.is_none() || reaches(&(self.kit.x_wa() * placed.x_ab), link);
+        let near = placed.beam.start.is_none() || reaches(&(self.assembly.kit.x_wa() * placed.x_ab), link);
         if !usable(link) || !near || !self.motion.allows_grasp(beam, &link.name, End::Place, stands) {
             return false;
         }

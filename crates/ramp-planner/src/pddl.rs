@@ -8,7 +8,6 @@ use crate::replay::Replayer;
 use crate::state;
 use ramp_action_language::Pddl;
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 
 /// Writes the coarse domain and a goal in PDDL.
 ///
@@ -21,14 +20,14 @@ use ramp_kit::Kit;
 /// let kit = ramp_kit::read_kit("../../data/kit.xml".as_ref())?;
 /// let assembly = ramp_assembly::read_goal("../../data/goals/easy-1.xml".as_ref(), &kit)?;
 /// let domains = Domains::read("../../data/domains".as_ref())?;
-/// let written = pddl(&assembly, &kit, &State::default(), &domains)?;
+/// let written = pddl(&assembly, &State::default(), &domains)?;
 /// assert!(written.domain.contains("(:action fasten"));
 /// assert!(written.problem.contains("(joins c1 b4 b7)"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn pddl(assembly: &Assembly, kit: &Kit, state: &State, domains: &Domains) -> Result<Pddl, PlanError> {
-    let known = state::look_up(assembly, kit, state)?;
-    let planner = Planner::new(assembly, kit, domains, Options::default(), known.motion.clone());
+pub fn pddl(assembly: &Assembly, state: &State, domains: &Domains) -> Result<Pddl, PlanError> {
+    let known = state::look_up(assembly, state)?;
+    let planner = Planner::new(assembly, domains, Options::default(), known.motion.clone());
     let start = planner.fluents(&known)?;
     let file = domains.coarse().file().name();
     let mut written = Pddl::new(&planner.model, &planner.facts.all, &start, "ramp", &assembly.name)?;
@@ -45,15 +44,14 @@ pub fn pddl(assembly: &Assembly, kit: &Kit, state: &State, domains: &Domains) ->
 /// carry an action out.
 pub fn pddl_plan(
     assembly: &Assembly,
-    kit: &Kit,
     state: &State,
     domains: &Domains,
     text: &str,
 ) -> Result<Vec<CoarseStep>, PlanError> {
-    let written = pddl(assembly, kit, state, domains)?;
+    let written = pddl(assembly, state, domains)?;
     let actions = written.read_plan(domains.coarse(), text)?;
-    let known = state::look_up(assembly, kit, state)?;
-    let mut planner = Planner::new(assembly, kit, domains, Options::default(), known.motion.clone());
+    let known = state::look_up(assembly, state)?;
+    let mut planner = Planner::new(assembly, domains, Options::default(), known.motion.clone());
     let mut now = planner.fluents(&known)?;
     let mut transitions = Vec::new();
     for (index, action) in actions.iter().enumerate() {
@@ -68,6 +66,6 @@ pub fn pddl_plan(
         transitions.extend(walked);
     }
     let steps = planner.steps(&transitions, &known)?;
-    Replayer::new(assembly, kit, domains, state)?.run(&steps)?;
+    Replayer::new(assembly, domains, state)?.run(&steps)?;
     Ok(steps)
 }

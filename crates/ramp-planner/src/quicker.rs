@@ -9,7 +9,6 @@ use crate::plan::{CoarseAction, CoarseStep, FineAction, Item, Place, Plan, State
 use crate::replay::Replayer;
 use crate::state;
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use std::collections::{BTreeSet, HashMap};
 
 /// The steps of a peg from its holder to its hole: pick up, two moves, fasten.
@@ -24,7 +23,6 @@ const FASTENING: usize = 4;
 /// When the state cannot be.
 pub fn quicker(
     assembly: &Assembly,
-    kit: &Kit,
     state: &State,
     domains: &Domains,
     plan: &Plan,
@@ -37,12 +35,12 @@ pub fn quicker(
         ways.map(|way| *costs.entry(way).or_insert_with_key(|(from, to)| cost(from, to))).sum()
     };
     let accepted = |steps: &[CoarseStep]| {
-        Replayer::new(assembly, kit, domains, state).is_ok_and(|mut table| table.run(steps).is_ok())
+        Replayer::new(assembly, domains, state).is_ok_and(|mut table| table.run(steps).is_ok())
     };
     let fetched: Vec<String> =
         plan.steps.iter().filter_map(|step| peg_of(step).map(str::to_string)).collect();
-    let known = state::look_up(assembly, kit, state)?;
-    let names = state::peg_names(assembly, kit);
+    let known = state::look_up(assembly, state)?;
+    let names = state::peg_names(assembly);
     let held = state.in_hand.as_ref().map(Item::name);
     let free = known.pegs.iter().map(|&peg| names[peg].clone()).filter(|peg| Some(peg.as_str()) != held);
     // Those that the plan uses come first.

@@ -6,7 +6,6 @@ use crate::motion::Motion;
 use crate::plan::{Area, Item, State};
 use ramp_action_language::Term;
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use ramp_source::nearest;
 
 /// A state with every name looked up.
@@ -76,16 +75,16 @@ pub(crate) fn area_name(area: Area) -> Term {
 }
 
 /// The names of the pegs: the kit's, or, for a kit that says nothing of pegs, as many as the goal needs.
-pub(crate) fn peg_names(assembly: &Assembly, kit: &Kit) -> Vec<String> {
-    match kit.pegs.is_empty() {
-        false => kit.pegs.iter().map(|peg| peg.name.clone()).collect(),
+pub(crate) fn peg_names(assembly: &Assembly) -> Vec<String> {
+    match assembly.kit.pegs.is_empty() {
+        false => assembly.kit.pegs.iter().map(|peg| peg.name.clone()).collect(),
         true => (1..=assembly.connections.len()).map(|number| format!("p{number}")).collect(),
     }
 }
 
 /// Looks up every name of a state and checks that it does not contradict itself.
-pub(crate) fn look_up(assembly: &Assembly, kit: &Kit, state: &State) -> Result<Known, PlanError> {
-    let all_pegs = peg_names(assembly, kit);
+pub(crate) fn look_up(assembly: &Assembly, state: &State) -> Result<Known, PlanError> {
+    let all_pegs = peg_names(assembly);
     let impossible = |why: String| Err(PlanError::ImpossibleState { why });
     let beam = |name: &str| {
         let names = assembly.beams.iter().map(|placed| placed.beam.name.as_str());

@@ -5,13 +5,13 @@
 
 mod common;
 
-use common::{domains, goal, kit, replay};
+use common::{domains, goal, replay};
 use ramp_planner::{Area, CoarseAction, Diagnosis, History, PlanError, Record, State, diagnose, plan};
 
 /// The plan for a goal up to and with its `count`-th action of a kind, then what is seen. Where the hand is and
 /// whether it closed on something is felt all along.
 fn history(name: &str, wanted: impl Fn(&CoarseAction) -> bool, count: usize, seen: &[&str]) -> History {
-    let steps = plan(&goal(name), kit(), &State::default(), domains()).unwrap().steps;
+    let steps = plan(&goal(name), &State::default(), domains()).unwrap().steps;
     let actions: Vec<CoarseAction> = steps.into_iter().map(|step| step.coarse).collect();
     let last = actions.iter().enumerate().filter(|(_, action)| wanted(action)).nth(count - 1).unwrap().0;
     let mut records = Vec::new();
@@ -31,7 +31,7 @@ fn history(name: &str, wanted: impl Fn(&CoarseAction) -> bool, count: usize, see
 }
 
 fn explain(name: &str, history: &History) -> Vec<Diagnosis> {
-    diagnose(&goal(name), kit(), domains(), history).unwrap()
+    diagnose(&goal(name), domains(), history).unwrap()
 }
 
 fn events(found: &[Diagnosis]) -> Vec<Vec<&str>> {
@@ -42,7 +42,7 @@ fn events(found: &[Diagnosis]) -> Vec<Vec<&str>> {
 fn goes_on(name: &str, found: &[Diagnosis]) {
     let assembly = goal(name);
     for diagnosis in found {
-        let rest = plan(&assembly, kit(), &diagnosis.state, domains()).unwrap();
+        let rest = plan(&assembly, &diagnosis.state, domains()).unwrap();
         assert_eq!(replay(&assembly, &diagnosis.state, &rest.steps), Ok(()), "{diagnosis:?}");
     }
 }
@@ -119,7 +119,7 @@ fn what_cannot_be_has_no_explanation() {
 fn an_observation_that_means_nothing_is_refused() {
     for text in ["in_assembly(b77)", "likes(b4)", "in_assembly(", ""] {
         let records = vec![Record::Saw(text.to_string())];
-        let outcome = diagnose(&goal("easy-1"), kit(), domains(), &History { records, ..History::default() });
+        let outcome = diagnose(&goal("easy-1"), domains(), &History { records, ..History::default() });
         assert!(matches!(outcome, Err(PlanError::ImpossibleState { .. })), "{text}: {outcome:?}");
     }
 }

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{data, domains, goal, kit};
+use common::{data, domains, goal};
 use ramp_kit::source::SourceFile;
 use ramp_planner::{Domains, History, PlanError, Record, State, diagnose, plan};
 
@@ -28,7 +28,7 @@ fn line_of(file: &str, text: &str) -> usize {
 }
 
 fn plan_with(name: &str, domains: &Domains) -> Result<ramp_planner::Plan, PlanError> {
-    plan(&goal(name), kit(), &State::default(), domains)
+    plan(&goal(name), &State::default(), domains)
 }
 
 #[test]
@@ -161,20 +161,20 @@ fn terms_nested_without_end_exhaust_no_stack() {
     assert!(matches!(error, PlanError::Answer { .. }), "{error}");
     let saw = format!("in_hand({}b4{})", "beam(".repeat(100_000), ")".repeat(100_000));
     let history = History { records: vec![Record::Saw(saw)], ..History::default() };
-    let error = diagnose(&goal("easy-1"), kit(), common::domains(), &history).unwrap_err();
+    let error = diagnose(&goal("easy-1"), common::domains(), &history).unwrap_err();
     assert!(error.to_string().contains("is not a fluent"));
 }
 
 #[test]
 fn a_beam_between_two_that_stand_cannot_be_placed() {
     let state = State { in_assembly: ["b4", "b5", "b8"].map(str::to_string).to_vec(), ..State::default() };
-    let error = plan(&goal("medium-3"), kit(), &state, domains()).unwrap_err();
+    let error = plan(&goal("medium-3"), &state, domains()).unwrap_err();
     let PlanError::Illegal { beams, .. } = &error else { panic!("{error}") };
     assert_eq!(beams, &["b1", "b7"]);
     assert!(error.to_string().contains("b1 has no insertion path past b7"), "{error}");
     // A beam at the frame's edge goes in from the side.
     let state = State { in_assembly: ["b5", "b8"].map(str::to_string).to_vec(), ..State::default() };
-    let plan = plan(&goal("easy-3"), kit(), &state, domains()).unwrap();
+    let plan = plan(&goal("easy-3"), &state, domains()).unwrap();
     assert_eq!(plan.entries[0].direction, [1.0, 0.0, 0.0]);
 }
 
@@ -183,7 +183,7 @@ fn a_beam_out_of_reach_is_named() {
     let mut assembly = goal("easy-1");
     let b5 = assembly.beam_index("b5").unwrap();
     assembly.beams[b5].beam.start.as_mut().unwrap().at = [1.5, 0.2];
-    let error = plan(&assembly, kit(), &State::default(), domains()).unwrap_err();
+    let error = plan(&assembly, &State::default(), domains()).unwrap_err();
     assert!(matches!(error, PlanError::Illegal { .. }), "{error}");
     assert!(error.to_string().contains("b5 has no link that the hand can hold"), "{error}");
 }
@@ -226,7 +226,7 @@ fn a_state_that_cannot_be_is_refused() {
         (State { lost_pegs: vec![text("b4")], ..State::default() }, "the peg `b4`, which the kit"),
     ];
     for (state, words) in cases {
-        let error = plan(&goal("easy-3"), kit(), &state, domains()).unwrap_err();
+        let error = plan(&goal("easy-3"), &state, domains()).unwrap_err();
         assert!(error.to_string().contains(words), "{error} does not say {words}");
     }
 }
@@ -235,6 +235,6 @@ fn a_state_that_cannot_be_is_refused() {
 fn too_few_pegs_are_counted() {
     let lost_pegs: Vec<String> = (1..=12).map(|number| format!("p{number}")).collect();
     let state = State { lost_pegs, ..State::default() };
-    let error = plan(&goal("easy-3"), kit(), &state, domains()).unwrap_err();
+    let error = plan(&goal("easy-3"), &state, domains()).unwrap_err();
     assert!(matches!(error, PlanError::Pegs { needed: 4, left: 3, .. }), "{error}");
 }

@@ -55,7 +55,7 @@ fn plans_of_a_thousand_goals_are_accepted_and_wrong_ones_refused() {
 /// Plans the goal with this number, and lets the replayer judge its plan and wrong ones. Returns whether there is a plan.
 fn check(number: usize, made: &Generated) -> bool {
     let assembly = &made.assembly;
-    let steps = match plan(assembly, kit(), &State::default(), domains()) {
+    let steps = match plan(assembly, &State::default(), domains()) {
         Ok(found) => found.steps,
         // A male end that droops cannot be capped, and not every one can be pushed back.
         Err(PlanError::Illegal { why, .. }) if why.contains("droops") => return false,
@@ -89,9 +89,8 @@ fn check(number: usize, made: &Generated) -> bool {
 fn large_frames_that_can_be_built_are_planned() {
     for (beams, seed) in [(88, 1), (100, 1), (200, 1)] {
         let made = generate_many(kit(), Request { beams, seed, class: None }, 1).unwrap().remove(0);
-        let larger = ramp_kit::read_kit_str("kit.xml", made.kit.as_deref().unwrap()).unwrap();
         let options = Options { fine: false, ..Options::default() };
-        let found = plan_with(&made.assembly, &larger, &State::default(), domains(), options).unwrap();
+        let found = plan_with(&made.assembly, &State::default(), domains(), options).unwrap();
         let placed = found.entries.iter().map(|entry| &entry.beam).collect::<BTreeSet<_>>();
         assert_eq!(placed.len(), beams - 1, "{beams} beams");
         // Three to five actions in a hundred are beyond the bound.

@@ -6,7 +6,7 @@
 
 mod common;
 
-use common::{data, goal, kit};
+use common::{data, goal};
 use ramp_kit::source::SourceFile;
 use ramp_planner::{Domains, Exceeded, Limits, State, plan};
 use std::os::unix::process::CommandExt;
@@ -64,7 +64,7 @@ fn plans() {
     let (memory, time) = if limit == MEMORY { (64 << 20, 600) } else { (64 << 30, 1) };
     let limits = Limits { memory, time: Duration::from_secs(time), ..Limits::new(end) };
     let domains = Domains::new(order, coarse, fine).unwrap().within(limits);
-    let _ = plan(&goal("hard-1"), kit(), &State::default(), &domains);
+    let _ = plan(&goal("hard-1"), &State::default(), &domains);
 }
 
 #[test]
@@ -73,6 +73,6 @@ fn honest_rules_are_far_from_the_limits() {
     let tenth = Limits { memory: limits.memory / 10, ..limits };
     let domains = Domains::read(&data().join("domains")).unwrap().within(tenth);
     for name in common::EASY.into_iter().chain(common::HARDER) {
-        plan(&goal(name), kit(), &State::default(), &domains).unwrap();
+        plan(&goal(name), &State::default(), &domains).unwrap();
     }
 }

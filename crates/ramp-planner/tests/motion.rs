@@ -31,7 +31,7 @@ fn stands(beam: &str) -> Option<InTheWay> {
 /// A plan that does without what cannot be done, and that the replayer accepts.
 fn planned(assembly: &Assembly, motion: Vec<MotionFact>) -> Result<Plan, PlanError> {
     let state = State { motion, ..State::default() };
-    let plan = plan(assembly, kit(), &state, domains())?;
+    let plan = plan(assembly, &state, domains())?;
     replay(assembly, &state, &plan.steps).unwrap();
     Ok(plan)
 }
@@ -102,7 +102,7 @@ fn what_hides_a_hole_is_placed_after_its_peg() {
     assert!(step(&plan, "C7") < step(&plan, "b1"));
     // An order that was fixed before is told why it cannot be.
     let stood = State { in_assembly: ["b4", "b9", "b5", "b1"].map(str::to_string).to_vec(), ..state };
-    let error = ramp_planner::plan(&assembly, kit(), &stood, domains()).unwrap_err().to_string();
+    let error = ramp_planner::plan(&assembly, &stood, domains()).unwrap_err().to_string();
     assert!(
         error.contains("C7 cannot be fastened while b1 stands: the arm would touch something"),
         "{error}"
@@ -117,7 +117,7 @@ fn the_laws_that_speak_of_motion_explain_an_action() {
     let state = lies(vec![fact(insert("b1", "-Y"), past)]);
     let law = "impossible assemble(B) if -can_enter(B)";
     let last = |state: &State| {
-        let explanation = why(&assembly, kit(), state, domains(), "assemble(b1)").unwrap();
+        let explanation = why(&assembly, state, domains(), "assemble(b1)").unwrap();
         explanation.reasons.iter().filter(|reason| reason.law == law).map(|reason| reason.to).max()
     };
     // Until the step that picks b3 up.

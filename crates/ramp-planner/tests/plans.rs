@@ -5,13 +5,13 @@
 
 mod common;
 
-use common::{EASY, HARDER, domains, goal, kit, replay};
+use common::{EASY, HARDER, domains, goal, replay};
 use ramp_assembly::Assembly;
 use ramp_planner::{CoarseAction, CoarseStep, Item, Plan, PlanError, Replayer, State, plan};
 use std::path::Path;
 
 fn fresh(assembly: &Assembly) -> Plan {
-    plan(assembly, kit(), &State::default(), domains()).unwrap()
+    plan(assembly, &State::default(), domains()).unwrap()
 }
 
 fn pushes(steps: &[CoarseStep]) -> usize {
@@ -120,11 +120,11 @@ fn every_half_built_state_has_a_plan() {
         let assembly = goal(name);
         let whole = fresh(&assembly).steps;
         for done in 1..=whole.len() {
-            let mut table = Replayer::new(&assembly, kit(), domains(), &State::default()).unwrap();
+            let mut table = Replayer::new(&assembly, domains(), &State::default()).unwrap();
             // What is left undone is refused, but only at the end.
             assert_eq!(table.run(&whole[..done]).is_ok(), done == whole.len());
             let state = table.state();
-            let rest = plan(&assembly, kit(), &state, domains()).unwrap();
+            let rest = plan(&assembly, &state, domains()).unwrap();
             assert_eq!(replay(&assembly, &state, &rest.steps), Ok(()), "{name} after step {done}\n{rest}");
             // Nothing is done twice.
             assert!(rest.steps.len() <= whole.len() - done, "{name} after step {done}\n{rest}");
@@ -156,7 +156,7 @@ fn any_beams_that_stand_have_a_plan_or_a_reason_against_it() {
             for (fastened, misaligned) in [(closed.collect(), vec![]), (vec![], off)] {
                 let state =
                     State { in_assembly: in_assembly.clone(), fastened, misaligned, ..State::default() };
-                match plan(&assembly, kit(), &state, domains()) {
+                match plan(&assembly, &state, domains()) {
                     Ok(plan) => {
                         assert_eq!(
                             replay(&assembly, &state, &plan.steps),
@@ -179,7 +179,7 @@ fn any_beams_that_stand_have_a_plan_or_a_reason_against_it() {
 fn a_beam_that_stands_off_its_place_is_pushed_before_its_peg() {
     let state =
         State { in_assembly: vec!["b4".to_string()], misaligned: vec!["b4".to_string()], ..State::default() };
-    let plan = plan(&goal("easy-1"), kit(), &state, domains()).unwrap();
+    let plan = plan(&goal("easy-1"), &state, domains()).unwrap();
     assert_eq!(replay(&goal("easy-1"), &state, &plan.steps), Ok(()));
     let work: Vec<String> = plan.steps.iter().map(|step| step.coarse.to_string()).take(9).collect();
     assert_eq!(work[2], "push b4");
@@ -195,7 +195,7 @@ fn pegs_are_taken_in_the_order_of_the_kit() {
         lost_pegs: vec!["p1".to_string(), "p4".to_string()],
         ..State::default()
     };
-    let plan = plan(&goal("easy-3"), kit(), &state, domains()).unwrap();
+    let plan = plan(&goal("easy-3"), &state, domains()).unwrap();
     assert_eq!(replay(&goal("easy-3"), &state, &plan.steps), Ok(()));
     let pegs: Vec<&str> = plan
         .steps
@@ -234,7 +234,7 @@ fn names_need_not_be_names_of_the_rules() {
             placed.beam.links.iter_mut().for_each(|link| link.name = odd(&link.name));
         }
         assembly.connections.iter_mut().for_each(|connection| connection.name = odd(&connection.name));
-        let renamed = plan(&assembly, kit(), &State::default(), domains()).unwrap().to_string();
+        let renamed = plan(&assembly, &State::default(), domains()).unwrap().to_string();
         let plain = renamed.replace("Not \"a\\name, ", "");
         let expected = fresh(&goal(name)).to_string();
         assert_eq!(plain.replace('.', ""), expected);

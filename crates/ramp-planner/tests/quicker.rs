@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{domains, goal, kit, replay};
+use common::{domains, goal, replay};
 use ramp_planner::{CoarseAction, CoarseStep, Item, Place, State, Target, plan, quicker};
 
 /// The connections in the order in which they are pinned, each with its peg.
@@ -21,10 +21,10 @@ fn fastened(steps: &[CoarseStep]) -> Vec<(String, String)> {
 #[test]
 fn ways_that_cost_less_are_taken() {
     let (goal, state) = (goal("medium-3"), State::default());
-    let usual = plan(&goal, kit(), &state, domains()).unwrap();
+    let usual = plan(&goal, &state, domains()).unwrap();
     let dear = |place: &Place| matches!(place, Place::Input(Item::Peg(peg)) if peg == "p1");
     let mut cost = |from: &Place, to: &Place| u64::from(dear(from) || dear(to)) + 1;
-    let (found, saved) = quicker(&goal, kit(), &state, domains(), &usual, &mut cost).unwrap();
+    let (found, saved) = quicker(&goal, &state, domains(), &usual, &mut cost).unwrap();
     // To the peg and away from it.
     assert_eq!(saved, 2);
     assert_eq!(found.steps.len(), usual.steps.len());
@@ -45,7 +45,7 @@ fn ways_that_cost_less_are_taken() {
         }
         _ => 0,
     };
-    let (found, saved) = quicker(&goal, kit(), &state, domains(), &usual, &mut cost).unwrap();
+    let (found, saved) = quicker(&goal, &state, domains(), &usual, &mut cost).unwrap();
     assert!(saved > 0);
     assert_eq!(replay(&goal, &state, &found.steps), Ok(()));
     let mut pegs: Vec<String> = fastened(&found.steps).into_iter().map(|(_, peg)| peg).collect();
@@ -58,10 +58,10 @@ fn ways_that_cost_less_are_taken() {
 #[test]
 fn pegs_that_are_gone_are_not_taken() {
     let (goal, state) = (goal("easy-1"), State { lost_pegs: vec!["p9".to_string()], ..State::default() });
-    let usual = plan(&goal, kit(), &state, domains()).unwrap();
+    let usual = plan(&goal, &state, domains()).unwrap();
     // The lost one would be the cheapest by far.
     let cheap = |place: &Place| matches!(place, Place::Input(Item::Peg(peg)) if peg == "p9");
     let mut cost = |from: &Place, to: &Place| 10 - 9 * u64::from(cheap(from) || cheap(to));
-    let (found, saved) = quicker(&goal, kit(), &state, domains(), &usual, &mut cost).unwrap();
+    let (found, saved) = quicker(&goal, &state, domains(), &usual, &mut cost).unwrap();
     assert_eq!((found.steps, saved), (usual.steps, 0));
 }

@@ -383,7 +383,6 @@ pub fn run(
     let kept = raised.clone();
     let work = move || {
         let setup = Setup {
-            kit: &inner.kit,
             assembly: &assembly,
             arm: &inner.arm,
             track,
@@ -398,7 +397,7 @@ pub fn run(
                 Box::new(PythonAgent { object, goal, name, version, account, raised: raised.clone() })
             }
             None => {
-                let baseline = Baseline::new(&inner.kit, setup.assembly, &inner.arm, &domains, seed)
+                let baseline = Baseline::new(setup.assembly, &inner.arm, &domains, seed)
                     .on_track(setup.track)
                     .with_parameters(parameters)
                     .with_skills(table);
@@ -418,7 +417,7 @@ pub fn run(
                 raised.keep(error);
             }
         };
-        let times = reference_times_of_goal(&assembly, &inner.kit, &inner.arm, &inner.domains);
+        let times = reference_times_of_goal(&assembly, &inner.arm, &inner.domains);
         let robot_time = times.ok().map(|ReferenceTimes { bound, reference }| RobotTime { bound, reference });
         let label = Label { robot_time, ..Label::new(software(), repeat) };
         let result = match &record {

@@ -65,9 +65,8 @@ impl Benchmark {
         let assembly = self.inner.goal(goal).map_err(data)?;
         let domains = self.domains(domain)?;
         let options = Options { optimal, ..Options::default() };
-        let kit = &self.inner.kit;
         let plan = detached(py, || {
-            ramp_planner::plan_with(&assembly, kit, &State::default(), &domains, options)
+            ramp_planner::plan_with(&assembly, &State::default(), &domains, options)
                 .map_err(|error| PlanningError::new_err(error.to_string()))
         })?;
         Ok(json!({ "goal": assembly.name, "plan": plan }).to_string())
@@ -113,7 +112,6 @@ impl Benchmark {
 
     /// A plan of somebody else.
     pub fn own_plan(&self, text: &str, assembly: &Assembly, domains: &Domains) -> PyResult<Plan> {
-        read_plan(text, assembly, &self.inner.kit, domains)
-            .map_err(|error| PlanningError::new_err(error.to_string()))
+        read_plan(text, assembly, domains).map_err(|error| PlanningError::new_err(error.to_string()))
     }
 }

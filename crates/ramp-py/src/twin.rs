@@ -84,7 +84,6 @@ impl Twin {
         let connections = assembly.connections.iter().map(|it| it.name.clone()).collect();
         let cell = detached(py, || {
             let setup = Setup {
-                kit: &benchmark.kit,
                 assembly: &assembly,
                 arm: &benchmark.arm,
                 track,
@@ -94,7 +93,7 @@ impl Twin {
                 fault,
             };
             let twin = Inner::new(&setup).map_err(input)?;
-            let referee = Referee::new(&benchmark.kit, &assembly, twin.part_names());
+            let referee = Referee::new(&assembly, twin.part_names());
             Ok(Cell { twin, referee })
         })?;
         Ok(Twin { benchmark, connections, cell: Mutex::new(cell) })

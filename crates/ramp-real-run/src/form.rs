@@ -2,7 +2,6 @@
 
 use nalgebra::Point3;
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use ramp_kit::drawing::{A4, BLACK, Drawing, GREY, PALE, Pen, WHITE};
 use ramp_kit::solid::{self, SolidError};
 use ramp_kit::strokes::{self, Align};
@@ -25,7 +24,7 @@ type Outlines = Vec<Vec<[f64; 2]>>;
 ///
 /// # Errors
 /// A beam whose solid cannot be made.
-pub fn form(kit: &Kit, goal: &Assembly) -> Result<Drawing, SolidError> {
+pub fn form(goal: &Assembly) -> Result<Drawing, SolidError> {
     let mut page = Drawing::new(&format!("RAMP stopwatch form, {}", goal.name), A4);
     let right = A4[0] - LEFT;
     let title = format!("{}: times of a real robot", goal.name);
@@ -38,7 +37,7 @@ pub fn form(kit: &Kit, goal: &Assembly) -> Result<Drawing, SolidError> {
     );
     page.text([LEFT, 28.5], Align::Left, 2.6, GREY, &about);
     blanks(&mut page);
-    picture(&mut page, kit, goal)?;
+    picture(&mut page, goal)?;
     let bottom = table(&mut page, goal);
     rules(&mut page, bottom + 7.0);
     Ok(page)
@@ -64,11 +63,11 @@ fn blanks(page: &mut Drawing) {
 }
 
 /// The goal from above: the robot's base is at the bottom, the clamped beam grey.
-fn picture(page: &mut Drawing, kit: &Kit, goal: &Assembly) -> Result<(), SolidError> {
+fn picture(page: &mut Drawing, goal: &Assembly) -> Result<(), SolidError> {
     // Clamped or not, height, outlines.
     let mut shapes: Vec<(bool, f64, Outlines)> = Vec::new();
     for (index, placed) in goal.beams.iter().enumerate() {
-        for piece in solid::beam(&placed.beam, &kit.dimensions, 0.0)? {
+        for piece in solid::beam(&placed.beam, &goal.kit.dimensions, 0.0)? {
             let in_a = |[x, y]: [f64; 2]| {
                 let p = placed.x_ab * Point3::new(x / MM, y / MM, 0.0);
                 [p.x * MM, p.y * MM]

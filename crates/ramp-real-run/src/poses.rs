@@ -268,7 +268,7 @@ impl Reader<'_> {
         if let Some(index) = parts.iter().position(|part| *part == base.beam.name) {
             x_wp[index] = self.kit.x_wa() * base.x_ab;
         }
-        let referee = Referee::new(self.kit, goal, parts.iter().map(String::as_str));
+        let referee = Referee::new(goal, parts.iter().map(String::as_str));
         let truth = Truth { time: 0.0, x_wp };
         let tags = tags::places(self.kit);
         Ok(Run { kit: self.kit, goal, head, parts, tags, truth, referee, seen: None })

@@ -47,14 +47,14 @@ struct Bench(World);
 
 impl Bench {
     fn beams(&self) -> Vec<(&str, Pose)> {
-        let x_wa = self.0.kit.x_wa();
+        let x_wa = self.0.assembly.kit.x_wa();
         let beams = self.0.assembly.beams.iter();
         beams.map(|placed| (placed.beam.name.as_str(), x_wa * placed.x_ab)).collect()
     }
 
     fn seat(&self, connection: usize, gap: f64) -> Pose {
         let assembly = &self.0.assembly;
-        let hole = self.0.kit.x_wa() * assembly.p_a_hole(assembly.connections[connection].female);
+        let hole = self.0.assembly.kit.x_wa() * assembly.p_a_hole(assembly.connections[connection].female);
         Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0 + gap)
     }
 
@@ -81,7 +81,7 @@ impl Bench {
     fn judge(&self, bytes: &[u8]) -> Result<EpisodeResult, String> {
         let software = Software { version: "test".into(), commit: "test".into() };
         let goals = std::slice::from_ref(&self.0.assembly);
-        let reader = Reader { kit: &self.0.kit, goals, software: &software };
+        let reader = Reader { kit: &self.0.assembly.kit, goals, software: &software };
         reader.from_bytes(Path::new("run.mcap"), bytes).map_err(|error| error.to_string())
     }
 }
@@ -114,7 +114,7 @@ fn the_referee_judges_what_cameras_saw() {
 #[test]
 fn tags_tell_where_parts_are() {
     let bench = Bench(World::new("easy-1"));
-    let places = ramp_kit::tags::places(&bench.0.kit);
+    let places = ramp_kit::tags::places(&bench.0.assembly.kit);
     let mut messages = bench.messages();
     for (topic, message) in &mut messages {
         if topic == "/run" {
@@ -132,7 +132,7 @@ fn tags_tell_where_parts_are() {
                 of_tags.push((format!("tag{}", place.id), x_wp * place.x_pg));
             }
         }
-        of_tags.push(("tag0".to_string(), ramp_kit::tags::x_wg_sheet(&bench.0.kit)));
+        of_tags.push(("tag0".to_string(), ramp_kit::tags::x_wg_sheet(&bench.0.assembly.kit)));
         let time = &message["transforms"][0]["timestamp"];
         let time = (time["sec"].as_u64().unwrap() - BEGIN) as f64 + time["nsec"].as_f64().unwrap() * 1e-9;
         let of_tags: Vec<(&str, Pose)> = of_tags.iter().map(|(name, x)| (name.as_str(), *x)).collect();

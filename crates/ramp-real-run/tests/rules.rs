@@ -74,7 +74,7 @@ impl Table {
     fn judge(&self, scenes: &[Scene], thought: f64) -> Option<f64> {
         let beams = self.goal.beams.iter().map(|placed| placed.beam.name.as_str());
         let names: Vec<&str> = beams.chain(self.kit.pegs.iter().map(|peg| peg.name.as_str())).collect();
-        let mut referee = Referee::new(&self.kit, &self.goal, names.iter().copied());
+        let mut referee = Referee::new(&self.goal, names.iter().copied());
         let connection = &self.goal.connections[0];
         for scene in scenes {
             let beams = self.goal.beams.iter().enumerate().map(|(index, placed)| {

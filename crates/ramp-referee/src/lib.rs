@@ -6,7 +6,6 @@
 use nalgebra::{Point3, Vector3};
 use ramp_assembly::Truth;
 use ramp_assembly::{Assembly, JointRef};
-use ramp_kit::Kit;
 use ramp_kit::Pose;
 use ramp_kit::joint::{BODY_WIDTH, FEMALE_HEIGHT, HOLE_RADIUS, STEM_LENGTH, WALL};
 
@@ -48,7 +47,7 @@ impl Referee {
     /// A referee for `assembly`. `part_names` are the parts in the order of the truths it will see.
     ///
     /// Beams of the goal that are not among the parts make their connections uncountable.
-    pub fn new<'n>(kit: &Kit, assembly: &Assembly, part_names: impl Iterator<Item = &'n str>) -> Referee {
+    pub fn new<'n>(assembly: &Assembly, part_names: impl Iterator<Item = &'n str>) -> Referee {
         let names: Vec<&str> = part_names.collect();
         let index = |name: &str| names.iter().position(|other| *other == name);
         let hole = |joint: JointRef| assembly.beams[joint.beam].beam.p_b_hole(joint.joint);
@@ -63,7 +62,7 @@ impl Referee {
             })
             .collect::<Vec<_>>();
         let beams = assembly.beams.iter().map(|placed| index(&placed.beam.name).unwrap_or(usize::MAX));
-        let pegs = kit.pegs.iter().filter_map(|peg| Some((peg.name.clone(), index(&peg.name)?)));
+        let pegs = assembly.kit.pegs.iter().filter_map(|peg| Some((peg.name.clone(), index(&peg.name)?)));
         Referee {
             beams: beams.collect(),
             pegs: pegs.collect(),

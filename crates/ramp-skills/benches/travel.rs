@@ -148,7 +148,7 @@ fn queries(data: &Path, arm: &ArmModel, seeds: u64) -> Result<Vec<Leg>, Box<dyn 
         for number in 1..=3 {
             let name = format!("{class}-{number}");
             let goal = ramp_assembly::read_goal(&data.join(format!("goals/{name}.xml")), &kit)?;
-            let plan = ramp_planner::plan(&goal, &kit, &state, &domains)?;
+            let plan = ramp_planner::plan(&goal, &state, &domains)?;
             for seed in 0..seeds {
                 let mut stream = Stream::new(seed, &name);
                 let mut off = |x: Pose| {
@@ -167,7 +167,7 @@ fn queries(data: &Path, arm: &ArmModel, seeds: u64) -> Result<Vec<Leg>, Box<dyn 
                     .map(|(name, x)| (name, off(x)))
                     .collect();
                 let home = Joints::from(arm.home).map(|angle| angle + stream.symmetric(AWAY));
-                let rehearsal = Rehearsal::of_baseline(&kit, &goal, arm, &planner, &state);
+                let rehearsal = Rehearsal::of_baseline(&goal, arm, &planner, &state);
                 legs.extend(rehearsal.from_here(believed, home, seed).legs(&plan));
             }
         }

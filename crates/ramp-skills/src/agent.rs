@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use ramp_kit::source::{MAX_SENTENCE, plain, to_name};
 use ramp_motion::{MotionError, PathPlanner};
 use ramp_planner::{CoarseAction, Domains, FineAction, Item, MotionFact, Plan, PlanError, State};
@@ -27,7 +26,6 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// The baseline agent.
 pub struct Baseline<'a> {
-    kit: &'a Kit,
     assembly: &'a Assembly,
     pub(crate) arm: &'a ArmModel,
     domains: &'a Domains,
@@ -58,17 +56,10 @@ pub struct Baseline<'a> {
 
 impl<'a> Baseline<'a> {
     /// An agent for one goal. `seed` feeds the motion planner's random numbers.
-    pub fn new(
-        kit: &'a Kit,
-        assembly: &'a Assembly,
-        arm: &'a ArmModel,
-        domains: &'a Domains,
-        seed: u64,
-    ) -> Baseline<'a> {
+    pub fn new(assembly: &'a Assembly, arm: &'a ArmModel, domains: &'a Domains, seed: u64) -> Baseline<'a> {
         let parameters = Parameters::baseline();
         let skills = baseline(&parameters);
         Baseline {
-            kit,
             assembly,
             arm,
             domains,
@@ -159,14 +150,14 @@ impl<'a> Baseline<'a> {
     fn make_plan(&mut self, cell: &mut Workcell, mut state: State) -> Result<Plan, PlanError> {
         let begin = Instant::now();
         state.motion.clone_from(&self.learned);
-        let parts =
-            self.kit.beams.iter().map(|beam| &beam.name).chain(self.kit.pegs.iter().map(|peg| &peg.name));
+        let kit = &self.assembly.kit;
+        let parts = kit.beams.iter().map(|beam| &beam.name).chain(kit.pegs.iter().map(|peg| &peg.name));
         let believed: Vec<_> =
             parts.filter_map(|name| Some((name.clone(), cell.belief.pose(name).ok()?))).collect();
         let q = cell.hand.joints();
-        let rehearsed = plan_with_motion(self.assembly, self.kit, &state, self.domains, || {
-            let (kit, arm, parameters) = (self.kit, self.arm, self.parameters.clone());
-            let scene = Scene::nominal(kit, self.assembly, arm, cell.planner, parameters, &state);
+        let rehearsed = plan_with_motion(self.assembly, &state, self.domains, || {
+            let parameters = self.parameters.clone();
+            let scene = Scene::nominal(self.assembly, self.arm, cell.planner, parameters, &state);
             let rehearsal = Rehearsal::new(scene, self.skills.clone());
             rehearsal.from_here(believed.clone(), q, self.seed)
         });
@@ -199,7 +190,7 @@ impl<'a> Baseline<'a> {
                 self.learned.clear();
                 state.motion.clear();
                 cell.grasps.clear();
-                ramp_planner::plan(self.assembly, self.kit, &state, self.domains)
+                ramp_planner::plan(self.assembly, &state, self.domains)
             }
             Err(error) => Err(error),
         };
@@ -234,8 +225,7 @@ impl<'a> Baseline<'a> {
         'a: 'p,
     {
         let parameters = self.parameters.clone();
-        let mut cell =
-            Workcell::new(self.kit, self.assembly, self.arm, planner, robot, self.seed, parameters);
+        let mut cell = Workcell::new(self.assembly, self.arm, planner, robot, self.seed, parameters);
         if let Some(track) = self.track {
             cell.belief.eyes.on_track(track);
         }

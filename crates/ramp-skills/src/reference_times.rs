@@ -4,7 +4,6 @@
 //! the plan with every part where it nominally is; what the arm and the hand do there is summed up in two ways.
 
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use ramp_motion::{Joints, Pace, PathPlanner, TimeLaw, least_time_over};
 use ramp_planner::{Domains, Plan, PlanError, State};
 use ramp_robot::arm::ArmModel;
@@ -33,13 +32,12 @@ pub struct ReferenceTimes {
 /// When there is no plan that the arm can carry out, or as [`reference_times`].
 pub fn reference_times_of_goal(
     assembly: &Assembly,
-    kit: &Kit,
     arm: &ArmModel,
     domains: &Domains,
 ) -> Result<ReferenceTimes, PlanError> {
     let state = State::default();
-    let Rehearsed { plan, facts, .. } = plan_for_arm(assembly, kit, arm, &state, domains)?;
-    reference_times(assembly, kit, arm, &State { motion: facts, ..state }, &plan)
+    let Rehearsed { plan, facts, .. } = plan_for_arm(assembly, arm, &state, domains)?;
+    reference_times(assembly, arm, &State { motion: facts, ..state }, &plan)
 }
 
 /// The times of a plan, with every part where it nominally is in `state`.
@@ -48,7 +46,6 @@ pub fn reference_times_of_goal(
 /// When the arm cannot carry out the plan, or the bound has no end: a grasp or place is out of reach.
 pub fn reference_times(
     assembly: &Assembly,
-    kit: &Kit,
     arm: &ArmModel,
     state: &State,
     plan: &Plan,
@@ -60,7 +57,7 @@ pub fn reference_times(
         why: "the arm cannot carry out the plan".to_string(),
         reasons: why,
     };
-    let done = Rehearsal::of_baseline(kit, assembly, arm, &planner, state)
+    let done = Rehearsal::of_baseline(assembly, arm, &planner, state)
         .done(plan, TimeLaw::new(arm, &pace))
         .map_err(|fact| refused(fact.to_string()))?;
     let mut rests = Vec::new();

@@ -43,7 +43,7 @@ impl Data {
     }
 
     fn rehearsed(&self, goal: &Assembly) -> Result<Rehearsed, PlanError> {
-        plan_for_arm(goal, &self.kit, &self.arm, &State::default(), &self.domains)
+        plan_for_arm(goal, &self.arm, &State::default(), &self.domains)
     }
 }
 
@@ -57,7 +57,7 @@ fn the_nine_goals_need_no_other_plan() {
             ramp_assembly::read_goal(&root().join(format!("data/goals/{name}.xml")), &data.kit).unwrap();
         let rehearsed = data.rehearsed(&goal).unwrap();
         assert!(rehearsed.facts.is_empty(), "{name}: {:?}", rehearsed.facts);
-        let plan = ramp_planner::plan(&goal, &data.kit, &State::default(), &data.domains).unwrap();
+        let plan = ramp_planner::plan(&goal, &State::default(), &data.domains).unwrap();
         assert_eq!(rehearsed.plan.steps, plan.steps, "{name}");
     }
 }
@@ -69,10 +69,10 @@ fn a_ur5e_finds_its_way_among_the_beams_of_a_goal() {
     let data = data();
     let arm: ArmModel<6> = ArmModel::read(&root().join("data/arms/ur5e.json")).unwrap();
     let goal = ramp_assembly::read_goal(&root().join("data/goals/medium-2.xml"), &data.kit).unwrap();
-    let plan = ramp_planner::plan(&goal, &data.kit, &State::default(), &data.domains).unwrap();
+    let plan = ramp_planner::plan(&goal, &State::default(), &data.domains).unwrap();
     let (panda, planner) = (PathPlanner::new(&data.arm), PathPlanner::new(&arm));
     let parameters = Parameters::baseline();
-    let rehearsal = Rehearsal::of_baseline(&data.kit, &goal, &data.arm, &panda, &State::default());
+    let rehearsal = Rehearsal::of_baseline(&goal, &data.arm, &panda, &State::default());
     let legs = rehearsal.legs(&plan);
     assert!(legs.len() > 15 && legs.iter().any(|leg| !leg.held.is_empty()));
     let law = TimeLaw::new(&arm, &Pace { velocity: 1.0, acceleration: 1.0, jerk: 1.0, ramp: 0.0 });
@@ -100,8 +100,8 @@ fn pegs_are_exchanged_for_shorter_motions() {
     for (name, least) in [("easy-1", 0.0), ("medium-3", 0.01), ("hard-1", 0.03), ("hard-3", 0.0)] {
         let goal =
             ramp_assembly::read_goal(&root().join(format!("data/goals/{name}.xml")), &data.kit).unwrap();
-        let usual = ramp_planner::plan(&goal, &data.kit, &state, &data.domains).unwrap();
-        let found = quicker_for_arm(&goal, &data.kit, &data.arm, &state, &data.domains, &usual).unwrap();
+        let usual = ramp_planner::plan(&goal, &state, &data.domains).unwrap();
+        let found = quicker_for_arm(&goal, &data.arm, &state, &data.domains, &usual).unwrap();
         assert!(
             found.seconds <= (1.0 - least) * found.before,
             "{name}: {} s, usually {} s",
@@ -109,11 +109,11 @@ fn pegs_are_exchanged_for_shorter_motions() {
             found.before
         );
         assert_eq!(found.plan.steps.len(), usual.steps.len(), "{name}");
-        let mut table = Replayer::new(&goal, &data.kit, &data.domains, &state).unwrap();
+        let mut table = Replayer::new(&goal, &data.domains, &state).unwrap();
         assert_eq!(table.run(&found.plan.steps), Ok(()), "{name}");
         // The time that is told is that of the plan.
         let planner = PathPlanner::new(&data.arm);
-        let rehearsal = Rehearsal::of_baseline(&data.kit, &goal, &data.arm, &planner, &state);
+        let rehearsal = Rehearsal::of_baseline(&goal, &data.arm, &planner, &state);
         assert_eq!(rehearsal.seconds(&found.plan).unwrap(), found.seconds, "{name}");
     }
 }
@@ -138,8 +138,8 @@ fn a_plan_that_fails_for_motion_is_changed() {
     ] {
         let goal = data.goal(name);
         let state = State::default();
-        let first = ramp_planner::plan(&goal, &data.kit, &state, &data.domains).unwrap();
-        let rehearse = || Rehearsal::of_baseline(&data.kit, &goal, &data.arm, &planner, &state);
+        let first = ramp_planner::plan(&goal, &state, &data.domains).unwrap();
+        let rehearse = || Rehearsal::of_baseline(&goal, &data.arm, &planner, &state);
         assert_eq!(rehearse().check(&first).unwrap_err().to_string(), expected, "{name}");
         let rehearsed = data.rehearsed(&goal).unwrap();
         let facts: Vec<String> = rehearsed.facts.iter().map(ToString::to_string).collect();
@@ -158,7 +158,7 @@ fn a_place_that_only_another_grasp_reaches_is_reached() {
     let goal = ramp_assembly::read_goal(&root().join("data/goals/easy-1.xml"), &data.kit).unwrap();
     let planner = PathPlanner::new(&data.arm);
     let state = State::default();
-    let plan = ramp_planner::plan(&goal, &data.kit, &state, &data.domains).unwrap();
+    let plan = ramp_planner::plan(&goal, &state, &data.domains).unwrap();
     let b4 = &goal.beams[goal.beam_index("b4").unwrap()];
     // A peg that stands beside the place of the beam, where a finger of the usual grasp would come down.
     let link = plan.fine().find_map(|action| match action {
@@ -170,7 +170,7 @@ fn a_place_that_only_another_grasp_reaches_is_reached() {
     let usual = point_on(link.unwrap(), b4.beam.span() / 2.0, &Parameters::baseline().grip);
     let beside = data.kit.x_wa() * b4.x_ab * Point3::new(usual, 0.045, 0.0);
     let x_wp = Pose::translation(beside.x, beside.y, 0.05);
-    let rehearsal = Rehearsal::of_baseline(&data.kit, &goal, &data.arm, &planner, &state);
+    let rehearsal = Rehearsal::of_baseline(&goal, &data.arm, &planner, &state);
     let grasps =
         rehearsal.from_here([("p9".to_string(), x_wp)], data.arm.home.into(), 1).check(&plan).unwrap().grasps;
     assert!(grasps["b4"].because.contains("would touch p9"), "{}", grasps["b4"].because);

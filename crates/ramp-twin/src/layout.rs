@@ -3,7 +3,7 @@
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::Assembly;
-use ramp_kit::{Kit, Pose};
+use ramp_kit::Pose;
 use ramp_robot::random::Stream;
 use ramp_world::groups::Table;
 
@@ -36,7 +36,7 @@ pub struct Layout {
 
 impl Layout {
     /// The start of the episode with this seed.
-    pub fn new(kit: &Kit, assembly: &Assembly, disturbance: Disturbance, seed: u64) -> Layout {
+    pub fn new(assembly: &Assembly, disturbance: Disturbance, seed: u64) -> Layout {
         let mut stream = Stream::new(seed, "layout");
         let mut disturb = |x: &Pose, centre: Vector3<f64>| -> Pose {
             let shift = Translation3::new(
@@ -50,6 +50,7 @@ impl Layout {
             shift * there * turn * there.inverse() * x
         };
         let base = &assembly.beams[assembly.base];
+        let kit = &assembly.kit;
         let beams = kit
             .beams
             .iter()

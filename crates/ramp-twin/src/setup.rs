@@ -1,7 +1,6 @@
 //! What an episode in the twin is made from.
 
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use ramp_render::LooksError;
 use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
@@ -13,9 +12,7 @@ use crate::layout::Disturbance;
 /// What an episode in the twin is made from.
 #[derive(Clone, Debug)]
 pub struct Setup<'a> {
-    /// The parts.
-    pub kit: &'a Kit,
-    /// The goal.
+    /// The goal, with its kit.
     pub assembly: &'a Assembly,
     /// The arm.
     pub arm: &'a ArmModel,

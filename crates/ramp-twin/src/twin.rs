@@ -110,7 +110,7 @@ impl Twin {
     /// # Errors
     /// When MuJoCo refuses the scene.
     pub fn new(setup: &Setup) -> Result<Twin, TwinError> {
-        Twin::with_layout(setup, Layout::new(setup.kit, setup.assembly, setup.disturbance, setup.seed))
+        Twin::with_layout(setup, Layout::new(setup.assembly, setup.disturbance, setup.seed))
     }
 
     /// Builds the scene with every part where `layout` says.
@@ -136,7 +136,8 @@ impl Twin {
         layout.pegs.retain(|(name, _)| Some(name) != start.missing.as_ref());
         let base = &setup.assembly.beams[setup.assembly.base].beam.name;
         let printed = Printed { physics: &physics, seed: setup.seed };
-        let xml = scene_xml(setup.kit, setup.arm, &layout, base, start.loose_holders, &printed, options);
+        let xml =
+            scene_xml(&setup.assembly.kit, setup.arm, &layout, base, start.loose_holders, &printed, options);
         let model = MjModel::from_xml_string(&xml).map_err(|error| TwinError::Scene(error.to_string()))?;
         let find = |kind, name: &str| {
             model.name_to_id(kind, name).ok_or_else(|| TwinError::Missing(name.to_string()))
@@ -195,7 +196,7 @@ impl Twin {
             noise: Stream::new(setup.seed, "wrist"),
             reading_noise: Stream::new(setup.seed, "readings"),
             cameras: Cameras::new(
-                setup.kit,
+                &setup.assembly.kit,
                 setup.arm,
                 setup.seed,
                 start.covered.map(|(tag, _)| tag),

@@ -17,7 +17,6 @@ fn a_beam_of_the_kit_s_own_lies_still_on_the_sheet() {
     let arm = ArmModel::read(&data.join("arms/panda.json")).unwrap();
     let disturbance = Disturbance { position: 0.0, angle: 0.0 };
     let setup = Setup {
-        kit: &kit,
         assembly: &assembly,
         arm: &arm,
         track: Track::State,

@@ -112,7 +112,6 @@ fn world() -> (Kit, Twin) {
     let assembly = ramp_assembly::read_goal(&data.join("goals/easy-3.xml"), &kit).unwrap();
     let arm = ArmModel::read(&data.join("arms/panda.json")).unwrap();
     let setup = Setup {
-        kit: &kit,
         assembly: &assembly,
         arm: &arm,
         track: Track::State,

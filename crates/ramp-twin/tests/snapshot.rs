@@ -13,7 +13,6 @@ use ramp_twin::{Disturbance, Fault, FaultKind, Layout, RestoreError, SceneOption
 
 fn setup<'a>(cell: &'a World, world: &'a ramp_twin::World, track: Track) -> Setup<'a> {
     Setup {
-        kit: &cell.kit,
         assembly: &cell.assembly,
         arm: &cell.arm,
         track,
@@ -108,7 +107,7 @@ fn a_scene_without_meshes_and_with_little_memory_has_the_same_physics() {
     let cell = World::new("easy-1");
     let world = ramp_twin::World::ideal();
     let setup = setup(&cell, world, Track::State);
-    let layout = Layout::new(setup.kit, setup.assembly, setup.disturbance, setup.seed);
+    let layout = Layout::new(setup.assembly, setup.disturbance, setup.seed);
     let mut whole = Twin::with_layout(&setup, layout.clone()).unwrap();
     let mut lean = Twin::with_options(&setup, layout, &SceneOptions { looks: false, memory: 64 }).unwrap();
     assert!(lean.scene().len() < whole.scene().len() / 2);

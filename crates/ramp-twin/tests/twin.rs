@@ -257,8 +257,8 @@ fn the_start_is_disturbed_by_the_seed_and_no_more_than_said() {
     assert_ne!(one, two);
     let twin = world.twin(Track::State, 1);
     for (index, name) in twin.part_names().enumerate() {
-        let (Some(beam), x_wb) = (world.kit.beam(name), one.x_wp[index]) else { continue };
-        let Some(nominal) = world.kit.x_wb_start(beam) else {
+        let (Some(beam), x_wb) = (world.assembly.kit.beam(name), one.x_wp[index]) else { continue };
+        let Some(nominal) = world.assembly.kit.x_wb_start(beam) else {
             assert!((x_wb.translation.vector - nalgebra::Vector3::new(0.31, 0.0268, 0.0166)).norm() < 1e-9);
             continue;
         };

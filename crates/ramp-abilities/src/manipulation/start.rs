@@ -121,9 +121,9 @@ pub fn draw(setup: &Setup, task: &Task, cast: &Cast) -> Result<Start, StartError
 
 /// The sheet's layout, with what stands at its place.
 fn layout(setup: &Setup, task: &Task, stream: &mut Stream) -> Layout {
-    let Setup { kit, assembly, .. } = setup;
-    let x_wa = kit.x_wa();
-    let mut layout = Layout::new(kit, assembly, setup.disturbance, setup.seed);
+    let assembly = setup.assembly;
+    let x_wa = assembly.kit.x_wa();
+    let mut layout = Layout::new(assembly, setup.disturbance, setup.seed);
     for (name, x_wb) in &mut layout.beams {
         let Some(beam) = assembly.beam_index(name).filter(|beam| task.build.standing.contains(beam)) else {
             continue;
@@ -172,7 +172,7 @@ fn knocks(setup: &Setup, task: &Task, stream: &mut Stream) -> Vec<Knock> {
         let about = anchor.map_or(placed.beam.span() / 2.0, |joint| placed.beam.joints[joint.joint].offset);
         let lever = about.max(placed.beam.span() - about);
         let angular = Vector3::z() * (speed(turn * lever) / lever);
-        let x_wb = setup.kit.x_wa() * placed.x_ab;
+        let x_wb = setup.assembly.kit.x_wa() * placed.x_ab;
         let arm = x_wb.rotation * Vector3::x() * -about;
         let mut linear = angular.cross(&arm);
         if anchor.is_none() {

@@ -20,7 +20,7 @@ impl<'t> World<'t> {
     pub(super) fn of(setup: &Setup<'t>, twin: &'t Twin) -> World<'t> {
         World {
             assembly: setup.assembly,
-            x_wa: setup.kit.x_wa(),
+            x_wa: setup.assembly.kit.x_wa(),
             names: twin.part_names().collect(),
             truth: twin.truth(),
         }
@@ -71,7 +71,7 @@ pub(super) fn far_end(task: &Task, assembly: &Assembly, beam: usize) -> f64 {
 
 /// The pegs that pin the connections of a goal now, by the referee's rule.
 pub(super) fn pegs_in(setup: &Setup, twin: &Twin) -> Vec<Option<String>> {
-    let mut referee = Referee::new(setup.kit, setup.assembly, twin.part_names());
+    let mut referee = Referee::new(setup.assembly, twin.part_names());
     referee.watch(&twin.truth(), 0.0);
     referee.verdict().iter().map(|seated| seated.as_ref().map(|seated| seated.peg.clone())).collect()
 }

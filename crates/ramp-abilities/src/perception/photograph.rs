@@ -6,8 +6,8 @@ use std::sync::Arc;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::Assembly;
 use ramp_kit::joint::FEMALE_HEIGHT;
+use ramp_kit::tags;
 use ramp_kit::tags::TagPlace;
-use ramp_kit::{Kit, tags};
 use ramp_render::{Looks, LooksError, Renderer, Scene, Sensor};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::camera::Mount;
@@ -49,7 +49,6 @@ pub struct View {
 
 /// Makes views.
 pub struct Photographer<'a> {
-    kit: &'a Kit,
     assembly: &'a Assembly,
     arm: &'a ArmModel,
     looks: Arc<Looks>,
@@ -62,15 +61,11 @@ impl<'a> Photographer<'a> {
     ///
     /// # Errors
     /// A kit that cannot be drawn.
-    pub fn new(
-        kit: &'a Kit,
-        assembly: &'a Assembly,
-        arm: &'a ArmModel,
-    ) -> Result<Photographer<'a>, LooksError> {
-        let looks = Looks::shared(kit, arm)?;
+    pub fn new(assembly: &'a Assembly, arm: &'a ArmModel) -> Result<Photographer<'a>, LooksError> {
+        let looks = Looks::shared(&assembly.kit, arm)?;
         let renderers = Camera::ALL
             .map(|camera| Renderer::new(Arc::clone(&looks), &CameraModel::nominal(camera, arm.hand.tip)));
-        Ok(Photographer { kit, assembly, arm, looks, places: tags::places(kit), renderers })
+        Ok(Photographer { assembly, arm, looks, places: tags::places(&assembly.kit), renderers })
     }
 
     /// What everything looks like.
@@ -81,15 +76,15 @@ impl<'a> Photographer<'a> {
     /// Where everything is in a view: as laid out for the seed, and, when the goal is built, its beams and pegs at
     /// their places.
     fn parts(&self, seed: u64, at_start: bool) -> Vec<(String, Pose)> {
-        let layout = Layout::new(self.kit, self.assembly, Disturbance::default(), seed);
+        let layout = Layout::new(self.assembly, Disturbance::default(), seed);
         let mut parts: BTreeMap<String, Pose> =
             layout.beams.into_iter().chain(layout.pegs).chain(layout.holders).collect();
         if !at_start {
-            let x_wa = self.kit.x_wa();
+            let x_wa = self.assembly.kit.x_wa();
             for placed in &self.assembly.beams {
                 parts.insert(placed.beam.name.clone(), x_wa * placed.x_ab);
             }
-            for (connection, peg) in self.assembly.connections.iter().zip(&self.kit.pegs) {
+            for (connection, peg) in self.assembly.connections.iter().zip(&self.assembly.kit.pegs) {
                 let hole = x_wa * self.assembly.p_a_hole(connection.female);
                 parts.insert(peg.name.clone(), Pose::translation(hole.x, hole.y, FEMALE_HEIGHT));
             }

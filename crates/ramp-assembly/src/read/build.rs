@@ -57,7 +57,8 @@ pub(super) fn build(file: &SourceFile, root: Node<'_>, kit: &Kit, draft: Draft) 
         let place = spans.next().unwrap_or_else(|| root.span());
         spans.fold(Fault::new(problem, file.place(place)), |fault, span| fault.also(span, "with this one"))
     })?;
-    Ok(Assembly { name, class, beams, base, connections, insertions, paths: Arc::new(paths) })
+    let (kit, paths) = (Arc::new(kit.clone()), Arc::new(paths));
+    Ok(Assembly { name, class, kit, beams, base, connections, insertions, paths })
 }
 
 /// What to look at when two connected beams overlap and the female is open to one side only.

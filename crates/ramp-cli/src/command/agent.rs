@@ -10,7 +10,6 @@ use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
 use ramp_external_agent::sandbox::{Inside, open_ends};
 use ramp_external_agent::{AgentFile, ExternalAgent, Goal, Patience, Sandbox, SandboxError, adopt_orphans};
-use ramp_kit::Kit;
 use ramp_planner::{Domains, Plan};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Agent, Event, Track};
@@ -76,7 +75,6 @@ pub fn tell_open_ends() {
 
 /// What an agent is made from.
 pub struct World<'a> {
-    pub kit: &'a Kit,
     pub assembly: &'a Assembly,
     pub arm: &'a ArmModel,
     pub domains: &'a Domains,
@@ -100,14 +98,13 @@ pub fn start<'a>(
     end: Option<Instant>,
     listener: impl FnMut(&Event) + 'a,
 ) -> Result<Box<dyn Agent + 'a>, Report> {
-    let World { kit, assembly, arm, domains, texts, track, seed, parameters, skills, ref plan } = *world;
+    let World { assembly, arm, domains, texts, track, seed, parameters, skills, ref plan } = *world;
     let Some(file) = file else {
-        let mut baseline = Baseline::new(kit, assembly, arm, domains, seed)
-            .on_track(track)
-            .with_parameters(parameters.clone());
+        let mut baseline =
+            Baseline::new(assembly, arm, domains, seed).on_track(track).with_parameters(parameters.clone());
         if !skills.is_empty() {
             adopt_orphans();
-            let cell = own_skill::Cell::new(kit, assembly, arm, track, texts, limit);
+            let cell = own_skill::Cell::new(assembly, arm, track, texts, limit);
             let mut table = ramp_skills::table::baseline(parameters);
             for (kind, file) in skills {
                 table.replace(own_skill::skill(*kind, file, &cell)?);
@@ -120,7 +117,7 @@ pub fn start<'a>(
         return Ok(Box::new(baseline.with_listener(listener)));
     };
     adopt_orphans();
-    let goal = Goal::new(kit, assembly, arm, track, texts.sources());
+    let goal = Goal::new(assembly, arm, track, texts.sources());
     let patience = Patience { answer: Duration::from_secs_f64(limit), end };
     let mut command: Vec<OsString> = vec![
         std::env::current_exe().into_diagnostic()?.into(),

@@ -12,7 +12,6 @@ use ramp_assembly::Assembly;
 use ramp_external_agent::{AgentFile, ExternalAgent, Goal, Patience, protocol};
 use ramp_gym::known::Known;
 use ramp_gym::own::{Body, BodyError, Moment, OwnSkill, kind, kinds};
-use ramp_kit::Kit;
 use ramp_kit::source::to_name;
 use ramp_log::Sources;
 use ramp_robot::arm::ArmModel;
@@ -48,7 +47,6 @@ impl std::str::FromStr for Replacement {
 /// What a program is told of, and how long it is waited for.
 #[derive(Clone)]
 pub struct Cell {
-    kit: Kit,
     assembly: Assembly,
     arm: ArmModel,
     track: Track,
@@ -60,17 +58,9 @@ pub struct Cell {
 
 impl Cell {
     /// Of an episode; the program may take so many seconds for a message.
-    pub fn new(
-        kit: &Kit,
-        assembly: &Assembly,
-        arm: &ArmModel,
-        track: Track,
-        texts: &Texts,
-        limit: f64,
-    ) -> Cell {
+    pub fn new(assembly: &Assembly, arm: &ArmModel, track: Track, texts: &Texts, limit: f64) -> Cell {
         let Sources { goal, kit: kit_text, arm: arm_text } = texts.sources();
         Cell {
-            kit: kit.clone(),
             assembly: assembly.clone(),
             arm: arm.clone(),
             track,
@@ -87,7 +77,7 @@ impl Cell {
     /// When the system does not start it.
     pub fn start(&self, file: &AgentFile, task: Value) -> Result<ExternalAgent<'_>, Report> {
         let texts = Sources { goal: &self.goal, kit: &self.kit_text, arm: &self.arm_text };
-        let goal = Goal::new(&self.kit, &self.assembly, &self.arm, self.track, texts).with_task(task);
+        let goal = Goal::new(&self.assembly, &self.arm, self.track, texts).with_task(task);
         let patience = Patience { answer: self.patience, end: None };
         ExternalAgent::start(file, &command(file)?, goal, patience, None).into_diagnostic()
     }

@@ -145,11 +145,11 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     };
     if let Some(level) = arguments.emit_asp {
         let fine = matches!(level, Level::Fine);
-        print(&ramp_planner::asp(&goal, &kit, &domains, fine))?;
+        print(&ramp_planner::asp(&goal, &domains, fine))?;
         return Ok(DONE);
     }
     if let Some(folder) = &arguments.pddl {
-        let written = ramp_planner::pddl(&goal, &kit, &state, &domains).into_diagnostic()?;
+        let written = ramp_planner::pddl(&goal, &state, &domains).into_diagnostic()?;
         let mut text = String::new();
         for (name, content) in [("domain.pddl", &written.domain), ("problem.pddl", &written.problem)] {
             let path = folder.join(name);
@@ -165,7 +165,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             file,
             "expected {\"records\": [{\"did\": {\"action\": \"move\", \"to\": \"input\"}}, {\"saw\": \"at(input)\"}]}",
         )?;
-        let found = ramp_planner::diagnose(&goal, &kit, &domains, &history).into_diagnostic()?;
+        let found = ramp_planner::diagnose(&goal, &domains, &history).into_diagnostic()?;
         let Some(first) = found.first() else {
             print("nothing that the domain knows of explains this\n")?;
             return Ok(INCOMPLETE);
@@ -175,14 +175,14 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     }
     let begin = Instant::now();
     if arguments.check_motion || arguments.least == Least::Time {
-        let rehearsed = ramp_skills::rehearsal::plan_for_arm(&goal, &kit, &data.arm()?, &state, &domains);
+        let rehearsed = ramp_skills::rehearsal::plan_for_arm(&goal, &data.arm()?, &state, &domains);
         state.motion = rehearsed.into_diagnostic()?.facts;
     }
     if let Some(path) = &arguments.from {
         let name = path.display();
         let text = read_text(path, LARGEST)?;
         if !text.trim_start().starts_with('{') {
-            let steps = ramp_planner::pddl_plan(&goal, &kit, &state, &domains, &text);
+            let steps = ramp_planner::pddl_plan(&goal, &state, &domains, &text);
             let steps = match steps {
                 Ok(steps) => steps,
                 Err(PlanError::Outside(refused)) => {
@@ -216,7 +216,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
                     "{name} is not a plan: {error}"
                 )
             })?;
-        let mut table = Replayer::new(&goal, &kit, &domains, &state).into_diagnostic()?;
+        let mut table = Replayer::new(&goal, &domains, &state).into_diagnostic()?;
         let verdict = table.run(&steps);
         let words = match &verdict {
             Ok(()) => Ok(()),
@@ -235,7 +235,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         };
     }
     if let Some(action) = &arguments.why {
-        let explanation = ramp_planner::why(&goal, &kit, &state, &domains, action).into_diagnostic()?;
+        let explanation = ramp_planner::why(&goal, &state, &domains, action).into_diagnostic()?;
         let mut text = String::new();
         if arguments.json {
             text = serde_json::to_string_pretty(&explanation).into_diagnostic()?;
@@ -258,7 +258,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     }
     let options = Options { optimal: arguments.optimal, fine: !arguments.coarse, ..Options::default() };
     if arguments.disassemble {
-        let plan = ramp_planner::disassemble(&goal, &kit, &domains).into_diagnostic()?;
+        let plan = ramp_planner::disassemble(&goal, &domains).into_diagnostic()?;
         let mut text = String::new();
         if arguments.json {
             text = serde_json::to_string_pretty(&json!({ "goal": goal.name, "disassembly": plan }))
@@ -275,11 +275,11 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         print(&text)?;
         return Ok(DONE);
     }
-    let mut plan = ramp_planner::plan_with(&goal, &kit, &state, &domains, options).into_diagnostic()?;
+    let mut plan = ramp_planner::plan_with(&goal, &state, &domains, options).into_diagnostic()?;
     let mut times = None;
     if arguments.least == Least::Time {
         let arm = data.arm()?;
-        let found = ramp_skills::rehearsal::quicker_for_arm(&goal, &kit, &arm, &state, &domains, &plan);
+        let found = ramp_skills::rehearsal::quicker_for_arm(&goal, &arm, &state, &domains, &plan);
         let found = found.into_diagnostic()?;
         times = Some((found.seconds, found.before));
         plan = found.plan;
@@ -287,7 +287,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let seconds = begin.elapsed().as_secs_f64();
     let mut reference = None;
     if arguments.bound {
-        let times = ramp_skills::reference_times(&goal, &kit, &data.arm()?, &state, &plan);
+        let times = ramp_skills::reference_times(&goal, &data.arm()?, &state, &plan);
         reference = Some(times.into_diagnostic()?);
     }
     let mut text = String::new();

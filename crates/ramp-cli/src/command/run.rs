@@ -112,7 +112,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let plan = match &arguments.plan {
         Some(path) => {
             let text = read_text(path, LARGEST_PLAN)?;
-            let plan = read_plan(&text, &assembly, &kit, &domains);
+            let plan = read_plan(&text, &assembly, &domains);
             Some(plan.map_err(|error| match error {
                 PlanFileError::Form { .. } => miette!("{}:{error}", path.display()),
                 error => miette!("{}: {error}", path.display()),
@@ -144,7 +144,6 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         agent::tell_open_ends();
     }
     let setup = Setup {
-        kit: &kit,
         assembly: &assembly,
         arm: &arm,
         track: arguments.track.into(),
@@ -159,7 +158,6 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     make_folder_of(&log)?;
     let display = Display::new(assembly.connections.len());
     let world = agent::World {
-        kit: &kit,
         assembly: &assembly,
         arm: &arm,
         domains: &domains,
@@ -219,7 +217,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
 /// What robot time is to be compared with, where the baseline has a plan for the goal.
 fn robot_time(data: &Data, setup: &Setup) -> Result<Option<RobotTime>, Report> {
     let domains = data.domains(None)?;
-    let times = reference_times_of_goal(setup.assembly, setup.kit, setup.arm, &domains);
+    let times = reference_times_of_goal(setup.assembly, setup.arm, &domains);
     Ok(times.ok().map(|ReferenceTimes { bound, reference }| RobotTime { bound, reference }))
 }
 

@@ -105,7 +105,7 @@ fn write_form(data: &Data, kit: &Kit, goal: &str, path: &Path) -> Result<u8, Rep
         return Err(miette!(help = "end the file's name in .pdf", "{} is no PDF file", path.display()));
     }
     let goal = data.goal(goal, kit)?;
-    let page = form(kit, &goal).into_diagnostic()?;
+    let page = form(&goal).into_diagnostic()?;
     write_file(path, pdf(&page.title, std::slice::from_ref(&page)))?;
     print(&format!("form: {}\n", path.display()))?;
     Ok(DONE)

@@ -82,11 +82,10 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let arm = data.arm()?;
     std::fs::create_dir_all(folder).into_diagnostic()?;
     if let Some(count) = arguments.count {
-        let photographer = Photographer::new(&kit, &assembly, &arm).into_diagnostic()?;
+        let photographer = Photographer::new(&assembly, &arm).into_diagnostic()?;
         return data_set(photographer, &kit, arguments, folder, count);
     }
     let setup = Setup {
-        kit: &kit,
         assembly: &assembly,
         arm: &arm,
         track: Track::Tags,

@@ -12,7 +12,6 @@ use miette::{Diagnostic, IntoDiagnostic, Report, miette};
 use ramp_abilities::manipulation::{Aim, run_trial};
 use ramp_external_agent::{AgentFile, adopt_orphans};
 use ramp_gym::tasks::{self, Goal, Step};
-use ramp_kit::Kit;
 use ramp_kit::source::{nearest, read_text, shorten};
 use ramp_planner::Domains;
 use ramp_result::collection::LARGEST;
@@ -98,7 +97,6 @@ enum TrialsError {
 
 /// What all trials share.
 struct Trials<'a> {
-    kit: Kit,
     arm: ArmModel,
     domains: Domains,
     goals: Vec<Goal>,
@@ -129,7 +127,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let names = data.goal_names()?;
     let goals: Vec<Goal> = names
         .iter()
-        .map(|name| Goal::new(data.goal(name, &kit)?, &kit, &domains).into_diagnostic())
+        .map(|name| Goal::new(data.goal(name, &kit)?, &domains).into_diagnostic())
         .collect::<Result<_, Report>>()?;
     let mut steps: BTreeMap<String, Vec<(usize, usize)>> = BTreeMap::new();
     for (index, goal) in goals.iter().enumerate() {
@@ -139,7 +137,6 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     }
     let skills = chosen(&arguments.skills, &steps)?;
     let trials = Trials {
-        kit,
         arm: data.arm()?,
         domains,
         goals,
@@ -309,7 +306,6 @@ impl Trials<'_> {
         let goal = &self.goals[goal];
         let step = &goal.steps[step];
         let setup = Setup {
-            kit: &self.kit,
             assembly: &goal.assembly,
             arm: &self.arm,
             track: self.track,
@@ -318,12 +314,12 @@ impl Trials<'_> {
             world: &self.world,
             fault: None,
         };
-        let mut baseline = Baseline::new(&self.kit, &goal.assembly, &self.arm, &self.domains, seed)
+        let mut baseline = Baseline::new(&goal.assembly, &self.arm, &self.domains, seed)
             .on_track(self.track)
             .with_parameters(self.parameters.clone());
         if self.skill.is_some() || self.agent.is_some() {
             let texts = self.data.texts(&goal.assembly.name)?;
-            let cell = Cell::new(&self.kit, &goal.assembly, &self.arm, self.track, &texts, self.agent_limit);
+            let cell = Cell::new(&goal.assembly, &self.arm, self.track, &texts, self.agent_limit);
             if let Some(file) = &self.agent {
                 let told = serde_json::json!({
                     "skill": step.task.skill,

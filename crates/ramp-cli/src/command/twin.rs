@@ -44,7 +44,6 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         check_place(path)?;
     }
     let setup = Setup {
-        kit: &kit,
         assembly: &assembly,
         arm: &arm,
         track: Track::State,

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 
 use ramp_assembly::Assembly;
 use ramp_episode::{Label, run_episode};
-use ramp_kit::Kit;
 use ramp_log::calls::{Decoder, Encoder, Entry};
 use ramp_planner::Domains;
 use ramp_result::EpisodeResult;
@@ -19,7 +18,6 @@ use ramp_twin::{Disturbance, Setup};
 
 /// The files of one goal.
 pub struct World {
-    pub kit: Kit,
     pub assembly: Assembly,
     pub arm: ArmModel,
     pub domains: Domains,
@@ -35,7 +33,7 @@ impl World {
         let assembly = ramp_assembly::read_goal(&data().join(format!("goals/{goal}.xml")), &kit).unwrap();
         let arm = ArmModel::read(&data().join("arms/panda.json")).unwrap();
         let domains = Domains::read(&data().join("domains")).unwrap();
-        World { kit, assembly, arm, domains }
+        World { assembly, arm, domains }
     }
 
     #[allow(dead_code)]
@@ -45,7 +43,6 @@ impl World {
 
     pub fn setup_on(&self, track: Track, seed: u64) -> Setup<'_> {
         Setup {
-            kit: &self.kit,
             assembly: &self.assembly,
             arm: &self.arm,
             track,
@@ -69,7 +66,7 @@ impl World {
     /// An episode of the baseline in a world.
     #[allow(dead_code)]
     pub fn run_in(&self, world: &ramp_twin::World, track: Track, seed: u64) -> EpisodeResult {
-        let baseline = Baseline::new(&self.kit, &self.assembly, &self.arm, &self.domains, seed);
+        let baseline = Baseline::new(&self.assembly, &self.arm, &self.domains, seed);
         let mut agent = baseline.on_track(track);
         let software = Software { version: "test".into(), commit: "test".into() };
         let setup = Setup { world, ..self.setup_on(track, seed) };

@@ -14,7 +14,6 @@ use crate::solver::Solver;
 use crate::state;
 use ramp_action_language::{Model, Refusal, State as Fluents, Term};
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use std::collections::{BTreeSet, HashMap};
 
 /// What every step of planning needs.
@@ -56,13 +55,12 @@ impl<'a> Planner<'a> {
     /// A planner for one goal, which knows some motion facts; nothing is solved yet.
     pub(crate) fn new(
         assembly: &'a Assembly,
-        kit: &'a Kit,
         domains: &'a Domains,
         options: Options,
         motion: Motion,
     ) -> Planner<'a> {
         let watch = domains.watch(options.optimal);
-        let geometry = Geometry::new(assembly, kit, motion);
+        let geometry = Geometry::new(assembly, motion);
         let facts = facts::coarse(assembly, &geometry);
         let model = Model::new(domains.coarse(), &facts);
         let facts = Facts::new(facts);
@@ -76,7 +74,7 @@ impl<'a> Planner<'a> {
             fine_sight: Sight::of(domains.fine(), []),
             fine_facts: domains.fine().relevant_facts(),
             assembly,
-            pegs: state::peg_names(assembly, kit),
+            pegs: state::peg_names(assembly),
             domains,
             geometry,
             facts,

@@ -27,7 +27,6 @@ use crate::motion::Motion;
 use crate::plan::{Plan, State};
 use crate::state;
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 
 /// Plans what is left to do to build an assembly.
 ///
@@ -43,12 +42,12 @@ use ramp_kit::Kit;
 /// let kit = ramp_kit::read_kit("../../data/kit.xml".as_ref())?;
 /// let assembly = ramp_assembly::read_goal("../../data/goals/easy-3.xml".as_ref(), &kit)?;
 /// let domains = Domains::read("../../data/domains".as_ref())?;
-/// let plan = plan(&assembly, &kit, &State::default(), &domains)?;
+/// let plan = plan(&assembly, &State::default(), &domains)?;
 /// assert!(matches!(&plan.steps[3].coarse, CoarseAction::Assemble { beam } if beam == "b4"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn plan(assembly: &Assembly, kit: &Kit, state: &State, domains: &Domains) -> Result<Plan, PlanError> {
-    plan_with(assembly, kit, state, domains, Options::default())
+pub fn plan(assembly: &Assembly, state: &State, domains: &Domains) -> Result<Plan, PlanError> {
+    plan_with(assembly, state, domains, Options::default())
 }
 
 /// The same with other [`Options`].
@@ -57,12 +56,11 @@ pub fn plan(assembly: &Assembly, kit: &Kit, state: &State, domains: &Domains) ->
 /// As [`plan`].
 pub fn plan_with(
     assembly: &Assembly,
-    kit: &Kit,
     state: &State,
     domains: &Domains,
     options: Options,
 ) -> Result<Plan, PlanError> {
-    let known = state::look_up(assembly, kit, state)?;
+    let known = state::look_up(assembly, state)?;
     let needed = known.pinned.iter().filter(|pinned| pinned.is_none()).count();
     if needed > known.pegs.len() {
         return Err(PlanError::Pegs { goal: assembly.name.clone(), needed, left: known.pegs.len() });
@@ -74,7 +72,7 @@ pub fn plan_with(
             reasons: known.motion.reasons(),
         });
     }
-    let mut planner = Planner::new(assembly, kit, domains, options, known.motion.clone());
+    let mut planner = Planner::new(assembly, domains, options, known.motion.clone());
     let plan = planner.plan(&known);
     plan.map_err(|error| because_of_motion(error, &assembly.name, &known.motion))
 }
@@ -93,8 +91,8 @@ fn because_of_motion(error: PlanError, goal: &str, motion: &Motion) -> PlanError
 
 /// A domain with a goal as a program for clingo's incremental mode: `ramp plan GOAL --emit-asp > goal.lp`, then
 /// `clingo goal.lp`. The fine domain is emitted for the state at the beginning and with no goals of its own.
-pub fn asp(assembly: &Assembly, kit: &Kit, domains: &Domains, fine: bool) -> String {
-    let planner = Planner::new(assembly, kit, domains, Options::default(), Motion::default());
+pub fn asp(assembly: &Assembly, domains: &Domains, fine: bool) -> String {
+    let planner = Planner::new(assembly, domains, Options::default(), Motion::default());
     let mut facts = planner.facts.all;
     let domain = match fine {
         false => domains.coarse(),
@@ -119,6 +117,7 @@ mod tests {
     use super::*;
     use crate::plan::CoarseAction;
     use crate::solver::shortest_by_clingo;
+    use ramp_kit::Kit;
     use std::path::Path;
 
     fn data() -> (Kit, Domains) {
@@ -138,8 +137,8 @@ mod tests {
         let mut compared = 0;
         for name in ["easy-3", "medium-3", "hard-3"] {
             let assembly = goal(name, &kit);
-            let known = state::look_up(&assembly, &kit, &State::default()).unwrap();
-            let mut planner = Planner::new(&assembly, &kit, &domains, Options::default(), Motion::default());
+            let known = state::look_up(&assembly, &State::default()).unwrap();
+            let mut planner = Planner::new(&assembly, &domains, Options::default(), Motion::default());
             planner.plan(&known).unwrap();
             for (answers, domain) in
                 [(&planner.coarse_answers, domains.coarse()), (&planner.fine_answers, domains.fine())]
@@ -167,7 +166,7 @@ mod tests {
             let assembly = goal(name, &kit);
             let plan = |zoom| {
                 let options = Options { zoom, ..Options::default() };
-                plan_with(&assembly, &kit, &State::default(), &domains, options).unwrap()
+                plan_with(&assembly, &State::default(), &domains, options).unwrap()
             };
             let (zoomed, whole) = (plan(true), plan(false));
             assert_eq!(zoomed.steps.len(), whole.steps.len(), "{name}");

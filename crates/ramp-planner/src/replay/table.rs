@@ -8,7 +8,6 @@ use crate::planner::{Options, Planner};
 use crate::state::{Known, area_name, look_up};
 use ramp_action_language::{State as Fluents, Term};
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 
 /// The table while a plan is carried out, as both resolutions see it.
 ///
@@ -18,10 +17,10 @@ use ramp_kit::Kit;
 /// let kit = ramp_kit::read_kit("../../data/kit.xml".as_ref())?;
 /// let assembly = ramp_assembly::read_goal("../../data/goals/easy-1.xml".as_ref(), &kit)?;
 /// let domains = Domains::read("../../data/domains".as_ref())?;
-/// let mut steps = plan(&assembly, &kit, &State::default(), &domains)?.steps;
-/// assert!(Replayer::new(&assembly, &kit, &domains, &State::default())?.run(&steps).is_ok());
+/// let mut steps = plan(&assembly, &State::default(), &domains)?.steps;
+/// assert!(Replayer::new(&assembly, &domains, &State::default())?.run(&steps).is_ok());
 /// steps.remove(3);
-/// assert!(Replayer::new(&assembly, &kit, &domains, &State::default())?.run(&steps).is_err());
+/// assert!(Replayer::new(&assembly, &domains, &State::default())?.run(&steps).is_err());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Replayer<'a> {
@@ -43,12 +42,11 @@ impl<'a> Replayer<'a> {
     /// When the state cannot be.
     pub fn new(
         assembly: &'a Assembly,
-        kit: &'a Kit,
         domains: &'a Domains,
         state: &State,
     ) -> Result<Replayer<'a>, PlanError> {
-        let known = look_up(assembly, kit, state)?;
-        let planner = Planner::new(assembly, kit, domains, Options::default(), known.motion.clone());
+        let known = look_up(assembly, state)?;
+        let planner = Planner::new(assembly, domains, Options::default(), known.motion.clone());
         let fluents = planner.fluents(&known)?;
         let pinned = known.pinned.iter().map(|peg| peg.map(|peg| planner.pegs[peg].clone())).collect();
         Ok(Replayer {

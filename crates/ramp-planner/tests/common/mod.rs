@@ -33,5 +33,5 @@ pub fn goal(name: &str) -> Assembly {
 }
 
 pub fn replay(assembly: &Assembly, state: &State, steps: &[CoarseStep]) -> Result<(), Refused> {
-    Replayer::new(assembly, kit(), domains(), state).unwrap().run(steps)
+    Replayer::new(assembly, domains(), state).unwrap().run(steps)
 }

@@ -38,7 +38,8 @@ pub struct Belief {
 
 impl Belief {
     /// What is known before anything is seen.
-    pub fn new(kit: &Kit, assembly: &Assembly, parameters: &Parameters) -> Belief {
+    pub fn new(assembly: &Assembly, parameters: &Parameters) -> Belief {
+        let kit = &assembly.kit;
         let own = &parameters.belief;
         let on_sheet = (own.on_sheet, own.on_sheet_turn);
         let clamped = ([own.clamped; 3], [own.clamped_turn; 3]);
@@ -397,7 +398,7 @@ mod tests {
         let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
         let kit = ramp_kit::read_kit(&data.join("kit.xml")).unwrap();
         let assembly = ramp_assembly::read_goal(&data.join("goals/easy-3.xml"), &kit).unwrap();
-        Belief::new(&kit, &assembly, &Parameters::baseline())
+        Belief::new(&assembly, &Parameters::baseline())
     }
 
     /// A reading with the noise of track `noisy`.

@@ -73,7 +73,6 @@ impl<'a, 'r> Workcell<'a, 'r> {
     /// A work cell with nothing built in it but the clamped beam. `seed` feeds the motion planner's random
     /// numbers.
     pub fn new(
-        kit: &'a Kit,
         assembly: &'a Assembly,
         arm: &'a ArmModel,
         planner: &'a PathPlanner,
@@ -82,12 +81,12 @@ impl<'a, 'r> Workcell<'a, 'r> {
         parameters: Arc<Parameters>,
     ) -> Workcell<'a, 'r> {
         Workcell {
-            kit,
+            kit: &assembly.kit,
             assembly,
             arm,
             planner,
             hand: Hand::new(robot, arm, &parameters),
-            belief: Belief::new(kit, assembly, &parameters),
+            belief: Belief::new(assembly, &parameters),
             standing: vec![assembly.base],
             deep: Vec::new(),
             pinned: Vec::new(),

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use ramp_motion::PathPlanner;
 use ramp_planner::{Domains, Item, MotionFact, Place, Plan, PlanError, State, Target};
 use ramp_robot::arm::ArmModel;
@@ -35,15 +34,12 @@ pub struct Rehearsed {
 /// As [`plan_with_motion`].
 pub fn plan_for_arm(
     assembly: &Assembly,
-    kit: &Kit,
     arm: &ArmModel,
     state: &State,
     domains: &Domains,
 ) -> Result<Rehearsed, PlanError> {
     let planner = PathPlanner::new(arm);
-    plan_with_motion(assembly, kit, state, domains, || {
-        Rehearsal::of_baseline(kit, assembly, arm, &planner, state)
-    })
+    plan_with_motion(assembly, state, domains, || Rehearsal::of_baseline(assembly, arm, &planner, state))
 }
 
 /// A plan that was made quicker.
@@ -65,14 +61,13 @@ pub struct Quicker {
 /// When the state cannot be, or the arm cannot carry out the plan.
 pub fn quicker_for_arm(
     assembly: &Assembly,
-    kit: &Kit,
     arm: &ArmModel,
     state: &State,
     domains: &Domains,
     plan: &Plan,
 ) -> Result<Quicker, PlanError> {
     let planner = PathPlanner::new(arm);
-    let rehearsal = || Rehearsal::of_baseline(kit, assembly, arm, &planner, state);
+    let rehearsal = || Rehearsal::of_baseline(assembly, arm, &planner, state);
     let before = rehearsal().seconds(plan).map_err(|fact| PlanError::Motion {
         goal: assembly.name.clone(),
         why: "the arm cannot carry out the plan".to_string(),
@@ -83,7 +78,7 @@ pub fn quicker_for_arm(
         let seconds = time_between(&mut ways, from, to);
         seconds.map_or(u64::from(u32::MAX), |seconds| (seconds * 1e3).round() as u64)
     };
-    let (tried, _) = ramp_planner::quicker(assembly, kit, state, domains, plan, &mut cost)?;
+    let (tried, _) = ramp_planner::quicker(assembly, state, domains, plan, &mut cost)?;
     Ok(match rehearsal().seconds(&tried) {
         Ok(seconds) if seconds < before => Quicker { plan: tried, seconds, before },
         _ => Quicker { plan: plan.clone(), seconds: before, before },
@@ -97,14 +92,13 @@ pub fn quicker_for_arm(
 /// The planner's, when no plan is left; it then says what the arm cannot do.
 pub fn plan_with_motion<'a>(
     assembly: &Assembly,
-    kit: &Kit,
     state: &State,
     domains: &Domains,
     mut rehearsal: impl FnMut() -> Rehearsal<'a>,
 ) -> Result<Rehearsed, PlanError> {
     let mut state = state.clone();
     loop {
-        let plan = ramp_planner::plan(assembly, kit, &state, domains)?;
+        let plan = ramp_planner::plan(assembly, &state, domains)?;
         match rehearsal().check(&plan) {
             Ok(Findings { grasps, not_rehearsed }) => {
                 return Ok(Rehearsed { plan, facts: state.motion, grasps, not_rehearsed });

@@ -57,13 +57,13 @@ pub struct Now {
 impl<'a> Scene<'a> {
     /// Every part at its nominal pose in a state, and the arm in its home pose.
     pub fn nominal(
-        kit: &'a Kit,
         assembly: &'a Assembly,
         arm: &'a ArmModel,
         planner: &'a PathPlanner,
         parameters: Arc<Parameters>,
         state: &State,
     ) -> Scene<'a> {
+        let kit = &*assembly.kit;
         let mut parts = BTreeMap::new();
         let standing: BTreeSet<usize> = state
             .in_assembly

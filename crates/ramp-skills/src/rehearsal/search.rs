@@ -7,7 +7,6 @@
 use std::collections::BTreeMap;
 
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use ramp_motion::{Joints, PathPlanner, TimeLaw};
 use ramp_planner::{CoarseStep, FineAction, MotionFact, Plan, State};
 use ramp_robot::arm::ArmModel;
@@ -85,13 +84,12 @@ impl<'a> Rehearsal<'a> {
 
     /// A rehearsal of the baseline's skills, with every part at its nominal pose in a state.
     pub fn of_baseline(
-        kit: &'a Kit,
         assembly: &'a Assembly,
         arm: &'a ArmModel,
         planner: &'a PathPlanner,
         state: &State,
     ) -> Rehearsal<'a> {
-        let scene = Scene::nominal(kit, assembly, arm, planner, Parameters::baseline(), state);
+        let scene = Scene::nominal(assembly, arm, planner, Parameters::baseline(), state);
         Rehearsal::new(scene, SkillTable::default())
     }
 

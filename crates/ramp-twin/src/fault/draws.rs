@@ -22,7 +22,7 @@ impl Draws {
     /// The numbers of a fault in an episode.
     pub fn new(fault: Fault, setup: &Setup) -> Draws {
         let mut stream = Stream::new(setup.seed, &format!("fault-{}", fault.kind.name()));
-        let among = drawn_among(fault.kind, setup.kit, setup).max(1);
+        let among = drawn_among(fault.kind, &setup.assembly.kit, setup).max(1);
         let drawn = (stream.uniform() * among as f64) as u32 + 1;
         let mut next = || stream.uniform();
         Draws {
@@ -71,9 +71,10 @@ impl Start {
         let Some(fault) = setup.fault else { return Start::default() };
         let index = Draws::new(fault, setup).occasion as usize - 1;
         match fault.kind {
-            FaultKind::PegMissing => {
-                Start { missing: setup.kit.pegs.get(index).map(|peg| peg.name.clone()), ..Start::default() }
-            }
+            FaultKind::PegMissing => Start {
+                missing: setup.assembly.kit.pegs.get(index).map(|peg| peg.name.clone()),
+                ..Start::default()
+            },
             FaultKind::TagCovered => {
                 Start { covered: coverable_tags(setup).into_iter().nth(index), ..Start::default() }
             }
@@ -86,7 +87,7 @@ impl Start {
 /// The tags of beams of the goal that have another one, by which the beam can still be found; the clamped beam is left
 /// out.
 fn coverable_tags(setup: &Setup) -> Vec<(u32, String)> {
-    let places = tags::places(setup.kit);
+    let places = tags::places(&setup.assembly.kit);
     let assembly = setup.assembly;
     let beams = assembly.beams.iter().enumerate().filter(|(index, _)| *index != assembly.base);
     let mut found = Vec::new();

@@ -84,8 +84,8 @@ impl Cell {
             .map(|(name, body)| Part {
                 name: name.clone(),
                 body: *body,
-                is_peg: setup.kit.peg(name).is_some(),
-                holder: setup.kit.peg(name).map(|peg| peg.holder.clone()),
+                is_peg: setup.assembly.kit.peg(name).is_some(),
+                holder: setup.assembly.kit.peg(name).map(|peg| peg.holder.clone()),
             })
             .collect();
         let geom_body: Vec<usize> = model.geom_bodyid().iter().map(|id| *id as usize).collect();
@@ -112,7 +112,7 @@ impl Cell {
                 Some(Placed {
                     part: parts.iter().position(|part| part.name == beam.name)?,
                     clamped: index == setup.assembly.base,
-                    x_wb: setup.kit.x_wa() * placed.x_ab,
+                    x_wb: setup.assembly.kit.x_wa() * placed.x_ab,
                     holes: (0..beam.joints.len()).map(|joint| beam.p_b_hole(joint)).collect(),
                     links: beam
                         .links

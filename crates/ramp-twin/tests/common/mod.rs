@@ -5,13 +5,11 @@
 use std::path::Path;
 
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
 use ramp_twin::{Disturbance, Setup, Twin};
 
 pub struct World {
-    pub kit: Kit,
     pub assembly: Assembly,
     pub arm: ArmModel,
 }
@@ -22,7 +20,7 @@ impl World {
         let kit = ramp_kit::read_kit(&data.join("kit.xml")).unwrap();
         let assembly = ramp_assembly::read_goal(&data.join(format!("goals/{goal}.xml")), &kit).unwrap();
         let arm = ArmModel::read(&data.join("arms/panda.json")).unwrap();
-        World { kit, assembly, arm }
+        World { assembly, arm }
     }
 
     #[allow(dead_code)] // Each test binary compiles this file, and not all of them put a twin into another world.
@@ -36,8 +34,8 @@ impl World {
     }
 
     fn build(&self, track: Track, seed: u64, world: &ramp_twin::World) -> Twin {
-        let (kit, assembly, arm) = (&self.kit, &self.assembly, &self.arm);
+        let (assembly, arm) = (&self.assembly, &self.arm);
         let disturbance = Disturbance::default();
-        Twin::new(&Setup { kit, assembly, arm, track, seed, disturbance, world, fault: None }).unwrap()
+        Twin::new(&Setup { assembly, arm, track, seed, disturbance, world, fault: None }).unwrap()
     }
 }
