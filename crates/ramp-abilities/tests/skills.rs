@@ -69,7 +69,7 @@ impl Robot for Biased<'_> {
 
 fn cell<'a, 'r>(world: &'a World, planner: &'a PathPlanner, robot: &'r mut dyn Robot) -> Workcell<'a, 'r> {
     let mut cell = Workcell::new(&world.assembly, &world.arm, planner, robot, 1, Parameters::baseline());
-    cell.paths = world.assembly.insertions.iter().map(path).collect();
+    cell.belief.paths = world.assembly.insertions.iter().map(path).collect();
     cell
 }
 
@@ -170,7 +170,7 @@ fn a_skill_of_ones_own_takes_the_place_of_one_of_the_baseline() {
     let (_, pick_up) = picking("b4", Some("b4l2"));
     let pretended = table.execute(&mut cell, &Call::alone(&pick_up)).unwrap_err();
     assert!(matches!(&pretended, SkillError::Fault(Fault::Unmet { .. })), "{pretended}");
-    assert_eq!(cell.events[0].kind.to_string(), format!("pretends to {pick_up}"));
+    assert_eq!(cell.journal.events[0].kind.to_string(), format!("pretends to {pick_up}"));
     let beam = "b4".to_string();
     let lay_down = table.execute(&mut cell, &Call::alone(&FineAction::LayDown { beam })).unwrap_err();
     assert!(matches!(&lay_down, SkillError::Fault(Fault::NotReady { .. })), "{lay_down}");
@@ -201,12 +201,12 @@ fn the_spiral_finds_a_hole_that_is_not_where_it_is_believed() {
         let beams = vec!["b4".to_string(), "b7".to_string()];
         let mut biased = Biased { twin: &mut twin, shift, beams };
         let mut cell = cell(&world, &planner, &mut biased);
-        cell.standing.push(b4);
+        cell.belief.standing.push(b4);
         pick_up(&mut cell, "p1", None);
         cell.retreat().unwrap();
         approach_hole(&mut cell, connection);
         fasten(&mut cell, connection, "p1");
-        let events = std::mem::take(&mut cell.events);
+        let events = std::mem::take(&mut cell.journal.events);
         drop(cell);
         let truth = twin.truth();
         let find = |name: &str| twin.part_names().position(|part| part == name).unwrap();
@@ -268,10 +268,10 @@ fn swing_and_push(world: &World, cell: &mut Workcell, beam: usize, link: &str) {
     let name = placed.beam.name.clone();
     let free = placed.beam.p_b_hole(placed.beam.joints.len() - 1);
     let nominal = (world.assembly.kit.x_wa() * placed.x_ab * free).xy();
-    let off = |cell: &Workcell| ((cell.belief.pose(&name).unwrap() * free).xy() - nominal).norm();
+    let off = |cell: &Workcell| ((cell.belief.parts.pose(&name).unwrap() * free).xy() - nominal).norm();
     for side in [-1.0, 1.0] {
-        cell.belief.update(&mut cell.hand).unwrap();
-        let x_wb = cell.belief.pose(&name).unwrap();
+        cell.belief.parts.update(&mut cell.hand).unwrap();
+        let x_wb = cell.belief.parts.pose(&name).unwrap();
         let grasp = beam_held_at(&x_wb, 226.0e-3);
         cell.grasp(&name, &grasp).unwrap();
         let pivot = x_wb.translation;
@@ -327,7 +327,7 @@ fn fingers_that_spring_back_as_far_as_they_open_grip_a_peg_all_the_same() {
     hover(&mut cell, "p1", None);
     pick_up(&mut cell, "p1", None);
     let weak = |event: &Event| matches!(event.kind, EventKind::Diagnosis { cause: Cause::GripWeak, .. });
-    assert!(cell.events.iter().any(weak), "{:?}", cell.events);
+    assert!(cell.journal.events.iter().any(weak), "{:?}", cell.journal.events);
 }
 
 /// A beam that is held so far out that the arm cannot take it to where its insertion begins is laid down and taken where
@@ -343,18 +343,18 @@ fn a_beam_that_is_held_too_far_out_is_taken_anew() {
     let mut twin = Twin::new(&world.setup(4)).unwrap();
     let mut cell = cell(&world, &planner, &mut twin);
     let (direction, distance, depth) = (entry.direction.into(), entry.distance, entry.depth);
-    cell.paths.insert(b6, InsertionPath { direction, distance, depth });
-    cell.belief.update(&mut cell.hand).unwrap();
-    let grasp = beam_held_at(&cell.belief.pose("b6").unwrap(), 270.0e-3);
+    cell.belief.paths.insert(b6, InsertionPath { direction, distance, depth });
+    cell.belief.parts.update(&mut cell.hand).unwrap();
+    let grasp = beam_held_at(&cell.belief.parts.pose("b6").unwrap(), 270.0e-3);
     hover(&mut cell, "b6", Some("b6l2"));
     cell.grasp("b6", &grasp).unwrap();
     cell.retreat().unwrap();
     approach_beam(&mut cell, b6);
-    let again = cell.events.iter().any(|event| event.kind.to_string() == "regrasp b6l2");
-    assert!(again, "the arm reached it as it was: {:?}", cell.events);
+    let again = cell.journal.events.iter().any(|event| event.kind.to_string() == "regrasp b6l2");
+    assert!(again, "the arm reached it as it was: {:?}", cell.journal.events);
     let nominal = world.assembly.kit.x_wa() * world.assembly.beams[b6].x_ab;
-    let back = world.assembly.kit.x_wa().rotation * cell.paths[&b6].direction * -distance;
-    let p = cell.belief.pose("b6").unwrap().translation.vector;
+    let back = world.assembly.kit.x_wa().rotation * cell.belief.paths[&b6].direction * -distance;
+    let p = cell.belief.parts.pose("b6").unwrap().translation.vector;
     let off = (p - nominal.translation.vector - back).xy().norm();
     assert!(off < 3.0e-3, "b6 is {:.1} mm from where its insertion begins", off * 1e3);
 }
@@ -416,7 +416,7 @@ fn a_beam_that_hangs_on_a_finger_is_let_go_of_anew() {
         let mut twin = Twin::new(&world.setup(4)).unwrap();
         let mut cell = fetched(&world, &planner, &mut twin, b4, "b4l2");
         assemble(&mut cell, b4);
-        let mut grasp = beam_held_at(&cell.belief.pose("b4").unwrap(), 226.0e-3);
+        let mut grasp = beam_held_at(&cell.belief.parts.pose("b4").unwrap(), 226.0e-3);
         grasp.x_wt.translation.z += high;
         cell.grasp("b4", &grasp).unwrap();
         let mut up = cell.hand.setpoint;
@@ -424,8 +424,8 @@ fn a_beam_that_hangs_on_a_finger_is_let_go_of_anew() {
         cell.hand.go(&up, 0.01).unwrap();
         cell.release().unwrap();
         let hangs = |event: &Event| matches!(&event.kind, EventKind::Retry(it) if it.step == "let_go_of");
-        assert!(cell.events.iter().any(hangs), "{:?}", cell.events);
-        let off = (cell.belief.pose("b4").unwrap() * free - place).norm();
+        assert!(cell.journal.events.iter().any(hangs), "{:?}", cell.journal.events);
+        let off = (cell.belief.parts.pose("b4").unwrap() * free - place).norm();
         drop(cell);
         assert!(off < 3.0e-3, "the free end of b4 is {:.2} mm from its place", off * 1e3);
         assert!(twin.largest_force() < 50.0, "{:.0} N", twin.largest_force());
@@ -442,7 +442,7 @@ fn a_beam_that_is_turned_on_the_way_is_taken_anew_before_it_goes_down() {
     let mut twin = turning(&world, 6);
     {
         let cell = fetched(&world, &planner, &mut twin, b5, "b5l2");
-        let told: Vec<String> = cell.events.iter().map(|event| event.kind.to_string()).collect();
+        let told: Vec<String> = cell.journal.events.iter().map(|event| event.kind.to_string()).collect();
         let turned = told.iter().position(|what| what.starts_with("grip-moved: b5 has turned by"));
         let turned = turned.unwrap_or_else(|| panic!("{told:?}"));
         assert_eq!(told[turned + 1], "regrasp b5l2", "{told:?}");
@@ -460,11 +460,11 @@ fn a_long_beam_that_turned_in_the_hand_is_not_lost() {
     let mut twin = Twin::new(&setup).unwrap();
     let mut cell = cell(&world, &planner, &mut twin);
     pick_up(&mut cell, "b1", Some("b1l2"));
-    let before = cell.belief.pose("b1").unwrap().rotation;
+    let before = cell.belief.parts.pose("b1").unwrap().rotation;
     cell.retreat().unwrap();
     cell.hand.wait(4.0).unwrap();
     cell.check_grip("b1").unwrap();
-    let turned = cell.belief.pose("b1").unwrap().rotation.angle_to(&before).to_degrees();
+    let turned = cell.belief.parts.pose("b1").unwrap().rotation.angle_to(&before).to_degrees();
     assert!(turned > 4.0, "it turned by {turned:.1}°");
 }
 

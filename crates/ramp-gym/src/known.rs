@@ -46,22 +46,22 @@ impl Known {
     /// When a part was never seen, or the action has no part.
     pub fn of(cell: &Workcell, call: &Call) -> Result<Known, SkillError> {
         let part = call.part().ok_or_else(|| call.no_skill())?.to_string();
-        let x_wp = cell.hand.x_wp_held().map_or_else(|| cell.belief.pose(&part), Ok)?;
+        let x_wp = cell.hand.x_wp_held().map_or_else(|| cell.belief.parts.pose(&part), Ok)?;
         let x_goal = match call.kind() {
             // Its head on the plate, turned as it is.
             ActionKind::Fasten => {
                 let x = x_wp.rotation * Vector3::x();
                 let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), x.y.atan2(x.x));
-                Pose::from_parts(Translation3::from(cell.mouth(call.connection(cell.assembly)?)?), yaw)
+                Pose::from_parts(Translation3::from(cell.belief.mouth(call.connection(cell.assembly)?)?), yaw)
             }
             ActionKind::AssembleDeep => {
                 let beam = call.beam(cell.assembly)?;
-                let path = cell.path(beam)?;
+                let path = cell.belief.path(beam)?;
                 let deeper = cell.kit.x_wa().rotation * path.direction * path.depth;
-                Translation3::from(deeper) * cell.target(beam)?
+                Translation3::from(deeper) * cell.belief.target(beam)?
             }
             ActionKind::Move | ActionKind::PickUp | ActionKind::PutDown | ActionKind::Regrasp => x_wp,
-            _ => cell.target(call.beam(cell.assembly)?)?,
+            _ => cell.belief.target(call.beam(cell.assembly)?)?,
         };
         let held = cell.hand.held.as_ref().map(|held| Held {
             part: held.part.clone(),

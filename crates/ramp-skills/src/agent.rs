@@ -153,7 +153,7 @@ impl<'a> Baseline<'a> {
         let kit = &self.assembly.kit;
         let parts = kit.beams.iter().map(|beam| &beam.name).chain(kit.pegs.iter().map(|peg| &peg.name));
         let believed: Vec<_> =
-            parts.filter_map(|name| Some((name.clone(), cell.belief.pose(name).ok()?))).collect();
+            parts.filter_map(|name| Some((name.clone(), cell.belief.parts.pose(name).ok()?))).collect();
         let q = cell.hand.joints();
         let rehearsed = plan_with_motion(self.assembly, &state, self.domains, || {
             let parameters = self.parameters.clone();
@@ -227,14 +227,14 @@ impl<'a> Baseline<'a> {
         let parameters = self.parameters.clone();
         let mut cell = Workcell::new(self.assembly, self.arm, planner, robot, self.seed, parameters);
         if let Some(track) = self.track {
-            cell.belief.eyes.on_track(track);
+            cell.belief.parts.eyes.on_track(track);
         }
         cell
     }
 
     /// Hands new events on to the listener and into the account.
     pub(crate) fn report(&mut self, cell: &mut Workcell) {
-        for event in cell.events.drain(..) {
+        for event in cell.journal.events.drain(..) {
             (self.on_event)(&event);
             self.account.events.push(event);
         }
@@ -253,7 +253,7 @@ impl<'a> Baseline<'a> {
         let mut given = false;
         let replans = self.parameters.agent.replans;
         for round in 0..=replans {
-            cell.belief.update(&mut cell.hand)?;
+            cell.belief.parts.update(&mut cell.hand)?;
             let plan = match self.fixed.take() {
                 Some(plan) => {
                     given = true;
@@ -301,7 +301,7 @@ impl<'a> Baseline<'a> {
     pub(crate) fn learn_paths(&self, cell: &mut Workcell, plan: &Plan) {
         for entry in &plan.entries {
             if let Some(beam) = self.assembly.beam_index(&entry.beam) {
-                cell.paths.insert(beam, InsertionPath::from(entry));
+                cell.belief.paths.insert(beam, InsertionPath::from(entry));
             }
         }
     }
@@ -311,15 +311,22 @@ impl<'a> Baseline<'a> {
         let name = |beam: usize| self.assembly.beams[beam].beam.name.clone();
         let base = self.assembly.base;
         Ok(State {
-            in_assembly: cell.standing.iter().filter(|beam| **beam != base).map(|beam| name(*beam)).collect(),
+            in_assembly: cell
+                .belief
+                .standing
+                .iter()
+                .filter(|beam| **beam != base)
+                .map(|beam| name(*beam))
+                .collect(),
             fastened: cell
+                .belief
                 .pinned
                 .iter()
                 .map(|(index, peg)| (self.assembly.connections[*index].name.clone(), peg.clone()))
                 .collect(),
-            misaligned: cell.swung()?.into_iter().map(name).collect(),
+            misaligned: cell.belief.swung()?.into_iter().map(name).collect(),
             lost_pegs: lost.to_vec(),
-            deep: cell.deep.iter().map(|beam| name(*beam)).collect(),
+            deep: cell.belief.deep.iter().map(|beam| name(*beam)).collect(),
             ..State::default()
         })
     }

@@ -37,7 +37,7 @@ impl<'a> Piece<'a> {
     fn work(&mut self, cell: &mut Workcell) -> Result<(), SkillError> {
         self.baseline.learn_paths(cell, &self.plan);
         take_over(cell, &self.state)?;
-        cell.belief.update(&mut cell.hand)?;
+        cell.belief.parts.update(&mut cell.hand)?;
         cell.calibrate()?;
         self.baseline.run_plan(cell, &self.plan)?;
         // What a build does before it fetches each of the next pegs, which is no longer part of the piece. To push for one
@@ -47,7 +47,7 @@ impl<'a> Piece<'a> {
                 check_holes(&self.baseline.skills, cell, connection)?;
             }
             let connections = self.next.iter().map(|index| &cell.assembly.connections[*index]);
-            let offsets = connections.map(|connection| cell.belief.offset(cell.assembly, connection));
+            let offsets = connections.map(|connection| cell.belief.parts.offset(cell.assembly, connection));
             if offsets
                 .collect::<Result<Vec<f64>, _>>()?
                 .into_iter()
@@ -99,38 +99,39 @@ fn take_over(cell: &mut Workcell, state: &State) -> Result<(), SkillError> {
     let unknown = |name: &str| Fault::Unseen { part: name.to_string() };
     let assembly = cell.assembly;
     for name in &state.in_assembly {
-        cell.standing.push(assembly.beam_index(name).ok_or_else(|| unknown(name))?);
+        cell.belief.standing.push(assembly.beam_index(name).ok_or_else(|| unknown(name))?);
     }
     for name in &state.deep {
-        cell.deep.push(assembly.beam_index(name).ok_or_else(|| unknown(name))?);
+        cell.belief.deep.push(assembly.beam_index(name).ok_or_else(|| unknown(name))?);
     }
     for (name, peg) in &state.fastened {
         let connection = assembly.connection_index(name).ok_or_else(|| unknown(name))?;
-        cell.pinned.push((connection, peg.clone()));
-        let hole = cell.x_wa() * assembly.p_a_hole(assembly.connections[connection].female);
+        cell.belief.pinned.push((connection, peg.clone()));
+        let hole = cell.belief.x_wa() * assembly.p_a_hole(assembly.connections[connection].female);
         let x_wp = Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0);
-        cell.belief.expect(
+        cell.belief.parts.expect(
             peg,
             x_wp,
             (cell.parameters.piece.peg_position, cell.parameters.piece.peg_rotation),
         );
     }
-    let beams: Vec<usize> = cell.standing.iter().copied().filter(|beam| *beam != assembly.base).collect();
+    let beams: Vec<usize> =
+        cell.belief.standing.iter().copied().filter(|beam| *beam != assembly.base).collect();
     for &beam in &beams {
-        let mut x_wb = cell.x_wa() * assembly.beams[beam].x_ab;
-        if cell.deep.contains(&beam) {
-            let path = cell.path(beam)?;
-            x_wb = Translation3::from(cell.x_wa().rotation * path.direction * path.depth) * x_wb;
+        let mut x_wb = cell.belief.x_wa() * assembly.beams[beam].x_ab;
+        if cell.belief.deep.contains(&beam) {
+            let path = cell.belief.path(beam)?;
+            x_wb = Translation3::from(cell.belief.x_wa().rotation * path.direction * path.depth) * x_wb;
         }
-        let x_wb = cell.drooped(beam, &x_wb).unwrap_or(x_wb);
-        cell.belief.expect(
+        let x_wb = cell.belief.drooped(beam, &x_wb).unwrap_or(x_wb);
+        cell.belief.parts.expect(
             &assembly.beams[beam].beam.name,
             x_wb,
             (cell.parameters.piece.beam_position, cell.parameters.piece.beam_rotation),
         );
     }
     for beam in beams {
-        cell.reckon_heights(beam);
+        cell.belief.reckon_heights(beam);
     }
     Ok(())
 }

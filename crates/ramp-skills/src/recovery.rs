@@ -26,12 +26,17 @@ fn align(skills: &SkillTable, cell: &mut Workcell, beam: usize) -> Result<(), Sk
 pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) -> Result<(), SkillError> {
     let index = connection;
     let connection = &cell.assembly.connections[index];
-    let holes = [cell.hole(connection.female), cell.hole(connection.male)];
+    let holes = [cell.belief.hole(connection.female), cell.belief.hole(connection.male)];
     cell.see(&holes, cell.parameters.agent.holes_known)?;
     cell.diagnose_standing();
-    let offset = cell.belief.offset(cell.assembly, connection)?;
+    let offset = cell.belief.parts.offset(cell.assembly, connection)?;
     // A peg has told that they are further apart than they seem: then they are pushed nearer, as far as that goes.
-    let told = cell.apart.iter().position(|apart| *apart == index).map(|at| cell.apart.swap_remove(at));
+    let told = cell
+        .belief
+        .apart
+        .iter()
+        .position(|apart| *apart == index)
+        .map(|at| cell.belief.apart.swap_remove(at));
     let peggable = cell.parameters.alignment.peggable;
     let enough = told.map_or(peggable, |_| cell.parameters.alignment.told_apart);
     if offset <= enough {
@@ -41,7 +46,7 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
     cell.record(misaligned(offset));
     // Beams that have swung about their only peg drag along what is joined to them: they are aligned first, then the two
     // beams themselves.
-    let mut beams = cell.swung()?;
+    let mut beams = cell.belief.swung()?;
     let sides = [connection.female.beam, connection.male.beam];
     beams.extend(sides.into_iter().filter(|beam| *beam != cell.assembly.base));
     for _ in 0..cell.parameters.alignment.rounds {
@@ -57,7 +62,7 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
             }
             cell.see(&holes, cell.parameters.agent.holes_known)?;
             cell.remember_standing(&[*beam]);
-            if cell.belief.offset(cell.assembly, connection)? <= enough {
+            if cell.belief.parts.offset(cell.assembly, connection)? <= enough {
                 return Ok(());
             }
         }
@@ -65,14 +70,14 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
             break;
         }
     }
-    let offset = cell.belief.offset(cell.assembly, connection)?;
+    let offset = cell.belief.parts.offset(cell.assembly, connection)?;
     if offset <= peggable { Ok(()) } else { Err(misaligned(offset).into()) }
 }
 
 /// Pushes beams that lie loose in the assembly and were displaced back to their places. The planner knows beams by what
 /// they meet, and such a beam meets nothing yet. One that does not follow is left for the next.
 fn realign(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
-    for beam in cell.displaced()? {
+    for beam in cell.belief.displaced()? {
         match align(skills, cell, beam) {
             Err(SkillError::Fault(fault @ Fault::Misaligned { .. })) => cell.record(fault),
             done => done?,
@@ -119,26 +124,26 @@ pub fn recover(
     note_fault(cell, done)?;
     let done = cell.retreat();
     note_fault(cell, done)?;
-    cell.belief.update(&mut cell.hand)?;
+    cell.belief.parts.update(&mut cell.hand)?;
     let done = realign(skills, cell);
     note_fault(cell, done)?;
     let kit = cell.kit;
     for peg in &kit.pegs {
-        if cell.pinned.iter().any(|(_, name)| *name == peg.name) {
+        if cell.belief.pinned.iter().any(|(_, name)| *name == peg.name) {
             continue;
         }
-        let Ok(Some(connection)) = cell.fallen_into(&peg.name) else { continue };
+        let Ok(Some(connection)) = cell.belief.fallen_into(&peg.name) else { continue };
         let name = &cell.assembly.connections[connection].name;
         let because = format!("it has fallen into the hole of {name}");
         cell.record(Retry::new("seat", &peg.name).because(because));
         let done = cell.seat_peg(connection, &peg.name);
         if note_fault(cell, done)? {
-            cell.pinned.push((connection, peg.name.clone()));
+            cell.belief.pinned.push((connection, peg.name.clone()));
         }
     }
     for peg in &kit.pegs {
-        let pinned = cell.pinned.iter().any(|(_, name)| *name == peg.name);
-        let upright = cell.belief.pose(&peg.name).is_ok_and(|x_wp| {
+        let pinned = cell.belief.pinned.iter().any(|(_, name)| *name == peg.name);
+        let upright = cell.belief.parts.pose(&peg.name).is_ok_and(|x_wp| {
             let in_holder = kit.x_wp_start(peg).is_some_and(|start| {
                 (start.translation.vector - x_wp.translation.vector).norm()
                     < cell.parameters.agent.peg_strayed

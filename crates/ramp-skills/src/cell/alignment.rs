@@ -3,11 +3,11 @@
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::JointRef;
 
-use super::workcell::Workcell;
+use super::assembly_belief::AssemblyBelief;
 use crate::Pose;
 use crate::fault::SkillError;
 
-impl Workcell<'_, '_> {
+impl AssemblyBelief<'_> {
     /// The beams that one peg holds and that have swung from their place, by index.
     ///
     /// # Errors
@@ -47,7 +47,7 @@ impl Workcell<'_, '_> {
         let joined = sides.filter_map(|connection| Some(self.assembly.sides(connection, beam)?.1.beam));
         let joined: Vec<usize> = joined.filter(|other| self.standing.contains(other)).collect();
         for other in joined {
-            self.belief.bumped(&self.assembly.beams[other].beam.name, bump);
+            self.parts.bumped(&self.assembly.beams[other].beam.name, bump);
         }
     }
 
@@ -56,7 +56,7 @@ impl Workcell<'_, '_> {
     /// nominal place; any other goes to its target.
     pub fn straightened(&self, beam: usize) -> Result<(Pose, f64), SkillError> {
         let placed = &self.assembly.beams[beam];
-        let x_wb = self.belief.pose(&placed.beam.name)?;
+        let x_wb = self.parts.pose(&placed.beam.name)?;
         let far = Point3::new(self.far_end(beam), 0.0, 0.0);
         let Some(anchor) = self.anchor(beam) else {
             let mut goal = self.target(beam)?;
@@ -68,7 +68,7 @@ impl Workcell<'_, '_> {
         let open = self.open_joint(beam, anchor);
         let (now, wanted) = match open {
             Some((mine, theirs)) => {
-                (x_wb * placed.beam.p_b_hole(mine.joint), self.belief.hole(self.assembly, theirs)?)
+                (x_wb * placed.beam.p_b_hole(mine.joint), self.parts.hole(self.assembly, theirs)?)
             }
             None => (x_wb * far, self.x_wa() * placed.x_ab * far),
         };
@@ -86,7 +86,7 @@ impl Workcell<'_, '_> {
             return Ok(0.0);
         }
         let goal = self.target(beam)?;
-        let x_wb = self.belief.pose(&self.assembly.beams[beam].beam.name)?;
+        let x_wb = self.parts.pose(&self.assembly.beams[beam].beam.name)?;
         Ok((goal.translation.vector - x_wb.translation.vector).dot(&self.insertion_direction(beam, &goal)?))
     }
 
@@ -135,9 +135,9 @@ impl Workcell<'_, '_> {
 
     /// How far a beam still is from its place along `direction`, m: that of its joints which is furthest from it.
     pub fn remaining(&self, part: &str, goal: &Pose, direction: &Vector3<f64>) -> Result<f64, SkillError> {
-        let x_wp = self.belief.pose(part)?;
+        let x_wp = self.parts.pose(part)?;
         let short = |p: Point3<f64>| (goal * p - x_wp * p).dot(direction);
-        let joints = self.kit.beam(part).map_or(&[][..], |beam| &beam.joints);
+        let joints = self.assembly.kit.beam(part).map_or(&[][..], |beam| &beam.joints);
         let joints = joints.iter().map(|joint| Point3::new(joint.offset, 0.0, 0.0));
         Ok(joints.map(short).fold(short(Point3::origin()), f64::max))
     }

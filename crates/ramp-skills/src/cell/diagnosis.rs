@@ -6,7 +6,8 @@
 use nalgebra::{Point3, Vector3};
 use ramp_robot::{Cause, RobotError};
 
-use super::workcell::{Stand, Workcell};
+use super::journal::Stand;
+use super::workcell::Workcell;
 use crate::hand::{GRAVITY, Hand};
 
 impl Workcell<'_, '_> {
@@ -17,7 +18,9 @@ impl Workcell<'_, '_> {
         }
         let words = format!("{part} is {:.1} mm from where it was", off * 1e3);
         match self.assembly.beam_index(part) {
-            Some(beam) if self.standing.contains(&beam) => self.diagnose(Cause::BeamMoved, part, words),
+            Some(beam) if self.belief.standing.contains(&beam) => {
+                self.diagnose(Cause::BeamMoved, part, words)
+            }
             Some(_) => self.diagnose(Cause::PartLost, part, words),
             None => self.diagnose_holder(part),
         }
@@ -35,8 +38,8 @@ impl Workcell<'_, '_> {
         };
         let seen = self.seen_standing();
         for (beam, stand) in seen {
-            if meets(beam) || !self.stood.contains_key(&beam) {
-                self.stood.insert(beam, stand);
+            if meets(beam) || !self.journal.stood.contains_key(&beam) {
+                self.journal.stood.insert(beam, stand);
             }
         }
     }
@@ -44,7 +47,7 @@ impl Workcell<'_, '_> {
     /// Diagnoses which beams have moved since the hand left them.
     pub fn diagnose_standing(&mut self) {
         for (beam, now) in self.seen_standing() {
-            let Some(before) = self.stood.get(&beam) else { continue };
+            let Some(before) = self.journal.stood.get(&beam) else { continue };
             let moved = now.ends.iter().zip(before.ends).map(|(now, before)| (now - before).norm());
             let moved = moved.fold(0.0, f64::max);
             if moved
@@ -57,7 +60,7 @@ impl Workcell<'_, '_> {
                 let name = &self.assembly.beams[beam].beam.name;
                 let words = format!("{name} is {:.1} mm from where it stood", moved * 1e3);
                 self.diagnose(Cause::BeamMoved, name.as_str(), words);
-                self.stood.insert(beam, now);
+                self.journal.stood.insert(beam, now);
             }
         }
     }
@@ -66,13 +69,13 @@ impl Workcell<'_, '_> {
     fn seen_standing(&self) -> Vec<(usize, Stand)> {
         let stand = |beam: usize| {
             let placed = &self.assembly.beams[beam].beam;
-            let x_wb = self.belief.pose(&placed.name).ok()?;
+            let x_wb = self.belief.parts.pose(&placed.name).ok()?;
             let ends = [0.0, placed.span()].map(|x| Point3::new(x, 0.0, 0.0));
-            let deviation = ends.map(|end| self.belief.deviation(&placed.name, &end)[0]);
+            let deviation = ends.map(|end| self.belief.parts.deviation(&placed.name, &end)[0]);
             let deviation = deviation[0].max(deviation[1]);
             Some((beam, Stand { ends: ends.map(|end| (x_wb * end).xy()), deviation }))
         };
-        let standing = self.standing.iter().copied().filter(|beam| *beam != self.assembly.base);
+        let standing = self.belief.standing.iter().copied().filter(|beam| *beam != self.assembly.base);
         standing.filter_map(stand).filter(|(_, stand)| stand.deviation.is_finite()).collect()
     }
 
@@ -84,7 +87,7 @@ impl Workcell<'_, '_> {
         else {
             return;
         };
-        let in_holder = |name: &str| !self.pinned.iter().any(|(_, pinned)| pinned == name);
+        let in_holder = |name: &str| !self.belief.pinned.iter().any(|(_, pinned)| pinned == name);
         let mates = self.kit.pegs.iter().filter(|mate| mate.holder == holder && in_holder(&mate.name));
         let shifts: Vec<Vector3<f64>> = mates.filter_map(|mate| self.off_outline(&mate.name)).collect();
         let mean = shifts.iter().sum::<Vector3<f64>>() / shifts.len().max(1) as f64;
@@ -99,9 +102,9 @@ impl Workcell<'_, '_> {
     /// How far a peg that stands upright is from its outline, along the table, m.
     fn off_outline(&self, peg: &str) -> Option<Vector3<f64>> {
         let start = self.kit.x_wp_start(self.kit.peg(peg)?)?;
-        let x_wp = self.belief.pose(peg).ok()?;
-        let known =
-            self.belief.deviation(peg, &Point3::origin())[0] < self.parameters.diagnosis.holder_off / 3.0;
+        let x_wp = self.belief.parts.pose(peg).ok()?;
+        let known = self.belief.parts.deviation(peg, &Point3::origin())[0]
+            < self.parameters.diagnosis.holder_off / 3.0;
         let mut off = x_wp.translation.vector - start.translation.vector;
         let upright =
             (x_wp.rotation * Vector3::z()).z > 0.99 && off.z.abs() < self.parameters.diagnosis.in_place;
@@ -136,18 +139,18 @@ impl Workcell<'_, '_> {
         let mass = self.hand.held.as_ref().map_or(0.0, |held| held.mass);
         let weight = Vector3::new(0.0, 0.0, mass * GRAVITY);
         let measured = |hand: &Hand| (hand.seen.wrench.fixed_rows::<3>(0) - weight).norm();
-        if self.hand.held.is_none() && self.standing.iter().all(|beam| *beam == self.assembly.base) {
+        if self.hand.held.is_none() && self.belief.standing.iter().all(|beam| *beam == self.assembly.base) {
             self.hand.usual_force = self.hand.usual_force.max(measured(&self.hand));
         }
         let biased =
             self.parameters.diagnosis.biased + self.parameters.diagnosis.usual * self.hand.usual_force;
-        if self.force_told || measured(&self.hand) < biased {
+        if self.journal.force_bias || measured(&self.hand) < biased {
             return Ok(());
         }
         self.hand.hold(self.parameters.diagnosis.rest)?;
         let measured = measured(&self.hand);
         if measured > biased {
-            self.force_told = true;
+            self.journal.force_bias = true;
             let evidence = format!("the wrist measures {measured:.1} N in free space");
             self.diagnose(Cause::ForceBias, None, evidence);
         }

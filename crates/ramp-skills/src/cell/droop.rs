@@ -4,10 +4,10 @@ use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::JointRef;
 use ramp_kit::joint::{self, BODY_WIDTH, FEMALE_HEIGHT};
 
-use super::workcell::Workcell;
+use super::assembly_belief::AssemblyBelief;
 use crate::Pose;
 
-impl Workcell<'_, '_> {
+impl AssemblyBelief<'_> {
     /// How a beam hangs that only one female holds, turned about the joint in it: its other end lies on the table.
     /// `None` for a beam that stands level.
     fn drooping(&self, beam: usize) -> Option<(JointRef, f64)> {
@@ -65,7 +65,7 @@ impl Workcell<'_, '_> {
         for joint in joints {
             let p = placed.beam.p_b_hole(joint);
             let p = Point3::new(p.x + behind, p.y, p.z);
-            self.belief.stands_at(
+            self.parts.stands_at(
                 &placed.beam.name,
                 &p,
                 (nominal * p).z - hang,
@@ -74,7 +74,7 @@ impl Workcell<'_, '_> {
         }
         if let (Some((held, _)), Some(drooped)) = (self.drooping(beam), self.drooped(beam, &nominal)) {
             let p = Point3::new(placed.beam.far_end(held.joint), 0.0, 0.0);
-            self.belief.stands_at(&placed.beam.name, &p, (drooped * p).z, self.parameters.alignment.level);
+            self.parts.stands_at(&placed.beam.name, &p, (drooped * p).z, self.parameters.alignment.level);
         }
     }
 }

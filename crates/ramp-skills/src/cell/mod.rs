@@ -1,11 +1,15 @@
-//! The work cell: what all skills share, and what follows from it by geometry alone.
+//! The work cell that all skills share: the believed assembly with what follows from it by geometry, the hand, the journal.
 
 pub mod alignment;
+pub mod assembly_belief;
 pub mod diagnosis;
 pub mod droop;
+pub mod journal;
 pub mod pegs;
 pub mod target;
 pub mod workcell;
 
 pub use crate::insertion_path::InsertionPath;
-pub use workcell::{Point, Stand, Workcell};
+pub use assembly_belief::{AssemblyBelief, Point};
+pub use journal::{Journal, Stand};
+pub use workcell::Workcell;

@@ -3,13 +3,13 @@
 use nalgebra::Vector3;
 use ramp_kit::joint::{FEMALE_HEIGHT, STEM_LENGTH};
 
-use super::workcell::Workcell;
+use super::assembly_belief::AssemblyBelief;
 use crate::fault::SkillError;
 
-impl Workcell<'_, '_> {
+impl AssemblyBelief<'_> {
     /// The pose of the top of a connection's hole in the world: on the female's top plate, z up.
     pub fn mouth(&self, connection: usize) -> Result<Vector3<f64>, SkillError> {
-        let hole = self.belief.hole(self.assembly, self.assembly.connections[connection].female)?;
+        let hole = self.parts.hole(self.assembly, self.assembly.connections[connection].female)?;
         Ok(Vector3::new(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0))
     }
 
@@ -18,7 +18,7 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// [`Fault::Unseen`](crate::Fault::Unseen).
     pub fn fallen_into(&self, peg: &str) -> Result<Option<usize>, SkillError> {
-        let x_wp = self.belief.pose(peg)?;
+        let x_wp = self.parts.pose(peg)?;
         if (x_wp.rotation * Vector3::z()).z < 0.99 {
             return Ok(None);
         }
@@ -38,13 +38,13 @@ impl Workcell<'_, '_> {
 
     /// Height of the peg's head over the female's top plate, m.
     pub fn gap(&self, connection: usize, peg: &str) -> Result<f64, SkillError> {
-        Ok(self.belief.pose(peg)?.translation.z - self.mouth(connection)?.z)
+        Ok(self.parts.pose(peg)?.translation.z - self.mouth(connection)?.z)
     }
 
-    /// Standard deviation of [`Workcell::gap`], m.
+    /// Standard deviation of [`AssemblyBelief::gap`], m.
     pub fn gap_deviation(&self, connection: usize, peg: &str) -> f64 {
         let (beam, p) = self.hole(self.assembly.connections[connection].female);
         let (part, underside) = self.middle(peg);
-        self.belief.deviation(&part, &underside)[1].hypot(self.belief.deviation(&beam, &p)[1])
+        self.parts.deviation(&part, &underside)[1].hypot(self.parts.deviation(&beam, &p)[1])
     }
 }

@@ -3,17 +3,17 @@
 use nalgebra::{Point2, Translation3, UnitQuaternion, Vector2, Vector3};
 use ramp_assembly::JointRef;
 
-use super::workcell::{Point, Workcell};
+use super::assembly_belief::{AssemblyBelief, Point};
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
 use crate::insertion_path::InsertionPath;
 
-impl Workcell<'_, '_> {
+impl AssemblyBelief<'_> {
     /// The frame of the assembly in the world: where the clamped beam is believed to be, with the height and the tilt of the
     /// table under it.
     pub fn x_wa(&self) -> Pose {
         let base = &self.assembly.beams[self.assembly.base];
-        self.belief.pose(&base.beam.name).map_or(self.kit.x_wa(), |x_wb| x_wb * base.x_ab.inverse())
+        self.parts.pose(&base.beam.name).map_or(self.assembly.kit.x_wa(), |x_wb| x_wb * base.x_ab.inverse())
     }
 
     /// Where a beam of the assembly is to stand, in the world: its nominal place, moved to where the joints it
@@ -40,7 +40,7 @@ impl Workcell<'_, '_> {
                 && !loose.contains(&self.assembly.beams[theirs.beam].beam.name)
             {
                 let here = nominal * placed.beam.p_b_hole(mine.joint);
-                pairs.push((here.xy(), self.belief.hole(self.assembly, theirs)?.xy()));
+                pairs.push((here.xy(), self.parts.hole(self.assembly, theirs)?.xy()));
             }
         }
         Ok(moved_onto(&nominal, &pairs))

@@ -1,36 +1,23 @@
-//! What every skill works with: the parts, the goal, the arm, the hand, and what is believed of the assembly.
+//! The work cell that every skill works with: belief, hand, motion planner and journal.
 
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
-use nalgebra::{Point2, Point3};
-use ramp_assembly::{Assembly, JointRef};
+use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_motion::PathPlanner;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_robot::{Cause, Event, EventKind, Robot};
 
-use crate::belief::Belief;
+use super::assembly_belief::AssemblyBelief;
+use super::journal::Journal;
 use crate::grasp::BeamGrasp;
 use crate::hand::Hand;
-use crate::insertion_path::InsertionPath;
 use crate::parameters::Parameters;
 
-/// A point of a part: its name, and the point in its frame, m.
-pub type Point = (String, Point3<f64>);
-
-/// How a beam stands in the assembly.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stand {
-    /// Where its ends are on the table, m in the world.
-    pub ends: [Point2<f64>; 2],
-    /// How well that is known: standard deviation, m.
-    pub deviation: f64,
-}
-
-/// What every skill works with.
+/// The work cell that every skill works with.
 pub struct Workcell<'a, 'r> {
     /// The parts.
     pub kit: &'a Kit,
@@ -42,31 +29,16 @@ pub struct Workcell<'a, 'r> {
     pub planner: &'a PathPlanner,
     /// The hand.
     pub hand: Hand<'r>,
-    /// Where the parts are.
-    pub belief: Belief,
-    /// Beams that stand in the assembly, by index, the base among them.
-    pub standing: Vec<usize>,
-    /// Those of them that stand deeper than their place, by index, until they are slid forward.
-    pub deep: Vec<usize>,
-    /// Connections that are pinned, by index, and by which peg.
-    pub pinned: Vec<(usize, String)>,
-    /// Connections whose peg has come to stand on the male, by index: their holes are further apart than they
-    /// seem.
-    pub apart: Vec<usize>,
-    /// How beams get to their places, by index: as the plan says.
-    pub paths: BTreeMap<usize, InsertionPath>,
-    /// How beams are to be gripped for which the usual grasp would not do, by name.
+    /// The assembly as the agent believes it.
+    pub belief: AssemblyBelief<'a>,
+    /// Grasps of beams for which the usual one would not do, by name.
     pub grasps: BTreeMap<String, BeamGrasp>,
     /// Random numbers for the motion planner.
     pub stream: Stream,
     /// The numbers of the skills.
     pub parameters: Arc<Parameters>,
-    /// Events that are not yet reported.
-    pub events: Vec<Event>,
-    /// It has been told that the wrist sensor is off.
-    pub force_told: bool,
-    /// How the beams of the assembly stood when the hand last left them, by index.
-    pub stood: BTreeMap<usize, Stand>,
+    /// Events, and observations with which later ones are compared.
+    pub journal: Journal,
 }
 
 impl<'a, 'r> Workcell<'a, 'r> {
@@ -86,24 +58,17 @@ impl<'a, 'r> Workcell<'a, 'r> {
             arm,
             planner,
             hand: Hand::new(robot, arm, &parameters),
-            belief: Belief::new(assembly, &parameters),
-            standing: vec![assembly.base],
-            deep: Vec::new(),
-            pinned: Vec::new(),
-            apart: Vec::new(),
-            paths: BTreeMap::new(),
+            belief: AssemblyBelief::new(assembly, &parameters),
             grasps: BTreeMap::new(),
             stream: Stream::new(seed, "motion"),
             parameters,
-            events: Vec::new(),
-            force_told: false,
-            stood: BTreeMap::new(),
+            journal: Journal::default(),
         }
     }
 
     /// Records an event at the present robot time.
     pub fn record(&mut self, kind: impl Into<EventKind>) {
-        self.events.push(Event::new(self.hand.time(), kind.into().plain()));
+        self.journal.events.push(Event::new(self.hand.time(), kind.into().plain()));
     }
 
     /// Records the cause of a disturbance, the part that it affects, and the evidence for it.
@@ -115,17 +80,5 @@ impl<'a, 'r> Workcell<'a, 'r> {
     ) {
         let part = part.into().map(str::to_string);
         self.record(EventKind::Diagnosis { cause, part, evidence: evidence.to_string() });
-    }
-
-    /// The middle of a part.
-    pub fn middle(&self, part: &str) -> Point {
-        let x = self.kit.beam(part).map_or(0.0, |beam| beam.span() / 2.0);
-        (part.to_string(), Point3::new(x, 0.0, 0.0))
-    }
-
-    /// The hole of a joint of the assembly.
-    pub fn hole(&self, joint: JointRef) -> Point {
-        let beam = &self.assembly.beams[joint.beam].beam;
-        (beam.name.clone(), beam.p_b_hole(joint.joint))
     }
 }

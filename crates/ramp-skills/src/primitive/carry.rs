@@ -36,7 +36,7 @@ impl Workcell<'_, '_> {
     pub fn bring_to(&mut self, part: &str, x_wp_goal: &Pose) -> Result<(), SkillError> {
         for _ in 0..self.parameters.carry.corrections {
             self.glance()?;
-            let x_wp = self.belief.pose(part)?;
+            let x_wp = self.belief.parts.pose(part)?;
             let shift = (x_wp.translation.vector - x_wp_goal.translation.vector).norm();
             if shift < self.parameters.carry.near
                 && x_wp.rotation.angle_to(&x_wp_goal.rotation) < self.parameters.carry.near_turn

@@ -18,7 +18,7 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// [`Fault::NoGrasp`] when no grasp is reachable; [`Fault::Unseen`].
     pub fn choose_grasp(&mut self, part: &str, link: Option<&str>) -> Result<Grasp, SkillError> {
-        let x_wp = self.belief.pose(part)?;
+        let x_wp = self.belief.parts.pose(part)?;
         let no_grasp = || Fault::NoGrasp { part: part.to_string() };
         let grip = &self.parameters.grip;
         let Some(beam) = self.kit.beam(part) else {
@@ -28,7 +28,7 @@ impl Workcell<'_, '_> {
         let link =
             link.and_then(|name| beam.links.iter().find(|link| link.name == name)).ok_or_else(no_grasp)?;
         // The hand turns with the beam: the worse of start and goal counts.
-        let goal = self.assembly.beam_index(part).map(|index| self.target(index)).transpose()?;
+        let goal = self.assembly.beam_index(part).map(|index| self.belief.target(index)).transpose()?;
         let has_room = |grasp: &Grasp| self.has_room(&grasp.x_wt, grasp.open, part);
         if let Some(known) = self.grasps.get(part) {
             let grasp = Grasp::of_beam(&x_wp, *known, grip);
@@ -87,10 +87,10 @@ impl Workcell<'_, '_> {
             }
             return Err(Fault::NotHeld { part: part.to_string() }.into());
         }
-        self.belief.follow(&self.hand);
-        self.belief.gripped(part, self.kit.beam(part).is_none());
-        self.belief.update(&mut self.hand)?;
-        let x_wp = self.belief.pose(part)?;
+        self.belief.parts.follow(&self.hand);
+        self.belief.parts.gripped(part, self.kit.beam(part).is_none());
+        self.belief.parts.update(&mut self.hand)?;
+        let x_wp = self.belief.parts.pose(part)?;
         let (mass, p_centre) = match self.kit.beam(part) {
             Some(beam) => (beam.mass(), grasp::beam_centre(beam)),
             None => (grasp::PEG_MASS, grasp::peg_centre()),
@@ -107,7 +107,7 @@ impl Workcell<'_, '_> {
     /// As [`Workcell::grasp`].
     pub fn grasp_standing(&mut self, beam: usize, s: f64) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
-        let x_wb = self.belief.pose(&name)?;
+        let x_wb = self.belief.parts.pose(&name)?;
         let Parameters { grip, travel, .. } = &*self.parameters;
         let senses = senses(s, &x_wb, None, grip, travel, |stops: &[Pose]| self.way(stops));
         let grasp = self.choose(&senses).ok_or_else(|| Fault::NoGrasp { part: name.clone() })?;
@@ -123,11 +123,11 @@ impl Workcell<'_, '_> {
         let pushed = std::mem::take(&mut self.hand.pushed);
         if pushed {
             // How the fingers took it says nothing any more.
-            self.belief.pushed(part);
+            self.belief.parts.pushed(part);
             self.look_again(self.parameters.grip.looks)?;
         }
-        self.belief.update(&mut self.hand)?;
-        let x_wp = self.belief.pose(part)?;
+        self.belief.parts.update(&mut self.hand)?;
+        let x_wp = self.belief.parts.pose(part)?;
         let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
         let width = if self.kit.beam(part).is_some() { BEAM_WIDTH } else { PEG_WIDTH };
         let closed = (self.hand.seen.width - width).abs() > self.parameters.grip.width_tolerance;
@@ -151,11 +151,11 @@ impl Workcell<'_, '_> {
         if closed || !here {
             self.diagnose(Cause::PartLost, part, format!("{part} has left the hand"));
             self.hand.held = None;
-            self.belief.lost(part);
+            self.belief.parts.lost(part);
             return Err(Fault::NotHeld { part: part.to_string() }.into());
         }
         let beside = x_tp.inverse() * Point3::new(self.parameters.grip.beside, 0.0, 0.0);
-        if pushed && self.belief.deviation(part, &beside)[1] > self.parameters.grip.unseen {
+        if pushed && self.belief.parts.deviation(part, &beside)[1] > self.parameters.grip.unseen {
             let evidence = format!("{part} was pushed, and cannot be seen in the hand");
             self.diagnose(Cause::GripMoved, part, evidence);
         } else if let Some((moved, turned)) = slip {
@@ -177,8 +177,8 @@ impl Workcell<'_, '_> {
     /// [`Fault::NoGrasp`] or [`Fault::Unseen`].
     pub fn nearest_link(&self, beam: usize) -> Result<String, SkillError> {
         let placed = &self.assembly.beams[beam].beam;
-        let (far, name) = (self.far_end(beam), placed.name.clone());
-        let x_wb = self.belief.pose(&name)?;
+        let (far, name) = (self.belief.far_end(beam), placed.name.clone());
+        let x_wb = self.belief.parts.pose(&name)?;
         let q = self.hand.joints();
         let mut links: Vec<_> = placed.links.iter().collect();
         let distance =

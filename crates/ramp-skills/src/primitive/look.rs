@@ -31,7 +31,7 @@ impl Workcell<'_, '_> {
     /// The robot's.
     pub fn see_to_grip(&mut self, part: &str) -> Result<(), SkillError> {
         self.see_until(
-            &[self.middle(part)],
+            &[self.belief.middle(part)],
             [self.parameters.look.graspable, self.parameters.look.graspable_height],
         )
     }
@@ -52,22 +52,24 @@ impl Workcell<'_, '_> {
             (deviation[0] / within[0]).max(deviation[1] / within[1])
         };
         // What was seen just now and is known is not looked at again.
-        if self.belief.is_fresh(&self.hand) && points.iter().all(|point| excess(&self.belief, point) <= 1.0) {
+        if self.belief.parts.is_fresh(&self.hand)
+            && points.iter().all(|point| excess(&self.belief.parts, point) <= 1.0)
+        {
             return Ok(());
         }
         self.look_once()?;
         loop {
             let worst = points
                 .iter()
-                .max_by(|a, b| excess(&self.belief, a).total_cmp(&excess(&self.belief, b)))
-                .filter(|worst| excess(&self.belief, worst) > 1.0);
+                .max_by(|a, b| excess(&self.belief.parts, a).total_cmp(&excess(&self.belief.parts, b)))
+                .filter(|worst| excess(&self.belief.parts, worst) > 1.0);
             let Some(worst) = worst else { return Ok(()) };
-            if self.belief.eyes.images() {
+            if self.belief.parts.eyes.images() {
                 // Images from one place have their errors in common: after some of them only another place helps, and there is
                 // none for a hand that holds something.
                 let again = if self.hand.held.is_some() { 1 } else { self.parameters.look.again };
                 self.look_again(again)?;
-                if excess(&self.belief, worst) <= 1.0 {
+                if excess(&self.belief.parts, worst) <= 1.0 {
                     continue;
                 }
                 if visits >= points.len() || self.hand.held.is_some() {
@@ -75,7 +77,7 @@ impl Workcell<'_, '_> {
                 }
                 visits += 1;
                 self.visit_part(worst)?;
-            } else if self.belief.eyes.cost() <= 0.0
+            } else if self.belief.parts.eyes.cost() <= 0.0
                 || self.hand.time() - begin > self.parameters.look.longest
             {
                 return Ok(());
@@ -90,7 +92,7 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// The robot's.
     pub fn look_again(&mut self, times: usize) -> Result<(), SkillError> {
-        if self.belief.eyes.images() {
+        if self.belief.parts.eyes.images() {
             for _ in 0..times.min(MOST_EXPOSURES) {
                 self.hand.expose()?;
             }
@@ -103,8 +105,8 @@ impl Workcell<'_, '_> {
 
     /// Looks once, and records oddities.
     pub fn look_once(&mut self) -> Result<(), SkillError> {
-        self.belief.update(&mut self.hand)?;
-        for (part, off) in self.belief.astray() {
+        self.belief.parts.update(&mut self.hand)?;
+        for (part, off) in self.belief.parts.astray() {
             self.record(EventKind::Seen { part: part.clone(), off });
             self.diagnose_astray(&part, off);
         }
@@ -114,7 +116,7 @@ impl Workcell<'_, '_> {
 
     /// Records the oddities in images that are not yet recorded.
     pub fn tell_complaints(&mut self) {
-        for complaint in self.belief.eyes.complaints() {
+        for complaint in self.belief.parts.eyes.complaints() {
             self.record(Fault::Sight { why: complaint.clone() });
             self.diagnose(Cause::Sight, None, complaint);
         }
@@ -126,7 +128,7 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// The robot's.
     pub fn calibrate(&mut self) -> Result<(), SkillError> {
-        if !self.belief.eyes.images() {
+        if !self.belief.parts.eyes.images() {
             return Ok(());
         }
         self.visit(&Point3::from(x_wg_sheet(self.kit).translation.vector))?;
@@ -137,8 +139,8 @@ impl Workcell<'_, '_> {
     fn visit_part(&mut self, (part, p): &Point) -> Result<(), SkillError> {
         // A beam that was never seen should lie where the sheet has its place; a peg that was not has spares.
         let on_sheet = || self.kit.beam(part).and_then(|beam| self.kit.x_wb_start(beam));
-        match self.belief.pose(part).ok().or_else(on_sheet) {
-            Some(x_wp) => self.visit(&(x_wp * self.belief.eyes.nearest_tag(part, p).unwrap_or(*p))),
+        match self.belief.parts.pose(part).ok().or_else(on_sheet) {
+            Some(x_wp) => self.visit(&(x_wp * self.belief.parts.eyes.nearest_tag(part, p).unwrap_or(*p))),
             None => Ok(()),
         }
     }
@@ -171,26 +173,26 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// The robot's.
     pub fn glance(&mut self) -> Result<(), SkillError> {
-        if self.belief.eyes.cost() > 0.0 {
-            self.belief.follow(&self.hand);
+        if self.belief.parts.eyes.cost() > 0.0 {
+            self.belief.parts.follow(&self.hand);
         } else {
-            self.belief.update(&mut self.hand)?;
+            self.belief.parts.update(&mut self.hand)?;
         }
         Ok(())
     }
 
     /// Looks until it is known how high the peg's head is over the female's top plate.
     pub fn see_gap(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
-        let hole = self.hole(self.assembly.connections[connection].female);
-        self.see_height(&[self.middle(peg), hole], self.parameters.look.seated_known)
+        let hole = self.belief.hole(self.assembly.connections[connection].female);
+        self.see_height(&[self.belief.middle(peg), hole], self.parameters.look.seated_known)
     }
 
     /// Looks until it is known where the pinned joint and the far end of a beam are.
     pub fn see_ends(&mut self, beam: usize) -> Result<(), SkillError> {
         let placed = &self.assembly.beams[beam].beam;
-        let far = Point3::new(self.far_end(beam), 0.0, 0.0);
+        let far = Point3::new(self.belief.far_end(beam), 0.0, 0.0);
         let mut points = vec![(placed.name.clone(), far)];
-        points.extend(self.anchor(beam).map(|joint| self.hole(joint)));
+        points.extend(self.belief.anchor(beam).map(|joint| self.belief.hole(joint)));
         self.see(&points, self.parameters.look.ends_known)
     }
 }

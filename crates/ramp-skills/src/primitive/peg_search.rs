@@ -115,7 +115,7 @@ impl Workcell<'_, '_> {
     /// plate there, which the wrist measures: takes the tip to the hole, and turns the hand until the peg stands upright.
     /// Returns whether it did.
     pub fn search_tilted(&mut self, connection: usize, peg: &str, plate: f64) -> Result<bool, SkillError> {
-        let mouth = self.mouth(connection)?;
+        let mouth = self.belief.mouth(connection)?;
         // What turned the peg may have pressed on it while zero was taken.
         let mut up = self.hand.setpoint;
         up.translation.z = self.hand.seen.x_wt.translation.z + self.parameters.peg_search.lift_off;
@@ -192,8 +192,8 @@ impl Workcell<'_, '_> {
         self.hand.go(&upright, self.parameters.peg_search.upright_speed)?;
         let head = self.hand.seen.x_wt * Point3::new(0.0, 0.0, PEG_HEIGHT - HEAD_HEIGHT / 2.0);
         let x_wp = Pose::translation(mouth.x, mouth.y, head.z - HEAD_HEIGHT / 2.0);
-        self.belief.follow(&self.hand);
-        self.belief.reckoned(peg, &x_wp);
+        self.belief.parts.follow(&self.hand);
+        self.belief.parts.reckoned(peg, &x_wp);
         if let Some(held) = &mut self.hand.held {
             held.x_tp = self.hand.seen.x_wt.inverse() * x_wp;
         }

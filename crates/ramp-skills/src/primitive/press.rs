@@ -19,7 +19,7 @@ impl Workcell<'_, '_> {
     pub fn seat_peg(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
         for attempt in 0.. {
             self.see_gap(connection, peg)?;
-            let gap = self.gap(connection, peg)?;
+            let gap = self.belief.gap(connection, peg)?;
             if gap <= 2.0 * self.parameters.press.seated {
                 break;
             }
@@ -29,7 +29,7 @@ impl Workcell<'_, '_> {
                 return Err(fault.into());
             }
             self.record(Retry::new("press", peg).attempt(attempt + 1).off(gap).because(&fault));
-            let [grasp, _] = peg_grasps(&self.belief.pose(peg)?, &self.parameters.grip);
+            let [grasp, _] = peg_grasps(&self.belief.parts.pose(peg)?, &self.parameters.grip);
             self.grasp(peg, &grasp)?;
             self.hand.zero()?;
             self.press(connection, peg)?;
@@ -42,7 +42,7 @@ impl Workcell<'_, '_> {
     /// head seems to be at the plate, and after a while where it stands on the joint below.
     pub fn press(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
         let begin = self.hand.time();
-        let plate = self.mouth(connection)?.z;
+        let plate = self.belief.mouth(connection)?.z;
         let mut centre = self.hand.seen.x_wt.translation.vector;
         let mut force: f64 = 0.0;
         let (mut ticks, mut measured) = (0u32, Vector6::zeros());
@@ -87,7 +87,7 @@ impl Workcell<'_, '_> {
             ticks += 1;
             if ticks.is_multiple_of(20) {
                 self.glance()?;
-                let gap = self.belief.pose(peg)?.translation.z - plate;
+                let gap = self.belief.parts.pose(peg)?.translation.z - plate;
                 if gap < 0.3 * self.parameters.press.seated
                     || elapsed - sunk_at > self.parameters.press.stall && gap < self.parameters.press.nearly
                     || elapsed - pressed_at > self.parameters.press.stands && gap > STEM_LENGTH / 2.0
@@ -97,7 +97,7 @@ impl Workcell<'_, '_> {
             }
         }
         let seconds = self.hand.time() - begin;
-        let gap = self.belief.pose(peg)?.translation.z - plate;
+        let gap = self.belief.parts.pose(peg)?.translation.z - plate;
         if seconds > self.parameters.press.long || gap > STEM_LENGTH / 2.0 {
             let beside = self.tip_beside(&measured, plate).dot(&self.across()).abs();
             if gap > STEM_LENGTH / 2.0 && beside > self.parameters.press.beside {

@@ -20,9 +20,9 @@ impl Workcell<'_, '_> {
             self.straighten()?;
         }
         let held = self.hand.held.take();
-        self.belief.update(&mut self.hand)?;
+        self.belief.parts.update(&mut self.hand)?;
         if let Some(held) = &held {
-            self.belief.released(&held.part);
+            self.belief.parts.released(&held.part);
         }
         let beam = held.as_ref().filter(|held| self.kit.beam(&held.part).is_some());
         let fast = (self.parameters.release.lift_off, self.parameters.release.lift_off_speed);
@@ -33,9 +33,9 @@ impl Workcell<'_, '_> {
         };
         for attempt in 0..=self.parameters.release.again {
             self.hand.grip(self.parameters.grip.beam_release, self.parameters.grip.opening_force)?;
-            self.belief.update(&mut self.hand)?;
+            self.belief.parts.update(&mut self.hand)?;
             // The beam may have followed one finger: go back to its middle, so that neither rib hangs on it.
-            let middle = self.belief.pose(&held.part)? * held.x_tp.inverse();
+            let middle = self.belief.parts.pose(&held.part)? * held.x_tp.inverse();
             let here = self.hand.setpoint;
             let mut over = here;
             over.translation.x = middle.translation.x;
@@ -72,11 +72,11 @@ impl Workcell<'_, '_> {
     /// Does the beam still lie at one finger of the open hand that has gone to the middle of it? It is there if it follows a rib.
     /// Where only cameras tell, a look would cost time, and the force on the way up tells it.
     fn follows_a_finger(&mut self, held: &Held) -> Result<bool, SkillError> {
-        if self.belief.eyes.images() {
+        if self.belief.parts.eyes.images() {
             return Ok(false);
         }
-        self.belief.update(&mut self.hand)?;
-        let x_tp = self.hand.seen.x_wt.inverse() * self.belief.pose(&held.part)?;
+        self.belief.parts.update(&mut self.hand)?;
+        let x_tp = self.hand.seen.x_wt.inverse() * self.belief.parts.pose(&held.part)?;
         let gripped = held.x_tp.inverse() * Point3::origin();
         let off = (x_tp * gripped).y.abs();
         let at_a_finger = (self.hand.seen.width - BEAM_WIDTH) / 2.0;
@@ -91,7 +91,7 @@ impl Workcell<'_, '_> {
             return Ok(());
         }
         let Some(mut held) = self.hand.held.clone() else { return Ok(()) };
-        let x_wp = self.belief.pose(&held.part)?;
+        let x_wp = self.belief.parts.pose(&held.part)?;
         // A beam that is held firmly turns along with the hand.
         self.hand.grip(BEAM_WIDTH - self.parameters.grip.squeeze, self.parameters.release.loose_grip)?;
         // What is left holds against it: turned further until the hand is straight, not only where it is told to be.
@@ -112,7 +112,7 @@ impl Workcell<'_, '_> {
         }
         self.hand.relax();
         // The hand has turned, and the beam has stayed.
-        self.belief.expect(
+        self.belief.parts.expect(
             &held.part,
             x_wp,
             (self.parameters.release.stayed_position, self.parameters.release.stayed_rotation),
@@ -138,7 +138,7 @@ impl Workcell<'_, '_> {
                 return Ok(false);
             }
         }
-        self.belief.update(&mut self.hand)?;
+        self.belief.parts.update(&mut self.hand)?;
         Ok(true)
     }
 
@@ -169,8 +169,8 @@ impl Workcell<'_, '_> {
     /// and follow them.
     pub fn settle(&mut self, beam: usize) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
-        let x_wb = self.belief.pose(&name)?;
-        let Some(drooped) = self.drooped(beam, &x_wb) else { return Ok(()) };
+        let x_wb = self.belief.parts.pose(&name)?;
+        let Some(drooped) = self.belief.drooped(beam, &x_wb) else { return Ok(()) };
         let down = self.hand.corrected(&x_wb, &drooped);
         self.hand.zero()?;
         self.hand.drive(&down, self.parameters.release.table_speed, |hand| {

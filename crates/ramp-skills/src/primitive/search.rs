@@ -32,7 +32,7 @@ impl Workcell<'_, '_> {
         let across = Vector3::z().cross(direction);
         let (mut stalled_since, mut stood) = (begin, 0.0_f64);
         let mut looked = begin;
-        let mut best = self.remaining(part, goal, direction)?;
+        let mut best = self.belief.remaining(part, goal, direction)?;
         let mut paced = (begin, best);
         // The line of the insertion path, as a correction of the setpoint that each look renews.
         let mut line = self.hand.setpoint;
@@ -41,13 +41,13 @@ impl Workcell<'_, '_> {
             if ticks.is_multiple_of(20) {
                 // A part that does not move may have moved in the hand.
                 if stalled_since.max(looked) + self.parameters.search.look_every < self.hand.time() {
-                    self.belief.update(&mut self.hand)?;
+                    self.belief.parts.update(&mut self.hand)?;
                     looked = self.hand.time();
                 } else {
                     self.glance()?;
                 }
-                let x_wp = self.belief.pose(part)?;
-                let remaining = self.remaining(part, goal, direction)?;
+                let x_wp = self.belief.parts.pose(part)?;
+                let remaining = self.belief.remaining(part, goal, direction)?;
                 if remaining < compliance.near {
                     break;
                 }

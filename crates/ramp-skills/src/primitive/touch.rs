@@ -20,15 +20,15 @@ impl Workcell<'_, '_> {
         let placed = &self.assembly.beams[beam].beam;
         let ends = [0.0, placed.span()].map(|x| Point3::new(x, 0.0, 0.0));
         let known =
-            |p: &Point3<f64>| self.belief.deviation(&placed.name, p)[1] < self.parameters.touch.trusted;
+            |p: &Point3<f64>| self.belief.parts.deviation(&placed.name, p)[1] < self.parameters.touch.trusted;
         if ends.iter().all(known) {
             return Ok(());
         }
         self.hand.relax();
         let before = self.hand.setpoint;
-        let x_wb = self.belief.pose(&placed.name)?;
+        let x_wb = self.belief.parts.pose(&placed.name)?;
         // The table's plane, as high as the axis of a beam that lies on it.
-        let x_wa = self.x_wa();
+        let x_wa = self.belief.x_wa();
         let lying = |p: &Point3<f64>| {
             let p_a = x_wa.inverse_transform_point(p);
             (x_wa * Point3::new(p_a.x, p_a.y, placed.axis_height_on_table())).z
@@ -41,13 +41,13 @@ impl Workcell<'_, '_> {
         let touched =
             self.hand.drive(&down, self.parameters.touch.press_speed, |hand| rise.sense(hand) > limit)?;
         self.hand.wait(self.parameters.touch.flat)?;
-        self.belief.follow(&self.hand);
+        self.belief.parts.follow(&self.hand);
         if touched {
-            let x_wb = self.belief.pose(&placed.name)?;
+            let x_wb = self.belief.parts.pose(&placed.name)?;
             let off = ends.map(|end| (x_wb * end).z - lying(&(x_wb * end)));
             for end in &ends {
                 let height = lying(&(x_wb * end));
-                self.belief.stands_at(&placed.name, end, height, self.parameters.touch.known);
+                self.belief.parts.stands_at(&placed.name, end, height, self.parameters.touch.known);
             }
             let (part, off) = (placed.name.clone(), off.to_vec());
             self.record(EventKind::Touched { part, surface: Surface::Table, off });
@@ -63,9 +63,11 @@ impl Workcell<'_, '_> {
         sleeve: JointRef,
         direction: &Vector3<f64>,
     ) -> Result<f64, SkillError> {
-        let hole = self.belief.hole(self.assembly, sleeve)?;
+        let hole = self.belief.parts.hole(self.assembly, sleeve)?;
         let inside = |x_wp: &Pose| Point3::new(x_wp.inverse_transform_point(&hole).x, 0.0, 0.0);
-        if self.belief.deviation(part, &inside(&self.belief.pose(part)?))[1] < self.parameters.touch.trusted {
+        if self.belief.parts.deviation(part, &inside(&self.belief.parts.pose(part)?))[1]
+            < self.parameters.touch.trusted
+        {
             return Ok(0.0);
         }
         let mut back = self.hand.setpoint;
@@ -79,7 +81,7 @@ impl Workcell<'_, '_> {
         let limit = self.parameters.touch.force;
         let touched = self.hand.drive(&down, self.parameters.touch.speed, |hand| rise.sense(hand) > limit)?;
         self.glance()?;
-        let x_wp = self.belief.pose(part)?;
+        let x_wp = self.belief.parts.pose(part)?;
         let believed = (x_wp * inside(&x_wp)).z;
         self.hand.go(&back, self.parameters.touch.back_speed)?;
         self.hand.wait(self.parameters.hand.rest)?;

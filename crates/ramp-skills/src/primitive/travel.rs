@@ -27,7 +27,7 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// As [`Workcell::travel`].
     pub fn travel_to_look(&mut self, x_wt: &Pose) -> Result<(), SkillError> {
-        let look = self.belief.eyes.images().then_some(self.parameters.look.ahead);
+        let look = self.belief.parts.eyes.images().then_some(self.parameters.look.ahead);
         self.travel_and(x_wt, &Arrival { look, closing: None })
     }
 
@@ -172,7 +172,7 @@ impl Workcell<'_, '_> {
             left_out.push(&held.part);
             boxes = held_boxes(self.kit, &held.part, &held.x_tp);
         }
-        let around = self.belief.obstacles(self.kit, &left_out);
+        let around = self.belief.parts.obstacles(self.kit, &left_out);
         // The fingers may still be opening: check with the wider of what they are and what they will be.
         let width = self.hand.gripper.width.max(self.hand.seen.width);
         Checker::new(self.arm, width, boxes, &around, self.parameters.travel.margin)
@@ -194,7 +194,7 @@ impl Workcell<'_, '_> {
 
     /// Does the hand, opened to `open` (m), touch nothing but `part` at a pose of the tip that it can reach?
     pub fn has_room(&self, x_wt: &Pose, open: f64, part: &str) -> bool {
-        let around = self.belief.obstacles(self.kit, &[part]);
+        let around = self.belief.parts.obstacles(self.kit, &[part]);
         let checker = Checker::new(self.arm, open, Vec::new(), &around, self.parameters.travel.margin);
         self.planner
             .solve(x_wt, &self.hand.joints())

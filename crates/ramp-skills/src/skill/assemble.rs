@@ -82,7 +82,7 @@ impl Assemble {
         let limit = if loose { self.parameters.loose_limit } else { self.parameters.limit };
         cell.glance()?;
         let raised = Translation3::new(0.0, 0.0, height) * aim.goal;
-        let target = cell.hand.corrected(&cell.belief.pose(&name)?, &raised);
+        let target = cell.hand.corrected(&cell.belief.parts.pose(&name)?, &raised);
         self.insertion.approach_mouths(cell, beam, &aim, &target)?;
         cell.glance()?;
         // What a loose sleeve lets in finds its own way through it.
@@ -94,17 +94,17 @@ impl Assemble {
         if pushed.stopped {
             let direction = aim.direction;
             let enough = 2.0 * cell.parameters.search.seated;
-            let mut remaining = cell.remaining(&name, &aim.goal, &direction)?;
+            let mut remaining = cell.belief.remaining(&name, &aim.goal, &direction)?;
             let met =
                 format!("{name} meets {:.0} N {:.1} mm before its place", pushed.force, remaining * 1e3);
             let mut stuck = remaining > enough;
             if remaining > enough {
-                let sleeve = cell.sleeves(beam).next();
+                let sleeve = cell.belief.sleeves(beam).next();
                 if let Some(sleeve) = sleeve {
                     aim.goal.translation.z += cell.touch_floor(&name, sleeve, &direction)?;
                 }
                 let stood = cell.compliant_search(&name, &aim.goal, &direction, &cell.compliance(loose))?;
-                remaining = cell.remaining(&name, &aim.goal, &direction)?;
+                remaining = cell.belief.remaining(&name, &aim.goal, &direction)?;
                 // The search gets past edges. What holds a beam for longer is an obstacle.
                 stuck = stood > cell.parameters.insertion.stuck || remaining > enough;
             }
@@ -134,10 +134,10 @@ impl Assemble {
         let mut pushes = 0;
         while pushed.stopped && pushes < self.parameters.loose_pushes {
             pushes += 1;
-            cell.see(&cell.meeting(beam), cell.parameters.insertion.known)?;
-            aim.goal = cell.target(beam)?;
-            aim.direction = cell.insertion_direction(beam, &aim.goal)?;
-            let remaining = cell.remaining(&name, &aim.goal, &aim.direction)?;
+            cell.see(&cell.belief.meeting(beam), cell.parameters.insertion.known)?;
+            aim.goal = cell.belief.target(beam)?;
+            aim.direction = cell.belief.insertion_direction(beam, &aim.goal)?;
+            let remaining = cell.belief.remaining(&name, &aim.goal, &aim.direction)?;
             if remaining < cell.parameters.search.seated {
                 break;
             }
@@ -152,7 +152,7 @@ impl Assemble {
             }
             before = remaining;
             let raised = Translation3::from(Vector3::z() * offset) * aim.goal;
-            let target = cell.hand.corrected(&cell.belief.pose(&name)?, &raised);
+            let target = cell.hand.corrected(&cell.belief.parts.pose(&name)?, &raised);
             let limit = self.parameters.loose_limit;
             *pushed = self.insertion.push_in(cell, beam, aim, &target, None, limit)?;
         }
@@ -175,17 +175,17 @@ impl Assemble {
         loose: bool,
     ) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
-        let direction = cell.insertion_direction(beam, goal)?;
+        let direction = cell.belief.insertion_direction(beam, goal)?;
         // What the cone of a peg draws together: worth another push, and no search, which swings the beam at its far end.
         let enough = 2.0 * cell.parameters.search.seated;
         let mut before = f64::INFINITY;
         for _ in 0..cell.parameters.insertion.tries {
-            let x_wp = cell.belief.pose(&name)?;
+            let x_wp = cell.belief.parts.pose(&name)?;
             let fine = cell.hand.corrected(&x_wp, &(Translation3::new(0.0, 0.0, height) * goal));
             cell.hand.drive(&fine, self.parameters.seat_speed, |hand| hand.force().norm() > limit)?;
             cell.hand.wait(cell.parameters.insertion.rest)?;
-            cell.see(&[cell.middle(&name)], cell.parameters.insertion.known)?;
-            let remaining = cell.remaining(&name, goal, &direction)?;
+            cell.see(&[cell.belief.middle(&name)], cell.parameters.insertion.known)?;
+            let remaining = cell.belief.remaining(&name, goal, &direction)?;
             if remaining < cell.parameters.search.seated
                 || remaining < enough && before - remaining < cell.parameters.search.progress
             {
@@ -198,7 +198,7 @@ impl Assemble {
             }
         }
         let (remaining, force) =
-            (cell.remaining(&name, goal, &direction)?, cell.hand.force().dot(&direction));
+            (cell.belief.remaining(&name, goal, &direction)?, cell.hand.force().dot(&direction));
         if remaining < enough {
             return Ok(());
         }
@@ -212,16 +212,16 @@ impl Assemble {
     pub fn reinsert(&self, cell: &mut Workcell, beam: usize, s: f64) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         cell.grasp_standing(beam, s)?;
-        let goal = cell.target(beam)?;
-        let direction = cell.insertion_direction(beam, &goal)?;
-        let loose = !cell.loose_sleeves(beam, 1).is_empty();
+        let goal = cell.belief.target(beam)?;
+        let direction = cell.belief.insertion_direction(beam, &goal)?;
+        let loose = !cell.belief.loose_sleeves(beam, 1).is_empty();
         cell.hand.zero()?;
         cell.compliant_search(&name, &goal, &direction, &cell.compliance(loose))?;
         let limit = if loose { self.parameters.loose_limit } else { self.parameters.limit };
         let seated = self.seat(cell, beam, &goal, 0.0, limit, loose);
         cell.settle(beam)?;
         cell.release()?;
-        cell.reckon_heights(beam);
+        cell.belief.reckon_heights(beam);
         seated
     }
 }

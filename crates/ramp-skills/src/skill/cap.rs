@@ -74,7 +74,7 @@ impl Cap {
         let height = -self.parameters.down;
         let aim = self.insertion.begin(cell, beam, height, attempt)?;
         cell.glance()?;
-        let mut target = cell.hand.corrected(&cell.belief.pose(&name)?, &aim.goal);
+        let mut target = cell.hand.corrected(&cell.belief.parts.pose(&name)?, &aim.goal);
         target.translation.vector += aim.direction * self.parameters.overdrive;
         target.translation.z += height;
         if self.meets_angled(cell, beam, &aim.direction) {
@@ -89,9 +89,9 @@ impl Cap {
         cell.assembly.connections.iter().filter_map(|connection| cell.assembly.sides(connection, beam)).any(
             |(_, theirs)| {
                 let other = &cell.assembly.beams[theirs.beam];
-                let along = cell.x_wa().rotation * other.x_ab.rotation * Vector3::x();
+                let along = cell.belief.x_wa().rotation * other.x_ab.rotation * Vector3::x();
                 let angle = along.dot(direction).abs().min(1.0).acos();
-                cell.meets(theirs, beam)
+                cell.belief.meets(theirs, beam)
                     && other.beam.joints[theirs.joint].kind.is_end()
                     && angle > self.parameters.angled
             },
@@ -108,15 +108,16 @@ impl Cap {
         height: f64,
     ) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
-        let direction = cell.insertion_direction(beam, goal)?;
+        let direction = cell.belief.insertion_direction(beam, goal)?;
         let lean = UnitQuaternion::from_scaled_axis(Vector3::z().cross(&direction) * self.parameters.lean);
         let leaning = Pose::from_parts(goal.translation, lean * goal.rotation);
-        let x_wp = cell.belief.pose(&name)?;
-        let stations = [cell.remaining(&name, goal, &direction)?, self.parameters.under].map(|before| {
-            let mut target = cell.hand.corrected(&x_wp, &leaning);
-            target.translation.vector += Vector3::z() * height - direction * before;
-            target
-        });
+        let x_wp = cell.belief.parts.pose(&name)?;
+        let stations =
+            [cell.belief.remaining(&name, goal, &direction)?, self.parameters.under].map(|before| {
+                let mut target = cell.hand.corrected(&x_wp, &leaning);
+                target.translation.vector += Vector3::z() * height - direction * before;
+                target
+            });
         for target in stations {
             if cell.hand.drive(&target, cell.parameters.insertion.speed, |hand| {
                 hand.force().dot(&direction) > self.parameters.limit
@@ -131,14 +132,14 @@ impl Cap {
     /// blocked, then sweeps both ends to their stop walls. An end that is still short after that is searched for once more.
     fn finish(&self, cell: &mut Workcell, beam: usize, goal: &Pose, force: f64) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
-        let direction = cell.insertion_direction(beam, goal)?;
+        let direction = cell.belief.insertion_direction(beam, goal)?;
         for enough in [self.parameters.blocked, self.parameters.short] {
-            if cell.remaining(&name, goal, &direction)? > enough {
+            if cell.belief.remaining(&name, goal, &direction)? > enough {
                 self.free(cell, beam, goal, force)?;
             }
             self.sweep(cell)?;
-            cell.belief.update(&mut cell.hand)?;
-            if cell.remaining(&name, goal, &direction)? < self.parameters.short {
+            cell.belief.parts.update(&mut cell.hand)?;
+            if cell.belief.remaining(&name, goal, &direction)? < self.parameters.short {
                 break;
             }
         }
@@ -151,18 +152,18 @@ impl Cap {
     /// [`Fault::Jammed`](crate::Fault::Jammed) with the cap backed out, or what stopped the motion.
     fn free(&self, cell: &mut Workcell, beam: usize, goal: &Pose, force: f64) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
-        let direction = cell.insertion_direction(beam, goal)?;
-        let remaining = cell.remaining(&name, goal, &direction)?;
+        let direction = cell.belief.insertion_direction(beam, goal)?;
+        let remaining = cell.belief.remaining(&name, goal, &direction)?;
         let met = format!("{name} meets {force:.0} N {:.1} mm before its place", remaining * 1e3);
         let stood = cell.compliant_search(&name, goal, &direction, &cell.parameters.search_cap.clone())?;
-        let mut home = cell.hand.corrected(&cell.belief.pose(&name)?, goal);
+        let mut home = cell.hand.corrected(&cell.belief.parts.pose(&name)?, goal);
         home.translation.vector += direction * self.parameters.overdrive;
         cell.hand.drive(&home, cell.parameters.insertion.speed, |hand| {
             hand.force().dot(&direction) > self.parameters.press
         })?;
         cell.hand.wait(cell.parameters.insertion.rest)?;
         cell.glance()?;
-        let remaining = cell.remaining(&name, goal, &direction)?;
+        let remaining = cell.belief.remaining(&name, goal, &direction)?;
         let blocked = remaining > self.parameters.blocked;
         if stood > cell.parameters.insertion.stuck || blocked {
             cell.diagnose(Cause::Jam, name.as_str(), met);

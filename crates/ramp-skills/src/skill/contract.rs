@@ -110,8 +110,8 @@ impl Need {
             Need::HandRaised => true,
             Need::HandEmpty => cell.hand.held.is_none(),
             Need::HoldsPart => holds_part(cell, call),
-            Need::InsertionPath => beam().is_some_and(|beam| cell.paths.contains_key(&beam)),
-            Need::BeamStands => beam().is_some_and(|beam| cell.standing.contains(&beam)),
+            Need::InsertionPath => beam().is_some_and(|beam| cell.belief.paths.contains_key(&beam)),
+            Need::BeamStands => beam().is_some_and(|beam| cell.belief.standing.contains(&beam)),
         }
     }
 }
@@ -154,22 +154,22 @@ impl Effect {
         match self {
             Effect::BeamStands => {
                 let beam = call.beam(cell.assembly)?;
-                if !cell.standing.contains(&beam) {
-                    cell.standing.push(beam);
+                if !cell.belief.standing.contains(&beam) {
+                    cell.belief.standing.push(beam);
                 }
-                let deep = cell.paths.get(&beam).is_some_and(|path| path.depth > 0.0);
-                if deep && !cell.deep.contains(&beam) {
-                    cell.deep.push(beam);
+                let deep = cell.belief.paths.get(&beam).is_some_and(|path| path.depth > 0.0);
+                if deep && !cell.belief.deep.contains(&beam) {
+                    cell.belief.deep.push(beam);
                 }
             }
             Effect::BeamAtPlace => {
                 let beam = call.beam(cell.assembly)?;
-                cell.deep.retain(|other| *other != beam);
+                cell.belief.deep.retain(|other| *other != beam);
             }
             Effect::PegSeated => {
                 let connection = call.connection(cell.assembly)?;
                 let peg = call.part().ok_or_else(|| call.no_skill())?;
-                cell.pinned.push((connection, peg.to_string()));
+                cell.belief.pinned.push((connection, peg.to_string()));
             }
             Effect::HoldsPart | Effect::HandEmpty | Effect::BeamAligned => {}
         }
@@ -184,7 +184,7 @@ impl Effect {
         let met = match self {
             Effect::BeamStands | Effect::BeamAtPlace => {
                 let beam = call.beam(cell.assembly)?;
-                cell.reckon_heights(beam);
+                cell.belief.reckon_heights(beam);
                 true
             }
             Effect::HoldsPart => holds_part(cell, call),

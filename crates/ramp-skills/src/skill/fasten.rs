@@ -96,7 +96,7 @@ impl Fasten {
                     cell.diagnose(if lost { Cause::GripMoved } else { Cause::Jam }, peg.as_str(), &fault);
                     last = Some(fault);
                     // Another try would end in the same place: the beams must be pushed.
-                    if cell.apart.contains(&connection) {
+                    if cell.belief.apart.contains(&connection) {
                         break;
                     }
                 }
@@ -109,8 +109,10 @@ impl Fasten {
             if attempt + 1 < self.parameters.tries {
                 // Up and out of the hole, look again, and once more.
                 let mut up = cell.hand.setpoint;
-                up.translation.z =
-                    cell.mouth(connection)?.z + cell.parameters.peg_search.over + STEM_LENGTH + PEG_HEIGHT;
+                up.translation.z = cell.belief.mouth(connection)?.z
+                    + cell.parameters.peg_search.over
+                    + STEM_LENGTH
+                    + PEG_HEIGHT;
                 cell.hand.go(&up, self.parameters.back_speed)?;
                 let name = &cell.assembly.connections[connection].name;
                 cell.record(Retry::new("fasten", name).attempt(attempt + 2));
@@ -129,15 +131,15 @@ impl Fasten {
         cell.check_grip(peg)?;
         // Upright over the hole, as exactly as the eyes allow.
         cell.see(
-            &[cell.hole(cell.assembly.connections[connection].female)],
+            &[cell.belief.hole(cell.assembly.connections[connection].female)],
             cell.parameters.peg_search.hole_known,
         )?;
-        cell.see(&[cell.middle(peg)], self.parameters.known)?;
+        cell.see(&[cell.belief.middle(peg)], self.parameters.known)?;
         cell.diagnose_standing();
         for _ in 0..cell.parameters.carry.corrections {
             cell.glance()?;
-            let x_wp = cell.belief.pose(peg)?;
-            let mouth = cell.mouth(connection)?;
+            let x_wp = cell.belief.parts.pose(peg)?;
+            let mouth = cell.belief.mouth(connection)?;
             let x = x_wp.rotation * Vector3::x();
             let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), x.y.atan2(x.x));
             let goal = Pose::from_parts(
@@ -154,7 +156,7 @@ impl Fasten {
         }
         cell.hand.relax();
         cell.hand.zero()?;
-        let plate = cell.mouth(connection)?.z;
+        let plate = cell.belief.mouth(connection)?.z;
         cell.check_grip(peg)?;
         let off = cell.lower(plate, cell.parameters.peg_search.over)?;
         if !cell.is_in(plate) {
@@ -181,9 +183,9 @@ impl Fasten {
             return Err(Fault::HoleNotFound { peg: peg.to_string(), connection: name }.into());
         }
         cell.press(connection, peg)?;
-        if cell.gap(connection, peg)? > STEM_LENGTH / 2.0 {
+        if cell.belief.gap(connection, peg)? > STEM_LENGTH / 2.0 {
             // Through the female's plate, and on the male's: its hole is searched with a light force as well.
-            let tip = plate + cell.gap(connection, peg)? - STEM_LENGTH;
+            let tip = plate + cell.belief.gap(connection, peg)? - STEM_LENGTH;
             let begin = cell.hand.time();
             cell.spiral(tip, self.parameters.near_time, None)?;
             let (method, part) = ("spiral_inside".to_string(), name.clone());
@@ -194,22 +196,22 @@ impl Fasten {
         for joint in
             [cell.assembly.connections[connection].female, cell.assembly.connections[connection].male]
         {
-            let (beam, _) = cell.hole(joint);
-            cell.belief.bumped(&beam, (self.parameters.bump, self.parameters.bump_turn));
+            let (beam, _) = cell.belief.hole(joint);
+            cell.belief.parts.bumped(&beam, (self.parameters.bump, self.parameters.bump_turn));
         }
         // The look when the hand is off tells more, and then the peg is pressed again by its head should it stand too high.
-        if cell.gap(connection, peg)? < cell.parameters.press.nearly {
+        if cell.belief.gap(connection, peg)? < cell.parameters.press.nearly {
             return Ok(());
         }
         cell.see_gap(connection, peg)?;
-        let gap = cell.gap(connection, peg)?;
+        let gap = cell.belief.gap(connection, peg)?;
         // Only what is sure: there is a better look when the hand is off.
-        if gap > cell.parameters.press.seated + 2.0 * cell.gap_deviation(connection, peg) {
+        if gap > cell.parameters.press.seated + 2.0 * cell.belief.gap_deviation(connection, peg) {
             // Its tip is in the female and goes no further.
             if (STEM_LENGTH / 2.0..STEM_LENGTH - cell.parameters.peg_search.found).contains(&gap)
-                && !cell.apart.contains(&connection)
+                && !cell.belief.apart.contains(&connection)
             {
-                cell.apart.push(connection);
+                cell.belief.apart.push(connection);
             }
             return Err(Fault::NotSeated { peg: peg.to_string(), connection: name, gap }.into());
         }

@@ -71,7 +71,7 @@ impl Insertion {
                 }
             }
             // What was displaced, or has swung about its peg, must be realigned first.
-            if !cell.displaced()?.is_empty() || !cell.swung()?.is_empty() {
+            if !cell.belief.displaced()?.is_empty() || !cell.belief.swung()?.is_empty() {
                 break;
             }
         }
@@ -91,25 +91,25 @@ impl Insertion {
         attempt: usize,
     ) -> Result<Aim, SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
-        cell.see(&cell.meeting(beam), self.parameters.known)?;
+        cell.see(&cell.belief.meeting(beam), self.parameters.known)?;
         if attempt == 0 {
             cell.diagnose_standing();
         }
         cell.check_grip(&name)?;
-        let place = cell.target(beam)?;
-        let direction = cell.insertion_direction(beam, &place)?;
-        let goal = Translation3::from(direction * cell.path(beam)?.depth) * place;
+        let place = cell.belief.target(beam)?;
+        let direction = cell.belief.insertion_direction(beam, &place)?;
+        let goal = Translation3::from(direction * cell.belief.path(beam)?.depth) * place;
         cell.bring_to(
             &name,
-            &cell.insertion_start(beam, if attempt == 0 { self.parameters.clear } else { 0.0 })?,
+            &cell.belief.insertion_start(beam, if attempt == 0 { self.parameters.clear } else { 0.0 })?,
         )?;
         if attempt == 0 {
             cell.touch_table(beam)?;
         }
-        cell.bring_to(&name, &cell.insertion_start(beam, height.max(self.parameters.lowest))?)?;
+        cell.bring_to(&name, &cell.belief.insertion_start(beam, height.max(self.parameters.lowest))?)?;
         cell.hand.zero()?;
         // A loose beam turns about a single peg, too.
-        let loose = cell.loose_sleeves(beam, 1);
+        let loose = cell.belief.loose_sleeves(beam, 1);
         Ok(Aim { goal, direction, loose })
     }
 
@@ -127,8 +127,8 @@ impl Insertion {
     ) -> Result<(), SkillError> {
         let from = cell.hand.setpoint;
         let way = (target.translation.vector - from.translation.vector).dot(&aim.direction);
-        let free = way - cell.path(beam)?.depth - self.parameters.mouth;
-        if free > 0.0 && cell.sleeves(beam).next().is_none() {
+        let free = way - cell.belief.path(beam)?.depth - self.parameters.mouth;
+        if free > 0.0 && cell.belief.sleeves(beam).next().is_none() {
             cell.hand.go(&from.lerp_slerp(target, free / way), self.parameters.free_speed)?;
         }
         Ok(())
@@ -151,7 +151,7 @@ impl Insertion {
     ) -> Result<Pushed, SkillError> {
         let direction = aim.direction;
         let name = &cell.assembly.beams[beam].beam.name;
-        let x_pt = cell.belief.pose(name)?.inverse() * cell.hand.seen.x_wt;
+        let x_pt = cell.belief.parts.pose(name)?.inverse() * cell.hand.seen.x_wt;
         let arrives = arrive.map(|x_wp| x_wp * x_pt);
         let mut rise = Rise::new(direction, &cell.parameters.rise);
         let loose = !aim.loose.is_empty();
@@ -162,16 +162,17 @@ impl Insertion {
         let force = cell.hand.force().dot(&direction);
         cell.hand.wait(self.parameters.rest)?;
         // What meets an edge carries the sleeve along: it may turn about two pegs that are near each other.
-        let sleeves = cell.sleeves(beam).map(|sleeve| cell.assembly.beams[sleeve.beam].beam.name.clone());
+        let sleeves =
+            cell.belief.sleeves(beam).map(|sleeve| cell.assembly.beams[sleeve.beam].beam.name.clone());
         let sleeves: Vec<String> = sleeves.collect();
-        for (met, _) in cell.meeting(beam) {
+        for (met, _) in cell.belief.meeting(beam) {
             let carried = aim.loose.contains(&met) || (stopped && sleeves.contains(&met));
             let bump = match sleeves.contains(&met) {
                 _ if carried => (self.parameters.loose_bump, self.parameters.loose_bump_turn),
                 true => (self.parameters.sleeve_bump, self.parameters.sleeve_bump_turn),
                 false => (self.parameters.bump, self.parameters.bump_turn),
             };
-            cell.belief.bumped(&met, bump);
+            cell.belief.parts.bumped(&met, bump);
         }
         cell.glance()?;
         Ok(Pushed { stopped, force })
@@ -195,15 +196,15 @@ impl Insertion {
         cell.record(jam.clone());
         let mut back = cell.hand.setpoint;
         back.translation = cell.hand.seen.x_wt.translation;
-        let path = cell.path(beam)?;
+        let path = cell.belief.path(beam)?;
         back.translation.vector -= direction * (path.distance + path.depth - remaining).max(0.0);
         let out = -direction;
         let caught = cell.hand.drive(&back, self.parameters.back_speed, |hand| {
             hand.force().dot(&out) > self.parameters.back_limit
         })?;
         cell.glance()?;
-        let start = cell.insertion_start(beam, 0.0)?;
-        if caught || cell.remaining(&part, &start, &out)? > self.parameters.back_short {
+        let start = cell.belief.insertion_start(beam, 0.0)?;
+        if caught || cell.belief.remaining(&part, &start, &out)? > self.parameters.back_short {
             cell.compliant_search(&part, &start, &out, &cell.compliance(false))?;
         }
         Err(jam.into())

@@ -71,10 +71,10 @@ impl LayDown {
         let name = cell.assembly.beams[beam].beam.name.clone();
         cell.hand.relax();
         cell.check_grip(&name)?;
-        let goal = cell.target(beam)?;
+        let goal = cell.belief.target(beam)?;
         cell.bring_to(&name, &(Translation3::new(0.0, 0.0, cell.parameters.insertion.clear) * goal))?;
         cell.hand.zero()?;
-        let down = cell.hand.corrected(&cell.belief.pose(&name)?, &goal);
+        let down = cell.hand.corrected(&cell.belief.parts.pose(&name)?, &goal);
         cell.hand.drive(&down, self.parameters.speed, |hand| {
             -hand.force().z > cell.parameters.release.table_limit
         })?;

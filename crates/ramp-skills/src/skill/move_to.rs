@@ -127,7 +127,7 @@ impl MoveTo {
     fn hover(&self, cell: &mut Workcell, part: &str, link: Option<&str>) -> Result<(), SkillError> {
         // Where a beam is to go is easier to see before it is in the hand.
         if let Some(beam) = cell.assembly.beam_index(part) {
-            let mut meeting = cell.meeting(beam);
+            let mut meeting = cell.belief.meeting(beam);
             meeting.retain(|(other, _)| other != part);
             if !meeting.is_empty() {
                 cell.see(&meeting, self.parameters.known)?;
@@ -136,7 +136,7 @@ impl MoveTo {
         cell.see_to_grip(part)?;
         cell.diagnose_standing();
         if cell.kit.beam(part).is_none() {
-            if cell.belief.pose(part).is_err() {
+            if cell.belief.parts.pose(part).is_err() {
                 cell.diagnose(Cause::PartMissing, part, format!("{part} is not in its holder"));
             }
             cell.diagnose_holder(part);
@@ -158,7 +158,7 @@ impl MoveTo {
         let name = cell.assembly.beams[beam].beam.name.clone();
         cell.check_grip(&name)?;
         self.regrasp.level(cell, beam)?;
-        let start = cell.insertion_start(beam, cell.parameters.insertion.clear)?;
+        let start = cell.belief.insertion_start(beam, cell.parameters.insertion.clear)?;
         match self.carry(cell, beam, &start) {
             Err(SkillError::Motion(MotionError::Unreachable(_))) => {
                 self.regrasp.grasp_again(cell, beam)?;
@@ -200,11 +200,11 @@ impl MoveTo {
     /// [`SkillError::Motion`] when no motion is found; [`Fault::NotHeld`], [`Fault::Overload`], and the robot's.
     fn approach_hole(&self, cell: &mut Workcell, connection: usize) -> Result<(), SkillError> {
         cell.see(
-            &[cell.hole(cell.assembly.connections[connection].female)],
+            &[cell.belief.hole(cell.assembly.connections[connection].female)],
             cell.parameters.peg_search.hole_known,
         )?;
         cell.diagnose_standing();
-        let mouth = cell.mouth(connection)?;
+        let mouth = cell.belief.mouth(connection)?;
         let Some(part) = cell.hand.held.as_ref().map(|held| held.part.clone()) else {
             return Err(Fault::NotHeld { part: "the peg".into() }.into());
         };

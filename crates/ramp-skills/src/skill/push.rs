@@ -77,15 +77,15 @@ impl Push {
         let Some(link) = placed.beam.links.iter().find(|candidate| candidate.name == link) else {
             return Err(Fault::NoGrasp { part: name }.into());
         };
-        let far = cell.far_end(beam);
+        let far = cell.belief.far_end(beam);
         let mut before = f64::INFINITY;
         for attempt in 0..self.parameters.tries {
             cell.see_ends(beam)?;
             if attempt == 0 {
                 cell.diagnose_standing();
             }
-            let (goal, off) = cell.straightened(beam)?;
-            let near_off = cell.near_off(beam, &cell.belief.pose(&name)?, &goal);
+            let (goal, off) = cell.belief.straightened(beam)?;
+            let near_off = cell.belief.near_off(beam, &cell.belief.parts.pose(&name)?, &goal);
             if off < cell.parameters.alignment.good && near_off < cell.parameters.alignment.peggable {
                 return Ok(());
             }
@@ -106,7 +106,7 @@ impl Push {
                 cell.record(Retry::new("push", &name).attempt(attempt + 1).off(off));
             }
             let s = grasp::point_on(link, far, &cell.parameters.grip);
-            if cell.anchor(beam).is_none() && cell.short(beam)? > self.parameters.short_of {
+            if cell.belief.anchor(beam).is_none() && cell.belief.short(beam)? > self.parameters.short_of {
                 self.assemble.reinsert(cell, beam, s)?;
                 continue;
             }
@@ -118,11 +118,11 @@ impl Push {
             cell.hand.zero()?;
             for motion in 0..self.parameters.motions {
                 cell.glance()?;
-                let x_wb = cell.belief.pose(&name)?;
-                let there = cell.off(beam, &x_wb, &goal) < 0.5 * cell.parameters.alignment.good;
+                let x_wb = cell.belief.parts.pose(&name)?;
+                let there = cell.belief.off(beam, &x_wb, &goal) < 0.5 * cell.parameters.alignment.good;
                 if motion > 1
                     && there
-                    && cell.near_off(beam, &x_wb, &goal) < cell.parameters.alignment.peggable
+                    && cell.belief.near_off(beam, &x_wb, &goal) < cell.parameters.alignment.peggable
                 {
                     break;
                 }
@@ -134,10 +134,10 @@ impl Push {
             }
             cell.settle(beam)?;
             cell.release()?;
-            cell.drag(beam, (self.parameters.dragged, self.parameters.dragged_turn));
+            cell.belief.drag(beam, (self.parameters.dragged, self.parameters.dragged_turn));
         }
         cell.see_ends(beam)?;
-        let (_, off) = cell.straightened(beam)?;
+        let (_, off) = cell.belief.straightened(beam)?;
         // What comes next, a peg or the chamfers of a cap, takes this much.
         if off < cell.parameters.alignment.peggable {
             return Ok(());

@@ -83,11 +83,11 @@ impl Slide {
         let name = placed.beam.name.clone();
         let link = placed.beam.links.iter().find(|candidate| candidate.name == link);
         let link = link.ok_or_else(|| Fault::NoGrasp { part: name.clone() })?;
-        let s = grasp::point_on(link, cell.free_end(beam), &cell.parameters.grip);
-        cell.see(&cell.meeting(beam), self.parameters.known)?;
+        let s = grasp::point_on(link, cell.belief.free_end(beam), &cell.parameters.grip);
+        cell.see(&cell.belief.meeting(beam), self.parameters.known)?;
         cell.see_to_grip(&name)?;
         // How it hangs is known better than seen: 0.2° lower, and its end would go under the joint.
-        cell.reckon_heights(beam);
+        cell.belief.reckon_heights(beam);
         cell.grasp_standing(beam, s)?;
         cell.hand.zero()?;
         let mut jam = None;
@@ -97,7 +97,7 @@ impl Slide {
                 cell.record(retry.because(format!("aimed {:.1} mm aside", aside * 1e3)));
             }
             let tried = self.slide_once(cell, beam, aside);
-            cell.drag(beam, (self.parameters.dragged, self.parameters.dragged_turn));
+            cell.belief.drag(beam, (self.parameters.dragged, self.parameters.dragged_turn));
             jam = tried?;
             if jam.is_none() {
                 break;
@@ -114,13 +114,13 @@ impl Slide {
     fn slide_once(&self, cell: &mut Workcell, beam: usize, aside: f64) -> Result<Option<Fault>, SkillError> {
         let placed = &cell.assembly.beams[beam];
         let name = placed.beam.name.clone();
-        let goal = cell.target(beam)?;
-        let out = -cell.insertion_direction(beam, &goal)?;
+        let goal = cell.belief.target(beam)?;
+        let out = -cell.belief.insertion_direction(beam, &goal)?;
         let across = nalgebra::Vector3::z().cross(&out);
-        let depth = cell.path(beam)?.depth;
+        let depth = cell.belief.path(beam)?.depth;
         cell.glance()?;
-        let x_wb = cell.belief.pose(&name)?;
-        let end = Point3::new(cell.free_end(beam), 0.0, 0.0);
+        let x_wb = cell.belief.parts.pose(&name)?;
+        let end = Point3::new(cell.belief.free_end(beam), 0.0, 0.0);
         // Level, and in line with its place, as far in as it is.
         let to_go = (goal * end - x_wb * end).dot(&out).min(depth);
         let shift = across * aside - out * to_go;
@@ -130,7 +130,7 @@ impl Slide {
             .drive(&lifted, self.parameters.speed, |hand| hand.force().norm() > self.parameters.lift_limit)?;
         cell.hand.wait(cell.parameters.hand.rest)?;
         cell.glance()?;
-        let here = cell.hand.corrected(&cell.belief.pose(&name)?, &level);
+        let here = cell.hand.corrected(&cell.belief.parts.pose(&name)?, &level);
         cell.hand.go(&here, self.parameters.speed)?;
         let forward = Translation3::from(out * to_go) * here;
         let stopped = cell
@@ -138,8 +138,8 @@ impl Slide {
             .drive(&forward, self.parameters.speed, |hand| hand.force().dot(&out) > self.parameters.limit)?;
         let force = cell.hand.force().dot(&out);
         cell.hand.wait(self.parameters.rest)?;
-        cell.belief.update(&mut cell.hand)?;
-        let remaining = (goal * end - cell.belief.pose(&name)? * end).dot(&out);
+        cell.belief.parts.update(&mut cell.hand)?;
+        let remaining = (goal * end - cell.belief.parts.pose(&name)? * end).dot(&out);
         if stopped && remaining > self.parameters.seated {
             // Back to where it began.
             let mut back = cell.hand.setpoint;
@@ -147,12 +147,12 @@ impl Slide {
             cell.hand.go(&back, self.parameters.speed)?;
             return Ok(Some(Fault::Jammed { part: name, remaining, force }));
         }
-        let fine = cell.hand.corrected(&cell.belief.pose(&name)?, &goal);
+        let fine = cell.hand.corrected(&cell.belief.parts.pose(&name)?, &goal);
         cell.hand
             .drive(&fine, self.parameters.seat_speed, |hand| hand.force().norm() > self.parameters.limit)?;
         cell.hand.wait(self.parameters.rest)?;
         cell.see(&[(name.clone(), end)], self.parameters.known)?;
-        let remaining = cell.remaining(&name, &goal, &out)?;
+        let remaining = cell.belief.remaining(&name, &goal, &out)?;
         if remaining > self.parameters.seated {
             cell.record(Retry::new("slide", &name).off(remaining));
             cell.compliant_search(&name, &goal, &out, &cell.compliance(false))?;
