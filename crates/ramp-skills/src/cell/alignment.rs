@@ -1,7 +1,7 @@
 //! How far the beams of the assembly stand from where they should.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
-use ramp_assembly::JointRef;
+use ramp_assembly::{Assembly, JointRef};
 
 use super::assembly_belief::AssemblyBelief;
 use crate::Pose;
@@ -92,9 +92,7 @@ impl AssemblyBelief<'_> {
 
     /// The joint of a beam that a peg already pins, if any.
     pub fn anchor(&self, beam: usize) -> Option<JointRef> {
-        self.pinned.iter().find_map(|(index, _)| {
-            self.assembly.sides(&self.assembly.connections[*index], beam).map(|(mine, _)| mine)
-        })
+        anchor(self.assembly, self.pinned.iter().map(|(index, _)| *index), beam)
     }
 
     /// The joint of a pinned beam that is furthest from its peg among those that meet a standing beam and have no peg
@@ -127,10 +125,9 @@ impl AssemblyBelief<'_> {
         distance_at(self.assembly.beams[beam].beam.span() - self.far_end(beam), x_wb, goal)
     }
 
-    /// Distance from j1, m, of the end of a beam that is further from its pinned joint.
+    /// See [`far_end`].
     pub fn far_end(&self, beam: usize) -> f64 {
-        let placed = &self.assembly.beams[beam].beam;
-        placed.far_end(self.anchor(beam).map_or(0, |joint| joint.joint))
+        far_end(self.assembly, self.pinned.iter().map(|(index, _)| *index), beam)
     }
 
     /// How far a beam still is from its place along `direction`, m: that of its joints which is furthest from it.
@@ -148,4 +145,14 @@ impl AssemblyBelief<'_> {
 fn distance_at(x: f64, x_wb: &Pose, other: &Pose) -> f64 {
     let p = Point3::new(x, 0.0, 0.0);
     ((x_wb * p).xy() - (other * p).xy()).norm()
+}
+
+/// The joint of a beam that a peg pins, if any. `pinned`: connections, by index.
+pub fn anchor(assembly: &Assembly, mut pinned: impl Iterator<Item = usize>, beam: usize) -> Option<JointRef> {
+    pinned.find_map(|index| assembly.sides(&assembly.connections[index], beam).map(|(mine, _)| mine))
+}
+
+/// Distance from j1, m, of the end of a beam that is further from its pinned joint. `pinned`: connections, by index.
+pub fn far_end(assembly: &Assembly, pinned: impl Iterator<Item = usize>, beam: usize) -> f64 {
+    assembly.beams[beam].beam.far_end(anchor(assembly, pinned, beam).map_or(0, |joint| joint.joint))
 }

@@ -1,7 +1,7 @@
 //! Where a beam is to stand and how it gets there: the plan's insertion path, aimed at where the joints that it meets are seen.
 
 use nalgebra::{Point2, Translation3, UnitQuaternion, Vector2, Vector3};
-use ramp_assembly::JointRef;
+use ramp_assembly::{Assembly, JointRef};
 
 use super::assembly_belief::{AssemblyBelief, Point};
 use crate::Pose;
@@ -109,13 +109,9 @@ impl AssemblyBelief<'_> {
         through.map(|connection| connection.female)
     }
 
-    /// Distance from j1, m, of the end of a deep beam that is to go into the other joint: the one that leads on
-    /// the way out.
+    /// See [`free_end`].
     pub fn free_end(&self, beam: usize) -> f64 {
-        let placed = &self.assembly.beams[beam];
-        let along = placed.x_ab.rotation * nalgebra::Vector3::x();
-        let into = self.paths.get(&beam).map_or(0.0, |path| along.dot(&path.direction));
-        if into > 0.0 { 0.0 } else { placed.beam.span() }
+        free_end(self.assembly, self.paths.get(&beam), beam)
     }
 
     /// Is a joint at the end of a deep beam that leaves the sleeve first?
@@ -123,6 +119,14 @@ impl AssemblyBelief<'_> {
         let beam = &self.assembly.beams[joint.beam].beam;
         (beam.joints[joint.joint].offset - self.free_end(joint.beam)).abs() < beam.span() / 2.0
     }
+}
+
+/// Distance from j1, m, of the end of a deep beam that is to go into the other joint: the one that leads on the way out.
+pub fn free_end(assembly: &Assembly, path: Option<&InsertionPath>, beam: usize) -> f64 {
+    let placed = &assembly.beams[beam];
+    let along = placed.x_ab.rotation * Vector3::x();
+    let into = path.map_or(0.0, |path| along.dot(&path.direction));
+    if into > 0.0 { 0.0 } else { placed.beam.span() }
 }
 
 /// The pose moved in the plane so that points of it fall on given points as well as they can: by their mean

@@ -196,9 +196,8 @@ impl Workcell<'_, '_> {
     }
 }
 
-/// The motions that grasp a part, a beam by a link, for each grasp: over it, straight down around it, the fingers close, and
-/// straight up.
-pub fn rehearse_grasps(scene: &Scene, part: &str, link: Option<&str>) -> Outline {
+/// The motions of each of some grasps of a part: over it, straight down around it, the fingers close, and straight up.
+pub fn rehearse_grasps(scene: &Scene, part: &str, grasps: Vec<Grasp>) -> Outline {
     let Some(x_wp) = scene.x_wp(part) else { return Outline::nothing() };
     let motions = |grasp: Grasp| {
         let Grasp { x_wt, open, width, .. } = grasp;
@@ -215,5 +214,5 @@ pub fn rehearse_grasps(scene: &Scene, part: &str, link: Option<&str>) -> Outline
             Motion::Hold(InHand::by(part, &x_wp, &grasp)),
         ]
     };
-    Outline::Alternatives(scene.grasps(part, link).into_iter().map(motions).collect())
+    Outline::Alternatives(grasps.into_iter().map(motions).collect())
 }

@@ -14,7 +14,7 @@ use ramp_robot::arm::ArmModel;
 use super::outline::{Done, InHand};
 use crate::Pose;
 use crate::belief::obstacles::{beam_boxes, held_boxes, holder_boxes, peg_boxes};
-use crate::grasp::{BEAM_WIDTH, Grasp, PEG_HEIGHT, PEG_WIDTH, beam_grasps, peg_grasps};
+use crate::grasp::{BEAM_WIDTH, Grasp, PEG_HEIGHT, PEG_WIDTH, beam_grasps, peg_grasps, point_on, senses};
 use crate::insertion_path::InsertionPath;
 use crate::parameters::Parameters;
 use crate::way::Way;
@@ -46,6 +46,8 @@ pub struct Now {
     pub parts: BTreeMap<String, Pose>,
     /// Beams that stand in the assembly, by index.
     pub standing: BTreeSet<usize>,
+    /// Pinned connections, by index.
+    pub pinned: BTreeSet<usize>,
     /// Joint positions, rad.
     pub q: Joints,
     /// The held part.
@@ -92,12 +94,20 @@ impl<'a> Scene<'a> {
             ramp: travel.ramp,
         };
         let law = TimeLaw::new(arm, &pace);
-        let now = Now { parts, standing, q: Joints::from(arm.home), held: None, done: Vec::new() };
+        let now = Now {
+            parts,
+            standing,
+            pinned: BTreeSet::new(),
+            q: Joints::from(arm.home),
+            held: None,
+            done: Vec::new(),
+        };
         let mut scene = Scene { kit, assembly, arm, planner, parameters, law, paths: BTreeMap::new(), now };
         for (connection, peg) in &state.fastened {
             if let Some(index) = assembly.connection_index(connection) {
                 let x_wp = scene.x_wp_seated(index);
                 scene.now.parts.insert(peg.clone(), x_wp);
+                scene.now.pinned.insert(index);
             }
         }
         scene
@@ -159,6 +169,18 @@ impl<'a> Scene<'a> {
         let goal = self.assembly.beam_index(part).map(|index| self.x_wb_goal(index, 0.0));
         let grasps = link.map(|link| beam_grasps(beam, link, &x_wp, goal.as_ref(), grip, travel, way));
         grasps.unwrap_or_default().into_iter().flatten().map(|(grasp, _)| grasp).collect()
+    }
+
+    /// The grasps of a standing beam at the point of a link that is nearest to `wanted` (m from its j1 hole), the better sense
+    /// of the hand first. None for a beam that was never seen and for a link that it does not have.
+    pub fn standing_grasps(&self, part: &str, link: Option<&str>, wanted: f64) -> Vec<Grasp> {
+        let (Some(x_wb), Some(beam)) = (self.x_wp(part), self.kit.beam(part)) else { return Vec::new() };
+        let Some(link) = link.and_then(|name| beam.links.iter().find(|link| link.name == name)) else {
+            return Vec::new();
+        };
+        let Parameters { grip, travel, .. } = &*self.parameters;
+        let way = |stops: &[Pose]| Way::along(stops, &self.now.q, self.planner, &self.law);
+        senses(point_on(link, wanted, grip), &x_wb, None, grip, travel, way).map(|(grasp, _)| grasp).to_vec()
     }
 
     /// Boxes of everything but some parts and the held one, in the world.

@@ -280,6 +280,7 @@ impl<'a> Rehearsal<'a> {
                     };
                     let x_wp = self.scene.x_wp_seated(connection);
                     self.scene.now.parts.insert(peg.to_string(), x_wp);
+                    self.scene.now.pinned.insert(connection);
                 }
                 Effect::HandEmpty => self.scene.now.held = None,
                 // Where the beam stands at its place, nothing has to move.

@@ -40,7 +40,7 @@ impl Skill for PickUp {
 
     fn rehearse(&self, scene: &Scene, call: &Call) -> Outline {
         let Some(part) = call.part() else { return Outline::nothing() };
-        rehearse_grasps(scene, part, call.link())
+        rehearse_grasps(scene, part, scene.grasps(part, call.link()))
     }
 
     fn blame(&self, call: &Call) -> Option<Impossible> {

@@ -6,6 +6,7 @@ use ramp_robot::Retry;
 use super::assemble::Assemble;
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use crate::cell::Workcell;
+use crate::cell::alignment::far_end;
 use crate::fault::{Fault, SkillError};
 use crate::grasp;
 use crate::parameters::Parameters;
@@ -46,8 +47,11 @@ impl Skill for Push {
     }
 
     fn rehearse(&self, scene: &Scene, call: &Call) -> Outline {
-        let Some(part) = call.part() else { return Outline::nothing() };
-        rehearse_grasps(scene, part, call.link())
+        let (Some(part), Ok(beam)) = (call.part(), call.beam(scene.assembly)) else {
+            return Outline::nothing();
+        };
+        let far = far_end(scene.assembly, scene.now.pinned.iter().copied(), beam);
+        rehearse_grasps(scene, part, scene.standing_grasps(part, call.link(), far))
     }
 
     fn blame(&self, call: &Call) -> Option<Impossible> {

@@ -6,6 +6,7 @@ use ramp_robot::Retry;
 
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use crate::cell::Workcell;
+use crate::cell::target::free_end;
 use crate::fault::{Fault, SkillError};
 use crate::grasp;
 use crate::parameters::Parameters;
@@ -49,8 +50,10 @@ impl Skill for Slide {
         let (Some(part), Ok(beam)) = (call.part(), call.beam(scene.assembly)) else {
             return Outline::nothing();
         };
-        let depth = scene.paths.get(&beam).map_or(0.0, |path| path.depth);
-        rehearse_grasps(scene, part, call.link()).then(&Motion::Contact(depth))
+        let path = scene.paths.get(&beam);
+        let depth = path.map_or(0.0, |path| path.depth);
+        let grasps = scene.standing_grasps(part, call.link(), free_end(scene.assembly, path, beam));
+        rehearse_grasps(scene, part, grasps).then(&Motion::Contact(depth))
     }
 
     fn blame(&self, call: &Call) -> Option<Impossible> {
