@@ -31,9 +31,19 @@ def turned(quat_wxyz, vector):
     return [a + w * tx + y * tz - z * ty, b + w * ty + z * tx - x * tz, c + w * tz + x * ty - y * tx]
 
 
+def rehearse(task):
+    """The motions that this skill asks for: straight down with the peg to its hole, and up again."""
+    x, y, z = task["x_goal"]["position"]
+    down = {"position": [x, y, z + task["held"]["x_tp"]["position"][2]], "quat_wxyz": [0.0, 1.0, 0.0, 0.0]}
+    straight = {"x_wt": down, "open": task["gripper"]["width"], "around": None, "contact": True}
+    say("rehearsal", {"alternatives": [[{"straight": straight}, {"retreat": {}}]]})
+
+
 def main():
-    goal = say("hello", {"protocol": 1, "name": "press", "version": "1"})["goal"]
-    task = goal["task"]
+    answer = say("hello", {"protocol": 1, "name": "press", "version": "1", "rehearses": True})
+    if "rehearse" in answer:
+        return rehearse(answer["rehearse"]["task"])
+    task = answer["goal"]["task"]
     hole = task["x_goal"]["position"]
     seen = say("observe")["observation"]
     target = list(seen["x_wt"]["position"])

@@ -23,7 +23,7 @@ from ramp._core import (
     __version__,
     data,
 )
-from ramp.agent import Agent, EventKind, Skill, Task
+from ramp.agent import Agent, EventKind, Motion, Skill, Task
 from ramp.bench import Results, bench, run
 from ramp.film import Film
 from ramp.goal import Connection, Goal, goals
@@ -49,6 +49,7 @@ __all__ = [
     "Results",
     "Robot",
     "RobotStopped",
+    "Motion",
     "Skill",
     "Snapshot",
     "Task",

@@ -129,6 +129,61 @@ class Skill:
         """Brings about what the task asks for. Returns nothing when it is done, or in words why it gave up."""
         raise NotImplementedError
 
+    def rehearse(self, task: Task) -> list[list[dict[str, Any]]] | None:
+        """The motions that :meth:`work` will ask for, before anything moves: alternatives, the preferred one first.
+
+        Each alternative is a list of motions from :class:`Motion`. A plan in which none of them is possible is changed.
+        Without this method the action counts as possible, and an event says that the skill is not rehearsed.
+
+        >>> class Press(ramp.Skill):
+        ...     def rehearse(self, task):
+        ...         down = task.goal_pose.copy()
+        ...         down[3:] = [0.0, 1.0, 0.0, 0.0]
+        ...         down[2] += 0.02
+        ...         return [[ramp.Motion.straight(down, task.width, contact=True), ramp.Motion.retreat()]]
+        """
+        return None
+
     def run(self, robot: Robot, task: dict[str, Any]) -> str | None:
         """Called by the baseline."""
         return self.work(robot, Task(**task))
+
+    def outline(self, task: dict[str, Any]) -> str | None:
+        """Called by the baseline when it rehearses a plan."""
+        alternatives = self.rehearse(Task(**task))
+        return None if alternatives is None else json.dumps(alternatives)
+
+
+class Motion:
+    """Motions of a rehearsed skill. Poses of the tip are in the world: x, y, z (m) and a quaternion w, x, y, z."""
+
+    @staticmethod
+    def travel(pose: Array, width: float) -> dict[str, Any]:
+        """Through free space, around everything but the held part, with the fingers ``width`` (m) apart."""
+        return {"travel": {"x_wt": _pose(pose), "open": float(width)}}
+
+    @staticmethod
+    def straight(pose: Array, width: float, around: str | None = None, contact: bool = False) -> dict[str, Any]:
+        """In a straight line. Arm and hand may touch the part ``around``; ``contact``: the motion is an insertion."""
+        straight = {"x_wt": _pose(pose), "open": float(width), "around": around, "contact": contact}
+        return {"straight": straight}
+
+    @staticmethod
+    def contact(distance: float) -> dict[str, Any]:
+        """A short motion in contact over ``distance`` (m)."""
+        return {"contact": {"distance": float(distance)}}
+
+    @staticmethod
+    def fingers(stroke: float) -> dict[str, Any]:
+        """The fingers open or close by ``stroke`` (m)."""
+        return {"fingers": {"stroke": float(stroke)}}
+
+    @staticmethod
+    def retreat() -> dict[str, Any]:
+        """Straight up to travelling height."""
+        return {"retreat": {}}
+
+
+def _pose(pose: Array) -> dict[str, list[float]]:
+    numbers = [float(number) for number in pose]
+    return {"position": numbers[:3], "quat_wxyz": numbers[3:]}

@@ -31,6 +31,8 @@ pub struct ExternalAgent<'a> {
     smoother: Option<Smoother>,
     /// A clipped command has been reported.
     clipped: bool,
+    /// It can rehearse its action.
+    rehearses: bool,
     on_event: Box<dyn FnMut(&Event) + 'a>,
 }
 
@@ -82,6 +84,7 @@ impl<'a> ExternalAgent<'a> {
             messages: 0,
             smoother: None,
             clipped: false,
+            rehearses: false,
             on_event: Box::new(|_| {}),
         };
         agent.failure = agent.greet().err();
@@ -102,8 +105,32 @@ impl<'a> ExternalAgent<'a> {
         hello.check()?;
         self.name = hello.name;
         self.version = hello.version;
+        self.rehearses = hello.rehearses;
         self.smoother = hello.clip.then(|| Smoother::new(self.goal.arm()));
         Ok(())
+    }
+
+    /// Asks a program for a single action for the motions that it will ask for, as JSON; `None` where it cannot rehearse. The
+    /// program is ended.
+    ///
+    /// # Errors
+    /// What is wrong with its answer, for a person.
+    pub fn rehearse(mut self, task: serde_json::Value) -> Result<Option<serde_json::Value>, String> {
+        if let Some(why) = self.failure.take() {
+            return Err(why);
+        }
+        if !self.rehearses {
+            self.process.end();
+            return Ok(None);
+        }
+        self.tell(&Answer::Rehearse(task))?;
+        let request = self.hear()?;
+        self.process.dismiss(Answer::End("done".to_string()).to_bytes());
+        self.process.end();
+        match request {
+            Request::Rehearsal(text) => Ok(Some(text.alternatives)),
+            _ => Err(format!("message {} of the agent is not a rehearsal", self.messages)),
+        }
     }
 
     /// The agent's next message.
@@ -199,6 +226,7 @@ impl<'a> ExternalAgent<'a> {
                 self.account.events.push(event);
                 Ok(Answer::Noted)
             }
+            Request::Rehearsal(_) => Err(wrong("is a rehearsal that nobody has asked for".to_string())),
             Request::Done {} => Err(End::Done),
         }
     }

@@ -47,6 +47,8 @@ pub enum Request {
     Plan(PlanText),
     /// Reports an event.
     Event(EventText),
+    /// Answers a rehearsal: the motions that the program will ask for.
+    Rehearsal(RehearsalText),
     /// Ends the episode.
     Done {},
 }
@@ -63,6 +65,17 @@ pub struct Hello {
     /// Are its commanded positions and poses to be made smooth, in place of refused?
     #[serde(default)]
     pub clip: bool,
+    /// A program for a single action can rehearse it: it answers `rehearse` in place of a goal.
+    #[serde(default)]
+    pub rehearses: bool,
+}
+
+/// The motions that a program for a single action will ask for.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RehearsalText {
+    /// Alternatives, the preferred one first; each a list of motions.
+    pub alternatives: Value,
 }
 
 impl Hello {
@@ -298,6 +311,8 @@ pub fn parse(line: &[u8]) -> Result<Request, String> {
 pub enum Answer {
     /// After hello: all about the goal.
     Goal(Value),
+    /// After the hello of a program that rehearses, in place of a goal: the task.
+    Rehearse(Value),
     /// The last observation.
     Observation(Observation),
     /// Poses of parts.
@@ -317,6 +332,7 @@ impl Answer {
     pub fn to_bytes(&self) -> Vec<u8> {
         let value = match self {
             Answer::Goal(goal) => json!({"goal": goal}),
+            Answer::Rehearse(task) => json!({"rehearse": {"task": task}}),
             Answer::Observation(seen) => json!({"observation": {
                 "time": seen.time,
                 "positions": seen.positions,

@@ -15,6 +15,7 @@ pub mod cast;
 pub mod env;
 pub mod known;
 pub mod observe;
+pub mod outline;
 pub mod own;
 pub mod pictures;
 pub mod plan_file;

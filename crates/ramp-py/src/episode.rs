@@ -7,6 +7,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use ramp_episode::{EpisodeError, Label, Progress, Recorded, record_episode, run_episode};
+use ramp_gym::outline::read_outline;
 use ramp_gym::own::{Body, BodyError, Moment, OwnSkill, kind};
 use ramp_log::Sources;
 use ramp_report::curve::completion_svg;
@@ -16,6 +17,7 @@ use ramp_robot::{
     Account, Agent, Camera, CameraModel, Command, Event, Image, MOST_EVENT, MOST_EVENTS, Observation,
     PartReading, Robot as Seam, RobotError, TIME_LIMIT,
 };
+use ramp_skills::rehearsal::Outline;
 use ramp_skills::{Baseline, Parameters, ReferenceTimes, reference_times_of_goal};
 use ramp_twin::{Disturbance, Setup, Twin};
 
@@ -269,6 +271,19 @@ struct PythonBody {
 }
 
 impl Body for PythonBody {
+    fn rehearse(&self, expected: &Moment) -> Outline {
+        let outline = Python::attach(|py| {
+            let answer = self.object.bind(py).call_method1("outline", (moment_of(py, expected)?,))?;
+            let Some(text) = answer.extract::<Option<String>>()? else { return Ok(Outline::Unknown) };
+            let alternatives = serde_json::from_str(&text).map_err(|error| input(error.to_string()))?;
+            read_outline(&alternatives).map_err(input)
+        });
+        outline.unwrap_or_else(|error| {
+            self.raised.keep(error);
+            Outline::Unknown
+        })
+    }
+
     fn run(&self, robot: &mut dyn Seam, moment: &Moment) -> Result<(), BodyError> {
         let mut kept = Kept { robot, stopped: None };
         let outcome = Python::attach(|py| {

@@ -11,11 +11,13 @@ use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
 use ramp_external_agent::{AgentFile, ExternalAgent, Goal, Patience, protocol};
 use ramp_gym::known::Known;
+use ramp_gym::outline::read_outline;
 use ramp_gym::own::{Body, BodyError, Moment, OwnSkill, kind, kinds};
 use ramp_kit::source::to_name;
 use ramp_log::Sources;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Agent, EventKind, Robot, Track};
+use ramp_skills::rehearsal::Outline;
 use ramp_skills::skill::ActionKind;
 use serde_json::{Value, json};
 
@@ -102,6 +104,12 @@ struct Program {
 }
 
 impl Body for Program {
+    fn rehearse(&self, expected: &Moment) -> Outline {
+        let asked = self.cell.start(&self.file, task(expected)).ok();
+        let answer = asked.and_then(|program| program.rehearse(task(expected)).ok().flatten());
+        answer.and_then(|alternatives| read_outline(&alternatives).ok()).unwrap_or(Outline::Unknown)
+    }
+
     fn run(&self, robot: &mut dyn Robot, moment: &Moment) -> Result<(), BodyError> {
         let started = self.cell.start(&self.file, task(moment));
         let mut program = started.map_err(|error| BodyError::GaveUp(error.to_string()))?;
