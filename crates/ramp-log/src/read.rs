@@ -1,4 +1,5 @@
-//! Reading a log, whoever made it: whatever the bytes, there is a log or one message that says what is wrong.
+//! Reads a log from an untrusted file: the outcome is a log, or one message that says what is
+//! wrong.
 
 use std::path::Path;
 
@@ -17,9 +18,9 @@ const MOST_CALLS: usize = 256 << 20;
 /// An episode's log.
 #[derive(Clone, Debug)]
 pub struct Log {
-    /// What the episode was made from.
+    /// The inputs of the episode.
     pub header: Header,
-    /// The result that the log tells; its `log` is `None`.
+    /// The result in the log; its `log` is `None`.
     pub result: EpisodeResult,
     /// SHA-256 of the file, in hex.
     pub sha256: String,
@@ -30,15 +31,15 @@ impl Log {
     /// Reads a file.
     ///
     /// # Errors
-    /// When it cannot be read or is no log.
+    /// When it cannot be read or is not a log.
     pub fn read(path: &Path) -> Result<Log, LogError> {
         Log::from_bytes(path, &bytes_of(path)?)
     }
 
-    /// From a file's bytes; `path` is what messages call it.
+    /// Reads a log from a file's bytes; `path` is its name in messages.
     ///
     /// # Errors
-    /// When they are no log.
+    /// When they are not a log.
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
         let mut parts = Parts::default();
         parts.collect(bytes).map_err(|wrong| wrong.at(path))?;
@@ -50,14 +51,14 @@ impl Log {
         Decoder::new(&self.calls)
     }
 
-    /// SHA-256 of the bytes of the calls, in hex: two episodes of one goal, seed and track that share it were driven
-    /// alike, to the last bit.
+    /// SHA-256 of the bytes of the calls, in hex. Two episodes of one goal, seed and track with
+    /// equal hashes received the same commands, to the last bit.
     pub fn calls_sha256(&self) -> String {
         sha256(&self.calls)
     }
 }
 
-/// What is found in the file.
+/// The parts found in the file.
 #[derive(Default)]
 struct Parts {
     /// Numbers and topics of the channels.
@@ -139,14 +140,14 @@ impl Parts {
             [("kit", &header.kit.xml, &header.kit.sha256), ("arm", &header.arm.json, &header.arm.sha256)]
         {
             if ramp_result::sha256(text.as_bytes()) != *hash {
-                return Err(format!("its {what} is not the one whose hash it tells"));
+                return Err(format!("its {what} does not match its hash"));
             }
         }
         Ok(Log { header, result, sha256, calls: self.calls })
     }
 }
 
-/// Another version is told as such, and not as a field that is missing.
+/// Reports another version as such, and not as a missing field.
 fn same_schema(data: &[u8], expected: &str, topic: &str) -> Result<(), String> {
     #[derive(serde::Deserialize)]
     struct Only {
@@ -161,7 +162,7 @@ fn same_schema(data: &[u8], expected: &str, topic: &str) -> Result<(), String> {
     }
 }
 
-/// What a library says of a message, which may repeat what stands in it.
+/// The error of a library about a message, without control characters from the file.
 fn wrong(topic: &str, error: &serde_json::Error) -> String {
     format!("{topic}: {}", plain(&error.to_string(), MAX_SENTENCE))
 }

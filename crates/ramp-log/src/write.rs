@@ -1,4 +1,4 @@
-//! Writing a log while an episode runs.
+//! Writes a log while an episode runs.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -18,13 +18,13 @@ use crate::calls::Encoder;
 use crate::error::LogError;
 use crate::header::{CALLS, Header, SCHEMA};
 
-/// Signals are written once in so many periods: 100 a second.
+/// Periods between two records of the signals: 100 records a second.
 const SIGNALS_EVERY: u64 = 10;
-/// True poses of parts, and hashes of the state: 10 a second.
+/// Periods between two records of true part poses and state hashes: 10 a second.
 pub const STATE_EVERY: u64 = 100;
-/// A part has moved when it is this far from where it was last written, m and rad.
+/// Pose changes above these thresholds count as a move since the last record, m and rad.
 const MOVED: f64 = 1.0e-5;
-/// Calls are put into the file when there are so many bytes of them.
+/// Bytes of calls that are collected before they are written to the file.
 const CALLS_SIZE: usize = 32 * 1024;
 /// Size of a chunk, bytes before compression.
 const CHUNK: u64 = 512 * 1024;
@@ -47,47 +47,47 @@ const CHANNELS: [(&str, &str, &str); 8] = [
     ("/result", "ramp.EpisodeResult", schema!("episode")),
 ];
 
-/// What of the world a log wants to know at one moment.
+/// The quantities that the log needs at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Due {
     /// Robot time, s.
     time: f64,
-    /// What the robot senses.
+    /// Whether the robot's observation is needed.
     pub signals: bool,
-    /// Where the parts are.
+    /// Whether the true poses of the parts are needed.
     pub truth: bool,
-    /// The hash of the physics state.
+    /// Whether the hash of the physics state is needed.
     pub state: bool,
 }
 
-/// A log that is being written. Until it is whole it is in a file without a name, so that nobody else can open it, and
-/// nothing of it is left when the program ends early.
+/// A log being written. Until it is complete it is an unnamed file, so that no other process can
+/// open it and nothing remains if the program ends early.
 pub struct Recorder {
     path: PathBuf,
-    /// `None` once something went wrong.
+    /// `None` after a failure.
     file: Option<mcap::Writer<BufWriter<File>>>,
     failed: Option<mcap::McapError>,
-    /// Number of each channel, in the order of [`CHANNELS`], and last that of the calls.
+    /// Number of each channel, in the order of [`CHANNELS`], then the channel of the calls.
     channels: BTreeMap<&'static str, u16>,
     sequence: u32,
     calls: Encoder,
     command: Option<Command>,
     shown_command: Option<Command>,
-    /// Robot time of the last look at the twin, periods.
+    /// Robot time of the last record of the twin, periods.
     period: u64,
-    /// Whether the world was looked at before.
+    /// Whether the world was recorded before.
     begun: bool,
     parts: Vec<String>,
-    /// Where each part was written last.
+    /// Pose of each part when it was last written.
     places: Vec<Option<Pose>>,
     connections: Vec<String>,
     verdict: Vec<Option<Seated>>,
 }
 
 impl Recorder {
-    /// Opens a log for an episode. It is written to a file without a name in the folder of `path`, and put there when it
-    /// is whole. `parts` names the
-    /// parts in the order of the truths that will come, `connections` those of the goal.
+    /// Opens a log for an episode. It is written to an unnamed file in the folder of `path` and
+    /// gets its name when it is complete. `parts` names the parts in the order of the truths that
+    /// follow, `connections` the connections of the goal.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -128,7 +128,7 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// Does something with the file, if all went well so far.
+    /// Runs `work` on the file, unless an earlier write failed.
     fn attempt(&mut self, work: impl FnOnce(&mut Recorder) -> Result<(), mcap::McapError>) {
         if self.failed.is_none() {
             self.failed = work(self).err();
@@ -177,7 +177,7 @@ impl Recorder {
         self.attempt(|recorder| recorder.put(topic, period, text.as_bytes()));
     }
 
-    /// The agent is about to let a period pass under this command.
+    /// The agent is about to advance one period under this command.
     pub fn step(&mut self, command: &Command) {
         self.calls.step(command);
         self.command = Some(command.clone());
@@ -198,7 +198,7 @@ impl Recorder {
         self.calls.expose();
     }
 
-    /// The last reading or image was given; `hash` is that of what was given.
+    /// The last reading or image was delivered; `hash` is the hash of its content.
     pub fn answered(&mut self, hash: u64) {
         self.calls.answered(hash);
     }
@@ -208,7 +208,7 @@ impl Recorder {
         self.calls.refused();
     }
 
-    /// What of the world is to be written now; `time` is robot time, s.
+    /// The quantities due at robot time `time`, s.
     pub fn due(&self, time: f64) -> Due {
         let period = periods(time);
         let passed = |every: u64| period / every > self.period / every;
@@ -216,7 +216,7 @@ impl Recorder {
         Due { time, signals: signals || !self.begun, truth: state || !self.begun, state }
     }
 
-    /// Looks at the world after a call: at what [`Recorder::due`] asked for.
+    /// Records the world after a call, as requested by [`Recorder::due`].
     pub fn watch(&mut self, due: Due, seen: Option<&Observation>, truth: Option<&Truth>, state: Option<u64>) {
         self.period = periods(due.time);
         self.begun = true;
@@ -268,7 +268,7 @@ impl Recorder {
         }
     }
 
-    /// Those that have moved.
+    /// Writes the poses of the parts that have moved.
     fn true_parts(&mut self, truth: &Truth) {
         let stamp = self.stamp();
         let mut transforms = Vec::new();
@@ -293,7 +293,7 @@ impl Recorder {
         }
     }
 
-    /// What the referee says now.
+    /// Records the referee's verdict.
     pub fn judge(&mut self, referee: &Referee) {
         for (index, seated) in referee.verdict().iter().enumerate() {
             if self.verdict[index] != *seated {
@@ -313,8 +313,8 @@ impl Recorder {
         json!({"sec": self.period / 1000, "nsec": self.period % 1000 * 1_000_000})
     }
 
-    /// Writes the end: the last state, the agent's events and the result. Then the log is whole and gets its name.
-    /// Returns its SHA-256 in hex.
+    /// Writes the end: the last state, the agent's events and the result. Then the log is complete
+    /// and gets its name. Returns its SHA-256 in hex.
     ///
     /// # Errors
     /// When something could not be written, now or earlier.
@@ -354,7 +354,7 @@ pub fn periods(time: f64) -> u64 {
     (time / ramp_robot::PERIOD).round() as u64
 }
 
-/// Rounded to so many parts of one: signals are for viewers, and the calls are exact.
+/// `value` rounded to a multiple of 1/`parts`: signals are for viewers, and the calls are exact.
 fn round(value: f64, parts: f64) -> f64 {
     (value * parts).round() / parts
 }

@@ -1,30 +1,31 @@
-//! What goes into the planner and what comes out: plain data, names as in the kit and the goal.
+//! Input and output of the planner: plain data, with names as in the kit and the goal.
 
 use crate::motion::MotionFact;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display};
 
-/// What is known when planning starts. The default: nothing is built, the hand is empty and over the sheet.
+/// Known state at the start of planning. Default: nothing is built, the hand is empty and over the
+/// sheet.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct State {
-    /// Beams that are already at their place, the base not counted.
+    /// Beams in their goal poses, without the base.
     pub in_assembly: Vec<String>,
-    /// Connections (their names in the goal) that a peg already pins, with the peg.
+    /// Connections (by name) that are already pinned, each with its peg.
     pub fastened: Vec<(String, String)>,
-    /// Beams in the assembly that are known to stand off their place.
+    /// Beams in the assembly that are known to be misaligned.
     pub misaligned: Vec<String>,
     /// Pegs that must not be used: lost, or out of reach.
     pub lost_pegs: Vec<String>,
     /// Beams in the assembly that are pushed back, to let another one on.
     pub deep: Vec<String>,
-    /// What the hand holds.
+    /// The held item.
     pub in_hand: Option<Item>,
-    /// What the hand holds has slipped: it is not held as it should be.
+    /// Whether the held item has slipped in the grasp.
     pub slipped: bool,
-    /// Where the hand is.
+    /// Position of the hand.
     pub hand_over: Area,
-    /// What the arm and the hand were found not to be able to do.
+    /// Known limits of the arm and the hand.
     pub motion: Vec<MotionFact>,
 }
 
@@ -41,7 +42,7 @@ pub enum Area {
     Assembly,
 }
 
-/// A thing the hand can hold.
+/// An item that the hand can hold.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Item {
@@ -64,67 +65,68 @@ impl Item {
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "action")]
 pub enum CoarseAction {
-    /// Move the hand, and what it holds, to a neighbouring area.
+    /// Move the hand, and the held item, to a neighbouring area.
     Move {
-        /// Where to.
+        /// The area.
         to: Area,
     },
     /// Pick up a beam or a peg.
     PickUp {
-        /// What.
+        /// The item.
         item: Item,
     },
-    /// Let go of what the hand holds.
+    /// Release the held item.
     PutDown {
-        /// What.
+        /// The item.
         item: Item,
     },
     /// Insert the held beam into the assembly.
     Assemble {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
-    /// Lay the held beam down at its place, with nothing to hold it.
+    /// Lay the held beam down at its goal pose, without support by other beams.
     LayDown {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
-    /// Insert the held beam deeper than its place, through a joint that is open behind.
+    /// Insert the held beam beyond its goal pose, through a joint that is open at the back.
     AssembleDeep {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
-    /// Slide a beam that stands too deep forward to its place, with the hand empty before and after.
+    /// Slide a beam that was inserted too deep forward to its goal pose, with the hand empty before
+    /// and after.
     Slide {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
-    /// Hold the beam by another link.
+    /// Change the grasp to another link of the beam.
     Regrasp {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
     /// Pin a connection with the held peg.
     Fasten {
         /// The connection's name in the goal.
         connection: String,
-        /// Which peg.
+        /// The peg.
         peg: String,
     },
-    /// Bring a beam that stands in the assembly to its nominal place, with the hand empty before and after.
+    /// Align a beam of the assembly with its goal pose, with the hand empty before and after.
     Push {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
 }
 
-/// How the hand holds a thing.
+/// A grasp of an item.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Grasp {
-    /// A beam, by one of its links.
+    /// A beam, at one of its links.
     Link(String),
-    /// A peg, by its head.
+    /// A peg, at its head.
     Head,
 }
 
@@ -136,13 +138,13 @@ pub enum Place {
     Above(Area),
     /// Over the start place of an item.
     Input(Item),
-    /// Where the insertion of a beam begins, or over the hole of a connection (`Beam` or the connection's name).
+    /// The start of the insertion of a beam, or the position over the hole of a connection.
     Approach(Target),
-    /// The place itself.
+    /// The goal pose.
     Target(Target),
 }
 
-/// What a fine place belongs to.
+/// The subject of a fine place.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Target {
@@ -152,25 +154,25 @@ pub enum Target {
     Connection(String),
 }
 
-/// An action of the fine resolution: what a skill executes.
+/// An action of the fine resolution, executed by a skill.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "action")]
 pub enum FineAction {
-    /// Move the hand, and what it holds, along the graph of places.
+    /// Move the hand, and the held item, along the graph of places.
     Move {
-        /// Where to.
+        /// The place.
         to: Place,
     },
     /// Grasp an item and lift it.
     PickUp {
-        /// What.
+        /// The item.
         item: Item,
-        /// Where.
+        /// The grasp.
         grasp: Grasp,
     },
-    /// Let go of what the hand holds and retreat.
+    /// Release the held item and retreat.
     PutDown {
-        /// What.
+        /// The item.
         item: Item,
     },
     /// Insert a joint of the held beam into a joint of the assembly.
@@ -180,7 +182,7 @@ pub enum FineAction {
         /// Its joint that enters or receives, for example `b4j1`.
         joint: String,
     },
-    /// Insert a joint of the held beam at an angle, along the beam's own axis.
+    /// Insert a joint of the held beam obliquely, along the beam's own axis.
     AssembleAngled {
         /// The held beam.
         beam: String,
@@ -191,35 +193,36 @@ pub enum FineAction {
     AssembleThrough {
         /// The held beam.
         beam: String,
-        /// Its joint that enters in the end.
+        /// Its joint that enters last.
         joint: String,
-        /// Its joints that come to lie in sleeves, from j1 on.
+        /// Its joints that end up in sleeves, from j1 on.
         through: Vec<String>,
     },
-    /// Lay the held beam down at its place.
+    /// Lay the held beam down at its goal pose.
     LayDown {
         /// The held beam.
         beam: String,
     },
-    /// Insert the held beam deeper than its place; [`Plan::entries`] says how deep.
+    /// Insert the held beam beyond its goal pose; [`Plan::entries`] holds the depth.
     AssembleDeep {
         /// The held beam.
         beam: String,
         /// Its joint that enters.
         joint: String,
     },
-    /// Grasp a beam that stands too deep, lift it level, slide it forward to its place, let go.
+    /// Grasp a beam that was inserted too deep, lift it level, slide it forward to its goal pose,
+    /// release it.
     Slide {
-        /// Which beam.
+        /// The beam.
         beam: String,
-        /// The link to hold it by.
+        /// The link to grasp.
         link: String,
     },
-    /// Set the held beam down on the way and hold it by another link.
+    /// Set the held beam down between sheet and assembly and grasp it at another link.
     Regrasp {
         /// The held beam.
         beam: String,
-        /// The link to hold it by from now on.
+        /// The new link to grasp.
         link: String,
     },
     /// Cap: one or more joints of the assembly enter the held beam.
@@ -229,7 +232,7 @@ pub enum FineAction {
         /// Its joints that receive.
         joints: Vec<String>,
     },
-    /// Pin two joints with the held peg, and let go of it.
+    /// Pin two joints with the held peg, and release it.
     Fasten {
         /// The connection's name in the goal.
         connection: String,
@@ -237,14 +240,14 @@ pub enum FineAction {
         female: String,
         /// Its male joint.
         male: String,
-        /// Which peg.
+        /// The peg.
         peg: String,
     },
-    /// Grasp a beam in the assembly, bring it to its nominal place, let go.
+    /// Grasp a beam in the assembly, align it with its goal pose, release it.
     Push {
-        /// Which beam.
+        /// The beam.
         beam: String,
-        /// The link to hold it by.
+        /// The link to grasp.
         link: String,
     },
 }
@@ -254,7 +257,7 @@ pub enum FineAction {
 pub struct CoarseStep {
     /// The coarse action.
     pub coarse: CoarseAction,
-    /// What carries it out, in order.
+    /// The fine actions, in order.
     pub fine: Vec<FineAction>,
 }
 
@@ -263,24 +266,24 @@ pub struct CoarseStep {
 pub struct Plan {
     /// The steps, in order.
     pub steps: Vec<CoarseStep>,
-    /// How the beams get to their places, in the order of the steps.
+    /// Insertion motions of the beams, in the order of the steps.
     pub entries: Vec<Entry>,
-    /// How hard it was to find.
+    /// Figures of the search.
     pub statistics: Statistics,
 }
 
-/// The straight motion with which a beam gets to its place.
+/// The straight insertion motion of a beam.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
-    /// Which beam.
+    /// The beam.
     pub beam: String,
     /// The name of the insertion path.
     pub path: String,
     /// Direction of the motion in the assembly frame.
     pub direction: [f64; 3],
-    /// Its length, m: it is free from its start to the place.
+    /// Its length, m; it is collision-free.
     pub distance: f64,
-    /// How much further than its place the beam goes at first, to be slid forward later, m; 0 for most.
+    /// Overshoot beyond the goal pose, m, to be slid forward later; 0 for most beams.
     pub depth: f64,
 }
 
@@ -289,9 +292,9 @@ pub struct Entry {
 pub struct Statistics {
     /// Number of calls to the solver.
     pub solves: usize,
-    /// Is the number of coarse actions proven to be the smallest?
+    /// Whether the number of coarse actions is proven minimal.
     pub optimal: bool,
-    /// No plan has fewer coarse actions than this.
+    /// Lower bound on the number of coarse actions.
     pub lower_bound: usize,
 }
 

@@ -67,8 +67,9 @@ pub struct Span<'r> {
     pub what: &'r str,
 }
 
-/// The whole robot time of an episode, cut into stretches without gaps. An action begins with the event `start` and
-/// ends with `done` of the same words, or else where the next one starts, a new plan is made, or the episode ends.
+/// The whole robot time of an episode, cut into stretches without gaps. An action begins with the
+/// event `start` and ends with `done` of the same words, or else where the next one starts, a new
+/// plan is made, or the episode ends.
 pub fn spans(result: &EpisodeResult) -> Vec<Span<'_>> {
     let end = result.time.robot;
     let mut spans: Vec<Span> = Vec::new();

@@ -10,10 +10,10 @@ use crate::sha256;
 /// The version of the schema these files follow.
 pub const SCHEMA: &str = "ramp-episode-3";
 
-/// The version of the rules by which episodes are judged: `docs/src/reference/rules.md`, which names it.
+/// Version of the rules by which episodes are judged (`docs/src/reference/rules.md`).
 pub const RULES: &str = "ramp-rules-2";
 
-/// Everything that is known about one episode.
+/// Everything recorded about one episode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeResult {
     /// [`SCHEMA`].
@@ -24,48 +24,50 @@ pub struct EpisodeResult {
     pub goal: String,
     /// Its class, if it has one.
     pub class: Option<String>,
-    /// What the agent was allowed to see.
+    /// Name of the track.
     pub track: String,
-    /// Where a real robot worked and a person held the stopwatch: who and what; `None` in the twin.
+    /// Robot, scorer and source of a real run; `None` in the twin.
     pub real: Option<RealRun>,
-    /// What the physics were drawn from; `None` of a real run, and then not in the file.
+    /// The world and its draw. `None` for a real run, and then absent from the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub world: Option<WorldInfo>,
-    /// All randomness of the world came from here; with a secret, from both together; of a real run, the repeat.
+    /// Seed of all randomness of the world (together with the secret, if there is one). For a real
+    /// run, the repeat.
     pub seed: u64,
-    /// The commitment of the secret that was mixed into the seed; `None` without one, and then not in the file.
+    /// The commitment of the secret mixed into the seed. `None` without one, and then absent from
+    /// the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub secret: Option<String>,
-    /// Which of several runs in a row this is, from 1.
+    /// Number of this run in a row of repeats, from 1.
     pub repeat: u32,
-    /// Who worked.
+    /// The agent.
     pub agent: AgentInfo,
-    /// With what this file was made.
+    /// The program that made this file.
     pub software: Software,
-    /// On what.
+    /// The machine.
     pub host: Host,
     /// Pegs counted / pegs in the goal.
     pub completion: f64,
     /// For each connection of the goal, in its order: the peg that counts, or null.
     pub pegs: Vec<Option<PegResult>>,
-    /// Where the time went.
+    /// The times.
     pub time: Time,
-    /// What robot time is to be compared with; `None` of a real run, where the baseline has no plan for the goal, and in files
-    /// of earlier versions. Then it is not in the file.
+    /// Reference values for the robot time. `None`, and then absent from the file: for a real run,
+    /// where the baseline has no plan for the goal, and in files of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot_time: Option<RobotTime>,
     /// The agent's plan.
     pub plan: PlanInfo,
-    /// What happened, in order.
+    /// Events in order of time.
     pub events: Vec<EventInfo>,
-    /// Figures of the physics that a reader may want to check; `None` for a real run.
+    /// Figures of the physics for plausibility checks; `None` for a real run.
     pub physics: Option<Physics>,
-    /// What went wrong on purpose; `None` without a fault, and then not in the file.
+    /// The injected fault. `None` without a fault, and then absent from the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<FaultInfo>,
-    /// Why the episode ended.
+    /// Reason of the end.
     pub ended: Ended,
-    /// SHA-256 of the episode's log, in hex; `None` when there is none.
+    /// SHA-256 of the episode's log, in hex; `None` without a log.
     pub log: Option<String>,
 }
 
@@ -76,13 +78,13 @@ pub struct WorldInfo {
     pub name: String,
     /// SHA-256 of its file, in hex.
     pub sha256: String,
-    /// What the episode drew, where a number is not the same in all episodes: by group and quantity, such as
-    /// `friction.coulomb`.
+    /// The values drawn for this episode, where a number is not the same in all episodes, by group
+    /// and quantity, such as `friction.coulomb`.
     pub draw: BTreeMap<String, Vec<f64>>,
 }
 
 impl WorldInfo {
-    /// Of an episode with this seed in a world.
+    /// The world of an episode with this seed.
     pub fn of(world: &World, seed: u64) -> WorldInfo {
         let drawn = world.quantities().zip(world.numbers(seed));
         let drawn = drawn.filter(|((_, _, quantity), _)| quantity.spread != Spread::Fixed);
@@ -90,12 +92,13 @@ impl WorldInfo {
         WorldInfo { name: world.name.clone(), sha256: sha256(world.text.as_bytes()), draw }
     }
 
-    /// Whether it is a world of the program, and not another one of the same name.
+    /// Whether it is a shipped world, and not another one of the same name.
     pub fn is_shipped(&self) -> bool {
         World::shipped(&self.name).is_some_and(|world| sha256(world.text.as_bytes()) == self.sha256)
     }
 
-    /// What tells it from all other worlds: its name, and for one that is not the program's the begin of its hash.
+    /// Unambiguous name: the world's name, followed by the first digits of its hash if it is not a
+    /// shipped world.
     pub fn title(&self) -> String {
         if self.is_shipped() {
             return self.name.clone();
@@ -105,7 +108,7 @@ impl WorldInfo {
     }
 }
 
-/// How results name a world.
+/// The label of a world in results.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WorldLabel {
     /// SHA-256 of its file, in hex.
@@ -130,19 +133,19 @@ pub struct AgentInfo {
     pub name: String,
     /// Its version.
     pub version: String,
-    /// SHA-256 of its file, in hex. For the baseline that of a file of parameters of its skills; `None` with its own ones,
-    /// which the software's commit tells.
+    /// SHA-256 of its file, in hex. For the baseline: of the file of skill parameters, and `None`
+    /// with the built-in ones, which the software's commit identifies.
     pub sha256: Option<String>,
 }
 
-/// What is known of a run of a real robot, in the words of who scored it.
+/// Description of a real run, as given by its scorer.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct RealRun {
     /// The robot.
     pub robot: String,
-    /// Who held the stopwatch.
+    /// The person who measured the times.
     pub scorer: String,
-    /// Where this was done or published.
+    /// Publication or laboratory.
     pub source: String,
 }
 
@@ -151,7 +154,8 @@ pub struct RealRun {
 pub struct Software {
     /// The version.
     pub version: String,
-    /// The commit it was built from, with `-dirty` behind it where the sources differ from it, or `unknown`.
+    /// The commit it was built from, followed by `-dirty` if the sources were modified, or
+    /// `unknown`.
     pub commit: String,
 }
 
@@ -160,7 +164,7 @@ pub struct Software {
 pub struct Host {
     /// The processor's name as the system gives it, or `unknown`.
     pub cpu: String,
-    /// How many threads it runs at once.
+    /// Number of hardware threads.
     pub cores: usize,
 }
 
@@ -190,16 +194,16 @@ pub struct PegResult {
     pub peg: String,
     /// Robot time since which it has been seated, s.
     pub t_robot: f64,
-    /// The same with the agent's planning and thinking up to then, s.
+    /// The same plus the agent's planning and compute up to then, s.
     pub t_total: f64,
 }
 
-/// Seconds, apart.
+/// Times of an episode, s, each counted separately.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Time {
     /// Task planning, by the agent's clock.
     pub planning: f64,
-    /// The rest of the agent's thinking, while the robot waited.
+    /// The rest of the agent's compute, while the robot waited.
     pub compute: f64,
     /// The robot's own time.
     pub robot: f64,
@@ -207,13 +211,16 @@ pub struct Time {
     pub total: f64,
 }
 
-/// What robot time is to be compared with: of the baseline's plan for the goal, from the start, by the model of the arm. It
-/// is the same for every agent, track, world and seed, and says nothing of the plan that the agent carried out.
+/// Reference values for the robot time: of the baseline's plan for the goal, from the start, by the
+/// model of the arm. They are the same for every agent, track, world and seed, and independent of
+/// the plan that the agent carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RobotTime {
-    /// No arm with these limits rests at all grasps and places of that plan in less time, s.
+    /// Lower bound, s: no arm with these limits visits all grasps and goal poses of that plan in
+    /// less time.
     pub bound: f64,
-    /// What that plan takes with motions at the arm's limits, without looks, searches, waits and tries, s. It is no bound.
+    /// Duration of that plan with motions at the arm's limits, without images, searches, waits and
+    /// retries, s. Not a bound.
     pub reference: f64,
 }
 
@@ -224,16 +231,16 @@ pub struct PlanInfo {
     pub coarse: usize,
     /// Fine actions of the first plan.
     pub fine: usize,
-    /// How often the agent planned again.
+    /// Number of replans.
     pub replans: usize,
 }
 
-/// Something that happened.
+/// An event.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EventInfo {
     /// Robot time, s.
     pub t: f64,
-    /// In one word.
+    /// The kind, one word.
     pub kind: String,
     /// For a person.
     pub what: String,
@@ -246,36 +253,36 @@ pub struct Physics {
     pub deepest_penetration: f64,
     /// Largest force between the hand and what it touched or held, N: at the wrist, filtered with 20 ms.
     pub largest_force: f64,
-    /// Hash of the final physics state: two runs that share it share every bit.
+    /// Hash of the final physics state: equal hashes mean equal states, bit by bit.
     pub state: String,
 }
 
-/// What went wrong on purpose in an episode. The agent knows nothing of it.
+/// The fault injected into an episode. The agent is not informed of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FaultInfo {
     /// The name of its kind.
     pub kind: String,
-    /// At which of the kind's occasions it was to strike, or did, from 1.
+    /// The occasion of this kind at which it was to strike, or struck, from 1.
     pub occasion: u32,
-    /// Robot time at which it struck, s; `None` when its occasion did not come.
+    /// Robot time at which it struck, s; `None` if the occasion did not occur.
     pub at: Option<f64>,
-    /// The part that it struck, where it struck one.
+    /// The part that it struck, where it strikes a part.
     pub part: Option<String>,
-    /// How large it was, in the unit that the text names; `None` where it has no size.
+    /// Its size, in the unit given in the text; `None` where it has no size.
     pub size: Option<f64>,
     /// For a person.
     pub text: String,
 }
 
-/// Why an episode ended.
+/// Reason of an episode's end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ended {
-    /// `done` when the agent said so, otherwise what stopped it.
+    /// `done` when the agent said so, otherwise the cause.
     pub reason: String,
 }
 
 impl EpisodeResult {
-    /// As JSON, ending in a line break.
+    /// As JSON with a final line break.
     pub fn to_json(&self) -> String {
         // Plain structs of numbers and strings always serialise.
         let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
@@ -283,8 +290,8 @@ impl EpisodeResult {
         text
     }
 
-    /// The same result with everything that a clock on the wall decided set to zero, and without the hash of the log,
-    /// in which clocks are kept: what two runs with one seed must share to the last bit.
+    /// The same result with all wall-clock times set to zero, and without the hash of the log,
+    /// which holds such times. Two runs with one seed must agree in this to the last bit.
     #[must_use]
     pub fn without_clock(&self) -> EpisodeResult {
         let mut result = self.clone();

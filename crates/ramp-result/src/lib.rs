@@ -1,9 +1,11 @@
-//! Result files of every kind, and what follows from many of them.
+//! Result files of every kind, and statistics over many of them.
 //!
-//! Data passes one way: whoever judges makes an [`EpisodeResult`], or the verdict of a single ability ([`planning`],
-//! [`perception`], [`manipulation`]); each is one JSON file of a schema in `data/schema`, written by [`write_whole`].
-//! [`collection`] reads folders of such files, from anybody, and [`published`] means that others have given.
-//! A [`secret`] makes seeds that nobody knows before. [`summary`], [`activity`] and [`statistics`] add up what was read. Nothing here links a physics engine.
+//! Data passes one way. A judge makes an [`EpisodeResult`] or the verdict of a single ability
+//! ([`planning`], [`perception`], [`manipulation`]). Each is one JSON file of a schema in
+//! `data/schema`, written by [`write_whole`]. [`collection`] reads folders of such untrusted files;
+//! [`published`] holds means that others have published. A [`secret`] makes seeds that are
+//! unpredictable. [`summary`], [`activity`] and [`statistics`] evaluate the collection. This crate
+//! links no physics engine.
 
 pub mod activity;
 pub mod collection;

@@ -1,4 +1,5 @@
-//! The track of manipulation alone: the [`Trial`] of a single skill as a result file, and trials of one skill summed up.
+//! The track of manipulation alone: the [`Trial`] of a single skill as a result file, and trials of
+//! one skill summed up.
 
 pub mod sums;
 
@@ -10,47 +11,48 @@ use crate::words;
 /// The version of the schema of these files.
 pub const SCHEMA: &str = "ramp-manipulation-2";
 
-/// What came of one trial of a skill.
+/// The outcome of one trial of a skill.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trial {
     /// [`SCHEMA`].
     pub schema: String,
-    /// What the skill is called.
+    /// Name of the skill.
     pub skill: String,
-    /// What the agent was allowed to see.
+    /// Name of the track.
     pub track: String,
-    /// What the physics were drawn from.
+    /// The world and its draw.
     pub world: WorldInfo,
-    /// All randomness of the trial came from here.
+    /// Seed of all randomness of the trial.
     pub seed: u64,
     /// The goal.
     pub goal: String,
     /// Its class.
     pub class: Option<String>,
-    /// The coarse step of the goal's plan that was tried, from 1.
+    /// The coarse step of the goal's plan, from 1.
     pub step: usize,
     /// The step, for a person.
     pub action: String,
-    /// How it began.
+    /// The start that was drawn.
     pub start: StartInfo,
-    /// Who worked.
+    /// The agent.
     pub agent: AgentInfo,
-    /// With what this file was made.
+    /// The program that made this file.
     pub software: Software,
-    /// On what.
+    /// The machine.
     pub host: Host,
-    /// Does the truth say that the step is done?
+    /// Whether the step is done according to the true poses.
     pub success: bool,
-    /// What the truth lacks when it is not.
+    /// The first condition that the true poses do not meet; `None` on success.
     pub missing: Option<String>,
-    /// The fault with which the agent gave up, or what stopped the robot; `None` where it holds the step to be done.
+    /// The fault with which the agent gave up, or the cause that stopped the robot; `None` if the
+    /// agent believes that the step is done.
     pub cause: Option<String>,
-    /// How often the agent tried something again.
+    /// Number of retries.
     pub retries: usize,
     /// Robot time, s.
     pub time: f64,
-    /// What happened, in order.
+    /// Events in order of time.
     pub events: Vec<EventInfo>,
     /// Figures of the physics.
     pub physics: Physics,
@@ -60,9 +62,9 @@ pub struct Trial {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StartInfo {
-    /// How many were drawn until the physics held one.
+    /// Number of draws until the physics model held one.
     pub drawn: usize,
-    /// The furthest that an end of a beam that stands is from its place along the table, m.
+    /// Largest horizontal displacement of a placed beam's end from its goal, m.
     pub displaced: f64,
 }
 
@@ -80,10 +82,10 @@ impl Trial {
         format!("{skill}-{track}-{seed}")
     }
 
-    /// Can this be?
+    /// Checks that the trial is consistent.
     ///
     /// # Errors
-    /// What contradicts what, in words.
+    /// The contradiction, in words.
     pub fn check(&self) -> Result<(), String> {
         if self.success == self.missing.is_some() {
             return Err("a trial is a success, or lacks something".to_string());

@@ -1,18 +1,18 @@
-//! What may stand in the words and lists of a result file: names, text for a person, hashes, and how many of each. Whoever
-//! shows a result, or calls a file after something in it, relies on this.
+//! Checks of the texts and lists of a result file: names, text for a person, hashes, and list
+//! lengths. Code that shows a result, or names a file after its content, relies on them.
 
 use ramp_kit::source::{A_NAME, MAX_SENTENCE, MAX_TITLE, is_name, is_text, shorten};
 
 use crate::episode::{AgentInfo, EventInfo, Host, Software, WorldInfo};
 
-/// The most pegs of a goal.
+/// Largest number of pegs of a goal.
 pub const MOST_PEGS: usize = 1000;
-/// The most events of an episode or a trial.
+/// Largest number of events of an episode or a trial.
 pub const MOST_EVENTS: usize = 10_000;
-/// The most quantities that a world draws, and the longest list of numbers of one.
+/// Largest number of drawn quantities, and of values of one quantity.
 const MOST_NUMBERS: usize = 200;
 
-/// Is it a name?
+/// Checks a name.
 pub(crate) fn name(what: &str, text: &str) -> Result<(), String> {
     match is_name(text) {
         true => Ok(()),
@@ -20,12 +20,12 @@ pub(crate) fn name(what: &str, text: &str) -> Result<(), String> {
     }
 }
 
-/// Is it a text for a person, no longer than a title?
+/// Checks a text for a person, no longer than a title.
 pub(crate) fn title(what: &str, text: &str) -> Result<(), String> {
     words(what, text, MAX_TITLE)
 }
 
-/// Is it a text for a person, no longer than a sentence or two?
+/// Checks a text for a person, no longer than a sentence or two.
 pub(crate) fn sentence(what: &str, text: &str) -> Result<(), String> {
     words(what, text, MAX_SENTENCE)
 }
@@ -40,7 +40,7 @@ fn words(what: &str, text: &str, most: usize) -> Result<(), String> {
     }
 }
 
-/// Is it a hash of so many hexadecimal digits?
+/// Checks a hash of `digits` hexadecimal digits.
 pub(crate) fn hash(what: &str, text: &str, digits: usize) -> Result<(), String> {
     match text.len() == digits && text.bytes().all(|byte| byte.is_ascii_hexdigit()) {
         true => Ok(()),
@@ -48,7 +48,7 @@ pub(crate) fn hash(what: &str, text: &str, digits: usize) -> Result<(), String> 
     }
 }
 
-/// Are they few enough?
+/// Checks that a list has at most `most` elements.
 pub(crate) fn few<T>(what: &str, list: &[T], most: usize) -> Result<(), String> {
     match list.len() <= most {
         true => Ok(()),
@@ -95,7 +95,7 @@ pub(crate) fn class_and_track(class: Option<&str>, track: &str) -> Result<(), St
     }
 }
 
-/// Is there such a class?
+/// Checks that the class exists.
 pub(crate) fn known_class(class: &str) -> Result<(), String> {
     match ramp_assembly::Class::ALL.iter().any(|known| known.name() == class) {
         true => Ok(()),
@@ -103,7 +103,7 @@ pub(crate) fn known_class(class: &str) -> Result<(), String> {
     }
 }
 
-/// What happened, and when: up to the latest time, s.
+/// The events and their times; `latest` is the latest valid time, s.
 pub(crate) fn events(events: &[EventInfo], latest: f64) -> Result<(), String> {
     few("events", events, MOST_EVENTS)?;
     for event in events {

@@ -40,16 +40,17 @@ pub trait Agent {
     /// Its name and version in results.
     fn name(&self) -> (&str, &str);
 
-    /// What it did, for the result; read after [`Agent::run`].
+    /// The account of the work, for the result; read after [`Agent::run`].
     fn account(&self) -> Account;
 
-    /// SHA-256, in hex, of the file that the agent, or its parameters, were read from; `None` where both are part of the
-    /// program.
+    /// SHA-256, in hex, of the file from which the agent or its parameters were read; `None` where
+    /// both are part of the program.
     fn file_hash(&self) -> Option<&str> {
         None
     }
 
-    /// Why the agent itself could not go on, where it was not the robot that stopped it; read after [`Agent::run`].
+    /// Why the agent itself could not continue, if the robot was not the cause; read after
+    /// [`Agent::run`].
     fn failure(&self) -> Option<String> {
         None
     }
@@ -57,6 +58,6 @@ pub trait Agent {
     /// Works on the goal it was made for. Returning ends the episode.
     ///
     /// # Errors
-    /// The robot's error, when that is what ended the work.
+    /// The robot's error, if that ended the work.
     fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError>;
 }

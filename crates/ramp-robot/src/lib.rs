@@ -1,8 +1,8 @@
 //! The seam between an agent and a robot: traits and plain types, nothing else.
 //!
-//! An agent sends a [`Command`] and gets an [`Observation`], once for each control period of a millisecond; the
-//! inner loop runs inside the robot. The same agent drives the twin and a real arm. What it may learn of the
-//! parts is decided by the [`Track`] it is judged on.
+//! An agent sends a [`Command`] and gets an [`Observation`], once per control period of a
+//! millisecond; the inner loop runs inside the robot. The same agent drives the twin and a real
+//! arm. The [`Track`] decides how the agent may observe the parts.
 
 mod agent;
 pub mod arm;

@@ -1,16 +1,16 @@
-//! An episode's result, checked before anything in it is believed.
+//! Consistency checks of an episode's result, before anything else uses it.
 
 use ramp_kit::source::shorten;
 
 use crate::episode::{EpisodeResult, RobotTime};
 use crate::words::{self, MOST_PEGS};
 
-/// The longest time that an episode can have, s: more than any protocol asks for, and what a picture can show.
+/// Time limit of a plausible episode, s: more than any protocol asks for, and still drawable.
 const LONGEST: f64 = 1e7;
-/// By how much times that should agree may differ, s: rounding of whoever wrote them.
+/// Tolerance between times that should agree, s: rounding by the tool that wrote them.
 const SLACK: f64 = 1e-3;
 
-/// Can an episode have ended like this?
+/// Checks that an episode can have ended like this.
 pub(super) fn check(result: &EpisodeResult) -> Result<(), String> {
     words(result)?;
     if result.real.is_some() != result.physics.is_none() {
@@ -57,7 +57,7 @@ pub(super) fn check(result: &EpisodeResult) -> Result<(), String> {
             if other.connection == peg.connection {
                 return Err(format!("{name} counts twice"));
             }
-            // A person with a stopwatch may not have noted which peg it was.
+            // The scorer of a real run may not have noted the peg.
             if other.peg == peg.peg && !peg.peg.is_empty() {
                 return Err(format!("the peg {} counts twice", shorten(&peg.peg)));
             }
@@ -76,7 +76,7 @@ pub(super) fn check(result: &EpisodeResult) -> Result<(), String> {
     words::events(&result.events, LONGEST)
 }
 
-/// Is everything in it that is shown to a person, or that a file is called after, what it should be?
+/// Checks every text that is shown to a person or becomes part of a file name.
 fn words(result: &EpisodeResult) -> Result<(), String> {
     let EpisodeResult { goal, class, track, real, agent, software, host, pegs, fault, ended, log, .. } =
         result;
@@ -97,7 +97,7 @@ fn words(result: &EpisodeResult) -> Result<(), String> {
         for joint in &peg.joints {
             words::name("a joint", joint)?;
         }
-        // A person with a stopwatch may not have noted which peg it was.
+        // The scorer of a real run may not have noted the peg.
         if !peg.peg.is_empty() {
             words::name("a peg", &peg.peg)?;
         }
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn the_longest_result_that_an_agent_can_make_is_read_and_a_longer_one_is_not() {
-        // As many events, each as long, as the protocol lets an agent tell of, in letters of four bytes.
+        // The longest events that the protocol accepts from an agent, in four-byte characters.
         let event = EventInfo { t: 1.0, kind: "fault".into(), what: "\u{1f980}".repeat(200) };
         let mut result = episode("easy-1", 1, &[20.0], 3);
         result.events = vec![event.clone(); MOST_EVENTS];
