@@ -6,7 +6,7 @@
 //! 1. A beam with two of its holes on placed beams is fixed by them.
 //! 2. A beam with one hole in (or around) a square female is at a right angle to its neighbour.
 //! 3. Two beams that are connected with each other, each with one more hole on a placed beam, close
-//!   a triangle.
+//!    a triangle.
 //! 4. A beam with only one hole known, in a long female, lies along X or Y by default.
 //!
 //! Where two answers remain (the opposite direction, or the mirror image of a triangle), the usual
