@@ -70,8 +70,8 @@ class _Relay(Skill):
 class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     """A whole goal: the baseline carries out its plan, except the actions of one kind.
 
-    The physics are continuous: the result of one action is the start of the next. The last number of an action ends your
-    action when it is above 0. The reward is the share of counted pegs, at the end of the episode.
+    The physics are continuous: the result of one action is the start of the next. The last number of an action ends
+    your action when it is above 0. The reward is the share of counted pegs, at the end of the episode.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}
