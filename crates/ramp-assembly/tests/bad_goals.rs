@@ -128,7 +128,7 @@ fn a_name_that_leads_elsewhere_is_refused_where_it_stands() {
     // Without a name of its own it has the file's.
     let nameless = RECTANGLE.replacen(" name=\"easy-3\"", "", 1);
     let error = fails(read_goal_str("goals/my goal.xml", &nameless, &kit()));
-    let place = "goals/my goal.xml:1:1: the file states no name, and its own, \"my goal\", is none";
+    let place = "goals/my goal.xml:1:1: the file states no name, and its own, \"my goal\", is not valid";
     assert_eq!(format!("{error:#}"), format!("{place}: expected {rule}"));
     assert_eq!(read_goal_str("goals/mine.xml", &nameless, &kit()).unwrap().name, "mine");
 }
