@@ -63,7 +63,7 @@ fn it_is_refused_where_it_cannot_be() {
     };
     assert!(refuse("socket=\"36\"", "socket=\"30\"").contains("its socket needs to be 35.53 mm or more"));
     assert!(refuse("turn=\"45\"", "turn=\"80\"").contains("from -60 to 60 degrees"));
-    assert!(refuse("turn=\"45\"", "turn=\"1\"").contains("turned by at least 5°"));
+    assert!(refuse("turn=\"45\"", "turn=\"1\"").contains("the turn of a male end is at least 5°"));
     assert!(refuse("turn=\"45\"", "turn=\"45\" cavity=\"20\"").contains("only a female has a cavity"));
     assert!(refuse("<part name=\"in-m-end-45\"", "<part name=\"thru-f\"").contains("already"));
     assert!(refuse("place=\"end\"", "place=\"middle\"").contains("only a male end can be turned"));

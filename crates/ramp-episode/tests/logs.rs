@@ -83,14 +83,14 @@ fn what_is_wrong_with_a_log_is_told() {
     World::new("easy-1").record("easy-1", &mut Swing(300), &path);
     let bytes = std::fs::read(&path).unwrap();
     assert_eq!(read(b"").unwrap_err(), "x.mcap is not a complete MCAP file: it ends too early");
-    assert!(read(b"{\"schema\": \"ramp-episode-3\"}").unwrap_err().contains("no whole MCAP file"));
+    assert!(read(b"{\"schema\": \"ramp-episode-3\"}").unwrap_err().contains("not a complete MCAP file"));
     for length in [9, bytes.len() / 2, bytes.len() - 1] {
         let error = read(&bytes[..length]).unwrap_err();
         assert!(error.contains("it ends too early"), "{length}: {error}");
     }
     let mut flipped = bytes.clone();
     flipped[bytes.len() / 2] ^= 4;
-    assert!(read(&flipped).unwrap_err().contains("no whole MCAP file"));
+    assert!(read(&flipped).unwrap_err().contains("not a complete MCAP file"));
 
     let with = |topic: &str, data: &[u8]| {
         let mut messages = messages(&bytes);
