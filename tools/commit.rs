@@ -1,14 +1,14 @@
-//! What every build script whose programs write results tells them: the commit that they are built from.
+//! Shared by the build scripts of programs that write results: the commit from which they are built.
 
 use std::path::Path;
 use std::process::Command;
 
-/// What is built in of each crate, where it is there.
+/// Parts of each crate that are built in, if they exist.
 const OF_A_CRATE: [&str; 3] = ["src", "Cargo.toml", "build.rs"];
-/// What is built in beside that.
+/// Further paths that are built in.
 const BUILT_IN: [&str; 5] = ["data", "tools/commit.rs", "Cargo.toml", "Cargo.lock", ".cargo"];
 
-/// Sets `RAMP_COMMIT`: the commit, with `-dirty` behind it where what is built in differs from it, or `unknown`.
+/// Sets `RAMP_COMMIT`: the commit, followed by `-dirty` if these files were modified, or `unknown`.
 pub fn main() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let crates = std::fs::read_dir(root.join("crates")).into_iter().flatten().flatten();

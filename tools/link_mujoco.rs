@@ -9,7 +9,7 @@ pub fn main() {
     let fetched = format!("{}/../../.deps/mujoco-3.17.0", env!("CARGO_MANIFEST_DIR"));
     let folder = own.unwrap_or(fetched);
     let folder = std::fs::canonicalize(&folder).unwrap_or_else(|_| folder.into());
-    // An installed program looks beside itself first: tools/install puts the library there.
+    // An installed program searches its own prefix first, where tools/install puts the library.
     let here = if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "macos") {
         "@loader_path"
     } else {

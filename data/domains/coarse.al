@@ -1,18 +1,18 @@
 % The coarse domain: a hand, three areas in a line, beams and pegs.
 %
-% What may be done and what it changes. In which order the beams come is searched in order.lp and judged here; how
-% a hand does each of these actions is told in fine.al. docs/src/reference/action-language.md explains the language.
+% The possible actions and their effects. order.lp chooses the order of the beams, and this file judges it; fine.al
+% defines how a hand executes each action. docs/src/reference/action-language.md explains the language.
 
-% ---- Things ------------------------------------------------------------------------------------------------------
+% ---- Objects -----------------------------------------------------------------------------------------------------
 
 sort beam.                               % the beams of the goal
 sort connection.                         % two joints, to be pinned by one peg
 sort way.                                % a direction in which a beam can enter; its name is for people only
 sort area = { input, intermediate, assembly }.
-% Pegs are alike, so the rules speak of the peg of a connection; which one of the kit it is makes no difference.
+% Pegs are interchangeable: the rules name a peg by its connection, whichever peg of the kit it is.
 sort item = beam(beam) + peg(connection).
 
-% ---- What the goal and its geometry say --------------------------------------------------------------------------
+% ---- Facts of the goal and its geometry --------------------------------------------------------------------------
 
 static base(beam).                       % the clamped beam
 static joins(connection, beam, beam).    % the two beams of a connection, either way around
@@ -36,7 +36,7 @@ beside(intermediate, assembly).
 beside(A, B) if beside(B, A).
 can_shuttle(B) if shuttle(B, _).
 
-% ---- What changes ------------------------------------------------------------------------------------------------
+% ---- Fluents -----------------------------------------------------------------------------------------------------
 
 inertial fluent at(area).                % where the hand is
 inertial fluent in_hand(item).
@@ -103,20 +103,20 @@ steady(B) if held(B, C), held(B, D), C != D.
 awaits(B) if in_assembly(B), joins(_, B, A), -in_assembly(A).
 other_open(B, C) if joins(C, B, _), joins(D, B, _), open(D), C != D.
 
-% ---- What the hand does ------------------------------------------------------------------------------------------
+% ---- Actions of the hand -----------------------------------------------------------------------------------------
 
-% Move to a neighbouring area, with what the hand holds.
+% Move to a neighbouring area, with the held item.
 action move(area).
 move(A) causes at(A).
 impossible move(A) if at(B), -beside(A, B).
 
-% Take something from the sheet, and put back there what is held.
+% Pick an item up from the sheet, or put the held item back there.
 action pick_up(item).
 pick_up(I) causes in_hand(I).
 impossible pick_up(_) if full.
 impossible pick_up(_) if -at(input).
 impossible pick_up(I) if -on_sheet(I).
-% What a beam is to meet stands at its place before it is fetched: a full hand cannot push.
+% The beams that a beam will meet are aligned before it is fetched: a full hand cannot push.
 impossible pick_up(beam(B)) if joins(_, B, A), in_assembly(A), -aligned(A), -deep(A).
 
 action put_down(item).
@@ -124,7 +124,7 @@ put_down(I) causes on_sheet(I).
 impossible put_down(I) if -in_hand(I).
 impossible put_down(_) if -at(input).
 
-% Set a beam down on the way and hold it by another link, where no link will do for both ends of its way.
+% Set a beam down between sheet and assembly and grasp it at another link, if no link suits both start and goal pose.
 action regrasp(beam).
 regrasp(B) causes regrasped(B).
 impossible regrasp(B) if -in_hand(beam(B)).
@@ -132,32 +132,32 @@ impossible regrasp(B) if -at(intermediate).
 impossible regrasp(B) if regrasped(B).
 impossible regrasp(B) if -awkward(B).
 
-% Insert the held beam: squarely, at an angle, through another one, or as a cap over males that stand.
+% Insert the held beam: squarely, obliquely, through another one, or as a cap over placed males.
 action assemble(beam).
 assemble(B) causes in_assembly(B), aligned(B) if -stuck(B).
 assemble(B) causes -stuck(B).
-% What it meets is pushed off its place, unless a peg holds it.
+% A beam that it meets is misaligned by the contact, unless a peg holds it.
 assemble(A) causes -aligned(B) if -stuck(A), joins(_, A, B), in_assembly(B), -base(B), -pegged(B).
-% What it passes through is taken along and turned, unless a peg holds that in a joint which does not let it turn.
+% A beam that it passes through is dragged and rotated, unless a peg holds it in a joint that prevents rotation.
 assemble(A) causes -aligned(B) if -stuck(A), passes(A, B), in_assembly(B), -guided(B).
 impossible assemble(B) if -in_hand(beam(B)).
 impossible assemble(_) if -at(assembly).
 impossible assemble(B) if slipped(B).
 impossible assemble(B) if awkward(B), -regrasped(B).
 impossible assemble(B) if before(A, B), -in_assembly(A).
-% It needs something to rest on, and a way in.
+% It needs support, and an insertion path.
 impossible assemble(B) if -rests(B).
 impossible assemble(B) if -can_enter(B).
 impossible assemble(B) if bars(A, B), in_assembly(A).
-% What it meets stands at its place, or aside.
+% The beams that it meets are aligned, or pushed back.
 impossible assemble(B) if joins(_, B, A), in_assembly(A), -aligned(A), -deep(A).
-% A droops by 3 mm at the end that B would be put over; pushed back, it is not in the way.
+% A droops by 3 mm at the end that enters B; if A is pushed back, it is not in the way.
 impossible assemble(B) if enters(A, B), droops(A), -deep(A).
 impossible assemble(B) if enters(A, B), deep(A), -shuttle(A, B).
-% No connection waits for its peg: what is only plugged together would be pushed apart.
+% No connection waits for its peg: an unpinned connection would be pushed apart.
 impossible assemble(_) if open(_).
 
-% Lay the held beam down at its place, with nothing to rest on and nothing to hold it.
+% Lay the held beam down at its goal pose, without support by other beams.
 action lay_down(beam).
 lay_down(B) causes in_assembly(B), aligned(B).
 impossible lay_down(B) if -in_hand(beam(B)).
@@ -166,12 +166,12 @@ impossible lay_down(B) if slipped(B).
 impossible lay_down(B) if awkward(B), -regrasped(B).
 impossible lay_down(B) if before(A, B), -in_assembly(A).
 impossible lay_down(B) if rests(B).
-% Without the feet or females that carry it at its height, nothing could be put into it.
+% A beam without feet or females at its height cannot receive another one.
 impossible lay_down(B) if low(B).
 impossible lay_down(B) if shut(B, "down").
 impossible lay_down(B) if bars(A, B), in_assembly(A).
 
-% Shuttle, first half: insert the held beam deeper than its place, through a joint that is open behind.
+% Shuttle, first half: insert the held beam beyond its goal pose, through a joint that is open at the back.
 action assemble_deep(beam).
 assemble_deep(B) causes in_assembly(B), deep(B).
 assemble_deep(A) causes -aligned(B) if joins(_, A, B), in_assembly(B), -base(B), -pegged(B).
@@ -188,7 +188,7 @@ impossible assemble_deep(B) if -can_shuttle(B).
 impossible assemble_deep(B) if shuttle(B, A), in_assembly(A).
 impossible assemble_deep(_) if open(_).
 
-% Shuttle, second half: slide the beam forward to its place, into what has been put on meanwhile.
+% Shuttle, second half: slide the beam forward to its goal pose, into the beams placed meanwhile.
 action slide(beam).
 slide(B) causes aligned(B).
 impossible slide(B) if -deep(B).
@@ -198,12 +198,12 @@ impossible slide(B) if joins(_, B, A), -in_assembly(A).
 impossible slide(B) if joins(_, B, A), in_assembly(A), -aligned(A).
 impossible slide(_) if open(_).
 
-% Press the held peg home.
+% Press the held peg in until it is seated.
 action fasten(connection).
 fasten(C) causes pinned(C).
-% A beam that is pinned to all that it meets so far still swings where it awaits another, if nothing makes it steady.
+% A beam pinned to all placed partners can still rotate while a partner is missing, unless something steadies it.
 fasten(C) causes -aligned(B) if joins(C, B, _), awaits(B), -steady(B), -other_open(B, C).
-% A male that no joint guides turns about its first peg, and its other end with it.
+% A male that no joint guides rotates about its first peg, and its other end with it.
 fasten(C) causes -aligned(B) if joins(C, B, _), other_open(B, C), low(B), -tight(C), -guided(B).
 impossible fasten(C) if -in_hand(peg(C)).
 impossible fasten(_) if -at(assembly).
@@ -211,7 +211,7 @@ impossible fasten(C) if -open(C).
 impossible fasten(C) if crooked(C).
 impossible fasten(C) if hides(B, C), in_assembly(B).
 
-% Bring a beam exactly to its place: a free end before a cap, a carrier after another beam was slid through it.
+% Align a beam exactly: a free end before a cap, or a supporting beam after another one was slid through it.
 action push(beam).
 push(B) causes aligned(B).
 impossible push(B) if -in_assembly(B).
@@ -219,35 +219,35 @@ impossible push(B) if deep(B).
 impossible push(B) if base(B).
 impossible push(_) if -at(assembly).
 impossible push(_) if full.
-% One that stands in it too deep would be taken along; what was pushed back to let it on does not reach it.
+% A beam inserted too deep would be dragged along; one that was pushed back to let it on does not reach it.
 impossible push(B) if joins(_, B, A), in_assembly(A), deep(A), -shuttle(A, B).
 
-% ---- What happens ------------------------------------------------------------------------------------------------
+% ---- Exogenous actions -------------------------------------------------------------------------------------------
 
-% A peg is dropped; another of the kit takes its place in the rules.
+% A peg is dropped; the rules replace it by another one of the kit.
 exogenous action drop_peg(connection).
 drop_peg(C) causes on_sheet(peg(C)).
 impossible drop_peg(C) if -in_hand(peg(C)).
 
-% A beam turns in the hand, or slides in it.
+% A beam rotates or slides in the grasp.
 exogenous action slip(beam).
 slip(B) causes slipped(B).
 impossible slip(B) if -in_hand(beam(B)).
 
-% A beam jams on its way in, and stays in the hand.
+% A beam jams during its insertion, and stays in the hand.
 exogenous action jam(beam).
 jam(B) causes stuck(B).
 impossible jam(B) if -in_hand(beam(B)).
 impossible jam(_) if -at(assembly).
 
-% The arm, or somebody, bumps a beam that stands.
+% The arm, or a person, bumps a placed beam.
 exogenous action bump(beam).
 bump(B) causes -aligned(B).
 impossible bump(B) if -in_assembly(B).
 impossible bump(B) if base(B).
 impossible bump(B) if -aligned(B).
 
-% ---- From where to where -----------------------------------------------------------------------------------------
+% ---- Initial state and goal --------------------------------------------------------------------------------------
 
 initially at(input).
 initially on_sheet(beam(B)) if -base(B).
@@ -258,6 +258,6 @@ initially aligned(B) if base(B).
 goal in_assembly(B).
 goal pinned(C).
 goal aligned(B).
-% The hand is free, and stands aside.
+% The hand is empty, and away from the assembly.
 goal -full.
 goal -at(assembly).

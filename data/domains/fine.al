@@ -1,8 +1,8 @@
-% The fine domain: a closer look at one coarse action.
+% The fine domain: refines one coarse action.
 %
-% Which places the hand passes, by which link it holds a beam, by which joint the beam goes in. The sorts and
-% statics of coarse.al are known here; its fluents are those below of the same name, and what `bridge` says. The
-% planner looks at one coarse action at a time and keeps of the goal only what matters for it (zooming).
+% The places of the hand, the link at which it grasps a beam, the joint that enters. The sorts and statics of
+% coarse.al are visible here; its fluents are those below with the same name, and those defined by `bridge`. The
+% planner refines one coarse action at a time, on the relevant part of the goal (zooming).
 
 % ---- Parts and places --------------------------------------------------------------------------------------------
 
@@ -38,7 +38,7 @@ within(input(I), input).
 within(approach(X), assembly).
 within(target(X), assembly).
 
-% ---- What changes ------------------------------------------------------------------------------------------------
+% ---- Fluents -----------------------------------------------------------------------------------------------------
 
 inertial fluent hand_at(place_of_hand).
 inertial fluent in_hand(item).
@@ -63,7 +63,7 @@ bridge at(A) if hand_at(P), within(P, A).
 defined fluent full.
 full if in_hand(_).
 
-% ---- How a beam goes in ------------------------------------------------------------------------------------------
+% ---- Types of insertion ------------------------------------------------------------------------------------------
 
 defined fluent male(beam, joint, beam).      % joint of the first goes into the second, which stands
 defined fluent female(beam, joint, beam).    % joint of the first goes around a male of the second, which stands
@@ -79,18 +79,18 @@ defined fluent caps(beam).
 caps(B) if female(B, _, _).
 has_end(B) if male(B, J, _), -through_joint(J).
 through(B) if has_end(B), male(B, J, _), through_joint(J).
-% Squarely by an end rather than by the middle.
+% Squarely by an end joint rather than by a middle one.
 enters_by(B, J) if male(B, J, _), -through_joint(J).
 enters_by(B, J) if male(B, J, _), -has_end(B).
 
-% ---- By which link to carry it -----------------------------------------------------------------------------------
+% ---- Link for carrying -------------------------------------------------------------------------------------------
 
 defined fluent barred(link).
 defined fluent can_carry(beam, link).
 defined fluent closer(link, number).
 defined fluent clearance(link, number).
 defined fluent worse(link).
-% What is ahead of the middle joint that passes through a sleeve goes through the sleeve: no place for fingers.
+% The part of a beam ahead of the middle joint that passes through a sleeve enters the sleeve: no room for fingers.
 barred(L) if component(L, B), male(B, M, _), through_joint(M), male(B, E, _), -through_joint(E), later(M, E),
     distance(L, E, N), apart(E, M, D), N < D.
 barred(L) if component(L, B), male(B, M, _), through_joint(M), male(B, E, _), -through_joint(E), later(E, M),
@@ -98,7 +98,7 @@ barred(L) if component(L, B), male(B, M, _), through_joint(M), male(B, E, _), -t
 can_carry(B, L) if component(L, B), graspable(L, start), graspable(L, place), -barred(L), -awkward(B).
 can_carry(B, L) if component(L, B), graspable(L, start), awkward(B), -regrasped(B).
 can_carry(B, L) if component(L, B), graspable(L, place), awkward(B), -barred(L), regrasped(B).
-% Near its middle, where its weight turns it least in the hand; then far from the joints that meet; then the last.
+% Near its centre of mass, to minimise the moment in the grasp; then far from the joints that meet; then the last link.
 closer(L, N) if distance(L, J, N), meets(J), distance(L, K, M), meets(K), M < N.
 clearance(L, N) if distance(L, J, N), meets(J), -closer(L, N).
 worse(L) if can_carry(B, L), can_carry(B, M), leverage(L, D), leverage(M, E), E < D.
@@ -108,7 +108,7 @@ worse(L) if can_carry(B, L), can_carry(B, M), leverage(L, D), leverage(M, D), L 
 defined fluent has_clearance(beam).
 has_clearance(B) if component(L, B), clearance(L, _).
 
-% ---- By which link to push it ------------------------------------------------------------------------------------
+% ---- Link for pushing --------------------------------------------------------------------------------------------
 
 defined fluent nearer(joint, number).
 defined fluent freedom(joint, number).
@@ -116,7 +116,7 @@ defined fluent less_free(joint).
 defined fluent free_end(beam, joint).
 defined fluent too_far(link).
 defined fluent push_by(beam, link).
-% The free end is the one further from the joints that meet; of equals, the last.
+% The free end is the one further from the joints that meet; if equal, the last one.
 nearer(T, N) if tip(T), apart(T, K, N), meets(K), apart(T, I, M), meets(I), M < N.
 freedom(T, N) if tip(T), apart(T, K, N), meets(K), -nearer(T, N).
 less_free(T) if freedom(T, N), freedom(S, M), component(T, B), component(S, B), N < M.
@@ -125,9 +125,9 @@ free_end(B, T) if component(T, B), freedom(T, _), -less_free(T).
 too_far(L) if free_end(B, T), distance(L, T, N), component(M, B), graspable(M, place), distance(M, T, D), D < N.
 push_by(B, L) if component(L, B), graspable(L, place), free_end(B, _), -too_far(L).
 
-% ---- What the hand does ------------------------------------------------------------------------------------------
+% ---- Actions of the hand -----------------------------------------------------------------------------------------
 
-% Along the graph of places; to a place in the assembly only empty: what is held gets there by an insertion.
+% Along the graph of places; to a place in the assembly only with an empty hand: held items get there by an insertion.
 action move(place_of_hand).
 move(P) causes hand_at(P).
 impossible move(P) if hand_at(Q), -next(Q, P).
@@ -148,7 +148,7 @@ put_down(I) causes on_sheet(I).
 impossible put_down(I) if -in_hand(I).
 impossible put_down(I) if -hand_at(input(I)).
 
-% Hold the beam by another link.
+% Change the grasp to another link of the beam.
 action regrasp(beam, link).
 regrasp(B, L) causes regrasped(B), held_by(link(L)).
 impossible regrasp(B, _) if -in_hand(beam(B)).
@@ -157,7 +157,7 @@ impossible regrasp(B, L) if -component(L, B).
 impossible regrasp(B, L) if -graspable(L, place).
 impossible regrasp(_, L) if held_by(link(L)).
 
-% All insertions begin at the approach and end with the hand empty at the place of the beam.
+% All insertions begin at the approach and end with an empty hand at the goal pose of the beam.
 action assemble_square(beam, joint).
 assemble_square(B, J) causes in_assembly(B), aligned(B), hand_at(target(beam(B))).
 impossible assemble_square(B, _) if -in_hand(beam(B)).
@@ -166,7 +166,7 @@ impossible assemble_square(B, J) if -enters_by(B, J).
 impossible assemble_square(B, _) if through(B).
 impossible assemble_square(B, _) if slanted(B).
 
-% At an angle, along the beam's own axis.
+% Obliquely, along the beam's own axis.
 action assemble_angled(beam, joint).
 assemble_angled(B, J) causes in_assembly(B), aligned(B), hand_at(target(beam(B))).
 impossible assemble_angled(B, _) if -in_hand(beam(B)).
@@ -175,7 +175,7 @@ impossible assemble_angled(B, J) if -enters_by(B, J).
 impossible assemble_angled(B, _) if through(B).
 impossible assemble_angled(B, _) if -slanted(B).
 
-% Through the sleeves of another beam, and with its end into the next.
+% Through the sleeves of another beam, and with its end into the next one.
 action assemble_through(beam, joint).
 assemble_through(B, J) causes in_assembly(B), aligned(B), hand_at(target(beam(B))).
 impossible assemble_through(B, _) if -in_hand(beam(B)).
@@ -203,7 +203,7 @@ impossible assemble_deep(B, _) if -in_hand(beam(B)).
 impossible assemble_deep(B, _) if -hand_at(approach(beam(B))).
 impossible assemble_deep(B, J) if -enters_by(B, J).
 
-% The next two begin and end with the empty hand at the beam.
+% The next two begin and end with an empty hand at the beam.
 action slide(beam, link).
 slide(B, L) causes aligned(B).
 impossible slide(_, _) if full.

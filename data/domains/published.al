@@ -1,9 +1,9 @@
 % The coarse domain as the published planner has it, for comparison with coarse.al.
 %
-% Written anew from the behaviour of that planner and section IV-A of the paper: in its words, what it models and what
-% it does not. It knows no geometry: which way a beam goes in, whether an end droops, whether a hand has room. After
-% building something in, the hand still holds it and has to let go; every insertion misaligns every other beam, pinned
-% or not; the end need neither be aligned nor leave a free hand. Its plans are not carried out: the fine domain
+% Reconstructed from the behaviour of that planner and section IV-A of the paper, with the same scope of modelling:
+% it has no geometry, such as insertion paths, drooping ends and room for the hand. After
+% an insertion, the hand still holds the beam and must release it; every insertion misaligns every other beam, pinned
+% or not; the goal requires neither alignment nor an empty hand. Its plans are not carried out: the fine domain
 % belongs to coarse.al. `ramp plan easy-1 --domain data/domains/published.al --coarse --optimal` plans with it.
 
 sort beam.

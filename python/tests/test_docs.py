@@ -29,6 +29,13 @@ def test_the_examples_of_a_page_run(page, capsys, monkeypatch, tmp_path):
     assert "C1  b4j1 in b7j1" in capsys.readouterr().out
 
 
+def test_the_example_of_the_environments_runs(capsys):
+    pytest.importorskip("gymnasium")
+    page = ROOT / "docs/src/reference/environments.md"
+    exec(compile(blocks(page.read_text(encoding="utf-8"))[0], page, "exec"), {})
+    assert capsys.readouterr().out in ("True\n", "False\n")
+
+
 def test_the_package_s_page_has_the_example_of_the_readme():
     pages = [(ROOT / page).read_text(encoding="utf-8") for page in ("README.md", "python/README.md")]
     assert blocks(pages[0]) == blocks(pages[1])

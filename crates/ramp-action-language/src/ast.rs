@@ -1,4 +1,4 @@
-//! Statements as the parser leaves them: names not looked up yet, every part with its place in the text.
+//! Statements as parsed: names are not resolved yet; every part has its place in the text.
 
 use std::collections::BTreeSet;
 use std::fmt::{self, Display, Write};
@@ -23,7 +23,7 @@ pub(crate) struct Expression {
 
 #[derive(Clone, Debug)]
 pub(crate) enum Shape {
-    /// `B`; `_` has become a name of its own, such as `_3`.
+    /// `B`; each `_` gets a name of its own, such as `_3`.
     Variable(String),
     Number(i64),
     /// `"b4"`: an object of a problem.
@@ -92,7 +92,7 @@ pub(crate) enum Law {
     Initially { head: Literal },
     /// `goal head if body`
     Goal { head: Literal },
-    /// `bridge head if body`: a coarse fluent in terms of fine ones.
+    /// `bridge head if body`: a coarse fluent defined by fine ones.
     Bridge { head: Atom },
 }
 
@@ -110,7 +110,7 @@ pub(crate) enum SortPart {
 /// A statement.
 #[derive(Clone, Debug)]
 pub(crate) enum Statement {
-    /// `sort name = parts`; without parts, its objects come with the problem.
+    /// `sort name = parts`; without parts, its objects are given by the problem.
     Sort { name: Name, parts: Option<Vec<SortPart>> },
     /// `static name(sorts)`
     Static { name: Name, sorts: Vec<Name> },
@@ -138,7 +138,7 @@ impl Expression {
         }
     }
 
-    /// Does it name a number, or add numbers up?
+    /// Whether it names a number or contains a sum.
     pub fn reckons(&self) -> bool {
         match &self.what {
             Shape::Number(_) | Shape::Sum(..) => true,
@@ -161,13 +161,13 @@ impl Expression {
     }
 }
 
-/// Is this the name that the parser gave to a `_`?
+/// Whether this is the parser's name for a `_`.
 pub(crate) fn is_anonymous(variable: &str) -> bool {
     variable.starts_with('_')
 }
 
 impl Operator {
-    /// As both the language and clingo write it.
+    /// The operator as written in both the language and clingo.
     pub fn text(self) -> &'static str {
         match self {
             Operator::Equal => "=",
@@ -179,7 +179,7 @@ impl Operator {
         }
     }
 
-    /// Does it hold between things in this order?
+    /// Whether it holds for two values in this order.
     pub fn holds(self, ordering: std::cmp::Ordering) -> bool {
         match self {
             Operator::Equal => ordering.is_eq(),
@@ -192,12 +192,12 @@ impl Operator {
     }
 }
 
-// As clingo reads them; a person reads the same in the language.
+// In clingo's syntax, which is also the language's.
 
 impl Display for Expression {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.what {
-            // One `_` is as good as another in a program.
+            // All `_` are equal in a program.
             Shape::Variable(name) => f.write_str(if is_anonymous(name) { "_" } else { name }),
             Shape::Number(number) => write!(f, "{number}"),
             Shape::Quoted(name) => write!(f, "{}", crate::term::Term::from(name.as_str())),

@@ -1,4 +1,4 @@
-//! A checked domain as data: every name is known and every variable has a sort.
+//! A checked domain as data: all names are resolved and every variable has a sort.
 
 use crate::ast::{Atom, Condition, Expression, Law, Span};
 use ramp_source::SourceFile;
@@ -21,7 +21,8 @@ pub(crate) const NUMBER: &str = "number";
 /// );
 /// assert!(Domain::new(&file, None).is_ok());
 ///
-/// let file = SourceFile::new("lamp.al", "sort lamp = { red, green }. static brighter(lamp, lamp). brighter(rad, green).");
+/// let text = "sort lamp = { red, green }. static brighter(lamp, lamp). brighter(rad, green).";
+/// let file = SourceFile::new("lamp.al", text);
 /// let error = Domain::new(&file, None).unwrap_err();
 /// assert_eq!(format!("{error:#}"), "lamp.al:1:67: `rad` is not of the sort `lamp` (did you mean `red`?)");
 /// ```
@@ -29,32 +30,32 @@ pub(crate) const NUMBER: &str = "number";
 pub struct Domain {
     pub(crate) file: SourceFile,
     pub(crate) sorts: BTreeMap<String, Sort>,
-    /// The arguments of the functions that sorts are made of.
+    /// The arguments of the functions from which sorts are built.
     pub(crate) functions: BTreeMap<String, Vec<String>>,
     pub(crate) predicates: BTreeMap<String, Predicate>,
     pub(crate) laws: Vec<CheckedLaw>,
 }
 
-/// What a name stands for.
+/// The kind of a declared name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// What never changes.
+    /// Never changes.
     Static,
-    /// What is true at one time and may be false at another.
+    /// True at some times and false at others.
     Fluent(FluentKind),
-    /// What changes fluents.
+    /// Changes fluents.
     Action {
-        /// It happens by itself; no plan may hold it.
+        /// It happens without the agent; plans cannot contain it.
         exogenous: bool,
     },
 }
 
-/// How a fluent gets its truth.
+/// The source of a fluent's truth value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FluentKind {
-    /// Stays as it is unless a law changes it.
+    /// Persists unless a law changes it.
     Inertial,
-    /// True exactly when a law says so.
+    /// True exactly when a law derives it.
     Defined,
 }
 
@@ -77,17 +78,17 @@ pub(crate) struct Predicate {
     pub sorts: Vec<String>,
 }
 
-/// A sort, as the set of what it is made of.
+/// A sort, as the set of its leaves.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sort {
     pub leaves: BTreeSet<Leaf>,
 }
 
-/// One thing that a sort is made of.
+/// A leaf of a sort.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Leaf {
     Number,
-    /// The objects of this sort come with the problem.
+    /// The objects of this sort are given by the problem.
     Open(String),
     Constant(String),
     Function(String),
@@ -103,15 +104,15 @@ pub(crate) struct CheckedLaw {
 }
 
 impl Domain {
-    /// The objects that laws name: they are not like others.
+    /// The objects named by laws: they are not interchangeable with others.
     pub fn quoted(&self) -> BTreeSet<String> {
         let mut names = BTreeSet::new();
         self.expressions(&mut |expression| expression.quoted(&mut names));
         names
     }
 
-    /// Whether the laws do nothing with numbers but compare them with each other: then problems whose numbers have the same
-    /// order are alike.
+    /// Whether the laws only compare numbers: then problems whose numbers have the same order are
+    /// equivalent.
     pub fn only_compares_numbers(&self) -> bool {
         let mut only = true;
         self.expressions(&mut |expression| only &= !expression.reckons());
@@ -147,18 +148,18 @@ impl Domain {
         &self.file
     }
 
-    /// What it declares under a name.
+    /// The kind of a declared name.
     pub fn kind(&self, name: &str) -> Option<Kind> {
         self.predicates.get(name).map(|predicate| predicate.kind)
     }
 
-    /// Does a bridge law define a coarse fluent of this name?
+    /// Whether a bridge law defines a coarse fluent of this name.
     pub fn bridges(&self, name: &str) -> bool {
         self.laws.iter().any(|law| matches!(&law.law, Law::Bridge { head } if head.name.text == name))
     }
 
-    /// The sorts, and the statics that matter: those that a law about fluents, actions or goals asks for, and those that
-    /// these statics are concluded from. Facts about others change nothing.
+    /// The sorts and the relevant statics: those used in a law about fluents, actions or goals, and
+    /// those from which these are derived. All other facts have no effect.
     pub fn relevant_facts(&self) -> BTreeSet<&str> {
         let mut matter: BTreeSet<&str> = self.sorts.keys().map(String::as_str).collect();
         loop {
@@ -182,12 +183,12 @@ impl Domain {
         }
     }
 
-    /// Does a law conclude a static?
+    /// Whether a law derives a static.
     pub(crate) fn is_static_law(&self, law: &CheckedLaw) -> bool {
         matches!(&law.law, Law::Holds { head } if self.kind(&head.atom.name.text) == Some(Kind::Static))
     }
 
-    /// Is every element of the first sort one of the second?
+    /// Whether every element of the first sort is one of the second.
     pub(crate) fn within(&self, inner: &str, outer: &str) -> bool {
         match (self.sorts.get(inner), self.sorts.get(outer)) {
             (Some(inner), Some(outer)) => inner.leaves.is_subset(&outer.leaves),

@@ -1,10 +1,10 @@
-//! Words: the text of a domain cut into names, variables, numbers and signs.
+//! The lexer: the text of a domain as names, variables, numbers and signs.
 
 use crate::ast::Span;
 use crate::problem::{LanguageError, LanguageProblem};
 use ramp_source::{Fault, SourceFile, is_text};
 
-/// A word with its place.
+/// A token with its place.
 #[derive(Clone, Debug)]
 pub(crate) struct Word {
     pub what: Token,
@@ -26,11 +26,11 @@ pub(crate) enum Token {
 }
 
 const SIGNS: [&str; 14] = ["!=", "<=", ">=", "(", ")", "{", "}", ",", ".", "+", "-", "=", "<", ">"];
-/// The most digits of a number; sums of such numbers fit.
+/// Largest number of digits; sums of such numbers do not overflow.
 const DIGITS: usize = 15;
 
 impl Token {
-    /// What messages call it.
+    /// The token as described in messages.
     pub fn describe(&self) -> String {
         match self {
             Token::Name(text) | Token::Variable(text) => format!("`{text}`"),
@@ -42,7 +42,7 @@ impl Token {
     }
 }
 
-/// Cuts a file into words; the last one is [`Token::End`].
+/// Splits a file into tokens; the last one is [`Token::End`].
 pub(crate) fn words(file: &SourceFile) -> Result<Vec<Word>, LanguageError> {
     let text = file.text();
     let mut words = Vec::new();

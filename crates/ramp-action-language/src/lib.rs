@@ -1,15 +1,18 @@
 //! An action language: sorts, statics, fluents and actions, and laws over them.
 //!
-//! A text goes in. What comes out is a checked [`Domain`], or an error with file, line and column. From there:
+//! A text goes in, and a checked [`Domain`] comes out, or an error with file, line and column. A
+//! domain can be:
 //!
-//! - [`Domain::to_asp`] writes the domain as an answer set program that a person can read and clingo can solve;
-//! - [`Model`] carries the domain out for the objects and statics of one problem, state by state: what an action
-//!   changes, what forbids it, what a goal lacks;
-//! - [`Unrolled`] writes one problem as a ground program, step by step, without what that problem cannot reach; a
-//!   solver that takes ground rules finds plans with it;
-//! - [`Pddl`] writes the domain and a problem for planners that read PDDL, and reads their plans.
+//! - written as an answer set program that a person can read and clingo can solve
+//!   ([`Domain::to_asp`]);
+//! - executed for the objects and statics of one problem, state by state, with the effects of
+//!   actions, the reasons against them, and the missing goals ([`Model`]);
+//! - unrolled for one problem as a ground program, step by step, without the parts that the problem
+//!   cannot reach; a solver of ground rules finds plans with it ([`Unrolled`]);
+//! - written as PDDL with a problem, for planners that read PDDL, whose plans are read back
+//!   ([`Pddl`]).
 //!
-//! This crate solves nothing itself, and knows nothing of what a domain is about.
+//! This crate contains no solver, and nothing specific to assembly.
 //!
 //! ```
 //! use ramp_action_language::{Domain, Model, Refusal, SourceFile, Term};
@@ -35,17 +38,19 @@
 //! let model = Model::new(&domain, &facts);
 //! let start = model.initial(&[Term::new("at", [hall.clone()])], &[]).unwrap();
 //! let after = model.after(&start, &Term::new("go", [kitchen.clone()])).unwrap();
-//! assert!(model.holds(&after, &Term::new("at", [kitchen])) && !model.holds(&after, &Term::new("at", [hall])));
+//! assert!(model.holds(&after, &Term::new("at", [kitchen])));
+//! assert!(!model.holds(&after, &Term::new("at", [hall])));
 //! let refused = model.after(&start, &Term::new("go", [attic])).unwrap_err();
 //! let Refusal::Impossible(reason) = refused else { panic!("{refused:?}") };
 //! assert_eq!(reason.law, "impossible go(R) if at(S), -door(S, R)");
 //! # Ok::<(), ramp_action_language::LanguageError>(())
 //! ```
 //!
-//! A domain goes through `lex` (words), `parse` (statements, `ast`) and `check` (names and sorts) to become a [`Domain`];
-//! `translate`, `interpreter`, `unroll` and `pddl` are the four ways on. The language is one of the AL_d family
-//! (M. Gelfond, D. Inclezan, *Some properties of system descriptions of AL_d*, Journal of Applied Non-Classical Logics
-//! 23, 2013); `docs/src/reference/action-language.md` describes every construct.
+//! A domain passes `lex` (tokens), `parse` (statements, `ast`) and `check` (names and sorts) to
+//! become a [`Domain`]. `translate`, `interpreter`, `unroll` and `pddl` are its four uses. The
+//! language is one of the AL_d family (M. Gelfond, D. Inclezan, *Some properties of system
+//! descriptions of AL_d*, Journal of Applied Non-Classical Logics 23, 2013);
+//! `docs/src/reference/action-language.md` describes every construct.
 
 mod ast;
 mod check;

@@ -1,4 +1,4 @@
-//! Statements: a recursive descent over the words, one function for each rule of the grammar.
+//! The parser: recursive descent over the tokens, one function per rule of the grammar.
 
 use crate::ast::{
     Atom, Comparison, Condition, Expression, Law, Literal, Name, Operator, Shape, Sign, SortPart, Span,
@@ -8,7 +8,7 @@ use crate::lex::{Token, Word, words};
 use crate::problem::{LanguageError, LanguageProblem};
 use ramp_source::{Fault, SourceFile, nearest};
 
-/// Words that begin or join statements, and so cannot be names.
+/// Words that begin or join statements, and so are not allowed as names.
 pub(crate) const KEYWORDS: [&str; 13] = [
     "sort",
     "static",
@@ -24,7 +24,7 @@ pub(crate) const KEYWORDS: [&str; 13] = [
     "goal",
     "bridge",
 ];
-/// How deep terms may be nested; the grammar needs two.
+/// Largest nesting depth of terms; the grammar needs two.
 const DEPTH: usize = 16;
 
 /// Parses a whole domain.
@@ -42,7 +42,7 @@ struct Parser<'a> {
     file: &'a SourceFile,
     words: Vec<Word>,
     at: usize,
-    /// How many `_` there were.
+    /// Number of `_` so far.
     anonymous: usize,
 }
 
@@ -57,7 +57,7 @@ impl Parser<'_> {
         self.words[self.at].span.clone()
     }
 
-    /// Takes a word; the end stays.
+    /// Takes the next token, except the end.
     fn take(&mut self) -> Word {
         let word = self.words[self.at].clone();
         self.at = (self.at + 1).min(self.words.len() - 1);
@@ -254,7 +254,7 @@ impl Parser<'_> {
         Ok(Atom { name, arguments, span })
     }
 
-    /// Where the last word ended.
+    /// End of the last token.
     fn before(&self) -> usize {
         self.words[..self.at].last().map_or(0, |word| word.span.end)
     }
@@ -277,7 +277,7 @@ impl Parser<'_> {
     }
 
     fn condition(&mut self) -> Parsed<Condition> {
-        // `-` begins a literal, and what begins with a name may be a literal or a side of a comparison.
+        // `-` begins a literal; a name begins a literal or a side of a comparison.
         if self.is_sign("-") {
             return Ok(Condition::Literal(self.literal("a fluent or a static")?));
         }

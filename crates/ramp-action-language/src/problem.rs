@@ -1,24 +1,24 @@
-//! What can be wrong with a domain.
+//! Defects of a domain file.
 
 use ramp_source::{Fault, FormProblem, Problem, shorten};
 
-/// What is wrong with a domain, and where.
+/// A defect of a domain file, with its place.
 pub type LanguageError = Fault<LanguageProblem>;
 
-/// What can be wrong with a domain.
+/// Defects of a domain file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LanguageProblem {
     /// The file cannot be read.
     #[error(transparent)]
     Form(#[from] FormProblem),
-    /// A character that no word begins with.
-    #[error("found the character `{}`, which means nothing here", shorten(&found.to_string()))]
+    /// An invalid character.
+    #[error("unexpected character `{}`", shorten(&found.to_string()))]
     Character {
         /// The character.
         found: char,
     },
-    /// A quoted name that does not end on its line.
+    /// A quoted name without its closing quote on the same line.
     #[error("this name has no closing quote on its line")]
     Quote,
     /// A number with too many digits.
@@ -27,37 +27,37 @@ pub enum LanguageProblem {
         /// Its digits.
         found: String,
     },
-    /// Another word than the grammar asks for.
+    /// An unexpected token.
     #[error("found {found}, expected {expected}")]
     Word {
-        /// What the file has.
+        /// The token found.
         found: String,
-        /// What the grammar asks for.
+        /// The token expected.
         expected: String,
-        /// A keyword that is most like what was found.
+        /// The most similar keyword.
         nearest: Option<String>,
     },
-    /// Terms within terms within terms.
+    /// Terms nested too deeply.
     #[error("this term is nested too deep")]
     Depth,
-    /// A name that is declared nowhere.
+    /// An undeclared name.
     #[error("there is no {kind} `{name}`")]
     Unknown {
         /// `sort`, `static, fluent or action`, …
         kind: &'static str,
         /// The name.
         name: String,
-        /// The declared name most like it.
+        /// The most similar declared name.
         nearest: Option<String>,
     },
-    /// A name that is declared twice.
+    /// A name declared twice.
     #[error("`{name}` is declared twice")]
     Twice {
         /// The name.
         name: String,
     },
     /// A sort that contains itself.
-    #[error("the sort `{name}` is a part of itself")]
+    #[error("the sort `{name}` contains itself")]
     Circle {
         /// The sort.
         name: String,
@@ -67,22 +67,22 @@ pub enum LanguageProblem {
     Arguments {
         /// The name.
         name: String,
-        /// As written.
+        /// Their number as written.
         found: usize,
-        /// As declared.
+        /// Their number as declared.
         expected: usize,
     },
-    /// A term where its sort does not belong.
+    /// A term of the wrong sort.
     #[error("`{term}` is not of the sort `{sort}`")]
     Sort {
         /// The term.
         term: String,
-        /// The sort that belongs there.
+        /// The expected sort.
         sort: String,
-        /// The element of the sort most like the term.
+        /// The most similar element of the sort.
         nearest: Option<String>,
     },
-    /// A variable in places whose sorts have nothing in common.
+    /// A variable used with two sorts that have nothing in common.
     #[error("the variable `{variable}` would have to be of the sorts `{first}` and `{second}` at once")]
     Clash {
         /// The variable.
@@ -92,36 +92,34 @@ pub enum LanguageProblem {
         /// The other.
         second: String,
     },
-    /// A variable that nothing gives a value to.
+    /// An unbound variable.
     #[error("the variable `{variable}` is unsafe: no static, fluent or action gives it a value")]
     Unsafe {
         /// The variable.
         variable: String,
     },
-    /// `_` where every value would be meant.
-    #[error("`_` cannot stand in {place}")]
+    /// `_` in a position where it would mean every value.
+    #[error("`_` is not allowed in {place}")]
     Anonymous {
-        /// Where it stands.
+        /// The position.
         place: &'static str,
     },
-    /// A kind of name where another belongs.
-    #[error("`{name}` is {found}, but {expected} belongs here")]
+    /// A name of the wrong kind.
+    #[error("`{name}` is {found}, expected {expected}")]
     Kind {
         /// The name.
         name: String,
-        /// What it is.
+        /// Its kind.
         found: &'static str,
-        /// What belongs here.
+        /// The expected kind.
         expected: &'static str,
     },
-    /// A negated head that cannot be.
-    #[error(
-        "`{name}` is {found}; what is not derived of it is false anyway, so a law cannot conclude `-{name}`"
-    )]
+    /// A negated head of a defined predicate.
+    #[error("`{name}` is {found} and false unless derived, so a law cannot conclude `-{name}`")]
     NegatedHead {
         /// The name.
         name: String,
-        /// What it is.
+        /// Its kind.
         found: &'static str,
     },
     /// A defined fluent that depends on its own negation.

@@ -1,8 +1,8 @@
-//! Ground terms of the rules: what facts are made of and answers consist of.
+//! Ground terms: the elements of facts and answers.
 
 use std::fmt::{self, Display, Write};
 
-/// How deep a term that is read may be nested; laws have it two deep.
+/// Largest nesting depth of a term that is read; laws have a depth of two.
 const MAX_DEPTH: usize = 16;
 
 /// A ground term, such as `move(input)`, `"b4"` or `(1,0)`.
@@ -10,11 +10,11 @@ const MAX_DEPTH: usize = 16;
 pub enum Term {
     /// A whole number.
     Number(i64),
-    /// A name, quoted in the rules, so that any name of a problem can be one.
+    /// A name, quoted in the rules, so that any name of a problem is valid.
     Text(String),
-    /// A name of the rules with arguments; without any, a constant, and without a name, a tuple.
+    /// A function with arguments; a constant if it has none, a tuple if it has no name.
     Function(String, Vec<Term>),
-    /// What is more than any other, `#sup`, and the few things that have no meaning here.
+    /// The largest term, `#sup`, and the few other terms without a meaning here.
     Other(String),
 }
 
@@ -24,14 +24,14 @@ impl Term {
         Term::Function(name.to_string(), arguments.into())
     }
 
-    /// Reads a term such as `in_hand(beam("b4"))`; `None` when it is none.
+    /// Reads a term such as `in_hand(beam("b4"))`; `None` on a syntax error.
     pub fn read(text: &str) -> Option<Term> {
         let mut rest = text.trim();
         let term = read(&mut rest, MAX_DEPTH)?;
         rest.is_empty().then_some(term)
     }
 
-    /// The same with the arguments that are mere words as texts: `beam(b4)` is `beam("b4")`.
+    /// The same with constant arguments as texts: `beam(b4)` becomes `beam("b4")`.
     pub fn quoted(&self) -> Term {
         let Term::Function(name, arguments) = self else { return self.clone() };
         let quoted = |argument: &Term| match argument {
@@ -49,7 +49,7 @@ impl Term {
         }
     }
 
-    /// The texts in it, however deep, from left to right.
+    /// The texts in it, at any depth, from left to right.
     pub fn texts(&self) -> Vec<&str> {
         match self {
             Term::Text(text) => vec![text],
@@ -58,7 +58,7 @@ impl Term {
         }
     }
 
-    /// The same term with other texts.
+    /// The same term with its texts replaced.
     pub fn with_texts(&self, change: &mut impl FnMut(&str) -> String) -> Term {
         match self {
             Term::Text(text) => Term::Text(change(text)),
@@ -79,7 +79,7 @@ impl Term {
         }
     }
 
-    /// The same term with other numbers.
+    /// The same term with its numbers replaced.
     #[must_use]
     pub fn with_numbers(&self, change: &mut impl FnMut(i64) -> i64) -> Term {
         match self {
@@ -93,7 +93,7 @@ impl Term {
     }
 }
 
-/// Takes a term off the beginning of a text.
+/// Takes a term from the beginning of a text.
 fn read(rest: &mut &str, depth: usize) -> Option<Term> {
     if let Some(quoted) = rest.strip_prefix('"') {
         let (text, after) = read_text(quoted)?;
@@ -122,7 +122,8 @@ fn read(rest: &mut &str, depth: usize) -> Option<Term> {
     }
 }
 
-/// Reads a text after its opening quote, with the escapes of [`Display`]: the text, and what follows its closing quote.
+/// Reads a text after its opening quote, with the escapes of [`Display`]: the text, and the rest
+/// after its closing quote.
 fn read_text(quoted: &str) -> Option<(String, &str)> {
     let mut text = String::new();
     let mut chars = quoted.chars();
@@ -147,12 +148,12 @@ impl From<&str> for Term {
 
 impl From<usize> for Term {
     fn from(number: usize) -> Term {
-        // The counts of a problem are far smaller.
+        // The numbers of a problem are far smaller.
         Term::Number(i64::try_from(number).unwrap_or(i64::MAX))
     }
 }
 
-/// As the rules write it.
+/// In the syntax of the rules.
 impl Display for Term {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -174,7 +175,8 @@ impl Display for Term {
                 for (index, argument) in arguments.iter().enumerate() {
                     write!(f, "{}{argument}", if index == 0 { '(' } else { ',' })?;
                 }
-                // A tuple of one has a comma, and only tuples and functions have parentheses.
+                // A tuple of one element has a comma, and only tuples and functions have
+                // parentheses.
                 match (name.is_empty(), arguments.len()) {
                     (true, 0) => f.write_str("()"),
                     (true, 1) => f.write_str(",)"),

@@ -1,14 +1,15 @@
-//! From a domain to Answer Set Programming that a person can read.
+//! Translation of a domain into a readable answer set program.
 //!
-//! The translation is the usual one for AL_d: `holds(F,T)` and `-holds(F,T)` say what is true and false at a time,
-//! a causal law looks one step back, inertia is a default, and a defined fluent is false unless it is derived.
+//! The translation is the usual one for AL_d: `holds(F,T)` and `-holds(F,T)` state the true and
+//! false fluents at a time, a causal law looks one step back, inertia is a default, and a defined
+//! fluent is false unless it is derived.
 
 use crate::ast::{Atom, Condition, Expression, Law, Literal, Shape, is_anonymous};
 use crate::domain::{CheckedLaw, Domain, FluentKind, Kind, Leaf, NUMBER};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// What the translations of all domains have in common, at the beginning.
+/// The common head of all translations.
 const BASE: &str = "
 % ---- At time 0: what was told, what is the rule, and nothing else ----
 holds(F,0)  :- told(F).
@@ -19,7 +20,7 @@ holds(F,0)  :- initially(F), not -holds(F,0), not resumed.
 #show occurs/2.
 ";
 
-/// Of every step.
+/// The common part of every step.
 const STEP: &str = "
 % ---- One action at a time, and what nothing changes stays as it is ----
 { occurs(A,t) : action(A), not impossible(A,t) } = 1.
@@ -28,7 +29,7 @@ holds(F,t)  :- inertial(F), holds(F,t-1), not -holds(F,t).
 -holds(F,t) :- inertial(F), -holds(F,t-1), not holds(F,t).
 ";
 
-/// Of every time: the goal, asked of one time after another.
+/// The common part of every time: the goal, checked at one time after another.
 const CHECK: &str = "
 #external query(t).
 :- query(t), goal(F), not holds(F,t).
@@ -36,13 +37,14 @@ const CHECK: &str = "
 ";
 
 impl Domain {
-    /// The domain as a program for clingo without the objects and statics of a problem, in the parts `base`, `step(t)`
-    /// and `check(t)` of clingo's incremental mode.
+    /// The domain as a program for clingo without the objects and statics of a problem, in the
+    /// parts `base`, `step(t)` and `check(t)` of clingo's incremental mode.
     ///
     /// ```
     /// use ramp_action_language::{Domain, SourceFile};
     ///
-    /// let text = "sort lamp. inertial fluent on(lamp). action press(lamp). press(L) causes on(L) if -on(L).";
+    /// let text = "sort lamp. inertial fluent on(lamp). action press(lamp).
+    ///     press(L) causes on(L) if -on(L).";
     /// let domain = Domain::new(&SourceFile::new("lamp.al", text), None)?;
     /// assert!(domain.to_asp().contains("holds(on(L),t) :- occurs(press(L),t), -holds(on(L),t-1)."));
     /// # Ok::<(), ramp_action_language::LanguageError>(())
@@ -163,14 +165,14 @@ impl Domain {
         }
     }
 
-    /// An action with a name for each `_`, as the head of a rule must have.
+    /// An action with a name for each `_`, which the head of a rule needs.
     fn spelled(&self, atom: &Atom) -> String {
         let mut atom = atom.clone();
         atom.arguments.iter_mut().for_each(spell);
         atom.to_string()
     }
 
-    /// The conditions of a law, after `first`, with a sort for every variable that they leave open.
+    /// The conditions of a law, after `first`, with a sort for every unbound variable.
     fn body(
         &self,
         law: &CheckedLaw,
@@ -218,7 +220,7 @@ impl Domain {
             if let Some(sort) = law.variables.get(variable).filter(|sort| *sort != NUMBER) {
                 let in_head =
                     heads.iter().any(|head| head.arguments.iter().any(|term| mentions(term, variable)));
-                // A `_` of the body stays one; a `_` of an action in a head was given a name.
+                // A `_` of the body stays one; a `_` of an action in a head gets a name.
                 if !is_anonymous(variable) || in_head {
                     body.push(format!("{sort}({})", spelled_name(variable)));
                 }
@@ -227,7 +229,7 @@ impl Domain {
         body
     }
 
-    /// The variables to which a positive atom gives a value of their sort.
+    /// The variables that a positive atom binds to a value of their sort.
     fn bound(&self, law: &CheckedLaw, atom: &Atom, known: &mut BTreeSet<String>) {
         let Some(predicate) = self.predicates.get(&atom.name.text) else { return };
         for (term, sort) in atom.arguments.iter().zip(&predicate.sorts) {

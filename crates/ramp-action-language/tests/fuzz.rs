@@ -1,4 +1,4 @@
-//! Whatever a file holds, it is read or refused: nothing panics, nothing hangs.
+//! Any file is read or refused, without a panic and without a hang.
 
 // A helper may panic as its test may.
 #![allow(clippy::unwrap_used)]
@@ -8,7 +8,7 @@ mod mangle;
 use mangle::{Dice, mangled};
 use ramp_action_language::{Domain, SourceFile};
 
-/// A domain of the project, as a text to spoil.
+/// A domain of the project, as a text to corrupt.
 fn text(name: &str) -> String {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/domains");
     std::fs::read_to_string(folder.join(name)).unwrap()
@@ -24,7 +24,7 @@ fn domains_are_read_or_refused() {
         let text = mangled(&coarse, &mut dice);
         match Domain::new(&SourceFile::new("coarse.al", &text), None) {
             Ok(domain) => {
-                // What is accepted can also be written.
+                // An accepted domain can also be written.
                 assert!(domain.to_asp().contains("#program step(t)."));
                 outcomes[0] += 1;
             }

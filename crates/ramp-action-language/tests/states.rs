@@ -1,4 +1,4 @@
-//! A small domain carried out: effects, what follows, what stays, and what is forbidden.
+//! A small domain: effects, consequences, inertia, and impossible actions.
 
 // A helper may panic as its test may.
 #![allow(clippy::unwrap_used)]
@@ -62,7 +62,7 @@ fn effects_follow_and_the_rest_stays() {
     assert_eq!(truths(&model, &after), ["at(\"kitchen\")", "lit(\"hall\")"]);
     assert!(model.holds(&after, &about("dark", "kitchen")));
     assert_eq!(model.gained(&start, &after), [about("at", "kitchen")]);
-    // The goal is about rooms near the hall alone.
+    // The goal covers only rooms near the hall.
     assert_eq!(model.missing(&after), [(about("lit", "kitchen"), true)]);
     let lit = model.after(&after, &about("switch", "kitchen")).unwrap();
     assert!(model.missing(&lit).is_empty());
@@ -95,7 +95,7 @@ fn unrolled_a_goal_is_out_of_reach_until_actions_can_reach_it() {
         assert_eq!(matches!(prospect, Prospect::If(_)), time == 2, "at time {time}");
         assert!(unrolled.advance());
     }
-    // What a certain condition forbids is no choice.
+    // An action forbidden by a certain condition is not a choice.
     let first: Vec<String> = unrolled.choices()[0].iter().map(|(action, _)| action.to_string()).collect();
     assert_eq!(first, ["go(\"kitchen\")", "switch(\"hall\")"]);
 }
@@ -114,8 +114,8 @@ fn the_program_says_the_same_to_clingo() {
     }
 }
 
-/// A state after an action is computed from the one before; all that is true in it must be so from its inertial fluents
-/// alone, through negation, recursion, sums and laws between fluents.
+/// A state after an action is computed incrementally. The same state must follow from its inertial
+/// fluents alone, through negation, recursion, sums and laws between fluents.
 #[test]
 fn states_from_actions_are_those_from_nothing() {
     let laws = "

@@ -1,4 +1,4 @@
-//! An assembly: where every beam of a goal is to stand, and which joints are to be pinned by a peg.
+//! An assembly: the goal pose of every beam, and the joints that are to be pinned.
 
 use crate::paths::Paths;
 pub use crate::placed::{Connection, Insertion, JointRef, PlacedBeam};
@@ -11,9 +11,9 @@ use std::sync::Arc;
 pub enum Class {
     /// Square insertions and one cap.
     Easy,
-    /// Beams that pass through, or stand at an angle.
+    /// With one beam that passes through another, or one at an oblique angle.
     Medium,
-    /// Several of both.
+    /// With several of both.
     Hard,
 }
 
@@ -31,12 +31,12 @@ impl Class {
     }
 }
 
-/// A goal, placed: what the planner, the skills, the twin and the referee work from.
+/// A placed goal: the input of the planner, the skills, the twin and the referee.
 #[derive(Clone, Debug)]
 pub struct Assembly {
     /// The goal's name, for example `easy-3`, or the stem of its file.
     pub name: String,
-    /// Its class; `None` for a goal that belongs to none.
+    /// Its class; `None` for a goal without one.
     pub class: Option<Class>,
     /// The kit that its beams and pegs are taken from.
     pub kit: Arc<Kit>,
@@ -46,9 +46,9 @@ pub struct Assembly {
     pub base: usize,
     /// The connections, in the order of the file.
     pub connections: Vec<Connection>,
-    /// An order of straight insertions, each free of collision, that builds it; the base is not in it.
+    /// A collision-free order of straight insertions that builds it, without the base.
     pub insertions: Vec<Insertion>,
-    /// From which directions each beam can be put to its place, and what blocks it there.
+    /// The insertion directions of each beam and the beams that block them.
     pub paths: Arc<Paths>,
 }
 
@@ -68,13 +68,14 @@ impl Assembly {
         &self.beams[joint.beam].beam.joints[joint.joint].name
     }
 
-    /// The hole of a joint at its place, on the beam's axis, in the assembly frame, m.
+    /// The hole of a joint in its goal pose, on the beam's axis, in the assembly frame, m.
     pub fn p_a_hole(&self, joint: JointRef) -> Point3<f64> {
         let placed = &self.beams[joint.beam];
         placed.x_ab * placed.beam.p_b_hole(joint.joint)
     }
 
-    /// The joints of `connection` on `beam` and on the other beam; `None` when the beam has no part in it.
+    /// The joints of `connection` on `beam` and on the other beam; `None` when the beam is not part
+    /// of it.
     pub fn sides(&self, connection: &Connection, beam: usize) -> Option<(JointRef, JointRef)> {
         if connection.male.beam == beam {
             Some((connection.male, connection.female))
@@ -85,7 +86,7 @@ impl Assembly {
         }
     }
 
-    /// How often a beam passes through another one, and how many beams lie at an angle to X and Y.
+    /// Number of through passages of a beam, plus the number of beams oblique to X and Y.
     pub fn specials(&self) -> usize {
         let passes = |c: &&Connection| !self.beams[c.male.beam].beam.joints[c.male.joint].kind.is_end();
         let angled = |placed: &&PlacedBeam| {
@@ -95,8 +96,8 @@ impl Assembly {
         self.connections.iter().filter(passes).count() + self.beams.iter().filter(angled).count()
     }
 
-    /// The class that a goal like this one belongs to: easy ones are square and small, with at most four pegs;
-    /// in a medium one a beam passes through another or lies at an angle once at most.
+    /// The class by its features. Easy: square, small, at most four pegs. Medium: at most one beam
+    /// that passes through another or lies obliquely.
     pub fn likely_class(&self) -> Class {
         match self.specials() {
             0 if self.connections.len() <= 4 => Class::Easy,
@@ -105,8 +106,8 @@ impl Assembly {
         }
     }
 
-    /// The connections, by index, in the order in which their pegs can go in: after each insertion those that it
-    /// closes, in the order of the file.
+    /// The connections, by index, in an order in which their pegs can be inserted: after each
+    /// insertion the connections that it closes, in the order of the file.
     pub fn peg_order(&self) -> Vec<usize> {
         let mut standing = vec![false; self.beams.len()];
         standing[self.base] = true;

@@ -1,32 +1,36 @@
-//! Upright boxes, and where they meet when one of them slides past another on a straight line.
+//! Upright boxes, and their collisions along a straight sweep.
 //!
-//! Every part is a few of them ([`ramp_kit::shape`]), turned about Z only. The stretches of the path on which two of them
-//! overlap follow from the separating axis test without stepping, so nothing can slip through between two steps.
+//! Every part consists of a few boxes ([`ramp_kit::shape`]), rotated about Z only. The intervals of
+//! the sweep on which two boxes overlap follow in closed form from the separating axis test, so no
+//! collision can be missed between two steps.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector2, Vector3};
 use ramp_kit::Pose;
 use ramp_kit::shape::Shape;
 
-/// Parts that reach less than this into each other touch, m.
+/// Parts with a penetration below this touch, m.
 pub const TOUCH: f64 = 0.01e-3;
-/// The shortest straight motion of an insertion, m: so far out a beam can be lowered next to its place.
+/// Shortest straight motion of an insertion, m: this far out a beam can be lowered beside its goal
+/// pose.
 pub const LEAST_DISTANCE: f64 = 60.0e-3;
-/// The longest straight motion that is looked at, m.
+/// Longest straight motion that is considered, m.
 pub const MOST_DISTANCE: f64 = 1.0;
-/// Room around a beam, seen from above, where its straight motion begins, m: there it can be lowered.
+/// Clearance around a beam, seen from above, where its straight motion begins, m: there it can be
+/// lowered.
 pub const MARGIN: f64 = 5.0e-3;
 
-/// The separating axes that say whether two boxes cover each other seen from above, for [`Block::meets`].
+/// Number of separating axes that decide whether two boxes overlap seen from above, for
+/// [`Block::meets`].
 pub const FROM_ABOVE: usize = 4;
-/// All separating axes, for [`Block::meets`].
+/// Number of all separating axes, for [`Block::meets`].
 pub const ALL_AXES: usize = 5;
 
-/// An upright box: a rectangle of the plane, turned by some yaw, from one height to another.
+/// An upright box: a rectangle in the plane, rotated by a yaw, between two heights.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     /// Its centre, m in the assembly frame.
     pub centre: Vector3<f64>,
-    /// Half the box along X, Y and Z around it, m.
+    /// Half its axis-aligned bounding box along X, Y and Z, m.
     pub extent: Vector3<f64>,
     /// The unit vectors along its edges in the plane.
     axes: [Vector2<f64>; 2],
@@ -35,7 +39,8 @@ pub struct Block {
 }
 
 impl Block {
-    /// A shape of a beam at its place. A nose counts with its chamfer filled: that only makes the tests stricter.
+    /// A shape of a beam in its goal pose. The chamfer of a nose is filled, which makes the tests
+    /// stricter.
     pub fn new(shape: &Shape, x_ab: &Pose) -> Block {
         let (cuboid, x_ab) = match shape {
             Shape::Turned { about, angle, piece } => {
@@ -49,7 +54,8 @@ impl Block {
         };
         let centre = (x_ab * Point3::from(cuboid.centre())).coords;
         let along = x_ab.rotation * Vector3::x();
-        // Turning a beam about its own axis maps its boxes onto boxes of the same size.
+        // A rotation of a beam by 180° about its own axis maps its boxes onto boxes of the same
+        // size.
         let x = Vector2::new(along.x, along.y).normalize();
         let half: Vector3<f64> = cuboid.half().into();
         let extent = Vector3::new(
@@ -65,8 +71,9 @@ impl Block {
         self.half.x * self.axes[0].dot(axis).abs() + self.half.y * self.axes[1].dot(axis).abs()
     }
 
-    /// Along one of the axes that could separate two blocks: the distance of the centres (signed), how it changes for
-    /// each metre that `self` is moved along `shift`, and at what distance they touch. The last axis is the vertical.
+    /// Along one candidate separating axis: the signed distance of the centres, its change per
+    /// metre of motion of `self` along `shift`, and the distance at which the boxes touch. The last
+    /// axis is the vertical.
     fn axis_to(&self, other: &Block, shift: &Vector3<f64>, axis: usize) -> (f64, f64, f64) {
         let between = other.centre - self.centre;
         let axis = match axis {
@@ -77,7 +84,7 @@ impl Block {
         (between.xy().dot(axis), -shift.xy().dot(axis), self.reach(axis) + other.reach(axis))
     }
 
-    /// How far they reach into each other, m; negative when they are apart (then not the distance, but no more).
+    /// Penetration, m; negative when they are apart (then only a lower bound of the distance).
     pub fn depth(&self, other: &Block) -> f64 {
         (0..ALL_AXES)
             .map(|axis| self.axis_to(other, &Vector3::zeros(), axis))
@@ -85,8 +92,8 @@ impl Block {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// The range of t > 0 in which `self`, moved by t along `shift`, reaches deeper than `slack` into `other`; the
-    /// first `axes` of the separating axes count: [`ALL_AXES`] or [`FROM_ABOVE`].
+    /// The range of t > 0 in which `self`, moved by t along `shift`, penetrates `other` deeper than
+    /// `slack`. The first `axes` of the separating axes are used: [`ALL_AXES`] or [`FROM_ABOVE`].
     pub fn meets(&self, other: &Block, shift: &Vector3<f64>, slack: f64, axes: usize) -> Option<[f64; 2]> {
         let mut range = [0.0f64, MOST_DISTANCE];
         for (between, rate, touch) in (0..axes).map(|axis| self.axis_to(other, shift, axis)) {
@@ -133,7 +140,7 @@ impl Block {
     }
 }
 
-/// Ranges in order, those that touch made one: `[1, 3], [0, 2], [5, 6]` are `[0, 3], [5, 6]`.
+/// Sorted ranges, with touching ones merged: `[1, 3], [0, 2], [5, 6]` become `[0, 3], [5, 6]`.
 pub fn merge(mut ranges: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     ranges.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut merged: Vec<[f64; 2]> = Vec::new();

@@ -4,10 +4,11 @@ use crate::assembly::Class;
 use ramp_source::{nearest, shorten};
 use std::path::Path;
 
-/// The names of the goals in a folder: its `.xml` files without their ending, easy ones first, each class in order.
+/// The names of the goals in a folder: its `.xml` files without their extension, easy ones first,
+/// each class in order.
 ///
 /// # Errors
-/// What the system says about the folder.
+/// The system's error for the folder.
 pub fn goal_names(folder: &Path) -> std::io::Result<Vec<String>> {
     let mut names = Vec::new();
     for entry in std::fs::read_dir(folder)? {
@@ -25,7 +26,8 @@ pub fn in_order(mut names: Vec<String>) -> Vec<String> {
     names
 }
 
-/// Class first, then the name with a number at its end counted as one: easy-2 comes before easy-10.
+/// Class first, then the name with its final number compared as a number: easy-2 comes before
+/// easy-10.
 fn sort_key(name: &str) -> (usize, String, u64, String) {
     let class = Class::ALL.iter().position(|class| name.starts_with(class.name()));
     let digits = name.len() - name.bytes().rev().take_while(u8::is_ascii_digit).count();
@@ -34,20 +36,20 @@ fn sort_key(name: &str) -> (usize, String, u64, String) {
     (class.unwrap_or(Class::ALL.len()), word.to_string(), number, name.to_string())
 }
 
-/// There is no goal of that name.
+/// The goal does not exist.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 #[error("there is no goal `{name}` in {place}")]
 pub struct UnknownGoal {
-    /// The name that was asked for.
+    /// The requested name.
     pub name: String,
-    /// Where it was looked for.
+    /// The place that was searched.
     pub place: String,
-    /// What to try instead.
+    /// A suggestion.
     #[help]
     pub help: Option<String>,
 }
 
-/// Is there a goal of this name among `names`? `place` is what messages call the place where they are.
+/// Checks that a goal of this name is among `names`. `place` is their place in messages.
 ///
 /// # Errors
 /// [`UnknownGoal`], with the most similar name or the list of names.

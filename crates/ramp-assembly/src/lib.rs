@@ -1,14 +1,14 @@
 //! The tasks (section III-B of the paper): a goal file and the kit become an [`Assembly`].
 //!
-//! Data passes one way: [`read`] turns `goal.xml` into beams and connections, with positions so that every error
-//! can point at its place; `pose` places every beam, starting from the clamped one; [`check`] proves that holes
-//! meet, that nothing overlaps and that some order of straight insertions builds it; [`paths`] decides what blocks what,
-//! with the boxes of [`block`] and the swept-box test of [`sweep`];
-//! [`draw`] shows it from above. [`catalogue`] finds goals by name, and [`generate()`] makes new ones.
-//! [`truth`] is where the parts of a world really are.
+//! Data passes one way. [`read`] turns `goal.xml` into beams and connections, with positions so
+//! that every error can point at its place. `pose` places every beam, starting from the clamped
+//! one. [`check`] proves that holes meet, that no beams overlap and that an order of straight
+//! insertions builds it. [`paths`] decides which beams block which, with the boxes of [`block`] and
+//! the swept-box test of [`sweep`]. [`draw`] draws it from above. [`catalogue`] finds goals by
+//! name, and [`generate()`] makes new ones. [`truth`] holds the true poses of the parts in a world.
 //!
-//! Frames: A is the assembly frame (origin at table level under the clamped beam's j1 hole, X along that beam, Y
-//! away from the robot, Z up), B a beam's own frame (see [`ramp_kit::Beam`]).
+//! Frames: A is the assembly frame (origin at table level under the clamped beam's j1 hole, X along
+//! that beam, Y away from the robot, Z up), B a beam's own frame (see [`ramp_kit::Beam`]).
 
 pub mod assembly;
 pub mod block;

@@ -1,7 +1,9 @@
-//! Insertion paths: from which directions each beam can be put to its place, and which others block it there.
+//! Insertion paths: the directions from which each beam can be inserted, and the beams that block
+//! it there.
 //!
-//! This is the only place that decides what blocks what. The checker finds a first order with it, the generator proves
-//! that its goals can be built, and the planner tells it to its rules.
+//! This is the only place that decides which beams block which. The checker finds a first order
+//! with it, the generator proves that its goals can be built, and the planner passes it to its
+//! rules.
 
 use crate::block::LEAST_DISTANCE;
 use crate::placed::{Connection, PlacedBeam};
@@ -10,14 +12,14 @@ use nalgebra::{Point3, Unit, Vector3};
 use ramp_kit::Link;
 use ramp_kit::shape::beam_shapes;
 
-/// Half a fingertip and 1 mm, which a grasp keeps from both ends of a link, m.
+/// Distance of a grasp from both ends of a link, m: half a fingertip and 1 mm.
 pub const FINGER: f64 = 11.0e-3;
-/// What must then be left of the link, for the hand to choose from, m.
+/// Smallest remaining length of the link for the choice of a grasp, m.
 const ROOM: f64 = 5.0e-3;
 /// The insertion path from above.
 pub const DOWN: &str = "down";
 
-/// A straight insertion path to a beam's place.
+/// A straight insertion path to a beam's goal pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Way {
     /// For people and for the rules.
@@ -26,17 +28,17 @@ pub struct Way {
     pub direction: Unit<Vector3<f64>>,
 }
 
-/// How a beam that is drawn out meets one that stands.
+/// Collision between a beam being withdrawn and a placed one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Obstacle {
-    /// Where they meet.
+    /// The overlaps along the path.
     pub meeting: Meeting,
-    /// No link would stay behind the one that stands, where a hand has room.
+    /// Whether no link with room for a hand remains behind the placed beam.
     pub handless: bool,
 }
 
 impl Obstacle {
-    /// Does it block the path, by itself?
+    /// Whether it blocks the path on its own.
     pub fn blocks(&self) -> bool {
         self.handless || self.meeting.blocks()
     }
@@ -47,12 +49,12 @@ impl Obstacle {
 pub struct Paths {
     solids: Vec<Solid>,
     ways: Vec<Vec<Way>>,
-    /// By beam and way: the beams that are near it, by index, and how they meet.
+    /// By beam and path: the nearby beams, by index, and their collisions.
     near: Vec<Vec<Vec<(usize, Obstacle)>>>,
 }
 
 impl Paths {
-    /// Those of beams at their places. The clamped beam `base` has none.
+    /// The paths of placed beams. The clamped beam `base` has none.
     pub fn new(beams: &[PlacedBeam], base: usize, connections: &[Connection]) -> Paths {
         let solid = |placed: &PlacedBeam| Solid::new(&beam_shapes(&placed.beam), &placed.x_ab);
         let solids: Vec<Solid> = beams.iter().map(solid).collect();
@@ -78,34 +80,34 @@ impl Paths {
         Paths { solids, ways, near }
     }
 
-    /// The beams at their places, by index.
+    /// The beams in their goal poses, by index.
     pub fn solids(&self) -> &[Solid] {
         &self.solids
     }
 
-    /// The ways to a beam's place, the usual ones first, the one from above last.
+    /// The paths to a beam's goal pose, the usual ones first, the one from above last.
     pub fn ways(&self, beam: usize) -> &[Way] {
         &self.ways[beam]
     }
 
-    /// The beams that are near a way of a beam, by index, and how they meet it.
+    /// The beams near a path of a beam, by index, and their collisions.
     pub fn near(&self, beam: usize, way: usize) -> &[(usize, Obstacle)] {
         &self.near[beam][way]
     }
 
-    /// How one beam meets another on a way; `None` where they are not near each other.
+    /// The collision of a beam with another on a path; `None` when they are not near each other.
     pub fn obstacle(&self, beam: usize, way: usize, other: usize) -> Option<&Obstacle> {
         let near = &self.near[beam][way];
         near.binary_search_by_key(&other, |(other, _)| *other).ok().map(|index| &near[index].1)
     }
 
-    /// Which beams block a way of a beam, each by itself.
+    /// The beams that each block a path of a beam on their own.
     pub fn blocked(&self, beam: usize, way: usize) -> impl Iterator<Item = usize> + '_ {
         self.near[beam][way].iter().filter(|(_, obstacle)| obstacle.blocks()).map(|(other, _)| *other)
     }
 
-    /// Pairs of beams that block a way of a beam only together: one makes the path longer, and the other one stands
-    /// further out.
+    /// Pairs of beams that block a path only together: one makes the path longer, and the other one
+    /// is further out.
     pub fn blocked_together(&self, beam: usize, way: usize) -> Vec<[usize; 2]> {
         let near = self.near[beam][way].iter().filter(|(_, obstacle)| !obstacle.blocks());
         let alone: Vec<(usize, &Meeting)> = near.map(|(other, it)| (*other, &it.meeting)).collect();
@@ -122,8 +124,8 @@ impl Paths {
         pairs
     }
 
-    /// The length of the straight motion with which a beam gets to its place while others stand, m; `None` when something
-    /// blocks this way.
+    /// Length of the straight motion that brings a beam to its goal pose past the placed ones, m;
+    /// `None` when this path is blocked.
     pub fn distance(&self, beam: usize, way: usize, stands: impl Fn(usize) -> bool) -> Option<f64> {
         let near = self.near[beam][way].iter().filter(|(other, _)| stands(*other)).map(|(_, it)| it);
         if near.clone().any(|obstacle| obstacle.handless) {
@@ -133,17 +135,17 @@ impl Paths {
     }
 }
 
-/// Is a link long enough for a hand?
+/// Whether a link is long enough for a hand.
 pub fn usable(link: &Link) -> bool {
     link.grasp[1] - link.grasp[0] - 2.0 * FINGER >= ROOM
 }
 
-/// Where the fingers close on a link, from j1, m.
+/// Grasp position on a link, from j1, m.
 pub fn middle(link: &Link) -> f64 {
     0.5 * (link.grasp[0] + link.grasp[1])
 }
 
-/// Must every link of a beam go through a joint of the other one on this way?
+/// Whether every link of a beam must pass through a joint of the other one on this path.
 fn handless(beams: &[PlacedBeam], connections: &[Connection], [beam, other]: [usize; 2], way: &Way) -> bool {
     let placed = &beams[beam];
     let holes: Vec<Point3<f64>> = connections
@@ -158,7 +160,8 @@ fn handless(beams: &[PlacedBeam], connections: &[Connection], [beam, other]: [us
     !holes.is_empty() && !placed.beam.links.iter().any(behind)
 }
 
-/// The directions that are tried: a beam at an angle along its own axis first, any other towards the clamped beam.
+/// The candidate directions: an oblique beam along its own axis first, any other towards the
+/// clamped beam.
 fn ways(placed: &PlacedBeam) -> Vec<Way> {
     let axis = placed.x_ab.rotation * Vector3::x();
     let along = Vector3::new(axis.x, axis.y, 0.0);

@@ -1,14 +1,14 @@
-//! What an assembly is made of: beams at their places, the joints that are to be pinned, and how each beam gets there.
+//! The elements of an assembly: placed beams, joints to be pinned, and the insertion of each beam.
 
 use nalgebra::{Unit, Vector3};
 use ramp_kit::{Beam, Pose};
 
-/// A beam at its place.
+/// A beam in its goal pose.
 #[derive(Clone, Debug)]
 pub struct PlacedBeam {
     /// The beam, from the kit.
     pub beam: Beam,
-    /// Turned by 180° about its own axis.
+    /// Rotated by 180° about its own axis.
     pub flipped: bool,
     /// Its pose in the assembly frame, the flip included.
     pub x_ab: Pose,
@@ -23,7 +23,7 @@ pub struct JointRef {
     pub joint: usize,
 }
 
-/// Two joints that one peg is to pin.
+/// Two joints to be pinned by one peg.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Connection {
     /// Its name in the file, for example `C1`.
@@ -41,12 +41,12 @@ pub struct Insertion {
     pub beam: usize,
     /// Direction of the motion in the assembly frame.
     pub direction: Unit<Vector3<f64>>,
-    /// Length of the straight motion that ends at the beam's place, m: it is free from its start to the place.
+    /// Length of the straight motion that ends at the goal pose, m; it is collision-free.
     pub distance: f64,
 }
 
 impl PlacedBeam {
-    /// Does it lie along X or Y?
+    /// Whether it lies along X or Y.
     pub fn is_square(&self) -> bool {
         let along = self.x_ab.rotation * Vector3::x();
         along.x.abs() < 1e-6 || along.y.abs() < 1e-6

@@ -1,32 +1,36 @@
-//! Where every beam of a goal stands: from the clamped beam outwards, connection by connection.
+//! The pose of every beam of a goal, from the clamped beam outwards, connection by connection.
 //!
-//! A goal file says which holes share a peg, not where the beams are. What follows from that, in this order:
+//! A goal file states which holes share a peg, not the poses of the beams. They are inferred by
+//! these rules, in this order:
 //!
-//! 1. A beam with two of its holes on beams that stand already is fixed by them.
-//! 2. A beam with one hole in (or around) a square female stands at a right angle to its neighbour.
-//! 3. Two beams that are joined with each other, each with one more hole on a beam that stands, close a triangle.
-//! 4. A beam of which only a hole in a long female is known lies along X or Y, for want of anything else.
+//! 1. A beam with two of its holes on placed beams is fixed by them.
+//! 2. A beam with one hole in (or around) a square female is at a right angle to its neighbour.
+//! 3. Two beams that are connected with each other, each with one more hole on a placed beam, close
+//!    a triangle.
+//! 4. A beam with only one hole known, in a long female, lies along X or Y by default.
 //!
-//! Where two answers are left (a beam that points the other way, the mirror image of a triangle), the usual one is
-//! tried first: beams point along +X and +Y, as in the published goals. The search goes back when holes do not
-//! meet or when a male would enter a female at an angle that does not fit. It does not go back when beams overlap:
-//! a beam printed as the mirror image of the right one shall be an error, not another assembly.
+//! Where two answers remain (the opposite direction, or the mirror image of a triangle), the usual
+//! one is tried first: beams point along +X and +Y, as in the published goals. The search
+//! backtracks when holes do not meet or when a male would enter a female at an invalid angle. It
+//! does not backtrack when beams overlap: a beam printed as the mirror image of the right one must
+//! be an error, not another assembly.
 
 use nalgebra::{Point2, Rotation2, Translation3, UnitQuaternion, Vector2, Vector3};
 use ramp_kit::joint::{AXIS_HEIGHT, BODY_WIDTH};
 use ramp_kit::{Beam, JointType, Pose};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// How far the holes of a connection may be apart, m: half of what a peg with 0.25 mm of play in each can bridge.
+/// Largest distance between the holes of a connection, m: half of what a peg with 0.25 mm of play
+/// in each can bridge.
 pub const MAX_RESIDUAL: f64 = 0.25e-3;
 /// The largest angle between a male and the normal of an `angle-f` around it, rad.
 pub const MAX_ENTRY_ANGLE: f64 = 40.7 * PI / 180.0;
 /// The play of a male in any other female, rad.
 pub const MAX_SQUARE_ANGLE: f64 = 1.29 * PI / 180.0;
-/// Closer than this to a multiple of 90°, an angle computed from two holes is that multiple: the lengths are only
-/// good to 0.01 mm.
+/// An angle computed from two holes snaps to a multiple of 90° within this tolerance: the lengths
+/// are only accurate to 0.01 mm.
 const SNAP: f64 = 0.005 * PI / 180.0;
-/// How many partial placements the search may look at.
+/// Largest number of partial placements that the search visits.
 const BUDGET: usize = 20_000;
 
 /// The pose of a beam in the plane of the table, in the assembly frame: its j1 hole (m) and yaw (rad).
@@ -49,7 +53,7 @@ impl Planar {
     }
 }
 
-/// A beam that is to be placed; `yaw` where the file states it.
+/// A beam to be placed; `yaw` if the file states it.
 pub(crate) struct Piece<'a> {
     pub beam: &'a Beam,
     pub flipped: bool,
@@ -59,16 +63,16 @@ pub(crate) struct Piece<'a> {
 /// One side of a connection: a piece and a joint of it.
 pub(crate) type Side = (usize, usize);
 
-/// Why the beams cannot be placed.
+/// Reasons why the beams cannot be placed.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Misfit {
-    /// The holes of a connection do not meet; how far they are apart, m.
+    /// The holes of a connection do not meet; `distance` between them, m.
     Apart { connection: usize, distance: f64 },
-    /// A male enters at an angle that does not fit; both angles rad.
+    /// A male enters at an invalid angle; both angles rad.
     Angle { connection: usize, angle: f64, limit: f64 },
     /// No chain of connections leads from the base to this beam.
     Loose { beam: usize },
-    /// The search was given up.
+    /// The search reached its limit.
     TooHard,
 }
 
@@ -87,14 +91,14 @@ pub(crate) fn place(
 struct Search<'a> {
     pieces: &'a [Piece<'a>],
     connections: &'a [(Side, Side)],
-    /// The first thing that did not fit, on the likeliest way.
+    /// The first conflict, in the most plausible branch.
     misfit: Option<Misfit>,
     budget: usize,
     /// The placed pieces in the order in which they were placed.
     placed: Vec<usize>,
 }
 
-/// A connection of one piece with a placed one: the own joint's offset, and the point it must come to.
+/// A connection of a piece with a placed one: the offset of its own joint, and the target point.
 #[derive(Clone, Copy)]
 struct Tie {
     connection: usize,
@@ -102,13 +106,13 @@ struct Tie {
     point: Point2<f64>,
     /// Position of the placed neighbour in the order of placing.
     rank: usize,
-    /// The yaw of the neighbour, less what the joints of the two are turned against their beams: the yaw of a beam
-    /// that lies along it.
+    /// The yaw of the neighbour minus the rotations of both joints relative to their beams: the yaw
+    /// of a beam that lies along it.
     neighbour_yaw: f64,
 }
 
 impl Search<'_> {
-    /// Depth-first; as deep as there are pieces at most.
+    /// Depth-first; at most as deep as the number of pieces.
     fn extend(&mut self, poses: &mut Vec<Option<Planar>>) -> Option<Vec<Planar>> {
         if self.budget == 0 {
             return None;
@@ -143,12 +147,13 @@ impl Search<'_> {
         None
     }
 
-    /// What may be placed next, the likeliest first; one rule decides for one step.
+    /// The candidates for the next placement, the most plausible first; one rule decides per step.
     fn candidates(&mut self, poses: &[Option<Planar>]) -> Vec<Vec<(usize, Planar)>> {
         let ties: Vec<Vec<Tie>> = (0..self.pieces.len())
             .map(|piece| if poses[piece].is_some() { Vec::new() } else { self.ties(piece, poses) })
             .collect();
-        // The unplaced pieces that are tied to placed ones, in the order of their connections in the file.
+        // The unplaced pieces connected with placed ones, in the order of their connections in the
+        // file.
         let mut next: Vec<usize> = (0..ties.len()).filter(|&piece| !ties[piece].is_empty()).collect();
         next.sort_by_key(|&piece| ties[piece].iter().map(|tie| tie.connection).min());
         if next.is_empty() {
@@ -187,7 +192,8 @@ impl Search<'_> {
                 }
             }
         }
-        // Next to a beam at an angle, one that lies along X or Y is likelier than one at a right angle to it.
+        // Next to an oblique beam, a beam along X or Y is more plausible than one at a right angle
+        // to it.
         let first = next[0];
         if is_square(ties[first][0].neighbour_yaw) {
             square(first, &[])
@@ -228,8 +234,8 @@ impl Search<'_> {
         ties
     }
 
-    /// Two unplaced pieces, each tied to one point and joined with each other: their common hole is where two
-    /// circles meet.
+    /// Two unplaced pieces, each connected with one point and with each other: their common hole is
+    /// the intersection of two circles.
     fn triangles(&self, a: usize, tie_a: Tie, b: usize, tie_b: Tie) -> Vec<Vec<(usize, Planar)>> {
         let mut found: Vec<(f64, Vec<(usize, Planar)>)> = Vec::new();
         for &(female, male) in self.connections {
@@ -244,7 +250,7 @@ impl Search<'_> {
             }
             for corner in circles(tie_a.point, arm_a.abs(), tie_b.point, arm_b.abs()) {
                 let (mut pose_a, mut pose_b) = (aim_at(tie_a, arm_a, corner), aim_at(tie_b, arm_b, corner));
-                // One that comes out square stays so, and the other takes up the rounding.
+                // A piece that comes out square stays so, and the other absorbs the rounding.
                 if is_square(pose_b.yaw) {
                     pose_a = aim_at(tie_a, arm_a, pose_b.hole(self.offset(own_b)));
                 } else if is_square(pose_a.yaw) {
@@ -257,12 +263,12 @@ impl Search<'_> {
                 found.push((steepness, vec![(a, pose_a), (b, pose_b)]));
             }
         }
-        // The flatter a beam enters, the likelier it is meant.
+        // A flatter entry angle is more plausible.
         found.sort_by(|x, y| x.0.total_cmp(&y.0));
         found.into_iter().map(|(_, step)| step).collect()
     }
 
-    /// Does the piece that was placed last fit those placed before?
+    /// Checks that the last placed piece fits those placed before.
     fn check(&self, piece: usize, poses: &[Option<Planar>]) -> Option<Misfit> {
         for (connection, &(female, male)) in self.connections.iter().enumerate() {
             if female.0 != piece && male.0 != piece {
@@ -283,13 +289,13 @@ impl Search<'_> {
     }
 }
 
-/// A piece turned about its tied hole so that it points at `corner`.
+/// A piece rotated about its connected hole so that it points at `corner`.
 fn aim_at(tie: Tie, arm: f64, corner: Point2<f64>) -> Planar {
     let way = (corner - tie.point) * arm.signum();
     Planar::with_hole(tie.point, tie.offset, way.y.atan2(way.x))
 }
 
-/// The pose that two holes fix: the first tie exactly, the direction from the hole furthest from it.
+/// The pose fixed by two holes: exact at the first tie, its direction from the furthest hole.
 fn from_two_holes(ties: &[Tie]) -> Option<Planar> {
     let first = ties.first()?;
     let far = |tie: &Tie| (tie.offset - first.offset).abs();
@@ -310,7 +316,7 @@ pub(crate) fn circles(p: Point2<f64>, r: f64, q: Point2<f64>, s: f64) -> Vec<Poi
     }
     let along = (r * r - s * s + distance * distance) / (2.0 * distance);
     let height = r * r - along * along;
-    // Circles that miss by a rounding error touch.
+    // Circles that miss each other by a rounding error touch.
     if height < -(MAX_RESIDUAL * r) {
         return Vec::new();
     }
@@ -319,7 +325,7 @@ pub(crate) fn circles(p: Point2<f64>, r: f64, q: Point2<f64>, s: f64) -> Vec<Poi
     vec![foot + side, foot - side]
 }
 
-/// The same angle in (−180°, 180°], exact where it is a right one.
+/// The same angle in (−180°, 180°], exact for multiples of 90°.
 fn snap(yaw: f64) -> f64 {
     let turned = yaw.rem_euclid(2.0 * PI);
     let turned = if turned > PI + SNAP { turned - 2.0 * PI } else { turned };
@@ -331,19 +337,19 @@ fn is_square(yaw: f64) -> bool {
     (yaw / FRAC_PI_2).fract() == 0.0
 }
 
-/// Of the two ways to lie on a line, the usual one: towards +X, or straight towards +Y.
+/// The usual one of the two directions on a line: towards +X, or exactly along +Y.
 fn usual_direction(yaw: f64) -> f64 {
     let half_turn = yaw.rem_euclid(PI);
     if half_turn > FRAC_PI_2 + SNAP { half_turn - PI } else { half_turn }
 }
 
-/// The direction in which a joint mates, against its beam's +x, rad: not 0 only for a male end that is turned.
+/// Mating direction of a joint relative to its beam's +x, rad; non-zero only for a bent male end.
 pub(crate) fn turn(kind: JointType, flipped: bool) -> f64 {
-    // Turning a beam over turns left into right.
+    // A flip of the beam swaps left and right.
     if flipped { -kind.form().turn } else { kind.form().turn }
 }
 
-/// The largest angle from straight at which a male may enter a female of this type, rad.
+/// Largest angle from straight at which a male may enter a female of this type, rad.
 pub(crate) fn entry_limit(kind: JointType) -> f64 {
     match kind {
         JointType::AngleF => MAX_ENTRY_ANGLE,
@@ -352,12 +358,13 @@ pub(crate) fn entry_limit(kind: JointType) -> f64 {
     }
 }
 
-/// How far two beams are from a right angle, rad, from 0 to 90°.
+/// Deviation of two beams from a right angle, rad, from 0 to 90°.
 pub(crate) fn off_square(between: f64) -> f64 {
     (between.rem_euclid(PI) - FRAC_PI_2).abs()
 }
 
-/// The pose of a beam in the assembly frame: flipped about its own axis first, then turned, at assembled height.
+/// The pose of a beam in the assembly frame: first flipped about its own axis, then rotated, at
+/// assembled height.
 pub(crate) fn x_ab(pose: &Planar, flipped: bool) -> Pose {
     let roll = if flipped { std::f64::consts::PI } else { 0.0 };
     Pose::from_parts(

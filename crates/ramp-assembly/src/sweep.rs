@@ -1,34 +1,34 @@
-//! Parts that slide past each other on a straight line: the swept-box test.
+//! Swept-box test: collisions of parts along a straight motion.
 //!
-//! A [`Solid`] is a part at its place, as upright boxes. [`Solid::meeting`] says where one that is drawn out meets one
-//! that stands, without steps in between. [`clear_distance`] turns the meetings with all that stands into the length of
-//! an insertion path.
+//! A [`Solid`] is a placed part made of upright boxes. [`Solid::meeting`] computes in closed form
+//! where a part being withdrawn meets a placed one. [`clear_distance`] turns the meetings with all
+//! placed parts into the length of an insertion path.
 
 use crate::block::{ALL_AXES, Block, FROM_ABOVE, LEAST_DISTANCE, MARGIN, MOST_DISTANCE, TOUCH, merge};
 use nalgebra::Vector3;
 use ramp_kit::Pose;
 use ramp_kit::shape::{Cuboid, Shape};
 
-/// A part at its place, as upright boxes.
+/// A placed part, made of upright boxes.
 #[derive(Clone, Debug)]
 pub struct Solid {
     blocks: Vec<Block>,
-    /// A block around all of them.
+    /// Bounding block of all of them.
     around: Block,
 }
 
-/// How a part that is drawn out meets one that stands: ranges of the distance gone, m.
+/// Collisions between a part being withdrawn and a placed one: ranges of the travelled distance, m.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Meeting {
-    /// They collide.
+    /// Ranges with a collision.
     pub hits: Vec<[f64; 2]>,
-    /// Seen from above, they cover each other. Empty where the motion is vertical: a part that comes down onto its
-    /// place is clear as soon as it no longer touches.
+    /// Ranges in which they overlap seen from above. Empty for a vertical motion: a part that is
+    /// lowered is clear as soon as it no longer touches.
     pub covers: Vec<[f64; 2]>,
 }
 
 impl Solid {
-    /// The shapes of a part, which is at `x`.
+    /// The shapes of a part at pose `x`.
     pub fn new(shapes: &[Shape], x: &Pose) -> Solid {
         let both = |a: Cuboid, b: Cuboid| Cuboid {
             min: std::array::from_fn(|axis| a.min[axis].min(b.min[axis])),
@@ -46,12 +46,12 @@ impl Solid {
         self.blocks.iter().flat_map(move |a| other.blocks.iter().map(move |b| (a, b)))
     }
 
-    /// Do they reach deeper into each other than `touch`, m?
+    /// Whether they penetrate deeper than `touch`, m.
     pub fn overlaps(&self, other: &Solid, touch: f64) -> bool {
         self.around.depth(&other.around) > touch && self.pairs(other).any(|(a, b)| a.depth(b) > touch)
     }
 
-    /// How deep they reach into each other, m; `None` when it is no deeper than `touch`.
+    /// Penetration, m; `None` when it is no deeper than `touch`.
     pub fn overlap(&self, other: &Solid, touch: f64) -> Option<f64> {
         if self.around.depth(&other.around) <= touch {
             return None;
@@ -65,21 +65,24 @@ impl Solid {
         self.pairs(other).map(|(a, b)| a.gap(b)).fold(f64::INFINITY, f64::min)
     }
 
-    /// A distance that [`Solid::gap`] does not go below, m; faster.
+    /// A lower bound of [`Solid::gap`], m; faster.
     pub fn least_gap(&self, other: &Solid) -> f64 {
         self.around.gap(&other.around)
     }
 
-    /// Could this one, drawn out along the unit vector `back`, come near the other? Never says no where it does.
+    /// Whether this part, withdrawn along the unit vector `back`, could come near the other.
+    /// Conservative: never false when it does.
     pub fn may_meet(&self, other: &Solid, back: &Vector3<f64>) -> bool {
         self.around.meets(&other.around, back, -MARGIN, FROM_ABOVE).is_some()
     }
 
-    /// Where this one, drawn out along the unit vector `back`, reaches deeper than `slack` (m) into the other: ranges of
-    /// the distance gone, m. `axes` is [`ALL_AXES`], or [`FROM_ABOVE`] to look from above.
+    /// The ranges of travelled distance, m, in which this part, withdrawn along the unit vector
+    /// `back`, penetrates the other deeper than `slack` (m). `axes` is [`ALL_AXES`], or
+    /// [`FROM_ABOVE`] for the view from above.
     pub fn ranges(&self, other: &Solid, back: &Vector3<f64>, slack: f64, axes: usize) -> Vec<[f64; 2]> {
-        // Most of their blocks are nowhere near the other part. What is around a part has other axes than its blocks: where
-        // two blocks are apart by the slack along both axes of the plane, they may be by half as much more along another.
+        // Most blocks are far from the other part. The bounding block has other axes than the
+        // blocks: two blocks separated by the slack along both axes of the plane may be half as
+        // much further apart along another axis.
         let loose = 1.5 * slack.min(0.0);
         let near = self.blocks.iter().filter(|a| a.meets(&other.around, back, loose, axes).is_some());
         let theirs = other.blocks.iter().filter(|b| self.around.meets(b, back, loose, axes).is_some());
@@ -87,10 +90,11 @@ impl Solid {
         merge(near.flat_map(|a| theirs.iter().filter_map(|b| a.meets(b, back, slack, axes))).collect())
     }
 
-    /// How this one, drawn out along the unit vector `back`, meets the other. They collide deeper than [`TOUCH`], and
-    /// cover each other where they are nearer than [`MARGIN`].
+    /// Collisions of this part, withdrawn along the unit vector `back`, with the other. They
+    /// collide above a penetration of [`TOUCH`], and overlap from above when nearer than
+    /// [`MARGIN`].
     pub fn meeting(&self, other: &Solid, back: &Vector3<f64>) -> Meeting {
-        // Most parts are nowhere near the insertion path.
+        // Most parts are far from the insertion path.
         if !self.may_meet(other, back) {
             return Meeting::default();
         }
@@ -100,22 +104,23 @@ impl Solid {
 }
 
 impl Meeting {
-    /// Does the one that stands block the other, by itself?
+    /// Whether the placed part blocks the other on its own.
     pub fn blocks(&self) -> bool {
         let distance = first_clear(self.covers.clone());
         self.hits.iter().any(|hit| hit[0] < distance)
     }
 }
 
-/// The length of the straight motion with which a part gets to its place past others, m: where it begins, the part
-/// covers none of them, and on it the part meets none. `None` when there is no such motion.
+/// Length of the straight motion that brings a part to its goal pose past others, m: at its start
+/// the part overlaps none of them from above, and along it the part collides with none. `None` when
+/// no such motion exists.
 pub fn clear_distance<'m>(meetings: impl Iterator<Item = &'m Meeting> + Clone) -> Option<f64> {
     let distance = first_clear(meetings.clone().flat_map(|meeting| meeting.covers.iter().copied()).collect());
     let free = meetings.flat_map(|meeting| &meeting.hits).all(|hit| hit[0] >= distance);
     (free && distance < MOST_DISTANCE).then_some(distance)
 }
 
-/// The first distance from [`LEAST_DISTANCE`] on that no range covers, m.
+/// The first distance from [`LEAST_DISTANCE`] on that no range contains, m.
 fn first_clear(covers: Vec<[f64; 2]>) -> f64 {
     merge(covers).into_iter().fold(LEAST_DISTANCE, |distance, cover| {
         if cover[0] <= distance && distance < cover[1] { cover[1] } else { distance }

@@ -1,8 +1,9 @@
-//! Where every part really is at one moment: what a world tells the referee, and never an agent.
+//! The true pose of every part at one moment: passed from a world to the referee, never to an
+//! agent.
 
 use ramp_kit::Pose;
 
-/// Where everything really is: for the referee alone.
+/// The true poses, for the referee alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
     /// Robot time, s.

@@ -1,4 +1,4 @@
-//! Every way a goal can be wrong gives one message at its place.
+//! Every defect of a goal file gives one message at its place.
 
 #![allow(clippy::unwrap_used)]
 
@@ -87,7 +87,7 @@ fn broken_xml_and_unreadable_files() {
     assert!(error.location().ends_with("goal.xml:2:1"));
 }
 
-/// Files that a parser would work on for a minute, or that would exhaust its stack.
+/// Files that would keep a parser busy for a minute, or exhaust its stack.
 #[test]
 fn xml_larger_in_some_way_than_any_honest_file_is_refused() {
     let many: String = (0..80_000).map(|number| format!(" a{number:x}=\"\"")).collect();
@@ -105,7 +105,7 @@ fn xml_larger_in_some_way_than_any_honest_file_is_refused() {
     assert!(error.to_string().starts_with("this has a longer name or value than is read"), "{error}");
     let error = broken("<component beam=\"b4\"/>", &format!("<{long}/>"));
     assert!(error.to_string().starts_with("this has a longer name or value than is read"), "{error}");
-    // What stands in a comment is no element.
+    // The content of a comment is not an element.
     let comment = format!("<!-- {} <a <a =\" -->\n  <component beam=\"b4\"/>", "=".repeat(100));
     read_goal_str("goal.xml", &RECTANGLE.replacen("<component beam=\"b4\"/>", &comment, 1), &kit()).unwrap();
 }
@@ -128,7 +128,7 @@ fn a_name_that_leads_elsewhere_is_refused_where_it_stands() {
     // Without a name of its own it has the file's.
     let nameless = RECTANGLE.replacen(" name=\"easy-3\"", "", 1);
     let error = fails(read_goal_str("goals/my goal.xml", &nameless, &kit()));
-    let place = "goals/my goal.xml:1:1: no name stands here, and that of the file, \"my goal\", is none";
+    let place = "goals/my goal.xml:1:1: the file states no name, and its own, \"my goal\", is not valid";
     assert_eq!(format!("{error:#}"), format!("{place}: expected {rule}"));
     assert_eq!(read_goal_str("goals/mine.xml", &nameless, &kit()).unwrap().name, "mine");
 }
@@ -164,14 +164,14 @@ fn elements_attributes_and_values() {
 fn beams() {
     says(&broken("beam=\"b4\"", "beam=\"b44\""), "3:20: the kit has no beam `b44` (did you mean `b4`?)");
     says(&broken("beam=\"b4\"", "beam=\"girder\""), "3:20: the kit has no beam `girder`");
-    says(&broken("beam=\"b5\"", "beam=\"b4\""), "4:20: `b4` is a component twice");
+    says(&broken("beam=\"b5\"", "beam=\"b4\""), "4:20: `b4` is listed twice");
     says(
         &broken("<component beam=\"b4\"/>", ""),
-        "7:25: `b4` is no component of this goal (add <component beam=\"b4\"/>)",
+        "7:25: `b4` is not a component of this goal (add <component beam=\"b4\"/>)",
     );
     says(
         &broken("<component beam=\"b4\"/>", "<component beam=\"b4\"/><component beam=\"b6\"/>"),
-        "3:25: `b6` stands in no connection",
+        "3:25: `b6` has no connection",
     );
     says(
         &broken("component=\"b4\"", "component=\"b44\""),
@@ -186,7 +186,7 @@ fn bases() {
     says(&broken("beam=\"b4\"", "beam=\"b4\" base=\"True\""), "3:3: `b7` and `b4` are both the base");
     says(
         &broken("base=\"True\"", "base=\"True\" yaw=\"90\""),
-        "2:41: the base has a yaw, but it is what yaws are measured from",
+        "2:41: the base has a yaw, but yaws are measured from the base",
     );
     let moved = RECTANGLE.replace(" base=\"True\"", "").replace("beam=\"b4\"", "beam=\"b4\" base=\"True\"");
     says(
@@ -205,7 +205,7 @@ fn joints() {
 
 #[test]
 fn males_and_females() {
-    // As published, hard-1 has two females in C12.
+    // In the published file, C12 of hard-1 has two females.
     let text = data("goals/hard-1.xml").replace("\"b9j5\"", "\"b9j3\"");
     let error = fails(read_goal_str("goal.xml", &text, &kit()));
     assert_eq!(
@@ -220,7 +220,7 @@ fn males_and_females() {
         &broken("component=\"b7\" joint=\"b7j1\"", "component=\"b4\" joint=\"b4j2\""),
         "8:5: the connection `C1` joins `b4` with itself",
     );
-    // As published, hard-3 uses b6j2 twice.
+    // The published hard-3 uses b6j2 twice.
     let text = data("goals/hard-3.xml").replace("b6j1", "b6j2");
     let error = fails(read_goal_str("goal.xml", &text, &kit()));
     assert_eq!(error.to_string(), "`b6j2` is used in `C1` already");
@@ -228,7 +228,7 @@ fn males_and_females() {
 
 #[test]
 fn connections() {
-    says(&broken("\"C2\"", "\"C1\""), "10:21: the connection `C1` is there twice");
+    says(&broken("\"C2\"", "\"C1\""), "10:21: the connection `C1` is defined twice");
     says(
         &broken("    <element component=\"b4\" joint=\"b4j1\"/>\n", ""),
         "6:3: the connection `C1` has 1 elements, expected 2",
@@ -281,7 +281,7 @@ fn holes_that_do_not_meet() {
 
 #[test]
 fn beams_that_overlap() {
-    // b4 and b5 are a mirrored pair; whoever prints them alike cannot build easy-2.
+    // b4 and b5 are a mirrored pair; if both are printed alike, easy-2 cannot be built.
     let alike = data("kit.xml").replace("opens=\"right\"", "opens=\"left\"");
     let kit = read_kit_str("kit.xml", &alike).unwrap();
     let error = fails(read_goal_str("goal.xml", &data("goals/easy-2.xml"), &kit));
@@ -300,7 +300,7 @@ fn beams_that_overlap() {
         let error = fails(read_goal_str(name, &data(&format!("goals/{name}.xml")), &kit));
         assert!(matches!(error.problem(), GoalProblem::Overlap { .. }), "{name}: {error:#}");
     }
-    // As published, hard-3 does not say that b5 is turned.
+    // The published hard-3 does not say that b5 is rotated.
     let text = data("goals/hard-3.xml").replace(" yaw=\"180\"", "");
     let error = fails(read_goal_str("goal.xml", &text, &self::kit()));
     assert!(error.to_string().starts_with("`b1` and `b5` overlap by 4.70 mm"), "{error:#}");
@@ -311,8 +311,8 @@ fn beams_that_overlap() {
 
 #[test]
 fn goals_that_cannot_be_built() {
-    // b1, shortened to reach from b4 to b5, which stand in the long females of b7: each of those two can only come
-    // along Y and b1 only along X.
+    // b1, shortened to reach from b4 to b5, which are in the long females of b7. Each of those two
+    // can only be inserted along Y, and b1 only along X.
     let shorter = data("kit.xml").replace("b1l1\" length=\"120\"", "b1l1\" length=\"94.4\"");
     let shorter = shorter.replace("b1l2\" length=\"120\"", "b1l2\" length=\"94.4\"");
     let kit = read_kit_str("kit.xml", &shorter).unwrap();
@@ -343,7 +343,7 @@ fn prints_the_line_with_a_caret() {
     assert!(out.contains("did you mean `b4j1`?"), "{out}");
 }
 
-/// b4 and b5 are a mirrored pair: whoever builds or lays them the wrong way round meets a wall.
+/// b4 and b5 are a mirrored pair: if they are swapped, a wall is in the way.
 #[test]
 fn beams_swapped_left_for_right_overlap() {
     let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
@@ -380,7 +380,7 @@ fn beams_swapped_left_for_right_overlap() {
     }
 }
 
-/// The same when a goal names the one where the other must be.
+/// The same when a goal names one in place of the other.
 #[test]
 fn a_goal_with_two_beams_swapped_overlaps() {
     let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");

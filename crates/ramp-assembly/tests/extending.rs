@@ -25,7 +25,7 @@ fn the_beam_is_what_the_file_says() {
     assert!((kind.form().turn.to_degrees() - 45.0).abs() < 1e-9);
     // Somewhat more plastic than the straight one.
     assert!(kind.mass() > 23e-3 && kind.mass() < 60e-3, "{}", kind.mass());
-    // The same description read twice is the same type; and it is written as it was read.
+    // The same description read twice is the same type, and writing it reproduces the file.
     let again = read_kit_str("again.xml", &kit_xml(&kit, "again")).unwrap();
     assert_eq!(again.beams, kit.beams);
     assert_eq!(again.beam("b10").unwrap().joints[0].kind, kind);
@@ -38,7 +38,7 @@ fn a_goal_with_it_is_placed_checked_and_drawn() {
     let index = goal.beam_index("b10").unwrap();
     let x_ab = goal.beams[index].x_ab;
     let along = x_ab.rotation * nalgebra::Vector3::x();
-    // Its tip points straight towards the robot, so the beam goes away at 45°.
+    // Its tip points straight towards the robot, so the beam extends at 45°.
     let yaw = along.y.atan2(along.x).to_degrees();
     assert!((yaw - 45.0).abs() < 1e-6, "{yaw}");
     let report = report(&goal);
@@ -46,7 +46,7 @@ fn a_goal_with_it_is_placed_checked_and_drawn() {
     for fit in &report.fits {
         assert!(fit.residual < 1e-9 && (fit.gap - 0.3e-3).abs() < 1e-6, "{fit:?}");
     }
-    // It goes in straight towards the robot, not along its own axis.
+    // It is inserted straight towards the robot, not along its own axis.
     let insertion = goal.insertions.iter().find(|insertion| insertion.beam == index).unwrap();
     assert!((insertion.direction.y + 1.0).abs() < 1e-9, "{insertion:?}");
     let svg = draw_svg(&goal);
@@ -63,7 +63,7 @@ fn it_is_refused_where_it_cannot_be() {
     };
     assert!(refuse("socket=\"36\"", "socket=\"30\"").contains("its socket needs to be 35.53 mm or more"));
     assert!(refuse("turn=\"45\"", "turn=\"80\"").contains("from -60 to 60 degrees"));
-    assert!(refuse("turn=\"45\"", "turn=\"1\"").contains("turned by at least 5°"));
+    assert!(refuse("turn=\"45\"", "turn=\"1\"").contains("the turn of a male end is at least 5°"));
     assert!(refuse("turn=\"45\"", "turn=\"45\" cavity=\"20\"").contains("only a female has a cavity"));
     assert!(refuse("<part name=\"in-m-end-45\"", "<part name=\"thru-f\"").contains("already"));
     assert!(refuse("place=\"end\"", "place=\"middle\"").contains("only a male end can be turned"));

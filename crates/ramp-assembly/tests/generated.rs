@@ -1,4 +1,4 @@
-//! Generated goals: valid, different, the same for the same seed, and quick.
+//! Generated goals: valid, different, reproducible and fast.
 
 #![allow(clippy::unwrap_used)]
 
@@ -36,7 +36,7 @@ fn a_thousand_goals_all_valid_all_different() {
         let goal = read_goal_str("made.xml", &made.goal, &kit).unwrap_or_else(|e| panic!("{e:#}"));
         assert_eq!(goal.class, Some(goal.likely_class()), "{}", made.goal);
         classes[Class::ALL.iter().position(|class| Some(*class) == goal.class).unwrap()] += 1;
-        // What is joined with what, in no order, and where it lies.
+        // The connections, sorted, and the poses.
         let mut lines: Vec<String> = Vec::new();
         for c in &goal.connections {
             lines.push(format!("{} {}", goal.joint_name(c.male), goal.joint_name(c.female)));
@@ -84,7 +84,7 @@ fn of_the_class_that_is_asked_for() {
             assert_eq!(made.assembly.likely_class(), class, "{}", made.goal);
         }
     }
-    // The nine of the benchmark are of the classes that the rule says.
+    // The nine goals of the benchmark have the classes that the rule gives.
     for name in ramp_assembly::goal_names(&data().join("goals")).unwrap() {
         let goal = read_goal(&data().join(format!("goals/{name}.xml")), &kit).unwrap();
         assert_eq!(goal.class, Some(goal.likely_class()), "{name}");
@@ -107,7 +107,7 @@ fn frames_of_any_size() {
             let extended = read_kit_str("kit.xml", made.kit.as_ref().unwrap()).unwrap();
             let goal = read_goal_str("made.xml", &made.goal, &extended).unwrap();
             assert!(report(&goal).overlaps.is_empty());
-            // Hardly anything is laid from above: insertions are joined to what stands.
+            // Insertions from above are rare: most beams are joined to placed ones.
             let above = goal.insertions.iter().filter(|insertion| insertion.direction.z != 0.0).count();
             assert!(above <= beams / 25, "{beams} beams, seed {seed}: {above} from above");
             let specials = goal.specials();
@@ -139,7 +139,7 @@ fn requests_that_make_no_sense() {
     );
 }
 
-/// Some frames grow until no slot is left for their last beams. Another one is begun then.
+/// A frame may run out of slots for its last beams. Then a new attempt starts.
 #[test]
 fn a_frame_without_room_for_its_last_beams_is_begun_anew() {
     let kit = kit();

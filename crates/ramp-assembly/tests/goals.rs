@@ -1,4 +1,4 @@
-//! The nine goals of the benchmark: every pose, every gap, and the order in which each is built.
+//! The nine goals of the benchmark: every pose, every gap, and the order of insertions of each.
 
 #![allow(clippy::unwrap_used)]
 
@@ -19,7 +19,8 @@ fn goal(name: &str) -> Assembly {
         .unwrap_or_else(|error| panic!("{error:#}"))
 }
 
-/// A beam, the place of its j1 hole (mm) and its yaw (degrees); b7 is at the origin, b8 always flipped.
+/// A beam, the position of its j1 hole (mm) and its yaw (degrees); b7 is at the origin, b8 always
+/// flipped.
 type Poses = &'static [(&'static str, f64, f64, f64)];
 
 /// The name, the poses, the number of pegs and the largest distance between two holes, mm.
@@ -179,14 +180,15 @@ fn beams_that_pass_through_others_start_clear_of_them() {
     };
     assert_eq!(distance("easy-1", "b4"), 60.0);
     assert_eq!(distance("hard-1", "b8"), 60.0);
-    // b1's tip, 10 past its hole, has to come out of b9, 146.2 away and 13.3 to either side; and 5 to spare.
+    // b1's tip, 10 mm beyond its hole, must leave b9, 146.2 mm away and 13.3 mm to either side,
+    // with 5 mm to spare.
     let through = 146.2 + 13.3 + 10.0 + 5.0;
     assert!((distance("medium-1", "b1") - through).abs() < 0.01);
     assert!((distance("hard-3", "b1") - through).abs() < 0.01);
     assert!(distance("hard-2", "b6") > 200.0);
 }
 
-/// The same by brute force: in steps of 1 mm, with the beams' own boxes and a test written differently.
+/// The same by brute force: in steps of 1 mm, with the beams' own boxes and an independent test.
 #[test]
 fn no_insertion_meets_anything_on_its_way() {
     use ramp_kit::shape::{Shape, beam_shapes};
@@ -196,7 +198,7 @@ fn no_insertion_meets_anything_on_its_way() {
         let slab = |shape: &Shape| {
             let bounds = Shape::bounds(shape);
             let (low, high) = (bounds.min, bounds.max);
-            // Less by the tolerance of the test.
+            // Reduced by the tolerance of the test.
             let s = 0.005e-3;
             let corner = |x: f64, y: f64, z: f64| placed.x_ab * nalgebra::Point3::new(x, y, z) + shift;
             let (low, high) = (low.map(|v| v + s), high.map(|v| v - s));

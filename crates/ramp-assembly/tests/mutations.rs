@@ -1,4 +1,4 @@
-//! Whatever somebody does to a goal's file, reading it ends, with an assembly or with an error inside the file.
+//! Any mutation of a goal's file gives an assembly or an error that points into the file.
 
 #![allow(clippy::unwrap_used)]
 
@@ -60,7 +60,7 @@ proptest! {
 
     #[test]
     fn a_joint_is_another_one(goal in 0usize..9, changes in prop::collection::vec((any::<prop::sample::Index>(), 1usize..6), 1..4)) {
-        // Keeps the form right, so that the geometry has its turn.
+        // Keeps the syntax valid, so that the geometry is tested too.
         let mut text = GOALS[goal].clone();
         for (which, joint) in changes {
             let places: Vec<usize> = text.match_indices("joint=\"").map(|(at, _)| at + 9).collect();

@@ -98,7 +98,7 @@ fn whatever_an_agent_does_is_scored_with_its_reason() {
         ("is killed", "the agent was killed by signal 11"),
         ("leaves", "the agent ended without saying that it is done"),
         ("nan", "message 3 of the agent holds NaN, which is no number for a robot"),
-        ("too strong", "the command's gripper force is 1e12, and 140 N is the most there is"),
+        ("too strong", "the command's gripper force is 1e12, above the limit of 140 N"),
         ("too long", "message 3 of the agent asks for 6000000000000000000 periods"),
         ("crooked", "message 3 of the agent has a quaternion of length 1.4142, and 1 is expected"),
         ("misspelt", "message 3 of the agent is not understood: unknown field `comands`"),
@@ -136,7 +136,7 @@ fn a_target_that_jumps_is_refused_or_clipped() {
     let refused = file(&folder, "out.json");
     assert_eq!(
         refused["ended"]["reason"],
-        "the commanded first step of joint 1 is 0.500 rad, and the most is 0.010: commands come one a period of 1 ms"
+        "the commanded first step of joint 1 is 0.500 rad, above the limit of 0.010: one command is expected every 1 ms"
     );
     let output = ramp(&folder, &arguments, &agent("jumper.py"), "clip");
     let clipped = file(&folder, "out.json");

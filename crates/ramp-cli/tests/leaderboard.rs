@@ -160,20 +160,20 @@ fn bad_entries_are_told_and_the_others_are_on_the_board() {
     let (status, told) = place.board(&[]);
     assert_eq!(status, Some(1), "{told}");
     for sentence in [
-        "refused a-cut: easy-1-state-2.mcap is no whole MCAP file: it ends too early",
-        "refused b-faster: easy-1-state-3.json: the result is not the one that its log ends with",
+        "refused a-cut: easy-1-state-2.mcap is not a complete MCAP file: it ends too early",
+        "refused b-faster: easy-1-state-3.json: the result differs from the one in its log",
         "refused c-part: good, track state: easy-1 was run with seeds 1, 2, 3, 5",
         "refused d-<b>\\u{1b}[31mnot-json: easy-1-state-5.json:1:1: expected value",
         "refused e-link: easy-1-state-1.mcap is a link",
         "refused f-link: it is no folder",
         "refused g-pipe: easy-1-state-1.mcap is no ordinary file",
-        "refused g-class: easy-1-state-1.json: the goal is not the one of this name here",
+        "refused g-class: easy-1-state-1.json: the goal differs from this board's goal of the same name",
         "refused i-again: entry h-good has these episodes of good 1.0 already",
         "warning j-copy: 5 of its 5 episodes make the same calls, to the last bit, as entry h-good (good 1.0)",
         "admitted h-good: good 1.0",
         "refused k-asked: easy-1-tags-1.mcap: at ",
         "the agent asked for poses of parts, and track `tags` gives none",
-        "refused l-relabelled: easy-1-tags-1.json: the result is not the one that its log ends with",
+        "refused l-relabelled: easy-1-tags-1.json: the result differs from the one in its log",
         "2 of 13 entries admitted; ",
     ] {
         assert!(told.contains(sentence), "{sentence}: {told}");

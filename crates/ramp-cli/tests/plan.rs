@@ -177,7 +177,7 @@ fn rules_that_read_files_are_refused_at_their_place() {
     let (status, said, told) = plan(&folder, &["easy-1", "--domain", "mine.lp"]);
     assert_eq!((status, said.as_str()), (2, ""), "{told}");
     assert!(
-        told.contains("mine.lp:2:1") && told.contains("`#include` may not stand in a rule file"),
+        told.contains("mine.lp:2:1") && told.contains("`#include` is not allowed in a rule file"),
         "{told}"
     );
 }

@@ -44,8 +44,8 @@ fn a_log_is_replayed_filmed_and_refused_when_it_is_cut() {
     let bytes = std::fs::read(folder.path().join("b.mcap")).unwrap();
     std::fs::write(folder.path().join("cut.mcap"), &bytes[..bytes.len() / 2]).unwrap();
     for (arguments, expected) in [
-        (&["replay", "cut.mcap"][..], "cut.mcap is no whole MCAP file: it ends too early"),
-        (&["replay", "a.json"], "a.json is no whole MCAP file"),
+        (&["replay", "cut.mcap"][..], "cut.mcap is not a complete MCAP file: it ends too early"),
+        (&["replay", "a.json"], "a.json is not a complete MCAP file"),
         (&["replay", "b.mcap", "--video", "b.mp4"], "there is no ffmpeg on the PATH"),
     ] {
         let output = Command::new(env!("CARGO_BIN_EXE_ramp"))

@@ -219,7 +219,7 @@ fn goals_that_are_kept_back_are_promised_and_verified() {
     std::fs::write(&path, revealed.replacen("b7", "b8", 1)).unwrap();
     let output = ramp(&folder, &verify);
     assert_eq!(output.status.code(), Some(1), "{}", words(&output.stderr));
-    assert!(words(&output.stdout).contains("is not the goal that was promised"));
+    assert!(words(&output.stdout).contains("does not match its commitment"));
 }
 
 #[test]

@@ -82,15 +82,15 @@ fn what_is_wrong_with_a_log_is_told() {
     let path = folder.path().join("a.mcap");
     World::new("easy-1").record("easy-1", &mut Swing(300), &path);
     let bytes = std::fs::read(&path).unwrap();
-    assert_eq!(read(b"").unwrap_err(), "x.mcap is no whole MCAP file: it ends too early");
-    assert!(read(b"{\"schema\": \"ramp-episode-3\"}").unwrap_err().contains("no whole MCAP file"));
+    assert_eq!(read(b"").unwrap_err(), "x.mcap is not a complete MCAP file: it ends too early");
+    assert!(read(b"{\"schema\": \"ramp-episode-3\"}").unwrap_err().contains("not a complete MCAP file"));
     for length in [9, bytes.len() / 2, bytes.len() - 1] {
         let error = read(&bytes[..length]).unwrap_err();
         assert!(error.contains("it ends too early"), "{length}: {error}");
     }
     let mut flipped = bytes.clone();
     flipped[bytes.len() / 2] ^= 4;
-    assert!(read(&flipped).unwrap_err().contains("no whole MCAP file"));
+    assert!(read(&flipped).unwrap_err().contains("not a complete MCAP file"));
 
     let with = |topic: &str, data: &[u8]| {
         let mut messages = messages(&bytes);
@@ -123,7 +123,7 @@ fn what_is_wrong_with_a_log_is_told() {
         read(&as_log(&messages))
     };
     let error = change("/episode", &|it| it["kit"]["xml"] = "<data/>".into()).unwrap_err();
-    assert!(error.contains("its kit is not the one whose hash it tells"), "{error}");
+    assert!(error.contains("its kit does not match its hash"), "{error}");
     let error = replay(&change("/result", &|it| it["seed"] = 4.into()).unwrap()).unwrap_err();
     assert_eq!(
         error.to_string(),
@@ -159,8 +159,8 @@ fn a_command_that_ended_the_episode_ends_its_replay() {
     let path = folder.path().join("a.mcap");
     let world = World::new("easy-1");
     for (torque, reason) in [
-        (f64::NAN, "the command's joint torques is not a finite, sensible number"),
-        (1e12, "the command's joint torque is 1e12, and 1000 N·m is the most there is"),
+        (f64::NAN, "the command's joint torques is not a finite, valid number"),
+        (1e12, "the command's joint torque is 1e12, above the limit of 1000 N·m"),
         (80.0, "joint "),
     ] {
         let result = world.record("easy-1", &mut Mad(torque), &path);

@@ -1,4 +1,5 @@
-//! The kit as data: beams with their joints and links, pegs, holders, and where each lies on the sheet.
+//! The kit as data: beams with their joints and links, pegs, holders, and their start poses on the
+//! sheet.
 
 use crate::cuboid::Cuboid;
 use crate::dimensions::{AXIS_HEIGHT, AXIS_HEIGHT_LYING, Dimensions};
@@ -19,11 +20,11 @@ pub struct Kit {
     pub sheet: Sheet,
     /// Position of the assembly frame A in the world, m: the j1 hole of the clamped beam, at table level.
     pub base_xy: [f64; 2],
-    /// The four numbers that the printed parts are made from.
+    /// The four dimensions of the printed parts.
     pub dimensions: Dimensions,
 }
 
-/// One beam: joints j1..jn along its axis, with a length of extrusion (a link) between neighbours.
+/// One beam: joints j1..jn along its axis, with a piece of extrusion (a link) between neighbours.
 ///
 /// Its frame B has its origin at the j1 hole on the beam's axis, +x towards the last joint, +z up.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +35,7 @@ pub struct Beam {
     pub joints: Vec<Joint>,
     /// From l1 to l(n−1); link k joins joints k and k+1.
     pub links: Vec<Link>,
-    /// Where it lies on the sheet; `None` for the beam that is clamped to the table.
+    /// Its start pose on the sheet; `None` for the beam that is clamped to the table.
     pub start: Option<StartPose>,
 }
 
@@ -49,18 +50,18 @@ pub struct Joint {
     pub offset: f64,
     /// The side an `in-f` or `in-f-end` opens to; `None` for every other type.
     pub opens: Option<Side>,
-    /// The id of its AprilTag (family tag25h9), if it carries one.
+    /// The id of its AprilTag (family tag25h9), if it has one.
     pub tag: Option<u32>,
 }
 
-/// A length of extrusion between two joints.
+/// A piece of extrusion between two joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
     /// For example `b4l1`.
     pub name: String,
     /// Distance between the socket floors at its two ends, m.
     pub length: f64,
-    /// The stretch, in metres from the j1 hole, on which the gripper may close from above.
+    /// The range, in m from the j1 hole, in which the gripper may close from above.
     pub grasp: [f64; 2],
 }
 
@@ -86,7 +87,8 @@ pub struct Holder {
     pub centre: [f64; 2],
 }
 
-/// The A2 sheet. Its frame: origin at the top left corner, x right, y down; sheet x is world x, sheet y is −world y.
+/// The A2 sheet. Its frame: origin at the top left corner, x right, y down; sheet x is world x,
+/// sheet y is −world y.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sheet {
     /// Width (x) and height (y), m.
@@ -107,12 +109,12 @@ impl Default for Sheet {
     }
 }
 
-/// Where the j1 hole of a beam lies on the sheet; all beams lie along +x of the sheet.
+/// The start pose of a beam, by its j1 hole; all beams lie along +x of the sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StartPose {
     /// Position of the j1 hole on the sheet, m.
     pub at: [f64; 2],
-    /// Lies turned by 180° about its own axis.
+    /// Rotated by 180° about its own axis.
     pub flipped: bool,
 }
 
@@ -132,8 +134,8 @@ impl Kit {
         Point3::new(self.sheet.corner[0] + at[0], self.sheet.corner[1] - at[1], 0.0)
     }
 
-    /// The assembly frame A in the world W: origin at table level under the clamped beam's j1 hole, X towards −y
-    /// of the world, Y towards +x, Z up.
+    /// The assembly frame A in the world W: origin at table level under the clamped beam's j1 hole,
+    /// X towards −y of the world, Y towards +x, Z up.
     pub fn x_wa(&self) -> Pose {
         Pose::from_parts(
             Translation3::new(self.base_xy[0], self.base_xy[1], 0.0),
@@ -152,8 +154,8 @@ impl Kit {
         ))
     }
 
-    /// The nominal pose of a peg in its holder, in the world. A peg's frame P: origin at the centre of the head's
-    /// underside, +z up, the stem towards −z.
+    /// The nominal pose of a peg in its holder, in the world. A peg's frame P: origin at the centre
+    /// of the head's underside, +z up, the stem towards −z.
     ///
     /// `None` when the kit has no such holder.
     pub fn x_wp_start(&self, peg: &Peg) -> Option<Pose> {
@@ -166,12 +168,12 @@ impl Kit {
 impl Holder {
     /// Distance between neighbouring holes, m.
     pub const PITCH: f64 = 34.0e-3;
-    /// Height of the bar that the heads rest on, m.
+    /// Height of the bar that carries the heads, m.
     pub const HEIGHT: f64 = 37.2e-3;
     /// Length (x) and width (y) of its base, m.
     pub const BASE: [f64; 2] = [103.0e-3, 40.0e-3];
 
-    /// The space that it fills, in a frame at its centre on the table, z up, m: foot and bar.
+    /// Its volume, in a frame at its centre on the table, z up, m: foot and bar.
     pub fn blocks() -> [Cuboid; 2] {
         let [x, y] = Holder::BASE.map(|edge| edge / 2.0);
         [
@@ -200,12 +202,12 @@ impl Beam {
         printed + extruded
     }
 
-    /// Does it stand on females or feet, and so at the height it has when assembled? An all-male beam lies lower.
+    /// Whether females or feet hold it at its assembled height. An all-male beam lies lower.
     pub fn stands_at_assembled_height(&self) -> bool {
         self.joints.iter().any(|joint| !joint.kind.is_male() || joint.kind.form().feet)
     }
 
-    /// Height of its axis over the table when nothing but the table carries it, m.
+    /// Height of its axis when it lies on the table, m.
     pub fn axis_height_on_table(&self) -> f64 {
         if self.stands_at_assembled_height() { AXIS_HEIGHT } else { AXIS_HEIGHT_LYING }
     }
@@ -215,7 +217,7 @@ impl Beam {
         Point3::new(self.joints[index].offset, 0.0, 0.0)
     }
 
-    /// Distance from j1 of the end that is further from joint `index`, m.
+    /// Distance from j1 to the end that is further from joint `index`, m.
     pub fn far_end(&self, index: usize) -> f64 {
         if self.joints[index].offset > self.span() / 2.0 { 0.0 } else { self.span() }
     }

@@ -1,4 +1,4 @@
-//! What a lab has to print, buy and saw.
+//! The bill of parts: everything a lab prints, buys and saws.
 
 use crate::beam::Kit;
 use crate::dimensions::{EXTRUSION_MASS, PLA_DENSITY};
@@ -14,28 +14,28 @@ pub struct Row {
     pub source: &'static str,
     /// The part.
     pub part: String,
-    /// How many.
+    /// Number of pieces.
     pub count: usize,
-    /// Mass of one, g, where it is known.
+    /// Mass of one piece, g, where it is known.
     pub mass: Option<f64>,
-    /// What to look for.
+    /// Advice for the buyer.
     pub note: String,
 }
 
-/// A part that is printed, and how often.
+/// A printed part and its count.
 #[derive(Clone)]
 pub struct Printed {
-    /// Its name, which is also that of its file.
+    /// Its name, also that of its file.
     pub name: String,
     /// Its solid, mm.
     pub solid: Solid,
-    /// How many the kit needs.
+    /// Number needed for the kit.
     pub count: usize,
-    /// How it is turned to be printed without supports, degrees about x, y and z.
+    /// Orientation for printing without supports, degrees about x, y and z.
     pub lay: [f64; 3],
 }
 
-/// The joint types that a kit uses, the benchmark's first, and how many joints it has of each.
+/// The joint types of a kit, the benchmark's first, and the count of each.
 pub fn joint_counts(kit: &Kit) -> Vec<(JointType, usize)> {
     let mut counts: Vec<(JointType, usize)> = JointType::ALL.into_iter().map(|kind| (kind, 0)).collect();
     for joint in kit.beams.iter().flat_map(|beam| &beam.joints) {
@@ -48,7 +48,7 @@ pub fn joint_counts(kit: &Kit) -> Vec<(JointType, usize)> {
     counts
 }
 
-/// The lengths of extrusion that a kit uses, m, shortest first, and how many of each.
+/// The lengths of extrusion of a kit, m, shortest first, and the count of each.
 pub fn lengths(kit: &Kit) -> Vec<(f64, usize)> {
     let mut lengths: Vec<f64> =
         kit.beams.iter().flat_map(|beam| &beam.links).map(|link| link.length).collect();
@@ -56,7 +56,7 @@ pub fn lengths(kit: &Kit) -> Vec<(f64, usize)> {
     let mut counts: Vec<(f64, usize)> = Vec::new();
     for length in lengths {
         match counts.last_mut() {
-            // The same to a hundredth of a millimetre is the same cut.
+            // Lengths within a hundredth of a millimetre are the same cut.
             Some((last, count)) if (length - *last).abs() < 1e-5 => *count += 1,
             _ => counts.push((length, 1)),
         }
@@ -64,10 +64,10 @@ pub fn lengths(kit: &Kit) -> Vec<(f64, usize)> {
     counts
 }
 
-/// Everything that is printed.
+/// All printed parts.
 ///
 /// # Errors
-/// Dimensions that make no part.
+/// Dimensions that give no valid part.
 pub fn printed(kit: &Kit) -> Result<Vec<Printed>, SolidError> {
     let d = &kit.dimensions;
     let mut parts = Vec::new();
@@ -89,7 +89,7 @@ pub fn printed(kit: &Kit) -> Result<Vec<Printed>, SolidError> {
     Ok(parts)
 }
 
-/// The bill of parts of a kit, from its parts that are printed.
+/// The bill of parts of a kit, given its printed parts.
 pub fn bill(kit: &Kit, printed: &[Printed]) -> Vec<Row> {
     let mut rows = Vec::new();
     for part in printed {
@@ -132,7 +132,7 @@ pub fn bill(kit: &Kit, printed: &[Printed]) -> Vec<Row> {
     rows
 }
 
-/// A length as it is named everywhere: in mm, as short as it goes.
+/// A length as text: in mm, with as few digits as needed.
 pub(crate) fn length_words(length: f64) -> String {
     let rounded = (length * 1e5).round() / 1e2;
     format!("{rounded}")
@@ -168,7 +168,7 @@ pub fn csv(rows: &[Row]) -> String {
     text
 }
 
-/// The bill as a table for people, in Markdown.
+/// The bill as a Markdown table.
 pub fn table(kit: &Kit, rows: &[Row]) -> String {
     let joints: usize = kit.beams.iter().map(|beam| beam.joints.len()).sum();
     let links: usize = kit.beams.iter().map(|beam| beam.links.len()).sum();
@@ -198,7 +198,7 @@ pub fn table(kit: &Kit, rows: &[Row]) -> String {
     text
 }
 
-/// What to saw: one line for each length, and which links it is for.
+/// The cutting list: one line per length, with the links that need it.
 pub fn cutting_list(kit: &Kit) -> String {
     let mut text = String::from("length_mm,count,links\n");
     for (length, count) in lengths(kit) {

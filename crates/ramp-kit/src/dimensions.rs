@@ -1,10 +1,11 @@
-//! The few numbers that all parts are made from, measured on the published release.
+//! The dimensions of all parts, measured on the published release.
 //!
-//! Four of them fix every cross-section ([`Dimensions`]); the others are those of the benchmark alone.
+//! Four of them determine every cross-section ([`Dimensions`]); the others are specific to the
+//! benchmark.
 
 /// Width of a joint across the beam, m: a male end and the necks of a female.
 pub const BODY_WIDTH: f64 = 26.6e-3;
-/// Height of a female's head, m; also the height of the top plate that a seated peg's head rests on.
+/// Height of a female's head, m; also the height of the top plate that carries a seated peg's head.
 pub const FEMALE_HEIGHT: f64 = 33.2e-3;
 /// Thickness of every printed wall and plate, m.
 pub const WALL: f64 = 3.0e-3;
@@ -28,13 +29,13 @@ pub const HEAD_WIDTH: f64 = 29.0e-3;
 pub const HEAD_HEIGHT: f64 = 24.0e-3;
 /// Radius of the rounding of all edges of the head of a peg, m.
 pub const HEAD_ROUNDING: f64 = 1.0e-3;
-/// How far a male end reaches past its hole, m.
+/// Length of a male end beyond its hole, m.
 pub const MALE_TIP: f64 = 10.0e-3;
 /// Chamfer on the four edges of a male's tip, m.
 pub const MALE_CHAMFER: f64 = 1.5e-3;
-/// Height of a beam's axis over the table when its females (or feet) stand on it, m.
+/// Height of a beam's axis over the table when it rests on its females (or feet), m.
 pub const AXIS_HEIGHT: f64 = 16.6e-3;
-/// Height of the axis of a beam that lies on its male joints, m.
+/// Height of the axis of a beam that rests on its male joints, m.
 pub const AXIS_HEIGHT_LYING: f64 = 13.3e-3;
 /// Depth at which the extrusion sits in its socket, m.
 pub const SOCKET_DEPTH: f64 = 20.0e-3;
@@ -43,14 +44,14 @@ pub const PLA_DENSITY: f64 = 1240.0;
 /// Mass of one metre of extrusion, kg/m: 184.1 mm² of aluminium.
 pub const EXTRUSION_MASS: f64 = 0.497;
 
-/// How far a male end's socket section is followed by its tag plate, m.
+/// Length of the tag plate that follows a male end's socket section, m.
 pub const TAG_PLATE: f64 = 27.05e-3;
 /// Edge of the square recess for a tag's sticker, m.
 pub const TAG_RECESS: f64 = 25.5e-3;
-/// Depth of the countersink and of the whole screw hole in a socket's wall, and the radii at the outer face and
-/// behind the 90° cone, m.
+/// Depth of the countersink and of the whole screw hole in a socket's wall, and the radii at the
+/// outer face and behind the 90° cone, m.
 pub(crate) const SCREW: ScrewHole = ScrewHole { cone: 2.85e-3, outer: 5.6e-3, inner: 2.75e-3 };
-/// The two feet of a male end: how far from the axis, and how far back from the hole, m.
+/// The two feet of a male end: ranges across the axis and back from the hole, m.
 pub(crate) const FEET: [[f64; 2]; 2] = [[6.3e-3, 9.8e-3], [-25.6e-3, -20.6e-3]];
 
 /// The screw hole in the wall of a socket, m.
@@ -63,12 +64,12 @@ pub(crate) struct ScrewHole {
     pub inner: f64,
 }
 
-/// The four numbers from which the cross-sections of all parts follow, m.
+/// The four dimensions that determine the cross-sections of all parts, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dimensions {
     /// Thickness of every wall and plate.
     pub wall: f64,
-    /// Gap on each side between two parts that go into each other.
+    /// Gap on each side between two mating parts.
     pub clearance: f64,
     /// Edge of the square extrusion.
     pub extrusion: f64,
@@ -77,7 +78,7 @@ pub struct Dimensions {
 }
 
 impl Dimensions {
-    /// Those of the benchmark. The twin and everything that moves is made for these.
+    /// The benchmark's dimensions. The twin and all motions assume them.
     pub const BENCHMARK: Dimensions =
         Dimensions { wall: WALL, clearance: CLEARANCE, extrusion: EXTRUSION, peg_hole: 2.0 * HOLE_RADIUS };
 

@@ -1,8 +1,8 @@
-//! One model of a drawing, and two ways to write it: SVG and PDF, both at true scale.
+//! A drawing, and two output formats: SVG and PDF, both at true scale.
 //!
 //! Millimetres, y down, the origin at the top left corner of the paper. Text is drawn as strokes
-//! ([`crate::strokes`]), so a drawing looks the same everywhere and needs no fonts. Nothing in a file depends on
-//! the date or the machine.
+//! ([`crate::strokes`]), so a drawing looks the same everywhere and needs no fonts. The output does
+//! not depend on the date or the machine.
 
 use crate::strokes::{self, Align};
 use pdf_writer::types::{LineCapStyle, LineJoinStyle};
@@ -15,13 +15,13 @@ pub type Colour = [u8; 3];
 
 /// The colour of lines and words.
 pub const BLACK: Colour = [0, 0, 0];
-/// Lines and words that matter less.
+/// Less important lines and words.
 pub const GREY: Colour = [110, 118, 128];
 /// Fills.
 pub const PALE: Colour = [228, 232, 237];
 /// Paper.
 pub const WHITE: Colour = [255, 255, 255];
-/// What must not be overlooked.
+/// Warnings.
 pub const RED: Colour = [196, 43, 36];
 
 /// A4, upright, mm.
@@ -29,7 +29,7 @@ pub const A4: [f64; 2] = [210.0, 297.0];
 /// A2, lying, mm.
 pub const A2: [f64; 2] = [594.0, 420.0];
 
-/// A piece of a line, mm.
+/// A segment of a path, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Segment {
     /// Lift the pen and go there.
@@ -38,11 +38,11 @@ pub enum Segment {
     Line([f64; 2]),
     /// A Bézier curve with two handles, to the last point.
     Curve([f64; 2], [f64; 2], [f64; 2]),
-    /// Back to where this line began.
+    /// Back to the start of this path.
     Close,
 }
 
-/// How a line looks.
+/// Style of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pen {
     /// Its colour.
@@ -76,7 +76,7 @@ struct Shape {
 /// One page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
-    /// What it is, in a few words.
+    /// Its title.
     pub title: String,
     /// Width and height, mm.
     pub size: [f64; 2],
@@ -89,12 +89,12 @@ impl Drawing {
         Drawing { title: title.to_string(), size, shapes: Vec::new() }
     }
 
-    /// Adds a line, and what it encloses.
+    /// Adds a path with its fill.
     pub fn path(&mut self, line: Vec<Segment>, fill: Option<Colour>, pen: Option<Pen>) {
         self.shapes.push(Shape { line, fill, pen, words: None });
     }
 
-    /// Adds closed lines, of which an inner one is a hole.
+    /// Adds closed polygons; an inner one is a hole.
     pub fn polygons(&mut self, lines: &[Vec<[f64; 2]>], fill: Option<Colour>, pen: Option<Pen>) {
         let mut path = Vec::new();
         for line in lines {
@@ -131,7 +131,7 @@ impl Drawing {
         self.path(line, fill, pen);
     }
 
-    /// Adds words; their baseline is at y, their capitals are `height` high.
+    /// Adds text with its baseline at y and capitals of height `height`.
     pub fn text(&mut self, at: [f64; 2], align: Align, height: f64, colour: Colour, words: &str) {
         let mut line = Vec::new();
         let width = strokes::draw(at, align, height, words, &mut |command, n| match (command, n) {
@@ -145,7 +145,7 @@ impl Drawing {
         self.shapes.push(Shape { line, fill: None, pen: Some(pen), words: Some(words.to_string()) });
     }
 
-    /// Adds a ruler of 100 mm from `at` to the right, to check a print with.
+    /// Adds a 100 mm ruler from `at` to the right, to verify the scale of a print.
     pub fn ruler(&mut self, at: [f64; 2]) {
         let pen = Pen::new(BLACK, 0.2);
         let [x, y] = at;
@@ -226,12 +226,12 @@ impl Drawing {
     }
 }
 
-/// Rounded to a tenth of a micrometre, which no printer can do.
+/// Rounded to a tenth of a micrometre, finer than any printer.
 fn mm(value: f64) -> f64 {
     (value * 1e4).round() / 1e4 + 0.0
 }
 
-/// Adds an arc of an ellipse along the axes, from one angle to another, as curves of at most 90°.
+/// Adds an arc of an axis-aligned ellipse between two angles, as curves of at most 90°.
 fn curve(line: &mut Vec<Segment>, centre: [f64; 2], radii: [f64; 2], from: f64, to: f64) {
     let pieces = ((to - from).abs() / (PI / 2.0) - 1e-9).ceil().max(1.0);
     let step = (to - from) / pieces;
@@ -248,7 +248,7 @@ fn curve(line: &mut Vec<Segment>, centre: [f64; 2], radii: [f64; 2], from: f64, 
     }
 }
 
-/// Adds an arc from where the line is to `to`, in the way SVG describes one.
+/// Adds an arc from the end of the path to `to`, with SVG's parameters.
 fn ellipse(line: &mut Vec<Segment>, radii: [f64; 2], [large, sweep]: [f64; 2], to: [f64; 2]) {
     let from = match line.last() {
         Some(Segment::Move(p) | Segment::Line(p) | Segment::Curve(_, _, p)) => *p,
@@ -265,7 +265,7 @@ fn ellipse(line: &mut Vec<Segment>, radii: [f64; 2], [large, sweep]: [f64; 2], t
     let (dx, dy, chord) = (dx / grow, dy / grow, chord / grow);
     let height = (1.0 - chord * chord / 4.0).max(0.0).sqrt();
     let side = if (large > 0.5) == (sweep > 0.5) { 1.0 } else { -1.0 };
-    // The centre, seen from the start of the arc.
+    // The centre, relative to the start of the arc.
     let cx = dx / 2.0 - side * -dy / chord * height;
     let cy = dy / 2.0 - side * dx / chord * height;
     let begin = (-cy).atan2(-cx);
@@ -280,7 +280,7 @@ fn ellipse(line: &mut Vec<Segment>, radii: [f64; 2], [large, sweep]: [f64; 2], t
     curve(line, centre, radii, begin, begin + turn);
 }
 
-/// As PDF, one page for each drawing. It asks the printing program not to scale it.
+/// As PDF, one page per drawing. It asks the printing program not to scale it.
 pub fn pdf(title: &str, pages: &[Drawing]) -> Vec<u8> {
     /// Points in a millimetre.
     const POINT: f64 = 72.0 / 25.4;

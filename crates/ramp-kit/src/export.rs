@@ -1,8 +1,8 @@
-//! Writes everything that a lab needs to make a kit into one folder.
+//! Writes all files for making a kit into one folder.
 //!
-//! A second export replaces what the first one wrote, and nothing else: a list in the folder says which files are
-//! ours and what was in them. A file that somebody changed or put there is kept, and the export refused, unless it
-//! is forced.
+//! A second export replaces only the files of the first one: a list in the folder names them with
+//! checksums. If a file was changed or added by hand, the export is refused unless it is forced,
+//! and the file is kept.
 
 use crate::beam::Kit;
 use crate::bill::{self, Printed};
@@ -15,17 +15,18 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The list of what an export wrote, in its folder.
+/// Name of the list of exported files, in their folder.
 pub const LIST: &str = "written-by-ramp.txt";
-/// Edge of the printer's plate that the set of plates is made for, mm.
+/// Edge of the printer's plate, mm.
 pub const PLATE: f64 = 256.0;
-/// Kept free along the plate's edges, and between two parts on it, mm.
+/// Margin along the plate's edges, and between two parts on it, mm.
 const MARGIN: f64 = 5.0;
 const BETWEEN: f64 = 4.0;
-/// The largest file that an export may have written, bytes.
+/// Size limit of an exported file, bytes.
 const LARGEST: usize = 256 << 20;
 
-/// Why a kit could not be exported; nothing has been written then, except where the system stopped half way.
+/// Reasons why a kit could not be exported. Nothing has been written then, unless the system failed
+/// half way.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum ExportError {
@@ -33,7 +34,7 @@ pub enum ExportError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Solid(#[from] SolidError),
-    /// Files that were not written by an export, or were changed since.
+    /// Files that are not of an export, or were changed since.
     #[error("would overwrite {}", .files.iter().map(|file| format!("`{}`", file.display())).collect::<Vec<_>>().join(", "))]
     #[diagnostic(help(
         "these were not written by an export, or were changed since; --force overwrites them"
@@ -48,7 +49,7 @@ pub enum ExportError {
         /// The part.
         part: String,
     },
-    /// The packer of the 3MF files.
+    /// The writer of the 3MF files failed.
     #[error("cannot pack `{part}`: {why}")]
     Pack {
         /// The file.
@@ -56,7 +57,7 @@ pub enum ExportError {
         /// Its reason.
         why: String,
     },
-    /// The system.
+    /// The system refused.
     #[error("cannot write {}: {why}", .file.display())]
     Write {
         /// The file or folder.
@@ -69,13 +70,13 @@ pub enum ExportError {
 /// A file of an export.
 #[derive(Clone, Debug, PartialEq)]
 pub struct File {
-    /// Its place in the folder, with `/` between folders.
+    /// Its path in the folder, with `/` between folders.
     pub path: String,
-    /// What is in it.
+    /// Its content.
     pub bytes: Vec<u8>,
 }
 
-/// Everything that is exported, in memory: the same kit gives the same bytes.
+/// All exported files, in memory: the same kit gives the same bytes.
 ///
 /// # Errors
 /// Parts that cannot be made, or are larger than the plate.
@@ -124,10 +125,11 @@ fn pack(name: &str, items: &[Item<'_>]) -> Result<Vec<u8>, ExportError> {
         .map_err(|error| ExportError::Pack { part: name.to_string(), why: error.to_string() })
 }
 
-/// A plate: for each part on it its name, its surface as it is laid, and the places of its copies.
+/// A plate: for each part its name, its surface as oriented for printing, and the positions of its
+/// copies.
 type Plate = Vec<(String, solid::Mesh, Vec<[f64; 3]>)>;
 
-/// Lays all parts on plates, in rows, deepest first.
+/// Arranges all parts on plates, in rows, deepest first.
 fn plates(printed: &[Printed]) -> Result<Vec<Plate>, ExportError> {
     struct Part<'a> {
         name: &'a str,
@@ -149,7 +151,7 @@ fn plates(printed: &[Printed]) -> Result<Vec<Plate>, ExportError> {
     }
     copies.sort_by(|&a, &b| parts[b].size[1].total_cmp(&parts[a].size[1]).then(a.cmp(&b)));
     let mut plates: Vec<Plate> = Vec::new();
-    // The next free place, and the depth of the row that it is in.
+    // The next free position, and the depth of its row.
     let (mut x, mut y, mut depth) = (f64::INFINITY, f64::INFINITY, 0.0);
     for index in copies {
         let Part { name, mesh, low, size } = &parts[index];
@@ -171,12 +173,12 @@ fn plates(printed: &[Printed]) -> Result<Vec<Plate>, ExportError> {
     Ok(plates)
 }
 
-/// Writes a kit into a folder, which is made if it is not there. Returns the files, in the order of their names in
-/// the folder.
+/// Writes a kit into a folder, which is created if it is missing. Returns the files, in the order
+/// of their names in the folder.
 ///
 /// # Errors
-/// [`ExportError::Foreign`] for files there that no export wrote, unless `force`; parts that cannot be made; the
-/// system.
+/// [`ExportError::Foreign`] for files there that are not of an export, unless `force`; parts that
+/// cannot be made; errors of the system.
 pub fn export(kit: &Kit, folder: &Path, force: bool) -> Result<Vec<PathBuf>, ExportError> {
     let files = files(kit)?;
     let list = folder.join(LIST);
@@ -186,7 +188,7 @@ pub fn export(kit: &Kit, folder: &Path, force: bool) -> Result<Vec<PathBuf>, Exp
     for file in &files {
         let path = folder.join(&file.path);
         let known = |there: Vec<u8>| there == file.bytes || before.get(&file.path) == Some(&checksum(&there));
-        // A link is something that is there, wherever it leads.
+        // A link counts as an existing file, wherever it points.
         let ours = path.symlink_metadata().is_err_and(|error| error.kind() == std::io::ErrorKind::NotFound)
             || read_bytes(&path, LARGEST).is_ok_and(known);
         if !ours {
@@ -226,7 +228,7 @@ fn parse_list(text: &str) -> HashMap<String, u64> {
     text.lines().filter_map(line).collect()
 }
 
-/// FNV-1a: tells a file that was changed from one that was not.
+/// FNV-1a, to detect changed files.
 fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)

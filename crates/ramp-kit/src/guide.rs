@@ -1,4 +1,5 @@
-//! The assembly guide: one page for each beam, with the beam pulled apart, its parts in order and which way they go.
+//! The assembly guide: one page per beam, with an exploded view, its parts in order and their
+//! orientation.
 
 use crate::beam::{Beam, Joint, Kit};
 use crate::bill::length_words;
@@ -14,7 +15,7 @@ use nalgebra::Vector2;
 /// Millimetres in a metre.
 const MM: f64 = 1e3;
 const LEFT: f64 = 18.0;
-/// By how much the parts are pulled apart, mm of the beam.
+/// Gap between parts in the exploded view, mm of the beam.
 const APART: f64 = 32.0;
 
 /// The pages of the guide, one for each beam.
@@ -48,7 +49,7 @@ fn page(kit: &Kit, beam: &Beam) -> Result<Drawing, SolidError> {
     Ok(drawing)
 }
 
-/// The parts pulled apart along the beam, seen from the left front, each with its number.
+/// The exploded view along the beam, from the left front, each part with its number.
 fn exploded(drawing: &mut Drawing, kit: &Kit, beam: &Beam) -> Result<(), SolidError> {
     let pieces = solid::beam(beam, &kit.dimensions, APART)?;
     let meshes: Vec<Mesh> = pieces.iter().map(|piece| piece.solid.mesh()).collect();
@@ -62,7 +63,7 @@ fn exploded(drawing: &mut Drawing, kit: &Kit, beam: &Beam) -> Result<(), SolidEr
         let (a, b) = (a + shift, b + shift);
         drawing.line(&[[a.x, a.y], [b.x, b.y]], Pen::new(BLACK, 0.18));
     }
-    // The line along which they are pushed together, between the parts.
+    // The assembly line between the parts.
     for pair in meshes.windows(2) {
         let (before, after) = (pair[0].bounds()[1][0], pair[1].bounds()[0][0]);
         let at = |x: f64| view.at(&nalgebra::Vector3::new(x, 0.0, 0.0)) + shift;
@@ -92,7 +93,7 @@ fn numbered(drawing: &mut Drawing, at: [f64; 2], number: usize) {
     drawing.text([at[0], at[1] + 1.4], Align::Middle, 2.8, BLACK, &number.to_string());
 }
 
-/// The beam put together, from above, with its tags and where its holes are.
+/// The assembled beam from above, with its tags and the positions of its holes.
 fn from_above(drawing: &mut Drawing, kit: &Kit, beam: &Beam) -> Result<(), SolidError> {
     let pieces = solid::beam(beam, &kit.dimensions, 0.0)?;
     let room = drawing.size[0] - 2.0 * LEFT;
@@ -103,7 +104,7 @@ fn from_above(drawing: &mut Drawing, kit: &Kit, beam: &Beam) -> Result<(), Solid
     }
     let scale = (room / (high - low)).min(0.6);
     let (left, middle) = (LEFT + (room - (high - low) * scale) / 2.0, 122.0);
-    // As it will lie: a beam that starts flipped carries its tags on what was its underside.
+    // As it lies on the sheet: a beam that starts flipped has its tags on what was its underside.
     let flipped = beam.start.is_some_and(|start| start.flipped);
     let up = if flipped { -1.0 } else { 1.0 };
     let at = |[x, y]: [f64; 2]| [left + (x - low) * scale, middle - up * y * scale];
@@ -144,7 +145,7 @@ fn from_above(drawing: &mut Drawing, kit: &Kit, beam: &Beam) -> Result<(), Solid
     Ok(())
 }
 
-/// What is at which place along the beam.
+/// The table of parts by position along the beam.
 fn table(drawing: &mut Drawing, beam: &Beam) {
     const COLUMNS: [f64; 5] = [0.0, 10.0, 34.0, 68.0, 108.0];
     let top = 147.0;
@@ -176,7 +177,7 @@ fn table(drawing: &mut Drawing, beam: &Beam) {
     }
 }
 
-/// Which way a joint goes.
+/// The orientation of a joint.
 fn way(joint: &Joint) -> String {
     let form = joint.kind.form();
     match joint.opens {

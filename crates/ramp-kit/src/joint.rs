@@ -1,7 +1,8 @@
 //! The printed joint types.
 //!
-//! A joint type is one row of a table ([`JointForm`]): what it does and how long it is. Everything else follows from the
-//! [`Dimensions`]. The seven types of the benchmark are [`FORMS`]; a kit file may add more.
+//! A joint type is one row of a table ([`JointForm`]): its function and its lengths. Everything
+//! else follows from the [`Dimensions`]. The seven types of the benchmark are [`FORMS`]; a kit file
+//! may add more.
 
 pub use crate::dimensions::{
     AXIS_HEIGHT, AXIS_HEIGHT_LYING, BODY_WIDTH, CLEARANCE, Dimensions, EXTRUSION, EXTRUSION_MASS,
@@ -13,7 +14,7 @@ use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
 use std::sync::{Mutex, PoisonError};
 
-/// Thickness of the plate in the elbow of a turned male end, m.
+/// Thickness of the plate in the elbow of a bent male end, m.
 const ELBOW: f64 = 12.0e-3;
 
 /// The side of a beam, seen from above with j1 behind you and the last joint ahead.
@@ -35,25 +36,26 @@ impl Side {
     }
 }
 
-/// A joint type as a row of a table: all that is special to it. Everything else follows from [`Dimensions`].
+/// A joint type as a row of a table, with everything specific to it. All else follows from
+/// [`Dimensions`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointForm {
     /// The name in kit files.
     pub name: &'static str,
-    /// Does it enter another joint?
+    /// Whether it enters another joint.
     pub male: bool,
-    /// Does it stand at an end of its beam?
+    /// Whether it sits at an end of its beam.
     pub end: bool,
-    /// Is it a female that is open to one side only?
+    /// Whether it is a female that is open to one side only.
     pub one_sided: bool,
     /// Distance along the beam from the peg hole to the floor of the extrusion's socket, m.
     pub socket_offset: f64,
     /// Half the length of a female's cavity along the beam, m; 0 for a male.
     pub cavity: f64,
-    /// Does a male end stand on two feet?
+    /// Whether a male end stands on two feet.
     pub feet: bool,
-    /// The angle at which a male end's tip points away from its beam, about the hole, to the left of the way out
-    /// of the beam, rad.
+    /// Angle between a male end's tip and its beam, about the hole, positive to the left of the
+    /// direction out of the beam, rad.
     pub turn: f64,
 }
 
@@ -77,23 +79,26 @@ pub const FORMS: [JointForm; 7] = [
 ];
 
 impl JointForm {
-    /// The largest angle from straight at which a male of section `body` (m) passes this female, rad; 0 for a male.
+    /// Largest angle from straight at which a male of section `body` (m) passes this female, rad; 0
+    /// for a male.
     pub fn entry_angle(&self, body: f64) -> f64 {
         if self.male {
             return 0.0;
         }
-        // A strip as wide as the cavity is deep needs (1 + sin a) / cos a = tan(45° + a/2) of its half width.
+        // A strip as wide as the cavity is deep needs (1 + sin a) / cos a = tan(45° + a/2) of its
+        // half width.
         2.0 * ((2.0 * self.cavity / body).atan() - std::f64::consts::FRAC_PI_4)
     }
 
-    /// Where a section that is turned by `angle` against the tip may begin without reaching into the female around
-    /// the tip, measured back from the hole along that section, m.
+    /// Smallest distance from the hole at which a section rotated by `angle` against the tip may
+    /// begin without penetrating the female around the tip, measured back along that section, m.
     fn begin(angle: f64) -> f64 {
         let half = BODY_WIDTH / 2.0;
         (half + CLEARANCE + half * angle.sin().abs()) / angle.cos()
     }
 
-    /// The shortest socket offset that keeps the beam's own section out of the female around a turned tip, m.
+    /// Smallest socket offset that keeps the beam's own section out of the female around a bent
+    /// tip, m.
     pub fn least_socket_offset(&self) -> f64 {
         if self.turn == 0.0 { MALE_TIP - 2.0 * MALE_CHAMFER } else { JointForm::begin(self.turn) + WALL }
     }
@@ -114,7 +119,7 @@ impl JointForm {
             if !self.end {
                 return section * 2.0 * sleeve - body * hole - cut;
             }
-            // The four chamfers of the tip, their corners counted once.
+            // The four chamfers of the tip, with the corners counted once.
             let c = MALE_CHAMFER;
             let chamfer = section * c - (body.powi(3) - (body - 2.0 * c).powi(3)) / 6.0;
             let plate = TAG_PLATE * body * d.wall - TAG_RECESS * TAG_RECESS * 0.5e-3;
@@ -143,7 +148,7 @@ impl JointForm {
         if self.turn == 0.0 {
             return BODY_WIDTH * (sleeve + MALE_TIP);
         }
-        // Sections that overlap: counted on a grid, good to a part in a thousand.
+        // Overlapping sections are integrated on a grid, accurate to a part in a thousand.
         let sections = self.sections();
         let step = 0.1e-3;
         let cells = (2.0 * sleeve / step) as i32;
@@ -172,7 +177,8 @@ impl JointForm {
             return vec![Section { turn: 0.0, along: [-sleeve, MALE_TIP], across: whole }];
         }
         let begin = JointForm::begin(self.turn);
-        // The tip and the beam's own section are joined by a plate behind the female, as wide as both together.
+        // A plate behind the female, as wide as both together, joins the tip and the beam's own
+        // section.
         let (back, front) = (JointForm::begin(0.0) + ELBOW, JointForm::begin(0.0));
         let (sin, cos) = self.turn.sin_cos();
         let far = half * cos + begin * sin.abs();
@@ -185,8 +191,8 @@ impl JointForm {
     }
 }
 
-/// A straight piece of a male end, see [`JointForm::sections`]: how it is turned about the hole, and its ranges
-/// along its own direction and across it, to the left.
+/// A straight piece of a male end, see [`JointForm::sections`]: its rotation about the hole, and
+/// its ranges along its own direction and across it, to the left.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Section {
     pub turn: f64,
@@ -194,7 +200,7 @@ pub(crate) struct Section {
     pub across: [f64; 2],
 }
 
-/// A joint type that a kit file added; two are the same when all that is in their rows is.
+/// A joint type added by a kit file; two are equal when all fields of their rows are equal.
 #[derive(Clone, Copy, Debug)]
 pub struct Added(&'static JointForm);
 
@@ -212,10 +218,10 @@ impl Hash for Added {
     }
 }
 
-/// Every row that a kit file has added in this process, so that equal rows are one and are kept once.
+/// Every row added by a kit file in this process, so that equal rows are stored once.
 static ADDED: Mutex<Option<HashMap<String, Vec<&'static JointForm>>>> = Mutex::new(None);
 
-/// A type of joint, by the name the published files use.
+/// A type of joint, by its name in the published files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum JointType {
     /// `in-m-end`: a male end; its beam lies flat on the table.
@@ -224,7 +230,7 @@ pub enum JointType {
     InMEndFeet,
     /// `thru-m`: a male in the middle of a beam; the beam passes through a female.
     ThruM,
-    /// `in-f-end`: a female end, open to one side and at the beam's end.
+    /// `in-f-end`: a female at the beam's end, open to one side.
     InFEnd,
     /// `in-f`: a female in the middle of a beam, open to one side, with a stop wall.
     InF,
@@ -232,7 +238,7 @@ pub enum JointType {
     ThruF,
     /// `angle-f`: a long female in the middle of a beam, open to both sides, entered at up to 40.7°.
     AngleF,
-    /// A type that the kit file itself describes.
+    /// A type described in the kit file itself.
     Added(Added),
 }
 
@@ -248,7 +254,7 @@ impl JointType {
         JointType::AngleF,
     ];
 
-    /// A type of the kit file's own. Rows are kept for as long as the program runs: there is one for each
+    /// A type of the kit file's own. Rows are kept for the lifetime of the process, one per
     /// description, however often it is read.
     pub fn added(name: &str, form: JointForm) -> JointType {
         let mut added = ADDED.lock().unwrap_or_else(PoisonError::into_inner);
@@ -281,22 +287,22 @@ impl JointType {
         self.form().name
     }
 
-    /// The type of the benchmark that has this name.
+    /// The benchmark's type of this name.
     pub fn from_name(name: &str) -> Option<JointType> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// Does it enter another joint?
+    /// Whether it enters another joint.
     pub fn is_male(self) -> bool {
         self.form().male
     }
 
-    /// Does it stand at an end of its beam?
+    /// Whether it sits at an end of its beam.
     pub fn is_end(self) -> bool {
         self.form().end
     }
 
-    /// Has it an opening to one side only, so that the kit must say which?
+    /// Whether it is open to one side only, so that the kit must say which.
     pub fn has_opening(self) -> bool {
         self.form().one_sided
     }
@@ -306,19 +312,20 @@ impl JointType {
         self.form().socket_offset
     }
 
-    /// Distance along the beam from the peg hole to where the joint's outside ends and the extrusion is bare, m.
+    /// Distance along the beam from the peg hole to the end of the joint's outside, where the bare
+    /// extrusion begins, m.
     pub fn sleeve(self) -> f64 {
         self.socket_offset() + SOCKET_DEPTH
     }
 
-    /// Distance along the beam from the peg hole to where the gripper has room from above, m: past the tag plate
-    /// of a male end, otherwise the sleeve.
+    /// Distance along the beam from the peg hole to the first place with room for the gripper from
+    /// above, m: past the tag plate of a male end, otherwise the sleeve.
     pub fn top_cover(self) -> f64 {
         if self.is_male() && self.is_end() { self.sleeve() + TAG_PLATE } else { self.sleeve() }
     }
 
-    /// Distance along the beam from the peg hole inwards to the centre of the tag, m; `None` for a joint in the
-    /// middle of a beam, which has none.
+    /// Distance along the beam from the peg hole inwards to the centre of the tag, m; `None` for a
+    /// joint in the middle of a beam, which has none.
     pub fn tag_offset(self) -> Option<f64> {
         let form = self.form();
         let from = if form.male { self.sleeve() + 1.0e-3 } else { form.cavity + WALL + 0.55e-3 };

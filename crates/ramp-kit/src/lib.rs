@@ -1,13 +1,14 @@
-//! The base parts (section III-A of the paper): what the nine beams, the pegs, their holders and the sheet are
-//! made of, read from one file that people may edit.
+//! The base parts (section III-A of the paper): beams, pegs, holders and the sheet, read from one
+//! file that people may edit.
 //!
-//! Data passes one way: [`read`] turns `data/kit.xml` into a [`Kit`]; [`dimensions`] and [`joint`] say what its printed
-//! parts measure; [`shape`] turns a [`Beam`] or a peg into boxes, plates and noses. The twin takes its collision
-//! geometry from them, `ramp check` its overlaps and the planner its clearances.
+//! Data passes one way: [`read`] turns `data/kit.xml` into a [`Kit`]; [`dimensions`] and [`joint`]
+//! hold the measures of its printed parts; [`shape`] turns a [`Beam`] or a peg into boxes, plates
+//! and noses. The twin takes its collision geometry from them, `ramp check` its overlaps and the
+//! planner its clearances.
 //!
-//! With the feature `export`, [`export()`](export::export) writes all that a lab needs to make the parts: [`solid`]
-//! as STL ([`stl`]) and 3MF ([`threemf`]), [`sheet`], [`guide`] and tag sheets as drawings ([`mod@drawing`]) in SVG
-//! and PDF, and the [`bill`] of parts.
+//! With the feature `export`, [`export()`](export::export) writes all files for making the parts:
+//! [`solid`] as STL ([`stl`]) and 3MF ([`threemf`]), [`sheet`], [`guide`] and tag sheets as
+//! drawings ([`mod@drawing`]) in SVG and PDF, and the [`bill`] of parts.
 //!
 //! [`source`] is the crate [`ramp_source`], which points errors at their place in a file.
 //!

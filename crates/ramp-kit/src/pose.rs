@@ -1,4 +1,4 @@
 //! Rigid poses.
 
-/// A rigid pose: where a frame stands in another. The name of a variable says which: `x_wb` is B in W.
+/// A rigid pose of one frame in another. The variable's name gives both: `x_wb` is B in W.
 pub type Pose = nalgebra::Isometry3<f64>;

@@ -1,7 +1,8 @@
-//! Parts as simple solids: the one description from which collision geometry, overlap tests and drawings come.
+//! Parts as simple solids: the single source of collision geometry, overlap tests and drawings.
 //!
-//! Every flat of the printed parts is a box, so boxes keep each clearance exactly; a plate with a peg hole stays
-//! one [`Shape::Plate`], which whoever needs contact turns into boxes around the circle.
+//! Every flat of the printed parts is a box, so boxes keep each clearance exactly. A plate with a
+//! peg hole stays one [`Shape::Plate`]; users that need contacts split it into boxes around the
+//! circle.
 
 use crate::beam::{Beam, Joint};
 use crate::dimensions::{
@@ -21,31 +22,31 @@ pub enum Shape {
     Plate {
         /// Its outside.
         cuboid: Cuboid,
-        /// Where the hole's axis is, m.
+        /// Position of the hole's axis, m.
         hole: [f64; 2],
     },
-    /// The chamfered end of a male: a box from `x0` to the tip at `x1` (towards either end of the beam), whose
-    /// face at the tip is smaller by the chamfer on all four sides.
+    /// The chamfered end of a male: a box from `x0` to the tip at `x1` (towards either end of the
+    /// beam), whose tip face is smaller by the chamfer on all four sides.
     Nose {
-        /// Where the chamfer begins, m.
+        /// Start of the chamfer, m.
         x0: f64,
         /// The tip, m.
         x1: f64,
     },
     /// The two small feet of a male end, each a box.
     Foot(Cuboid),
-    /// A piece of a male end that is turned against its beam.
+    /// A piece of a male end that is rotated against its beam.
     Turned {
-        /// The place of the joint's hole along the beam, m: the piece is turned about its axis.
+        /// Position of the joint's hole along the beam, m: the rotation axis.
         about: f64,
         /// The angle, rad, counted from the beam's +x towards +y.
         angle: f64,
-        /// The piece before it is turned and with its hole at the origin.
+        /// The piece before the rotation, with its hole at the origin.
         piece: Piece,
     },
 }
 
-/// What can be turned, see [`Shape::Turned`]; the same as the shapes of these names.
+/// The shapes that can be rotated, see [`Shape::Turned`]; as the shapes of these names.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Piece {
     /// A plain box.
@@ -54,7 +55,7 @@ pub enum Piece {
     Plate(Cuboid),
     /// The chamfered tip, towards +x or −x.
     Nose {
-        /// Where the chamfer begins, m.
+        /// Start of the chamfer, m.
         x0: f64,
         /// The tip, m.
         x1: f64,
@@ -62,7 +63,7 @@ pub enum Piece {
 }
 
 impl Piece {
-    /// The box around it before it is turned. A tip counts with its chamfer filled.
+    /// Bounding box before the rotation. The chamfer of a tip is filled.
     pub fn bounds(&self) -> Cuboid {
         match *self {
             Piece::Solid(cuboid) | Piece::Plate(cuboid) => cuboid,
@@ -77,7 +78,7 @@ fn nose_bounds(x0: f64, x1: f64) -> Cuboid {
 }
 
 impl Shape {
-    /// The box along the beam's axes around it. A tip counts with its chamfer filled.
+    /// Bounding box along the beam's axes. The chamfer of a tip is filled.
     pub fn bounds(&self) -> Cuboid {
         match *self {
             Shape::Solid(cuboid) | Shape::Foot(cuboid) | Shape::Plate { cuboid, .. } => cuboid,
@@ -99,7 +100,7 @@ pub fn beam_shapes(beam: &Beam) -> Vec<Shape> {
     let mut shapes = Vec::new();
     let last = beam.joints.len().saturating_sub(1);
     for (index, joint) in beam.joints.iter().enumerate() {
-        // Towards which end of the beam an end joint looks.
+        // Outward direction of an end joint along the beam.
         let outward = if index == 0 && last > 0 { -1.0 } else { 1.0 };
         joint_at(joint, outward, &mut shapes);
     }
@@ -111,8 +112,8 @@ pub fn beam_shapes(beam: &Beam) -> Vec<Shape> {
     shapes
 }
 
-/// The bare extrusion between x = `from` and x = `to`, m: two flanges and the web between the side slots that the
-/// fingertips' ribs enter (mouth 5.0 mm, web floor 3.65 mm from the axis).
+/// The bare extrusion between x = `from` and x = `to`, m: two flanges and the web between the side
+/// slots, into which the fingertips' ribs fit (mouth 5.0 mm, web floor 3.65 mm from the axis).
 fn extrusion_shapes(from: f64, to: f64) -> [Cuboid; 3] {
     let half = EXTRUSION / 2.0;
     let mouth = 2.5e-3;
@@ -124,14 +125,14 @@ fn extrusion_shapes(from: f64, to: f64) -> [Cuboid; 3] {
     ]
 }
 
-/// The solids of a joint at its place along its beam; `outward` (±1) is the direction along the beam that an end
-/// joint looks in.
+/// The solids of a joint in its position on its beam; `outward` (±1) is the outward direction of an
+/// end joint along the beam.
 pub fn joint_at(joint: &Joint, outward: f64, shapes: &mut Vec<Shape>) {
     joint_shapes(joint.kind, joint.offset, outward, joint.opens.map_or(0.0, |side| side.sign()), shapes);
 }
 
-/// The solids of one joint whose hole is at x = `at`; `outward` (±1) is the direction an end joint looks in and
-/// `opens` (±1) the sign of y to which a one-sided female opens.
+/// The solids of one joint whose hole is at x = `at`. `outward` (±1) is the outward direction of an
+/// end joint and `opens` (±1) the sign of y to which a one-sided female opens.
 fn joint_shapes(kind: JointType, at: f64, outward: f64, opens: f64, shapes: &mut Vec<Shape>) {
     let form = kind.form();
     let w = BODY_WIDTH / 2.0;
@@ -193,11 +194,11 @@ fn joint_shapes(kind: JointType, at: f64, outward: f64, opens: f64, shapes: &mut
     }
 }
 
-/// A male end whose tip points away from its beam: sections that follow each other around the bend.
+/// A male end whose tip is bent away from its beam: consecutive sections around the bend.
 fn turned_male(kind: JointType, at: f64, outward: f64, shapes: &mut Vec<Shape>) {
     let w = BODY_WIDTH / 2.0;
     for section in kind.form().sections() {
-        // Turning the joint round for the other end of the beam turns left into left.
+        // A rotation of the joint for the other end of the beam keeps left on the left.
         let round = |[a, b]: [f64; 2]| [outward * a, outward * b];
         let [from, to] = section.along;
         let cuboid = |to: f64| Cuboid::new(round([from, to]), round(section.across), [-w, w]);
@@ -212,8 +213,8 @@ fn turned_male(kind: JointType, at: f64, outward: f64, shapes: &mut Vec<Shape>) 
     }
 }
 
-/// Boxes that together are the outside of a beam where it rests on the table, one for each joint that does; those
-/// with feet stand on them instead.
+/// Boxes that together are the outside of a beam where it rests on the table, one per joint that
+/// rests; a joint with feet rests on them instead.
 pub fn beam_rests(beam: &Beam) -> Vec<Cuboid> {
     let w = BODY_WIDTH / 2.0;
     let h = FEMALE_HEIGHT / 2.0;

@@ -1,8 +1,9 @@
-//! The sheets that are printed on paper: the one on which the parts lie at the start, and the tags to stick on them.
+//! The sheets that are printed on paper: the start sheet for the parts, and the tags to stick on
+//! them.
 //!
-//! The start sheet is drawn as one looks down on it: its left edge is the one next to the robot's base, its upper
-//! edge the one to the robot's left. Beams are drawn with the outline that they really have, so a part that is laid
-//! into its outline is where the kit file says.
+//! The start sheet is drawn from above: its left edge is next to the robot's base, its upper edge
+//! to the robot's left. Beams are drawn with their true outlines, so a part laid into its outline
+//! has its pose in the kit file.
 
 use crate::beam::{Beam, Holder, Kit, Link, StartPose};
 use crate::dimensions::HOLE_RADIUS;
@@ -75,9 +76,9 @@ fn draw_beam(drawing: &mut Drawing, kit: &Kit, beam: &Beam, start: StartPose) ->
         drawing.text([centre[0], centre[1] + 1.2], Align::Middle, 2.4, GREY, &format!("tag {tag}"));
     }
     let first = on_sheet([0.0, 0.0]);
-    // The name of the first end beside its dot; the beam's own on its longest bare stretch.
+    // The name of the first end beside its dot; the beam's own on its longest bare section.
     if let Some(joint) = beam.joints.first() {
-        // Under the tag of a male end, in the neck of a female: where the part has no hole.
+        // Under the tag of a male end, in the neck of a female: away from the part's hole.
         drawing.text(
             [first[0] + 7.0, first[1] + 1.6],
             Align::Left,
@@ -101,7 +102,7 @@ fn draw_beam(drawing: &mut Drawing, kit: &Kit, beam: &Beam, start: StartPose) ->
     Ok(())
 }
 
-/// What is left of a joint's name without its beam's: `j1` of `b4j1`.
+/// A joint's name without its beam's: `j1` of `b4j1`.
 fn short(name: &str, beam: &str) -> String {
     name.strip_prefix(beam).filter(|rest| !rest.is_empty()).unwrap_or(name).to_string()
 }
@@ -119,7 +120,7 @@ fn draw_holder(drawing: &mut Drawing, kit: &Kit, holder: &Holder) {
     }
 }
 
-/// How to use the sheet: in the largest free corner of the benchmark's layout, the lower left one.
+/// Instructions, in the largest free corner of the benchmark's layout, the lower left one.
 fn draw_legend(drawing: &mut Drawing, kit: &Kit) {
     let [_, height] = drawing.size;
     let (x, y) = (14.0, height - 44.0);
@@ -156,7 +157,8 @@ fn draw_legend(drawing: &mut Drawing, kit: &Kit) {
     }
 }
 
-/// A tag with its centre at a point; `edge` is its black edge, mm. `turn` quarters anticlockwise.
+/// A tag centred at `at`; `edge` is its black edge, mm, `turn` its rotation in quarters
+/// anticlockwise.
 pub(crate) fn draw_tag(drawing: &mut Drawing, id: u32, at: [f64; 2], edge: f64, turn: u32) {
     let Some(cells) = tags::cells(id) else { return };
     let cell = edge / tags::BLACK_CELLS as f64;
@@ -166,8 +168,8 @@ pub(crate) fn draw_tag(drawing: &mut Drawing, id: u32, at: [f64; 2], edge: f64, 
         let last = tags::CELLS - 1;
         (0..turn).fold((row, column), |(row, column), _| (last - column, row))
     };
-    // White cells on the black square: each a little larger towards white neighbours would cover black ones, so
-    // they are exact.
+    // White cells on the black square. They are drawn exactly: enlarging one towards white
+    // neighbours would cover black ones.
     let black = 1..=tags::BLACK_CELLS;
     for (row, line) in cells.iter().enumerate().filter(|(row, _)| black.contains(row)) {
         for (column, _) in line.iter().enumerate().filter(|(column, cell)| black.contains(column) && !**cell)
@@ -179,14 +181,14 @@ pub(crate) fn draw_tag(drawing: &mut Drawing, id: u32, at: [f64; 2], edge: f64, 
     }
 }
 
-/// A sticker: its tag, what it goes on, and where.
+/// A sticker: its tag, its part, and its position on the page.
 struct Sticker {
     id: u32,
     name: String,
     place: String,
 }
 
-/// The stickers of a kit, on as many pages as they need.
+/// The stickers of a kit, on as many pages as needed.
 pub fn tag_sheets(kit: &Kit) -> Vec<Drawing> {
     const COLUMNS: usize = 5;
     const ROWS: usize = 6;
@@ -230,7 +232,7 @@ fn draw_sticker(drawing: &mut Drawing, sticker: &Sticker, at: [f64; 2]) {
     let pen = Pen::new(BLACK, 0.1);
     for x in [-1.0, 1.0] {
         for y in [-1.0, 1.0] {
-            // Outside the sticker, so that nothing of them stays on it.
+            // Outside the sticker, so that no ink of the marks is on it.
             let corner = [at[0] + x * half, at[1] + y * half];
             drawing.line(&[[corner[0] + x * 0.4, corner[1]], [corner[0] + x * MARK, corner[1]]], pen);
             drawing.line(&[[corner[0], corner[1] + y * 0.4], [corner[0], corner[1] + y * MARK]], pen);

@@ -1,15 +1,15 @@
-//! STL, the form that every printing program reads: triangles with their normals, mm.
+//! STL, the format that every slicer reads: triangles with their normals, mm.
 
 use crate::solid::Mesh;
 use std::collections::HashMap;
 
 /// A binary STL of a surface.
 ///
-/// Coordinates are single precision in this format, so corners are rounded to it first. What was one corner stays
-/// one, and a sliver whose corners become one is left out, so the surface stays closed.
+/// The format has single precision, so corners are rounded to it first. Equal corners stay equal,
+/// and a sliver whose corners coincide is left out, so the surface stays closed.
 pub fn write(mesh: &Mesh, name: &str) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(84 + 50 * mesh.triangles.len());
-    // The header may not begin with "solid", which is how the text form begins.
+    // The header must not begin with "solid", the first word of the text format.
     let mut header = format!("binary STL, millimetres: {name}").into_bytes();
     header.resize(80, b' ');
     bytes.extend(header);
@@ -33,26 +33,26 @@ pub fn write(mesh: &Mesh, name: &str) -> Vec<u8> {
     bytes
 }
 
-/// Rounded to single precision, and never minus zero, so that equal numbers have equal bytes.
+/// Rounded to single precision, without minus zero, so that equal numbers have equal bytes.
 #[allow(clippy::cast_possible_truncation)]
 fn single(value: f64) -> f32 {
     value as f32 + 0.0
 }
 
-/// A file that is no binary STL.
+/// The file is not binary STL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("this is no binary STL: found {found} bytes, expected {expected}")]
+#[error("this is not a binary STL file: found {found} bytes, expected {expected}")]
 pub struct StlError {
     /// The length of the file.
     pub found: usize,
-    /// The length that its own count of triangles asks for.
+    /// The length that follows from its count of triangles.
     pub expected: usize,
 }
 
-/// Reads a binary STL back; corners with the same coordinates are one.
+/// Reads a binary STL back; corners with equal coordinates are merged.
 ///
 /// # Errors
-/// A file that is too short or too long for what it says it has.
+/// A file whose length does not match its count of triangles.
 pub fn read(bytes: &[u8]) -> Result<Mesh, StlError> {
     let short = StlError { found: bytes.len(), expected: 84 };
     let count =

@@ -1,5 +1,5 @@
-//! A small font of strokes, so that a drawing looks the same everywhere: no fonts are looked up, in the SVG as in
-//! the PNG made from it.
+//! A small stroke font, so that a drawing looks the same everywhere: neither the SVG nor the PNG
+//! made from it needs installed fonts.
 //!
 //! A glyph is a path in a grid with the baseline at 0, y down, capitals 7 high: `M x y`, `L x y`,
 //! `C x1 y1 x2 y2 x y` and `A rx ry large sweep x y` as in SVG, absolute.
@@ -15,7 +15,7 @@ const STROKE: f64 = 0.85;
 
 const ROUND: &str = "M3.8 -2.5 A1.9 2.5 0 0 0 -2.5 A1.9 2.5 0 0 3.8 -2.5 ";
 
-/// A glyph: how many times [`ROUND`] it begins with (0 or 1), its width and the rest of its path.
+/// A glyph: the number of [`ROUND`]s at its start (0 or 1), its width and the rest of its path.
 const GLYPHS: &[(char, u8, f64, &str)] = &[
     (' ', 0, 1.6, ""),
     ('a', 1, 3.8, "M3.8 -5 L3.8 0"),
@@ -149,17 +149,17 @@ const GLYPHS: &[(char, u8, f64, &str)] = &[
     ('°', 0, 2.0, "M2 -6.2 A1 1 0 0 0 -6.2 A1 1 0 0 2 -6.2"),
 ];
 
-/// What stands for a character that the font does not have.
+/// The glyph for unknown characters.
 const UNKNOWN: (u8, f64, &str) = (0, 3.4, "M0 0 L0 -7 L3.4 -7 L3.4 0 L0 0");
 
-/// Where the given x of a text is.
+/// Meaning of a text's x coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Align {
-    /// At its left end.
+    /// Its left end.
     Left,
-    /// At its middle.
+    /// Its middle.
     Middle,
-    /// At its right end.
+    /// Its right end.
     Right,
 }
 
@@ -174,19 +174,20 @@ pub fn width(text: &str, height: f64) -> f64 {
     (glyphs - SPACING).max(0.0) * height / CAPITAL
 }
 
-/// The height of the capitals, at most `height`, at which a text is at most `room` wide.
+/// The height of the capitals, at most `height`, so that a text is at most `room` wide.
 pub fn fit(text: &str, height: f64, room: f64) -> f64 {
     height * (room / width(text, height).max(1e-9)).min(1.0)
 }
 
-/// Adds a text to an SVG: one path, with the text itself as its label. Its baseline is at `y`, its capitals are
-/// `height` high.
+/// Adds a text to an SVG: one path, with the text itself as its label. Its baseline is at `y`, its
+/// capitals are `height` high.
 pub fn text(svg: &mut String, at: [f64; 2], align: Align, height: f64, colour: &str, text: &str) {
     let mut path = String::new();
     let width = draw(at, align, height, text, &mut |command, numbers| {
         path.push(command);
         for (position, number) in numbers.iter().enumerate() {
-            // Writing to a string does not fail. An arc's angle, which ours do not have, comes before its flags.
+            // Writing to a string does not fail. An arc's angle, which ours do not have, comes
+            // before its flags.
             let _ = match (command, position) {
                 ('A', 2) => write!(path, "0 {number} "),
                 ('A', 3) => write!(path, "{number} "),
@@ -202,8 +203,8 @@ pub fn text(svg: &mut String, at: [f64; 2], align: Align, height: f64, colour: &
     );
 }
 
-/// Hands on the strokes of a text, placed as in [`text`]: a command and its numbers, as the glyphs have them.
-/// Returns the width of the strokes.
+/// Passes the strokes of a text, placed as in [`text`], to `to`: a command and its numbers, as in
+/// the glyphs. Returns the width of the strokes.
 pub fn draw(at: [f64; 2], align: Align, height: f64, text: &str, to: &mut dyn FnMut(char, &[f64])) -> f64 {
     let scale = height / CAPITAL;
     let mut left = match align {
@@ -222,7 +223,7 @@ pub fn draw(at: [f64; 2], align: Align, height: f64, text: &str, to: &mut dyn Fn
     STROKE * scale
 }
 
-/// Hands on a glyph's path, scaled and moved.
+/// Passes a glyph's path, scaled and moved, to `to`.
 fn place(strokes: &str, at: [f64; 2], scale: f64, to: &mut dyn FnMut(char, &[f64])) {
     let mut command = ' ';
     let mut numbers: Vec<f64> = Vec::new();
@@ -251,7 +252,7 @@ fn place(strokes: &str, at: [f64; 2], scale: f64, to: &mut dyn FnMut(char, &[f64
     }
 }
 
-/// Text as it may stand in an attribute.
+/// Text escaped for an attribute.
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,4 +1,5 @@
-//! The AprilTags of the family tag25h9, by which cameras find the parts: what they look like and where they stick.
+//! The AprilTags of the family tag25h9, by which cameras find the parts: their patterns and their
+//! places on the parts.
 
 use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
@@ -9,13 +10,13 @@ use crate::pose::Pose;
 
 /// Cells along an edge of a tag, its white ring included.
 pub const CELLS: usize = 9;
-/// Cells along the black edge, which is what detectors call the tag's size.
+/// Cells along the black edge, the size of a tag as detectors define it.
 pub const BLACK_CELLS: usize = 7;
 /// Length of the black edge of a part's tag, m.
 pub const BLACK_EDGE: f64 = 19.0e-3;
 /// Edge of the sticker that it is printed on, m.
 pub const STICKER: f64 = 25.0e-3;
-/// How many tags there are: ids 0 to 34.
+/// Number of tags: ids 0 to 34.
 pub const COUNT: u32 = 35;
 
 /// The code words of the family, as its authors publish them: 25 bits each, the first one highest.
@@ -26,8 +27,8 @@ const CODES: [u32; COUNT as usize] = [
     0x17b81c0, 0x0c294bb, 0x089fae3, 0x044df5f, 0x1360159, 0x0ec31e8, 0x1bcc0f6, 0x0a64f8d,
 ];
 
-/// The cells of a tag, row by row from the top, `true` where it is black; `None` for an id that the family does not
-/// have.
+/// The cells of a tag, row by row from the top, `true` where it is black; `None` for an id that the
+/// family does not have.
 ///
 /// ```
 /// let cells = ramp_kit::tags::cells(7).unwrap();
@@ -41,7 +42,7 @@ pub fn cells(id: u32) -> Option<[[bool; CELLS]; CELLS]> {
         row[1..=BLACK_CELLS].fill(true);
     }
     let mut bits = (0..25).rev().map(|bit| code >> bit & 1 == 1);
-    // Six cells of a quarter, four times around the middle, then the middle itself.
+    // Six cells of a quadrant, four times around the middle, then the middle itself.
     let quarter: [[usize; 2]; 6] = [[1, 1], [2, 1], [3, 1], [4, 1], [2, 2], [3, 2]];
     for turn in 0..4 {
         for cell in quarter {
@@ -53,15 +54,15 @@ pub fn cells(id: u32) -> Option<[[bool; CELLS]; CELLS]> {
     Some(cells)
 }
 
-/// A tag at its place on a part.
+/// A tag in place on a part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TagPlace {
     /// Its id.
     pub id: u32,
-    /// The beam or peg it sticks on.
+    /// The beam or peg that carries it.
     pub part: String,
-    /// Pose of the tag's frame G on the part: origin in the middle of the tag, x to its right, y to its top, z out
-    /// of its face.
+    /// Pose of the tag's frame G on the part: origin in the middle of the tag, x to its right, y to
+    /// its top, z out of its face.
     pub x_pg: Pose,
     /// Length of its black edge, m.
     pub edge: f64,
@@ -73,8 +74,9 @@ fn facing(at: Vector3<f64>, y: Vector3<f64>, z: Vector3<f64>) -> Pose {
     Pose::from_parts(Translation3::from(at), UnitQuaternion::from_rotation_matrix(&rotation))
 }
 
-/// Where the assembly guide has the tags stuck: on the ends of beams with their tops outwards, on the face that is up
-/// as the beam lies on the sheet, and on the heads of pegs with their tops towards +y.
+/// The tags as the assembly guide places them: on the ends of beams with their tops outwards, on
+/// the upper face of the beam as it lies on the sheet, and on the heads of pegs with their tops
+/// towards +y.
 pub fn places(kit: &Kit) -> Vec<TagPlace> {
     let mut places = Vec::new();
     for beam in &kit.beams {

@@ -1,4 +1,4 @@
-//! 3MF: parts with their names and their places on a printer's plate, in one file.
+//! 3MF: parts with their names and their positions on a printer's plate, in one file.
 
 use crate::solid::Mesh;
 use std::fmt::Write as _;
@@ -6,13 +6,13 @@ use std::io::{Cursor, Write as _};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// A part, and where copies of it lie: by how much each is moved from its own frame, mm.
+/// A part, and the positions of its copies: translations from its own frame, mm.
 pub struct Item<'a> {
     /// Its name.
     pub name: &'a str,
     /// Its surface.
     pub mesh: &'a Mesh,
-    /// One for each copy.
+    /// One position per copy.
     pub places: Vec<[f64; 3]>,
 }
 
@@ -26,7 +26,7 @@ const RELATIONSHIPS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 /// A 3MF file. It holds no date, so the same parts give the same bytes.
 ///
 /// # Errors
-/// What the packer says.
+/// The packer's error.
 pub fn write(title: &str, items: &[Item<'_>]) -> Result<Vec<u8>, zip::result::ZipError> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default()
@@ -77,7 +77,8 @@ fn model(title: &str, items: &[Item<'_>]) -> String {
     xml
 }
 
-/// Rounded to a thousandth of a micrometre: enough that no two corners become one, and short in the file.
+/// Rounded to a thousandth of a micrometre: precise enough to keep corners distinct, and short in
+/// the file.
 fn micrometres(value: f64) -> f64 {
     (value * 1e6).round() / 1e6 + 0.0
 }

@@ -1,27 +1,27 @@
-//! Line drawings of solids: the edges that a person would draw, without those that something hides.
+//! Line drawings of solids: the visible edges.
 
 use crate::solid::Mesh;
 use nalgebra::{Vector2, Vector3};
 use std::collections::HashMap;
 
-/// From where a drawing looks: parallel rays, one millimetre of the part becomes `scale` on paper.
+/// A viewing direction: parallel projection, one millimetre of the part becomes `scale` on paper.
 pub(crate) struct View {
     /// Right and up on the paper, in the frame of the parts.
     right: Vector3<f64>,
     up: Vector3<f64>,
-    /// Towards the eye.
+    /// Towards the viewer.
     eye: Vector3<f64>,
     pub scale: f64,
 }
 
-/// Visible lines on paper, mm, y down, with the point that the view puts at the origin there.
+/// Visible lines on paper, mm, y down, relative to the view's origin.
 pub(crate) type Lines = Vec<[Vector2<f64>; 2]>;
 
-/// Faces that meet at less than this make no edge: facets of a circle.
+/// Cosine limit: faces that meet at a smaller angle, such as facets of a circle, have no edge.
 const SMOOTH: f64 = 0.94;
 /// Size of a cell of the depth map on paper, mm.
 const CELL: f64 = 0.15;
-/// How far behind the depth map an edge still counts as on the surface, mm of the part.
+/// Largest distance behind the depth map at which an edge counts as on the surface, mm of the part.
 const BEHIND: f64 = 0.6;
 
 impl View {
@@ -64,7 +64,8 @@ impl View {
         lines
     }
 
-    /// The edges of a mesh that are drawn where nothing hides them: creases, and outlines of what is round.
+    /// The edges of a mesh to draw where they are visible: creases, and silhouettes of rounded
+    /// surfaces.
     fn edges(&self, mesh: &Mesh) -> Vec<[Vector3<f64>; 2]> {
         let mut normals: HashMap<[u32; 2], Vec<Vector3<f64>>> = HashMap::new();
         let mut order = Vec::new();
@@ -115,12 +116,12 @@ impl View {
         if let Some(begin) = from {
             lines.push([pa + (pb - pa) * begin, pb]);
         }
-        // A point is no line.
+        // A point is not a line.
         lines.retain(|[a, b]| (b - a).norm_squared() > 1e-6);
     }
 }
 
-/// How near the nearest surface is in every cell of the paper.
+/// The distance of the nearest surface in every cell of the paper.
 struct DepthMap {
     origin: Vector2<f64>,
     columns: usize,
@@ -135,13 +136,13 @@ impl DepthMap {
         DepthMap { origin: low, columns, rows, depth: vec![f64::NEG_INFINITY; columns * rows] }
     }
 
-    /// Where a cell's middle is, in cells.
+    /// A cell's centre, in cells.
     fn cell(&self, p: &Vector2<f64>) -> Vector2<f64> {
         (p - self.origin) / CELL
     }
 
-    /// The farthest of the nearest surfaces around a point: beside the outline of something round is what lies
-    /// behind it, and its own surface falls away steeply.
+    /// The farthest of the nearest surfaces around a point. Beside a rounded silhouette lies the
+    /// background, and its own surface falls away steeply.
     fn depth(&self, p: &Vector2<f64>) -> f64 {
         let cell = self.cell(p);
         let mut farthest = f64::INFINITY;
@@ -155,7 +156,7 @@ impl DepthMap {
         farthest
     }
 
-    /// Puts a triangle in: its corners on paper, and how near each is.
+    /// Adds a triangle: its corners on paper, and their depths.
     fn cover(&mut self, corners: [(Vector2<f64>, f64); 3]) {
         let [(a, da), (b, db), (c, dc)] = corners.map(|(p, depth)| (self.cell(&p), depth));
         let area = (b - a).perp(&(c - a));

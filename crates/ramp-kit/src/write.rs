@@ -6,7 +6,7 @@ use crate::joint::{JointType, Side};
 use crate::strokes::escape;
 use std::fmt::Write;
 
-/// The text of a kit file. `about` is the comment at its head.
+/// The text of a kit file. `about` becomes the comment at its head.
 ///
 /// ```
 /// # let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/kit.xml");

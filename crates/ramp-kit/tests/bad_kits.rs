@@ -1,4 +1,4 @@
-//! Every way a kit can be wrong gives one message at its place.
+//! Every defect of a kit file gives one message at its place.
 
 #![allow(clippy::unwrap_used)]
 
@@ -101,7 +101,7 @@ fn unknown_elements_and_attributes() {
     );
     says(&broken(" slot=\"-1\"", ""), "24:3: <peg> has no attribute `slot`, which it needs");
     says(&broken(" name=\"b1l1\"", ""), "13:5: <link> has no attribute `name`, which it needs");
-    // What another tool may have put there is passed over.
+    // Attributes of other tools are ignored.
     assert!(read_kit_str("kit.xml", &KIT.replace("<link ", "<link colour=\"red\" ")).is_ok());
 }
 
@@ -117,11 +117,11 @@ fn joint_types() {
     );
     says(
         &broken("\"in-m-end\"", "\"thru-m\""),
-        "3:30: `b1j1` is a `thru-m`, which cannot stand at the end of a beam",
+        "3:30: `b1j1` is a `thru-m`, which cannot be at the end of a beam",
     );
     says(
         &broken("\"in-f\"", "\"in-f-end\""),
-        "6:30: `b1j2` is a `in-f-end`, which cannot stand in the middle of a beam",
+        "6:30: `b1j2` is a `in-f-end`, which cannot be in the middle of a beam",
     );
     says(&broken("\"right\"", "\"Right\""), "6:43: found opens=\"Right\", expected left or right");
     says(&broken("marker=\"1\"", "opens=\"left\""), "3:47: a `in-m-end` has no opening to one side");
@@ -153,7 +153,7 @@ fn bad_numbers() {
 #[test]
 fn a_name_is_no_path_no_formula_no_option_and_not_endless() {
     let long = "b".repeat(65);
-    // What the kit says, and how that stands in the message.
+    // The name in the kit, and its form in the message.
     let names = [
         ("", ""),
         ("b 1", "b 1"),
@@ -192,7 +192,7 @@ fn names_and_tags_are_used_once() {
     );
     says(
         &broken("</data>", "<sheet width=\"1\" height=\"1\" x=\"0\" y=\"0\"/></data>"),
-        "27:1: <sheet> stands here twice",
+        "27:1: <sheet> occurs twice",
     );
 }
 
@@ -207,7 +207,7 @@ fn pegs() {
 
 #[test]
 fn a_child_that_names_itself() {
-    // The published file has this for its b2j1.
+    // The published file has this in its b2j1.
     says(
         &broken("<child link=\"b1l1\"/>", "<child link=\"b1j1\"/>"),
         "4:20: `b1j1` names `b1j1` as its child, expected a link of b1 (did you mean `b1l1`?)",
@@ -216,7 +216,7 @@ fn a_child_that_names_itself() {
 
 #[test]
 fn a_parent_that_names_a_joint() {
-    // The published file has this for its b5j3.
+    // The published file has this in its b5j3.
     says(
         &broken("<parent link=\"b1l2\"/>", "<parent link=\"b1j2\"/>"),
         "11:21: `b1j3` names `b1j2` as its parent, expected a link of b1 (did you mean `b1l2`?)",
@@ -258,7 +258,7 @@ fn chains_that_loop_branch_or_break() {
         );
     let error = read_kit_str("kit.xml", &ring).err().unwrap();
     says(&error, "2:3: the joints of b1 form a loop: each has a parent");
-    // A link that nothing but itself knows.
+    // A link that only names itself.
     let error = broken(
         "<start",
         "<link name=\"x\" length=\"9\"><parent joint=\"b1j1\"/><child joint=\"b1j2\"/></link><start",

@@ -1,4 +1,4 @@
-//! The export as a whole: what is in it, that it is the same each time, and that it keeps its hands off other files.
+//! The whole export: its content, its reproducibility, and that it leaves other files alone.
 
 #![cfg(feature = "export")]
 #![allow(clippy::unwrap_used)]
@@ -114,12 +114,12 @@ fn it_overwrites_only_what_it_wrote() {
     let out = folder.path().join("parts");
     let written = export(&kit, &out, false).unwrap();
     assert!(written.iter().all(|file| file.is_file()));
-    // Again, as it is.
+    // Again, unchanged.
     export(&kit, &out, false).unwrap();
-    // Another kit, over files that nobody touched.
+    // Another kit, over unchanged files.
     let other = Kit { beams: kit.beams[..2].to_vec(), ..kit.clone() };
     export(&other, &out, false).unwrap();
-    // A file that somebody changed, and one that was there before.
+    // A changed file, and one that was there before.
     std::fs::write(out.join("bill-of-parts.md"), "my own notes").unwrap();
     match export(&kit, &out, false) {
         Err(ExportError::Foreign { files }) => assert_eq!(files, [out.join("bill-of-parts.md")]),

@@ -1,4 +1,4 @@
-//! Whatever somebody does to the kit's file, reading it ends, with a kit or with an error inside the file.
+//! Any mutation of the kit's file gives a kit or an error that points into the file.
 
 #![allow(clippy::unwrap_used)]
 

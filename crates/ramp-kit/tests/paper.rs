@@ -1,4 +1,4 @@
-//! The drawings, measured as a person would: on pixels. The tags are read by the reference detector.
+//! The drawings, measured on pixels. The tags are read by the reference detector.
 
 #![cfg(feature = "export")]
 #![allow(clippy::unwrap_used)]
@@ -25,7 +25,7 @@ impl Pixels {
     fn of(drawing: &Drawing, scale: f64) -> Pixels {
         let options = usvg::Options { dpi: 25.4, ..usvg::Options::default() };
         let tree = usvg::Tree::from_str(&drawing.svg(), &options).unwrap();
-        // With a millimetre to the unit, its size on paper is the drawing's.
+        // At one unit per millimetre, its size on paper is the drawing's.
         let [width, height] = drawing.size;
         assert!((f64::from(tree.size().width()) - width).abs() < 1e-3, "{:?}", tree.size());
         assert!((f64::from(tree.size().height()) - height).abs() < 1e-3);
@@ -52,7 +52,8 @@ impl Pixels {
         found
     }
 
-    /// Where dark lines cross a straight way from `from` to `to` (mm): the middle of each, mm along the way.
+    /// The dark lines on a straight segment from `from` to `to` (mm): the middle of each, mm along
+    /// the segment.
     fn crossings(&self, from: [f64; 2], to: [f64; 2]) -> Vec<f64> {
         let length = (to[0] - from[0]).hypot(to[1] - from[1]);
         let steps = (length * self.scale * 2.0) as usize;
@@ -153,7 +154,7 @@ fn the_tag_on_the_sheet_is_read_where_it_is() {
     assert_eq!(*id, 0);
     near(centre[0], 524.58);
     near(centre[1], 320.45);
-    // The detector starts at the lower left corner of an upright tag and goes round anticlockwise.
+    // The detector starts at the lower left corner of an upright tag and proceeds anticlockwise.
     for (corner, sign) in corners.iter().zip([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]]) {
         near(corner[0], 524.58 + sign[0] * 75.5 / 2.0);
         near(corner[1], 320.45 + sign[1] * 75.5 / 2.0);

@@ -1,5 +1,5 @@
-//! The solids against the measured parts, against themselves (a snapshot that guards upgrades of the modeller),
-//! and against the shapes that the twin collides.
+//! The solids against the measured parts, against themselves (a snapshot that guards upgrades of
+//! the modeller), and against the twin's collision shapes.
 
 #![cfg(feature = "export")]
 #![allow(clippy::unwrap_used)]
@@ -81,7 +81,7 @@ fn volumes_are_as_measured() {
         let off = solid.volume() / measured - 1.0;
         assert!(off.abs() < 1e-3, "{name}: {:.1}, {:+.3} %", solid.volume(), off * 100.0);
     }
-    // What the masses come from agrees with what is printed.
+    // The source of the masses agrees with the printed parts.
     for kind in JointType::ALL {
         let (_, solid) = parts.iter().find(|(part, _)| *part == kind.name()).unwrap();
         let off = kind.form().volume() * 1e9 / solid.volume() - 1.0;
@@ -118,7 +118,7 @@ fn the_stl_read_back_is_closed_and_the_right_way_out() {
 /// Boxes that touch leave no gap between them, m.
 const SEAM: f64 = 1e-9;
 
-/// Is the point (m, in the beam's frame) inside one of the shapes that the twin collides?
+/// Whether the point (m, in the beam's frame) is inside one of the twin's collision shapes.
 fn collides(shapes: &[Shape], p: [f64; 3]) -> bool {
     let within = |c: &Cuboid, p: [f64; 3]| {
         (0..3).all(|axis| c.min[axis] - SEAM < p[axis] && p[axis] < c.max[axis] + SEAM)
@@ -146,7 +146,7 @@ fn collides(shapes: &[Shape], p: [f64; 3]) -> bool {
     })
 }
 
-/// Points on the surface of a solid with the directions out of it, mm: several on every triangle.
+/// Points on the surface of a solid with the outward directions, mm: several on every triangle.
 fn surface(solid: &Solid) -> Vec<[nalgebra::Vector3<f64>; 2]> {
     let mesh = solid.mesh();
     let mut points = Vec::new();
@@ -164,8 +164,8 @@ fn surface(solid: &Solid) -> Vec<[nalgebra::Vector3<f64>; 2]> {
     points
 }
 
-/// The distance from a solid's surface within which the twin's shapes begin, mm: the largest over the surface.
-/// Sockets, screw holes and recesses are filled, as they are by the extrusion, the screws and the tags.
+/// Largest distance from a solid's surface to the twin's shapes below it, mm. Sockets, screw holes
+/// and recesses are filled, as they are by the extrusion, the screws and the tags.
 fn largest_gap(kind: JointType) -> f64 {
     let form = kind.form();
     let (socket, w) = (20.6 / 2.0, BODY_WIDTH * 1e3 / 2.0);
@@ -192,7 +192,7 @@ fn largest_gap(kind: JointType) -> f64 {
     }
     fill.push(solid::joint(kind, &D).unwrap());
     let solid = Solid::union(&fill);
-    // A beam of this joint alone, which looks along +x.
+    // A beam of this joint alone, along +x.
     let side = if form.end { Side::Left } else { Side::Right };
     let opens = form.one_sided.then_some(side);
     let joint = Joint { name: "j".into(), kind, offset: 0.0, opens, tag: None };
@@ -214,7 +214,8 @@ fn largest_gap(kind: JointType) -> f64 {
 fn the_twin_collides_what_is_printed() {
     for kind in JointType::ALL {
         let gap = largest_gap(kind);
-        // A polygon of 64 corners stands for the round hole; every flat is exact, so no clearance is touched.
+        // A polygon of 64 corners approximates the round hole; every flat is exact, so no clearance
+        // changes.
         assert!(gap <= 0.01, "{}: {gap} mm", kind.name());
     }
 }
@@ -239,7 +240,7 @@ fn the_twin_collides_the_peg_that_is_printed() {
     let head = ramp_kit::shape::peg_head();
     for [point, normal] in surface(&peg) {
         if point.z < -0.01 {
-            // The stem and its cone, which the twin has as a capsule and a cone of these radii.
+            // The stem and its cone; in the twin a capsule and a cone of these radii.
             let cone = (-point.z - (STEM_LENGTH - STEM_CONE) * 1e3).max(0.0) / (STEM_CONE * 1e3);
             let radius = (STEM_RADIUS - cone * (STEM_RADIUS - STEM_TIP_RADIUS)) * 1e3;
             let at_tip = normal.z < -0.99;
@@ -262,10 +263,10 @@ fn the_twin_collides_the_peg_that_is_printed() {
 
 #[test]
 fn dimensions_that_make_no_part_are_refused() {
-    // The kit reader refuses these; whoever sets them in code gets an error, not a broken file.
+    // The kit reader refuses these; set in code, they give an error, not a broken file.
     let thin = Dimensions { wall: 0.0, ..D };
     assert!(solid::joint(JointType::ThruF, &thin).is_err());
-    // Other numbers that make sense make parts that fit each other.
+    // Other valid dimensions give parts that fit each other.
     let loose = Dimensions { clearance: 0.4e-3, ..D };
     for kind in JointType::ALL {
         let [_, high] = solid::joint(kind, &loose).unwrap().mesh().bounds();

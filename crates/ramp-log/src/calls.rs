@@ -1,18 +1,19 @@
 //! The calls of an episode as bytes: every command to its last bit, in little space.
 //!
-//! A command is a row of numbers. Rows that come a millisecond apart lie on smooth curves, so each number is foretold
-//! from those before it, and only what it differs by is written: the bit patterns are taken as whole numbers, continued
-//! by differences of zeroth to fourth order, whichever was best the last time, and the rest is written in as few bytes
-//! as it needs. Numbers that stay the same cost a bit, commands that stay the same nothing but their count.
+//! A command is a row of numbers. Consecutive rows, one millisecond apart, vary smoothly, so each
+//! number is predicted from those before it and only the residual is stored. The bit patterns are
+//! treated as integers and extrapolated by differences of order zero to four; the order that
+//! predicted best last time is used. The residual takes as few bytes as it needs. A constant number
+//! costs one bit; repeated commands cost only their count.
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector6};
 use ramp_robot::{ArmCommand, Camera, Command, DOF, GripperCommand, Impedance, Pose};
 
-/// Periods that one entry may stand for: more than the longest episode has.
+/// Most periods that one entry may stand for: longer than the longest episode.
 const MOST_PERIODS: u64 = 4_000_000;
 /// Numbers of the longest command: an impedance and the gripper.
 const WIDEST: usize = 7 + 6 + 1 + 6 + DOF + 2;
-/// Differences are taken up to one order less.
+/// One more than the highest order of differences.
 const ORDERS: usize = 5;
 
 // The first byte of an entry. Commands have the numbers 1 to 5.
@@ -25,10 +26,10 @@ const ANSWERED: u8 = 11;
 const REFUSED: u8 = 12;
 const EXPOSE: u8 = 13;
 
-/// One entry of the record of an episode.
+/// One entry of an episode's record.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Entry {
-    /// This command for so many periods.
+    /// This command for this number of periods.
     Step(Box<Command>, u64),
     /// The parts were read.
     ReadParts,
@@ -36,24 +37,24 @@ pub enum Entry {
     Look(Camera),
     /// The shutters of the cameras were opened.
     Expose,
-    /// Not a call: the reading or image before this was given, and what was given has this hash.
+    /// Not a call: the reading or image above was delivered, and its content has this hash.
     Answered(u64),
-    /// Not a call: the reading, image or exposure before this was refused.
+    /// Not a call: the reading, image or exposure above was refused.
     Refused,
     /// Not a call: the hash of the physics state at this point.
     State(u64),
 }
 
-/// Why bytes are no calls.
+/// Reasons why bytes cannot be decoded as calls.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CallsError {
-    /// They end within an entry.
+    /// The bytes end inside an entry.
     #[error("the calls end within entry {entry}")]
     Short {
         /// From 1.
         entry: u64,
     },
-    /// There is no such entry.
+    /// The entry has an unknown kind.
     #[error("entry {entry} of the calls is of the unknown kind {kind}")]
     Kind {
         /// From 1.
@@ -61,13 +62,13 @@ pub enum CallsError {
         /// Its first byte.
         kind: u8,
     },
-    /// It repeats a command before there is one, or more often than an episode is long.
+    /// It repeats a command before the first one, or more often than an episode has periods.
     #[error("entry {entry} of the calls repeats a command that is not there, or too often")]
     Repeat {
         /// From 1.
         entry: u64,
     },
-    /// A number is longer than a number can be.
+    /// A number has more bytes than a number can have.
     #[error("entry {entry} of the calls holds a number that is too long")]
     Number {
         /// From 1.
@@ -75,14 +76,14 @@ pub enum CallsError {
     },
 }
 
-/// The numbers of a command as bit patterns, and which kind of command they are.
+/// The numbers of a command as bit patterns, and the kind of the command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Row {
     kind: u8,
     bits: [u64; WIDEST],
 }
 
-/// How many numbers a kind of command has, the gripper's included.
+/// Number of values in a command of this kind, the gripper's included.
 fn width(kind: u8) -> Option<usize> {
     match kind {
         1..=3 => Some(DOF + 2),
@@ -163,12 +164,12 @@ impl Row {
     }
 }
 
-/// What a number is foretold from.
+/// The recent values of one number, from which the next is predicted.
 #[derive(Clone, Copy, Debug, Default)]
 struct Curve {
     /// The last value and its differences up to the fourth.
     differences: [u64; ORDERS],
-    /// The order that foretold the last value best.
+    /// The order that predicted the last value best.
     order: usize,
 }
 
@@ -187,7 +188,7 @@ impl Curve {
     }
 }
 
-/// What writer and reader both know after each command.
+/// State shared by writer and reader after each command.
 #[derive(Clone, Debug)]
 struct Past {
     last: Option<Row>,
@@ -224,7 +225,7 @@ fn put_number(out: &mut Vec<u8>, mut number: u64) {
 #[derive(Debug)]
 pub struct Encoder {
     past: Past,
-    /// How often the last command is to be repeated, beyond the first time.
+    /// Repetitions of the last command that are not written yet.
     repeats: u64,
     bytes: Vec<u8>,
 }
@@ -281,7 +282,7 @@ impl Encoder {
         self.bytes.push(EXPOSE);
     }
 
-    /// The last reading or image was given; `hash` is that of what was given.
+    /// The last reading or image was delivered; `hash` is the hash of its content.
     pub fn answered(&mut self, hash: u64) {
         self.end_repeats();
         self.bytes.push(ANSWERED);
@@ -308,19 +309,19 @@ impl Encoder {
         }
     }
 
-    /// How many bytes wait to be taken.
+    /// Number of bytes that wait to be taken.
     pub fn waiting(&self) -> usize {
         self.bytes.len()
     }
 
-    /// The bytes since the last time this was asked; those of an episode, one after the other, are its record.
+    /// Takes the bytes since the last call. Those of an episode, concatenated, are its record.
     pub fn take(&mut self) -> Vec<u8> {
         self.end_repeats();
         std::mem::take(&mut self.bytes)
     }
 }
 
-/// Turns bytes back into calls. Whatever the bytes, it needs no more memory than they do.
+/// Turns bytes back into calls. For any input it needs no more memory than the input.
 #[derive(Clone, Debug)]
 pub struct Decoder<'b> {
     bytes: &'b [u8],

@@ -1,16 +1,16 @@
-//! Why a log could not be written or read.
+//! Errors of reading and writing logs.
 
 use std::path::PathBuf;
 
-/// Why a log could not be written or read.
+/// Error of reading or writing a log.
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
-    /// The system says no.
+    /// The operating system refused.
     #[error("{path}: {source}")]
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's reason.
         source: std::io::Error,
     },
     /// It cannot be written.
@@ -18,23 +18,23 @@ pub enum LogError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the library said.
+        /// The library's reason.
         source: mcap::McapError,
     },
-    /// It is no MCAP file, or one that was cut or damaged.
-    #[error("{path} is no whole MCAP file: {what}")]
+    /// The file is not MCAP, or was truncated or damaged.
+    #[error("{path} is not a complete MCAP file: {what}")]
     Broken {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The defect, as a sentence for a person.
         what: String,
     },
-    /// It is an MCAP file, but none of an episode.
-    #[error("{path} is no log of an episode: {what}")]
+    /// An MCAP file, but not the log of an episode.
+    #[error("{path} is not the log of an episode: {what}")]
     Other {
         /// The file.
         path: PathBuf,
-        /// What was found, and what was expected.
+        /// The content found, and the content expected.
         what: String,
     },
 }

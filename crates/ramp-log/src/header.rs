@@ -1,16 +1,16 @@
-//! What an episode was made from, at the head of its log.
+//! The inputs of an episode, at the head of its log.
 
 use ramp_result::episode::Software;
 use serde::{Deserialize, Serialize};
 
-/// The version of the form of logs.
+/// Version of the log format.
 pub const SCHEMA: &str = "ramp-log-2";
-/// How the channel of the calls is encoded.
+/// Encoding of the channel of the calls.
 pub const CALLS: &str = "ramp-calls-2";
-/// The ending of a log's name.
+/// File extension of logs.
 pub const ENDING: &str = "mcap";
 
-/// The files an episode is made from, as texts.
+/// The input files of an episode, as text.
 #[derive(Clone, Copy, Debug)]
 pub struct Sources<'a> {
     /// The goal file.
@@ -21,7 +21,7 @@ pub struct Sources<'a> {
     pub arm: &'a str,
 }
 
-/// What an episode was made from; the first message of its log.
+/// The inputs of an episode; the first message of its log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Header {
     /// [`SCHEMA`].
@@ -36,30 +36,31 @@ pub struct Header {
     pub arm: ArmText,
     /// The world.
     pub world: WorldText,
-    /// What the agent might see.
+    /// Name of the track.
     pub track: String,
-    /// All randomness of the world came from here, if there is no secret.
+    /// Seed of all randomness of the world, if there is no secret.
     pub seed: u64,
-    /// Where the randomness came from otherwise; `None` without a secret, and then not in the file.
+    /// The seed with the secret mixed in. `None` without a secret, and then absent from the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub secret: Option<SecretSeed>,
-    /// Which of several runs in a row this is, from 1.
+    /// Number of this run in a row of repeats, from 1.
     pub repeat: u32,
-    /// How far the start differs from the sheet's outlines.
+    /// Offset of the start from the sheet's outlines.
     pub disturbance: DisturbanceText,
-    /// What went wrong on purpose, as on the command line; `None` without a fault, and then not in the file.
+    /// The injected fault, as on the command line. `None` without a fault, and then absent from the
+    /// file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
-    /// With what the episode was run.
+    /// Version and commit of the program that ran the episode.
     pub software: Software,
 }
 
 /// A seed into which a secret was mixed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SecretSeed {
-    /// What the secret is known by ([`ramp_result::secret::Secret::commitment`]).
+    /// The commitment of the secret ([`ramp_result::secret::Secret::commitment`]).
     pub commitment: String,
-    /// The seed that came of it: all randomness of the world.
+    /// The mixed seed: source of all randomness of the world.
     pub seed: u64,
 }
 
@@ -101,11 +102,11 @@ pub struct WorldText {
     pub toml: String,
 }
 
-/// The start's disturbance in a log.
+/// The offset of the start in a log.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DisturbanceText {
-    /// m.
+    /// Displacement, m.
     pub position: f64,
-    /// rad.
+    /// Rotation, rad.
     pub angle: f64,
 }

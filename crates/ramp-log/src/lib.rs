@@ -1,9 +1,10 @@
-//! Logs: one MCAP file an episode, from which it can be looked at, judged again, and run again bit by bit.
+//! Logs: one MCAP file per episode, to view it, judge it again, or replay it bit by bit.
 //!
-//! A log holds what the episode was made from ([`Header`]), every call of the agent to its last bit ([`calls`]) with
-//! hashes of the physics state on the way, signals for viewers, and the result. [`mod@write`] makes it while the episode
-//! runs, and [`read`] takes it apart, record by record ([`records`]). The truth is in it: an agent never gets the file. Nothing here links a physics
-//! engine; whoever runs the episode hands over what the world shows.
+//! A log holds the inputs of the episode ([`Header`]), every call of the agent to its last bit
+//! ([`calls`]) with hashes of the physics state between them, signals for viewers, and the result.
+//! [`mod@write`] writes it while the episode runs. [`read`] takes it apart, record by record
+//! ([`records`]). It contains the true poses, so an agent never gets the file. This crate links no
+//! physics engine: the caller passes in the observations and truths.
 
 pub mod calls;
 pub mod error;

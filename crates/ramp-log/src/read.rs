@@ -1,4 +1,5 @@
-//! Reading a log, whoever made it: whatever the bytes, there is a log or one message that says what is wrong.
+//! Reads a log from an untrusted file: the outcome is a log, or one message that says what is
+//! wrong.
 
 use std::path::Path;
 
@@ -19,7 +20,7 @@ const MOST_CALLS: usize = 256 << 20;
 pub struct Log {
     /// The sources of the episode.
     pub header: Header,
-    /// The result that the log tells; its `log` is `None`.
+    /// The result in the log; its `log` is `None`.
     pub result: EpisodeResult,
     /// SHA-256 of the file, in hex.
     pub sha256: String,
@@ -30,15 +31,15 @@ impl Log {
     /// Reads a file.
     ///
     /// # Errors
-    /// When it cannot be read or is no log.
+    /// When it cannot be read or is not a log.
     pub fn read(path: &Path) -> Result<Log, LogError> {
         Log::from_bytes(path, &bytes_of(path)?)
     }
 
-    /// From a file's bytes; `path` is what messages call it.
+    /// Reads a log from a file's bytes; `path` is its name in messages.
     ///
     /// # Errors
-    /// When they are no log.
+    /// When they are not a log.
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
         let mut parts = Parts::default();
         parts.collect(bytes).map_err(|wrong| wrong.at(path))?;
@@ -139,7 +140,7 @@ impl Parts {
             [("kit", &header.kit.xml, &header.kit.sha256), ("arm", &header.arm.json, &header.arm.sha256)]
         {
             if ramp_result::sha256(text.as_bytes()) != *hash {
-                return Err(format!("its {what} is not the one whose hash it tells"));
+                return Err(format!("its {what} does not match its hash"));
             }
         }
         Ok(Log { header, result, sha256, calls: self.calls })

@@ -1,4 +1,4 @@
-//! The records of any MCAP file from a stranger: no length that a file tells is believed before it is checked.
+//! The records of an untrusted MCAP file: every length is checked before it is used.
 
 use std::io::Read;
 use std::path::Path;
@@ -9,12 +9,12 @@ use ramp_kit::source::{MAX_SENTENCE, plain};
 
 use crate::error::LogError;
 
-/// The largest log that is read, bytes; the longest episode makes a tenth of it.
+/// Size limit of a log that is read, bytes; the longest episode makes a tenth of it.
 const LARGEST: u64 = 512 << 20;
-/// The largest record and the largest chunk, bytes.
+/// Size limit of a record and of a chunk, bytes.
 const LARGEST_RECORD: usize = 16 << 20;
 
-/// The bytes of a file, if they are not too many.
+/// The bytes of a file within the size limit.
 ///
 /// # Errors
 /// When it cannot be read, or is too large.
@@ -30,16 +30,16 @@ pub fn bytes_of(path: &Path) -> Result<Vec<u8>, LogError> {
     Ok(bytes)
 }
 
-/// What is wrong with a file.
+/// A defect of a file.
 pub enum Wrong {
-    /// As an MCAP file.
+    /// The MCAP container is damaged.
     File(mcap::McapError),
-    /// In what its messages hold, in words.
+    /// The content of a message is wrong, described in words.
     Content(String),
 }
 
 impl Wrong {
-    /// The error that tells the file, too.
+    /// The error with the file's name.
     pub fn at(self, path: &Path) -> LogError {
         match self {
             Wrong::File(error) => LogError::Broken { path: path.to_path_buf(), what: in_words(&error) },
@@ -61,20 +61,20 @@ fn in_words(error: &mcap::McapError) -> String {
     }
 }
 
-/// A channel, as far as it matters here. The library's own reader believes the lengths that the record tells, and asks
-/// for as much memory.
+/// The needed fields of a channel record. The library's own reader trusts the lengths in the record
+/// and allocates as much memory.
 pub struct Channel<'d> {
     /// Its number.
     pub id: u16,
     /// Its topic.
     pub topic: &'d [u8],
-    /// How its messages are encoded.
+    /// Encoding of its messages.
     pub encoding: &'d [u8],
 }
 
 impl<'d> Channel<'d> {
     fn parse(data: &'d [u8]) -> Option<Channel<'d>> {
-        // Its number, its schema's, the topic and the encoding; what follows is not needed.
+        // Its number, its schema's number, the topic and the encoding; the rest is not needed.
         let id = number16(data)?;
         let (topic, rest) = text(data.get(4..)?)?;
         let (encoding, _) = text(rest)?;
@@ -86,13 +86,13 @@ fn number16(data: &[u8]) -> Option<u16> {
     data.first_chunk().map(|bytes| u16::from_le_bytes(*bytes))
 }
 
-/// A text with its length in front, and what follows it.
+/// A text preceded by its length, and the bytes after it.
 fn text(data: &[u8]) -> Option<(&[u8], &[u8])> {
     let (length, rest) = data.split_first_chunk()?;
     rest.split_at_checked(u32::from_le_bytes(*length) as usize)
 }
 
-/// What of a file matters here.
+/// The records of interest in a file.
 pub enum Record<'d> {
     /// A channel.
     Channel(Channel<'d>),
@@ -105,8 +105,8 @@ pub enum Record<'d> {
     },
 }
 
-/// Opcode and content of the first record of some bytes, and what follows it. The length of the content, of eight bytes,
-/// stands before it.
+/// Opcode and content of the first record of `bytes`, and the bytes after it. An eight-byte length
+/// precedes the content.
 fn record(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
     let (&opcode, rest) = bytes.split_first()?;
     let (length, rest) = rest.split_first_chunk()?;
@@ -114,15 +114,15 @@ fn record(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
     Some((opcode, content, rest))
 }
 
-/// Do the records of every chunk that is not compressed fill it? The library goes on behind the end of a chunk whose last
-/// record is longer than what is left of it.
+/// Checks that the records of every uncompressed chunk fill it. Without this check, the library
+/// reads beyond the end of a chunk whose last record is too long.
 fn chunks_are_filled(bytes: &[u8]) -> bool {
     let mut rest = bytes.get(mcap::MAGIC.len()..).unwrap_or_default();
-    // Behind the last record there is only the end mark.
+    // After the last record there is only the end mark.
     while rest.len() > mcap::MAGIC.len() {
         let Some((opcode, content, after)) = record(rest) else { return false };
         rest = after;
-        // Two times, the size of what is in it and its checksum come first.
+        // Two times, the size and the checksum of the content come first.
         let inside = content.get(8 + 8 + 8 + 4..).and_then(text);
         let Some((b"", inside)) = inside.filter(|_| opcode == op::CHUNK) else { continue };
         let Some((length, inside)) = inside.split_first_chunk() else { return false };
@@ -138,10 +138,10 @@ fn chunks_are_filled(bytes: &[u8]) -> bool {
     true
 }
 
-/// Goes through an MCAP file, every checksum in it looked at.
+/// Visits the records of an MCAP file and checks every checksum in it.
 ///
 /// # Errors
-/// When it is no whole MCAP file, and what `visit` says.
+/// When it is not a whole MCAP file, and any error of `visit`.
 pub fn walk(bytes: &[u8], mut visit: impl FnMut(Record) -> Result<(), String>) -> Result<(), Wrong> {
     let options = LinearReaderOptions::default()
         .with_check_finishes_after_end_magic(true)
@@ -183,7 +183,7 @@ pub fn walk(bytes: &[u8], mut visit: impl FnMut(Record) -> Result<(), String>) -
 mod tests {
     use super::*;
 
-    /// A file with one chunk that is not compressed and says to hold so many bytes of records.
+    /// A file with one uncompressed chunk that claims to hold `length` bytes of records.
     fn chunk(records: &[u8], length: usize) -> Vec<u8> {
         let mut content = vec![0; 8 + 8 + 8 + 4 + 4];
         content.extend((length as u64).to_le_bytes());

@@ -1,4 +1,4 @@
-//! Writing a log while an episode runs.
+//! Writes a log while an episode runs.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -18,13 +18,13 @@ use crate::calls::Encoder;
 use crate::error::LogError;
 use crate::header::{CALLS, Header, SCHEMA};
 
-/// Signals are written once in so many periods: 100 a second.
+/// Periods between two records of the signals: 100 records a second.
 const SIGNALS_EVERY: u64 = 10;
-/// True poses of parts, and hashes of the state: 10 a second.
+/// Periods between two records of true part poses and state hashes: 10 a second.
 pub const STATE_EVERY: u64 = 100;
-/// A part has moved when it is this far from where it was last written, m and rad.
+/// Pose changes above these thresholds count as a move since the last record, m and rad.
 const MOVED: f64 = 1.0e-5;
-/// Calls are put into the file when there are so many bytes of them.
+/// Bytes of calls that are collected before they are written to the file.
 const CALLS_SIZE: usize = 32 * 1024;
 /// Size of a chunk, bytes before compression.
 const CHUNK: u64 = 512 * 1024;
@@ -56,7 +56,7 @@ pub struct Due {
     pub signals: bool,
     /// Poses of the parts.
     pub truth: bool,
-    /// The hash of the physics state.
+    /// Whether the hash of the physics state is needed.
     pub state: bool,
 }
 
@@ -64,18 +64,18 @@ pub struct Due {
 /// open it, and nothing of it is left when the program ends early.
 pub struct Recorder {
     path: PathBuf,
-    /// `None` once something went wrong.
+    /// `None` after a failure.
     file: Option<mcap::Writer<BufWriter<File>>>,
     failed: Option<mcap::McapError>,
-    /// Number of each channel, in the order of [`CHANNELS`], and last that of the calls.
+    /// Number of each channel, in the order of [`CHANNELS`], then the channel of the calls.
     channels: BTreeMap<&'static str, u16>,
     sequence: u32,
     calls: Encoder,
     command: Option<Command>,
     shown_command: Option<Command>,
-    /// Robot time of the last look at the twin, periods.
+    /// Robot time of the last record of the twin, periods.
     period: u64,
-    /// Whether the world was looked at before.
+    /// Whether the world was recorded before.
     begun: bool,
     parts: Vec<String>,
     /// The last pose of each part that was written.
@@ -128,7 +128,7 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// Does something with the file, if all went well so far.
+    /// Runs `work` on the file, unless an earlier write failed.
     fn attempt(&mut self, work: impl FnOnce(&mut Recorder) -> Result<(), mcap::McapError>) {
         if self.failed.is_none() {
             self.failed = work(self).err();
@@ -177,7 +177,7 @@ impl Recorder {
         self.attempt(|recorder| recorder.put(topic, period, text.as_bytes()));
     }
 
-    /// The agent is about to let a period pass under this command.
+    /// The agent is about to advance one period under this command.
     pub fn step(&mut self, command: &Command) {
         self.calls.step(command);
         self.command = Some(command.clone());
@@ -198,7 +198,7 @@ impl Recorder {
         self.calls.expose();
     }
 
-    /// The last reading or image was given; `hash` is that of what was given.
+    /// The last reading or image was delivered; `hash` is the hash of its content.
     pub fn answered(&mut self, hash: u64) {
         self.calls.answered(hash);
     }
@@ -216,7 +216,7 @@ impl Recorder {
         Due { time, signals: signals || !self.begun, truth: state || !self.begun, state }
     }
 
-    /// Looks at the world after a call: at what [`Recorder::due`] asked for.
+    /// Records the world after a call, as requested by [`Recorder::due`].
     pub fn watch(&mut self, due: Due, seen: Option<&Observation>, truth: Option<&Truth>, state: Option<u64>) {
         self.period = periods(due.time);
         self.begun = true;
@@ -268,7 +268,7 @@ impl Recorder {
         }
     }
 
-    /// Those that have moved.
+    /// Writes the poses of the parts that have moved.
     fn true_parts(&mut self, truth: &Truth) {
         let stamp = self.stamp();
         let mut transforms = Vec::new();
@@ -354,7 +354,7 @@ pub fn periods(time: f64) -> u64 {
     (time / ramp_robot::PERIOD).round() as u64
 }
 
-/// Rounded to so many parts of one: signals are for viewers, and the calls are exact.
+/// `value` rounded to a multiple of 1/`parts`: signals are for viewers, and the calls are exact.
 fn round(value: f64, parts: f64) -> f64 {
     (value * parts).round() / parts
 }

@@ -1,8 +1,8 @@
 //! CPU time, wall time and memory of planning: `cargo bench -p ramp-planner`.
 //!
-//! Every goal is planned from nothing, five times; the fastest counts. Frames are generated, of 20 to 200 beams.
-//! `--optimal` also proves the easy goals optimal, one horizon after another; `--short` plans each goal once and fewer
-//! frames, to see whether all still runs.
+//! Every goal is planned from nothing, five times; the fastest counts. Generated frames have 20 to
+//! 200 beams. `--optimal` also proves the easy goals optimal, one horizon after another. `--short`
+//! plans each goal once and fewer frames, as a smoke test.
 
 use ramp_assembly::{Assembly, Request, generate, read_goal, read_goal_str};
 use ramp_kit::{read_kit, read_kit_str};
@@ -11,7 +11,7 @@ use std::error::Error;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// How often each goal is planned; the fastest counts.
+/// Runs per goal; the fastest counts.
 const REPEATS: usize = 5;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -72,7 +72,7 @@ fn measure(name: &str, assembly: &Assembly, domains: &Domains, repeats: usize) -
     Ok(())
 }
 
-/// CPU time of this thread where the system tells it, otherwise the time that passes.
+/// CPU time of this thread, or wall time where the system does not report it.
 fn cpu_time() -> Duration {
     static BEGIN: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
@@ -80,7 +80,7 @@ fn cpu_time() -> Duration {
     nanoseconds.map_or_else(|| BEGIN.elapsed(), Duration::from_nanos)
 }
 
-/// The most memory that the process has had so far, MiB; 0 where the system does not tell.
+/// Peak memory of the process so far, MiB; 0 where the system does not report it.
 fn memory() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let peak =

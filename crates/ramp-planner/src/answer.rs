@@ -1,4 +1,4 @@
-//! What the rules answer, in the words of plans.
+//! Answers of the rules, translated into the terms of plans.
 
 use crate::error::PlanError;
 use crate::fine_action::{ActionKind, FineAction, Parameter, Value};
@@ -42,7 +42,8 @@ impl Answers<'_> {
         })
     }
 
-    /// `stands` and `deep` say which beams stand before the action, and which of those are pushed back.
+    /// `stands` and `deep` are the beams placed before the action, and those of them that are
+    /// pushed back.
     pub(crate) fn fine_action(
         &self,
         term: &Term,
@@ -159,7 +160,7 @@ impl Answers<'_> {
     }
 }
 
-/// The joints that a cap puts over males that stand at their place, from j1 to jn.
+/// The joints that a cap puts over placed males, from j1 to jn.
 pub(crate) fn receives(assembly: &Assembly, beam: usize, stands: &[bool], deep: &[bool]) -> Vec<String> {
     let over = |joint: usize| {
         assembly.connections.iter().any(|c| {
@@ -170,7 +171,7 @@ pub(crate) fn receives(assembly: &Assembly, beam: usize, stands: &[bool], deep: 
     joints.filter(|(index, _)| over(*index)).map(|(_, joint)| joint.name.clone()).collect()
 }
 
-/// The joints in the middle of a beam that come to lie in females that stand, from j1 to jn.
+/// The middle joints of a beam that end up inside placed females, from j1 to jn.
 pub(crate) fn sleeved(assembly: &Assembly, beam: usize, stands: &[bool]) -> Vec<String> {
     let within = |joint: usize| {
         assembly

@@ -1,9 +1,10 @@
-//! What must have gone wrong: the fewest events that explain why the world is not as the actions should have left it.
+//! Diagnosis: the smallest sets of events that explain why the world differs from the expected
+//! effects of the actions.
 //!
-//! A [`History`] of actions and observations goes in. Between the actions the coarse domain's exogenous actions may
-//! happen, and an action that was possible may have had no effect; clingo finds the smallest sets of such events under
-//! which everything that was seen holds. Each comes back as a [`Diagnosis`] with the state to be believed then, from
-//! which the planner can go on.
+//! The input is a [`History`] of actions and observations. Between the actions the coarse domain's
+//! exogenous actions may happen, and a possible action may have had no effect. clingo finds the
+//! smallest sets of such events that are consistent with all observations. Each becomes a
+//! [`Diagnosis`] with the resulting belief state, from which the planner can continue.
 
 use crate::domains::Domains;
 use crate::error::PlanError;
@@ -15,57 +16,58 @@ use ramp_assembly::Assembly;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// The most events that are thought of at once.
+/// Largest number of simultaneous events considered.
 const MOST_EVENTS: usize = 3;
 
-/// What was done and seen since a state that was known.
+/// Actions and observations since a known state.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct History {
-    /// The state at the beginning.
+    /// The initial state.
     #[serde(default)]
     pub start: State,
     /// In order of time.
     pub records: Vec<Record>,
-    /// What was still planned: it tells for which connection a peg was fetched.
+    /// The rest of the plan: it determines for which connection a peg was fetched.
     #[serde(default)]
     pub planned: Vec<CoarseAction>,
 }
 
-/// One thing that was done or seen.
+/// An action or an observation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Record {
-    /// The hand did this, or tried to.
+    /// The hand executed or attempted this.
     Did(CoarseAction),
-    /// A fluent of the coarse domain, such as `in_assembly(b4)`, was seen to be true, or, with `-` before it, false.
+    /// A fluent of the coarse domain, such as `in_assembly(b4)`, was observed to be true, or, with
+    /// `-` before it, false.
     Saw(String),
 }
 
-/// Events that explain a history, and what to believe then.
+/// Events that explain a history, and the resulting belief.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Diagnosis {
-    /// In order of time; empty where all went as it should.
+    /// In order of time; empty when everything went as planned.
     pub events: Vec<Unexpected>,
-    /// The state in the end.
+    /// The final state.
     pub state: State,
 }
 
-/// Something that happened, or an action that did nothing.
+/// An event, or an action without effect.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Unexpected {
     /// An exogenous action of the coarse domain, such as `drop_peg("C1")`, or `no_effect(…)` of an action.
     pub event: String,
-    /// Before which action of the history it happened at the latest, counted from 0; for an action without effect,
-    /// that action.
+    /// Index of the action in the history before which it happened at the latest, from 0; for an
+    /// action without effect, that action.
     pub before: usize,
 }
 
-/// The smallest sets of events that explain a history: all of one size, in a fixed order. None at all when not even
-/// three events together explain it.
+/// The smallest sets of events that explain a history: all of one size, in a fixed order. Empty
+/// when not even three events together explain it.
 ///
 /// # Errors
-/// When the history names what the goal does not have, or when the solver fails.
+/// When the history names something unknown to the goal, or when the solver fails.
 ///
 /// ```
 /// use ramp_planner::{CoarseAction, Domains, History, Item, Record, diagnose};
@@ -93,7 +95,7 @@ pub fn diagnose(
     let mut unrolled = Unrolled::new(model, table.fluents().clone());
     let mut happenings: Vec<Happening> = Vec::new();
     let mut done = 0;
-    // Something may have happened since the last thing that was done.
+    // An event may have happened since the last action.
     let mut fresh = true;
     for record in &history.records {
         if fresh {
@@ -147,7 +149,7 @@ fn may_happen(unrolled: &mut Unrolled, before: usize) -> Vec<Happening> {
     events.into_iter().map(|(event, literal)| Happening { event, before, literal }).collect()
 }
 
-/// The actions of a history in the words of the rules.
+/// The actions of a history in the terms of the rules.
 fn terms(table: &Replayer, history: &History) -> Result<Vec<Term>, PlanError> {
     let actions: Vec<&CoarseAction> = history
         .records
@@ -175,7 +177,7 @@ fn terms(table: &Replayer, history: &History) -> Result<Vec<Term>, PlanError> {
     Ok(terms)
 }
 
-/// What was seen: `-in_hand(beam(b4))`, with or without quotes.
+/// An observation: `-in_hand(beam(b4))`, with or without quotes.
 fn observation(table: &Replayer, text: &str) -> Result<(Term, bool), PlanError> {
     let bad = |why: String| PlanError::ImpossibleState { why };
     let trimmed = text.trim();
@@ -191,7 +193,7 @@ fn observation(table: &Replayer, text: &str) -> Result<(Term, bool), PlanError> 
     Ok((fluent, truth))
 }
 
-/// The state after a history in which some events happened.
+/// The state after a history with some events.
 fn believed(
     assembly: &Assembly,
     domains: &Domains,
@@ -218,7 +220,7 @@ fn believed(
             table.happens(&happening.event);
         }
         if index < actions.len() && failures.is_empty() {
-            // An action that was impossible, after what happened, did nothing either.
+            // An action that the event made impossible had no effect either.
             let _ = table.step(&done[index..], false);
         }
     }

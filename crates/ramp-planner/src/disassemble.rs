@@ -1,8 +1,8 @@
-//! The same rules run backwards: a goal that stands is taken apart.
+//! Disassembly: a plan for the same rules run backwards.
 //!
-//! The domain's actions have one outcome each, so a legal plan read from its end, every action undone, leads back
-//! through the same states: no rule is needed that the plan has not shown to hold. Pushes are left out: nothing has
-//! to stand exactly at its place to be taken away.
+//! The domain's actions are deterministic. So a legal plan read from its end, with every action
+//! undone, leads back through the same states, and needs no rule that the plan has not satisfied.
+//! Pushes are left out: a beam does not have to be aligned to be removed.
 
 use crate::domains::Domains;
 use crate::error::PlanError;
@@ -13,12 +13,13 @@ use serde::Serialize;
 use std::collections::HashMap;
 use std::fmt::{self, Display};
 
-/// How a goal is taken apart. It begins and ends with an empty hand over the sheet.
+/// A disassembly plan. It begins and ends with an empty hand over the sheet.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Disassembly {
     /// The steps, in order.
     pub steps: Vec<RemovalStep>,
-    /// How the beams leave their places: each straight back along its insertion path, in the order of leaving.
+    /// Removal motions of the beams: each straight back along its insertion path, in order of
+    /// removal.
     pub exits: Vec<Entry>,
 }
 
@@ -27,96 +28,96 @@ pub struct Disassembly {
 pub struct RemovalStep {
     /// The coarse action.
     pub coarse: Removal,
-    /// What carries it out, in order.
+    /// The fine actions, in order.
     pub fine: Vec<FineRemoval>,
 }
 
-/// A coarse action of taking apart.
+/// A coarse action of disassembly.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "action")]
 pub enum Removal {
     /// Move the hand, and what it holds, to a neighbouring area.
     Move {
-        /// Where to.
+        /// The area.
         to: Area,
     },
-    /// Grasp a beam in the assembly and draw it out.
+    /// Grasp a beam in the assembly and withdraw it.
     TakeOut {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
     /// Grasp a peg and pull it out of its connection.
     PullOut {
         /// The connection's name in the goal.
         connection: String,
-        /// Which peg.
+        /// The peg.
         peg: String,
     },
-    /// Put what the hand holds to its place on the sheet.
+    /// Put the held item at its start pose on the sheet.
     PutDown {
-        /// What.
+        /// The item.
         item: Item,
     },
-    /// Hold the beam by another link.
+    /// Change the grasp to another link of the beam.
     Regrasp {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
     /// Slide a beam back through its open joint, so that another can be lifted off.
     SlideBack {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
 }
 
-/// A fine action of taking apart.
+/// A fine action of disassembly.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "action")]
 pub enum FineRemoval {
-    /// Move the hand, and what it holds, along the graph of places.
+    /// Move the hand, and the held item, along the graph of places.
     Move {
-        /// Where to.
+        /// The place.
         to: Place,
     },
-    /// Grasp a beam and draw it out to its approach.
+    /// Grasp a beam and withdraw it to its approach.
     TakeOut {
-        /// Which beam.
+        /// The beam.
         beam: String,
-        /// The link to hold it by.
+        /// The link to grasp.
         link: String,
     },
     /// Grasp a peg by its head and pull it out.
     PullOut {
         /// The connection's name in the goal.
         connection: String,
-        /// Which peg.
+        /// The peg.
         peg: String,
     },
-    /// Let go of what the hand holds and retreat.
+    /// Release the held item and retreat.
     PutDown {
-        /// What.
+        /// The item.
         item: Item,
     },
-    /// Set the held beam down on the way and hold it by another link.
+    /// Set the held beam down between sheet and assembly and grasp it at another link.
     Regrasp {
         /// The held beam.
         beam: String,
-        /// The link to hold it by from now on.
+        /// The new link to grasp.
         link: String,
     },
     /// Grasp a beam and slide it back.
     SlideBack {
-        /// Which beam.
+        /// The beam.
         beam: String,
-        /// The link to hold it by.
+        /// The link to grasp.
         link: String,
     },
 }
 
-/// Plans how a built goal is taken apart.
+/// Plans the disassembly of a built goal.
 ///
 /// # Errors
-/// As [`plan`]: what cannot be built cannot be taken apart.
+/// As [`plan`]: a goal that cannot be built cannot be taken apart.
 ///
 /// ```
 /// use ramp_planner::{Domains, Removal, disassemble};
@@ -132,7 +133,7 @@ pub fn disassemble(assembly: &Assembly, domains: &Domains) -> Result<Disassembly
     let plan = plan(assembly, &State::default(), domains)?;
     let mut area = Area::Input;
     let mut place = Place::Above(area);
-    // The link by which each beam is held when it is inserted, and the one before it was regrasped.
+    // The grasped link of each beam at its insertion, and the one before a regrasp.
     let mut links: HashMap<String, Vec<String>> = HashMap::new();
     let mut backwards: Vec<RemovalStep> = Vec::new();
     for step in &plan.steps {
@@ -148,7 +149,7 @@ pub fn disassemble(assembly: &Assembly, domains: &Domains) -> Result<Disassembly
             CoarseAction::Assemble { beam }
             | CoarseAction::AssembleDeep { beam }
             | CoarseAction::LayDown { beam } => Removal::TakeOut { beam: beam.clone() },
-            // A plan from nothing puts nothing back.
+            // A plan from the start puts no item back.
             CoarseAction::PutDown { .. } => continue,
         };
         let mut fine = Vec::new();

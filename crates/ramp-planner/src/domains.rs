@@ -1,4 +1,5 @@
-//! The rules of the planner: two domains in the action language and the rules for the order, which people may edit.
+//! The rules of the planner: two domains in the action language and the rules for the order, which
+//! users may edit.
 
 use crate::limits::{Limits, Watch};
 use crate::solver::{self, OrderProblem};
@@ -6,7 +7,7 @@ use ramp_action_language::{Domain, LanguageError};
 use ramp_source::{Fault, SourceFile};
 use std::path::Path;
 
-/// What is wrong with a rule file, and where.
+/// A defect of a rule file, with its place.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum DomainError {
@@ -44,7 +45,7 @@ impl Domains {
     /// Reads and checks the three files of a folder.
     ///
     /// # Errors
-    /// When a file cannot be read, or says something that its language does not allow.
+    /// When a file cannot be read, or violates its language.
     pub fn read(folder: &Path) -> Result<Domains, DomainError> {
         let [order, coarse, fine] = Domains::FILES.map(|file| folder.join(file));
         let order = SourceFile::read(&order).map_err(DomainError::Order)?;
@@ -64,22 +65,22 @@ impl Domains {
         Ok(Domains { order, coarse, fine, limits: None })
     }
 
-    /// The same rules, every plan with which is watched: for rules of strangers.
+    /// The same rules with limits: every plan is monitored. For untrusted rules.
     #[must_use]
     pub fn within(mut self, limits: Limits) -> Domains {
         self.limits = Some(limits);
         self
     }
 
-    /// Watches this process while these rules are at work, where they have limits.
+    /// Monitors this process while these rules are used, if they have limits.
     pub(crate) fn watch(&self, proof: bool) -> Option<Watch> {
         let limits = self.limits?;
         let files = [&self.order, self.coarse.file(), self.fine.file()].map(|file| file.name().to_string());
         Some(limits.watch_for(files.into(), if proof { limits.proof } else { limits.time }))
     }
 
-    /// The same rules with another file in place of one of them: a file with `bridge` laws for the fine domain, one
-    /// that ends in `.lp` for the order, any other for the coarse domain.
+    /// The same rules with one file replaced: a file with `bridge` laws becomes the fine domain,
+    /// one that ends in `.lp` the order, any other the coarse domain.
     ///
     /// # Errors
     /// As [`Domains::read`].

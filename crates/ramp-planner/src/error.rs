@@ -1,26 +1,26 @@
-//! Why there is no plan.
+//! Errors of planning.
 
 use crate::solver::SolveError;
 use ramp_action_language::PddlError;
 use ramp_source::SourceFile;
 
-/// Why a plan is refused.
+/// A refused plan.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("step {step} ({action}): {why}")]
 pub struct Refused {
-    /// The coarse step, counted from 1; one more than there are when the end is wrong.
+    /// The coarse step, from 1; one more than the number of steps when the final state is wrong.
     pub step: usize,
     /// The action.
     pub action: String,
-    /// What is wrong with it.
+    /// The reason.
     pub why: String,
 }
 
-/// Why there is no plan.
+/// Reasons why there is no plan.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// The state names something that the goal or the kit does not have.
+    /// The state names something unknown to the goal or the kit.
     #[error("the state names the {kind} `{name}`, which {place} does not have{}", suggestion(.nearest))]
     UnknownName {
         /// `beam`, `connection` or `peg`.
@@ -29,24 +29,24 @@ pub enum PlanError {
         name: String,
         /// The goal's name, or `the kit`.
         place: String,
-        /// The name most like it.
+        /// The most similar name.
         nearest: Option<String>,
     },
-    /// An action that the plan does not have.
+    /// The plan has no such action.
     #[error("the plan has no action {name}{}", suggestion(.nearest))]
     UnknownAction {
-        /// The action, in the words of the rules.
+        /// The action, in the syntax of the rules.
         name: String,
-        /// The action of the plan most like it.
+        /// The most similar action of the plan.
         nearest: Option<String>,
     },
     /// The state contradicts itself.
-    #[error("the state cannot be: {why}")]
+    #[error("invalid state: {why}")]
     ImpossibleState {
-        /// What is wrong with it.
+        /// The contradiction.
         why: String,
     },
-    /// Fewer pegs are left than connections.
+    /// Fewer pegs remain than connections.
     #[error("{goal} needs {needed} more pegs, but only {left} are left")]
     Pegs {
         /// The goal.
@@ -61,22 +61,22 @@ pub enum PlanError {
     Illegal {
         /// The goal.
         goal: String,
-        /// Why, as the rules say it.
+        /// The reason given by the rules.
         why: String,
-        /// The beams that this is about.
+        /// The beams involved.
         beams: Vec<String>,
     },
-    /// It cannot be built with what the arm and the hand were found not to be able to do.
+    /// It cannot be built within the known limits of the arm and the hand.
     #[error("{goal} cannot be built: {why}. What the arm cannot do: {reasons}")]
     Motion {
         /// The goal.
         goal: String,
-        /// Why, as the rules say it.
+        /// The reason given by the rules.
         why: String,
         /// The motion facts.
         reasons: String,
     },
-    /// No order of the beams is left to try.
+    /// All orders of the beams were tried.
     #[error("{goal} cannot be built: no order of its beams can be carried out")]
     NoOrder {
         /// The goal.
@@ -87,58 +87,58 @@ pub enum PlanError {
     Refused {
         /// The rule file.
         file: String,
-        /// Which law it contradicts.
+        /// The contradicted law.
         why: String,
     },
-    /// The rules allow no plan for a part of the goal.
+    /// The rules allow no plan for a task.
     #[error("{goal} has no plan: the rules of {file} do not allow `{task}` within {steps} steps")]
     NoPlan {
         /// The goal.
         goal: String,
         /// The rule file.
         file: String,
-        /// What was to be reached, in the words of the rules.
+        /// The task, in the syntax of the rules.
         task: String,
-        /// How many steps were tried.
+        /// Number of steps that were tried.
         steps: usize,
     },
-    /// The rules gave an answer that does not fit their level.
-    #[error("{file} gave the answer `{answer}`, which has no meaning here")]
+    /// An answer of the rules that does not fit their level.
+    #[error("{file} gave the unexpected answer `{answer}`")]
     Answer {
         /// The rule file.
         file: String,
         /// The answer.
         answer: String,
     },
-    /// A law that PDDL cannot say.
+    /// A law that PDDL cannot express.
     #[error("{file}:{line}: {why}")]
     Pddl {
         /// The rule file.
         file: String,
         /// The line of the law.
         line: usize,
-        /// What PDDL lacks.
+        /// The missing feature of PDDL.
         why: String,
     },
-    /// A line of a plan from outside that is none.
+    /// An invalid line of an external plan.
     #[error("line {line}: {why}; found `{found}`")]
     PlanText {
         /// Counted from 1.
         line: usize,
-        /// What it says.
+        /// The line's text.
         found: String,
-        /// What is wrong with it.
+        /// The defect.
         why: String,
     },
-    /// A plan from outside with an action that is not possible, or that does not reach the goal.
+    /// An external plan with an impossible action, or one that does not reach the goal.
     #[error("{0}")]
     Outside(#[from] Refused),
-    /// The search was given up.
-    #[error("{file}: the search for a plan of {steps} steps gave up")]
+    /// The search reached its limit.
+    #[error("{file}: the search for a plan of {steps} steps reached its limit")]
     GaveUp {
         /// The rule file.
         file: String,
-        /// There is no plan of fewer steps.
+        /// Lower bound on the number of steps.
         steps: usize,
     },
     /// The solver failed.

@@ -1,4 +1,4 @@
-//! Why an action has its place in a plan: all that forbade it at the steps before.
+//! Explanation of an action's place in a plan: all reasons against it at earlier steps.
 
 use crate::domains::Domains;
 use crate::error::PlanError;
@@ -9,36 +9,36 @@ use ramp_assembly::Assembly;
 use ramp_source::nearest;
 use serde::Serialize;
 
-/// Why an action is where it is.
+/// Explanation of an action's place.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Explanation {
-    /// The action, in the words of the rules.
+    /// The action, in the syntax of the rules.
     pub action: String,
     /// Its step in the plan, counted from 1.
     pub step: usize,
-    /// All that forbade it at the steps before; what did so longest comes last.
+    /// All reasons against it at earlier steps, sorted by their end.
     pub reasons: Vec<Reason>,
 }
 
 /// A law that forbade the action for some steps.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Reason {
-    /// The first of the steps before which it was impossible.
+    /// First step before which it was impossible.
     pub from: usize,
-    /// The last of them.
+    /// Last such step.
     pub to: usize,
     /// The law, as in the domain.
     pub law: String,
     /// Its line in the file.
     pub line: usize,
-    /// Its conditions as they were.
+    /// Its conditions, with their values.
     pub because: Vec<String>,
 }
 
 /// Explains the place of a coarse action, such as `assemble(b9)`, in the plan for a goal.
 ///
 /// # Errors
-/// When there is no plan, or no such action in it.
+/// When there is no plan, or the plan has no such action.
 ///
 /// ```
 /// use ramp_planner::{Domains, State, why};

@@ -1,7 +1,7 @@
-//! What the rules are told of the goal, the kit and the state: ground facts.
+//! Input of the rules: the goal, the kit and the state as ground facts.
 //!
-//! `docs/src/reference/action-language.md` lists them. Lengths in them are whole millimetres, because the rules know whole numbers
-//! only.
+//! `docs/src/reference/action-language.md` lists them. Lengths are rounded to millimetres, because
+//! the rules only support integers.
 
 use crate::geometry::Geometry;
 use ramp_action_language::Term;
@@ -9,7 +9,8 @@ use ramp_assembly::paths::middle;
 use ramp_assembly::{Assembly, Connection, JointRef};
 use ramp_kit::JointType;
 
-/// The beams and connections of a goal and the insertion paths of the beams: for the order and the coarse domain.
+/// The beams and connections of a goal and the insertion paths of the beams, for the order and the
+/// coarse domain.
 pub(crate) fn coarse(assembly: &Assembly, geometry: &Geometry) -> Vec<Term> {
     let mut facts = Vec::new();
     let beam = |index: usize| beam_name(assembly, index);
@@ -84,16 +85,16 @@ pub(crate) fn coarse(assembly: &Assembly, geometry: &Geometry) -> Vec<Term> {
     facts
 }
 
-/// Does the female of a connection hold the male within a play of 1.3°? A long one and one at an end of its beam do
-/// not.
+/// Whether the female of a connection holds the male within a play of 1.3°. A long one and one at
+/// an end of its beam do not.
 pub(crate) fn is_tight(assembly: &Assembly, connection: usize) -> bool {
     let form = kind(assembly, assembly.connections[connection].female).form();
     !form.male && !form.end && form.cavity < 1.5 * JointType::ThruF.form().cavity
 }
 
-/// The parts of some beams: for the fine domain, on top of the coarse facts. Of the beams that the hand handles all joints
-/// with their measures, and where a hand can hold them; of the others the joints that meet one of these beams. What stands
-/// and is pinned decides where a hand has room.
+/// The parts of some beams, for the fine domain, in addition to the coarse facts. Beams that the
+/// hand moves have all joints with their measures and their possible grasps; the others only the
+/// joints that meet them. Placed beams and pegs restrict the grasps.
 pub(crate) fn fine(
     assembly: &Assembly,
     geometry: &Geometry,

@@ -1,5 +1,5 @@
-//! What the shapes of an assembly say to the planner besides its [`Paths`]: where a beam can be pushed back, and by which
-//! links a hand can hold it.
+//! Geometric input of the planner besides the [`Paths`]: possible push-backs of beams, and possible
+//! grasps.
 
 use crate::motion::{End, Motion};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
@@ -11,25 +11,25 @@ use ramp_kit::joint::{BODY_WIDTH, HEAD_WIDTH};
 use ramp_kit::shape::{Cuboid, Shape, beam_shapes, peg_head};
 use ramp_kit::{Holder, Link};
 
-/// A beam is pushed back this much further than it must be, m: it covers the arm's error on both sides.
+/// Margin of a push-back, m: it covers the arm's error on both sides.
 const SHUTTLE_MARGIN: f64 = 5.0e-3;
-/// How much of a male's section must stay in its female while it is pushed back, m.
+/// Smallest overlap of a male's section with its female while pushed back, m.
 const SHOULDER: f64 = 2.0e-3;
-/// How far the hand reaches with the gripper down, m.
+/// Reach of the hand with the gripper pointing down, m.
 const RADIUS: f64 = 0.78;
-/// Where a finger is when it lets go, m: across the beam, and up from its axis.
+/// Space of a released finger, m: ranges across the beam, and up from its axis.
 const FINGERS: [[[f64; 2]; 2]; 1] = [[[11.0e-3, 30.0e-3], [-2.0e-3, 60.0e-3]]];
-/// Where the fingertip and its carrier come down beside a beam on the sheet, m: across the beam, and up from its axis.
-/// This includes room for parts that lie off their outlines.
+/// Space of the fingertip and its carrier beside a beam on the sheet, m: ranges across the beam,
+/// and up from its axis. It includes room for parts that are off their outlines.
 const OPEN_FINGERS: [[[f64; 2]; 2]; 2] =
     [[[11.0e-3, 32.0e-3], [-2.0e-3, 38.0e-3]], [[24.0e-3, 42.0e-3], [36.0e-3, 55.0e-3]]];
 
-/// A beam that can be pushed back through an open joint until another one can be put on.
+/// A beam that can be pushed back through an open joint until another one has been put on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shuttle {
     pub beam: usize,
     pub cap: usize,
-    /// How far, m.
+    /// Its depth, m.
     pub depth: f64,
 }
 
@@ -38,7 +38,7 @@ pub(crate) struct Geometry<'a> {
     assembly: &'a Assembly,
     pub paths: &'a Paths,
     pub shuttles: Vec<Shuttle>,
-    /// What the arm and the hand were found not to be able to do.
+    /// Known limits of the arm and the hand.
     pub motion: Motion,
 }
 
@@ -54,8 +54,8 @@ impl<'a> Geometry<'a> {
         &self.paths.solids()[beam]
     }
 
-    /// The insertion path of a beam while others stand, with its length, m: that of the proven order if it is clear, else
-    /// the first clear one. `laid` prefers the path from above.
+    /// The insertion path of a beam past the placed ones, with its length, m: that of the proven
+    /// order if it is clear, else the first clear one. `laid` prefers the path from above.
     pub(crate) fn way(&self, beam: usize, stands: &[bool], laid: bool) -> Option<(&Way, f64)> {
         let proven = self.assembly.insertions.iter().find(|insertion| insertion.beam == beam);
         let usual = |way: &Way| proven.is_some_and(|i| i.direction.dot(&way.direction) > 1.0 - 1e-6);
@@ -68,7 +68,7 @@ impl<'a> Geometry<'a> {
         })
     }
 
-    // ---- Pushed back ------------------------------------------------------------------------------------------
+    // Push-back
 
     fn find_shuttles(&self) -> Vec<Shuttle> {
         let mut shuttles = Vec::new();
@@ -94,11 +94,11 @@ impl<'a> Geometry<'a> {
         shuttles
     }
 
-    /// How far a beam must be pushed back to clear another one, m; `None` when it cannot be.
+    /// The push-back of a beam that clears another one, m; `None` when none exists.
     fn depth(&self, beam: usize, cap: usize, through: &Connection, back: &Vector3<f64>) -> Option<f64> {
         let covers = self.solid(beam).ranges(self.solid(cap), back, 0.0, FROM_ABOVE);
         let depth = covers.first().filter(|cover| cover[0] <= 0.0)?[1] + SHUTTLE_MARGIN;
-        // Its section must not leave the joint in which it rests: it would drop off the floor of that.
+        // Its section must stay in the joint on which it rests, otherwise it drops.
         let male = self.assembly.beams[beam].beam.joints[through.male.joint].kind;
         let across = self.assembly.beams[through.female.beam].x_ab.rotation * Vector3::x();
         let straight = (1.0 - across.dot(back).powi(2)).sqrt().max(0.1);
@@ -111,10 +111,10 @@ impl<'a> Geometry<'a> {
         (depth <= most && free).then_some(depth)
     }
 
-    // ---- Held -------------------------------------------------------------------------------------------------
+    // Grasps
 
-    /// Can a hand hold a link where the beam starts? Of a beam without a place on the sheet only the shape counts: no arm
-    /// has to reach it.
+    /// Whether a hand can grasp a link at the beam's start pose. For a beam without a start pose
+    /// only its shape counts, because no arm has to reach it.
     pub(crate) fn graspable_at_start(&self, beam: usize, link: &Link, stands: &[bool]) -> bool {
         if !self.motion.allows_grasp(beam, &link.name, End::Start, stands) {
             return false;
@@ -130,7 +130,8 @@ impl<'a> Geometry<'a> {
         })
     }
 
-    /// What is on the sheet beside a beam, in the world: the other beams, the holders and the pegs in them.
+    /// The parts on the sheet beside a beam, in the world: the other beams, the holders and the
+    /// pegs in them.
     fn beside_at_start(&self, beam: &str) -> Vec<Solid> {
         let others = self.assembly.kit.beams.iter().filter(|other| other.name != beam);
         let others = others
@@ -144,7 +145,8 @@ impl<'a> Geometry<'a> {
         others.chain(holders).chain(pegs).collect()
     }
 
-    /// Can a hand hold a link at the beam's place, while other beams stand and pegs are in their holes?
+    /// Whether a hand can grasp a link at the beam's goal pose, with other beams placed and pegs
+    /// inserted.
     pub(crate) fn graspable_at_place(
         &self,
         beam: usize,
@@ -174,15 +176,15 @@ impl<'a> Geometry<'a> {
     }
 }
 
-/// The same pose with the beam the right way up.
+/// The same pose without the flip of the beam.
 fn upright(x_ab: &Pose) -> Pose {
     let along = x_ab.rotation * Vector3::x();
     let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), along.y.atan2(along.x));
     Pose::from_parts(x_ab.translation, yaw)
 }
 
-/// Is there a place on a link where the pieces of both fingers, each across the beam and up from its axis, m, meet
-/// nothing?
+/// Whether a position on a link exists where both fingers, given as ranges across the beam and up
+/// from its axis, m, are free of collisions.
 fn has_room(link: &Link, x: &Pose, pieces: &[[[f64; 2]; 2]], meets: impl Fn(&Solid) -> bool) -> bool {
     let [low, high] = [link.grasp[0] + FINGER, link.grasp[1] - FINGER];
     let steps = ((high - low) / 1e-3) as usize;

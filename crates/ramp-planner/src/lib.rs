@@ -1,15 +1,17 @@
-//! The task planner (section IV-A of the paper): an [`Assembly`](ramp_assembly::Assembly) and a [`State`] go in, a
-//! [`Plan`] at two resolutions comes out. The rules are two domains in the action [`language`] and
-//! a program for the order, all in `data/domains`. clingo solves them inside the process (`solver`).
+//! The task planner (section IV-A of the paper): an [`Assembly`](ramp_assembly::Assembly) and a
+//! [`State`] go in, a [`Plan`] at two resolutions comes out. The rules are two domains in the
+//! action [`language`] and a program for the order, all in `data/domains`. clingo solves them
+//! inside the process (`solver`).
 //!
 //! Data passes one way, through the three rule files of [`Domains`]:
 //!
-//! 1. `order.lp` says in which order the beams are placed, and whether that order can be carried out;
+//! 1. `order.lp` determines the order of the beams, and whether it can be carried out;
 //! 2. `coarse.al` turns the order, task by task, into the fewest coarse actions;
-//! 3. `fine.al` looks at one coarse action at a time and finds the fine actions for it: places, grasp, joints.
+//! 3. `fine.al` refines one coarse action at a time into fine actions: places, grasps, joints.
 //!
-//! [`plan()`] tells each level what it must know as ground facts (`facts`, from the assembly's `geometry`) and
-//! carries its answer on to the next. A level that finds no answer asks the one above for another decision.
+//! [`plan()`] passes each level its input as ground facts (`facts`, from the assembly's `geometry`)
+//! and its answer to the next level. A level without an answer asks the one above for another
+//! decision.
 
 mod answer;
 mod diagnosis;

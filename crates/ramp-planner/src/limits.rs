@@ -1,43 +1,46 @@
-//! What rules of strangers may cost: memory and time.
+//! Memory and time limits for untrusted rules.
 //!
-//! Rules can be so written that they never end, and a watch keeps them from taking the machine with them. It is a thread
-//! that looks at the whole process, because nothing else covers all of it: clingo cannot be interrupted while it grounds,
-//! a domain of the action language grows before clingo sees it, and a run plans again in the middle of its work, where no
-//! other process could take over. What has no way back can only end with the process. So the watch does not stop
-//! anything itself: it hands over what was too much to the function of whoever set the limits, and that ends the
-//! process.
+//! Rules may never terminate, so a watchdog thread monitors the whole process. Nothing smaller
+//! would do. clingo cannot be interrupted while it grounds, a domain of the action language grows
+//! before clingo sees it, and a run replans in the middle of its work, where no other process could
+//! take over. A computation that cannot be interrupted can only end with its process. So the
+//! watchdog stops nothing itself: it passes the exceeded limit to the caller's function, which ends
+//! the process.
 //!
-//! A plan does not depend on the limits: within them it is the same on every machine, beyond them there is none.
+//! A plan does not depend on the limits: within them it is the same on every machine, beyond them
+//! there is none.
 
 use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How often the watch looks.
+/// Period of the checks.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// How much memory and time rules may take.
+/// Memory and time limits of the rules.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Memory that one plan may take in addition to what the process has, bytes. Watched on Linux only.
+    /// Memory of one plan in addition to the process's current memory, bytes. Checked on Linux
+    /// only.
     pub memory: u64,
-    /// How long one plan may take, on the wall.
+    /// Wall-clock time of one plan.
     pub time: Duration,
-    /// How long one plan with the proof that no other is shorter may take, on the wall.
+    /// Wall-clock time of one plan with the proof that it is the shortest.
     pub proof: Duration,
-    /// Gets what was too much, on a thread of its own, while the rules are still at work. It has to end the process.
+    /// Receives the exceeded limit on a thread of its own, while the rules are still running. It
+    /// must end the process.
     pub exceeded: fn(&Exceeded),
 }
 
 impl Limits {
-    /// The limits of the program. The built-in rules take 20 MB and 0.2 s for the largest of the nine goals; the
-    /// proof for hard-2 takes 60 MB and a minute.
+    /// The limits of the program. The built-in rules need 20 MB and 0.2 s for the largest of the
+    /// nine goals; the proof for hard-2 needs 60 MB and a minute.
     pub const fn new(exceeded: fn(&Exceeded)) -> Limits {
         Limits { memory: 1 << 30, time: Duration::from_secs(60), proof: Duration::from_secs(1200), exceeded }
     }
 
-    /// Watches this process until the watch is dropped; `files` are the rules that are at work.
+    /// Monitors this process until the watch is dropped; `files` are the rules in use.
     pub fn watch(&self, files: Vec<String>) -> Watch {
         self.watch_for(files, self.time)
     }
@@ -63,10 +66,10 @@ impl Limits {
     }
 }
 
-/// Watches this process while rules are at work.
+/// Monitors this process while rules are in use.
 #[derive(Debug)]
 pub struct Watch {
-    /// Dropped, it ends the thread.
+    /// Dropping it ends the thread.
     end: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -80,7 +83,7 @@ impl Drop for Watch {
     }
 }
 
-/// Rules took more than they may.
+/// The rules exceeded a limit.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error("planning was ended because the rules took {limit}: {files}")]
 #[diagnostic(help(
@@ -90,7 +93,7 @@ impl Drop for Watch {
 pub struct Exceeded {
     /// The rule files.
     pub files: String,
-    /// Which limit.
+    /// The limit.
     pub limit: Limit,
 }
 
@@ -105,8 +108,8 @@ pub enum Limit {
     Time(Duration),
 }
 
-/// Memory that this process may write to, also where the system has put it on the disk; bytes. None where the system
-/// does not tell.
+/// Writable memory of this process, including swapped memory, bytes. 0 where the system does not
+/// report it.
 fn taken() -> u64 {
     let text = std::fs::read_to_string(Path::new("/proc/self/statm")).unwrap_or_default();
     let pages = text.split(' ').nth(5).and_then(|pages| pages.parse::<u64>().ok()).unwrap_or(0);

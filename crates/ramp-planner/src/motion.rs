@@ -1,8 +1,8 @@
-//! What the motion side answers: facts about what the arm and the hand cannot do, each with its reason.
+//! Motion facts: limits of the arm and the hand, each with its reason.
 //!
-//! Whoever knows the arm finds them, before anything moves or when a skill fails, and puts them into
-//! [`State::motion`](crate::State). Here their names are looked up. The geometry of the planner asks [`Motion`] where a
-//! hand can hold a beam and which insertion paths are open; `facts` tells the rules.
+//! A client that knows the arm finds them before anything moves, or when a skill fails, and adds
+//! them to [`State::motion`](crate::State). Here their names are resolved. The planner's geometry
+//! asks [`Motion`] for possible grasps and open insertion paths; `facts` passes them to the rules.
 
 use crate::error::PlanError;
 use ramp_assembly::Assembly;
@@ -10,33 +10,33 @@ use ramp_source::nearest;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display};
 
-/// Something that the arm or the hand cannot do, and why.
+/// Something that the arm or the hand cannot do, with the reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MotionFact {
-    /// What cannot be done.
+    /// The impossible action.
     pub cannot: Impossible,
-    /// The beam that is in the way; without one it cannot be done at all.
+    /// The beam in the way; without one it is impossible in any state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub past: Option<InTheWay>,
-    /// Why, in a few words, such as `the fingers would touch b3`.
+    /// The reason in a few words, such as `the fingers would touch b3`.
     pub because: String,
 }
 
-/// What cannot be done.
+/// An impossible action.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Impossible {
-    /// Holding a beam by a link.
+    /// Grasping a beam at a link.
     Grasp {
         /// The beam.
         beam: String,
         /// Its link.
         link: String,
-        /// Where.
+        /// The pose.
         at: End,
     },
-    /// Bringing a beam to its place along an insertion path.
+    /// Inserting a beam along a path.
     Insert {
         /// The beam.
         beam: String,
@@ -50,13 +50,13 @@ pub enum Impossible {
     },
 }
 
-/// A beam that is in the way, by name.
+/// A beam in the way, by name.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InTheWay {
-    /// Where it stands in the assembly.
+    /// In the assembly.
     Stands(String),
-    /// Where it starts.
+    /// At its start pose.
     OnSheet(String),
 }
 
@@ -68,13 +68,13 @@ impl InTheWay {
     }
 }
 
-/// An end of the way of a beam.
+/// Start or goal pose of a beam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum End {
-    /// Where it starts.
+    /// The start pose.
     Start,
-    /// Its place in the assembly.
+    /// The goal pose.
     Place,
 }
 
@@ -83,10 +83,10 @@ impl Display for MotionFact {
         match &self.cannot {
             Impossible::Grasp { beam, link, at } => {
                 let place = match at {
-                    End::Start => "where it starts",
-                    End::Place => "at its place",
+                    End::Start => "in its start pose",
+                    End::Place => "in its goal pose",
                 };
-                write!(f, "{beam} cannot be held by {link} {place}")?;
+                write!(f, "{beam} cannot be grasped at {link} {place}")?;
             }
             Impossible::Insert { beam, path } => {
                 write!(f, "{beam} cannot be inserted along the path {path}")?
@@ -95,32 +95,32 @@ impl Display for MotionFact {
         }
         if let Some(past) = &self.past {
             match past {
-                InTheWay::Stands(beam) => write!(f, " while {beam} stands")?,
-                InTheWay::OnSheet(beam) => write!(f, " while {beam} is where it starts")?,
+                InTheWay::Stands(beam) => write!(f, " once {beam} is placed")?,
+                InTheWay::OnSheet(beam) => write!(f, " while {beam} is at its start pose")?,
             }
         }
         write!(f, ": {}", self.because)
     }
 }
 
-/// A beam that is in the way, by index: in the assembly, or where it starts.
+/// A beam in the way, by index: in the assembly, or at its start pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Obstructing {
     pub(crate) beam: usize,
     pub(crate) stands: bool,
 }
 
-/// Is it in the way while some beams stand? What is always so has none.
+/// Whether it is in the way of the placed beams. An unconditional limit always is.
 fn obstructs(past: Option<Obstructing>, stands: &[bool]) -> bool {
     past.is_none_or(|past| stands[past.beam] == past.stands)
 }
 
-/// Motion facts with their names looked up.
+/// Motion facts with their names resolved.
 #[derive(Clone, Default)]
 pub(crate) struct Motion {
-    /// As they were told.
+    /// The facts as received.
     pub(crate) facts: Vec<MotionFact>,
-    /// The beam, its link, the end, and the beam in the way.
+    /// The beam, its link, the pose, and the beam in the way.
     grasps: Vec<(usize, String, End, Option<Obstructing>)>,
     /// The beam, its path and the beam in the way.
     paths: Vec<(usize, usize, Option<Obstructing>)>,
@@ -129,7 +129,7 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    /// Looks up the names of some facts.
+    /// Resolves the names of some facts.
     pub(crate) fn look_up(assembly: &Assembly, facts: &[MotionFact]) -> Result<Motion, PlanError> {
         let mut motion = Motion { facts: facts.to_vec(), ..Motion::default() };
         let unknown =
@@ -181,21 +181,22 @@ impl Motion {
         Ok(motion)
     }
 
-    /// The beams that stand in the way of some grasp of a beam at its place.
+    /// The placed beams that prevent some grasp of a beam at its goal pose.
     pub(crate) fn grasps_barred_by(&self, beam: usize) -> impl Iterator<Item = usize> + '_ {
         let barred =
             self.grasps.iter().filter(move |(other, _, end, _)| *other == beam && *end == End::Place);
         barred.filter_map(|(_, _, _, past)| past.filter(|past| past.stands).map(|past| past.beam))
     }
 
-    /// Can a hand hold a beam by a link at one end of its way, while other beams stand?
+    /// Whether a hand can grasp a beam at a link in its start or goal pose, with other beams
+    /// placed.
     pub(crate) fn allows_grasp(&self, beam: usize, link: &str, at: End, stands: &[bool]) -> bool {
         !self.grasps.iter().any(|(other, name, end, past)| {
             *other == beam && name == link && *end == at && obstructs(*past, stands)
         })
     }
 
-    /// Can a beam be brought along a path, while other beams stand?
+    /// Whether a beam can be inserted along a path, with other beams placed.
     pub(crate) fn allows_path(&self, beam: usize, path: usize, stands: &[bool]) -> bool {
         !self
             .paths
@@ -203,7 +204,7 @@ impl Motion {
             .any(|(other, number, past)| *other == beam && *number == path && obstructs(*past, stands))
     }
 
-    /// The beams that close a path of a beam; `None` where it is always closed.
+    /// The beams that block a path of a beam; `None` when it is always blocked.
     pub(crate) fn closed_by(
         &self,
         beam: usize,

@@ -1,4 +1,4 @@
-//! The coarse level for other planners: domain and problem in PDDL, and their plans back.
+//! The coarse level for other planners: domain and problem in PDDL, and reading of their plans.
 
 use crate::domains::Domains;
 use crate::error::{PlanError, Refused};
@@ -12,7 +12,7 @@ use ramp_assembly::Assembly;
 /// Writes the coarse domain and a goal in PDDL.
 ///
 /// # Errors
-/// When the state cannot be, or a law of the domain cannot be said in PDDL.
+/// When the state contradicts itself, or PDDL cannot express a law of the domain.
 ///
 /// ```
 /// use ramp_planner::{Domains, State, pddl};
@@ -36,12 +36,12 @@ pub fn pddl(assembly: &Assembly, state: &State, domains: &Domains) -> Result<Pdd
     Ok(written)
 }
 
-/// Takes a plan of another planner for what [`pddl`] wrote: judged, with pegs of the kit, and with the fine actions
-/// under every coarse one.
+/// Completes another planner's plan for the files of [`pddl`]: it is judged, gets pegs of the kit,
+/// and fine actions under every coarse one.
 ///
 /// # Errors
-/// When a line is not an action, an action is not possible, the goal is not reached, or the fine domain has no way to
-/// carry an action out.
+/// When a line is not an action, an action is impossible, the goal is not reached, or the fine
+/// domain cannot carry an action out.
 pub fn pddl_plan(
     assembly: &Assembly,
     state: &State,

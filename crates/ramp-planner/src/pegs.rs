@@ -1,11 +1,11 @@
-//! Which peg goes where: pegs are alike, so each connection takes the next free one.
+//! Assignment of pegs: pegs are interchangeable, so each connection takes the next free one.
 
 use crate::state::Known;
 use ramp_assembly::Assembly;
 
-/// Which peg belongs to which connection.
+/// Assignment of pegs to connections.
 pub(crate) struct Pegs {
-    /// What is left of the pegs, by index, the next one last.
+    /// The free pegs, by index, the next one last.
     free: Vec<usize>,
     /// The peg of each connection.
     of: Vec<Option<usize>>,
@@ -19,11 +19,11 @@ impl Pegs {
         Pegs { free: known.pegs.iter().rev().copied().collect(), of }
     }
 
-    /// The name of the peg for a connection: at the first mention, the next free one.
+    /// The name of a connection's peg; on first use, the next free one.
     pub(crate) fn name(&mut self, names: &[String], connection: usize) -> String {
         let chosen = self.of[connection].or_else(|| self.free.pop());
         self.of[connection] = chosen;
-        // There are enough: they were counted before.
+        // Their number was checked before.
         chosen.map_or_else(String::new, |index| names[index].clone())
     }
 }

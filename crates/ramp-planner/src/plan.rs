@@ -1,4 +1,4 @@
-//! What goes into the planner and what comes out: plain data, names as in the kit and the goal.
+//! Input and output of the planner: plain data, with names as in the kit and the goal.
 
 pub use crate::fine_action::{ActionKind, FineAction};
 use crate::motion::MotionFact;
@@ -6,27 +6,28 @@ pub use crate::place::{Area, Grasp, Item, Place, Target};
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display};
 
-/// What is known when planning starts. The default: nothing is built, the hand is empty and over the sheet.
+/// Known state at the start of planning. Default: nothing is built, the hand is empty and over the
+/// sheet.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct State {
-    /// Beams that are already at their place, the base not counted.
+    /// Beams in their goal poses, without the base.
     pub in_assembly: Vec<String>,
-    /// Connections (their names in the goal) that a peg already pins, with the peg.
+    /// Connections (by name) that are already pinned, each with its peg.
     pub fastened: Vec<(String, String)>,
-    /// Beams in the assembly that are known to stand off their place.
+    /// Beams in the assembly that are known to be misaligned.
     pub misaligned: Vec<String>,
     /// Pegs that must not be used: lost, or out of reach.
     pub lost_pegs: Vec<String>,
     /// Beams in the assembly that are pushed back, to let another one on.
     pub deep: Vec<String>,
-    /// What the hand holds.
+    /// The held item.
     pub in_hand: Option<Item>,
-    /// What the hand holds has slipped: it is not held as it should be.
+    /// Whether the held item has slipped in the grasp.
     pub slipped: bool,
-    /// Where the hand is.
+    /// Position of the hand.
     pub hand_over: Area,
-    /// What the arm and the hand were found not to be able to do.
+    /// Known limits of the arm and the hand.
     pub motion: Vec<MotionFact>,
 }
 
@@ -34,56 +35,57 @@ pub struct State {
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "action")]
 pub enum CoarseAction {
-    /// Move the hand, and what it holds, to a neighbouring area.
+    /// Move the hand, and the held item, to a neighbouring area.
     Move {
-        /// Where to.
+        /// The area.
         to: Area,
     },
     /// Pick up a beam or a peg.
     PickUp {
-        /// What.
+        /// The item.
         item: Item,
     },
-    /// Let go of what the hand holds.
+    /// Release the held item.
     PutDown {
-        /// What.
+        /// The item.
         item: Item,
     },
     /// Insert the held beam into the assembly.
     Assemble {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
-    /// Lay the held beam down at its place, with nothing to hold it.
+    /// Lay the held beam down at its goal pose, without support by other beams.
     LayDown {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
-    /// Insert the held beam deeper than its place, through a joint that is open behind.
+    /// Insert the held beam beyond its goal pose, through a joint that is open at the back.
     AssembleDeep {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
-    /// Slide a beam that stands too deep forward to its place, with the hand empty before and after.
+    /// Slide a beam that was inserted too deep forward to its goal pose, with the hand empty before
+    /// and after.
     Slide {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
-    /// Hold the beam by another link.
+    /// Change the grasp to another link of the beam.
     Regrasp {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
     /// Pin a connection with the held peg.
     Fasten {
         /// The connection's name in the goal.
         connection: String,
-        /// Which peg.
+        /// The peg.
         peg: String,
     },
-    /// Bring a beam that stands in the assembly to its nominal place, with the hand empty before and after.
+    /// Align a beam of the assembly with its goal pose, with the hand empty before and after.
     Push {
-        /// Which beam.
+        /// The beam.
         beam: String,
     },
 }
@@ -93,7 +95,7 @@ pub enum CoarseAction {
 pub struct CoarseStep {
     /// The coarse action.
     pub coarse: CoarseAction,
-    /// What carries it out, in order.
+    /// The fine actions, in order.
     pub fine: Vec<FineAction>,
 }
 
@@ -102,24 +104,24 @@ pub struct CoarseStep {
 pub struct Plan {
     /// The steps, in order.
     pub steps: Vec<CoarseStep>,
-    /// How the beams get to their places, in the order of the steps.
+    /// Insertion motions of the beams, in the order of the steps.
     pub entries: Vec<Entry>,
-    /// How hard it was to find.
+    /// Figures of the search.
     pub statistics: Statistics,
 }
 
-/// The straight motion with which a beam gets to its place.
+/// The straight insertion motion of a beam.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
-    /// Which beam.
+    /// The beam.
     pub beam: String,
     /// The name of the insertion path.
     pub path: String,
     /// Direction of the motion in the assembly frame.
     pub direction: [f64; 3],
-    /// Its length, m: it is free from its start to the place.
+    /// Its length, m; it is collision-free.
     pub distance: f64,
-    /// How much further than its place the beam goes at first, to be slid forward later, m; 0 for most.
+    /// Overshoot beyond the goal pose, m, to be slid forward later; 0 for most beams.
     pub depth: f64,
 }
 
@@ -128,9 +130,9 @@ pub struct Entry {
 pub struct Statistics {
     /// Number of calls to the solver.
     pub solves: usize,
-    /// Is the number of coarse actions proven to be the smallest?
+    /// Whether the number of coarse actions is proven minimal.
     pub optimal: bool,
-    /// No plan has fewer coarse actions than this.
+    /// Lower bound on the number of coarse actions.
     pub lower_bound: usize,
 }
 

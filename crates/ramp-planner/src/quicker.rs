@@ -1,7 +1,9 @@
-//! A plan of the same actions that takes the arm less time: pegs are alike, and in which order they come is often free.
+//! Shortens the robot time of a plan with the same actions: pegs are interchangeable, and the order
+//! of fastenings is often free.
 //!
-//! Nothing here knows a robot. The caller says what the ways of the hand cost, and [`quicker`] exchanges pegs with each
-//! other, and fastenings with each other, as long as that makes all ways of the plan together cheaper.
+//! This module is independent of the robot. The caller gives the cost of the hand's travel, and
+//! [`quicker`] swaps pegs with each other, and fastenings with each other, as long as that reduces
+//! the plan's total travel cost.
 
 use crate::domains::Domains;
 use crate::error::PlanError;
@@ -11,16 +13,17 @@ use crate::state;
 use ramp_assembly::Assembly;
 use std::collections::{BTreeSet, HashMap};
 
-/// The steps of a peg from its holder to its hole: pick up, two moves, fasten.
+/// Steps of a peg from its holder to its hole: pick up, two moves, fasten.
 const FASTENING: usize = 4;
 
-/// The plan with its pegs and its fastenings exchanged so that its ways cost less, and how much less. `cost` is what the
-/// way of the hand from one place to another takes, ms: from where a part starts to a place in the assembly or back.
+/// The plan with its pegs and fastenings swapped to reduce its travel cost, and the reduction.
+/// `cost` is the travel time of the hand between two places, ms: from a part's start to a place in
+/// the assembly or back.
 ///
 /// The plan has the same number of actions, and the rules accept it.
 ///
 /// # Errors
-/// When the state cannot be.
+/// When the state contradicts itself.
 pub fn quicker(
     assembly: &Assembly,
     state: &State,
@@ -43,7 +46,7 @@ pub fn quicker(
     let names = state::peg_names(assembly);
     let held = state.in_hand.as_ref().map(Item::name);
     let free = known.pegs.iter().map(|&peg| names[peg].clone()).filter(|peg| Some(peg.as_str()) != held);
-    // Those that the plan uses come first.
+    // Pegs used by the plan come first.
     let spare = free.filter(|peg| !fetched.contains(peg)).collect::<BTreeSet<_>>();
     let pegs: Vec<String> = fetched.iter().cloned().chain(spare).collect();
 
@@ -80,7 +83,7 @@ pub fn quicker(
     }
 }
 
-/// Where the hand does something, in order.
+/// The places where the hand acts, in order.
 fn places(steps: &[CoarseStep]) -> Vec<Place> {
     let mut places: Vec<Place> = Vec::new();
     for action in steps.iter().flat_map(|step| &step.fine) {
@@ -96,7 +99,7 @@ fn places(steps: &[CoarseStep]) -> Vec<Place> {
     places
 }
 
-/// The peg that a step picks up.
+/// The peg picked up by a step.
 fn peg_of(step: &CoarseStep) -> Option<&str> {
     match &step.coarse {
         CoarseAction::PickUp { item: Item::Peg(peg) } => Some(peg),
@@ -104,14 +107,14 @@ fn peg_of(step: &CoarseStep) -> Option<&str> {
     }
 }
 
-/// Do these steps begin with a peg that is brought to its hole?
+/// Whether these steps begin with the fetching and inserting of a peg.
 fn is_fastening(steps: &[CoarseStep]) -> bool {
     let ends = steps.get(FASTENING - 1).map(|step| &step.coarse);
     let fetched = steps.first().and_then(peg_of);
     matches!((fetched, ends), (Some(peg), Some(CoarseAction::Fasten { peg: other, .. })) if peg == other)
 }
 
-/// The steps with two pegs in each other's place.
+/// The steps with two pegs swapped.
 fn with_pegs_exchanged(steps: &[CoarseStep], first: &str, second: &str) -> Vec<CoarseStep> {
     let exchanged = |peg: &str| match peg {
         peg if peg == first => second.to_string(),

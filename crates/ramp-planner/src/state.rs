@@ -1,4 +1,4 @@
-//! A state with its names looked up, and refused when it contradicts itself, before anything is planned from it.
+//! A state with its names resolved, refused when it contradicts itself.
 
 use crate::error::PlanError;
 use crate::facts::{beam_item, beam_name, connection_name};
@@ -8,30 +8,30 @@ use ramp_action_language::Term;
 use ramp_assembly::Assembly;
 use ramp_source::nearest;
 
-/// A state with every name looked up.
+/// A state with every name resolved.
 pub(crate) struct Known {
-    /// Which beams stand, by index; the base does.
+    /// Placed beams, by index, the base included.
     pub(crate) stands: Vec<bool>,
-    /// Which connections are pinned, by index, and with which peg of the kit.
+    /// Pinned connections, by index, each with its peg of the kit.
     pub(crate) pinned: Vec<Option<usize>>,
-    /// Which beams stand off their place, by index.
+    /// Misaligned beams, by index.
     pub(crate) misaligned: Vec<bool>,
-    /// Which beams are pushed back, by index.
+    /// Pushed-back beams, by index.
     pub(crate) deep: Vec<bool>,
-    /// Pegs that can still be used, by index, in the order of the kit; one in the hand comes first.
+    /// Usable pegs, by index, in the order of the kit; a held one comes first.
     pub(crate) pegs: Vec<usize>,
-    /// The beam in the hand.
+    /// The held beam.
     pub(crate) held_beam: Option<usize>,
-    /// The peg in the hand.
+    /// The held peg.
     pub(crate) held_peg: Option<usize>,
     pub(crate) slipped: bool,
     pub(crate) area: Area,
-    /// What the arm and the hand cannot do.
+    /// Known limits of the arm and the hand.
     pub(crate) motion: Motion,
 }
 
 impl Known {
-    /// A connection without a peg, by index, that was found to be out of the hand's reach whatever stands.
+    /// A connection without a peg, by index, that the hand can reach in no state.
     pub(crate) fn unreachable(&self) -> Option<usize> {
         let fastenings = self.motion.fastenings.iter();
         let mut never = fastenings
@@ -39,7 +39,7 @@ impl Known {
         never.next().map(|(index, _)| *index)
     }
 
-    /// The coarse fluents that are told; the domain says what else is true.
+    /// The known coarse fluents; the domain derives all others.
     pub(crate) fn told(&self, assembly: &Assembly) -> Vec<Term> {
         let mut told = vec![Term::new("at", [area_name(self.area)])];
         for beam in (0..assembly.beams.len()).filter(|&beam| self.stands[beam]) {

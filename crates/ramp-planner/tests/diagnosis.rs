@@ -1,4 +1,4 @@
-//! What went wrong, from what was done and seen, and the plan that goes on from there.
+//! Diagnoses from actions and observations, and plans that continue from them.
 
 // A helper may panic as its test may.
 #![allow(clippy::unwrap_used)]
@@ -8,8 +8,8 @@ mod common;
 use common::{domains, goal, replay};
 use ramp_planner::{Area, CoarseAction, Diagnosis, History, PlanError, Record, State, diagnose, plan};
 
-/// The plan for a goal up to and with its `count`-th action of a kind, then what is seen. Where the hand is and
-/// whether it closed on something is felt all along.
+/// The plan for a goal up to and with its `count`-th action of a kind, then the observations. The
+/// position of the hand and whether it closed on something are observed all along.
 fn history(name: &str, wanted: impl Fn(&CoarseAction) -> bool, count: usize, seen: &[&str]) -> History {
     let steps = plan(&goal(name), &State::default(), domains()).unwrap().steps;
     let actions: Vec<CoarseAction> = steps.into_iter().map(|step| step.coarse).collect();
@@ -38,7 +38,7 @@ fn events(found: &[Diagnosis]) -> Vec<Vec<&str>> {
     found.iter().map(|d| d.events.iter().map(|event| event.event.as_str()).collect()).collect()
 }
 
-/// From what is believed there is a plan, and it is legal.
+/// From the belief there is a legal plan.
 fn goes_on(name: &str, found: &[Diagnosis]) {
     let assembly = goal(name);
     for diagnosis in found {
@@ -85,7 +85,7 @@ fn a_beam_that_did_not_go_in_slipped_or_jammed_or_nothing_happened() {
         assert!(all.contains(&vec![event]), "{event} is not in {all:?}");
     }
     assert_eq!(all.len(), 3, "{all:?}");
-    // A beam that slipped is put down and gripped anew.
+    // A slipped beam is put down and grasped anew.
     let slipped = found.iter().find(|d| d.events[0].event.starts_with("slip")).unwrap();
     assert!(slipped.state.slipped);
     goes_on("easy-3", &found);

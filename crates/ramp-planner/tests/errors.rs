@@ -1,4 +1,4 @@
-//! What is wrong is said, with its place, and nothing hangs.
+//! Errors are reported at their place, and nothing hangs.
 
 // A helper may panic as its test may.
 #![allow(clippy::unwrap_used)]
@@ -74,7 +74,8 @@ fn a_zero_byte_is_no_rule() {
     assert!(format!("{error:#}").starts_with("order.lp:"), "{error:#}");
 }
 
-/// What would make clingo read `/etc/passwd`, run a program or exhaust its stack, in every disguise that its lexer allows.
+/// Rules that would make clingo read `/etc/passwd`, run a program or exhaust its stack, in every
+/// variant that its lexer allows.
 #[test]
 fn rules_that_reach_outside_or_are_nested_without_end_are_refused_at_their_place() {
     let refused = |rules: &str| {
@@ -84,7 +85,7 @@ fn rules_that_reach_outside_or_are_nested_without_end_are_refused_at_their_place
     };
     let foreign = |word: &str, place: &str| {
         Some(format!(
-            "order.lp:{place}: `{word}` may not stand in a rule file, also not in a comment or in quotes (put all rules \
+            "order.lp:{place}: `{word}` is not allowed in a rule file, not even in a comment or in quotes (put all rules \
              into this one file)"
         ))
     };
@@ -101,7 +102,7 @@ fn rules_that_reach_outside_or_are_nested_without_end_are_refused_at_their_place
     ] {
         assert_eq!(refused(rules), foreign(word, place), "{rules}");
     }
-    // What is not these words in one piece means nothing to clingo, so it cannot read a file either.
+    // Split directives mean nothing to clingo, so it cannot read a file either.
     for rules in ["# include \"/etc/passwd\".", "#inc\\\nlude \"/etc/passwd\".", "#INCLUDE \"/etc/passwd\"."]
     {
         let message = refused(rules).unwrap();
@@ -118,7 +119,7 @@ fn rules_that_reach_outside_or_are_nested_without_end_are_refused_at_their_place
         let start = "order.lp:1:4: this statement has more than 2048 bytes besides comments";
         assert!(message.starts_with(start), "{message}");
     }
-    // As much as may stand in a statement is no trouble.
+    // The largest allowed statements are accepted.
     for rules in [format!("b({}1).", "-".repeat(2000)), format!("b({}1).", "1+".repeat(1000))] {
         assert_eq!(refused(&rules), None);
     }
@@ -126,7 +127,7 @@ fn rules_that_reach_outside_or_are_nested_without_end_are_refused_at_their_place
 
 #[test]
 fn rules_without_a_plan_come_to_an_end() {
-    // The order of these rules is fine, but nothing can be pushed.
+    // The order of these rules works, but nothing can be pushed.
     let domains = edited("coarse.al", "impossible push(B) if deep(B).", "impossible push(B).").unwrap();
     let error = plan_with("easy-3", &domains).unwrap_err();
     assert!(matches!(&error, PlanError::NoPlan { file, .. } if file == "coarse.al"), "{error}");
@@ -150,7 +151,7 @@ fn an_answer_without_a_meaning_is_shown() {
     )
     .unwrap();
     let error = plan_with("easy-1", &domains).unwrap_err();
-    assert_eq!(error.to_string(), "fine.al gave the answer `glue(\"C1\")`, which has no meaning here");
+    assert_eq!(error.to_string(), "fine.al gave the unexpected answer `glue(\"C1\")`");
 }
 
 #[test]
@@ -172,7 +173,7 @@ fn a_beam_between_two_that_stand_cannot_be_placed() {
     let PlanError::Illegal { beams, .. } = &error else { panic!("{error}") };
     assert_eq!(beams, &["b1", "b7"]);
     assert!(error.to_string().contains("b1 has no insertion path past b7"), "{error}");
-    // A beam at the frame's edge goes in from the side.
+    // A beam at the frame's edge is inserted from the side.
     let state = State { in_assembly: ["b5", "b8"].map(str::to_string).to_vec(), ..State::default() };
     let plan = plan(&goal("easy-3"), &state, domains()).unwrap();
     assert_eq!(plan.entries[0].direction, [1.0, 0.0, 0.0]);
@@ -185,7 +186,7 @@ fn a_beam_out_of_reach_is_named() {
     assembly.beams[b5].beam.start.as_mut().unwrap().at = [1.5, 0.2];
     let error = plan(&assembly, &State::default(), domains()).unwrap_err();
     assert!(matches!(error, PlanError::Illegal { .. }), "{error}");
-    assert!(error.to_string().contains("b5 has no link that the hand can hold"), "{error}");
+    assert!(error.to_string().contains("b5 has no link that the hand can grasp"), "{error}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Whatever a plan or an observation from outside says, it is taken or refused: nothing panics, nothing hangs.
+//! Any external plan or observation is accepted or refused, without a panic and without a hang.
 
 // A helper may panic as its test may.
 #![allow(clippy::unwrap_used)]

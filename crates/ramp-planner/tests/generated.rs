@@ -1,5 +1,5 @@
-//! A thousand generated goals: every plan is accepted by the replayer, and none with an action removed, swapped or
-//! with another argument.
+//! A thousand generated goals: the replayer accepts every plan, and none with an action removed,
+//! swapped or with another argument.
 
 // A helper may panic as its test may.
 #![allow(clippy::unwrap_used)]
@@ -38,7 +38,7 @@ fn plans_of_a_thousand_goals_are_accepted_and_wrong_ones_refused() {
     let goals: Vec<Generated> = (3..=7)
         .flat_map(|beams| generate_many(kit(), Request { beams, seed: 1, class: None }, 210).unwrap())
         .collect();
-    // Four of sixteen for each, so that all threads have small and large ones.
+    // Four of sixteen for each, so that all threads get small and large ones.
     let planned: usize = std::thread::scope(|scope| {
         let goals = &goals;
         let checks: Vec<_> = (0..4)
@@ -52,7 +52,8 @@ fn plans_of_a_thousand_goals_are_accepted_and_wrong_ones_refused() {
     assert!(planned >= 1000, "only {planned} goals have a plan");
 }
 
-/// Plans the goal with this number, and lets the replayer judge its plan and wrong ones. Returns whether there is a plan.
+/// Plans the goal with this number, and judges its plan and wrong variants. Returns whether there
+/// is a plan.
 fn check(number: usize, made: &Generated) -> bool {
     let assembly = &made.assembly;
     let steps = match plan(assembly, &State::default(), domains()) {
@@ -63,7 +64,7 @@ fn check(number: usize, made: &Generated) -> bool {
     };
     let outcome = |steps: &[CoarseStep]| replay(assembly, &State::default(), steps);
     assert_eq!(outcome(&steps), Ok(()), "{}", made.name);
-    // One in four is enough for the wrong ones, of which each takes as long as the right one.
+    // One in four is enough for the wrong variants, each of which takes as long as the right one.
     if !number.is_multiple_of(4) {
         return true;
     }
@@ -83,8 +84,7 @@ fn check(number: usize, made: &Generated) -> bool {
     true
 }
 
-/// A large frame has a proven order, and so it has a plan. These were refused for an insertion path that their order
-/// leaves open.
+/// A large frame has a proven order, and so it has a plan.
 #[test]
 fn large_frames_that_can_be_built_are_planned() {
     for (beams, seed) in [(88, 1), (100, 1), (200, 1)] {

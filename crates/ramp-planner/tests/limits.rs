@@ -1,4 +1,4 @@
-//! Rules that never end are ended within their limits, whatever they are at.
+//! Rules that never terminate are ended within their limits, in every phase.
 
 #![cfg(target_os = "linux")]
 // A helper may panic as its test may.
@@ -13,12 +13,12 @@ use std::os::unix::process::CommandExt;
 use std::process::Command;
 use std::time::Duration;
 
-/// The name of the rules at work, for the test that another process of this program runs.
+/// The name of the rules, for the test that another process of this program runs.
 const CASE: &str = "RULES_THAT_NEVER_END";
 const MEMORY: &str = "more than 64 MiB of memory";
 const TIME: &str = "more than 1 s";
 
-/// Rules that never end: in which file, after what they are put, and what they take too much of.
+/// Rules that never terminate: the file, the insertion point, the text, and the exceeded limit.
 const CASES: [(&str, &str, &str, &str); 5] = [
     ("grounds and grows", "order.lp", "many(0). many(X+1) :- many(X).", MEMORY),
     ("grounds and does not grow", "order.lp", "n(1..9999). :- n(X), n(Y), n(Z), X+Y+Z < 0.", TIME),
@@ -34,7 +34,7 @@ const CASES: [(&str, &str, &str, &str); 5] = [
 
 fn end(exceeded: &Exceeded) {
     eprintln!("{exceeded}");
-    // Another program in the place of this one: nothing of it runs on.
+    // Replaces this process, so nothing of it continues.
     panic!("{}", Command::new("false").exec());
 }
 
@@ -60,7 +60,7 @@ fn plans() {
         let text = std::fs::read_to_string(data().join("domains").join(name)).unwrap();
         SourceFile::new(name, &if name == at { format!("{text}\n{more}\n") } else { text })
     });
-    // The other limit is out of reach.
+    // The other limit is never reached.
     let (memory, time) = if limit == MEMORY { (64 << 20, 600) } else { (64 << 30, 1) };
     let limits = Limits { memory, time: Duration::from_secs(time), ..Limits::new(end) };
     let domains = Domains::new(order, coarse, fine).unwrap().within(limits);

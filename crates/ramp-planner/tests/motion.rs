@@ -1,4 +1,4 @@
-//! What the arm cannot do changes the plan, or is the reason why there is none.
+//! Motion facts change the plan, or are the reason why there is none.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -28,7 +28,7 @@ fn stands(beam: &str) -> Option<InTheWay> {
     Some(InTheWay::Stands(beam.to_string()))
 }
 
-/// A plan that does without what cannot be done, and that the replayer accepts.
+/// A plan that respects the facts, and that the replayer accepts.
 fn planned(assembly: &Assembly, motion: Vec<MotionFact>) -> Result<Plan, PlanError> {
     let state = State { motion, ..State::default() };
     let plan = plan(assembly, &state, domains())?;
@@ -46,7 +46,7 @@ fn step(plan: &Plan, name: &str) -> usize {
     plan.steps.iter().position(|step| is(&step.coarse)).unwrap()
 }
 
-/// By which links a plan picks a beam up.
+/// The links at which a plan grasps a beam.
 fn links(plan: &Plan, beam: &str) -> Vec<String> {
     let link = |action: &FineAction| match action {
         FineAction::PickUp { item: Item::Beam(other), grasp: Grasp::Link(link) } if other == beam => {
@@ -100,7 +100,7 @@ fn what_hides_a_hole_is_placed_after_its_peg() {
     let state = State { motion: vec![fact(hidden, stands("b1"))], ..State::default() };
     let plan = planned(&assembly, state.motion.clone()).unwrap();
     assert!(step(&plan, "C7") < step(&plan, "b1"));
-    // An order that was fixed before is told why it cannot be.
+    // For an order that was fixed before, the error gives the reason.
     let stood = State { in_assembly: ["b4", "b9", "b5", "b1"].map(str::to_string).to_vec(), ..state };
     let error = ramp_planner::plan(&assembly, &stood, domains()).unwrap_err().to_string();
     assert!(

@@ -1,4 +1,4 @@
-//! The coarse level in PDDL, and plans that come back.
+//! The coarse level in PDDL, and plans that are read back.
 
 // A helper may panic as its test may.
 #![allow(clippy::unwrap_used)]
@@ -8,7 +8,7 @@ mod common;
 use common::{EASY, domains, goal, kit, replay};
 use ramp_planner::{CoarseAction, Item, PlanError, State, pddl, pddl_plan, plan};
 
-/// Our own plan, as a planner that reads PDDL would write it.
+/// Our own plan, in the format of a PDDL planner.
 fn as_pddl(name: &str) -> String {
     let steps = plan(&goal(name), &State::default(), domains()).unwrap().steps;
     let assembly = goal(name);
@@ -46,7 +46,7 @@ fn a_plan_from_outside_is_judged_and_refined() {
         let steps = pddl_plan(&assembly, &State::default(), domains(), &text).unwrap();
         assert_eq!(replay(&assembly, &State::default(), &steps), Ok(()));
         assert!(steps.iter().all(|step| !step.fine.is_empty()));
-        // Without one of its lines it is refused, and the step is told.
+        // Without one of its lines it is refused, and the error names the step.
         let lines: Vec<&str> = text.lines().collect();
         for left_out in 1..lines.len() {
             let mut fewer = lines.clone();
@@ -84,11 +84,11 @@ fn what_is_written_says_what_stands_and_has_no_two_objects_of_one_name() {
     let written = pddl(&goal("easy-1"), &state, domains()).unwrap();
     assert!(written.problem.contains("(in_assembly b4)") && written.problem.contains("(pinned c1)"));
     assert!(!written.problem.contains("(on_sheet c1)"));
-    // Parentheses are balanced, or no planner reads it.
+    // Balanced parentheses, which every planner requires.
     for text in [&written.domain, &written.problem] {
         assert_eq!(text.matches('(').count(), text.matches(')').count());
     }
-    // Columns of a frame are called c1, as PDDL would call the connection C1.
+    // Columns of a frame are called c1, like the PDDL name of the connection C1.
     let made =
         ramp_assembly::generate(kit(), ramp_assembly::Request { beams: 12, seed: 1, class: None }).unwrap();
     let written = pddl(&made.assembly, &State::default(), domains()).unwrap();

@@ -1,4 +1,4 @@
-//! Plans of the shipped goals: as written down, legal, necessary, repeatable, and from any half-built state.
+//! Plans of the shipped goals: golden, legal, necessary, repeatable, and from any partial assembly.
 
 // A helper may panic as its test may.
 #![allow(clippy::unwrap_used)]
@@ -94,7 +94,7 @@ fn no_two_actions_can_be_swapped() {
         for first in 0..steps.len() {
             for second in first + 1..steps.len() {
                 let both = [&steps[first].coarse, &steps[second].coarse];
-                // Pushes that follow each other may change places.
+                // Consecutive pushes may change places.
                 let pushes = both.iter().all(|action| matches!(action, CoarseAction::Push { .. }));
                 if steps[first] == steps[second] || (pushes && second == first + 1) {
                     continue;
@@ -139,7 +139,7 @@ fn any_beams_that_stand_have_a_plan_or_a_reason_against_it() {
     for name in EASY {
         let assembly = goal(name);
         let beams: Vec<&str> = assembly.beams.iter().map(|placed| placed.beam.name.as_str()).collect();
-        // Every subset with the base in it.
+        // Every subset that contains the base.
         for subset in (0..1_usize << beams.len()).filter(|subset| subset >> assembly.base & 1 == 1) {
             let stands = |index: usize| subset >> index & 1 == 1;
             let in_assembly: Vec<String> = (0..beams.len())
@@ -171,7 +171,7 @@ fn any_beams_that_stand_have_a_plan_or_a_reason_against_it() {
             }
         }
     }
-    // Only what stands without anything to stand on, or closes the way, has no plan.
+    // Only a beam without support, or one in the way, has no plan.
     assert!(outcomes[0] > outcomes[1] && outcomes[1] > 0, "{outcomes:?}");
 }
 

@@ -1,4 +1,4 @@
-//! Pegs and fastenings are exchanged so that the ways of the hand cost less, and the rules accept what comes of it.
+//! Pegs and fastenings are swapped to reduce the travel cost, and the rules accept the result.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -17,7 +17,7 @@ fn fastened(steps: &[CoarseStep]) -> Vec<(String, String)> {
     pairs.collect()
 }
 
-/// A peg that is dear is left in its holder, and each hole gets the peg that costs least.
+/// An expensive peg is left in its holder, and each hole gets the cheapest peg.
 #[test]
 fn ways_that_cost_less_are_taken() {
     let (goal, state) = (goal("medium-3"), State::default());
@@ -32,7 +32,7 @@ fn ways_that_cost_less_are_taken() {
     assert!(fastened(&found.steps).iter().all(|(_, peg)| peg != "p1"));
     assert_eq!(replay(&goal, &state, &found.steps), Ok(()));
 
-    // Each peg of the kit belongs best to another hole than that of the usual plan.
+    // Each peg of the kit is best for another hole than in the usual plan.
     let order: Vec<String> = fastened(&usual.steps).into_iter().map(|(connection, _)| connection).collect();
     let rank = |place: &Place| match place {
         Place::Target(Target::Connection(name)) => order.iter().position(|other| other == name),
@@ -54,7 +54,7 @@ fn ways_that_cost_less_are_taken() {
     assert_eq!(pegs.len(), order.len(), "a peg is used twice");
 }
 
-/// A peg that is lost, or pins something already, is no choice.
+/// A peg that is lost, or already in use, is not a candidate.
 #[test]
 fn pegs_that_are_gone_are_not_taken() {
     let (goal, state) = (goal("easy-1"), State { lost_pegs: vec!["p9".to_string()], ..State::default() });

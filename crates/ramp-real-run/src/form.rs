@@ -1,4 +1,5 @@
-//! The printed form for the person with the stopwatch: a goal's picture and a line for each of its connections.
+//! The printed form for the scorer with a stopwatch: the goal's picture and a row for each of its
+//! connections.
 
 use nalgebra::Point3;
 use ramp_assembly::Assembly;
@@ -20,7 +21,7 @@ const ROW: f64 = 7.4;
 /// Closed lines, mm.
 type Outlines = Vec<Vec<[f64; 2]>>;
 
-/// One page, A4 upright. With more connections than fit below the picture, lines get lower.
+/// One page, A4 portrait. With more connections than fit below the picture, the rows get lower.
 ///
 /// # Errors
 /// A beam whose solid cannot be made.
@@ -74,7 +75,7 @@ fn picture(page: &mut Drawing, goal: &Assembly) -> Result<(), SolidError> {
             };
             let outline = piece.solid.outline();
             let lines = outline.into_iter().map(|line| line.into_iter().map(in_a).collect()).collect();
-            // Joints are drawn over links, for they are what is to be found.
+            // Joints are drawn over links, because the scorer looks for joints.
             let height = placed.x_ab.translation.z + if piece.link { 0.0 } else { 1.0 };
             shapes.push((index == goal.base, height, lines));
         }
@@ -123,7 +124,7 @@ fn picture(page: &mut Drawing, goal: &Assembly) -> Result<(), SolidError> {
     Ok(())
 }
 
-/// The table; returns where it ends.
+/// The table; returns the y coordinate of its end.
 fn table(page: &mut Drawing, goal: &Assembly) -> f64 {
     let right = A4[0] - LEFT;
     let top = 161.0;
@@ -158,7 +159,7 @@ fn table(page: &mut Drawing, goal: &Assembly) -> f64 {
     bottom
 }
 
-/// What the scorer must know.
+/// The rules for the scorer.
 fn rules(page: &mut Drawing, top: f64) {
     let lines = [
         "The watch starts when the goal is handed over and never stops. Write when each peg is home: head on the female's",

@@ -1,7 +1,8 @@
-//! Runs of a real robot become results by the same rules as runs in the twin.
+//! Converts runs of a real robot into results by the same rules as runs in the twin.
 //!
-//! Either a person with a stopwatch notes when each peg was seated, on the [`form`], and [`stopwatch`] reads the notes;
-//! or cameras log where the parts are, and [`poses`] lets the referee judge them. What cannot have happened is refused.
+//! There are two sources. A person with a stopwatch notes on the [`form`] when each peg was seated,
+//! and [`stopwatch`] reads the notes. Or cameras log the poses of the parts, and [`poses`] passes
+//! them to the referee. Impossible input is refused.
 
 pub mod form;
 pub mod poses;

@@ -1,9 +1,11 @@
-//! Logs of the poses of parts that cameras saw of a real robot's run, judged by the referee of the twin.
+//! Logs of camera-measured part poses of a real robot's run, judged by the twin's referee.
 //!
-//! A log is an MCAP file with two channels of JSON messages: `/run`, one message that tells whose run it is
-//! (`data/schema/real-run.schema.json`), and `/parts`, where parts were seen over time, in the form of the logs of the twin
-//! (`foxglove.FrameTransforms`, `data/schema/log/parts.schema.json`); a tag on a part tells where the part is as well. The page `docs/src/reference/real-runs.md` tells the form; what cannot
-//! have happened is refused with the number of its message and its time.
+//! A log is an MCAP file with two channels of JSON messages: `/run`, one message that identifies
+//! the run (`data/schema/real-run.schema.json`), and `/parts`, the poses of parts over time in the
+//! format of the twin's logs (`foxglove.FrameTransforms`, `data/schema/log/parts.schema.json`). The
+//! pose of a tag on a part is accepted instead of the part's pose.
+//! `docs/src/reference/real-runs.md` describes the format. Impossible messages are refused with
+//! their number and time.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -27,29 +29,29 @@ use ramp_result::episode::{
 };
 use ramp_result::sha256;
 
-/// The version of the form of these logs.
+/// The version of the format of these logs.
 pub const SCHEMA: &str = "ramp-poses-1";
 /// The frame that all poses are given in: the world of the kit.
 const WORLD: &str = "world";
-/// Longest robot time of an episode, s: the rules end it there.
+/// Time limit of an episode by the rules, s of robot time.
 const LIMIT: f64 = 1800.0;
 /// Longest time of planning, s.
 const LONGEST: f64 = 1.0e6;
-/// How far the beam that is clamped to the table may be seen from its place, m: further off, the poses are not in the frame that
-/// they should be in.
+/// Largest distance of the clamped beam from its nominal pose, m; beyond that, the poses are not in
+/// the expected frame.
 const CLAMPED: f64 = 10.0e-3;
-/// How far from the origin a part can be, m.
+/// Largest distance of a part from the origin, m.
 const FAR: f64 = 10.0;
-/// How far the length of a quaternion may be from one.
+/// Largest deviation of a quaternion's norm from one.
 const UNIT: f64 = 1.0e-3;
-/// Where a part is that was not seen yet, m: nowhere near a hole.
+/// Coordinate of a part that was not detected yet, m: far from every hole.
 const UNSEEN: f64 = 1.0e3;
 
-/// Whose run it is.
+/// Identity of the run.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Head {
-    /// Looked at before all the rest.
+    /// Checked before all other fields.
     #[serde(rename = "schema")]
     _schema: String,
     rules: String,
@@ -78,7 +80,7 @@ struct Stamp {
 }
 
 impl Stamp {
-    /// Seconds since another one; to the nanosecond, however long ago clocks began.
+    /// Seconds since `begin`, with the resolution of a nanosecond for any epoch.
     fn since(self, begin: Stamp) -> f64 {
         let whole = i128::from(self.sec) - i128::from(begin.sec);
         let nanoseconds = whole * 1_000_000_000 + i128::from(self.nsec) - i128::from(begin.nsec);
@@ -86,7 +88,7 @@ impl Stamp {
     }
 }
 
-/// Where parts were seen.
+/// Measured poses of parts.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Sight {
@@ -120,13 +122,13 @@ struct Rotation {
     w: f64,
 }
 
-/// What logs are read against.
+/// Reference data for reading a log.
 pub struct Reader<'a> {
     /// The parts.
     pub kit: &'a Kit,
     /// The goals that a log may name.
     pub goals: &'a [Assembly],
-    /// What results say they were made with.
+    /// The program that made the results.
     pub software: &'a Software,
 }
 
@@ -134,12 +136,12 @@ impl Reader<'_> {
     /// Reads and judges the log in a file.
     ///
     /// # Errors
-    /// When it cannot be read, or tells what cannot have happened.
+    /// When it cannot be read, or contains impossible events.
     pub fn read(&self, path: &Path) -> Result<EpisodeResult, LogError> {
         self.from_bytes(path, &bytes_of(path)?)
     }
 
-    /// From a file's bytes; `path` is what messages call it.
+    /// Reads and judges the log in a file's bytes; `path` is its name in messages.
     ///
     /// # Errors
     /// As [`Reader::read`].
@@ -191,7 +193,7 @@ impl Reader<'_> {
         run.result(self.software, &sha256(bytes)).map_err(other)
     }
 
-    /// Takes in whose run it is.
+    /// Reads the identity of the run.
     fn head(&self, data: &[u8]) -> Result<Run<'_>, String> {
         #[derive(Deserialize)]
         struct Only {
@@ -281,9 +283,9 @@ struct Run<'a> {
     goal: &'a Assembly,
     head: Head,
     parts: Vec<String>,
-    /// Where the tags stick on them.
+    /// The tags on the parts.
     tags: Vec<TagPlace>,
-    /// Where each part was seen last.
+    /// The last known pose of each part.
     truth: Truth,
     referee: Referee,
     /// The time of the last message.
@@ -291,11 +293,11 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Takes in one message, and lets the referee look.
+    /// Reads one message, and passes it to the referee.
     fn see(&mut self, data: &[u8]) -> Result<(), String> {
         let sight: Sight =
             serde_json::from_slice(data).map_err(|error| plain(&error.to_string(), MAX_TITLE))?;
-        // How many tags have told of each part, by its index.
+        // Number of tags that measured each part, by its index.
         let mut tags = BTreeMap::new();
         for transform in &sight.transforms {
             let stamp = transform.timestamp;
@@ -359,19 +361,19 @@ impl Run<'_> {
             ));
         }
         let seen = Pose::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_quaternion(quaternion));
-        // The sheet's own tag tells of no part.
+        // The sheet's own tag belongs to no part.
         let Some(index) = index else { return Ok(()) };
         let x_wp = match place {
             None => seen,
             Some(place) => {
-                // The mean of all tags on a part that one message has.
+                // The mean over all tags on a part in one message.
                 let x_wp = seen * place.x_pg.inverse();
                 let count = tags.entry(index).or_insert(0.0);
                 *count += 1.0;
                 if *count > 1.0 {
                     let mean = self.truth.x_wp[index].try_lerp_slerp(&x_wp, 1.0 / *count, UNIT);
                     mean.ok_or_else(|| {
-                        format!("{name} shows {part} the other way around than its other tags do")
+                        format!("{name} and the other tags on {part} disagree on its orientation")
                     })?
                 } else {
                     x_wp

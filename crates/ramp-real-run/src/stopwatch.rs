@@ -1,7 +1,8 @@
-//! Logs that a person with a stopwatch writes of a real robot's run, as results of the same form as the twin's.
+//! Stopwatch logs of a real robot's run, converted into results of the same form as the twin's.
 //!
-//! A log is a CSV file: lines of a word and its value, then a table with a line for everything that happened. The page
-//! `docs/src/reference/real-runs.md` tells the form; what cannot have happened is refused with its line.
+//! A log is a CSV file: lines of a key and its value, then a table with one row per event.
+//! `docs/src/reference/real-runs.md` describes the format. Impossible events are refused with their
+//! line.
 
 mod cells;
 mod run;
@@ -21,9 +22,9 @@ use run::Run;
 pub const EPISODES: &str = "ramp-stopwatch-1";
 /// First value of a log of published means.
 pub const MEANS: &str = published::SCHEMA;
-/// Longest robot time of an episode, s: the rules end it there.
+/// Time limit of an episode by the rules, s of robot time.
 const LIMIT: f64 = 1800.0;
-/// Longest time that a stopwatch may show, s.
+/// Largest value of a stopwatch, s.
 const LONGEST: f64 = 1e6;
 /// Columns of the table of episodes.
 const COLUMNS: [&str; 6] = ["goal", "repeat", "what", "time", "peg", "note"];
@@ -31,20 +32,20 @@ const COLUMNS: [&str; 6] = ["goal", "repeat", "what", "time", "peg", "note"];
 const MEAN_COLUMNS: [&str; 7] =
     ["class", "goals", "repeats", "completion", "total", "planning from", "planning to"];
 
-/// What is wrong in a log.
+/// Defects of a log.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LogProblem {
     /// The file itself.
     #[error(transparent)]
     Form(#[from] FormProblem),
-    /// An entry that cannot be.
+    /// An invalid entry.
     #[error("{found}")]
     Entry {
-        /// What was found.
+        /// The text found.
         found: String,
-        /// What was expected there.
+        /// The text expected.
         expected: String,
-        /// What to do about it.
+        /// Advice on how to fix it.
         help: Option<String>,
     },
 }
@@ -68,7 +69,7 @@ impl Problem for LogProblem {
 /// A log that was read.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Log {
-    /// Episodes, in the order in which they begin in the log.
+    /// Episodes, in order of their first line.
     Episodes(Vec<EpisodeResult>),
     /// Published means of classes.
     Means(Vec<Published>),
@@ -76,14 +77,14 @@ pub enum Log {
 
 type Read<T> = Result<T, Fault<LogProblem>>;
 
-/// Text of a cell and where it stands.
+/// Text of a cell with its place.
 #[derive(Clone, Debug)]
 struct Cell {
     text: String,
     span: Range<usize>,
 }
 
-/// What a log is read against.
+/// Reference data for reading a log.
 pub struct Reader<'a> {
     /// The log.
     pub file: &'a SourceFile,
@@ -91,7 +92,7 @@ pub struct Reader<'a> {
     pub kit: &'a Kit,
     /// The goals it may name.
     pub goals: &'a [Assembly],
-    /// What the results say they were made with.
+    /// The program that made the results.
     pub software: &'a Software,
 }
 
@@ -106,7 +107,7 @@ impl Reader<'_> {
     /// Reads the log.
     ///
     /// # Errors
-    /// The first entry that is wrong, with its place.
+    /// The first invalid entry, with its place.
     pub fn read(&self) -> Read<Log> {
         let rows = self.rows()?;
         let is_table = |row: &Vec<Cell>| {
@@ -123,7 +124,7 @@ impl Reader<'_> {
                 return Err(self.fault(last, words, "expected a word and its value", None));
             };
             if let Some((_, _)) = head.entries.iter().find(|(known, _)| known.text == name.text) {
-                let words = format!("`{}` is told twice", shorten(&name.text));
+                let words = format!("`{}` is given twice", shorten(&name.text));
                 return Err(self.fault(name.span.clone(), words, "expected it once", None));
             }
             head.end = value.span.end;
@@ -199,7 +200,7 @@ impl Reader<'_> {
         Ok(runs.into_iter().map(|run| run.result(&agent, &track, &real, &host, self.software)).collect())
     }
 
-    /// Takes one line of the table into its episode.
+    /// Adds one line of the table to its episode.
     fn happened<'a>(&'a self, row: &[Cell], runs: &mut Vec<Run<'a>>) -> Read<()> {
         let [goal, repeat, what, time, peg, note] = std::array::from_fn(|column| self.cell(row, column));
         let Some(assembly) = self.goals.iter().find(|it| it.name == goal.text) else {
@@ -262,7 +263,7 @@ impl Reader<'_> {
         if seats_none(&what.text) && !peg.text.is_empty() {
             return Err(self.fault(
                 peg.span.clone(),
-                format!("a peg stands in a line `{}`", shorten(&what.text)),
+                format!("a peg is named in a line `{}`", shorten(&what.text)),
                 "expected an empty cell",
                 Some("words for a person go into the next column, `note`".to_string()),
             ));
@@ -308,7 +309,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// By its name, or by its two joints in either order.
+    /// Finds a connection by its name, or by its two joints in either order.
     fn connection(&self, goal: &Assembly, name: &str, what: &Cell) -> Read<usize> {
         let joints = |index: usize| {
             let connection = &goal.connections[index];
@@ -363,7 +364,7 @@ impl Reader<'_> {
 /// Reads a log from a file.
 ///
 /// # Errors
-/// The first entry that is wrong, with its place.
+/// The first invalid entry, with its place.
 pub fn read_log(path: &std::path::Path, kit: &Kit, goals: &[Assembly], software: &Software) -> Read<Log> {
     let file = SourceFile::read::<LogProblem>(path)?;
     Reader { file: &file, kit, goals, software }.read()

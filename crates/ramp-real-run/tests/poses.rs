@@ -1,4 +1,4 @@
-//! Logs of poses that cameras saw of a real robot: what the referee makes of them, and what is refused.
+//! Logs of camera-measured poses of a real robot: verdicts of the referee, and refused input.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -17,7 +17,7 @@ use ramp_result::EpisodeResult;
 use ramp_result::episode::Software;
 use serde_json::{Value, json};
 
-/// The clock's reading when the goal is handed over, s.
+/// The clock's reading at the handover of the goal, s.
 const BEGIN: u64 = 1_700_000_000;
 
 fn run() -> Value {
@@ -29,7 +29,7 @@ fn run() -> Value {
     })
 }
 
-/// Some parts as they are seen at a time, s.
+/// Measured poses of some parts at a time, s.
 fn sight(time: f64, parts: &[(&str, Pose)]) -> Value {
     let stamp = json!({"sec": BEGIN + time.floor() as u64, "nsec": (time.fract() * 1e9).round() as u64});
     let transform = |(name, x): &(&str, Pose)| {
@@ -42,7 +42,8 @@ fn sight(time: f64, parts: &[(&str, Pose)]) -> Value {
     json!({"transforms": parts.iter().map(transform).collect::<Vec<_>>()})
 }
 
-/// The beams at their places, and a peg so far (m) above its seat in the connection of that number.
+/// The beams in their goal poses, and a peg at this height (m) above its seat in the connection of
+/// that number.
 struct Bench(World);
 
 impl Bench {
@@ -58,7 +59,8 @@ impl Bench {
         Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0 + gap)
     }
 
-    /// p1 seated at 60 s and p2 at 90.25 s, which comes out again at 120 s and goes in at 150.5 s.
+    /// p1 is seated at 60 s. p2 is seated at 90.25 s, comes out at 120 s and is seated again at
+    /// 150.5 s.
     fn messages(&self) -> Vec<(String, Value)> {
         let sights = [
             sight(0.5, &self.beams()),
@@ -110,7 +112,7 @@ fn the_referee_judges_what_cameras_saw() {
     }
 }
 
-/// The same run told by the tags on the parts comes to the same result.
+/// The same run measured by the tags on the parts gives the same result.
 #[test]
 fn tags_tell_where_parts_are() {
     let bench = Bench(World::new("easy-1"));
@@ -142,7 +144,7 @@ fn tags_tell_where_parts_are() {
     let by_parts = bench.judge(&bench.bytes(&bench.messages())).unwrap();
     let by_tags = bench.judge(&bench.bytes(&messages)).unwrap();
     assert_eq!(by_tags.pegs, by_parts.pegs);
-    // The tag of another kit.
+    // A tag of another kit.
     let mut wrong = messages.clone();
     wrong[2].1["transforms"][0]["child_frame_id"] = json!("tag999");
     assert!(bench.judge(&bench.bytes(&wrong)).unwrap_err().contains("no part or tag `tag999`"));
@@ -163,7 +165,7 @@ fn what_cannot_have_happened_is_refused_with_its_place() {
         messages
     };
     let first = |field: &str| format!("/transforms/0/{field}");
-    // What is wrong with a pose, with the number of its message and its time.
+    // Invalid poses, reported with the number and time of the message.
     refused(&with(4, &first("timestamp/sec"), (BEGIN + 10).into()), &["message 4", "10.250 s", "backwards"]);
     refused(
         &with(3, &first("timestamp/sec"), (BEGIN - 1).into()),
@@ -187,7 +189,7 @@ fn what_cannot_have_happened_is_refused_with_its_place() {
     let moved = [("b7", Pose::translation(0.3, 0.3, 0.0166))];
     base[1].1 = sight(0.5, &moved);
     refused(&base, &["b7, which is clamped", "robot's base?"]);
-    // What is wrong with the run.
+    // Invalid runs.
     refused(&with(0, "/schema", "ramp-poses-9".into()), &["ramp-poses-9", "ramp-poses-1"]);
     refused(&with(0, "/goal", "esay-1".into()), &["no goal `esay-1`", "did you mean `easy-1`?"]);
     refused(&with(0, "/track", "tag".into()), &["no track `tag`", "`tags`"]);
@@ -201,14 +203,14 @@ fn what_cannot_have_happened_is_refused_with_its_place() {
     refused(&with(0, "/planning", 300.0.into()), &["free to move after 300 s"]);
     refused(&with(0, "/planning", 100.0.into()), &["C1 is pinned since 60.000 s", "before 100 s"]);
     refused(&with(0, "/end/sec", (BEGIN + 2000).into()), &["1996 s of robot time", "1800 s"]);
-    // What is wrong with the file.
+    // Invalid files.
     refused(&bench.messages()[1..], &["comes before the one on /run"]);
     refused(&bench.messages()[..1], &["no pose on /parts"]);
     refused(&[], &["no message on /run"]);
     let mut twice = bench.messages();
     twice.push(twice[0].clone());
     refused(&twice, &["two messages on /run"]);
-    // The log of an episode in the twin has the same poses, and is none of a real run.
+    // The log of an episode in the twin has the same poses, but is not the log of a real run.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("twin.mcap");
     bench.0.record("easy-1", &mut common::Swing(50), &path);

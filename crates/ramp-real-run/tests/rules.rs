@@ -24,7 +24,7 @@ fn page() -> String {
     std::fs::read_to_string(root().join("docs/src/reference/rules.md")).unwrap()
 }
 
-/// Name and verdict of each line of the page's table number `index`.
+/// Name and verdict of each row of the page's table number `index`.
 fn examples(index: usize) -> Vec<(String, String)> {
     let page = page();
     let table = page.split("| example |").nth(index + 1).unwrap();
@@ -41,14 +41,14 @@ struct Table {
     goal: Assembly,
 }
 
-/// What the referee sees at one time.
+/// The true poses at one time.
 struct Scene {
     time: f64,
-    /// The peg and where its head's underside is, in the world.
+    /// The peg and the position of its head's underside, in the world.
     pegs: Vec<(&'static str, Pose)>,
-    /// Where both beams are moved and turned from their places.
+    /// Displacement of both beams from their goal poses.
     moved: Pose,
-    /// Where the male is moved besides.
+    /// Additional displacement of the male.
     male: Pose,
 }
 
@@ -70,7 +70,7 @@ impl Table {
         Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0)
     }
 
-    /// The verdict on C1 after some looks: since when its peg counts, in total time.
+    /// The verdict on C1 after some scenes: the total time since which its peg counts.
     fn judge(&self, scenes: &[Scene], thought: f64) -> Option<f64> {
         let beams = self.goal.beams.iter().map(|placed| placed.beam.name.as_str());
         let names: Vec<&str> = beams.chain(self.kit.pegs.iter().map(|peg| peg.name.as_str())).collect();
@@ -87,7 +87,7 @@ impl Table {
             });
             referee.watch(&Truth { time: scene.time, x_wp: beams.chain(pegs).collect() }, thought);
         }
-        // No other connection is pinned by what is at this one.
+        // The peg in this connection pins no other.
         assert!(referee.verdict()[1..].iter().all(Option::is_none));
         referee.verdict()[0].as_ref().map(|seated| seated.since + seated.thought)
     }
@@ -130,7 +130,8 @@ impl Table {
             "lying" => p1(home * turn(Vector3::x_axis(), PI / 2.0)),
             "upside-down" => p1(home * turn(Vector3::x_axis(), PI)),
             "turned-over" => {
-                // About the long axis of b7 through its holes: the plate that was below is on top then.
+                // Rotated about the long axis of b7 through its holes, so that the lower plate is
+                // on top.
                 let axis = home * Pose::translation(0.0, 0.0, -FEMALE_HEIGHT / 2.0);
                 let over = axis * turn(Vector3::x_axis(), PI) * axis.inverse();
                 let mut scenes = p1(home);
@@ -183,7 +184,7 @@ fn the_referee_judges_the_examples_as_the_page_says() {
     }
 }
 
-/// The lines that a person writes of an example.
+/// A person's lines for an example.
 fn log_lines(name: &str) -> &'static str {
     match name {
         "touched" => "C1,60,p1\ntouch,90",

@@ -1,4 +1,4 @@
-//! Stopwatch logs: what a person writes becomes a result; what cannot have happened is refused where it stands.
+//! Stopwatch logs: valid notes become a result; impossible ones are refused with their place.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -51,7 +51,7 @@ fn what_a_person_writes_becomes_results_of_the_schema() {
     assert_eq!((peg.t_total, peg.peg.as_str()), (111.2, "p2"));
     assert!((peg.t_robot - 107.8).abs() < 1e-9);
     assert_eq!(one.real.as_ref().unwrap().scorer, "A. Person");
-    // A peg that came out does not count, and a touch ends it.
+    // A peg that came out does not count, and a touch ends the episode.
     assert_eq!(two.counted(), 1);
     assert!(two.ended.reason.contains("emergency stop"), "{}", two.ended.reason);
     assert_eq!(two.events[0].kind.to_string(), "p2 dropped beside the sheet");
@@ -60,7 +60,7 @@ fn what_a_person_writes_becomes_results_of_the_schema() {
     for result in &results {
         let json = result.to_json();
         assert!(schema.is_valid(&serde_json::from_str(&json).unwrap()), "{json}");
-        // The report takes what the score gives.
+        // The report accepts the output of `ramp score`.
         assert_eq!(parse("it", json.as_bytes()).unwrap(), Some(Parsed::Episode(Box::new(result.clone()))));
     }
 }
@@ -75,7 +75,7 @@ fn the_papers_figures_load() {
 
 #[test]
 fn what_cannot_have_happened_is_refused_where_it_stands() {
-    // What is replaced by what, the line it is refused at, and words of the message.
+    // The replaced text, its replacement, the line of the error, and words of the message.
     let cases = [
         ("easy-1,1,C3,2:40.9,p3", "easy-1,1,C3,1:40.9,p3", 17, "time runs backwards"),
         ("easy-1,1,C3,2:40.9,p3", "easy-1,1,C3,-3,p3", 17, "no time is negative"),
@@ -94,12 +94,12 @@ fn what_cannot_have_happened_is_refused_where_it_stands() {
         ("easy-1,1,end,2:44", "easy-1,1,end,2:44\neasy-1,1,fault,3:00", 19, "has ended before this line"),
         ("easy-1,1,end,2:44\n", "", 17, "stops here"),
         ("easy-1,1,planning,3.4\n", "", 14, "begins with `C1`"),
-        ("1:30,,p2 dropped", "1:30,p2 dropped", 21, "a peg stands in a line `fault`"),
+        ("1:30,,p2 dropped", "1:30,p2 dropped", 21, "a peg is named in a line `fault`"),
         ("easy-1,2,out C2", "easy-1,2,out C3", 23, "no peg is in C3 yet"),
         ("track,tags", "track,eyes", 6, "there is no track `eyes`"),
         ("rules,ramp-rules-2", "rules,7", 3, "the rules are of version `7`"),
         ("scorer,A. Person\n", "", 10, "nothing above the table says `scorer`"),
-        ("scorer,A. Person", "agent,again", 10, "`agent` is told twice"),
+        ("scorer,A. Person", "agent,again", 10, "`agent` is given twice"),
         ("log,ramp-stopwatch-1", "log,ramp-stopwatch-9", 2, "`ramp-stopwatch-9`"),
         ("goal,repeat,what", "goal,what,repeat", 13, "column 2 of the table is not `repeat`"),
     ];

@@ -1,7 +1,8 @@
-//! The referee: reads the truth and tells which pegs count, and since when.
+//! The referee: reads the truth and reports the seated pegs with their times.
 //!
-//! A peg counts when its axis passes through both holes of a required connection, its head rests within 0.5 mm of
-//! the female's top plate, and it stays so to the end of the episode. Its time is when that began.
+//! A peg counts when its axis passes through both holes of a required connection, its head rests
+//! within 0.5 mm of the female's top plate, and it stays so to the end of the episode. Its time is
+//! when that began.
 
 use nalgebra::{Point3, Vector3};
 use ramp_assembly::Truth;
@@ -19,7 +20,7 @@ pub struct Seated {
     pub peg: String,
     /// Robot time since which it has been seated, s.
     pub since: f64,
-    /// The agent's own clock at that moment: planning and thinking so far, s.
+    /// The agent's own clock at that moment: planning and compute so far, s.
     pub thought: f64,
 }
 
@@ -71,7 +72,7 @@ impl Referee {
         }
     }
 
-    /// Looks at the world once. `thought` is the agent's own clock, s.
+    /// Reads the true poses once. `thought` is the agent's own clock, s.
     pub fn watch(&mut self, truth: &Truth, thought: f64) {
         for index in 0..self.connections.len() {
             let peg = self.peg_in(truth, index);
@@ -84,7 +85,7 @@ impl Referee {
         }
     }
 
-    /// What counts if the episode ends now, by connection.
+    /// The verdict if the episode ended now, by connection.
     pub fn verdict(&self) -> &[Option<Seated>] {
         &self.seated
     }
@@ -103,7 +104,8 @@ impl Referee {
     }
 }
 
-/// Does the peg at `x_peg` pin these two holes? All poses in the world, holes in their beams' frames.
+/// Whether the peg at `x_peg` pins these two holes. Poses are in the world, holes in their beams'
+/// frames.
 ///
 /// ```
 /// use nalgebra::Point3;
@@ -123,7 +125,7 @@ pub fn pins(
     p_b_male: &Point3<f64>,
 ) -> bool {
     let female = x_female * p_b_female;
-    // A quick look first: most pegs are far away.
+    // Fast rejection: most pegs are far away.
     if (x_peg.translation.vector - female.coords).norm() > 0.05 {
         return false;
     }
@@ -135,7 +137,8 @@ pub fn pins(
     }
     let male = x_male * p_b_male;
     let male_up = upward(x_male);
-    // The mouth of the top plate, the inner face of the bottom plate, and both ends of the male's hole.
+    // The mouth of the top plate, the inner face of the bottom plate, and both ends of the male's
+    // hole.
     passes(x_peg, &plate, &up)
         && passes(x_peg, &(female - up * (FEMALE_HEIGHT / 2.0 - WALL)), &up)
         && passes(x_peg, &(male + male_up * (BODY_WIDTH / 2.0)), &male_up)
@@ -148,7 +151,8 @@ fn upward(x_wb: &Pose) -> Vector3<f64> {
     if z.z < 0.0 { -z } else { z }
 }
 
-/// Does the stem's axis pass through the round hole around `centre` in the plane with normal `normal`?
+/// Whether the stem's axis passes through the round hole around `centre` in the plane with normal
+/// `normal`.
 fn passes(x_peg: &Pose, centre: &Point3<f64>, normal: &Vector3<f64>) -> bool {
     let down = x_peg.rotation * -Vector3::z();
     let slope = down.dot(normal);
@@ -157,7 +161,7 @@ fn passes(x_peg: &Pose, centre: &Point3<f64>, normal: &Vector3<f64>) -> bool {
     }
     let along = (centre.coords - x_peg.translation.vector).dot(normal) / slope;
     let through = x_peg.translation.vector + down * along;
-    // Within the stem's length, give or take the head's tolerance.
+    // Within the stem's length, with the head's tolerance.
     (-SEATED..=STEM_LENGTH + SEATED).contains(&along) && (through - centre.coords).norm() < HOLE_RADIUS
 }
 
@@ -191,7 +195,7 @@ mod tests {
     fn the_axis_must_pass_through_both_holes() {
         assert!(judge(&peg(0.0041, 0.0, 0.0), 0.0));
         assert!(!judge(&peg(0.0043, 0.0, 0.0), 0.0));
-        // The male is not there.
+        // The male is missing.
         assert!(!judge(&peg(0.0, 0.0, 0.0), 0.0043));
         assert!(!judge(&peg(0.0, 0.0, 0.0), 0.05));
     }

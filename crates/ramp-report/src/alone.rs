@@ -1,4 +1,4 @@
-//! What was judged alone: plans without a robot, detectors on images, single skills.
+//! Single abilities: plans without a robot, detectors on images, single skills.
 
 use maud::{Markup, html};
 
@@ -8,7 +8,7 @@ use ramp_result::manipulation::sums::{SkillSum, sums};
 use ramp_result::perception::{FALSE, PerceptionVerdict};
 use ramp_result::planning::PlanVerdict;
 
-/// A section for each of the three that something was read of.
+/// A section for each ability with at least one verdict.
 pub(super) fn sections(collection: &Collection) -> Markup {
     let skills = sums(&collection.trials);
     html! {
@@ -18,7 +18,7 @@ pub(super) fn sections(collection: &Collection) -> Markup {
     }
 }
 
-/// Plans that were judged without a robot.
+/// Plans judged without a robot.
 fn plans(plans: &[PlanVerdict]) -> Markup {
     html! {
         h2 { "Planning alone" }
@@ -49,7 +49,7 @@ fn plans(plans: &[PlanVerdict]) -> Markup {
     }
 }
 
-/// Detectors that were judged on images.
+/// Detectors judged on images.
 fn perception(verdicts: &[PerceptionVerdict]) -> Markup {
     let range = |[from, to]: [Option<f64>; 2], digits: usize| match (from, to) {
         (Some(from), Some(to)) => format!("{from:.digits$} to {to:.digits$}"),

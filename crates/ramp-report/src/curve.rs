@@ -90,7 +90,7 @@ pub fn completion_svg(result: &EpisodeResult) -> String {
     svg
 }
 
-/// A round distance between marks on the time axis, s.
+/// A round interval between marks on the time axis, s.
 fn tick(end: f64) -> f64 {
     [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0]
         .into_iter()

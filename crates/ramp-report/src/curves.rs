@@ -3,7 +3,7 @@
 use ramp_result::episode::EpisodeResult;
 use ramp_result::summary::Spread;
 
-/// A point of the mean: from here on it has this value.
+/// A step of the mean, valid from this time on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     /// Total time, s.
@@ -27,8 +27,8 @@ pub struct Curves {
     pub best_end: f64,
 }
 
-/// The curves of `results` and of `lost` episodes without any peg; `None` without results. An episode that has ended
-/// keeps what it had.
+/// The curves of `results` and of `lost` episodes without any peg; `None` without results. After
+/// its end an episode keeps its completion.
 pub fn curves(results: &[&EpisodeResult], lost: usize) -> Option<Curves> {
     let of = |result: &EpisodeResult| {
         let mut times: Vec<f64> = result.pegs.iter().flatten().map(|peg| peg.t_total).collect();

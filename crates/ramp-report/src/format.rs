@@ -1,9 +1,9 @@
-//! How numbers stand in the tables of a page.
+//! Format of numbers in the tables of a page.
 
 use maud::{Markup, html};
 use ramp_result::statistics::Interval;
 
-/// Where nothing can be said.
+/// Placeholder for a missing value.
 pub(crate) const NONE: &str = "–";
 
 /// A share as per cent, without the sign.
@@ -26,7 +26,7 @@ pub(crate) fn seconds(time: f64) -> String {
     if time >= 1.0 || time == 0.0 { format!("{time:.1} s") } else { format!("{time:.3} s") }
 }
 
-/// An interval in small letters.
+/// An interval in small print.
 pub(crate) fn small(interval: Option<Interval>, say: fn(f64) -> String) -> Markup {
     html! {
         @if let Some(interval) = interval {

@@ -1,7 +1,7 @@
-//! Goals that an organiser keeps back: commitments that are published before, and what is revealed after.
+//! Held-out goals: commitments published before the runs, and the goals revealed after them.
 //!
-//! A commitment is SHA-256 over a name of its form, 32 random bytes (the salt) and the goal file. Who has it can
-//! neither find the goal by trying nor can the organiser exchange the goal afterwards.
+//! A commitment is SHA-256 over the name of its format, 32 random bytes (the salt) and the goal
+//! file. Readers cannot find the goal by search, and the organiser cannot exchange it afterwards.
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -9,14 +9,14 @@ use sha2::{Digest, Sha256};
 use ramp_kit::source::{A_NAME, is_name, shorten};
 use ramp_result::episode::RULES;
 
-/// The version of the form of both files.
+/// Version of the format of both files.
 pub const SCHEMA: &str = "ramp-held-out-1";
 /// Bytes of a salt.
 pub const SALT: usize = 32;
-/// The most goals of one promise.
+/// Largest number of goals of one promise.
 const MOST_GOALS: usize = 1000;
 
-/// What is published before.
+/// The file published before the runs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Commitments {
@@ -24,7 +24,7 @@ pub struct Commitments {
     pub schema: String,
     /// The rules by which agents will be judged on these goals.
     pub rules: String,
-    /// One for each goal.
+    /// One per goal.
     pub commitments: Vec<Commitment>,
 }
 
@@ -32,13 +32,13 @@ pub struct Commitments {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Commitment {
-    /// The goal's name, as results will say it.
+    /// The goal's name, as in results.
     pub goal: String,
     /// SHA-256, hexadecimal.
     pub commitment: String,
 }
 
-/// What is kept back, and published after.
+/// The file kept secret, and published after the runs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reveal {
@@ -48,7 +48,7 @@ pub struct Reveal {
     pub goals: Vec<Secret>,
 }
 
-/// A goal that is kept back.
+/// A held-out goal.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Secret {
@@ -60,32 +60,32 @@ pub struct Secret {
     pub xml: String,
 }
 
-/// Why a reveal is not what was promised.
+/// Reasons why the revealed goals are not the promised ones.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum VerifyError {
-    /// A file of another form.
-    #[error("found the form `{0}`, expected {SCHEMA}")]
+    /// A file of another format.
+    #[error("found the format `{0}`, expected {SCHEMA}")]
     Schema(String),
-    /// A name that is none.
+    /// An invalid name.
     #[error("a goal is called `{0}`, expected {A_NAME}")]
     Name(String),
-    /// More goals than anybody promises.
+    /// Too many goals.
     #[error("there are {0} goals, expected at most {MOST_GOALS}")]
     TooMany(usize),
-    /// A goal was promised and is not revealed.
+    /// A promised goal is not revealed.
     #[error("{0} was promised and is not revealed")]
     Missing(String),
-    /// A goal is revealed that was not promised.
+    /// A revealed goal was not promised.
     #[error("{0} is revealed and was not promised")]
     Extra(String),
-    /// A name is there more than once.
-    #[error("{0} is there more than once")]
+    /// A name occurs twice.
+    #[error("{0} occurs more than once")]
     Twice(String),
-    /// The salt is no salt.
+    /// An invalid salt.
     #[error("the salt of {0} is not 64 hexadecimal digits")]
     Salt(String),
-    /// Another goal than the promised one.
-    #[error("{0} is not the goal that was promised: its commitment is another one")]
+    /// The goal differs from the promised one.
+    #[error("{0} does not match its commitment")]
     Differs(String),
 }
 
@@ -105,7 +105,7 @@ pub fn commit(salt: &[u8; SALT], xml: &str) -> String {
     ramp_result::file::hexadecimal(&hash.finalize())
 }
 
-/// Both files for some goals: name, salt and goal file of each.
+/// Both files, given name, salt and goal file of each goal.
 pub fn promise(goals: &[(String, [u8; SALT], String)]) -> (Commitments, Reveal) {
     let commitments = goals
         .iter()
@@ -122,10 +122,10 @@ pub fn promise(goals: &[(String, [u8; SALT], String)]) -> (Commitments, Reveal) 
     )
 }
 
-/// Are these the goals that were promised, all of them and no others?
+/// Checks that these are exactly the promised goals.
 ///
 /// # Errors
-/// The first that is not.
+/// The first difference.
 pub fn verify(promised: &Commitments, revealed: &Reveal) -> Result<(), VerifyError> {
     for schema in [&promised.schema, &revealed.schema] {
         if schema != SCHEMA {
@@ -189,11 +189,11 @@ mod tests {
         ];
         let (promised, revealed) = promise(&goals);
         assert_eq!(verify(&promised, &revealed), Ok(()));
-        // The organiser exchanges a goal.
+        // The organiser exchanges a goal,
         let mut other = revealed.clone();
         other.goals[1].xml = "<easier/>".into();
         assert_eq!(verify(&promised, &other), Err(VerifyError::Differs("held-2".into())));
-        // Or leaves one out, or adds one.
+        // omits one, or adds one.
         let mut fewer = revealed.clone();
         fewer.goals.pop();
         assert_eq!(verify(&promised, &fewer), Err(VerifyError::Missing("held-2".into())));
@@ -204,7 +204,7 @@ mod tests {
         let mut longer = revealed.clone();
         longer.goals[0].salt.push_str("00");
         assert_eq!(verify(&promised, &longer), Err(VerifyError::Salt("held-1".into())));
-        // A name that would not stay in its folder, and more goals than anybody promises.
+        // A name outside its folder, and too many goals.
         let mut named = revealed.clone();
         named.goals[0].goal = "../held-1".into();
         assert_eq!(verify(&promised, &named), Err(VerifyError::Name("../held-1".into())));

@@ -1,7 +1,7 @@
-//! A leaderboard: whole classes, each result run again from its log, as a static site.
+//! A leaderboard as a static site: results of whole classes, each reproduced from its log.
 //!
-//! [`terms`] says what an entry must be, [`copies`] finds calls that came before under another name, [`boards`] ranks
-//! what was admitted, and [`pages`] writes it.
+//! [`terms`] checks entries, [`copies`] finds calls that an earlier entry has made, [`boards`]
+//! ranks the admitted entries, and [`pages`] writes the site.
 
 pub mod boards;
 pub mod copies;

@@ -1,9 +1,10 @@
-//! From results to what people read: statistics, tables, plots, a page, a leaderboard.
+//! Output for readers: statistics, tables, plots, a page, a leaderboard.
 //!
-//! Data passes one way: a [`ramp_result::collection`] becomes a [`Report`] of lines and comparisons ([`sums`]);
-//! [`page`] writes it as one HTML file with plots ([`plot`], [`curves`]), [`table`] as CSV, [`paper`] as LaTeX.
-//! [`curve`] draws a single episode. [`leaderboard`] makes a site of the results of many, and [`held_out`] commits an
-//! organiser to goals that are still secret. [`sweep`] shows results against a number of the world. Nothing here links a physics engine.
+//! Data passes one way: a [`ramp_result::collection`] becomes a [`Report`] of lines and comparisons
+//! ([`sums`]). [`page`] writes it as one HTML file with plots ([`plot`], [`curves`]), [`table`] as
+//! CSV, [`paper`] as LaTeX. [`curve`] draws a single episode. [`leaderboard`] makes a site of the
+//! results of many agents, and [`held_out`] commits an organiser to secret goals. [`sweep`] plots
+//! results against a quantity of the world. This crate links no physics engine.
 
 mod alone;
 pub mod curve;

@@ -1,4 +1,5 @@
-//! The report as HTML: one file for a few agents; of many, a front page with sums, and a page for each agent.
+//! The report as HTML: one file for a few agents; for many, a front page with sums and a page per
+//! agent.
 
 mod comparisons;
 mod details;
@@ -18,17 +19,17 @@ use crate::shell::page;
 use crate::sums::{self, Line, Scope};
 pub use view::agent_page;
 
-/// Lines of a class on the front page of many agents.
+/// Number of lines per class on the front page of many agents.
 const LINES: usize = 100;
-/// Notes on the front page of many agents.
+/// Number of notes on the front page of many agents.
 const NOTES: usize = 20;
 
-/// The page of a few agents: everything.
+/// The full page, for a few agents.
 pub fn html(report: &Report) -> String {
     whole(report, None)
 }
 
-/// The page of one agent of many, with a way back: where it leads, and what it is called.
+/// The page of one agent of many. `back` is the target and the text of its link back.
 pub fn of_agent(report: &Report, back: (&str, &str)) -> String {
     whole(report, Some(back))
 }
@@ -50,8 +51,8 @@ fn whole(report: &Report, back: Option<(&str, &str)>) -> String {
     page("RAMP report", &body)
 }
 
-/// The front page of many agents: sums of all, drawings and comparisons of the best. `folder` holds the page of each agent,
-/// of the name [`agent_page`].
+/// The front page of many agents: sums of all, plots and comparisons of the best. `folder` holds
+/// the page of each agent, named by [`agent_page`].
 pub fn front(report: &Report, folder: &str) -> String {
     let view = View { report, folder: Some(folder) };
     let body = html! {
@@ -120,12 +121,12 @@ fn intro(view: View) -> Markup {
     }
 }
 
-/// The lines of the agents that are drawn, in their order.
+/// The lines of the plotted agents, in their order.
 fn shown_lines(class: &ClassPart) -> impl Iterator<Item = &Line> {
     class.shown.iter().filter_map(|entrant| class.lines.iter().find(|line| line.entrant == *entrant))
 }
 
-/// All agents, with a way to their pages.
+/// All agents, with links to their pages.
 fn agents(view: View) -> Markup {
     html! {
         h2 { "All agents" }
@@ -203,7 +204,7 @@ fn capital(text: &str) -> String {
     chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
 }
 
-/// Each goal and the class; of many agents the class alone, the best first.
+/// The rows of each goal and the class; for many agents of the class alone, the best first.
 fn table(view: View, class: &ClassPart) -> Markup {
     let one = class.lines.len() == 1;
     let mut lines: Vec<&Line> = class.lines.iter().collect();

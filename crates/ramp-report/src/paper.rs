@@ -6,7 +6,7 @@ use crate::report::Report;
 use crate::sums::Line;
 use ramp_result::statistics::Interval;
 
-/// One table with a line for each agent and goal, and one for the class.
+/// One table with a row per agent and goal, and one for the class.
 pub fn latex(report: &Report) -> String {
     let mut text = String::from(
         "% Needs \\usepackage{booktabs}. Completion in per cent and total time in seconds: mean, sample standard\n\
@@ -76,7 +76,7 @@ fn line(text: &mut String, name: &str, it: &Line) {
     );
 }
 
-/// Text of any origin as LaTeX text.
+/// Untrusted text, escaped for LaTeX.
 fn escape(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {
@@ -91,7 +91,8 @@ fn escape(text: &str) -> String {
                 out.push('\\');
                 out.push(c);
             }
-            // Behind the end of a line, `[` and `*` belong to it.
+            // At the start of a row, LaTeX takes `[` and `*` as arguments of the line end before
+            // it.
             '[' | ']' | '*' => {
                 out.push('{');
                 out.push(c);

@@ -34,10 +34,10 @@ pub const COLOURS: [(&str, &str, &str); 20] = [
     ("untold", "#d5dae0", "#434c56"),
 ];
 
-/// Colours of agents there are; more agents begin again, with other dashes.
+/// Number of agent colours; further agents reuse them with other dashes.
 const AGENTS: usize = 6;
 
-/// The colour of an agent, by its place among those of its track.
+/// The colour of an agent, by its index on its track.
 pub fn agent_colour(place: usize) -> String {
     format!("var(--agent{})", place % AGENTS)
 }
@@ -73,7 +73,7 @@ pub fn standalone(svg: &str) -> String {
     text
 }
 
-/// Text from a file, as it may stand in XML and in a line of a figure.
+/// Untrusted text for XML and a line of a figure.
 pub fn words(text: &str, longest: usize) -> String {
     let mut short: String =
         text.chars().take(longest).map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -92,7 +92,7 @@ fn escape(text: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            // Not characters of XML.
+            // Invalid in XML.
             '\u{fffe}' | '\u{ffff}' => out.push(' '),
             c if c.is_control() => out.push(' '),
             c => out.push(c),
@@ -101,7 +101,7 @@ fn escape(text: &str) -> String {
     out
 }
 
-/// A round distance between marks on an axis that ends at `end`, for at most `most` of them.
+/// A round interval between marks on an axis that ends at `end`, with at most `most` marks.
 pub(crate) fn axis_step(end: f64, most: f64) -> f64 {
     let mut step = 1.0;
     loop {
@@ -130,11 +130,11 @@ pub(crate) fn label(svg: &mut String, at: [f64; 2], anchor: &str, fill: &str, te
     );
 }
 
-/// What of an agent a chart of curves shows.
+/// An agent in a chart of curves.
 pub struct Series<'c> {
     /// Its label.
     pub label: &'c str,
-    /// Its place among the agents of its track.
+    /// Its index among the agents of its track.
     pub place: usize,
     /// Its curves.
     pub curves: &'c Curves,
@@ -142,7 +142,7 @@ pub struct Series<'c> {
 
 /// A published mean on a chart of curves.
 pub struct Mark<'c> {
-    /// What it is called.
+    /// Its label.
     pub label: &'c str,
     /// Total time, s.
     pub time: f64,
@@ -152,68 +152,110 @@ pub struct Mark<'c> {
 
 /// Completion over total time of one goal or class: mean, deviation and best of each agent.
 pub fn curves(title: &str, series: &[Series], marks: &[Mark]) -> String {
+    let chart = CurveChart::new(series, marks);
+    let mut svg = chart.frame(title);
+    for one in series {
+        chart.draw(&mut svg, one);
+    }
+    chart.legend(&mut svg, series, marks);
+    svg.push_str("</svg>");
+    svg
+}
+
+/// Layout of a chart of curves: its axes in units of the drawing and of the data.
+struct CurveChart {
+    /// Upper and lower edge of the plotting area.
+    top: f64,
+    bottom: f64,
+    /// Interval between marks of the time axis, and its end, s.
+    step: f64,
+    last: f64,
+}
+
+impl CurveChart {
     const WIDTH: f64 = 480.0;
     const LEFT: f64 = 52.0;
     const RIGHT: f64 = 16.0;
+    /// Height of a row of the legend.
     const ROW: f64 = 17.0;
-    let rows = (series.len() + marks.len()) as f64;
-    let top = 34.0 + ROW * rows;
-    let bottom = top + 200.0;
-    let height = bottom + 44.0;
-    let end = series.iter().map(|it| it.curves.end).chain(marks.iter().map(|it| it.time)).fold(1.0, f64::max);
-    let step = axis_step(end, 8.0);
-    let last = (end / step).ceil() * step;
-    let x = |t: f64| LEFT + (WIDTH - LEFT - RIGHT) * t / last;
-    let y = |share: f64| bottom - (bottom - top) * share.clamp(0.0, 1.0);
-    let mut svg = head(&format!("Completion over time, {title}"), WIDTH, height);
-    let _ = write!(
-        svg,
-        "<text x=\"0\" y=\"16\" font-size=\"14\" font-weight=\"600\" fill=\"var(--ink)\">{}</text>",
-        words(title, 60)
-    );
-    for share in [0.0, 0.25, 0.5, 0.75, 1.0] {
+
+    fn new(series: &[Series], marks: &[Mark]) -> CurveChart {
+        let rows = (series.len() + marks.len()) as f64;
+        let top = 34.0 + CurveChart::ROW * rows;
+        let ends = series.iter().map(|it| it.curves.end).chain(marks.iter().map(|it| it.time));
+        let end = ends.fold(1.0, f64::max);
+        let step = axis_step(end, 8.0);
+        CurveChart { top, bottom: top + 200.0, step, last: (end / step).ceil() * step }
+    }
+
+    /// Position of a time, s.
+    fn x(&self, t: f64) -> f64 {
+        let width = CurveChart::WIDTH - CurveChart::LEFT - CurveChart::RIGHT;
+        CurveChart::LEFT + width * t / self.last
+    }
+
+    /// Position of a completion from 0 to 1.
+    fn y(&self, share: f64) -> f64 {
+        self.bottom - (self.bottom - self.top) * share.clamp(0.0, 1.0)
+    }
+
+    /// The head of the drawing with the title, the grid and both axes.
+    fn frame(&self, title: &str) -> String {
+        let bottom = self.bottom;
+        let mut svg = head(&format!("Completion over time, {title}"), CurveChart::WIDTH, bottom + 44.0);
         let _ = write!(
             svg,
-            "<path d=\"M{LEFT} {0:.1}H{1:.1}\" stroke=\"var(--grid)\"/>",
-            y(share),
-            WIDTH - RIGHT
+            "<text x=\"0\" y=\"16\" font-size=\"14\" font-weight=\"600\" fill=\"var(--ink)\">{}</text>",
+            words(title, 60)
         );
-        label(&mut svg, [LEFT - 8.0, y(share) + 4.0], "end", "soft", &format!("{:.0} %", 100.0 * share));
+        for share in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            let _ = write!(
+                svg,
+                "<path d=\"M{} {1:.1}H{2:.1}\" stroke=\"var(--grid)\"/>",
+                CurveChart::LEFT,
+                self.y(share),
+                CurveChart::WIDTH - CurveChart::RIGHT
+            );
+            let at = [CurveChart::LEFT - 8.0, self.y(share) + 4.0];
+            label(&mut svg, at, "end", "soft", &format!("{:.0} %", 100.0 * share));
+        }
+        for mark in 0..=(self.last / self.step).round() as usize {
+            let t = mark as f64 * self.step;
+            let _ = write!(svg, "<path d=\"M{:.1} {bottom:.1}v5\" stroke=\"var(--soft)\"/>", self.x(t));
+            label(&mut svg, [self.x(t), bottom + 18.0], "middle", "soft", &format!("{t:.0}"));
+        }
+        let middle = (self.x(0.0) + self.x(self.last)) / 2.0;
+        label(&mut svg, [middle, bottom + 36.0], "middle", "soft", "total time, s");
+        svg
     }
-    for mark in 0..=(last / step).round() as usize {
-        let t = mark as f64 * step;
-        let _ = write!(svg, "<path d=\"M{:.1} {bottom:.1}v5\" stroke=\"var(--soft)\"/>", x(t));
-        label(&mut svg, [x(t), bottom + 18.0], "middle", "soft", &format!("{t:.0}"));
-    }
-    label(&mut svg, [(x(0.0) + x(last)) / 2.0, bottom + 36.0], "middle", "soft", "total time, s");
-    for one in series {
+
+    /// The curves of an agent: the band of the deviation, the best episode, and the mean.
+    fn draw(&self, svg: &mut String, one: &Series) {
         let colour = agent_colour(one.place);
-        let steps = &one.curves.mean;
-        // The band: along the upper edge, and back along the lower one.
-        let mut upper = String::new();
-        let mut lower = String::new();
-        let mut line = String::new();
-        for (index, at) in steps.iter().enumerate() {
-            let to = steps.get(index + 1).map_or(one.curves.end, |next| next.time).max(at.time);
-            let (low, high) = (at.mean - at.deviation, at.mean + at.deviation);
-            let _ = write!(upper, "L{:.1} {:.1}H{:.1}", x(at.time), y(high), x(to));
-            lower = format!("L{:.1} {:.1}H{:.1}{lower}", x(to), y(low), x(at.time));
+        let (mut upper, mut lower, mut line) = (String::new(), String::new(), String::new());
+        for (index, at) in one.curves.mean.iter().enumerate() {
+            let next = one.curves.mean.get(index + 1);
+            let (from, to) =
+                (self.x(at.time), self.x(next.map_or(one.curves.end, |next| next.time).max(at.time)));
+            // The band runs along the upper edge, and back along the lower one.
+            let _ = write!(upper, "L{from:.1} {:.1}H{to:.1}", self.y(at.mean + at.deviation));
+            lower = format!("L{to:.1} {:.1}H{from:.1}{lower}", self.y(at.mean - at.deviation));
             let _ = match index {
-                0 => write!(line, "M{:.1} {:.1}H{:.1}", x(at.time), y(at.mean), x(to)),
-                _ => write!(line, "V{:.1}H{:.1}", y(at.mean), x(to)),
+                0 => write!(line, "M{from:.1} {:.1}H{to:.1}", self.y(at.mean)),
+                _ => write!(line, "V{:.1}H{to:.1}", self.y(at.mean)),
             };
         }
+        let origin = [self.x(0.0), self.y(0.0)];
         let _ = write!(
             svg,
             "<path d=\"M{:.1} {:.1}{upper}{lower}Z\" fill=\"{colour}\" fill-opacity=\"0.16\"/>",
-            x(0.0),
-            y(0.0)
+            origin[0], origin[1]
         );
-        let mut best = format!("M{:.1} {:.1}", x(0.0), y(0.0));
+        let mut best = format!("M{:.1} {:.1}", origin[0], origin[1]);
         for (time, share) in one.curves.best.iter().skip(1) {
-            let _ = write!(best, "H{:.1}V{:.1}", x(*time), y(*share));
+            let _ = write!(best, "H{:.1}V{:.1}", self.x(*time), self.y(*share));
         }
-        let _ = write!(best, "H{:.1}", x(one.curves.best_end));
+        let _ = write!(best, "H{:.1}", self.x(one.curves.best_end));
         let _ = write!(
             svg,
             "<path d=\"{best}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.3\" stroke-dasharray=\"4 3\"/>"
@@ -223,52 +265,51 @@ pub fn curves(title: &str, series: &[Series], marks: &[Mark]) -> String {
             "<path d=\"{line}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.4\" stroke-dasharray=\"{}\"/>",
             agent_dash(one.place)
         );
-        if let Some(at) = steps.last() {
-            // What it had when it ended is what it has from there on.
+        if let Some(at) = one.curves.mean.last() {
+            // After its end the episode keeps its completion.
+            let (x, y) = (self.x(one.curves.end), self.y(at.mean));
             let _ = write!(
                 svg,
-                "<path d=\"M{:.1} {:.1}H{:.1}\" stroke=\"{colour}\" stroke-width=\"1.6\" stroke-dasharray=\"1.5 3.5\"/>\
-                 <circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"3.4\" fill=\"{colour}\"/>",
-                x(one.curves.end),
-                y(at.mean),
-                x(last),
-                x(one.curves.end),
-                y(at.mean)
+                "<path d=\"M{x:.1} {y:.1}H{:.1}\" stroke=\"{colour}\" stroke-width=\"1.6\" stroke-dasharray=\"1.5 3.5\"/>\
+                 <circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.4\" fill=\"{colour}\"/>",
+                self.x(self.last)
             );
         }
     }
-    for (index, one) in series.iter().enumerate() {
-        let at = 34.0 + ROW * index as f64;
-        let colour = agent_colour(one.place);
-        let _ = write!(
-            svg,
-            "<path d=\"M0 {0:.1}h22\" stroke=\"{colour}\" stroke-width=\"2.4\" stroke-dasharray=\"{1}\"/>\
-             <path d=\"M0 {0:.1}h22\" stroke=\"{colour}\" stroke-width=\"11\" stroke-opacity=\"0.16\"/>",
-            at - 4.0,
-            agent_dash(one.place)
-        );
-        label(&mut svg, [28.0, at], "start", "ink", &words(one.label, 60));
-    }
-    for (index, mark) in marks.iter().enumerate() {
-        let at = 34.0 + ROW * (series.len() + index) as f64;
-        for [x, y] in [[11.0, at - 4.0], [x(mark.time), y(mark.completion)]] {
+
+    /// The rows of the legend above the curves, and the marks of published means.
+    fn legend(&self, svg: &mut String, series: &[Series], marks: &[Mark]) {
+        for (index, one) in series.iter().enumerate() {
+            let at = 34.0 + CurveChart::ROW * index as f64;
+            let colour = agent_colour(one.place);
             let _ = write!(
                 svg,
-                "<path d=\"M{:.1} {:.1}l5.5 5.5l-5.5 5.5l-5.5 -5.5Z\" fill=\"var(--paper)\" stroke=\"var(--ink)\" \
-                 stroke-width=\"1.8\"/>",
-                x,
-                y - 5.5
+                "<path d=\"M0 {0:.1}h22\" stroke=\"{colour}\" stroke-width=\"2.4\" stroke-dasharray=\"{1}\"/>\
+                 <path d=\"M0 {0:.1}h22\" stroke=\"{colour}\" stroke-width=\"11\" stroke-opacity=\"0.16\"/>",
+                at - 4.0,
+                agent_dash(one.place)
             );
+            label(svg, [28.0, at], "start", "ink", &words(one.label, 60));
         }
-        label(&mut svg, [28.0, at], "start", "ink", &words(mark.label, 60));
+        for (index, mark) in marks.iter().enumerate() {
+            let at = 34.0 + CurveChart::ROW * (series.len() + index) as f64;
+            for [x, y] in [[11.0, at - 4.0], [self.x(mark.time), self.y(mark.completion)]] {
+                let _ = write!(
+                    svg,
+                    "<path d=\"M{:.1} {:.1}l5.5 5.5l-5.5 5.5l-5.5 -5.5Z\" fill=\"var(--paper)\" stroke=\"var(--ink)\" \
+                     stroke-width=\"1.8\"/>",
+                    x,
+                    y - 5.5
+                );
+            }
+            label(svg, [28.0, at], "start", "ink", &words(mark.label, 60));
+        }
     }
-    svg.push_str("</svg>");
-    svg
 }
 
 /// A bar of [`bars`].
 pub struct Bar {
-    /// What it is of.
+    /// Its label.
     pub label: String,
     /// Planning, compute, and each activity, s.
     pub parts: Vec<f64>,
@@ -281,7 +322,7 @@ pub fn bar_parts() -> Vec<(&'static str, &'static str)> {
     parts
 }
 
-/// A row of coloured squares with words; returns its height.
+/// A row of coloured squares with labels; returns its height.
 fn legend(svg: &mut String, parts: &[(&str, &str)], width: f64, top: f64) -> f64 {
     let (mut x, mut y) = (0.0, top);
     for (name, colour) in parts {
@@ -300,7 +341,7 @@ fn legend(svg: &mut String, parts: &[(&str, &str)], width: f64, top: f64) -> f64
     y - top + 18.0
 }
 
-/// Marks of a time axis at the bottom of a chart, and lines up from them.
+/// Marks of a time axis at the bottom of a chart, with vertical lines.
 fn time_axis(svg: &mut String, from: [f64; 2], to: [f64; 2], last: f64, step: f64, title: &str) {
     let [left, top] = from;
     let [right, bottom] = to;
@@ -313,14 +354,14 @@ fn time_axis(svg: &mut String, from: [f64; 2], to: [f64; 2], last: f64, step: f6
     label(svg, [(left + right) / 2.0, bottom + 32.0], "middle", "soft", title);
 }
 
-/// Where the time went: a bar of parts for each line.
+/// Mean times: a bar of parts for each line.
 pub fn bars(title: &str, bars: &[Bar]) -> String {
     const WIDTH: f64 = 980.0;
     const LEFT: f64 = 250.0;
     const RIGHT: f64 = 70.0;
     const ROW: f64 = 24.0;
     let parts = bar_parts();
-    // Parts that nothing has are not named.
+    // Parts that are zero everywhere are omitted.
     let used: Vec<usize> =
         (0..parts.len()).filter(|index| bars.iter().any(|bar| bar.parts[*index] > 0.0)).collect();
     let mut body = String::new();
@@ -360,7 +401,7 @@ pub fn bars(title: &str, bars: &[Bar]) -> String {
     svg
 }
 
-/// Episodes over robot time: what was done, pegs that count, and what went wrong.
+/// Episodes over robot time: activities, counted pegs, and faults.
 pub fn timeline(title: &str, episodes: &[&EpisodeResult]) -> String {
     const WIDTH: f64 = 980.0;
     const LEFT: f64 = 130.0;
@@ -428,7 +469,7 @@ pub fn timeline(title: &str, episodes: &[&EpisodeResult]) -> String {
     svg
 }
 
-/// A mark of the time line, with words to be shown when it is pointed at.
+/// A mark of the time line with a tooltip.
 fn sign(svg: &mut String, kind: &str, at: [f64; 2], note: &str) {
     let [x, y] = at;
     let title = if note.is_empty() { String::new() } else { format!("<title>{}</title>", words(note, 160)) };

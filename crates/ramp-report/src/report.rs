@@ -1,7 +1,7 @@
 //! The report: results of one or several agents, summed up, drawn and compared.
 //!
-//! [`Report`] holds all numbers, which the other files write as a page, as CSV and as LaTeX. Agents of different tracks
-//! are never compared.
+//! [`Report`] holds all numbers, which the other files write as a page, as CSV and as LaTeX. Agents
+//! of different tracks are never compared.
 
 mod notes;
 
@@ -13,27 +13,27 @@ use ramp_result::collection::{Collection, Entrant, class_rank};
 use ramp_result::published::Published;
 use ramp_result::statistics::holm;
 
-/// Up to so many agents are shown in full on one page. Of more, a page draws and compares the best ones of each class, so
-/// many, and each agent has a page of its own.
+/// Largest number of agents that one page shows in full. With more, a page plots and compares this
+/// number of the best ones of each class, and each agent has a page of its own.
 pub const MOST: usize = 10;
 
-/// All that is reported.
+/// All numbers of the report.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// What it is made from.
+    /// The results.
     pub collection: Collection,
     /// One for each track.
     pub tracks: Vec<TrackPart>,
-    /// Where results are not those of a whole protocol, and other things that a reader must know.
+    /// Deviations from the protocol, and other notes for the reader.
     pub notes: Vec<String>,
 }
 
-/// All of one track.
+/// The report on one track.
 #[derive(Clone, Debug)]
 pub struct TrackPart {
     /// The track.
     pub track: String,
-    /// What tells the world from all others; `None` of real runs and published results.
+    /// Unambiguous name of the world; `None` for real runs and published results.
     pub world: Option<String>,
     /// Its agents, as indices into the collection.
     pub entrants: Vec<usize>,
@@ -41,7 +41,7 @@ pub struct TrackPart {
     pub classes: Vec<ClassPart>,
 }
 
-/// All of one class on one track.
+/// The report on one class of one track.
 #[derive(Clone, Debug)]
 pub struct ClassPart {
     /// The class.
@@ -54,9 +54,10 @@ pub struct ClassPart {
     pub lines: Vec<Line>,
     /// Each pair of agents.
     pub comparisons: Vec<Comparison>,
-    /// The agents that are drawn and compared on a page, as indices into the collection: all, or the best ones of many.
+    /// The agents that a page plots and compares, as indices into the collection: all, or the best
+    /// ones of many.
     pub shown: Vec<usize>,
-    /// What others have published of it.
+    /// Published means of the class.
     pub published: Vec<Published>,
 }
 
@@ -67,16 +68,16 @@ impl ClassPart {
     }
 }
 
-/// A figure or table as a file: its name without an ending, and its text.
+/// A figure or table as a file: its name without an extension, and its text.
 pub struct Named {
     /// Letters, digits and hyphens.
     pub name: String,
-    /// What is in it.
+    /// Its content.
     pub text: String,
 }
 
 impl Report {
-    /// Sums everything up.
+    /// Computes all sums.
     pub fn new(collection: Collection) -> Report {
         let of = |it: &Entrant| (it.identity.track.clone(), it.identity.world.clone());
         let mut settings: Vec<(String, Option<String>)> = collection.entrants.iter().map(of).collect();
@@ -95,7 +96,7 @@ impl Report {
         Report { collection, tracks: parts, notes }
     }
 
-    /// Too many agents for one page?
+    /// Whether there are too many agents for one page.
     pub fn is_large(&self) -> bool {
         is_large(&self.collection)
     }
@@ -105,7 +106,7 @@ impl Report {
         Report::new(one_agent(&self.collection, entrant))
     }
 
-    /// The place of an agent among those of its track that are drawn: its colour.
+    /// The index of an agent among the plotted ones of its track, which determines its colour.
     pub fn place(&self, entrant: usize) -> Option<usize> {
         let part = self.tracks.iter().find(|part| part.entrants.contains(&entrant))?;
         let drawn = |it: &&usize| part.classes.iter().any(|class| class.shown.contains(it));
@@ -147,7 +148,7 @@ impl Report {
         plot::curves(scope.name(), &series, &marks)
     }
 
-    /// Where the time of each agent went, on each goal of a class and on the class.
+    /// Mean times of each agent, on each goal of a class and on the class.
     pub fn bars(&self, class: &ClassPart) -> String {
         let bars: Vec<plot::Bar> = class
             .goal_lines
@@ -206,7 +207,7 @@ impl Report {
     }
 }
 
-/// A name for a file, from text of any origin, that no other has.
+/// A unique file name made from untrusted text.
 fn file_name(text: &str, others: &[Named]) -> String {
     let plain: String = text
         .chars()
@@ -229,7 +230,7 @@ impl TrackPart {
         self.world.as_ref().map_or(self.track.clone(), |world| format!("{}, world {world}", self.track))
     }
 
-    /// The same for the name of a file: letters, digits and hyphens.
+    /// The same for a file name: letters, digits and hyphens.
     pub fn slug(&self) -> String {
         let world = self.world.as_ref().map_or(String::new(), |world| format!("-{world}"));
         let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
@@ -296,7 +297,7 @@ fn is_large(collection: &Collection) -> bool {
     collection.entrants.len() > MOST
 }
 
-/// The agents of a class that are drawn: all, in their order, or the best ones of many, the best first.
+/// The agents of a class to plot: all, in their order, or the best ones of many, the best first.
 fn shown(lines: &[Line], is_large: bool) -> Vec<usize> {
     let mut lines: Vec<&Line> = lines.iter().collect();
     if is_large {
@@ -306,7 +307,7 @@ fn shown(lines: &[Line], is_large: bool) -> Vec<usize> {
     lines.into_iter().map(|line| line.entrant).collect()
 }
 
-/// What belongs to one agent of many.
+/// The part of a collection that belongs to one agent of many.
 pub fn one_agent(collection: &Collection, entrant: usize) -> Collection {
     let entrants = vec![collection.entrants[entrant].clone()];
     let worked_on = |goal: &str| {

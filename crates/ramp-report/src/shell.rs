@@ -1,5 +1,5 @@
-//! What all pages share: the frame of a page, its colours, and the switch between light and dark. A page needs nothing
-//! else: no network, no font, no library.
+//! The common frame of all pages: colours, and the switch between light and dark. A page is
+//! self-contained: it needs no network, font or library.
 
 use std::fmt::Write;
 
@@ -36,7 +36,8 @@ document.querySelector('button')?.addEventListener('click', () => {
   root.dataset.theme = dark() ? 'light' : 'dark';
 });";
 
-/// The colours as CSS variables: light, dark by the system's wish or the reader's, and light on paper.
+/// The colours as CSS variables: light, dark if the system or the reader prefers it, and light in
+/// print.
 fn colours() -> String {
     let list = |pick: fn(&(&str, &'static str, &'static str)) -> &'static str| {
         let mut text = String::new();

@@ -1,4 +1,4 @@
-//! What the report says of each agent, goal and class, as numbers.
+//! The report's numbers for each agent, goal and class.
 
 use std::cmp::Ordering;
 
@@ -10,7 +10,7 @@ use ramp_result::episode::EpisodeResult;
 use ramp_result::statistics::{Interval, bootstrap, completion_interval, sign_flip, wilson};
 use ramp_result::summary::{Entry, Spread, Summary, cause};
 
-/// What is summed up in a line.
+/// The scope of a line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub enum Scope {
     /// One goal.
@@ -20,7 +20,7 @@ pub enum Scope {
 }
 
 impl Scope {
-    /// Does it hold this goal?
+    /// Whether it includes this goal.
     pub fn holds(&self, goal: &Goal) -> bool {
         match self {
             Scope::Goal(name) => *name == goal.name,
@@ -42,7 +42,7 @@ impl Scope {
 pub struct Line {
     /// Index of the agent in the collection.
     pub entrant: usize,
-    /// What is summed up.
+    /// Its scope.
     pub scope: Scope,
     /// The sums of the protocol.
     pub summary: Summary,
@@ -60,16 +60,16 @@ pub struct Line {
     pub activities: [f64; Activity::ALL.len()],
 }
 
-/// Two agents on the goals and seeds that both have.
+/// Two agents on their common goals and seeds.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
     /// Indices of the two agents in the collection.
     pub entrants: [usize; 2],
-    /// On what.
+    /// The scope.
     pub scope: Scope,
     /// First minus second.
     pub completion: Difference,
-    /// The same of total time, s, where both are complete.
+    /// The same for total time, s, over pairs in which both are complete.
     pub total: Option<Difference>,
 }
 
@@ -88,7 +88,7 @@ pub struct Difference {
     pub corrected: f64,
 }
 
-/// Results and lost episodes of an entrant in a scope, for each goal apart.
+/// Results and lost episodes of an entrant in a scope, grouped by goal.
 fn groups<'c>(collection: &'c Collection, entrant: &'c Entrant, scope: &Scope) -> Vec<Vec<Entry>> {
     let goals = collection.goals.iter().filter(|goal| scope.holds(goal));
     goals
@@ -116,7 +116,7 @@ pub fn results<'c>(
     })
 }
 
-/// One line; `None` when the agent has nothing there.
+/// One line; `None` when the agent has no episode there.
 pub fn line(collection: &Collection, entrant: usize, scope: &Scope) -> Option<Line> {
     let who = &collection.entrants[entrant];
     let groups = groups(collection, who, scope);
@@ -163,14 +163,14 @@ pub fn line(collection: &Collection, entrant: usize, scope: &Scope) -> Option<Li
     })
 }
 
-/// Which of two agents stands first: higher completion, then less time.
+/// Ranking of two agents: higher completion, then less time.
 pub fn better(a: &Line, b: &Line) -> Ordering {
     let total = |line: &Line| line.summary.time.map_or(f64::INFINITY, |time| time.total);
     let completion = b.summary.completion.mean.total_cmp(&a.summary.completion.mean);
     completion.then(total(a).total_cmp(&total(b)))
 }
 
-/// Does every peg count?
+/// Whether every peg counts.
 pub fn is_complete(result: &EpisodeResult) -> bool {
     !result.pegs.is_empty() && result.counted() == result.pegs.len()
 }
@@ -178,7 +178,7 @@ pub fn is_complete(result: &EpisodeResult) -> bool {
 /// Two agents compared; `None` when they share no goal and seed.
 pub fn compare(collection: &Collection, entrants: [usize; 2], scope: &Scope) -> Option<Comparison> {
     let [one, two] = entrants.map(|index| &collection.entrants[index]);
-    // Of each episode: its completion, and its total time where it is complete.
+    // For each episode: its completion, and its total time if it is complete.
     let episode = |entrant: &Entrant, goal: &str, seed: u64| -> Option<(f64, Option<f64>)> {
         let file = entrant.files.iter().find(|file| file.result.goal == goal && file.result.seed == seed);
         if let Some(file) = file {
@@ -236,11 +236,11 @@ fn difference(mut groups: Vec<Vec<f64>>, name: &str) -> Option<Difference> {
 pub struct Failure {
     /// The cause, without names and numbers.
     pub cause: String,
-    /// Which episodes: goal, seed, and the reason in full.
+    /// The episodes: goal, seed, and the full reason.
     pub episodes: Vec<(String, u64, String)>,
 }
 
-/// The episodes of an agent that are not complete, by cause, the most frequent first.
+/// The incomplete episodes of an agent, by cause, the most frequent first.
 pub fn failures(entrant: &Entrant) -> Vec<Failure> {
     let mut failures: Vec<Failure> = Vec::new();
     let told = entrant.files.iter().filter_map(|file| {

@@ -1,4 +1,5 @@
-//! Success and time against a number of the world: the results of a sweep, as a table, a figure and a page.
+//! Completion and time against a quantity of the world: the results of a sweep, as a table, a
+//! figure and a page.
 
 use std::fmt::Write;
 
@@ -12,16 +13,16 @@ use crate::format::{share, small};
 use crate::plot::{agent_colour, axis_step, head, label, standalone, words};
 use crate::shell;
 
-/// A sweep: episodes in worlds that differ in one number.
+/// A sweep: episodes in worlds that differ in one quantity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sweep {
     /// The quantity that was varied, such as `friction.coulomb`.
     pub quantity: String,
     /// Its unit; empty when it has none.
     pub unit: String,
-    /// What it is.
+    /// Its meaning.
     pub meaning: String,
-    /// The world that it was varied in.
+    /// The world in which it was varied.
     pub world: String,
     /// The track.
     pub track: String,
@@ -31,38 +32,38 @@ pub struct Sweep {
     pub seeds: [u64; 2],
     /// The version of the program and its commit.
     pub software: String,
-    /// One, or one for each value of a second quantity.
+    /// One curve, or one for each value of a second quantity.
     pub curves: Vec<Curve>,
 }
 
-/// What was found at each value.
+/// Results at each value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
-    /// What sets it apart from the others; empty when there is only one.
+    /// Its distinguishing label; empty for a single curve.
     pub label: String,
     /// By value.
     pub points: Vec<Point>,
 }
 
-/// What was found at one value.
+/// Results at one value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Point {
     /// The value.
     pub value: f64,
-    /// Episodes.
+    /// Number of episodes.
     pub episodes: usize,
-    /// Those in which all pegs count.
+    /// Number of complete ones.
     pub complete: usize,
     /// Wilson's interval of their share, 95 %.
     pub interval: Interval,
-    /// Pegs that count, and all pegs, of all episodes together.
+    /// Counted pegs, and all pegs, of all episodes together.
     pub pegs: [usize; 2],
     /// Robot time of the complete episodes, s.
     pub robot: Option<Spread>,
 }
 
 impl Point {
-    /// Of the episodes at a value: the pegs in the goal of each, and its result if it has one.
+    /// The point of some episodes: the pegs in the goal of each, and its result if it has one.
     pub fn of(value: f64, episodes: &[(usize, Option<&EpisodeResult>)]) -> Point {
         let results = || episodes.iter().filter_map(|(_, result)| *result);
         let complete: Vec<&EpisodeResult> = results().filter(|it| crate::sums::is_complete(it)).collect();
@@ -121,117 +122,30 @@ impl Sweep {
 
     /// Above, the share of complete episodes with its interval; below, their robot time with its deviation.
     fn svg(&self) -> String {
-        const WIDTH: f64 = 560.0;
-        const LEFT: f64 = 58.0;
-        const RIGHT: f64 = 18.0;
-        const ROW: f64 = 17.0;
-        const PANEL: f64 = 150.0;
-        let labelled = if self.curves.len() > 1 { self.curves.len() as f64 } else { 0.0 };
-        let first = 52.0 + ROW * labelled;
-        let tops = [first, first + PANEL + 34.0];
-        let height = tops[1] + PANEL + 44.0;
-        let points = || self.curves.iter().flat_map(|curve| &curve.points);
-        let low = points().map(|it| it.value).fold(f64::INFINITY, f64::min);
-        let high = points().map(|it| it.value).fold(f64::NEG_INFINITY, f64::max);
-        let longest = points()
-            .filter_map(|it| it.robot.map(|robot| robot.mean + robot.deviation.unwrap_or(0.0)))
-            .fold(1.0, f64::max);
-        let step = axis_step(longest, 5.0);
-        let last = (longest / step).ceil() * step;
-        let x = |value: f64| {
-            let share = if high > low { (value - low) / (high - low) } else { 0.5 };
-            LEFT + 12.0 + (WIDTH - LEFT - RIGHT - 24.0) * share
-        };
-        let y = |panel: usize, share: f64| tops[panel] + PANEL * (1.0 - share.clamp(0.0, 1.0));
-        let goals = self.goals.join(", ");
-        let title =
-            format!("{goals}, track {}: {} varied in the world {}", self.track, self.quantity, self.world);
-        let mut svg = head(&title, WIDTH, height);
-        let _ = write!(
-            svg,
-            "<text x=\"0\" y=\"16\" font-size=\"14\" font-weight=\"600\" fill=\"var(--ink)\">{}</text>",
-            words(&format!("{goals}, track {}, world {}", self.track, self.world), 70)
-        );
-        let mut grid = |panel: usize, share: f64, text: &str| {
-            let at = y(panel, share);
-            let _ = write!(svg, "<path d=\"M{LEFT} {at:.1}H{:.1}\" stroke=\"var(--grid)\"/>", WIDTH - RIGHT);
-            label(&mut svg, [LEFT - 8.0, at + 4.0], "end", "soft", text);
-        };
-        for mark in [0.0, 0.25, 0.5, 0.75, 1.0] {
-            grid(0, mark, &format!("{:.0} %", 100.0 * mark));
-        }
-        for mark in 0..=(last / step).round() as usize {
-            let seconds = mark as f64 * step;
-            grid(1, seconds / last, &format!("{seconds:.0} s"));
-        }
-        label(&mut svg, [LEFT, tops[0] - 8.0], "start", "soft", "complete episodes");
-        label(&mut svg, [LEFT, tops[1] - 8.0], "start", "soft", "robot time of complete episodes");
-        let bottom = tops[1] + PANEL;
-        let mut values: Vec<f64> = points().map(|it| it.value).collect();
-        values.sort_by(f64::total_cmp);
-        values.dedup();
-        // As many numbers as there is room for.
-        for value in values.iter().step_by(values.len().div_ceil(10).max(1)) {
-            let _ = write!(svg, "<path d=\"M{:.1} {bottom:.1}v5\" stroke=\"var(--soft)\"/>", x(*value));
-            label(&mut svg, [x(*value), bottom + 18.0], "middle", "soft", &value.to_string());
-        }
-        label(
-            &mut svg,
-            [(LEFT + WIDTH - RIGHT) / 2.0, bottom + 36.0],
-            "middle",
-            "soft",
-            &words(&self.axis(), 60),
-        );
+        let layout = Layout::of(self);
+        let mut svg = layout.frame(self);
         for (place, curve) in self.curves.iter().enumerate() {
-            let colour = agent_colour(place);
-            // Side by side where they would cover each other.
+            // Offset sideways so that points do not cover each other.
             let aside = 4.0 * (place as f64 - (self.curves.len() - 1) as f64 / 2.0);
-            let mut draw = |panel: usize, dots: &[(f64, [f64; 3])]| {
-                let mut line = String::new();
-                for (value, [low, mid, high]) in dots {
-                    let at = x(*value) + aside;
-                    let begin = if line.is_empty() { "M" } else { "L" };
-                    let _ = write!(line, "{begin}{at:.1} {:.1}", y(panel, *mid));
-                    let _ = write!(
-                        svg,
-                        "<path d=\"M{at:.1} {:.1}V{:.1}\" stroke=\"{colour}\" stroke-width=\"1.4\"/>\
-                         <circle cx=\"{at:.1}\" cy=\"{:.1}\" r=\"3.2\" fill=\"{colour}\"/>",
-                        y(panel, *low),
-                        y(panel, *high),
-                        y(panel, *mid)
-                    );
-                }
-                let _ =
-                    write!(svg, "<path d=\"{line}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/>");
-            };
-            let shares: Vec<_> = curve
-                .points
-                .iter()
-                .map(|it| {
-                    let share = it.complete as f64 / it.episodes.max(1) as f64;
-                    (it.value, [it.interval.low, share, it.interval.high])
-                })
-                .collect();
-            draw(0, &shares);
-            let times: Vec<_> = curve
-                .points
-                .iter()
-                .filter_map(|it| {
-                    let robot = it.robot?;
-                    let deviation = robot.deviation.unwrap_or(0.0);
-                    Some((
-                        it.value,
-                        [robot.mean - deviation, robot.mean, robot.mean + deviation].map(|t| t / last),
-                    ))
-                })
-                .collect();
-            draw(1, &times);
-            if labelled > 0.0 {
-                let at = 34.0 + ROW * place as f64;
+            let shares = curve.points.iter().map(|it| {
+                let share = it.complete as f64 / it.episodes.max(1) as f64;
+                (it.value, [it.interval.low, share, it.interval.high])
+            });
+            layout.draw(&mut svg, 0, place, aside, shares);
+            let times = curve.points.iter().filter_map(|it| {
+                let robot = it.robot?;
+                let deviation = robot.deviation.unwrap_or(0.0);
+                let times = [robot.mean - deviation, robot.mean, robot.mean + deviation];
+                Some((it.value, times.map(|t| t / layout.last)))
+            });
+            layout.draw(&mut svg, 1, place, aside, times);
+            if self.curves.len() > 1 {
+                let at = 34.0 + Layout::ROW * place as f64;
                 let _ = write!(
                     svg,
-                    "<path d=\"M0 {:.1}h22\" stroke=\"{colour}\" stroke-width=\"2.4\"/>",
-                    at - 4.0
+                    "<path d=\"M0 {:.1}h22\" stroke=\"{}\" stroke-width=\"2.4\"/>",
+                    at - 4.0,
+                    agent_colour(place)
                 );
                 label(&mut svg, [28.0, at], "start", "ink", &words(&curve.label, 60));
             }
@@ -323,6 +237,132 @@ impl Sweep {
     }
 }
 
+/// Layout of the figure: two panels over the varied quantity.
+struct Layout {
+    /// Upper edges of the panels.
+    tops: [f64; 2],
+    /// Smallest and largest value of the quantity.
+    range: [f64; 2],
+    /// Interval between marks of the robot time, and the end of its axis, s.
+    step: f64,
+    last: f64,
+}
+
+impl Layout {
+    const WIDTH: f64 = 560.0;
+    const LEFT: f64 = 58.0;
+    const RIGHT: f64 = 18.0;
+    /// Height of a row of the legend.
+    const ROW: f64 = 17.0;
+    /// Height of a panel.
+    const PANEL: f64 = 150.0;
+
+    fn of(sweep: &Sweep) -> Layout {
+        let labelled = if sweep.curves.len() > 1 { sweep.curves.len() as f64 } else { 0.0 };
+        let first = 52.0 + Layout::ROW * labelled;
+        let points = || sweep.curves.iter().flat_map(|curve| &curve.points);
+        let low = points().map(|it| it.value).fold(f64::INFINITY, f64::min);
+        let high = points().map(|it| it.value).fold(f64::NEG_INFINITY, f64::max);
+        let longest = points()
+            .filter_map(|it| it.robot.map(|robot| robot.mean + robot.deviation.unwrap_or(0.0)))
+            .fold(1.0, f64::max);
+        let step = axis_step(longest, 5.0);
+        Layout {
+            tops: [first, first + Layout::PANEL + 34.0],
+            range: [low, high],
+            step,
+            last: (longest / step).ceil() * step,
+        }
+    }
+
+    /// Position of a value of the quantity.
+    fn x(&self, value: f64) -> f64 {
+        let [low, high] = self.range;
+        let share = if high > low { (value - low) / (high - low) } else { 0.5 };
+        Layout::LEFT + 12.0 + (Layout::WIDTH - Layout::LEFT - Layout::RIGHT - 24.0) * share
+    }
+
+    /// Position of a share of a panel's height.
+    fn y(&self, panel: usize, share: f64) -> f64 {
+        self.tops[panel] + Layout::PANEL * (1.0 - share.clamp(0.0, 1.0))
+    }
+
+    /// A line of a panel's grid with its label.
+    fn grid(&self, svg: &mut String, panel: usize, share: f64, text: &str) {
+        let at = self.y(panel, share);
+        let (left, right) = (Layout::LEFT, Layout::WIDTH - Layout::RIGHT);
+        let _ = write!(svg, "<path d=\"M{left} {at:.1}H{right:.1}\" stroke=\"var(--grid)\"/>");
+        label(svg, [left - 8.0, at + 4.0], "end", "soft", text);
+    }
+
+    /// The head of the drawing with the title, the grids and the axes.
+    fn frame(&self, sweep: &Sweep) -> String {
+        let goals = sweep.goals.join(", ");
+        let title =
+            format!("{goals}, track {}: {} varied in the world {}", sweep.track, sweep.quantity, sweep.world);
+        let bottom = self.tops[1] + Layout::PANEL;
+        let mut svg = head(&title, Layout::WIDTH, bottom + 44.0);
+        let _ = write!(
+            svg,
+            "<text x=\"0\" y=\"16\" font-size=\"14\" font-weight=\"600\" fill=\"var(--ink)\">{}</text>",
+            words(&format!("{goals}, track {}, world {}", sweep.track, sweep.world), 70)
+        );
+        for mark in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            self.grid(&mut svg, 0, mark, &format!("{:.0} %", 100.0 * mark));
+        }
+        for mark in 0..=(self.last / self.step).round() as usize {
+            let seconds = mark as f64 * self.step;
+            self.grid(&mut svg, 1, seconds / self.last, &format!("{seconds:.0} s"));
+        }
+        label(&mut svg, [Layout::LEFT, self.tops[0] - 8.0], "start", "soft", "complete episodes");
+        label(
+            &mut svg,
+            [Layout::LEFT, self.tops[1] - 8.0],
+            "start",
+            "soft",
+            "robot time of complete episodes",
+        );
+        let points = sweep.curves.iter().flat_map(|curve| &curve.points);
+        let mut values: Vec<f64> = points.map(|it| it.value).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        // As many labels as there is room for.
+        for value in values.iter().step_by(values.len().div_ceil(10).max(1)) {
+            let x = self.x(*value);
+            let _ = write!(svg, "<path d=\"M{x:.1} {bottom:.1}v5\" stroke=\"var(--soft)\"/>");
+            label(&mut svg, [x, bottom + 18.0], "middle", "soft", &value.to_string());
+        }
+        let middle = (Layout::LEFT + Layout::WIDTH - Layout::RIGHT) / 2.0;
+        label(&mut svg, [middle, bottom + 36.0], "middle", "soft", &words(&sweep.axis(), 60));
+        svg
+    }
+
+    /// The curve of an agent in a panel: points with their lower and upper ends, as shares of its height.
+    fn draw(
+        &self,
+        svg: &mut String,
+        panel: usize,
+        place: usize,
+        aside: f64,
+        dots: impl Iterator<Item = (f64, [f64; 3])>,
+    ) {
+        let colour = agent_colour(place);
+        let mut line = String::new();
+        for (value, shares) in dots {
+            let at = self.x(value) + aside;
+            let [low, mid, high] = shares.map(|share| self.y(panel, share));
+            let begin = if line.is_empty() { "M" } else { "L" };
+            let _ = write!(line, "{begin}{at:.1} {mid:.1}");
+            let _ = write!(
+                svg,
+                "<path d=\"M{at:.1} {low:.1}V{high:.1}\" stroke=\"{colour}\" stroke-width=\"1.4\"/>\
+                 <circle cx=\"{at:.1}\" cy=\"{mid:.1}\" r=\"3.2\" fill=\"{colour}\"/>"
+            );
+        }
+        let _ = write!(svg, "<path d=\"{line}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/>");
+    }
+}
+
 /// A robot time with its deviation, s.
 fn robot(spread: Option<Spread>) -> String {
     match spread {
@@ -358,7 +398,7 @@ mod tests {
         }
     }
 
-    /// A lost episode counts as one that is not complete, and times are of complete ones only.
+    /// A lost episode counts as incomplete, and times are of complete ones only.
     #[test]
     fn points_count_lost_episodes() {
         let sweep = sweep();

@@ -18,7 +18,7 @@ pub fn tables(report: &Report) -> Vec<Named> {
     ]
 }
 
-/// Rows of fields as CSV that no spreadsheet takes for formulas.
+/// Rows of fields as CSV, safe against formulas in spreadsheets.
 fn write(rows: impl IntoIterator<Item = Vec<String>>) -> String {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
     for row in rows {

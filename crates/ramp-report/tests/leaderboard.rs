@@ -1,4 +1,5 @@
-//! What goes on a leaderboard is the result of its log, made with everybody's goal, parts and start.
+//! A leaderboard admits results that match their log, made with the organiser's goal, parts and
+//! start.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -35,7 +36,7 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
     let file = &collection.entrants[0].files[0];
     assert_eq!(check_log(file, &log, &terms), Ok(()));
 
-    // Seeds of another secret, of none, or of none that the secret gives.
+    // Seeds of another secret, of none, or not derived from the secret.
     let secret = Secret::new([7; 32]);
     let sealed = Terms { secret: Some(secret.clone()), ..terms.clone() };
     assert!(matches!(check_log(file, &log, &sealed), Err(Refused::Seed { .. })));
@@ -55,7 +56,7 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
     // One episode is not a class.
     assert!(matches!(check_whole(&collection, &terms), Err(Refused::Part { .. })));
 
-    // On the board of a class that is not the goal's, or with fewer pegs to count.
+    // Wrong class, or fewer pegs to count.
     let mut elsewhere = collection.clone();
     elsewhere.entrants[0].files[0].result.class = Some("hard".into());
     assert!(matches!(check_whole(&elsewhere, &terms), Err(Refused::Goal { .. })));
@@ -63,18 +64,18 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
     fewer.entrants[0].files[0].result.pegs.pop();
     assert!(matches!(check_whole(&fewer, &terms), Err(Refused::Goal { .. })));
 
-    // Better than the log says, by a digit.
+    // Better than in the log, by one digit.
     let mut better = file.clone();
     better.result.time.planning -= 1e-9;
     assert!(matches!(check_log(&better, &log, &terms), Err(Refused::NotOfLog { .. })));
-    // A goal of that name that is another one, and one that nobody here knows.
+    // A different goal with that name, and an unknown goal.
     let mut other = terms.clone();
     other.goals[0].xml.push('\n');
     assert!(matches!(check_log(file, &log, &other), Err(Refused::Goal { .. })));
     other.goals.clear();
     assert!(matches!(check_log(file, &log, &other), Err(Refused::Goal { .. })));
     assert!(matches!(check_whole(&collection, &other), Err(Refused::Goal { .. })));
-    // Another kit, and a start that is not disturbed.
+    // Another kit, and an undisturbed start.
     let mut other = terms.clone();
     other.kit = other.kit.replacen("joint", "Joint", 1);
     assert!(matches!(check_log(file, &log, &other), Err(Refused::Other { what: "kit", .. })));

@@ -57,13 +57,13 @@ fn the_front_page_of_many_has_sums_and_links_and_the_tables_have_all() {
     }
     assert!(front.len() < whole.len(), "{} and {}", front.len(), whole.len());
     assert!(!front.contains("Every episode over time"));
-    // The best are compared, and the tables have every pair.
+    // The best are compared, and the tables contain every pair.
     let pairs = front.matches("<td class=\"name\">completion</td>").count();
     assert_eq!(pairs, 10 * 9 / 2);
     let comparisons = table::tables(&report).into_iter().find(|it| it.name == "comparisons").unwrap();
     let rows = comparisons.text.lines().filter(|line| line.contains(",completion,")).count();
     assert_eq!(rows, 24 * 23 / 2);
-    // What the front page leaves out is on the agent's own.
+    // Details omitted from the front page are on the agent's own.
     let seven = report.collection.entrants.iter().position(|it| it.label == "agent-7").unwrap();
     let own = page::of_agent(&report.of_agent(seven), ("../report.html", "RAMP report"));
     assert!(own.contains("href=\"../report.html\"") && own.contains("Every episode over time"));

@@ -1,5 +1,6 @@
-//! Whatever somebody does to a result, a stopwatch log or a reveal, reading it ends: with something that is sound, or with
-//! one error. For hours of it: `RAMP_FUZZ_SECONDS=3600 cargo test --release -p ramp-report --test results_fuzz -- --ignored`.
+//! Any mutation of a result, a stopwatch log or a reveal gives a valid value or one error. For
+//! hours of it: `RAMP_FUZZ_SECONDS=3600 cargo test --release -p ramp-report --test results_fuzz --
+//! --ignored`.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -21,7 +22,7 @@ fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name)
 }
 
-/// What is mutated, and what it is read against.
+/// The mutated texts, and the data against which they are read.
 struct Corpus {
     kit: Kit,
     goals: Vec<Assembly>,
@@ -45,7 +46,7 @@ impl Corpus {
                 Log::Episodes(results) => {
                     for mut result in results {
                         corpus.results.push(result.to_json());
-                        // The same as if it came from the twin.
+                        // As if it came from the twin.
                         result.real = None;
                         let physics = serde_json::json!({
                             "deepest_penetration": 0.0, "largest_force": 1.0, "state": "0123456789abcdef"
@@ -82,7 +83,7 @@ fn below(stream: &mut Stream, count: usize) -> usize {
     ((stream.uniform() * count as f64) as usize).min(count.saturating_sub(1))
 }
 
-/// Bytes that are likely to be taken amiss.
+/// Texts that are likely to confuse a parser.
 const MORSELS: [&str; 24] = [
     "\"",
     ",",
@@ -110,7 +111,8 @@ const MORSELS: [&str; 24] = [
     "#",
 ];
 
-/// Some changes at random places: bytes changed, cut out, doubled, exchanged, morsels put in, numbers changed.
+/// Some changes at random positions: bytes changed, cut out, doubled, exchanged, morsels inserted,
+/// numbers changed.
 fn mutate(text: &str, stream: &mut Stream) -> Vec<u8> {
     let mut bytes = text.as_bytes().to_vec();
     for _ in 0..=below(stream, 4) {
@@ -132,7 +134,7 @@ fn mutate(text: &str, stream: &mut Stream) -> Vec<u8> {
                 bytes.splice(at..at, morsel.bytes());
             }
             4 => {
-                // A digit becomes another one: most of these are still sound files.
+                // A digit is replaced: most of these files stay valid.
                 let digits: Vec<usize> =
                     (0..bytes.len()).filter(|index| bytes[*index].is_ascii_digit()).collect();
                 if !digits.is_empty() {
@@ -140,7 +142,7 @@ fn mutate(text: &str, stream: &mut Stream) -> Vec<u8> {
                 }
             }
             5 => {
-                // A whole line goes elsewhere.
+                // A whole line is moved.
                 let text = String::from_utf8_lossy(&bytes).into_owned();
                 let mut lines: Vec<&str> = text.lines().collect();
                 let (from, to) = (below(stream, lines.len()), below(stream, lines.len()));
@@ -153,7 +155,7 @@ fn mutate(text: &str, stream: &mut Stream) -> Vec<u8> {
     bytes
 }
 
-/// Reads one mutation of each kind; how many of them were still sound.
+/// Reads one mutation of each kind; returns how many were still valid.
 fn once(corpus: &Corpus, stream: &mut Stream) -> usize {
     let mut sound = 0;
     let text = &corpus.stopwatch[below(stream, corpus.stopwatch.len())];
@@ -161,7 +163,7 @@ fn once(corpus: &Corpus, stream: &mut Stream) -> usize {
     if let Some(Log::Episodes(results)) = corpus.log(&String::from_utf8_lossy(&bytes)) {
         sound += 1;
         for result in results {
-            // What a log gives, a report takes.
+            // The report accepts the result of a log.
             assert!(parse("it", result.to_json().as_bytes()).unwrap().is_some());
         }
     }
@@ -186,7 +188,7 @@ fn once(corpus: &Corpus, stream: &mut Stream) -> usize {
     sound
 }
 
-/// What is read can be reported, and the report is whole.
+/// A valid result can be reported completely.
 fn show(result: ramp_result::EpisodeResult) {
     let json = result.to_json();
     let file = tempfile::NamedTempFile::with_suffix(".json").unwrap();
@@ -209,7 +211,7 @@ fn three_thousand_changed_files_are_read_or_refused() {
     let corpus = Corpus::new();
     let mut stream = Stream::new(1, "mutations of results");
     let sound: usize = (0..3000).map(|_| once(&corpus, &mut stream)).sum();
-    // Changes that leave nothing sound would not test what comes after reading.
+    // If every mutation were invalid, code after reading would not be tested.
     assert!(sound > 100, "{sound}");
 }
 

@@ -1,5 +1,5 @@
-//! Results read from folders, and who they belong to. Files come from anywhere: nothing in them is believed before it
-//! is checked.
+//! Reads results from folders and groups them by agent. The files are untrusted: everything is
+//! checked before use.
 
 mod check;
 mod read;
@@ -20,7 +20,7 @@ use crate::published::Published;
 pub use read::{CollectError, LARGEST, Parsed, ResultFile, parse};
 use read::{Found, read, shown, unreadable};
 
-/// An episode that was begun and has no result.
+/// An episode that was started and has no result.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Lost {
     /// The goal.
@@ -29,12 +29,12 @@ pub struct Lost {
     pub seed: u64,
 }
 
-/// Who worked, with what, on what: only results that agree in all of this are added up.
+/// Identity of an entry: only results that agree in all of these fields are added up.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Identity {
     /// The track.
     pub track: String,
-    /// What tells the world from all others; `None` of a real run.
+    /// Unambiguous name of the world ([`WorldInfo::title`]); `None` for a real run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub world: Option<String>,
     /// The agent's name.
@@ -47,19 +47,19 @@ pub struct Identity {
     pub version: String,
     /// The commit it was built from.
     pub commit: String,
-    /// The commitment of the secret that was mixed into the seeds, where there is one.
+    /// The commitment of the secret mixed into the seeds, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub secret: Option<String>,
-    /// Of a real run, what is known of it.
+    /// Description of the real run; `None` in the twin.
     pub real: Option<RealRun>,
 }
 
 /// One agent on one track: all its episodes.
 #[derive(Clone, Debug)]
 pub struct Entrant {
-    /// What sets it apart.
+    /// The fields that distinguish it.
     pub identity: Identity,
-    /// The shortest name that sets it apart from the others of its track.
+    /// The shortest name that distinguishes it from the others on its track.
     pub label: String,
     /// Its results, by goal and seed.
     pub files: Vec<ResultFile>,
@@ -67,7 +67,7 @@ pub struct Entrant {
     pub lost: Vec<Lost>,
 }
 
-/// A goal that somebody worked on.
+/// A goal with at least one result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Goal {
     /// Its name.
@@ -78,30 +78,30 @@ pub struct Goal {
     pub pegs: usize,
 }
 
-/// All that was read.
+/// Everything that was read.
 #[derive(Clone, Debug)]
 pub struct Collection {
-    /// By track, in the order in which their folders were named.
+    /// By track, in the order in which the caller gave their folders.
     pub entrants: Vec<Entrant>,
     /// By class and name.
     pub goals: Vec<Goal>,
-    /// Means that others have published.
+    /// Published means of others.
     pub published: Vec<Published>,
-    /// Plans that were judged alone, by goal and planner.
+    /// Verdicts on plans alone, by goal and planner.
     pub plans: Vec<PlanVerdict>,
-    /// Detectors that were judged alone, by name.
+    /// Verdicts on detectors alone, by name.
     pub perception: Vec<PerceptionVerdict>,
     /// Trials of single skills, by skill and seed.
     pub trials: Vec<Trial>,
-    /// What a reader must know of what was read.
+    /// Notes for the reader about the files.
     pub notes: Vec<String>,
 }
 
 /// Reads all results of some folders.
 ///
 /// # Errors
-/// At the first file that is not what it should be. Files that do not end in `.json`, and JSON files that name no schema
-/// of RAMP, are left alone and noted.
+/// At the first invalid file. Files that do not end in `.json`, and JSON files without a schema of
+/// RAMP, are skipped with a note.
 pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
     let mut files: Vec<ResultFile> = Vec::new();
     let mut published: Vec<Published> = Vec::new();
@@ -140,7 +140,7 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
                         Found::Perception(verdict) => perception.push(verdict),
                         Found::Trial(trial) => trials.push((path.clone(), *trial)),
                         Found::Other => {
-                            notes.push(format!("{} is no result and is left out", shown(path)));
+                            notes.push(format!("{} is not a result and is ignored", shown(path)));
                         }
                     }
                 }
@@ -156,7 +156,7 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
         }
     }
     let goals = goals(&files)?;
-    // In the order in which they were named.
+    // In the order in which the caller gave them.
     let mut by_identity: Vec<(Identity, Vec<ResultFile>)> = Vec::new();
     for file in files {
         let identity = Identity::of(&file.result);
@@ -190,7 +190,7 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
     Ok(Collection { entrants, goals, published, plans, perception, trials, notes })
 }
 
-/// Trials in order; each counts once.
+/// The trials in order. An episode that occurs twice is an error.
 fn once(mut trials: Vec<(PathBuf, Trial)>) -> Result<Vec<Trial>, CollectError> {
     let own = |trial: &Trial| {
         let (agent, software) = (&trial.agent, &trial.software);
@@ -256,7 +256,7 @@ pub fn class_rank(class: Option<&str>) -> usize {
 }
 
 impl Identity {
-    /// The track's place among all of them.
+    /// The track's index among all tracks.
     fn track_rank(&self) -> usize {
         Track::ALL.iter().position(|known| known.name() == self.track).unwrap_or(Track::ALL.len())
     }
@@ -279,7 +279,7 @@ impl Identity {
     }
 }
 
-/// Gives each entrant the shortest label that tells it from the others of its track.
+/// Gives each entrant the shortest label that distinguishes it from the others on its track.
 fn label(entrants: &mut [Entrant]) {
     let say = |entrant: &Entrant, words: usize| {
         let it = &entrant.identity;
@@ -321,7 +321,8 @@ fn label(entrants: &mut [Entrant]) {
     }
 }
 
-/// Gives an episode that has only a log, `GOAL-TRACK-SEED`, to the one entrant whose results lie beside it.
+/// Assigns an episode that has only a log, `GOAL-TRACK-SEED`, to the one entrant with results in
+/// the same folder.
 fn assign(entrants: &mut [Entrant], folder: &Path, stem: &str, notes: &mut Vec<String>) {
     let mut parts = stem.rsplitn(3, '-');
     let seed = parts.next().and_then(|seed| seed.parse().ok());

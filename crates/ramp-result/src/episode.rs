@@ -15,10 +15,10 @@ pub const SCHEMA: &str = "ramp-episode-4";
 /// The version before, whose events are a kind and a text. It is read, too.
 const OLDER_SCHEMA: &str = "ramp-episode-3";
 
-/// The version of the rules by which episodes are judged: `docs/src/reference/rules.md`, which names it.
+/// Version of the rules by which episodes are judged (`docs/src/reference/rules.md`).
 pub const RULES: &str = "ramp-rules-2";
 
-/// Everything that is known about one episode.
+/// Everything recorded about one episode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeResult {
     /// [`SCHEMA`].
@@ -43,13 +43,13 @@ pub struct EpisodeResult {
     /// file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub secret: Option<String>,
-    /// Which of several runs in a row this is, from 1.
+    /// Number of this run in a row of repeats, from 1.
     pub repeat: u32,
     /// The agent.
     pub agent: AgentInfo,
-    /// With what this file was made.
+    /// The program that made this file.
     pub software: Software,
-    /// On what.
+    /// The machine.
     pub host: Host,
     /// Pegs counted / pegs in the goal.
     pub completion: f64,
@@ -70,9 +70,9 @@ pub struct EpisodeResult {
     /// The injected fault; `None` without one, and then not in the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<FaultInfo>,
-    /// Why the episode ended.
+    /// Reason of the end.
     pub ended: Ended,
-    /// SHA-256 of the episode's log, in hex; `None` when there is none.
+    /// SHA-256 of the episode's log, in hex; `None` without a log.
     pub log: Option<String>,
 }
 
@@ -89,7 +89,7 @@ pub struct WorldInfo {
 }
 
 impl WorldInfo {
-    /// Of an episode with this seed in a world.
+    /// The world of an episode with this seed.
     pub fn of(world: &World, seed: u64) -> WorldInfo {
         let drawn = world.quantities().zip(world.numbers(seed));
         let drawn = drawn.filter(|((_, _, quantity), _)| quantity.spread != Spread::Fixed);
@@ -97,7 +97,7 @@ impl WorldInfo {
         WorldInfo { name: world.name.clone(), sha256: sha256(world.text.as_bytes()), draw }
     }
 
-    /// Whether it is a world of the program, and not another one of the same name.
+    /// Whether it is a shipped world, and not another one of the same name.
     pub fn is_shipped(&self) -> bool {
         World::shipped(&self.name).is_some_and(|world| sha256(world.text.as_bytes()) == self.sha256)
     }
@@ -113,7 +113,7 @@ impl WorldInfo {
     }
 }
 
-/// How results name a world.
+/// The label of a world in results.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WorldLabel {
     /// SHA-256 of its file, in hex.
@@ -159,7 +159,8 @@ pub struct RealRun {
 pub struct Software {
     /// The version.
     pub version: String,
-    /// The commit it was built from, with `-dirty` behind it where the sources differ from it, or `unknown`.
+    /// The commit it was built from, followed by `-dirty` if the sources were modified, or
+    /// `unknown`.
     pub commit: String,
 }
 
@@ -168,7 +169,7 @@ pub struct Software {
 pub struct Host {
     /// The processor's name as the system gives it, or `unknown`.
     pub cpu: String,
-    /// How many threads it runs at once.
+    /// Number of hardware threads.
     pub cores: usize,
 }
 
@@ -198,16 +199,16 @@ pub struct PegResult {
     pub peg: String,
     /// Robot time since which it has been seated, s.
     pub t_robot: f64,
-    /// The same with the agent's planning and thinking up to then, s.
+    /// The same plus the agent's planning and compute up to then, s.
     pub t_total: f64,
 }
 
-/// Seconds, apart.
+/// Times of an episode, s, each counted separately.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Time {
     /// Task planning, by the agent's clock.
     pub planning: f64,
-    /// The rest of the agent's thinking, while the robot waited.
+    /// The rest of the agent's compute, while the robot waited.
     pub compute: f64,
     /// The robot's own time.
     pub robot: f64,
@@ -220,7 +221,8 @@ pub struct Time {
 /// agent carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RobotTime {
-    /// No arm with these limits rests at all grasps and places of that plan in less time, s.
+    /// Lower bound, s: no arm with these limits visits all grasps and goal poses of that plan in
+    /// less time.
     pub bound: f64,
     /// Duration of that plan with motions at the arm's limits, without looks, searches, waits and tries, s.
     /// It is no bound.
@@ -234,7 +236,7 @@ pub struct PlanInfo {
     pub coarse: usize,
     /// Fine actions of the first plan.
     pub fine: usize,
-    /// How often the agent planned again.
+    /// Number of replans.
     pub replans: usize,
 }
 
@@ -245,7 +247,7 @@ pub struct Physics {
     pub deepest_penetration: f64,
     /// Largest force between the hand and what it touched or held, N: at the wrist, filtered with 20 ms.
     pub largest_force: f64,
-    /// Hash of the final physics state: two runs that share it share every bit.
+    /// Hash of the final physics state: equal hashes mean equal states, bit by bit.
     pub state: String,
 }
 
@@ -254,22 +256,22 @@ pub struct Physics {
 pub struct FaultInfo {
     /// The name of its kind.
     pub kind: String,
-    /// At which of the kind's occasions it was to strike, or did, from 1.
+    /// The occasion of this kind at which it was to strike, or struck, from 1.
     pub occasion: u32,
-    /// Robot time at which it struck, s; `None` when its occasion did not come.
+    /// Robot time at which it struck, s; `None` if the occasion did not occur.
     pub at: Option<f64>,
-    /// The part that it struck, where it struck one.
+    /// The part that it struck, where it strikes a part.
     pub part: Option<String>,
-    /// How large it was, in the unit that the text names; `None` where it has no size.
+    /// Its size, in the unit given in the text; `None` where it has no size.
     pub size: Option<f64>,
     /// For a person.
     pub text: String,
 }
 
-/// Why an episode ended.
+/// Reason of an episode's end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ended {
-    /// `done` when the agent said so, otherwise what stopped it.
+    /// `done` when the agent said so, otherwise the cause.
     pub reason: String,
 }
 

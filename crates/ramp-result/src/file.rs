@@ -1,4 +1,4 @@
-//! The hash by which a file is named.
+//! Hashes of files.
 
 use sha2::{Digest, Sha256};
 

@@ -1,4 +1,4 @@
-//! Result files of every kind, and what follows from many of them.
+//! Result files of every kind, and statistics over many of them.
 //!
 //! Data passes one way: whoever judges makes an [`EpisodeResult`], or the verdict of a single ability
 //! ([`planning`], [`perception`], [`manipulation`]); each is one JSON file of a schema in `data/schema`,

@@ -27,32 +27,32 @@ pub struct Trial {
     pub track: String,
     /// The world of the physics.
     pub world: WorldInfo,
-    /// All randomness of the trial came from here.
+    /// Seed of all randomness of the trial.
     pub seed: u64,
     /// The goal.
     pub goal: String,
     /// Its class.
     pub class: Option<String>,
-    /// The coarse step of the goal's plan that was tried, from 1.
+    /// The coarse step of the goal's plan, from 1.
     pub step: usize,
     /// The step, for a person.
     pub action: String,
-    /// How it began.
+    /// The start that was drawn.
     pub start: StartInfo,
     /// The agent.
     pub agent: AgentInfo,
-    /// With what this file was made.
+    /// The program that made this file.
     pub software: Software,
-    /// On what.
+    /// The machine.
     pub host: Host,
-    /// Does the truth say that the step is done?
+    /// Whether the step is done according to the true poses.
     pub success: bool,
     /// The condition that does not hold, without success.
     pub missing: Option<String>,
     /// The fault with which the agent gave up, or what stopped the robot; `None` where it holds the step to
     /// be done.
     pub cause: Option<String>,
-    /// How often the agent tried something again.
+    /// Number of retries.
     pub retries: usize,
     /// Robot time, s.
     pub time: f64,
@@ -66,9 +66,9 @@ pub struct Trial {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StartInfo {
-    /// How many were drawn until the physics held one.
+    /// Number of draws until the physics model held one.
     pub drawn: usize,
-    /// The furthest that an end of a beam that stands is from its place along the table, m.
+    /// Largest horizontal displacement of a placed beam's end from its goal, m.
     pub displaced: f64,
 }
 
@@ -99,7 +99,7 @@ impl Trial {
         format!("{skill}-{track}-{seed}")
     }
 
-    /// Can this be?
+    /// Checks that the trial is consistent.
     ///
     /// # Errors
     /// The contradiction, in words.

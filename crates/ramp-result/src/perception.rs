@@ -7,56 +7,56 @@ use crate::words;
 
 /// The version of the schema of these files.
 pub const SCHEMA: &str = "ramp-perception-1";
-/// A pose that is further off than this is false, m.
+/// Position error above which a pose is false, m.
 pub const FALSE: f64 = 5.0e-3;
-/// The most cells of a table.
+/// Largest number of cells in a table.
 const MOST_CELLS: usize = 1000;
-/// The most false poses: more than fit a result file.
+/// Largest number of false poses: more than fit into a result file.
 const MOST_FALSE: usize = 1_000_000;
 
-/// What came of judging one detector on one set of images.
+/// The verdict on one detector for one set of images.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PerceptionVerdict {
     /// [`SCHEMA`].
     pub schema: String,
-    /// What it is called.
+    /// Name of the detector.
     pub detector: String,
-    /// SHA-256 of the labels, in hex: verdicts on different images are not compared.
+    /// SHA-256 of the labels, in hex: only verdicts on the same images are compared.
     pub labels: String,
-    /// How many images.
+    /// Number of images.
     pub views: usize,
-    /// With what it was judged.
+    /// The program that judged it.
     pub software: Software,
     /// By camera, distance and angle.
     pub cells: Vec<Cell>,
-    /// Poses given.
+    /// Number of poses reported.
     pub poses: usize,
-    /// Those that are wrong.
+    /// The false ones among them.
     pub false_poses: Vec<FalsePose>,
 }
 
-/// Parts that one camera sees from about one distance and angle.
+/// Parts seen by one camera from about the same distance and angle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cell {
     /// `wrist` or `birds-eye`.
     pub camera: String,
-    /// Distances of tags, m; the last one may have no end.
+    /// Range of distances of the tags, m; the last range may be open.
     pub distance: [Option<f64>; 2],
-    /// Angles of tags, degrees; the last one may have no end.
+    /// Range of angles of the tags, degrees; the last range may be open.
     pub angle: [Option<f64>; 2],
     /// Parts with a tag wholly in view.
     pub parts: usize,
-    /// How many of them were found.
+    /// Number of them that were found.
     pub found: usize,
     /// Position error at the middle of the part's nearest tag, median and 95 %, m; null when none was found.
     pub position: Option<[f64; 2]>,
-    /// Turn between found and true, median and 95 %, rad; null when none was found.
+    /// Rotation error, median and 95 %, rad; null when none was found.
     pub turn: Option<[f64; 2]>,
 }
 
-/// A pose that is far off, or of a part that shows no tag.
+/// A pose with a large error, or of a part that shows no tag.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FalsePose {
@@ -64,20 +64,20 @@ pub struct FalsePose {
     pub file: String,
     /// The part.
     pub part: String,
-    /// How far off it is, m; null for a part that shows no tag.
+    /// Position error, m; null for a part that shows no tag.
     pub error: Option<f64>,
 }
 
 impl PerceptionVerdict {
-    /// Parts that are to be found, and those that were.
+    /// Number of parts to be found, and number found.
     pub fn found(&self) -> [usize; 2] {
         self.cells.iter().fold([0, 0], |[parts, found], cell| [parts + cell.parts, found + cell.found])
     }
 
-    /// Can this be?
+    /// Checks that the verdict is consistent.
     ///
     /// # Errors
-    /// What contradicts what, in words.
+    /// The contradiction, in words.
     pub fn check(&self) -> Result<(), String> {
         words::name("the detector", &self.detector)?;
         words::hash("the hash of the labels", &self.labels, 64)?;
@@ -94,7 +94,7 @@ impl PerceptionVerdict {
                 return Err(format!("{} of {} parts were found", cell.found, cell.parts));
             }
             if cell.position.is_some() != (cell.found > 0) || cell.turn.is_some() != (cell.found > 0) {
-                return Err("errors are told where a part was found, and nowhere else".to_string());
+                return Err("a cell has errors exactly where a part was found".to_string());
             }
             let mut errors = cell.position.iter().chain(&cell.turn).flatten();
             if let Some(wrong) = errors.find(|error| !(0.0..=1e3).contains(*error)) {

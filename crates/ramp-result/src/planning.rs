@@ -8,7 +8,7 @@ use crate::words;
 /// The version of the schema of these files.
 pub const SCHEMA: &str = "ramp-planning-1";
 
-/// What came of judging one plan.
+/// The verdict on one plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanVerdict {
@@ -18,25 +18,26 @@ pub struct PlanVerdict {
     pub goal: String,
     /// Its class.
     pub class: Option<String>,
-    /// Who made the plan.
+    /// Name of the planner.
     pub planner: String,
-    /// With what it was judged.
+    /// The program that judged it.
     pub software: Software,
-    /// Does every action do what it says, and does the end reach the goal?
+    /// Whether every action is applicable and has the claimed effects, and the last state reaches
+    /// the goal.
     pub accepted: bool,
-    /// The first action that is wrong, and why.
+    /// The first invalid action, and the reason.
     pub refused: Option<String>,
     /// Coarse actions.
     pub coarse: usize,
-    /// How long planning took by the planner's own account, s.
+    /// Planning time as reported by the planner, s.
     pub seconds: Option<f64>,
 }
 
 impl PlanVerdict {
-    /// Can this be?
+    /// Checks that the verdict is consistent.
     ///
     /// # Errors
-    /// What contradicts what, in words.
+    /// The contradiction, in words.
     pub fn check(&self) -> Result<(), String> {
         if self.accepted == self.refused.is_some() {
             return Err("a plan is accepted, or refused with a reason".to_string());

@@ -1,5 +1,5 @@
-//! Figures that others have published of a class, where single episodes are not known: means to be shown beside results,
-//! never added to them.
+//! Published figures of a class without single episodes: means to be shown beside results, never
+//! added to them.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,21 +8,21 @@ use crate::words;
 /// The version of the schema of these files.
 pub const SCHEMA: &str = "ramp-published-1";
 
-/// What somebody has published of a class.
+/// The published figures of a class.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Published {
     /// [`SCHEMA`].
     pub schema: String,
-    /// What it is called in tables.
+    /// Name in tables.
     pub name: String,
     /// The robot.
     pub robot: String,
-    /// Where it is published.
+    /// The publication.
     pub source: String,
     /// The class.
     pub class: String,
-    /// Goals of it that were run.
+    /// Number of goals of the class that were run.
     pub goals: usize,
     /// Repeats of each.
     pub repeats: usize,
@@ -37,10 +37,10 @@ pub struct Published {
 }
 
 impl Published {
-    /// Can these figures be?
+    /// Checks that these figures are consistent.
     ///
     /// # Errors
-    /// What is wrong, in words.
+    /// The contradiction, in words.
     pub fn check(&self) -> Result<(), String> {
         words::title("the name", &self.name)?;
         words::title("the robot", &self.robot)?;

@@ -1,9 +1,10 @@
-//! Seeds that nobody knows before: an organiser's secret is mixed into every seed, so that neither agents nor worlds can
-//! be worked out from the numbers 1 to 5.
+//! Unpredictable seeds: an organiser's secret is mixed into every seed, so that neither agents nor
+//! worlds can be computed in advance from the numbers 1 to 5.
 //!
-//! The secret is 32 random bytes. Its commitment, SHA-256 over a name of its form and these bytes, is published before;
-//! it is long enough that nobody finds the secret by trying. The secret is published after, and everybody can check both
-//! the commitment and the seed of each episode.
+//! The secret is 32 random bytes. Its commitment, SHA-256 over the name of the file's format and
+//! these bytes, is published before the runs. The secret is too long to be found by search. It is
+//! published after the runs; then anyone can verify both the commitment and the seed of each
+//! episode.
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -11,24 +12,24 @@ use sha2::{Digest, Sha256};
 use crate::episode::RULES;
 use crate::file::hexadecimal;
 
-/// The version of the form of both files.
+/// Version of the format of both files.
 pub const SCHEMA: &str = "ramp-secret-1";
 /// Bytes of a secret.
 pub const LENGTH: usize = 32;
 
-/// What is published before.
+/// The file published before the runs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Promise {
     /// [`SCHEMA`].
     pub schema: String,
-    /// The rules by which agents will be judged.
+    /// Version of the rules by which agents will be judged.
     pub rules: String,
     /// SHA-256, hexadecimal.
     pub commitment: String,
 }
 
-/// What is kept back, and published after.
+/// The file kept secret, and published after the runs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Kept {
@@ -38,17 +39,17 @@ pub struct Kept {
     pub secret: String,
 }
 
-/// Why a file holds no secret, or not the promised one.
+/// Reasons why a file does not hold a secret, or not the promised one.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SecretError {
-    /// A file of another form.
-    #[error("found the form `{0}`, expected {SCHEMA}")]
+    /// A file of another format.
+    #[error("found the format `{0}`, expected {SCHEMA}")]
     Schema(String),
-    /// It is no secret.
+    /// The text is not 32 bytes in hexadecimal.
     #[error("the secret is not {} hexadecimal digits", 2 * LENGTH)]
     Digits,
-    /// Another secret than the promised one.
-    #[error("this is not the secret that was promised: its commitment is another one")]
+    /// The secret differs from the promised one.
+    #[error("the secret does not match its commitment")]
     Differs,
 }
 
@@ -57,7 +58,7 @@ pub enum SecretError {
 pub struct Secret([u8; LENGTH]);
 
 impl std::fmt::Debug for Secret {
-    /// Tells nothing of it.
+    /// Prints nothing of the secret.
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         f.write_str("Secret(..)")
     }
@@ -69,10 +70,10 @@ impl Secret {
         Secret(bytes)
     }
 
-    /// From a file's content.
+    /// Reads a secret from a file's content.
     ///
     /// # Errors
-    /// When it is of another form, or holds no secret.
+    /// When it has another format, or holds no secret.
     pub fn from_kept(kept: &Kept) -> Result<Secret, SecretError> {
         same_schema(&kept.schema)?;
         let digits = kept.secret.as_bytes();
@@ -87,17 +88,17 @@ impl Secret {
         Ok(Secret(bytes))
     }
 
-    /// What is published before.
+    /// The file to be published before the runs.
     pub fn promise(&self) -> Promise {
         Promise { schema: SCHEMA.to_string(), rules: RULES.to_string(), commitment: self.commitment() }
     }
 
-    /// What is kept back.
+    /// The file to be kept secret.
     pub fn kept(&self) -> Kept {
         Kept { schema: SCHEMA.to_string(), secret: hexadecimal(&self.0) }
     }
 
-    /// What the secret is known by.
+    /// The commitment of the secret.
     ///
     /// ```
     /// # use ramp_result::secret::Secret;
@@ -107,8 +108,9 @@ impl Secret {
         hexadecimal(&self.mixed_with(&[]))
     }
 
-    /// The seed of an episode's world: from the secret, the goal, the track and the number that stands for the seed in
-    /// results. Whoever does not have the secret cannot tell it, and the same number gives another world on each track.
+    /// The seed of an episode's world: from the secret, the goal, the track and the seed number in
+    /// results. It cannot be predicted without the secret, and the same number gives another world
+    /// on each track.
     ///
     /// ```
     /// # use ramp_result::secret::Secret;
@@ -122,7 +124,8 @@ impl Secret {
         hash.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes))
     }
 
-    /// SHA-256 over the secret and some words. Each word has its length in front: no two lists of words are the same.
+    /// SHA-256 over the secret and some words. Each word is preceded by its length, so two
+    /// different lists never hash the same bytes.
     fn mixed_with(&self, words: &[&[u8]]) -> Vec<u8> {
         let mut hash = Sha256::new();
         hash.update(SCHEMA.as_bytes());
@@ -136,10 +139,10 @@ impl Secret {
     }
 }
 
-/// Is this the secret that was promised?
+/// Checks that this is the promised secret.
 ///
 /// # Errors
-/// When it is not, or one of both is of another form.
+/// When it is not, or when one of the two has another format.
 pub fn verify(promised: &Promise, revealed: &Kept) -> Result<(), SecretError> {
     same_schema(&promised.schema)?;
     let commitment = Secret::from_kept(revealed)?.commitment();

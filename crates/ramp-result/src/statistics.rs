@@ -1,20 +1,20 @@
-//! Intervals and tests of the report. All of it gives the same bits on every machine: what is drawn at random comes
-//! from streams of one fixed seed, named after what they are for.
+//! Intervals and tests of the report. All of them give the same bits on every machine: random draws
+//! come from streams of one fixed seed, named after their purpose.
 //!
-//! Pegs of an episode are not independent: where one is not seated, those after it often cannot be. So an episode is
-//! the unit of everything here, never a peg, and episodes are drawn within their goal, for goals are chosen, not
-//! sampled.
+//! The pegs of an episode are not independent: if one is not seated, those after it often cannot
+//! be. So the unit of all statistics is the episode, not the peg. Episodes are resampled within
+//! their goal, because goals are chosen, not sampled.
 
 use ramp_robot::random::Stream;
 use serde::Serialize;
 
-/// All random numbers of a report flow from this seed.
+/// Seed of all random numbers of a report.
 pub const SEED: u64 = 1;
-/// Draws of a bootstrap.
+/// Number of bootstrap draws.
 pub const DRAWS: usize = 10_000;
-/// Draws of a sign-flip test with too many pairs to try all signs.
+/// Number of draws of a sign-flip test with too many pairs to try all signs.
 pub const FLIPS: usize = 100_000;
-/// Up to so many pairs that differ, all signs are tried.
+/// Largest number of non-zero differences for which all signs are tried.
 const EXACT: usize = 20;
 /// The normal quantile of a two-sided interval of 95 %.
 const Z: f64 = 1.959_963_984_540_054;
@@ -49,8 +49,9 @@ pub fn wilson(hits: usize, count: usize) -> Interval {
     }
 }
 
-/// Percentile bootstrap of the mean over all values, each group (the episodes of a goal) drawn anew from itself;
-/// `None` when no group has two values that differ, for then nothing can be drawn that was not seen.
+/// Percentile bootstrap of the mean over all values; each group (the episodes of a goal) is
+/// resampled from itself. `None` when every group is constant, because resampling then gives no
+/// interval.
 pub fn bootstrap(groups: &[Vec<f64>], name: &str) -> Option<Interval> {
     let spread = |group: &&Vec<f64>| group.iter().any(|value| *value != group[0]);
     groups.iter().find(spread)?;
@@ -72,8 +73,9 @@ pub fn bootstrap(groups: &[Vec<f64>], name: &str) -> Option<Interval> {
     Some(Interval { low: quantile(&means, 0.025), high: quantile(&means, 0.975) })
 }
 
-/// The interval of mean completion: the bootstrap over episodes; where all are complete, or all without a peg, which
-/// leaves it nothing to draw, Wilson's interval of the share of such episodes, which bounds the mean from the safe side.
+/// Interval of the mean completion: the bootstrap over episodes. Where all episodes are complete,
+/// or all have no peg, the bootstrap is degenerate; then it is Wilson's interval of the share of
+/// such episodes, a conservative bound of the mean.
 pub fn completion_interval(groups: &[Vec<f64>], name: &str) -> Option<Interval> {
     let count: usize = groups.iter().map(Vec::len).sum();
     let all = |wanted: f64| count > 0 && groups.iter().flatten().all(|share| *share == wanted);
@@ -86,7 +88,7 @@ pub fn completion_interval(groups: &[Vec<f64>], name: &str) -> Option<Interval> 
     bootstrap(groups, name)
 }
 
-/// Of sorted values, between neighbours in a straight line.
+/// Quantile of sorted values, with linear interpolation.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let at = share * (sorted.len() - 1) as f64;
     let below = at.floor() as usize;
@@ -94,9 +96,10 @@ pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[below] + (sorted[above] - sorted[below]) * (at - below as f64)
 }
 
-/// Is the mean of paired differences other than zero? Two-sided p of the sign-flip test: the share of all ways to
-/// give the differences signs whose sum is as far from zero. Exact for up to 20 that are not zero; beyond that of
-/// [`FLIPS`] draws, the observed one counted among them. `None` without any pair.
+/// Two-sided p value of the sign-flip test that the mean of paired differences is zero: the share
+/// of all sign patterns whose sum is at least as far from zero. Exact for up to 20 non-zero
+/// differences; beyond that from [`FLIPS`] draws, the observed pattern included. `None` without any
+/// pair.
 ///
 /// ```
 /// let p = ramp_result::statistics::sign_flip(&[1.0, 1.0, 1.0, 1.0, 1.0], "example");
@@ -107,7 +110,7 @@ pub fn sign_flip(differences: &[f64], name: &str) -> Option<f64> {
         return None;
     }
     let sizes: Vec<f64> = differences.iter().map(|it| it.abs()).filter(|it| *it > 0.0).collect();
-    // What a sum in another order may be off by.
+    // Rounding error of a sum in another order.
     let slack = 1e-9 * sizes.iter().sum::<f64>();
     let observed = differences.iter().sum::<f64>().abs() - slack;
     if sizes.len() <= EXACT {
@@ -195,7 +198,7 @@ mod tests {
         let differences: Vec<f64> = (0..20).map(|it| f64::from(it % 7) - 1.8).collect();
         let exact = sign_flip(&differences, "test").unwrap();
         let mut more = differences.clone();
-        // One difference more that is next to nothing: drawn instead of tried.
+        // One more difference, almost zero: drawn instead of enumerated.
         more.push(1e-12);
         let drawn = sign_flip(&more, "test").unwrap();
         assert!((exact - drawn).abs() < 0.005, "{exact} {drawn}");

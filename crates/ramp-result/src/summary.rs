@@ -1,4 +1,4 @@
-//! Several episodes summed up: what the protocol reports of a goal or a class.
+//! Summaries of several episodes: the figures that the protocol reports for a goal or a class.
 
 use ramp_robot::EventKind;
 use serde::Serialize;
@@ -10,24 +10,24 @@ use crate::episode::{EpisodeResult, RobotTime};
 pub struct Entry {
     /// Pegs in its goal.
     pub pegs: usize,
-    /// Its result; `None` when it was lost: it crashed, was killed or ran out of time on the wall.
+    /// Its result; `None` when it was lost: it crashed, was killed or reached the wall-clock limit.
     pub result: Option<EpisodeResult>,
 }
 
 /// Episodes of a goal or a class, summed up.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// Episodes asked for.
+    /// Number of episodes requested.
     pub episodes: usize,
-    /// Episodes that have a result.
+    /// Number of episodes with a result.
     pub finished: usize,
-    /// Share of the pegs that count, over all episodes; a lost one has none.
+    /// Share of counted pegs over all episodes; a lost episode counts as zero.
     pub completion: Spread,
     /// The best episode: the highest completion, and the shortest total time among equals.
     pub best: Option<Best>,
-    /// Pegs that count, of all episodes together.
+    /// Number of counted pegs of all episodes together.
     pub pegs_counted: usize,
-    /// Pegs in the goals of all episodes together.
+    /// Number of pegs in the goals of all episodes together.
     pub pegs: usize,
     /// Mean times of the episodes that have a result, complete or not.
     pub time: Option<MeanTime>,
@@ -56,7 +56,7 @@ pub struct Best {
 pub struct MeanTime {
     /// Task planning.
     pub planning: f64,
-    /// The rest of the agent's thinking.
+    /// The rest of the agent's compute.
     pub compute: f64,
     /// The robot's own time.
     pub robot: f64,
@@ -69,7 +69,7 @@ pub struct MeanTime {
 }
 
 impl Spread {
-    /// Of some values; `None` when there are none.
+    /// Over these values; `None` when there are none.
     pub fn of(values: &[f64]) -> Option<Spread> {
         if values.is_empty() {
             return None;
@@ -82,7 +82,7 @@ impl Spread {
 }
 
 impl Summary {
-    /// Of some episodes.
+    /// Over these episodes.
     pub fn of<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Summary {
         let entries: Vec<&Entry> = entries.into_iter().collect();
         let results: Vec<&EpisodeResult> = entries.iter().filter_map(|entry| entry.result.as_ref()).collect();
@@ -122,7 +122,7 @@ impl Summary {
     }
 }
 
-/// Why an episode is not complete, in the words of its result; `None` when it is.
+/// Reason why an episode is not complete, in the words of its result; `None` when it is complete.
 pub fn shortfall(result: &EpisodeResult) -> Option<String> {
     if result.counted() == result.pegs.len() {
         return None;
@@ -137,7 +137,7 @@ pub fn shortfall(result: &EpisodeResult) -> Option<String> {
     Some(fault.map_or_else(|| "the agent stopped".to_string(), ToString::to_string))
 }
 
-/// A reason without what differs from episode to episode: words with digits in them become `…`.
+/// A reason without its variable parts: words that contain digits become `…`.
 pub fn cause(reason: &str) -> String {
     let words = reason
         .split_whitespace()

@@ -6,14 +6,14 @@ use ramp_robot::{Event, MOST_EVENTS};
 
 use crate::episode::{AgentInfo, Host, Software, WorldInfo};
 
-/// The most pegs of a goal.
+/// Largest number of pegs of a goal.
 pub const MOST_PEGS: usize = 1000;
 /// The longest JSON of an event, characters.
 const LONGEST_EVENT: usize = 4 * MAX_SENTENCE;
 /// The most quantities that a world draws, and the longest list of numbers of one.
 const MOST_NUMBERS: usize = 200;
 
-/// Is it a name?
+/// Checks a name.
 pub(crate) fn name(what: &str, text: &str) -> Result<(), String> {
     match is_name(text) {
         true => Ok(()),
@@ -21,12 +21,12 @@ pub(crate) fn name(what: &str, text: &str) -> Result<(), String> {
     }
 }
 
-/// Is it a text for a person, no longer than a title?
+/// Checks a text for a person, no longer than a title.
 pub(crate) fn title(what: &str, text: &str) -> Result<(), String> {
     words(what, text, MAX_TITLE)
 }
 
-/// Is it a text for a person, no longer than a sentence or two?
+/// Checks a text for a person, no longer than a sentence or two.
 pub(crate) fn sentence(what: &str, text: &str) -> Result<(), String> {
     words(what, text, MAX_SENTENCE)
 }
@@ -41,7 +41,7 @@ fn words(what: &str, text: &str, most: usize) -> Result<(), String> {
     }
 }
 
-/// Is it a hash of so many hexadecimal digits?
+/// Checks a hash of `digits` hexadecimal digits.
 pub(crate) fn hash(what: &str, text: &str, digits: usize) -> Result<(), String> {
     match text.len() == digits && text.bytes().all(|byte| byte.is_ascii_hexdigit()) {
         true => Ok(()),
@@ -49,7 +49,7 @@ pub(crate) fn hash(what: &str, text: &str, digits: usize) -> Result<(), String> 
     }
 }
 
-/// Are they few enough?
+/// Checks that a list has at most `most` elements.
 pub(crate) fn few<T>(what: &str, list: &[T], most: usize) -> Result<(), String> {
     match list.len() <= most {
         true => Ok(()),
@@ -96,7 +96,7 @@ pub(crate) fn class_and_track(class: Option<&str>, track: &str) -> Result<(), St
     }
 }
 
-/// Is there such a class?
+/// Checks that the class exists.
 pub(crate) fn known_class(class: &str) -> Result<(), String> {
     match ramp_assembly::Class::ALL.iter().any(|known| known.name() == class) {
         true => Ok(()),

@@ -42,6 +42,6 @@ pub trait Agent {
     /// Works on the goal it was made for. Returning ends the episode.
     ///
     /// # Errors
-    /// The robot's error, when that is what ended the work.
+    /// The robot's error, if that ended the work.
     fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError>;
 }

@@ -1,7 +1,7 @@
 //! The arm as data: frames, limits, masses and shapes, read from `data/arms/*.json`.
 //!
-//! Shared by motion planning (kinematics, collisions, limits) and the twin (dynamics), so that both have the same
-//! arm. All lengths m, angles rad, masses kg.
+//! Shared by motion planning (kinematics, collisions, limits) and the twin (dynamics), so that both
+//! have the same arm. All lengths m, angles rad, masses kg.
 
 use ramp_source::{MAX_SENTENCE, plain};
 use serde::Deserialize;
@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 /// Number of joints of the arm that robots, the twin and skills drive.
 pub const DOF: usize = 7;
 
-/// A serial arm of `N` revolute joints with a hand and two parallel fingers. Motions of any of them can be planned; robots,
-/// the twin and skills take arms of [`DOF`] joints.
+/// A serial arm of `N` revolute joints with a hand and two parallel fingers. Motions of any of them
+/// can be planned; robots, the twin and skills take arms of [`DOF`] joints.
 ///
 /// ```
 /// # use std::path::Path;
@@ -28,25 +28,26 @@ pub const DOF: usize = 7;
 pub struct ArmModel<const N: usize = DOF> {
     /// For example `panda`.
     pub name: String,
-    /// Where the numbers come from.
+    /// Source of the numbers.
     pub source: String,
-    /// The part that does not move.
+    /// The fixed base.
     pub base: BaseLink,
-    /// From the base outwards; each turns about its own z.
+    /// From the base outwards; each rotates about its own z.
     #[serde(deserialize_with = "one_for_each_joint")]
     pub joints: [ArmJoint; N],
     /// The hand, fixed to the last link.
     pub hand: Hand,
-    /// The limits of a commanded motion of the tip; none are checked when this is missing.
+    /// Limits of the commanded motion of the tip; `None`: not checked.
     #[serde(default)]
     pub cartesian: Option<CartesianLimits>,
-    /// A finger; the other is the same, turned by 180° about the hand's z.
+    /// One finger; the other is the same, rotated by 180° about the hand's z.
     pub finger: Finger,
     /// Joint positions at the start of an episode, rad.
     #[serde(deserialize_with = "one_for_each_joint")]
     pub home: [f64; N],
-    /// Joint positions that motions lean to when they work straight ahead, rad: the tip in front of the base (y = 0), the hand
-    /// down with its x forward, the elbow up, every joint far from its ends. When this is missing, `home`.
+    /// Preferred joint positions for work in front of the base, rad: the tip at y = 0, the hand
+    /// pointing down with its x forward, the elbow up, every joint far from its limits. `home` when
+    /// this is missing.
     #[serde(default, deserialize_with = "some_for_each_joint")]
     pub posture: Option<[f64; N]>,
 }
@@ -70,7 +71,7 @@ fn some_for_each_joint<'de, D: Deserializer<'de>, const N: usize>(
     one_for_each_joint(from).map(Some)
 }
 
-/// The limits of a commanded motion of the tip: of its point, in m and s, then of its turn, in rad and s.
+/// Limits of the commanded motion of the tip: translation in m and s, then rotation in rad and s.
 #[derive(Clone, Debug, Deserialize)]
 pub struct CartesianLimits {
     /// m/s, rad/s.
@@ -99,7 +100,7 @@ pub struct ArmJoint {
     pub range: [f64; 2],
     /// Largest speed, rad/s.
     pub velocity: f64,
-    /// How that speed falls towards the ends of the range; it is the same everywhere when this is missing.
+    /// Reduction of that speed near the ends of the range; `None`: the limit is constant.
     #[serde(default)]
     pub braking: Option<Braking>,
     /// Largest acceleration, rad/s².
@@ -114,8 +115,9 @@ pub struct ArmJoint {
     pub link: ArmLink,
 }
 
-/// The fall of the largest speed towards an end of the range, by Franka's law for the Research 3: at distance d (rad)
-/// from the end towards which the joint moves, it is √(2 · deceleration · d) − offset, and at least zero.
+/// Reduction of the velocity limit towards an end of the range, by Franka's formula for the
+/// Research 3: at distance d (rad) from the end towards which the joint moves, the limit is √(2 ·
+/// deceleration · d) − offset, and at least zero.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Braking {
     /// rad/s².
@@ -125,7 +127,8 @@ pub struct Braking {
 }
 
 impl ArmJoint {
-    /// The limits of velocity at angle `q` (rad), rad/s: towards smaller angles, not positive, and towards larger ones.
+    /// The limits of velocity at angle `q` (rad), rad/s: towards smaller angles, not positive, and
+    /// towards larger ones.
     ///
     /// ```
     /// # use std::path::Path;
@@ -183,7 +186,7 @@ pub struct ArmBox {
     pub max: [f64; 3],
 }
 
-/// The hand. Its frame H: z out of the hand, y along which the fingers move.
+/// The hand. Its frame H: z out of the hand, y along the closing direction of the fingers.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Hand {
     /// Origin in the last joint's frame, m.
@@ -196,14 +199,15 @@ pub struct Hand {
     pub centre: [f64; 3],
     /// As [`ArmLink::inertia`].
     pub inertia: [f64; 6],
-    /// Its shape: the body and the camera on it.
+    /// Its shape: the body and the camera mounted on it.
     pub boxes: Vec<ArmBox>,
     /// Distance along z from H to the tip frame T, between the fingertips, m.
     pub tip: f64,
 }
 
-/// A finger that moves along +y of the hand, its joint position q ≥ 0 being its distance from closed. The boxes
-/// are given at the height of the tip: x across, y from the finger's joint axis outwards, z from T towards the hand.
+/// A finger that moves along +y of the hand; its joint position q ≥ 0 is its distance from closed.
+/// The boxes are given at the height of the tip: x across, y from the finger's joint axis outwards,
+/// z from T towards the hand.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Finger {
     /// Distance along z from H to the finger's frame, m.
@@ -216,24 +220,24 @@ pub struct Finger {
     pub centre: [f64; 3],
     /// As [`ArmLink::inertia`].
     pub inertia: [f64; 6],
-    /// The surfaces that grip: plate, rib and block.
+    /// The gripping surfaces: plate, rib and block.
     pub pads: Vec<ArmBox>,
     /// The rest of the finger.
     pub boxes: Vec<ArmBox>,
 }
 
-/// Why an arm file could not be read.
+/// Error of reading an arm file.
 #[derive(Debug, thiserror::Error)]
 pub enum ArmError {
-    /// No such file, or not readable.
-    #[error("{path}: cannot be read: {source}")]
+    /// The file is missing or not readable.
+    #[error("cannot read {path}: {source}")]
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's reason.
         source: std::io::Error,
     },
-    /// Not an arm.
+    /// The content is not an arm.
     #[error("{path}:{line}:{column}: {message}")]
     Format {
         /// The file.
@@ -242,7 +246,7 @@ pub enum ArmError {
         line: usize,
         /// From 1.
         column: usize,
-        /// What was found and what was expected.
+        /// The content found, and the content expected.
         message: String,
     },
 }
@@ -251,14 +255,15 @@ impl<const N: usize> ArmModel<N> {
     /// Reads an arm file.
     ///
     /// # Errors
-    /// When the file is missing, is not JSON of this form, is of an arm that has not `N` joints, or holds limits that make no sense.
+    /// When the file is missing, is not JSON of this form, does not have `N` joints, or holds
+    /// contradictory limits.
     pub fn read(path: &Path) -> Result<ArmModel<N>, ArmError> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| ArmError::Io { path: path.to_path_buf(), source })?;
         ArmModel::from_json(path, &text)
     }
 
-    /// Reads the text of an arm file; `path` is what messages call it.
+    /// Reads the text of an arm file; `path` is its name in messages.
     ///
     /// # Errors
     /// As [`ArmModel::read`].
@@ -301,7 +306,8 @@ mod tests {
         ArmModel::read(&Path::new("../../data/arms").join(name)).unwrap()
     }
 
-    /// At the ends of its range the speed towards the end is zero, away from it full; never more than the largest.
+    /// At an end of the range the speed towards that end is zero and away from it full; never above
+    /// the largest.
     #[test]
     fn velocity_falls_towards_the_ends_of_the_range() {
         for joint in &read("fr3.json").joints {

@@ -1,7 +1,8 @@
-//! Cameras: images, and what an agent is told about the lenses they were taken through.
+//! Cameras: images, and the lens models given to an agent.
 //!
-//! An optical frame C: origin in the centre of the lens, z where it looks, x to the right and y downwards in the
-//! image. Pixel coordinates start at the outer corner of the first pixel: its middle is at (0.5, 0.5).
+//! An optical frame C: origin in the centre of the lens, z along the viewing direction, x to the
+//! right and y downwards in the image. Pixel coordinates start at the outer corner of the first
+//! pixel: its middle is at (0.5, 0.5).
 
 use nalgebra::{Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 
@@ -17,7 +18,7 @@ pub enum Camera {
 }
 
 impl Camera {
-    /// Both.
+    /// Both cameras.
     pub const ALL: [Camera; 2] = [Camera::Wrist, Camera::BirdsEye];
 
     /// The name on the command line, in files and in messages.
@@ -36,7 +37,7 @@ pub struct Image {
     pub camera: Camera,
     /// Robot time in the middle of the exposure, s.
     pub time: f64,
-    /// Pose of the tip in the world that the arm measured at that moment.
+    /// Measured pose of the tip in the world at that moment.
     pub x_wt: Pose,
     /// Pixels in a row.
     pub width: usize,
@@ -46,7 +47,7 @@ pub struct Image {
     pub pixels: Vec<u8>,
 }
 
-/// What a camera is fixed to.
+/// The body to which a camera is fixed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mount {
     /// To the hand: pose of C in the tip frame T.
@@ -55,7 +56,7 @@ pub enum Mount {
     World(Pose),
 }
 
-/// A pinhole camera with a lens that distorts, by Brown's model.
+/// A pinhole camera with lens distortion by Brown's model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraModel {
     /// Pixels in a row.
@@ -64,15 +65,16 @@ pub struct CameraModel {
     pub height: usize,
     /// Focal lengths along x and y, pixels.
     pub focal: [f64; 2],
-    /// Where the optical axis meets the image, pixels.
+    /// Principal point, pixels.
     pub centre: [f64; 2],
     /// Radial and tangential coefficients in the usual order: k1, k2, p1, p2, k3.
     pub distortion: [f64; 5],
-    /// Where it is.
+    /// Mounting and pose.
     pub mount: Mount,
 }
 
-/// An optical frame that looks along `forward` with `up` upwards in the image, both unit vectors at right angles.
+/// An optical frame that looks along `forward` with `up` upwards in the image, both unit vectors at
+/// right angles.
 fn looking(position: Vector3<f64>, forward: Vector3<f64>, up: Vector3<f64>) -> Pose {
     let right = forward.cross(&up);
     let rotation = nalgebra::Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[right, -up, forward]));
@@ -80,14 +82,15 @@ fn looking(position: Vector3<f64>, forward: Vector3<f64>, up: Vector3<f64>) -> P
 }
 
 impl CameraModel {
-    /// The benchmark's camera, as an agent is told it is; `tip` is the distance from the hand's frame to the tip's
-    /// along z, m. Poses and fields of view are the published simulation's; the distortion is that of a usual
-    /// lens of this opening.
+    /// The nominal camera model of the benchmark, as given to an agent; `tip` is the distance from
+    /// the hand's frame to the tip's along z, m. Poses and fields of view are those of the
+    /// published simulation; the distortion is typical of a lens with this field of view.
     pub fn nominal(camera: Camera, tip: f64) -> CameraModel {
         let (width, height) = (1280, 800);
-        // Half of the horizontal field of view, the coefficients, and where it is.
+        // Half of the horizontal field of view, the coefficients, and the mounting.
         let (half, distortion, mount) = match camera {
-            // (50, 0, 50) mm in the hand's frame, looking where the hand points, up towards the hand's x.
+            // (50, 0, 50) mm in the hand's frame, looking along the hand's z, up towards the hand's
+            // x.
             Camera::Wrist => (
                 43.65_f64,
                 [-0.055, 0.018, 3.0e-4, -2.0e-4, -0.002],
@@ -118,7 +121,7 @@ impl CameraModel {
         }
     }
 
-    /// Where the lens throws a direction (x/z, y/z) of the optical frame, likewise.
+    /// The distorted direction of a direction (x/z, y/z) of the optical frame.
     pub fn distort(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [k1, k2, p1, p2, k3] = self.distortion;
         let r2 = x * x + y * y;
@@ -129,8 +132,8 @@ impl CameraModel {
         ]
     }
 
-    /// The pixel in which a point of the optical frame (m) appears; `None` behind the camera. It may lie outside
-    /// the image.
+    /// The pixel in which a point of the optical frame (m) appears; `None` behind the camera. It
+    /// may lie outside the image.
     pub fn project(&self, p_c: &Point3<f64>) -> Option<[f64; 2]> {
         if p_c.z <= 1e-6 {
             return None;
@@ -140,7 +143,8 @@ impl CameraModel {
     }
 
     /// The direction (x/z, y/z) of the optical frame that appears at a pixel: the inverse of
-    /// [`CameraModel::project`], by Newton's steps, to better than a millionth of a pixel within the image.
+    /// [`CameraModel::project`], by Newton's method, to better than a millionth of a pixel within
+    /// the image.
     ///
     /// ```
     /// use ramp_robot::camera::{Camera, CameraModel};

@@ -1,10 +1,10 @@
-//! What an agent tells the robot, once for each control period.
+//! The command that an agent sends to the robot, once per control period.
 
 use crate::arm::DOF;
 use crate::pose::Pose;
 use nalgebra::Vector6;
 
-/// What the arm is to do during the next control period.
+/// The arm's command for the next control period.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ArmCommand {
     /// Joint positions, rad; the inner loop tracks them stiffly.
@@ -22,21 +22,21 @@ pub enum ArmCommand {
 /// A Cartesian impedance at the tip, axes of the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Impedance {
-    /// Where the spring pulls the tip: pose in the world. The damper acts relative to this pose's own motion from
-    /// command to command.
+    /// Equilibrium pose of the spring: the tip in the world. The damper acts relative to this
+    /// pose's own motion from command to command.
     pub x_wt: Pose,
     /// Stiffness: three translational, N/m, then three rotational, N·m/rad.
     pub stiffness: Vector6<f64>,
     /// Damping ratio of the spring with the mass the arm shows at its tip; 1 is critical.
     pub damping_ratio: f64,
-    /// Wrench added to the spring's, at the tip, axes of the world: force in N, then moment in N·m. For example
-    /// the weight of a held part.
+    /// Wrench added to the spring's, at the tip, axes of the world: force in N, then moment in N·m.
+    /// For example, the weight of a held part.
     pub feed_forward: Vector6<f64>,
-    /// Joint positions that the arm leans towards in its null space, rad.
+    /// Preferred joint positions in the arm's null space, rad.
     pub posture: [f64; DOF],
 }
 
-/// What the gripper is to do.
+/// The gripper's command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GripperCommand {
     /// Wanted distance between the two fingers, m: the sum of the two finger joints, 0 to 0.08.

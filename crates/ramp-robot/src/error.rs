@@ -1,9 +1,9 @@
-//! Why a robot stopped.
+//! Errors of a robot.
 
 use crate::camera::Camera;
 use crate::track::Track;
 
-/// Why a robot stopped.
+/// Errors of a robot.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RobotError {
     /// A joint left its range.
@@ -28,43 +28,44 @@ pub enum RobotError {
         /// rad/s.
         limit: f64,
     },
-    /// A command holds a number that is not finite, or is not a pose, force or width at all.
-    #[error("the command's {what} is not a finite, sensible number")]
+    /// A command holds a number that is not finite, or an invalid pose, force or width.
+    #[error("the command's {what} is not a finite, valid number")]
     BadCommand {
-        /// Which part of the command.
+        /// The part of the command.
         what: &'static str,
     },
     /// A command holds a number beyond the [`limits`](crate::limits).
-    #[error("the command's {what} is {value:e}, and {limit} {unit} is the most there is")]
+    #[error("the command's {what} is {value:e}, above the limit of {limit} {unit}")]
     TooMuch {
-        /// Which part of the command.
+        /// The part of the command.
         what: &'static str,
         /// In `unit`.
         value: f64,
-        /// The most that is allowed, in `unit`.
+        /// The largest allowed value, in `unit`.
         limit: f64,
         /// The SI unit.
         unit: &'static str,
     },
-    /// A commanded position or pose does not follow from the one before within the limits of a motion.
+    /// The step from the previous commanded position or pose exceeds a motion limit.
     #[error(
-        "the commanded {quantity} of {of} is {value:.3} {unit}, and the most is {limit:.3}: commands come one a period of 1 ms"
+        "the commanded {quantity} of {of} is {value:.3} {unit}, above the limit of {limit:.3}: one command is expected every 1 ms"
     )]
     NotSmooth {
-        /// What moves, such as `joint 3`.
+        /// The moving body, such as `joint 3`.
         of: String,
-        /// Velocity, acceleration or jerk; of the first command, its step or turn from where the arm is.
+        /// Velocity, acceleration or jerk; for the first command, its distance from the current
+        /// pose.
         quantity: &'static str,
         /// In `unit`.
         value: f64,
-        /// The most that is allowed, in `unit`.
+        /// The largest allowed value, in `unit`.
         limit: f64,
         /// The SI unit.
         unit: &'static str,
     },
     /// Commanded torques change faster than the controller allows.
     #[error(
-        "controller_torque_discontinuity: the commanded torque of joint {joint} changes by {rate:.0} N·m/s, and the most is {limit:.0}"
+        "controller_torque_discontinuity: the commanded torque of joint {joint} changes by {rate:.0} N·m/s, above the limit of {limit:.0}"
     )]
     TorqueJump {
         /// 1 to 7.
@@ -74,10 +75,10 @@ pub enum RobotError {
         /// N·m/s.
         limit: f64,
     },
-    /// The arm has felt more than it may.
-    #[error("reflex: {of} is {value:.0} {unit}, and the most is {limit:.0}")]
+    /// A measured force or torque exceeded its limit.
+    #[error("reflex: {of} is {value:.0} {unit}, above the limit of {limit:.0}")]
     Reflex {
-        /// What was felt.
+        /// The measured quantity.
         of: String,
         /// In `unit`.
         value: f64,
@@ -86,21 +87,21 @@ pub enum RobotError {
         /// The SI unit.
         unit: &'static str,
     },
-    /// The episode has lasted as long as an episode may.
+    /// The episode reached its time limit.
     #[error("the episode reached its limit of {limit:.0} s of robot time")]
     OutOfTime {
         /// s.
         limit: f64,
     },
-    /// The track on which the agent is judged does not give what it asked for. The robot goes on.
+    /// The requested reading is not available on the agent's track. The robot continues.
     #[error("track `{}` gives no {what}", track.name())]
     NotOnTrack {
         /// The track.
         track: Track,
-        /// What was asked for.
+        /// The requested reading.
         what: &'static str,
     },
-    /// A camera gives no images any more. The robot goes on.
+    /// A camera no longer delivers images. The robot continues.
     #[error("the camera `{}` gives no image", camera.name())]
     CameraStopped {
         /// The camera.
@@ -115,7 +116,7 @@ pub enum RobotError {
 }
 
 impl RobotError {
-    /// Whether the robot has stopped for good; after the other errors it goes on.
+    /// Whether the robot has stopped for good; after the other errors it continues.
     pub fn is_final(&self) -> bool {
         !matches!(self, RobotError::NotOnTrack { .. } | RobotError::CameraStopped { .. })
     }

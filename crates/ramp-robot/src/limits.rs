@@ -1,10 +1,10 @@
-//! The largest numbers that a command may hold. A command beyond them ends the episode. They lie
-//! well above what the arm can do, so that no agent meets them by accident.
+//! The largest numbers that a command may hold. A command beyond them ends the episode. They are
+//! well above the limits of the arm, so that no agent reaches them by accident.
 
 use crate::command::{ArmCommand, Command};
 use crate::error::RobotError;
 
-/// Largest force of a finger, N: what Franka's hand can press with at most.
+/// Largest force of a finger, N: the maximum of Franka's hand.
 pub const GRIPPER_FORCE: f64 = 140.0;
 /// Largest commanded distance of the fingers, m; they open to 0.08.
 pub const GRIPPER_WIDTH: f64 = 0.1;
@@ -20,18 +20,18 @@ pub const STIFFNESS: f64 = 1.0e5;
 pub const DAMPING_RATIO: f64 = 100.0;
 
 impl Command {
-    /// Whether every number of it is within the limits of this module. Numbers that are no numbers are left to the
-    /// robot.
+    /// Checks that every number is within the limits of this module. NaN and infinities are left to
+    /// the robot.
     ///
     /// # Errors
-    /// [`RobotError::TooMuch`], with the first number that is not.
+    /// [`RobotError::TooMuch`] for the first number beyond its limit.
     ///
     /// ```
     /// use ramp_robot::{ArmCommand, Command, GripperCommand};
     /// let gripper = GripperCommand { width: 0.04, force: 1e12 };
     /// let command = Command { arm: ArmCommand::JointTorques([0.0; 7]), gripper };
     /// let error = command.check_limits().unwrap_err();
-    /// assert_eq!(error.to_string(), "the command's gripper force is 1e12, and 140 N is the most there is");
+    /// assert_eq!(error.to_string(), "the command's gripper force is 1e12, above the limit of 140 N");
     /// ```
     pub fn check_limits(&self) -> Result<(), RobotError> {
         match &self.arm {

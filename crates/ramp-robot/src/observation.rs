@@ -1,10 +1,10 @@
-//! What the robot senses at the end of a control period.
+//! The observation at the end of a control period.
 
 use crate::arm::DOF;
 use crate::pose::Pose;
 use nalgebra::Vector6;
 
-/// What the robot senses at the end of a control period.
+/// The observation at the end of a control period.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
     /// Robot time since the start of the episode, s.
@@ -18,24 +18,25 @@ pub struct Observation {
     /// Pose of the tip T in the world: origin between the fingertips, z out of the hand, y along the closing
     /// direction.
     pub x_wt: Pose,
-    /// Wrench of the hand on the world, measured at the wrist and expressed at the wrist in axes of the world:
-    /// force in N, then moment in N·m. Weights that the arm compensates (the hand's) are taken off; a held part's
-    /// is not. Noisy.
+    /// Wrench of the hand on the world, measured at the wrist and expressed at the wrist in axes of
+    /// the world: force in N, then moment in N·m. The weight of the hand is compensated, that of a
+    /// held part is not. Noisy.
     pub wrench: Vector6<f64>,
-    /// Distance between the two fingers, m, as the gripper told it last.
+    /// Distance between the two fingers, m, as last reported by the gripper.
     pub width: f64,
-    /// Whether the gripper is still at what it was commanded last. One that obeys at once never is.
+    /// Whether the gripper is still executing its last command. Always false for a gripper without
+    /// dead time.
     pub gripper_busy: bool,
 }
 
-/// Where a part was seen.
+/// A measured pose of a part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartReading {
     /// Name in the kit, for example `b4` or `p1`.
     pub part: String,
     /// Pose of its frame in the world: a beam's at its j1 hole, a peg's at the underside of its head.
     pub x_wp: Pose,
-    /// Standard deviation of its noise: of the position along each axis of the world, m, and of the rotation about
-    /// each axis of the world, rad. Zero for an exact reading.
+    /// Standard deviation of its noise: of the position along each axis of the world, m, and of the
+    /// rotation about each axis of the world, rad. Zero for an exact reading.
     pub sigma: [f64; 2],
 }

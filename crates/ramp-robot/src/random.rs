@@ -1,7 +1,7 @@
 //! Random numbers, all from an episode's seed, through named streams.
 //!
-//! Two streams of one seed are independent; asking one for more numbers never changes another, so a new source
-//! of noise does not change results that do not use it.
+//! Two streams of one seed are independent. Drawing more numbers from one never changes another, so
+//! a new noise source does not change results that do not use it.
 
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;

@@ -1,17 +1,17 @@
-//! The seam itself: a robot that can be driven.
+//! The seam itself: a robot that an agent can drive.
 
 use crate::camera::{Camera, CameraModel, Image};
 use crate::command::Command;
 use crate::error::RobotError;
 use crate::observation::{Observation, PartReading};
 
-/// Exposures of the cameras whose images wait to be asked for, at most.
+/// Largest number of exposures whose images wait to be fetched.
 pub const MOST_EXPOSURES: usize = 8;
 
 /// A robot that an agent can drive: the twin, or a real arm.
 ///
-/// The trait is all that an agent gets of it. What is behind it, with the truth that the referee reads, cannot be had
-/// from it:
+/// The trait is all that an agent gets. The implementation behind it, and the truth that the
+/// referee reads, cannot be reached through it:
 ///
 /// ```
 /// fn drive(robot: &mut dyn ramp_robot::Robot) -> &mut dyn ramp_robot::Robot {
@@ -24,44 +24,48 @@ pub const MOST_EXPOSURES: usize = 8;
 /// }
 /// ```
 pub trait Robot {
-    /// Lets one control period of a millisecond pass under `command` and returns what was sensed at its end.
+    /// Advances one control period of a millisecond under `command` and returns the observation at
+    /// its end.
     ///
     /// # Errors
-    /// When the command is not finite, a limit of the arm is broken or the episode's time is over. After an error
-    /// every further call returns the same error.
+    /// When the command is not finite, a limit of the arm is exceeded or the time limit is reached.
+    /// After an error every further call returns the same error.
     fn step(&mut self, command: &Command) -> Result<Observation, RobotError>;
 
-    /// What was sensed last, without letting time pass.
+    /// The last observation; no time passes.
     fn observe(&self) -> Observation;
 
-    /// Reads where the parts are, as far as the track allows. On `state` all parts, exactly and at no cost;
-    /// on `noisy` most of them, with noise, and robot time passes as for an image, during which the arm goes on with
-    /// its last command.
+    /// Reads the poses of the parts, as far as the track allows. On `state`: all parts, exactly, in
+    /// no time. On `noisy`: most of them, with noise; robot time passes as for an image, during
+    /// which the arm continues its last command.
     ///
     /// # Errors
-    /// As [`Robot::step`]; on `tags` always [`RobotError::NotOnTrack`], and the robot goes on.
+    /// As [`Robot::step`]; on `tags` always [`RobotError::NotOnTrack`], and the robot continues.
     fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError>;
 
-    /// Opens the shutters of both cameras, and takes no robot time: the arm goes on as it is commanded, and the image carries
-    /// its pose in the middle of the exposure. What moves meanwhile is blurred. [`Robot::look`] gives the images later, the
-    /// oldest first. A camera is done with one image before it begins the next, so that exposures that are asked for at once
-    /// follow each other. [`MOST_EXPOSURES`] are kept: another one takes the place of the oldest whose images are there, and is
-    /// not begun if there is none.
+    /// Opens the shutters of both cameras. It takes no robot time: the arm continues to follow its
+    /// commands, and the image carries its pose in the middle of the exposure. Motion during the
+    /// exposure blurs the image. [`Robot::look`] delivers the images later, the oldest first. A
+    /// camera finishes one image before it begins the next, so simultaneous requests are exposed
+    /// one after the other. At most [`MOST_EXPOSURES`] are kept. A further request replaces the
+    /// oldest exposure whose images are ready, and is ignored if none is ready.
     ///
     /// # Errors
-    /// That of an earlier step; on `noisy` [`RobotError::NotOnTrack`], and the robot goes on.
+    /// The error of an earlier step; on `noisy` [`RobotError::NotOnTrack`], and the robot
+    /// continues.
     fn expose(&mut self) -> Result<(), RobotError>;
 
-    /// Gives an image: the oldest of those exposed by [`Robot::expose`] that this camera has not given yet, as soon as it
-    /// is there, or else one that is exposed now. Exposure and the way to the agent take robot time, during which the arm
-    /// goes on with its last command. The cameras are exposed together: the other one's image of the same moment is there, too,
-    /// and takes no time if it is asked for before any passes.
+    /// Delivers an image: the oldest exposed by [`Robot::expose`] that this camera has not
+    /// delivered yet, as soon as it is ready; otherwise a new one. Exposure and transfer take robot
+    /// time, during which the arm continues its last command. The cameras are exposed together: the
+    /// other camera's image of the same moment is ready as well and takes no time if it is
+    /// requested before any passes.
     ///
     /// # Errors
     /// As [`Robot::step`]; [`RobotError::CameraStopped`] when there is no image, and on `noisy`
-    /// [`RobotError::NotOnTrack`]: after these two the robot goes on.
+    /// [`RobotError::NotOnTrack`]. After these two the robot continues.
     fn look(&mut self, camera: Camera) -> Result<Image, RobotError>;
 
-    /// What is known of a camera: its lens, and where it is up to the error of a usual calibration.
+    /// The nominal model of a camera: its lens, and its pose up to a typical calibration error.
     fn camera(&self, camera: Camera) -> CameraModel;
 }

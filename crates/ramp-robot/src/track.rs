@@ -1,11 +1,11 @@
-//! Tracks: what an agent may see.
+//! Tracks: how an agent observes the parts.
 
-/// What an agent may see of the parts.
+/// How an agent observes the parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Track {
     /// Exact poses from the simulator.
     State,
-    /// Poses from the simulator with noise on each reading, and readings that are missing.
+    /// Poses from the simulator with noise on each reading; some readings are missing.
     Noisy,
     /// Camera images alone, with the parts' tags in them.
     Tags,

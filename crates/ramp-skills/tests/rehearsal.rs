@@ -126,14 +126,14 @@ fn a_plan_that_fails_for_motion_is_changed() {
         ("medium-5-beams-2005", "b4 cannot be inserted along the path +X: the arm would touch b5"),
         (
             "medium-6-beams-2049",
-            "b9 cannot be inserted along the path +X while b5 is where it starts: the arm would touch b5",
+            "b9 cannot be inserted along the path +X while b5 is at its start pose: the arm would touch b5",
         ),
         ("hard-6-beams-1016", "b4 cannot be inserted along the path +X: the arm would touch b5"),
         ("hard-6-beams-1027", "b4 cannot be inserted along the path +X: the arm would touch b5"),
         ("medium-6-beams-1039", "b4 cannot be inserted along the path +X: the arm would touch b5"),
         (
             "medium-6-beams-5172",
-            "b4 cannot be inserted along the path +X while b5 is where it starts: the arm would touch b5",
+            "b4 cannot be inserted along the path +X while b5 is at its start pose: the arm would touch b5",
         ),
     ] {
         let goal = data.goal(name);

@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-/// Text as a cell of CSV that no spreadsheet takes for a formula: one that begins like a formula, and is no number, gets
-/// an apostrophe in front.
+/// Text as a CSV cell that no spreadsheet takes for a formula: if it begins like a formula and is
+/// not a number, an apostrophe is put in front.
 ///
 /// ```
 /// # use ramp_source::cell;

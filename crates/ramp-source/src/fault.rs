@@ -1,4 +1,4 @@
-//! A problem at its place, and how it prints.
+//! A problem at its place in a file, and how it prints.
 
 use crate::file::Place;
 use crate::text::visible;
@@ -7,11 +7,11 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What can be wrong in one kind of file; its `Display` is one sentence that says what was found.
+/// The problems of one kind of file; its `Display` is one sentence that says what was found.
 pub trait Problem: std::error::Error + Send + Sync + 'static {
-    /// The few words under the caret: what was expected there.
+    /// The few words under the caret: the expected content.
     fn label(&self) -> String;
-    /// What to do about it, where there is something to say.
+    /// Advice on how to fix it, where there is any.
     fn help(&self) -> Option<String> {
         None
     }
@@ -25,16 +25,16 @@ pub struct Fault<P> {
 struct Inner<P> {
     problem: P,
     place: Place,
-    /// Other places that help to understand it, with the words to put there.
+    /// Further places that help to understand it, each with its label.
     also: Vec<(Range<usize>, String)>,
-    /// The text once more, in the form that miette asks for.
+    /// The text in the form that miette needs.
     named: miette::NamedSource<Arc<str>>,
 }
 
 impl<P: Problem> Fault<P> {
     /// A problem at a place.
     pub fn new(problem: P, place: Place) -> Fault<P> {
-        // A terminal must not obey what stands in the lines that it shows.
+        // Control characters in the file must not reach the terminal.
         let text: Arc<str> = match place.file().kept_text() {
             Some(text) => match visible(text) {
                 Cow::Borrowed(_) => text.clone(),
@@ -46,23 +46,23 @@ impl<P: Problem> Fault<P> {
         Fault { inner: Box::new(Inner { problem, place, also: Vec::new(), named }) }
     }
 
-    /// Points at a second place of the same file, with a few words.
+    /// Adds a second place of the same file with a label.
     pub fn also(mut self, span: Range<usize>, words: &str) -> Fault<P> {
         self.inner.also.push((span, words.to_string()));
         self
     }
 
-    /// What is wrong.
+    /// The problem.
     pub fn problem(&self) -> &P {
         &self.inner.problem
     }
 
-    /// Where.
+    /// Its place.
     pub fn place(&self) -> &Place {
         &self.inner.place
     }
 
-    /// `file:line:column`, or only the file where it could not be read.
+    /// `file:line:column`, or only the file if it could not be read.
     pub fn location(&self) -> String {
         self.inner.place.to_string()
     }

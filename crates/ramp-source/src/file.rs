@@ -1,11 +1,11 @@
-//! A text with its name, and places in it: what every message points at.
+//! A text with its name, and places in it, to which every message points.
 
 use crate::text::plain;
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The largest file that is read, bytes; the project's own are under 20 kB.
+/// Size limit of a file, bytes; the project's own are under 20 kB.
 pub const MAX_FILE: usize = 1 << 20;
 
 /// A text file with its name, cheap to clone.
@@ -23,7 +23,7 @@ impl fmt::Debug for SourceFile {
 }
 
 impl SourceFile {
-    /// A file that is already in memory; `name` is what messages call it.
+    /// A file that is already in memory; `name` is its name in messages.
     pub fn new(name: &str, text: &str) -> SourceFile {
         SourceFile { name: plain(name, usize::MAX).into(), text: Some(text.into()) }
     }
@@ -33,12 +33,12 @@ impl SourceFile {
         SourceFile { name: plain(name, usize::MAX).into(), text: None }
     }
 
-    /// Its text as it is kept; `None` when it could not be read.
+    /// Its text; `None` when it could not be read.
     pub(crate) fn kept_text(&self) -> Option<&Arc<str>> {
         self.text.as_ref()
     }
 
-    /// What messages call it.
+    /// Its name in messages.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -48,7 +48,7 @@ impl SourceFile {
         self.text.as_deref().unwrap_or_default()
     }
 
-    /// A place in it, by byte offsets; pulled into the text where they leave it.
+    /// A place in it, by byte offsets, clamped to the text.
     pub fn place(&self, span: Range<usize>) -> Place {
         let into_text = |offset: usize| {
             let mut offset = offset.min(self.text().len());
@@ -91,7 +91,7 @@ impl Place {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (line, column) = self.line_column();
-        // A file that could not be read has no line to name.
+        // A file that could not be read has no lines.
         match self.file.text {
             Some(_) => write!(f, "{}:{line}:{column}", self.file.name),
             None => write!(f, "{}", self.file.name),

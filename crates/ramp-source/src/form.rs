@@ -1,11 +1,11 @@
-//! What can be wrong with the form of any file, before its meaning is looked at.
+//! Problems of the form of any file, checked before its meaning.
 
 use crate::fault::Problem;
 use crate::file::MAX_FILE;
 use crate::names::A_NAME;
 
-/// What can be wrong with the form of a file: unreadable, not UTF-8, not XML, or not the elements and attributes
-/// that were expected.
+/// Problems of the form of a file: unreadable, not UTF-8, not XML, or unexpected elements and
+/// attributes.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormProblem {
@@ -23,7 +23,7 @@ pub enum FormProblem {
     /// The file is not UTF-8.
     #[error("this file is not UTF-8 text: found the byte 0x{byte:02x}")]
     NotUtf8 {
-        /// The first byte that does not fit.
+        /// The first invalid byte.
         byte: u8,
     },
     /// The file is not XML.
@@ -32,26 +32,26 @@ pub enum FormProblem {
         /// The parser's reason.
         why: String,
     },
-    /// XML that is larger in some way than any honest file.
+    /// A size in the XML exceeds its limit.
     #[error("this has {what}, expected at most {most}")]
     TooMuch {
-        /// Of what there is too much, such as `an element with more attributes than are read`.
+        /// The size, such as `an element with more attributes than are read`.
         what: &'static str,
-        /// How much there may be.
+        /// Its limit.
         most: usize,
     },
-    /// The outermost element is another one.
+    /// The outermost element has the wrong name.
     #[error("found the outermost element <{found}>, expected <{expected}>")]
     Root {
-        /// What the file has.
+        /// The name found.
         found: String,
-        /// What it must have.
+        /// The name expected.
         expected: &'static str,
     },
-    /// An element that does not belong here.
+    /// An unexpected element.
     #[error("found <{found}> inside <{parent}>, expected {expected}")]
     Element {
-        /// What the file has.
+        /// The name found.
         found: String,
         /// The element around it.
         parent: String,
@@ -60,17 +60,17 @@ pub enum FormProblem {
         /// The most similar of them.
         nearest: Option<String>,
     },
-    /// An attribute that looks like a misspelt one.
+    /// An attribute that looks like a misspelling.
     #[error("<{element}> has no attribute `{found}`")]
     Attribute {
-        /// What the file has.
+        /// The name found.
         found: String,
-        /// The element it stands in.
+        /// Its element.
         element: String,
         /// The most similar attribute.
         nearest: String,
     },
-    /// An attribute that must be there is not.
+    /// A required attribute is missing.
     #[error("<{element}> has no attribute `{attribute}`, which it needs")]
     Missing {
         /// The element.
@@ -78,34 +78,34 @@ pub enum FormProblem {
         /// The attribute.
         attribute: &'static str,
     },
-    /// Not a number, or one out of range.
+    /// Not a number, or out of range.
     #[error("found {attribute}=\"{found}\", expected {expected}")]
     Number {
         /// The attribute.
         attribute: &'static str,
         /// Its value.
         found: String,
-        /// What it may be.
+        /// The allowed values.
         expected: String,
     },
-    /// Neither `True` nor `False`, or the like.
+    /// A value outside a list of choices, such as neither `True` nor `False`.
     #[error("found {attribute}=\"{found}\", expected {expected}")]
     Choice {
         /// The attribute.
         attribute: &'static str,
         /// Its value.
         found: String,
-        /// What it may be.
+        /// The allowed values.
         expected: &'static str,
     },
-    /// A name that is none.
+    /// An invalid name.
     #[error("found the name \"{found}\", expected {A_NAME}")]
     Name {
         /// The name, shortened.
         found: String,
     },
-    /// A file that says no name, and is itself called what is none.
-    #[error("no name stands here, and that of the file, \"{found}\", is none: expected {A_NAME}")]
+    /// A file without a name in it, whose own name is invalid.
+    #[error("the file states no name, and its own, \"{found}\", is not valid: expected {A_NAME}")]
     FileName {
         /// The name of the file without its ending, shortened.
         found: String,

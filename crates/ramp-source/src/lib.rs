@@ -1,14 +1,15 @@
-//! Text files that people write: reading them, pointing at a place in them, and saying what is wrong there.
+//! Text files written by people: reading them, pointing at a place in them, and reporting what is
+//! wrong there.
 //!
-//! [`SourceFile::read`] turns a path into a text with a name, within limits. A crate that reads such files has its own
-//! list of [`Problem`]s. A [`Fault`] is one of them at its [`Place`]: it prints with [`miette`] as the line with a
-//! caret under the fault, with `{}` as one sentence, and with `{:#}` as that sentence after `file:line:column`.
-//! [`parse_xml`] and [`Element`] do the same for XML files: whatever an element or an attribute lacks is a fault at its
-//! place. [`nearest`] finds the name that a misspelt one was meant to be.
+//! [`SourceFile::read`] turns a path into a text with a name, within limits. A crate that reads
+//! such files has its own list of [`Problem`]s. A [`Fault`] is one of them at its [`Place`]. It
+//! prints with [`miette`] as the line with a caret under the fault, with `{}` as one sentence, and
+//! with `{:#}` as that sentence after `file:line:column`. [`parse_xml`] and [`Element`] do the same
+//! for XML files. [`nearest`] finds the name that a misspelt one was meant to be.
 //!
-//! What every file of the project has in common, whoever wrote it, is here as well: what a name is ([`is_name`]), what a
-//! text for a person is ([`is_text`]), how large a file may be ([`read_bytes`], [`read_text`]), how one is written
-//! ([`write_whole`]) and what may stand in a cell of a spreadsheet ([`cell`]).
+//! Rules that hold for every untrusted file are here as well: names ([`is_name`]), text for a
+//! person ([`is_text`]), size limits ([`read_bytes`], [`read_text`]), atomic writing
+//! ([`write_whole`]) and cells of a spreadsheet ([`cell`]).
 //!
 //! ```
 //! use ramp_source::{Fault, Problem, SourceFile};

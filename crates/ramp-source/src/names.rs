@@ -1,16 +1,16 @@
-//! Names: what a name is, and which one was meant.
+//! Names: their syntax, and suggestions for misspelt ones.
 //!
-//! Files are named after goals and agents, tables and pages show them, and rules are made of them. So a name is the same
-//! everywhere, and nothing in one can be a path, a formula, an option or a line of its own.
+//! Names of goals and agents appear in file names, tables, pages and logic rules. So the syntax is
+//! the same everywhere, and a name can never be a path, a formula, an option or several lines.
 
-/// The longest name, in characters; also keeps the search for the nearest name fast.
+/// Length limit of a name, characters; it also keeps the search for the nearest name fast.
 pub const MAX_NAME: usize = 64;
 
-/// What a name is, for a message.
+/// The syntax of a name, for a message.
 pub const A_NAME: &str =
     "1 to 64 letters (a to z, A to Z), digits and `-_.+`, of which the first is a letter or a digit";
 
-/// Is this a name: [`A_NAME`]?
+/// Whether this is a name ([`A_NAME`]).
 ///
 /// ```
 /// # use ramp_source::is_name;
@@ -24,7 +24,7 @@ pub fn is_name(text: &str) -> bool {
         && text.chars().all(may_stand)
 }
 
-/// What is left of a text, such as the name of a file, when it becomes a name; `unnamed` where that is nothing.
+/// A text, such as a file name, reduced to a name; `unnamed` if no character remains.
 ///
 /// ```
 /// # use ramp_source::to_name;
@@ -42,12 +42,12 @@ pub fn to_name(text: &str) -> String {
     if name.is_empty() { "unnamed".to_string() } else { name }
 }
 
-/// May this stand in a name?
+/// Whether this character may be part of a name.
 fn may_stand(c: char) -> bool {
     c.is_ascii_alphanumeric() || "-_.+".contains(c)
 }
 
-/// The name among `names` that is most like `wanted`, when one is like enough to be worth suggesting.
+/// The most similar name among `names`, if it is similar enough to suggest.
 ///
 /// ```
 /// # use ramp_source::nearest;
@@ -64,8 +64,8 @@ pub fn nearest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Op
         .map(|(_, name)| name)
 }
 
-/// How many characters must be added, dropped, changed or swapped with their neighbour to turn `a` into `b`, not
-/// counting case; `None` when one of them is too long to be a name.
+/// Edit distance between `a` and `b` with insertions, deletions, substitutions and swaps of
+/// neighbours, ignoring case; `None` when one of them is too long for a name.
 fn edits(a: &str, b: &str) -> Option<usize> {
     if a.len() > MAX_NAME || b.len() > MAX_NAME {
         return None;
@@ -73,7 +73,7 @@ fn edits(a: &str, b: &str) -> Option<usize> {
     let fold = |text: &str| text.chars().flat_map(char::to_lowercase).collect::<Vec<char>>();
     let (a, b) = (fold(a), fold(b));
     let width = b.len() + 1;
-    // Row i holds the distances from the first i characters of a to every beginning of b.
+    // Row i holds the distances from the first i characters of a to every prefix of b.
     let mut table = vec![0; (a.len() + 1) * width];
     for i in 0..=a.len() {
         for j in 0..=b.len() {

@@ -1,4 +1,4 @@
-//! Reading files within limits, whoever wrote them: as bytes, as text, and as a [`SourceFile`].
+//! Reads untrusted files within limits: as bytes, as text, and as a [`SourceFile`].
 
 use crate::fault::{Fault, Problem};
 use crate::file::{MAX_FILE, SourceFile};
@@ -7,7 +7,7 @@ use crate::text::plain;
 use std::io::Read;
 use std::path::Path;
 
-/// Why a file was not read.
+/// Reasons why a file was not read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum ReadError {
@@ -19,12 +19,12 @@ pub enum ReadError {
         /// The system's reason, in plain words.
         why: String,
     },
-    /// It is larger than such a file can be.
+    /// It is larger than its limit.
     #[error("{file} is larger than {} kB", most / 1024)]
     TooLarge {
         /// The file.
         file: String,
-        /// What it may have, bytes.
+        /// The limit, bytes.
         most: usize,
     },
     /// It is not UTF-8.
@@ -32,19 +32,19 @@ pub enum ReadError {
     NotUtf8 {
         /// The file.
         file: String,
-        /// The first byte that does not fit.
+        /// The first invalid byte.
         byte: u8,
     },
 }
 
-/// The bytes of a file of at most `most` bytes. No more than that is read, whatever size the system tells.
+/// The bytes of a file of at most `most` bytes. No more is read, whatever size the system reports.
 ///
 /// # Errors
 /// When the system cannot read it, or it is larger.
 pub fn read_bytes(path: &Path, most: usize) -> Result<Vec<u8>, ReadError> {
     let file = || plain(&path.display().to_string(), usize::MAX);
     let mut bytes = Vec::new();
-    // One byte more than allowed tells a file that is too large from one that just fits.
+    // One byte above the limit distinguishes a file that is too large from one that just fits.
     std::fs::File::open(path)
         .and_then(|file| file.take(most as u64 + 1).read_to_end(&mut bytes))
         .map_err(|error| ReadError::Unreadable { file: file(), why: describe_io(&error) })?;
@@ -63,10 +63,11 @@ pub fn read_text(path: &Path, most: usize) -> Result<String, ReadError> {
 }
 
 impl SourceFile {
-    /// Reads a file, which must be UTF-8 and no larger than [`MAX_FILE`].
+    /// Reads a UTF-8 file of at most [`MAX_FILE`] bytes.
     ///
     /// # Errors
-    /// When the system cannot read it, when it is too large, or at its first byte that is not UTF-8.
+    /// When the system cannot read it, when it is too large, or at its first byte that is not
+    /// UTF-8.
     pub fn read<P: Problem + From<FormProblem>>(path: &Path) -> Result<SourceFile, Fault<P>> {
         let name = plain(&path.display().to_string(), usize::MAX);
         let unreadable = |why: String| {
@@ -82,7 +83,7 @@ impl SourceFile {
             Err(error) => {
                 let valid = error.utf8_error().valid_up_to();
                 let file = SourceFile::new(&name, &String::from_utf8_lossy(error.as_bytes()));
-                // What stands in front is valid, so the offset is the same in the lossy text.
+                // The bytes before it are valid, so the offset is the same in the lossy text.
                 let byte = error.as_bytes()[valid];
                 Err(Fault::new(FormProblem::NotUtf8 { byte }.into(), file.place(valid..valid)))
             }
@@ -90,7 +91,7 @@ impl SourceFile {
     }
 }
 
-/// Why the system could not read a file, in plain words.
+/// The reason why the system could not read a file, in plain words.
 fn describe_io(error: &std::io::Error) -> String {
     match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".to_string(),

@@ -1,14 +1,14 @@
-//! Text for a person, from whoever wrote it: what may stand in it, and how it stands in a message.
+//! Untrusted text for a person: allowed characters, and safe display in a message.
 
 use crate::names::MAX_NAME;
 use std::borrow::Cow;
 
-/// The longest title, such as the name of a robot or of a publication, in characters.
+/// Length limit of a title, such as the name of a robot or of a publication, characters.
 pub const MAX_TITLE: usize = 256;
-/// The longest sentence, such as an event or why an episode ended, in characters.
+/// Length limit of a sentence, such as an event or the reason of an episode's end, characters.
 pub const MAX_SENTENCE: usize = 1000;
 
-/// Is this a text of at most `most` characters in which every character shows itself?
+/// Whether this is a text of at most `most` visible characters.
 ///
 /// ```
 /// # use ramp_source::{MAX_TITLE, is_text};
@@ -19,8 +19,8 @@ pub fn is_text(text: &str, most: usize) -> bool {
     text.chars().count() <= most && !text.contains(hides)
 }
 
-/// Text as it may stand in a message: what would not show itself is written out, and what is longer than `most` characters
-/// ends in an ellipsis behind them.
+/// Text made safe for a message: invisible characters are escaped, and text longer than `most`
+/// characters is cut and ends in an ellipsis.
 ///
 /// ```
 /// # use ramp_source::plain;
@@ -41,13 +41,13 @@ pub fn plain(text: &str, most: usize) -> String {
     short
 }
 
-/// Text as it may stand in a message, as short as a name.
+/// Text made safe for a message, cut to the length of a name.
 pub fn shorten(text: &str) -> String {
     plain(text, MAX_NAME)
 }
 
-/// The same text with other characters of the same length for those that would not show themselves, so that every place
-/// in it stays where it is. Ends of lines and tabs stay.
+/// The text with invisible characters replaced by others of the same length, so that every byte
+/// offset remains valid. Line breaks and tabs stay.
 pub(crate) fn visible(text: &str) -> Cow<'_, str> {
     let bad = |c: char| hides(c) && !matches!(c, '\n' | '\r' | '\t');
     if !text.contains(bad) {
@@ -61,8 +61,8 @@ pub(crate) fn visible(text: &str) -> Cow<'_, str> {
     Cow::Owned(text.chars().map(|c| if bad(c) { instead(c) } else { c }).collect())
 }
 
-/// Does a character not show itself, or change how others show? Control characters, ends of lines and paragraphs, and what
-/// turns the direction of writing.
+/// Whether a character is invisible or changes the display of others: control characters, line and
+/// paragraph separators, and direction marks.
 fn hides(c: char) -> bool {
     let turns =
         matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');

@@ -1,4 +1,4 @@
-//! Writing a file whole or not at all.
+//! Atomic writing: a file is complete or absent.
 
 use std::fs::Permissions;
 use std::io::Write;
@@ -7,20 +7,20 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tempfile::NamedTempFile;
 
-/// Why a file could not be written.
+/// A file could not be written.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("cannot write {path}: {source}")]
 pub struct WriteError {
     /// The file.
     pub path: PathBuf,
-    /// What the system said.
+    /// The system's reason.
     pub source: std::io::Error,
 }
 
-/// The files of this process that are not whole, by the names that they have until then.
+/// Unfinished files of this process, by their temporary names.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// A place among the unfinished files; it goes when this is dropped.
+/// An entry in the list of unfinished files, removed on drop.
 struct Listed(PathBuf);
 
 impl Listed {
@@ -36,15 +36,17 @@ impl Drop for Listed {
     }
 }
 
-/// Takes away what this process has not finished: for a program that was asked to end, and ends at once.
+/// Removes the unfinished files of this process. For a program that was asked to end and ends at
+/// once.
 pub fn remove_unfinished() {
     for path in UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).iter() {
         let _ = std::fs::remove_file(path);
     }
 }
 
-/// A file that is being written. It stands in the folder under a name that nobody can guess, made new, until
-/// [`WholeFile::finish`] gives it its own; dropped before that, it is gone. A link of its name is replaced, not followed.
+/// A file that is being written. It has a new, unpredictable name in its folder until
+/// [`WholeFile::finish`] gives it its own name. If it is dropped before, it is removed. A link with
+/// its name is replaced, not followed.
 pub struct WholeFile {
     path: PathBuf,
     file: NamedTempFile,
@@ -52,13 +54,13 @@ pub struct WholeFile {
 }
 
 impl WholeFile {
-    /// Begins a file.
+    /// Starts a file.
     ///
     /// # Errors
     /// When the folder cannot be written to.
     pub fn new(path: &Path) -> Result<WholeFile, WriteError> {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        // What the umask leaves of these, as for any other file.
+        // The default mode; the umask applies, as for any other file.
         let ordinary = Permissions::from_mode(0o666);
         let mut builder = tempfile::Builder::new();
         match builder.prefix(".").suffix(".partial").permissions(ordinary).tempfile_in(folder) {
@@ -67,22 +69,22 @@ impl WholeFile {
                 Ok(WholeFile { path: path.to_path_buf(), file, listed })
             }
             Err(error) => {
-                // Its own name for the folder means nothing to who reads the message.
+                // The temporary name means nothing to the reader of the message.
                 let source = error.raw_os_error().map_or(error, std::io::Error::from_raw_os_error);
                 Err(WriteError { path: path.to_path_buf(), source })
             }
         }
     }
 
-    /// Where it stands until it is finished, for another program that writes it.
+    /// Its temporary path, for another program that writes it.
     pub fn place(&self) -> &Path {
         self.file.path()
     }
 
-    /// Gives it its name, once all of it is on the disk.
+    /// Renames it to its own name, once all of it is on the disk.
     ///
     /// # Errors
-    /// When the system does not write it, or something else is in its place.
+    /// When the system cannot write it, or the path is taken by something other than a file.
     pub fn finish(self) -> Result<(), WriteError> {
         let WholeFile { path, file, listed: _listed } = self;
         let done = file.as_file().sync_all();
@@ -103,7 +105,7 @@ impl Write for WholeFile {
     }
 }
 
-/// Writes a file so that it is there whole or not at all.
+/// Writes a file atomically.
 ///
 /// # Errors
 /// When the folder cannot be written to.
@@ -132,7 +134,7 @@ mod tests {
         assert_eq!(std::fs::read_to_string(at("result.json")).unwrap(), "{}");
         assert_eq!(std::fs::read_to_string(at("victim")).unwrap(), "mine");
         assert!(at("result.json.partial").is_symlink(), "it is not ours");
-        // A folder of the file's name is in the way.
+        // A folder with the file's name is in the way.
         std::fs::create_dir_all(at("taken/inside")).unwrap();
         assert!(write_whole(&at("taken"), "{}").is_err());
         let mut names: Vec<_> =

@@ -1,7 +1,7 @@
-//! XML with its places: elements and attributes that know where they stand in the file.
+//! XML with places: elements and attributes know their position in the file.
 //!
-//! [`parse_xml`] checks the size and the syntax; [`Element`] hands out children and attributes and refuses what is
-//! missing or unknown; [`Value`] reads an attribute as a name, a number or a choice.
+//! [`parse_xml`] checks the size and the syntax; [`Element`] returns children and attributes and
+//! refuses missing or unknown ones; [`Value`] reads an attribute as a name, a number or a choice.
 
 use crate::fault::{Fault, Problem};
 use crate::file::{MAX_FILE, SourceFile};
@@ -12,11 +12,11 @@ use crate::xml_size::check_size;
 use std::marker::PhantomData;
 use std::ops::{Range, RangeInclusive};
 
-/// The most XML nodes in one file.
+/// Largest number of XML nodes in one file.
 const MAX_NODES: u32 = 100_000;
 
-/// An XML element with its file, so that whatever is wrong with it can be pointed at; `P` is the list of problems
-/// of the crate that reads.
+/// An XML element with its file, so that a message can point at it; `P` is the list of problems of
+/// the reading crate.
 pub struct Element<'a, P> {
     node: roxmltree::Node<'a, 'a>,
     file: &'a SourceFile,
@@ -34,8 +34,8 @@ impl<P> Copy for Element<'_, P> {}
 /// Parses the XML of a file; the tree borrows its text.
 ///
 /// # Errors
-/// When the file is too large, where an element has too many attributes, too long ones or too many elements around it,
-/// or at the place where it is not XML.
+/// When the file is too large; where an element has too many attributes, too long ones or too deep
+/// nesting; or at the first syntax error.
 pub fn parse_xml<P: Problem + From<FormProblem>>(
     file: &SourceFile,
 ) -> Result<roxmltree::Document<'_>, Fault<P>> {
@@ -47,7 +47,7 @@ pub fn parse_xml<P: Problem + From<FormProblem>>(
     roxmltree::Document::parse_with_options(file.text(), options).map_err(|error| {
         let at = error.pos();
         let offset = offset_of(file.text(), at.row as usize, at.col as usize);
-        // The parser puts " at line:column" at the end, which the place says already.
+        // The parser appends " at line:column", which the place repeats.
         let why = error.to_string();
         let why = why.strip_suffix(&format!(" at {at}")).unwrap_or(&why);
         let why = plain(why, MAX_SENTENCE);
@@ -66,7 +66,7 @@ impl<'a, P: Problem + From<FormProblem>> Element<'a, P> {
     /// The outermost element, which must have this name.
     ///
     /// # Errors
-    /// When it has another one.
+    /// When it has another name.
     pub fn root(
         document: &'a roxmltree::Document<'a>,
         file: &'a SourceFile,
@@ -84,7 +84,7 @@ impl<'a, P: Problem + From<FormProblem>> Element<'a, P> {
         self.node.tag_name().name()
     }
 
-    /// The file it stands in.
+    /// Its file.
     pub fn file(&self) -> &'a SourceFile {
         self.file
     }
@@ -104,7 +104,7 @@ impl<'a, P: Problem + From<FormProblem>> Element<'a, P> {
         Fault::new(problem, self.file.place(self.span()))
     }
 
-    /// The elements in it, each of which must have one of these names.
+    /// The child elements, each of which must have one of these names.
     ///
     /// # Errors
     /// At the first element with another name.
@@ -127,8 +127,8 @@ impl<'a, P: Problem + From<FormProblem>> Element<'a, P> {
         Ok(children)
     }
 
-    /// Finds attributes that look like a misspelt one of `names`. Others are passed over, so that files of other
-    /// tools, which may say more, can be read.
+    /// Finds attributes that look like a misspelling of one of `names`. Other unknown attributes
+    /// are ignored, so that files of other tools can be read.
     ///
     /// # Errors
     /// At the first attribute that looks like one.
@@ -152,7 +152,7 @@ impl<'a, P: Problem + From<FormProblem>> Element<'a, P> {
         Ok(())
     }
 
-    /// An attribute that may be there.
+    /// An optional attribute.
     pub fn optional(&self, attribute: &'static str) -> Option<Value<'a, P>> {
         let node = self.node.attribute_node(attribute)?;
         Some(Value {
@@ -164,10 +164,10 @@ impl<'a, P: Problem + From<FormProblem>> Element<'a, P> {
         })
     }
 
-    /// An attribute that must be there.
+    /// A required attribute.
     ///
     /// # Errors
-    /// At the opening tag, when it is not there.
+    /// At the opening tag, when it is missing.
     pub fn required(&self, attribute: &'static str) -> Result<Value<'a, P>, Fault<P>> {
         self.optional(attribute).ok_or_else(|| {
             self.fault(FormProblem::Missing { element: self.tag().to_string(), attribute }.into())
@@ -209,7 +209,7 @@ impl<'a, P: Problem + From<FormProblem>> Value<'a, P> {
     /// As a name: [`A_NAME`](crate::A_NAME).
     ///
     /// # Errors
-    /// When it is none.
+    /// When it is not a name.
     pub fn name(&self) -> Result<&'a str, Fault<P>> {
         if is_name(self.text) {
             return Ok(self.text);
@@ -220,10 +220,10 @@ impl<'a, P: Problem + From<FormProblem>> Value<'a, P> {
     /// As a number in a range; `unit` is for the message.
     ///
     /// # Errors
-    /// When it is no number, or out of range.
+    /// When it is not a number, or out of range.
     pub fn number(&self, range: RangeInclusive<f64>, unit: &str) -> Result<f64, Fault<P>> {
         let number = self.text.trim().parse::<f64>().ok();
-        // A NaN is in no range.
+        // A NaN is outside every range.
         number.filter(|number| range.contains(number)).ok_or_else(|| {
             let expected = format!("a number from {} to {} {unit}", range.start(), range.end());
             self.bad_number(expected.trim_end().to_string())
@@ -233,7 +233,7 @@ impl<'a, P: Problem + From<FormProblem>> Value<'a, P> {
     /// As a whole number in a range.
     ///
     /// # Errors
-    /// When it is no whole number, or out of range.
+    /// When it is not a whole number, or out of range.
     pub fn integer(&self, range: RangeInclusive<i64>) -> Result<i64, Fault<P>> {
         let number = self.text.trim().parse::<i64>().ok();
         number.filter(|number| range.contains(number)).ok_or_else(|| {
@@ -249,7 +249,7 @@ impl<'a, P: Problem + From<FormProblem>> Value<'a, P> {
     /// As `True` or `False`.
     ///
     /// # Errors
-    /// When it is something else.
+    /// When it is neither.
     pub fn flag(&self) -> Result<bool, Fault<P>> {
         match self.text {
             "True" => Ok(true),
@@ -258,7 +258,7 @@ impl<'a, P: Problem + From<FormProblem>> Value<'a, P> {
         }
     }
 
-    /// A fault that says which values may stand here.
+    /// A fault that lists the allowed values.
     pub fn bad_choice(&self, expected: &'static str) -> Fault<P> {
         let found = shorten(self.text);
         self.fault(FormProblem::Choice { attribute: self.attribute, found, expected }.into())

@@ -1,25 +1,25 @@
-//! How much an XML element may hold, checked before it is parsed.
+//! Size limits of XML elements, checked before parsing.
 //!
-//! A parser compares each attribute of an element with all others of it, so an element with as many as fit into a file
-//! takes minutes. One walk over the tags finds such files in no time. It knows just enough of XML for that: whatever else
-//! is wrong, the parser says.
+//! A parser compares each attribute of an element with all others, so an element that fills a file
+//! with attributes takes minutes. One pass over the tags finds such files at once. It knows only as
+//! much XML as it needs; the parser reports all other errors.
 
 use crate::form::FormProblem;
 use std::ops::Range;
 
-/// The most attributes of one element.
+/// Largest number of attributes of one element.
 const MAX_ATTRIBUTES: usize = 64;
-/// The most elements around one another.
+/// Largest nesting depth of elements.
 const MAX_DEPTH: usize = 32;
-/// The longest attribute, its name and its value together, and the longest name of an element, bytes.
+/// Longest attribute, name and value together, and longest element name, bytes.
 const MAX_LENGTH: usize = 4096;
-/// What stands between `<` and another end than `>`.
+/// Constructs that begin with `<` and do not end with `>` alone.
 const OTHERS: [(&str, &str); 3] = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
 
 /// Walks over all tags.
 ///
 /// # Errors
-/// What there is too much of, and where.
+/// The size that exceeds its limit, and its place.
 pub(crate) fn check_size(text: &str) -> Result<(), (FormProblem, Range<usize>)> {
     let mut depth = 0_usize;
     let mut at = 0;
@@ -46,11 +46,11 @@ pub(crate) fn check_size(text: &str) -> Result<(), (FormProblem, Range<usize>)> 
     Ok(())
 }
 
-/// Where the tag that begins at `begin` ends.
+/// End of the tag that begins at `begin`.
 fn tag(text: &str, begin: usize) -> Result<usize, (FormProblem, Range<usize>)> {
     let mut quote = None;
     let mut attributes = 0;
-    // Where the name of the element, or the last attribute, ended.
+    // End of the element's name, or of the last attribute.
     let mut last = begin;
     for (offset, byte) in text[begin..].bytes().enumerate() {
         let at = begin + offset;

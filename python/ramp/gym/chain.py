@@ -1,4 +1,4 @@
-"""A goal from the sheet to the last peg, of which one kind of action is the environment's."""
+"""A whole goal, in which the environment executes one kind of action and the baseline all others."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class _Closed(Exception):
 
 
 class _Relay(Skill):
-    """Hands the robot over to the environment: it waits for actions, and tells what is sensed after each."""
+    """Connects the robot with the environment: it waits for actions, and returns the observation after each."""
 
     name = "relay"
 
@@ -68,11 +68,10 @@ class _Relay(Skill):
 
 
 class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
-    """A whole goal in one go: the baseline carries out its plan, and hands over each action of one kind.
+    """A whole goal: the baseline carries out its plan, except the actions of one kind.
 
-    An episode is one build. Between two actions of yours the baseline lets go, fetches and carries in the same physics:
-    what one action leaves crooked, the next one meets. The last number of an action ends your part of it where it is
-    above 0. The reward is the share of the pegs that count, at the end of the episode.
+    The physics are continuous: the result of one action is the start of the next. The last number of an action ends
+    your action when it is above 0. The reward is the share of counted pegs, at the end of the episode.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}
@@ -97,19 +96,19 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         """Makes the environment.
 
         Args:
-            goal: The goal that is built.
-            skill: The kind of action that is handed over, as ``serves`` of :class:`ramp.Skill`.
-            track: What the agent may see of the parts: ``state``, ``noisy`` or ``tags``.
-            world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
-            turns: Whether an action turns the hand.
+            goal: The goal to build.
+            skill: The kind of action that is yours, as ``serves`` of :class:`ramp.Skill`.
+            track: How parts are observed: ``state``, ``noisy`` or ``tags``.
+            world: The physics: ``ideal``, ``real``, ``hard``, or a world file.
+            turns: Whether an action rotates the hand.
             gripper: Whether an action moves the fingers.
             speed: Largest speed of the target, m/s.
-            turn_speed: Largest speed of its turn, rad/s.
-            leash: How far the target may be from the tip along x, y and z, m.
+            turn_speed: Largest angular speed of the target, rad/s.
+            leash: Largest distance of the target from the tip along x, y and z, m.
             stiffness: Stiffness along (N/m) and about (N·m/rad) the axes of the world, six numbers.
-            rate: Actions a second, 5 to 100.
-            limit: Robot time after which an action of the plan is given up, s.
-            render_mode: Nothing; there are no pictures.
+            rate: Actions per second, 5 to 100.
+            limit: Time limit of one action, s of robot time.
+            render_mode: ``None``; it renders no images.
 
         """
         EzPickle.__init__(
@@ -142,10 +141,10 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Begins a new build, and lets the baseline work until the first action that is handed over."""
+        """Begins a new episode, and runs the baseline until your first action."""
         super().reset(seed=seed)
         self.close()
-        # An episode that was broken off may have left something in them.
+        # An aborted episode may have left items in them.
         self.actions, self.told = queue.Queue(1), queue.Queue(1)
         own = int(self.np_random.integers(2**31))
         self._thread = threading.Thread(target=self._build, args=(own,), daemon=True)
@@ -160,7 +159,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         return told, {"seed": own}
 
     def _build(self, seed: int) -> None:
-        """In a thread of its own: the whole episode."""
+        """Runs the whole episode, in a thread of its own."""
         try:
             told: Result | BaseException = run(
                 self.goal, skills=[_Relay(self)], track=self.track, world=self.world, seed=seed
@@ -171,7 +170,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             self.told.put(told)
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Lets an action work for one period of control, or until your next part begins where it ends this one."""
+        """Applies an action for one period of control; if it ends your action, returns at the next one."""
         if self._thread is None:
             raise gymnasium.error.ResetNeeded("the episode is over, or was not begun: call `reset`")
         numbers = np.asarray(action, dtype=np.float64).ravel()
@@ -190,7 +189,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         return told, 0.0, False, False, {"success": False}
 
     def close(self) -> None:
-        """Ends the build that is going on."""
+        """Ends the running episode."""
         if self._thread is not None:
             self.actions.put(None)
             self._thread.join()
@@ -198,7 +197,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
 
 
 def _observation(seen: Sensed, wrench: Array, lead: Array, task: Task, left: float) -> Observation:
-    """What is sensed and believed, with the fields of an environment."""
+    """Measurements and beliefs, as the fields of an observation."""
     part = _moved(seen, task)
     error = np.concatenate([task.goal_pose[:3] - part[:3], _between(part[3:], task.goal_pose[3:])])
     values = {
@@ -210,7 +209,7 @@ def _observation(seen: Sensed, wrench: Array, lead: Array, task: Task, left: flo
 
 
 def _moved(seen: Sensed, task: Task) -> Array:
-    """Where the part is now: what is held moves with the hand."""
+    """The current pose of the part: a held part moves with the hand."""
     if task.held_pose is None:
         return task.part_pose
     turn = seen.tip_quat_wxyz
@@ -219,7 +218,7 @@ def _moved(seen: Sensed, task: Task) -> Array:
 
 
 def _between(first: Array, second: Array) -> Array:
-    """The turn from one quaternion to another, a rotation vector in rad, axes of the world."""
+    """The rotation from one quaternion to another as a rotation vector in rad, axes of the world."""
     turn = _product(second, _inverse(first))
     turn = turn if turn[0] >= 0.0 else -turn
     sine = float(np.linalg.norm(turn[1:]))

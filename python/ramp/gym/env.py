@@ -20,8 +20,8 @@ Observation = dict[str, Any]
 class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     """A goal of the benchmark, or one of its skills alone.
 
-    Every argument is also one of ``gymnasium.make``. The page of the environments
-    (``docs/src/reference/environments.md``) tells what observations, actions and rewards are.
+    Every argument is also one of ``gymnasium.make``. ``docs/src/reference/environments.md`` describes
+    observations, actions and rewards.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 20}
@@ -56,29 +56,29 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         """Makes the environment.
 
         Args:
-            skill: One of the twelve skills of ``ramp trials``, or ``fasten`` for all joints; the whole goal without.
-            goals: Goals whose steps are tried, or the one goal; all nine of the benchmark for a skill without any.
-            track: What is known of the parts: ``state``, ``noisy`` or ``tags``.
-            world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
-            start: ``ready`` begins where the skill does, ``home`` with the arm at home as in ``ramp trials``.
-            starts: First seed and number of the starts that episodes are drawn from; a number of 0 makes a new one for
-                each episode, which takes longer.
-            whole_scene: Have all parts of the kit in the scene, and not only those that the task needs.
+            skill: One of the twelve skills of ``ramp trials``, or ``fasten`` for all joints; default: the whole goal.
+            goals: Goals whose steps are drawn, or the one goal; default for a skill: all nine of the benchmark.
+            track: How parts are observed: ``state``, ``noisy`` or ``tags``.
+            world: The physics: ``ideal``, ``real``, ``hard``, or a world file.
+            start: ``ready`` begins with the skill, ``home`` with the arm at home as in ``ramp trials``.
+            starts: First seed and number of the starts from which episodes are drawn; with a number of 0, each episode
+                gets a new one, which takes longer.
+            whole_scene: Simulate all parts of the kit instead of those that the task needs.
             action: ``cartesian``, ``joint`` or ``raw``.
-            turns: Whether a Cartesian action turns the hand.
+            turns: Whether a Cartesian action rotates the hand.
             gripper: Whether an action moves the fingers.
-            strict: With ``raw``, a command that the arm cannot follow ends the episode, as in a judged run.
+            strict: With ``raw``, an infeasible command ends the episode, as in a judged run.
             speed: Largest speed of the target, m/s, or rad/s of a joint.
-            turn_speed: Largest speed of its turn, rad/s.
-            leash: How far the target may be from the tip along x, y and z, m.
+            turn_speed: Largest angular speed of the target, rad/s.
+            leash: Largest distance of the target from the tip along x, y and z, m.
             stiffness: Stiffness along (N/m) and about (N·m/rad) the axes of the world, six numbers.
-            rate: Actions a second, 5 to 100.
+            rate: Actions per second, 5 to 100.
             limit: Robot time after which an episode is truncated, s.
             reward: ``sparse`` or ``shaped``.
-            belief_error: Standard deviation of an error of the place of the part along x and y, m.
+            belief_error: Standard deviation of an error of the goal pose along x and y, m.
             cameras: Images in observations: ``wrist``, ``birds-eye``.
             image_size: Pixels along each side, 16 to 512.
-            depth: Depth images, too.
+            depth: Depth images as well.
             render_mode: ``rgb_array``, or nothing.
 
         """
@@ -114,7 +114,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Begins a new episode; with a seed, the first of that seed's."""
+        """Begins a new episode; with a seed, the first one of that seed."""
         super().reset(seed=seed)
         if seed is None and not self._seeded:
             seed = int(self.np_random.integers(2**31))
@@ -123,7 +123,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         return self._observe(), self.core.start()
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Lets an action work for one period of control."""
+        """Applies an action for one period of control."""
         told = self.core.step(np.asarray(action, dtype=np.float64).ravel())
         reward = float(told.pop("reward"))
         terminated, truncated = bool(told.pop("terminated")), bool(told.pop("truncated"))

@@ -21,19 +21,19 @@ SKILLS = {
     "AssembleCap": "assemble-cap", "AssembleDeep": "assemble-deep",
     "LayDown": "lay-down", "Slide": "slide", "Push": "push", "PickUpPeg": "pick-up-peg",
 }  # fmt: skip
-"""Skills: name in the id, and the skill. ``Fasten`` stands for the four joints that pegs pin."""
+"""Skills: name in the id, and the skill. ``Fasten`` covers all four types of joints."""
 
 IDS = tuple(f"RAMP/{name}-v0" for name in (*GOALS, *SKILLS))
 """All ids of goals and skills."""
 
 CHAIN = "RAMP/Chain-v0"
-"""A whole goal, of which one kind of action is the environment's."""
+"""A whole goal, in which the environment executes one kind of action."""
 
 
 def _arguments(name: str) -> dict[str, Any]:
-    """What an id stands for."""
+    """The arguments of an id."""
     if name in GOALS:
-        # A whole goal takes minutes: fast over the table, and as much time as an episode may take.
+        # A whole goal takes minutes: fast motions, and a long time limit.
         return {"goals": [GOALS[name]], "speed": 0.25, "turn_speed": 1.0, "limit": 600.0}
     skill = SKILLS[name]
     if skill.startswith("fasten"):
@@ -44,7 +44,7 @@ def _arguments(name: str) -> dict[str, Any]:
 
 
 def register() -> None:
-    """Registers all ids with Gymnasium; again without effect."""
+    """Registers all ids with Gymnasium; idempotent."""
     if CHAIN not in gymnasium.registry:
         gymnasium.register(CHAIN, entry_point="ramp.gym.chain:RampChainEnv")
     for name in (*GOALS, *SKILLS):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ramp._core import Env, InputError, benchmark
 from ramp.goal import Goal, as_goal
 
-# The largest numbers that are met: the arm's ranges and speeds, the table's size, forces before the arm stops.
+# Limits of each field, above all values in practice: ranges and speeds of the arm, table size, forces of the reflex.
 LIMITS = {
     "positions": 4.0,
     "velocities": 4.0,
@@ -43,7 +43,7 @@ def make_core(
     depth: bool,
     settings: dict[str, Any],
 ) -> Env:
-    """The environment that both kinds stand on."""
+    """The compiled environment behind both kinds."""
     views = [(camera, image_size, depth) for camera in cameras]
     if len(set(cameras)) != len(cameras):
         raise InputError("a camera is named twice")
@@ -60,7 +60,7 @@ def make_core(
 
 
 def observation_space(core: Env, cameras: Sequence[str], size: int, depth: bool) -> spaces.Dict:
-    """The space of observations: a box of 32-bit numbers for each field, and one for each image."""
+    """The space of observations: a box of 32-bit floats per field, and one per image."""
     boxes: dict[str, spaces.Space[Any]] = {}
     for name, shape, _, _ in core.fields():
         limit = LIMITS[name]
@@ -80,7 +80,7 @@ def action_space(core: Env) -> spaces.Space[NDArray[np.float32]]:
 
 
 class Cutter:
-    """Cuts rows of numbers into the fields of an observation."""
+    """Splits rows of numbers into the fields of an observation."""
 
     def __init__(self, core: Env) -> None:
         self.pieces = [
@@ -90,6 +90,6 @@ class Cutter:
         self.limits = np.concatenate(limits)
 
     def cut(self, rows: NDArray[np.float32]) -> dict[str, NDArray[np.float32]]:
-        """The fields of ``rows``, whose last axis has the numbers; what is past a limit is set to it, in place."""
+        """The fields of ``rows`` along its last axis; values are clipped to their limits, in place."""
         np.clip(rows, -self.limits, self.limits, out=rows)
         return {name: rows[..., at].reshape(rows.shape[:-1] + shape) for name, at, shape in self.pieces}

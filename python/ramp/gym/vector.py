@@ -48,13 +48,13 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         """Makes the environments.
 
         Args:
-            num_envs: How many.
-            skill: As :class:`ramp.gym.RampEnv`, like all that is not named here.
+            num_envs: Number of environments.
+            skill: As :class:`ramp.gym.RampEnv`, like all arguments that are not described here.
             goals: Likewise.
-            threads: Threads that work on them; as many as there are processors without it.
+            threads: Number of threads; default: the number of processors.
             autoreset_mode: ``NEXT_STEP`` or ``DISABLED``.
-            copy: Give new arrays at each step; without it, views of buffers that the next step overwrites.
-            max_episode_steps: Truncate an episode after so many actions.
+            copy: Return new arrays at each step; otherwise views of buffers that the next step overwrites.
+            max_episode_steps: Truncate an episode after this number of actions.
             track: Likewise.
             world: Likewise.
             start: Likewise.
@@ -62,7 +62,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             cameras: Likewise.
             image_size: Likewise.
             depth: Likewise.
-            render_mode: Nothing: pictures are those of a single environment.
+            render_mode: ``None``; only a single environment renders.
             settings: All other arguments of a single environment.
 
         """
@@ -131,7 +131,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
     def step(
         self, actions: NDArray[np.float32]
     ) -> tuple[Observation, NDArray[np.float64], Flags, Flags, dict[str, Any]]:
-        """Lets a row of actions work for one period of control."""
+        """Applies one action per environment for one period of control."""
         resets = self.autoreset_mode is AutoresetMode.NEXT_STEP
         told = self.batch.step(np.asarray(actions, dtype=np.float64).ravel(), resets)
         reset: Flags = told.pop("reset")

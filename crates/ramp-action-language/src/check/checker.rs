@@ -1,11 +1,11 @@
-//! What every part of the checker has: the domain so far, and errors at places of its file.
+//! The checker's common part: the domain so far, and errors at places of its file.
 
 use crate::ast::{Name, Span};
 use crate::domain::Domain;
 use crate::problem::{LanguageError, LanguageProblem};
 use ramp_source::{Fault, nearest};
 
-/// A domain while it is checked.
+/// A domain being checked.
 pub(crate) struct Checker<'a> {
     pub(crate) coarse: Option<&'a Domain>,
     pub(crate) domain: Domain,
@@ -17,7 +17,7 @@ impl Checker<'_> {
         Err(Fault::new(problem, self.domain.file.place(span.clone())))
     }
 
-    /// An error about a name that is declared nowhere.
+    /// An error about an undeclared name.
     pub(crate) fn unknown<'n, T>(
         &self,
         kind: &'static str,

@@ -1,4 +1,5 @@
-//! Declarations: sorts with what they are made of, functions, and the signatures of statics, fluents and actions.
+//! Declarations: sorts with their parts, functions, and the signatures of statics, fluents and
+//! actions.
 
 use super::checker::Checker;
 use crate::ast::{Name, SortPart, Span, Statement};
@@ -7,7 +8,7 @@ use crate::problem::{LanguageError, LanguageProblem};
 use ramp_source::Fault;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-/// Names that the translation needs for itself.
+/// Names reserved for the translation.
 const RESERVED: [&str; 16] = [
     NUMBER,
     "resumed",
@@ -90,7 +91,7 @@ impl Checker<'_> {
             self.known_sorts(sorts)?;
             let numbers = matches!(kind, Kind::Action { .. } | Kind::Fluent(FluentKind::Inertial));
             if let Some(sort) = sorts.iter().find(|sort| numbers && sort.text == NUMBER) {
-                // There are too many numbers to try each.
+                // The numbers are too many to enumerate.
                 let problem = LanguageProblem::Kind {
                     name: NUMBER.to_string(),
                     found: "a sort without an end",
@@ -111,7 +112,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Finds the leaves of a sort, those of the sorts in it first.
+    /// Finds the leaves of a sort, recursively.
     fn sort(
         &mut self,
         name: &str,
@@ -122,7 +123,7 @@ impl Checker<'_> {
             return Ok(());
         }
         let Some((place, of)) = parts.get(name) else { return Ok(()) };
-        // A chain of sorts as long as a file would be too deep to walk.
+        // A chain of sorts as long as a file would overflow the stack.
         if within.len() > 64 || within.iter().any(|outer| outer == name) {
             return self.fault(LanguageProblem::Circle { name: name.to_string() }, &place.span);
         }

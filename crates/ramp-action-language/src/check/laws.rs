@@ -1,4 +1,4 @@
-//! Laws: what may stand where, and a sort for every variable.
+//! Laws: syntax checks, and a sort for every variable.
 
 use super::checker::Checker;
 use super::terms::{Role, Variables, bind};
@@ -27,7 +27,7 @@ impl Checker<'_> {
             Law::Impossible { action } => self.atom(action, Role::Action, &mut variables)?,
             Law::Holds { head } => {
                 self.atom(&head.atom, Role::Head, &mut variables)?;
-                self.no_anonymous(&head.atom.arguments, "what a law concludes")?;
+                self.no_anonymous(&head.atom.arguments, "the conclusion of a law")?;
                 let kind = self.domain.kind(&head.atom.name.text);
                 match kind {
                     Some(kind @ (Kind::Static | Kind::Fluent(FluentKind::Defined))) if !head.positive => {
@@ -42,12 +42,12 @@ impl Checker<'_> {
             Law::Initially { head } | Law::Goal { head } => {
                 let role = if matches!(law, Law::Initially { .. }) { Role::Effect } else { Role::Fluent };
                 self.atom(&head.atom, role, &mut variables)?;
-                self.no_anonymous(&head.atom.arguments, "what an initial state or a goal says")?;
+                self.no_anonymous(&head.atom.arguments, "an initial state or a goal")?;
                 body_role = Role::StaticBody;
             }
             Law::Bridge { head } => {
                 self.bridge(head, &mut variables)?;
-                self.no_anonymous(&head.arguments, "what a law concludes")?;
+                self.no_anonymous(&head.arguments, "the conclusion of a law")?;
             }
         }
         for condition in &body {
@@ -57,7 +57,7 @@ impl Checker<'_> {
                     if literal.positive {
                         bind(&literal.atom.arguments, &mut variables);
                     } else {
-                        self.no_anonymous(&literal.atom.arguments, "what is negated")?;
+                        self.no_anonymous(&literal.atom.arguments, "a negated condition")?;
                     }
                 }
                 Condition::Comparison(comparison) => {
@@ -72,7 +72,8 @@ impl Checker<'_> {
         if let Law::Causal { action, .. } | Law::Impossible { action } = &law {
             bind(&action.arguments, &mut variables);
         }
-        // Every variable has a sort; a number has a value besides, for there are too many to try.
+        // Every variable has a sort; a number must also be bound, because numbers are too many to
+        // enumerate.
         let mut unsafe_variable = None;
         let mut visit = |variable: &str, span: &Span| {
             let sort = variables.sorts.get(variable);

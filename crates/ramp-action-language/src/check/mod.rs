@@ -1,7 +1,8 @@
-//! The checker: from statements to a [`Domain`] in which every name is known and every variable has a sort.
+//! The checker: from statements to a [`Domain`] with all names resolved and a sort for every
+//! variable.
 //!
-//! `declarations` reads sorts and signatures, `laws` finds the sort of every variable and refuses what means nothing,
-//! and `negation` refuses what is defined by its own negation.
+//! `declarations` reads sorts and signatures, `laws` finds the sort of every variable and refuses
+//! meaningless laws, and `negation` refuses predicates defined by their own negation.
 
 mod checker;
 mod declarations;
@@ -19,11 +20,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 impl Domain {
-    /// Reads a domain from a file. A fine domain is given the coarse one that it refines: it sees its sorts and
-    /// statics, and its `bridge` laws are about its fluents.
+    /// Reads a domain from a file. A fine domain receives the coarse one that it refines: it can
+    /// use the coarse sorts and statics, and its `bridge` laws define coarse fluents.
     ///
     /// # Errors
-    /// When the file cannot be read, or says something that the language does not allow.
+    /// When the file cannot be read, or violates the language.
     pub fn read(path: &Path, coarse: Option<&Domain>) -> Result<Domain, LanguageError> {
         Domain::new(&SourceFile::read(path)?, coarse)
     }
@@ -31,7 +32,7 @@ impl Domain {
     /// The same for a file in memory.
     ///
     /// # Errors
-    /// When it says something that the language does not allow.
+    /// When it violates the language.
     pub fn new(file: &SourceFile, coarse: Option<&Domain>) -> Result<Domain, LanguageError> {
         let statements = statements(file)?;
         let mut checker = Checker {

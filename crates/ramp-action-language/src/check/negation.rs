@@ -1,4 +1,5 @@
-//! No static and no fluent is defined by its own negation, however far around.
+//! Stratification: no static and no fluent is defined by its own negation, directly or through
+//! others.
 
 use super::checker::Checker;
 use crate::ast::{Condition, Law, Literal};
@@ -7,7 +8,7 @@ use crate::problem::{LanguageError, LanguageProblem};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Checker<'_> {
-    /// What is defined must not depend on its own negation, however far around.
+    /// Checks that no defined predicate depends on its own negation, directly or through others.
     pub(crate) fn stratified(&self) -> Result<(), LanguageError> {
         let defined = |name: &str| {
             matches!(self.domain.kind(name), Some(Kind::Static | Kind::Fluent(FluentKind::Defined)))

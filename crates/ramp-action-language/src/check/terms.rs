@@ -1,4 +1,4 @@
-//! Atoms and terms: each argument is of its sort, and tells what its variables can be.
+//! Atoms and terms: each argument must be of its sort, and narrows down the sorts of its variables.
 
 use super::checker::Checker;
 use crate::ast::{Atom, Expression, Name, Shape, Span};
@@ -8,7 +8,7 @@ use crate::problem::{LanguageError, LanguageProblem};
 use ramp_source::nearest;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Where an atom stands, which says what it may be.
+/// The position of an atom, which determines the allowed kinds.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Role {
     StaticBody,
@@ -19,15 +19,16 @@ pub(crate) enum Role {
     Head,
 }
 
-/// What is known of the variables of a law.
+/// Knowledge about the variables of a law.
 #[derive(Default)]
 pub(crate) struct Variables {
     pub(crate) sorts: BTreeMap<String, String>,
-    /// Those that a positive literal gives a value.
+    /// Variables bound by a positive literal.
     pub(crate) bound: BTreeSet<String>,
 }
 
-/// Notes the variables that a positive literal binds: those that stand in it plainly, not in a sum.
+/// Records the variables bound by a positive literal: those that occur in it directly, not inside a
+/// sum.
 pub(crate) fn bind(terms: &[Expression], variables: &mut Variables) {
     for term in terms {
         match &term.what {
@@ -41,7 +42,8 @@ pub(crate) fn bind(terms: &[Expression], variables: &mut Variables) {
 }
 
 impl Checker<'_> {
-    /// The terms of a comparison outside of every atom: functions and sums still say what is in them.
+    /// The terms of a comparison outside every atom: functions and sums still narrow down their
+    /// variables.
     pub(crate) fn side(&self, term: &Expression, variables: &mut Variables) -> Result<(), LanguageError> {
         match &term.what {
             Shape::Sum(left, _, right) => {
@@ -89,7 +91,7 @@ impl Checker<'_> {
                 Role::Body | Role::Head => "static or fluent",
             };
             let names = self.domain.predicates.iter().filter(|(_, p)| fits(p)).map(|(name, _)| name);
-            // A keyword misspelt at the beginning of a statement looks like a head.
+            // A misspelt keyword at the beginning of a statement looks like a head.
             let keywords: Vec<String> = KEYWORDS.map(str::to_string).to_vec();
             return self.unknown(kind, &atom.name, names.chain(keywords.iter()));
         };
@@ -142,7 +144,7 @@ impl Checker<'_> {
         arguments.iter().zip(sorts).try_for_each(|(term, sort)| self.term(term, sort, variables))
     }
 
-    /// A term where a sort is expected.
+    /// Checks a term where a sort is expected.
     fn term(&self, term: &Expression, sort: &str, variables: &mut Variables) -> Result<(), LanguageError> {
         let leaves = &self.domain.sorts[sort].leaves;
         let fits = match &term.what {
@@ -165,7 +167,7 @@ impl Checker<'_> {
                 true
             }
             Shape::Number(_) => leaves.contains(&Leaf::Number),
-            // Which objects there are is known when there is a problem.
+            // The objects are known only with a problem.
             Shape::Quoted(_) => leaves.iter().any(|leaf| matches!(leaf, Leaf::Open(_))),
             Shape::Function(name, arguments) if arguments.is_empty() => {
                 leaves.contains(&Leaf::Constant(name.clone()))
@@ -203,7 +205,7 @@ impl Checker<'_> {
     }
 }
 
-/// No more of a term than a message needs.
+/// A term cut to the length of a message.
 fn shorten(text: &str) -> String {
     let mut short: String = text.chars().take(40).collect();
     if short.len() < text.len() {

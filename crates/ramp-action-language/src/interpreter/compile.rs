@@ -1,4 +1,5 @@
-//! From a domain and the facts of a problem to a [`Model`]: objects of sorts, statics, and laws in numbers.
+//! From a domain and the facts of a problem to a [`Model`]: objects, statics and laws, all as
+//! numbers.
 
 use super::model::{Model, Predicate};
 use super::rule::{Head, Pattern, Rule, Test};
@@ -10,7 +11,8 @@ use rustc_hash::FxHashMap as HashMap;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl<'d> Model<'d> {
-    /// A domain with the objects and statics of a problem; facts about what the domain does not declare are left out.
+    /// A domain with the objects and statics of a problem; facts about undeclared names are
+    /// ignored.
     pub fn new(domain: &'d Domain, facts: &[Term]) -> Model<'d> {
         let predicates: Vec<Predicate> =
             domain.predicates.iter().map(|(name, p)| Predicate { name, kind: p.kind }).collect();
@@ -239,7 +241,7 @@ impl<'d> Compiler<'_, 'd> {
     }
 }
 
-/// Rules by what they define, those that others read first.
+/// Rules by their defined predicate, in order of dependency.
 fn in_order(mut rules: BTreeMap<usize, Vec<Rule<'_>>>) -> Vec<(usize, Vec<Rule<'_>>)> {
     let mut order = Vec::new();
     while !rules.is_empty() {
@@ -247,7 +249,7 @@ fn in_order(mut rules: BTreeMap<usize, Vec<Rule<'_>>>) -> Vec<(usize, Vec<Rule<'
             let mut reads = rules_of.iter().flat_map(|rule| &rule.reads);
             reads.all(|read| read == *own || !rules.contains_key(read))
         });
-        // In a circle without negation, any first one will do.
+        // In a cycle without negation any order is correct.
         let next = ready.or_else(|| rules.iter().next()).map(|(&own, _)| own);
         let Some(next) = next else { break };
         if let Some(of) = rules.remove(&next) {

@@ -1,7 +1,7 @@
-//! Laws matched against states: everything that the variables of a law can stand for.
+//! Matches laws against states: enumerates the bindings of a law's variables.
 //!
-//! The search takes the condition next that leaves the fewest choices, and looks statics up by an argument that is
-//! known already.
+//! The search takes next the condition with the fewest choices, and looks statics up by an argument
+//! that is already bound.
 
 use super::model::Model;
 use super::rule::{Binding, Head, Pattern, Rule, Test, is_bound, unbound};
@@ -13,7 +13,7 @@ use crate::term::Term;
 use smallvec::SmallVec;
 
 impl Model<'_> {
-    /// Calls `with` for everything that the variables of a rule can stand for in a state, until it says `true`.
+    /// Calls `with` for every binding of a rule's variables in a state, until it returns `true`.
     pub(crate) fn solve<'s>(
         &self,
         rule: &Rule,
@@ -25,7 +25,7 @@ impl Model<'_> {
         self.extend(rule, state.into(), &open, &mut binding, with)
     }
 
-    /// The same where the action of the rule is given.
+    /// The same for a given action.
     pub(crate) fn solve_action<'s>(
         &self,
         rule: &Rule,
@@ -57,7 +57,7 @@ impl Model<'_> {
         }
     }
 
-    /// The same where one of the conditions is about a given row of a predicate.
+    /// The same with one condition bound to a given row of a predicate.
     pub(crate) fn solve_with(
         &self,
         rule: &Rule,
@@ -74,7 +74,7 @@ impl Model<'_> {
         })
     }
 
-    /// The same where what the rule concludes is given.
+    /// The same for a given conclusion.
     pub(crate) fn solve_head(
         &self,
         rule: &Rule,
@@ -107,7 +107,7 @@ impl Model<'_> {
         binding: &mut Binding,
         with: &mut dyn FnMut(&Binding) -> bool,
     ) -> bool {
-        // First what only has to be looked up, then the condition that leaves the fewest ways to go on.
+        // First pure look-ups, then the condition with the fewest choices.
         let mut best: Option<(usize, usize)> = None;
         for (place, &condition) in open.iter().enumerate() {
             let cost =
@@ -130,7 +130,7 @@ impl Model<'_> {
             }
         }
         let Some((place, _)) = best else {
-            // Only variables are left that nothing narrows down.
+            // Only unconstrained variables are left.
             let free = match open.is_empty() {
                 true => {
                     rule.heads.iter().chain(&rule.action).find_map(|head| unbound(&head.arguments, binding))
@@ -196,7 +196,8 @@ impl Model<'_> {
         self.narrowest(relation, arguments, binding).map_or(relation.list.len(), <[usize]>::len)
     }
 
-    /// The rows that agree with one of the arguments that have a value; `None` when none has.
+    /// The shortest list of rows that agree with one of the bound arguments; `None` when none is
+    /// bound.
     fn narrowest<'r>(
         &self,
         relation: &'r Relation,
@@ -266,7 +267,7 @@ impl Model<'_> {
         }
     }
 
-    /// What a term stands for; `None` where a variable has no value, or a sum is too large.
+    /// The value of a term; `None` for an unbound variable or an overflowing sum.
     pub(crate) fn evaluate(&self, pattern: &Pattern, binding: &Binding) -> Option<Value> {
         match pattern {
             Pattern::Constant(value) => Some(*value),
@@ -292,7 +293,7 @@ impl Model<'_> {
         }
     }
 
-    /// The values of some terms; `None` where a variable has none.
+    /// The values of some terms; `None` when a variable is unbound.
     pub(crate) fn row(&self, patterns: &[Pattern], binding: &Binding) -> Option<Row> {
         patterns.iter().map(|pattern| self.evaluate(pattern, binding)).collect()
     }
@@ -307,7 +308,7 @@ impl Model<'_> {
         }
     }
 
-    /// What a law concludes where its variables have values.
+    /// The conclusion of a law under a binding.
     pub(crate) fn head(&self, head: &Head, binding: &Binding) -> Option<Ground> {
         Some(Ground { predicate: head.predicate, row: self.row(&head.arguments, binding)? })
     }

@@ -1,9 +1,9 @@
-//! The domain carried out, state by state, from the definition of the language alone: no solver has a part in it.
+//! Executes the domain state by state, from the definition of the language, without a solver.
 //!
-//! `compile` makes a [`Model`] of a domain and the facts of a problem; everything in it is a number that stands for a
-//! ground term (`values`), so that states are small and comparing them is cheap. `matching` finds what the variables
-//! of a law can stand for. On it rest `transition` (states and actions), `query` (what is true) and `reason` (what
-//! forbids an action).
+//! `compile` makes a [`Model`] from a domain and the facts of a problem. Ground terms are interned
+//! as numbers (`values`), so states are small and fast to compare. `matching` enumerates the
+//! bindings of a law's variables. It is the basis of `transition` (states and actions), `query`
+//! (true fluents) and `reason` (laws that forbid an action).
 
 mod compile;
 mod matching;

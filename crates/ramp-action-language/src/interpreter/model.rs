@@ -1,4 +1,5 @@
-//! The [`Model`]: a domain with the objects and statics of one problem, and how its terms and numbers belong together.
+//! The [`Model`]: a domain with the objects and statics of one problem, and the mapping between
+//! terms and numbers.
 
 use super::refusal::Refusal;
 use super::rule::Rule;
@@ -11,7 +12,8 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
-/// A domain with the objects and statics of one problem: it says what an action changes and what forbids it.
+/// A domain with the objects and statics of one problem. It computes the effects of actions and the
+/// reasons why they are impossible.
 ///
 /// ```
 /// use ramp_action_language::{Domain, Model, SourceFile, Term};
@@ -30,7 +32,7 @@ pub struct Model<'d> {
     pub(crate) names: HashMap<&'d str, usize>,
     pub(crate) predicates: Vec<Predicate<'d>>,
     pub(crate) values: RefCell<Values>,
-    /// The sorts by number, and for each, by value, whether that belongs to it.
+    /// The number of each sort, and by sort number and value whether the value belongs to it.
     pub(crate) sort_numbers: HashMap<&'d str, usize>,
     pub(crate) sorts: Vec<Vec<bool>>,
     /// In a fixed order.
@@ -39,9 +41,9 @@ pub struct Model<'d> {
     pub(crate) causal: Vec<Rule<'d>>,
     pub(crate) impossible: Vec<Rule<'d>>,
     pub(crate) constraints: Vec<Rule<'d>>,
-    /// Laws of defined fluents, by fluent, those that others need first.
+    /// Laws of defined fluents, by fluent, in order of dependency.
     pub(crate) defined: Vec<(usize, Vec<Rule<'d>>)>,
-    /// For each defined fluent: the inertial fluents that it depends on.
+    /// For each defined fluent: the inertial fluents on which it depends.
     pub(crate) depends: HashMap<usize, BTreeSet<usize>>,
     pub(crate) initially: Vec<Rule<'d>>,
     pub(crate) goals: Vec<Rule<'d>>,
@@ -60,7 +62,7 @@ impl Model<'_> {
         self.values.borrow_mut().of(term)
     }
 
-    /// Does a value belong to a sort?
+    /// Whether a value belongs to a sort.
     pub(crate) fn is_of(&self, value: Value, sort: usize) -> bool {
         self.sorts[sort].get(value as usize).copied().unwrap_or(false)
     }
@@ -75,7 +77,7 @@ impl Model<'_> {
         State { rows: self.predicates.iter().map(|_| Rc::default()).collect() }
     }
 
-    /// Is an atom true in a state, or a static?
+    /// Whether an atom is true in a state, or a static.
     pub(crate) fn has(&self, predicate: usize, row: &Row, state: &State) -> bool {
         match self.predicates[predicate].kind {
             Kind::Static => self.statics[predicate].rows.contains(row),
@@ -83,7 +85,7 @@ impl Model<'_> {
         }
     }
 
-    /// A term as a ground atom of the domain; `None` when it names nothing of it.
+    /// A term as a ground atom of the domain; `None` for an unknown name.
     pub(crate) fn ground(&self, term: &Term) -> Option<Ground> {
         let (name, arguments) = term.parts()?;
         let predicate = *self.names.get(name)?;

@@ -1,4 +1,4 @@
-//! Questions to a state: what is true, what changed, what a goal lacks.
+//! Queries on a state: true fluents, changes, and missing goals.
 
 use super::model::Model;
 use super::state::{Ground, State};
@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 impl Model<'_> {
-    /// The fluent that a term names, with names in it quoted or not; `None` when there is none.
+    /// The fluent named by a term, with names quoted or not; `None` when it does not exist.
     pub fn fluent(&self, term: &Term) -> Option<Term> {
         let known = |term: &Term| {
             let ground = self.ground(term)?;
@@ -18,12 +18,12 @@ impl Model<'_> {
         known(term).or_else(|| known(&term.quoted()))
     }
 
-    /// Is a fluent true, or a static?
+    /// Whether a fluent is true in a state, or a static.
     pub fn holds(&self, state: &State, fluent: &Term) -> bool {
         self.ground(fluent).is_some_and(|fluent| self.has(fluent.predicate, &fluent.row, state))
     }
 
-    /// The inertial fluents that are true and name nothing but these; without names, all.
+    /// The true inertial fluents that name only these objects; without `names`, all.
     pub fn inertial_about(&self, state: &State, names: Option<&BTreeSet<String>>) -> Vec<Term> {
         let Some(names) = names else { return self.inertial(state) };
         let values = self.values.borrow();
@@ -44,14 +44,14 @@ impl Model<'_> {
         terms
     }
 
-    /// The fluents of one name that are true.
+    /// The true fluents of one name.
     pub fn true_of(&self, state: &State, name: &str) -> Vec<Term> {
         let Some(&predicate) = self.names.get(name) else { return Vec::new() };
         let rows = state.rows[predicate].iter();
         rows.map(|row| self.atom_term(&Ground { predicate, row: row.clone() })).collect()
     }
 
-    /// Are the same fluents of these names true in two states?
+    /// Whether the true fluents of these names are equal in two states.
     pub fn agree<const N: usize>(&self, first: &State, second: &State, names: [&str; N]) -> bool {
         let predicates = names.into_iter().filter_map(|name| self.names.get(name));
         predicates.into_iter().all(|&predicate| {
@@ -60,7 +60,7 @@ impl Model<'_> {
         })
     }
 
-    /// The inertial fluents that are true after a step and were not before.
+    /// The inertial fluents that became true in a step.
     pub fn gained(&self, before: &State, after: &State) -> Vec<Term> {
         let mut terms = Vec::new();
         for (predicate, (old, new)) in before.rows.iter().zip(&after.rows).enumerate() {
@@ -73,7 +73,7 @@ impl Model<'_> {
         terms
     }
 
-    /// The inertial fluents that are true.
+    /// The true inertial fluents.
     pub fn inertial(&self, state: &State) -> Vec<Term> {
         self.of_kind(state, FluentKind::Inertial)
     }
@@ -88,7 +88,7 @@ impl Model<'_> {
         terms
     }
 
-    /// The goals of the domain that a state does not fulfil: fluents that should be true or false.
+    /// The goals of the domain that a state does not meet, with the required truth values.
     pub fn missing(&self, state: &State) -> Vec<(Term, bool)> {
         let mut missing = Vec::new();
         for rule in &self.goals {
@@ -106,7 +106,7 @@ impl Model<'_> {
         missing
     }
 
-    /// The statics, those that laws conclude included.
+    /// The statics, including derived ones.
     pub fn static_facts(&self) -> Vec<Term> {
         let of = |(predicate, relation): (usize, &Relation)| {
             let mut terms: Vec<Term> = relation
@@ -120,7 +120,7 @@ impl Model<'_> {
         self.statics.iter().enumerate().flat_map(of).collect()
     }
 
-    /// All goals of the domain that do not depend on the state: fluents that should be true or false.
+    /// All goals of the domain that do not depend on the state, with the required truth values.
     pub fn goals(&self) -> Vec<(Term, bool)> {
         let mut goals = Vec::new();
         let nothing = self.empty();
@@ -137,7 +137,8 @@ impl Model<'_> {
         goals
     }
 
-    /// The coarse fluents that are true in a fine state: those of the same name, and those of the bridge laws.
+    /// The coarse fluents that are true in a fine state: those of the same name, and those of the
+    /// bridge laws.
     pub fn bridged(&self, state: &State) -> BTreeSet<Term> {
         let mut terms: BTreeSet<Term> = self.inertial(state).into_iter().collect();
         for rule in &self.bridges {

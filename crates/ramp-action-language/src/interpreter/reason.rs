@@ -1,4 +1,4 @@
-//! Reasons: the laws that forbid an action, and the objects that matter for one.
+//! Reasons: the laws that forbid an action, and the objects relevant for it.
 
 use super::model::Model;
 use super::refusal::{Reason, Refusal};
@@ -10,10 +10,11 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 impl Model<'_> {
-    /// All that forbids an action in a state: every law, with everything its variables can stand for.
+    /// All reasons against an action in a state: every law that forbids it, with every binding of
+    /// its variables.
     ///
     /// # Errors
-    /// When there is no such action.
+    /// When the action does not exist.
     pub fn why_not(&self, state: &State, action: &Term) -> Result<Vec<Reason>, Refusal> {
         let action = self.action(action)?;
         let mut reasons: Vec<Reason> = Vec::new();
@@ -70,8 +71,8 @@ impl Model<'_> {
         }
     }
 
-    /// The objects that matter for a transition: those that the action names, those of fluents that changed, and
-    /// those of the conditions of the action that are literally true before it.
+    /// The objects relevant for a transition: those named by the action, by changed fluents, and by
+    /// the conditions of the action that are literally true before it.
     pub fn relevant(&self, before: &State, action: &Term, after: &State) -> BTreeSet<String> {
         let mut terms = vec![action.clone()];
         for (predicate, (old, new)) in before.rows.iter().zip(&after.rows).enumerate() {

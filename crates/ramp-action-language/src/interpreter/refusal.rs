@@ -1,9 +1,9 @@
-//! Why an action cannot be carried out.
+//! Reasons why an action is impossible.
 
-/// Why there is no next state.
+/// Reasons why there is no next state.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Refusal {
-    /// There is no such action.
+    /// The action does not exist.
     Unknown(String),
     /// A law forbids it.
     Impossible(Reason),
@@ -11,14 +11,14 @@ pub enum Refusal {
     Contradiction(String),
 }
 
-/// A law that forbids an action, and the conditions of it that were true.
+/// A law that forbids an action, with its conditions as they matched.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reason {
-    /// As the domain has it.
+    /// As written in the domain.
     pub law: String,
     /// Its line in the file.
     pub line: usize,
-    /// Its conditions, with what stood for the variables.
+    /// Its conditions, with the values of the variables.
     pub conditions: Vec<String>,
     /// The objects in them.
     pub objects: Vec<String>,

@@ -1,4 +1,4 @@
-//! Laws as the interpreter keeps them: names and variables are numbers.
+//! Laws in the interpreter: names and variables are numbers.
 
 use super::values::Value;
 use crate::ast::{Operator, Sign, Span};
@@ -19,7 +19,8 @@ pub(crate) struct Rule<'d> {
 }
 
 impl Rule<'_> {
-    /// Can a row be matched against any of its atoms before anything else is known? A sum can be reckoned only.
+    /// Whether a row can be matched against any of its atoms with no variable bound; a sum can only
+    /// be evaluated.
     pub(crate) fn is_local(&self) -> bool {
         let literals = self.conditions.iter().filter_map(|test| match test {
             Test::Literal { arguments, .. } => Some(arguments),
@@ -30,7 +31,7 @@ impl Rule<'_> {
     }
 }
 
-/// An atom that a law concludes, or its action.
+/// The conclusion of a law, or its action.
 pub(crate) struct Head<'d> {
     pub(crate) positive: bool,
     pub(crate) predicate: usize,
@@ -48,7 +49,7 @@ pub(crate) enum Pattern {
 }
 
 impl Pattern {
-    /// Is there no sum in it?
+    /// Whether it contains no sum.
     fn is_plain(&self) -> bool {
         match self {
             Pattern::Variable(_) | Pattern::Constant(_) => true,
@@ -64,10 +65,10 @@ pub(crate) enum Test {
     Comparison(Pattern, Operator, Pattern),
 }
 
-/// What stands for each variable, as far as that is known.
+/// The values of the variables bound so far.
 pub(crate) type Binding = SmallVec<[Option<Value>; 8]>;
 
-/// Does every variable of a term have a value?
+/// Whether every variable of a term is bound.
 pub(crate) fn is_bound(pattern: &Pattern, binding: &Binding) -> bool {
     match pattern {
         Pattern::Variable(variable) => binding[*variable].is_some(),
@@ -77,7 +78,7 @@ pub(crate) fn is_bound(pattern: &Pattern, binding: &Binding) -> bool {
     }
 }
 
-/// The first variable without a value.
+/// The first unbound variable.
 pub(crate) fn unbound(patterns: &[Pattern], binding: &Binding) -> Option<usize> {
     patterns.iter().find_map(|pattern| match pattern {
         Pattern::Variable(variable) => binding[*variable].is_none().then_some(*variable),

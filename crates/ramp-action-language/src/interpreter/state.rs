@@ -1,4 +1,4 @@
-//! States: which ground atoms are true.
+//! States: the set of true ground atoms.
 
 use super::values::Row;
 use std::collections::BTreeSet;
@@ -10,15 +10,15 @@ pub(crate) struct Ground {
     pub(crate) row: Row,
 }
 
-/// A state: which fluents are true.
+/// A state: the set of true fluents.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct State {
-    /// By predicate; shared with the states before and after as far as they are equal.
+    /// By predicate; unchanged parts are shared with the previous state.
     pub(crate) rows: Vec<Rc<BTreeSet<Row>>>,
 }
 
-/// What a law is matched against: fluents that may be true and fluents that must be. For a state that is known, the
-/// two are the same.
+/// Bounds on a state for matching: fluents that may be true and fluents that must be. For a known
+/// state both are equal.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'s> {
     pub may: &'s State,

@@ -1,4 +1,4 @@
-//! States from what is told, and states from actions: effects, what follows from them, and what stays as it is.
+//! States from known fluents and from actions: effects, derived fluents, and inertia.
 
 use super::model::Model;
 use super::refusal::Refusal;
@@ -11,11 +11,11 @@ use rustc_hash::FxHashMap as HashMap;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-/// By predicate: the rows that are true in one of two states alone.
+/// By predicate: the rows that are true in exactly one of two states.
 type Changes = BTreeMap<usize, BTreeSet<Row>>;
 
 impl Model<'_> {
-    /// The state in which some fluents are told to be true and others false; the rest is as the domain says.
+    /// The state with the given true and false fluents; all others follow from the domain.
     ///
     /// # Errors
     /// When laws contradict each other about a fluent.
@@ -31,7 +31,7 @@ impl Model<'_> {
             }
         }
         self.settle(&mut state, &mut fixed, None)?;
-        // The rule holds where nothing that is known says otherwise.
+        // A default applies unless the given fluents contradict it.
         let mut usual = Vec::new();
         for rule in &self.initially {
             self.solve(rule, &state, &mut |binding| {
@@ -52,7 +52,7 @@ impl Model<'_> {
         Ok(state)
     }
 
-    /// The state in which exactly these inertial fluents are true.
+    /// The state in which exactly the given inertial fluents are true.
     ///
     /// # Errors
     /// As [`Model::initial`].
@@ -70,7 +70,7 @@ impl Model<'_> {
     /// The state after an action.
     ///
     /// # Errors
-    /// When there is no such action, when a law forbids it, or when laws contradict each other.
+    /// When the action does not exist, when a law forbids it, or when laws contradict each other.
     pub fn after(&self, state: &State, action: &Term) -> Result<State, Refusal> {
         let ground = self.action(action)?;
         if let Some(reason) = self.prevented(state, &ground) {
@@ -79,7 +79,7 @@ impl Model<'_> {
         self.effects(state, &ground)
     }
 
-    /// The state after an action whose conditions are known to hold.
+    /// The state after an action whose conditions hold.
     fn effects(&self, state: &State, action: &Ground) -> Result<State, Refusal> {
         let mut fixed: HashMap<Ground, bool> = HashMap::default();
         let mut clash = None;
@@ -108,8 +108,8 @@ impl Model<'_> {
         Ok(next)
     }
 
-    /// Makes the defined fluents and the state constraints true. `since`: the settled state that this one was made of
-    /// by changing some inertial fluents; `None` when there is none.
+    /// Derives the defined fluents and applies the state constraints. `since`: the settled state
+    /// from which this one was made by changing some inertial fluents, if any.
     fn settle(
         &self,
         state: &mut State,
@@ -170,7 +170,7 @@ impl Model<'_> {
             }
             let changes = self.inertial_changes(&settled, state);
             if changes.is_empty() {
-                // A law that had no say while things changed has one in the end.
+                // A law that was skipped during the changes must hold in the result.
                 for rule in disputed {
                     let mut violated = None;
                     self.solve(rule, &*state, &mut |binding| {
@@ -189,7 +189,7 @@ impl Model<'_> {
         }
     }
 
-    /// The inertial fluents that are true in one of two states alone.
+    /// The inertial fluents that are true in exactly one of two states.
     fn inertial_changes(&self, before: &State, after: &State) -> Changes {
         let mut changes = Changes::new();
         for (predicate, (old, new)) in before.rows.iter().zip(&after.rows).enumerate() {
@@ -208,7 +208,7 @@ impl Model<'_> {
     fn derived(&self, predicate: usize, rules: &[Rule], state: &mut State) -> BTreeSet<Row> {
         let recursive = rules.iter().any(|rule| rule.reads.contains(&predicate));
         if recursive {
-            // What was true before is no reason for itself.
+            // The previous value must not support itself.
             state.rows[predicate] = Rc::default();
         }
         let mut rows = BTreeSet::new();
@@ -227,8 +227,8 @@ impl Model<'_> {
         }
     }
 
-    /// The rows of a defined fluent that become true or false between two states that differ in some rows alone: a law
-    /// loses or gains a conclusion only by one of these.
+    /// The rows of a defined fluent that differ between two states, given the changed rows: a law
+    /// loses or gains a conclusion only through one of these.
     fn flipped(&self, rules: &[Rule], before: &State, after: &State, changes: &Changes) -> BTreeSet<Row> {
         let predicate = rules[0].heads[0].predicate;
         let rows = |state: &State| {
@@ -252,15 +252,15 @@ impl Model<'_> {
         gained.chain(lost).collect()
     }
 
-    /// What a law between the fluents of one time concludes. What held before on the same grounds is no news; it may be
-    /// just what has to give way.
+    /// The conclusions of a law between the fluents of one time. A conclusion that held before on
+    /// the same grounds is not new; it may be exactly what has to change.
     fn concluded(&self, rule: &Rule, state: &State, fixed: &HashMap<Ground, bool>) -> Vec<Ground> {
         let mut concluded = Vec::new();
         let kind = |predicate: &usize| self.predicates[*predicate].kind;
         let inertial = rule.reads.iter().any(|read| kind(read) == Kind::Fluent(FluentKind::Inertial));
         let defined = rule.reads.iter().any(|read| kind(read) == Kind::Fluent(FluentKind::Defined));
         if inertial && !defined && rule.is_local() {
-            // News rests on something that this transition fixed.
+            // A new conclusion depends on something fixed by this transition.
             for fluent in fixed.keys() {
                 self.solve_with(rule, state, fluent.predicate, &fluent.row, &mut |binding| {
                     concluded.extend(self.head(&rule.heads[0], binding));
@@ -278,7 +278,7 @@ impl Model<'_> {
         concluded
     }
 
-    /// Rests a conclusion on something that this transition changed, or on defined fluents?
+    /// Whether a conclusion depends on something changed by this transition, or on defined fluents.
     fn is_news(&self, rule: &Rule, binding: &Binding, fixed: &HashMap<Ground, bool>) -> bool {
         let mut inertial = false;
         for test in &rule.conditions {
@@ -296,7 +296,7 @@ impl Model<'_> {
         !inertial
     }
 
-    /// Makes a fluent true or false; `false` when it was so.
+    /// Sets a fluent's truth value; `false` when it had that value already.
     pub(crate) fn put(&self, state: &mut State, fluent: &Ground, truth: bool) -> bool {
         let rows = &mut state.rows[fluent.predicate];
         if rows.contains(&fluent.row) == truth {

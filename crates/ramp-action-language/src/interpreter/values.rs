@@ -1,4 +1,5 @@
-//! Ground terms as numbers, and relations over them: what keeps states small and comparisons cheap.
+//! Ground terms interned as numbers, and relations over them: for small states and fast
+//! comparisons.
 
 use crate::term::Term;
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
@@ -10,19 +11,19 @@ pub(crate) type Value = u32;
 /// The arguments of a ground atom.
 pub(crate) type Row = SmallVec<[Value; 4]>;
 
-/// Every ground term that was met, with its number.
+/// Every known ground term, with its number.
 #[derive(Default)]
 pub(crate) struct Values {
     pub(crate) numbers: HashMap<Term, Value>,
     pub(crate) terms: Vec<Term>,
-    /// The arguments, where it is a function.
+    /// The arguments of a function.
     pub(crate) parts: Vec<Option<(Rc<str>, Row)>>,
     /// Functions by their arguments.
     pub(crate) functions: HashMap<Rc<str>, HashMap<Row, Value>>,
 }
 
 impl Values {
-    /// The number of a term, a new one at its first mention.
+    /// The number of a term; a new term gets a new one.
     pub(crate) fn of(&mut self, term: &Term) -> Value {
         if let Some(&value) = self.numbers.get(term) {
             return value;
@@ -46,7 +47,7 @@ impl Values {
 }
 
 impl Values {
-    /// Are all names in a term, however deep, among these? By value, whether it is one of them.
+    /// Whether all names in a term, at any depth, are among `named` (by value).
     pub(crate) fn names_only(&self, value: Value, named: &[bool]) -> bool {
         match (&self.parts[value as usize], &self.terms[value as usize]) {
             (Some((_, row)), _) => row.iter().all(|&inner| self.names_only(inner, named)),
@@ -56,17 +57,17 @@ impl Values {
     }
 }
 
-/// A static: its rows, in the order in which they came.
+/// A static: its rows, in order of insertion.
 #[derive(Default)]
 pub(crate) struct Relation {
     pub(crate) rows: HashSet<Row>,
     pub(crate) list: Vec<Row>,
-    /// Rows by a position and what stands there.
+    /// Rows by argument position and value.
     pub(crate) index: HashMap<(usize, Value), Vec<usize>>,
 }
 
 impl Relation {
-    /// Adds a row; `false` when it is there already.
+    /// Adds a row; `false` when it exists already.
     pub(crate) fn insert(&mut self, row: Row) -> bool {
         let new = self.rows.insert(row.clone());
         if new {

@@ -1,16 +1,16 @@
-//! What cannot be written in PDDL, and what cannot be read back.
+//! Errors of writing PDDL and of reading plans.
 
-/// Why PDDL cannot be written, or a plan not be read.
+/// PDDL cannot be written, or a plan cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PddlError {
-    /// A law that PDDL cannot say.
+    /// A law that PDDL cannot express.
     #[error("{file}:{line}: {why}")]
     Law {
         /// The file of the domain.
         file: String,
         /// The line of the law.
         line: usize,
-        /// What PDDL lacks.
+        /// The missing feature of PDDL.
         why: String,
     },
     /// A line of a plan that is not an action.
@@ -18,9 +18,9 @@ pub enum PddlError {
     Plan {
         /// Counted from 1.
         line: usize,
-        /// What it says.
+        /// The line's text.
         found: String,
-        /// What is wrong with it.
+        /// The defect.
         why: String,
     },
 }

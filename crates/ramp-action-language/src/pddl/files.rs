@@ -1,4 +1,5 @@
-//! The two files: a domain with its types, predicates and actions, and a problem with objects, state and goals.
+//! The two files: a domain with its types, predicates and actions, and a problem with objects,
+//! state and goals.
 
 use super::error::PddlError;
 use super::text::plain;
@@ -21,16 +22,17 @@ pub struct Pddl {
 }
 
 impl Pddl {
-    /// Writes a domain, and the problem to reach its goals from a state. `facts` are those of the model; they give the
-    /// order of the objects.
+    /// Writes a domain, and the problem to reach its goals from a state. `facts` are those of the
+    /// model; they define the order of the objects.
     ///
     /// # Errors
-    /// When a law of the domain cannot be said in PDDL.
+    /// When PDDL cannot express a law of the domain.
     ///
     /// ```
     /// use ramp_action_language::{Domain, Model, Pddl, SourceFile, Term};
     ///
-    /// let text = "sort lamp. inertial fluent on(lamp). action press(lamp). press(L) causes on(L) if -on(L). goal on(L).";
+    /// let text = "sort lamp. inertial fluent on(lamp). action press(lamp).
+    ///     press(L) causes on(L) if -on(L). goal on(L).";
     /// let domain = Domain::new(&SourceFile::new("lamp.al", text), None)?;
     /// let facts = [Term::new("lamp", [Term::from("Hall")])];
     /// let model = Model::new(&domain, &facts);
@@ -83,7 +85,7 @@ impl Pddl {
         text.push_str(&writer.predicates());
         text.push_str(&laws);
         text.push_str(")\n");
-        // What the laws name is a constant of the domain.
+        // Objects named by the laws are constants of the domain.
         objects.values_mut().for_each(|names| names.retain(|name| !writer.quoted.contains(name)));
 
         let mut problem = String::new();

@@ -7,7 +7,7 @@ use crate::ast::{Atom, Comparison, Condition, Law, Literal, Operator};
 use crate::domain::{CheckedLaw, FluentKind, Kind, NUMBER};
 use std::fmt::Write;
 
-/// How often one effect may follow from another.
+/// Largest chain of effects that follow from one effect.
 const DEPTH: usize = 4;
 
 /// An effect with its condition: `(forall (variables) (when (and conditions) literal))`.
@@ -37,7 +37,7 @@ impl Writer<'_> {
         Ok(text)
     }
 
-    /// An action: what forbids it, and what it causes.
+    /// An action: its preconditions and effects.
     pub(crate) fn action(&mut self, name: &str, sorts: &[String]) -> Result<String, PddlError> {
         let mut preconditions = Vec::new();
         let mut effects = Vec::new();
@@ -74,7 +74,7 @@ impl Writer<'_> {
         Ok(text)
     }
 
-    /// An effect and what follows from it by the state constraints.
+    /// An effect with its consequences by the state constraints.
     fn effects(
         &mut self,
         law: &CheckedLaw,
@@ -127,7 +127,7 @@ impl Writer<'_> {
             if trigger.atom.name.text != name || trigger.positive != positive {
                 continue;
             }
-            // Its variables are its own.
+            // Its variables get names of their own.
             let mark = format!("_{depth}");
             let (more, mut parts) = self.matched_to(law, &trigger.atom, terms, &mark)?;
             parts.extend(self.conditions_but(law, trigger, &mark)?);
@@ -148,7 +148,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// The variables of a law, typed, and the equations that make its atom that of the parameters `?x1`, …
+    /// The typed variables of a law, and the equations between its atom and the parameters `?x1`, …
     fn matched(
         &mut self,
         law: &CheckedLaw,

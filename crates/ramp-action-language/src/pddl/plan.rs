@@ -1,4 +1,4 @@
-//! Plans of other planners, back in the terms of the domain.
+//! Plans of other planners, translated into the terms of the domain.
 
 use super::error::PddlError;
 use super::files::Pddl;
@@ -7,7 +7,8 @@ use crate::term::Term;
 use std::collections::BTreeMap;
 
 impl Pddl {
-    /// The actions of a plan in the usual form, one `(action object …)` a line, in the terms of the rules.
+    /// The actions of a plan in the usual form, one `(action object …)` per line, in the terms of
+    /// the rules.
     ///
     /// # Errors
     /// At the first line that is not an action of the domain with objects of the problem.
@@ -21,7 +22,7 @@ impl Pddl {
                 continue;
             }
             let bad = |why: String| PddlError::Plan { line: number + 1, found: line.clone(), why };
-            // Some planners put the time before and the duration after.
+            // Some planners write the time before and the duration after the action.
             let inside = line.split_once('(').and_then(|(_, rest)| Some(rest.split_once(')')?.0));
             let inside = inside.ok_or_else(|| bad("expected `(action object …)`".to_string()))?;
             let mut words = inside.split_whitespace();
@@ -35,7 +36,7 @@ impl Pddl {
             let mut arguments = Vec::new();
             for (sort, word) in sorts.iter().zip(words.by_ref()) {
                 let term = term_of(domain, sort, word, &names, &|sort, object| self.is_of(sort, object));
-                arguments.push(term.ok_or_else(|| bad(format!("`{word}` is no {sort}")))?);
+                arguments.push(term.ok_or_else(|| bad(format!("`{word}` is not of the sort `{sort}`")))?);
             }
             if arguments.len() != sorts.len() || words.next().is_some() {
                 return Err(bad(format!("`{name}` has {} arguments", sorts.len())));
@@ -45,7 +46,7 @@ impl Pddl {
         Ok(actions)
     }
 
-    /// Is an object declared with a type in the problem?
+    /// Whether an object is declared with a type in the problem.
     fn is_of(&self, sort: &str, object: &str) -> bool {
         let suffix = format!(" - {sort}");
         self.problem
@@ -55,7 +56,7 @@ impl Pddl {
     }
 }
 
-/// An object in the terms of the rules, where an action wants something of a sort.
+/// An object in the terms of the rules, for an argument of the given sort.
 fn term_of(
     domain: &Domain,
     sort: &str,

@@ -1,6 +1,6 @@
-//! Pieces of PDDL: names that it can bear, variables, atoms, quantifiers.
+//! Elements of PDDL: valid names, variables, atoms, quantifiers.
 
-/// A name that PDDL can bear: it knows no upper case.
+/// A valid PDDL name: PDDL ignores case.
 pub(crate) fn plain(name: &str) -> String {
     let mut text = String::new();
     for c in name.chars() {
@@ -25,7 +25,7 @@ pub(crate) fn variable(name: &str) -> String {
     }
 }
 
-/// Conditions or effects as one.
+/// The conjunction of conditions or effects.
 pub(crate) fn all_of(mut parts: Vec<String>) -> String {
     match parts.len() {
         1 => parts.remove(0),
@@ -33,7 +33,7 @@ pub(crate) fn all_of(mut parts: Vec<String>) -> String {
     }
 }
 
-/// `(exists (variables) body)`, or the body where there are none.
+/// `(exists (variables) body)`, or only the body without variables.
 pub(crate) fn quantified(word: &str, variables: &[String], body: String) -> String {
     if variables.is_empty() { body } else { format!("({word} ({}) {body})", variables.join(" ")) }
 }
@@ -48,7 +48,7 @@ pub(crate) fn spaced(name: &str, terms: &[String]) -> String {
     text + ")"
 }
 
-/// The variables in a text with a mark behind their names, so that one law's do not meet another's.
+/// The text with a suffix on each variable, so that variables of different laws differ.
 pub(crate) fn marked(text: &str, mark: &str) -> String {
     if mark.is_empty() {
         return text.to_string();

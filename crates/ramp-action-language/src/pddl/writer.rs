@@ -8,17 +8,17 @@ use crate::term::Term;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
-/// Writes terms and declarations; it gives every object a name of its own.
+/// Writes terms and declarations; it gives every object a unique name.
 pub(crate) struct Writer<'d> {
     pub(crate) domain: &'d Domain,
     /// PDDL's name of each object, by its name in the facts.
     pub(crate) objects: BTreeMap<String, String>,
-    /// Objects that the laws name.
+    /// Objects named by the laws.
     pub(crate) quoted: BTreeSet<String>,
 }
 
 impl Writer<'_> {
-    /// PDDL's name of an object; no two have the same.
+    /// The unique PDDL name of an object.
     pub(crate) fn object(&mut self, name: &str) -> String {
         if let Some(known) = self.objects.get(name) {
             return known.clone();
@@ -45,7 +45,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A sort and those that are parts of it by a function: `beam connection - item`.
+    /// A sort and its parts by a function: `beam connection - item`.
     pub(crate) fn types(&self) -> String {
         let mut parents: BTreeMap<&str, &str> = BTreeMap::new();
         for (name, sort) in &self.domain.sorts {
@@ -65,7 +65,7 @@ impl Writer<'_> {
         text + ")\n"
     }
 
-    /// The constants of sorts, and the objects that laws name.
+    /// The constants of sorts, and the objects named by laws.
     pub(crate) fn constants(&self, objects: &BTreeMap<&str, Vec<String>>) -> String {
         let mut text = "(:constants".to_string();
         for (name, sort) in &self.domain.sorts {

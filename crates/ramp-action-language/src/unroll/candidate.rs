@@ -1,12 +1,12 @@
-//! Actions that may become choices: all of a kind, each with the laws that may forbid it.
+//! Candidate actions: all actions of a kind, each with the laws that may forbid it.
 
 use crate::domain::Kind;
 use crate::interpreter::{Ground, Model, Row};
 
-/// An action that a plan may hold.
+/// An action that a plan may contain.
 pub(crate) struct Candidate {
     pub(crate) action: Ground,
-    /// The laws that may forbid it; the one that last did comes first.
+    /// The laws that may forbid it, starting with the one that did so last.
     pub(crate) laws: Vec<usize>,
 }
 
@@ -24,7 +24,7 @@ impl Candidate {
         (0..model.impossible.len()).filter(is_about).collect()
     }
 
-    /// All actions that a plan may hold, or all exogenous ones.
+    /// All actions that a plan may contain, or all exogenous ones.
     pub(crate) fn all(model: &Model, exogenous: bool) -> Vec<Candidate> {
         let mut candidates = Vec::new();
         for (predicate, known) in model.predicates.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What follows a step: effects, what stays as it is, laws between fluents, and defined fluents.
+//! Consequences of a step: effects, inertia, laws between fluents, and defined fluents.
 
 use super::program::{GroundRule, Literal};
 use super::unrolled::{Sides, Unrolled};
@@ -7,11 +7,11 @@ use crate::interpreter::{Ground, State, View};
 use rustc_hash::FxHashMap as HashMap;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A law between the fluents of one time: what it concludes, and under which conditions.
+/// A law between the fluents of one time: its conclusion and its conditions.
 type Link = (Ground, bool, Vec<(Ground, bool)>);
 
 impl Unrolled<'_, '_> {
-    /// The next time: what the actions cause, what follows, and what stays.
+    /// The next time: direct effects, consequences, and inertia.
     pub(crate) fn follow(&mut self, caused: BTreeMap<Ground, Vec<(bool, Vec<Literal>)>>) {
         let model = self.model;
         let (mut may, mut must) = (self.may.clone(), self.must.clone());
@@ -32,7 +32,7 @@ impl Unrolled<'_, '_> {
         let view = View { may: &may, must: &must };
         let open = |fluent: &Ground| self.in_state(fluent, &may) && !self.in_state(fluent, &must);
 
-        // Laws between the fluents of one time, as far as something is open.
+        // Laws between the fluents of one time, where something is undecided.
         let mut links: Vec<Link> = Vec::new();
         for rule in &model.constraints {
             let head = &rule.heads[0];
@@ -43,7 +43,7 @@ impl Unrolled<'_, '_> {
                 false
             });
         }
-        // What this step can touch gets new atoms.
+        // Fluents that this step can change get new atoms.
         let mut touched: BTreeSet<Ground> = caused.keys().filter(|fluent| open(fluent)).cloned().collect();
         let is_defined =
             |fluent: &Ground| model.predicates[fluent.predicate].kind == Kind::Fluent(FluentKind::Defined);
@@ -73,7 +73,7 @@ impl Unrolled<'_, '_> {
                     _ => {
                         let now = Sides { yes: self.atom(), no: self.atom() };
                         let rule = |head, body| GroundRule { choice: false, head, body };
-                        // What nothing changes stays as it is.
+                        // Other fluents persist.
                         let was = self.in_state(&fluent, &self.must);
                         if was || before.is_some() {
                             let body = before.map(|before| before.yes).into_iter().chain([-now.no]).collect();
@@ -110,7 +110,7 @@ impl Unrolled<'_, '_> {
         (self.may, self.must) = (may, must);
     }
 
-    /// The defined fluents that are open, with their laws.
+    /// The undecided defined fluents, with their laws.
     fn define(&mut self, may: &State, must: &State, rules: &mut Vec<GroundRule>) {
         let model = self.model;
         let view = View { may, must };
@@ -144,9 +144,9 @@ impl Unrolled<'_, '_> {
                 let own = bodies.remove(&fluent).unwrap_or_default();
                 let mut only = own.iter().flatten();
                 let yes = match (before.remove(&fluent), only.next(), only.next()) {
-                    // On the same grounds as before it is what it was.
+                    // With the same grounds as before it keeps its atom.
                     (Some((old, yes)), ..) if !recursive && old == own => yes,
-                    // On one ground it is that.
+                    // With a single ground it shares the ground's atom.
                     (_, Some(&ground), None) if !recursive && own.len() == 1 => ground,
                     _ => {
                         let yes = if recursive { self.literal(&fluent, true) } else { self.atom() };

@@ -1,11 +1,11 @@
-//! Goals at the time that is reached: certain, impossible, or a literal that a solver decides.
+//! Goals at the last time: certain, impossible, or a literal that a solver decides.
 
 use super::program::{GroundRule, Prospect};
 use super::unrolled::Unrolled;
 use crate::term::Term;
 
 impl Unrolled<'_, '_> {
-    /// Whether a goal is true at the time that is reached. `coarse(F)` is what a bridge law says.
+    /// Whether a goal is true at the last time. `coarse(F)` is a fluent defined by a bridge law.
     pub fn prospect(&mut self, fluent: &Term, truth: bool) -> Prospect {
         if let Some(("coarse", [coarse])) = fluent.parts() {
             return self.bridge(coarse);

@@ -1,25 +1,26 @@
-//! The ground program that comes out: literals and rules.
+//! The resulting ground program: literals and rules.
 
-/// An atom of the ground program, counted from 1; negative where it is false.
+/// An atom of the ground program, from 1; negative for its negation.
 pub type Literal = i32;
 
-/// A rule of the ground program: `head :- body`, or `{ head } :- body` for a choice; without a head, a constraint.
+/// A rule of the ground program: `head :- body`, or `{ head } :- body` for a choice; without a
+/// head, a constraint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GroundRule {
-    /// May the head be chosen freely?
+    /// Whether the head may be chosen freely.
     pub choice: bool,
-    /// What it concludes.
+    /// Its conclusion.
     pub head: Option<Literal>,
-    /// Under which conditions.
+    /// Its conditions.
     pub body: Vec<Literal>,
 }
 
-/// What can be said of a goal at some time.
+/// Truth of a goal at some time.
 pub enum Prospect {
     /// It is true.
     Certain,
     /// It cannot be true.
     Never,
-    /// It is true if this literal is.
+    /// It is true if this literal is true.
     If(Literal),
 }

@@ -1,4 +1,4 @@
-//! Bounds on a state: what may be true grows and what must be shrinks until the laws add nothing.
+//! Bounds on a state: the upper bound grows and the lower bound shrinks until the laws add nothing.
 
 use super::unrolled::Unrolled;
 use crate::interpreter::{Row, Rule, State, View};
@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 impl Unrolled<'_, '_> {
-    /// Widens what may be true and narrows what must be until the laws between fluents add nothing. `changed`: the
-    /// inertial fluents that are known to be wider than before.
+    /// Widens the upper bound and narrows the lower bound until the laws between fluents add
+    /// nothing. `changed`: the inertial fluents whose bounds are known to be wider than before.
     pub(crate) fn relax(&self, may: &mut State, must: &mut State, mut changed: BTreeSet<usize>) {
         let model = self.model;
         while !changed.is_empty() {
@@ -51,7 +51,7 @@ impl Unrolled<'_, '_> {
         }
     }
 
-    /// The rows of a defined fluent that may be true, or those that must be.
+    /// The rows of a defined fluent in the upper or the lower bound.
     fn derived(
         &self,
         predicate: usize,
@@ -64,7 +64,7 @@ impl Unrolled<'_, '_> {
         let mut rows = BTreeSet::new();
         loop {
             if recursive {
-                // What was true before is no reason for itself.
+                // The previous value must not support itself.
                 let state = if possible { &mut *may } else { &mut *must };
                 state.rows[predicate] = Rc::new(rows.clone());
             }

@@ -1,4 +1,5 @@
-//! One step: which actions can be chosen, what forbids each, and that at most one of them happens.
+//! One step: the possible actions, the conditions that forbid each, and the constraint that at most
+//! one happens.
 
 use super::candidate::Candidate;
 use super::program::{GroundRule, Literal};
@@ -8,7 +9,7 @@ use crate::term::Term;
 use std::collections::BTreeMap;
 
 impl Unrolled<'_, '_> {
-    /// One step further; `false` when nothing can be done any more.
+    /// Adds a step; `false` when no action is possible any more.
     pub fn advance(&mut self) -> bool {
         let mut candidates = std::mem::take(&mut self.candidates);
         let choices = self.choose(&mut candidates, &mut Vec::new());
@@ -24,7 +25,7 @@ impl Unrolled<'_, '_> {
         any.is_some()
     }
 
-    /// At most one exogenous action happens; those that can, with their literals.
+    /// At most one exogenous action happens; returns the possible ones with their literals.
     pub fn may_happen(&mut self) -> Vec<(Term, Literal)> {
         let mut candidates = Candidate::all(self.model, true);
         let choices = self.choose(&mut candidates, &mut Vec::new());
@@ -33,8 +34,8 @@ impl Unrolled<'_, '_> {
         choices
     }
 
-    /// An action that was tried: where it is impossible, it does nothing. Returns the literal of its having done
-    /// nothing although it was possible; `None` where it cannot have been.
+    /// An attempted action: if it is impossible, it has no effect. Returns the literal of
+    /// "possible, but without effect"; `None` when that cannot be.
     pub fn attempt(&mut self, action: &Term) -> Option<Literal> {
         let Ok(ground) = self.model.action(action) else { return None };
         let mut forbidden = Vec::new();
@@ -45,7 +46,8 @@ impl Unrolled<'_, '_> {
         Some(self.either(vec![vec![-occurs, -impossible]]))
     }
 
-    /// The actions that are possible, as choices, and what follows; `forbidding` takes what forbids them.
+    /// The possible actions, as choices, with their consequences; `forbidding` takes the conditions
+    /// that forbid them.
     fn choose(
         &mut self,
         candidates: &mut [Candidate],
@@ -111,8 +113,8 @@ impl Unrolled<'_, '_> {
         }
     }
 
-    /// At most one of some atoms is true: each of a row of further atoms says that one up to there is. The last says
-    /// that any is.
+    /// Constrains some atoms so that at most one is true. Each auxiliary atom means that one up to
+    /// its index is true; the last means that any is.
     fn at_most_one(&mut self, atoms: &[Literal]) -> Option<Literal> {
         let mut so_far: Option<Literal> = None;
         for &atom in atoms {

@@ -1,4 +1,4 @@
-//! The domain at the time that is reached: what may be true, what must be, and an atom for all between.
+//! The domain at the last time: upper and lower bound, and an atom for every fluent between them.
 
 use super::candidate::Candidate;
 use super::program::{GroundRule, Literal};
@@ -8,8 +8,8 @@ use crate::term::Term;
 use rustc_hash::FxHashMap as HashMap;
 use std::collections::BTreeSet;
 
-/// The literals of a fluent being true and of it being false. Of an inertial fluent they are two atoms, as in the
-/// translation, of which just one is true; the laws may conclude either.
+/// The literals of a fluent and of its negation. For an inertial fluent they are two atoms, as in
+/// the translation, exactly one of which is true; the laws may conclude either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sides {
     pub(crate) yes: Literal,
@@ -18,8 +18,8 @@ pub(crate) struct Sides {
 
 /// A domain up to some time, as a ground program that grows by one step after another.
 ///
-/// [`Unrolled::advance`] adds a step; [`Unrolled::take_rules`] hands the new rules to a solver; [`Unrolled::prospect`]
-/// says what a goal needs at the time that is reached.
+/// [`Unrolled::advance`] adds a step; [`Unrolled::take_rules`] returns the new rules for a solver;
+/// [`Unrolled::prospect`] evaluates a goal at the last time.
 ///
 /// ```
 /// use ramp_action_language::{Domain, Model, Prospect, SourceFile, Term, Unrolled};
@@ -40,18 +40,18 @@ pub struct Unrolled<'m, 'd> {
     pub(crate) candidates: Vec<Candidate>,
     pub(crate) may: State,
     pub(crate) must: State,
-    /// Of the fluents that may be true and need not.
+    /// The literals of the undecided fluents.
     pub(crate) sides: HashMap<Ground, Sides>,
-    /// Why a defined fluent is true at the time that is reached, and the literal that says so.
+    /// The grounds of each defined fluent at the last time, and its literal.
     pub(crate) grounds: HashMap<Ground, (BTreeSet<Vec<Literal>>, Literal)>,
     pub(crate) atoms: Literal,
     pub(crate) rules: Vec<GroundRule>,
-    /// By time: what may be done to get there.
+    /// By time: the actions that may lead there.
     pub(crate) choices: Vec<Vec<(Term, Literal)>>,
 }
 
 impl<'m, 'd> Unrolled<'m, 'd> {
-    /// Time 0, where the state is known.
+    /// Time 0, with the known state.
     pub fn new(model: &'m Model<'d>, start: State) -> Unrolled<'m, 'd> {
         Unrolled {
             model,
@@ -81,7 +81,7 @@ impl<'m, 'd> Unrolled<'m, 'd> {
         &self.choices
     }
 
-    /// An atom that is true when one of some bodies is.
+    /// An atom that is true when one of the bodies is.
     pub fn either(&mut self, bodies: Vec<Vec<Literal>>) -> Literal {
         let head = self.atom();
         let rules = bodies.into_iter().map(|body| GroundRule { choice: false, head: Some(head), body });
@@ -89,17 +89,17 @@ impl<'m, 'd> Unrolled<'m, 'd> {
         head
     }
 
-    /// A literal must be true.
+    /// Requires that a literal is true.
     pub fn require(&mut self, literal: Literal) {
         self.forbid(vec![-literal]);
     }
 
-    /// Not all of these are true.
+    /// Forbids that all of these are true.
     pub fn forbid(&mut self, body: Vec<Literal>) {
         self.rules.push(GroundRule { choice: false, head: None, body });
     }
 
-    /// What may be true and what must be, at the time that is reached.
+    /// The bounds at the last time.
     pub(crate) fn view(&self) -> View<'_> {
         View { may: &self.may, must: &self.must }
     }
@@ -110,18 +110,18 @@ impl<'m, 'd> Unrolled<'m, 'd> {
         self.atoms
     }
 
-    /// Is a fluent true in a state?
+    /// Whether a fluent is true in a state.
     pub(crate) fn in_state(&self, fluent: &Ground, state: &State) -> bool {
         self.model.has(fluent.predicate, &fluent.row, state)
     }
 
-    /// The literal of a fluent that is not certain.
+    /// The literal of an undecided fluent.
     pub(crate) fn literal(&self, fluent: &Ground, truth: bool) -> Literal {
-        // Every fluent that may be true and need not has its sides.
+        // Every undecided fluent has its literals.
         self.sides.get(fluent).map_or(0, |sides| if truth { sides.yes } else { sides.no })
     }
 
-    /// What a body asks of the fluents that are not certain.
+    /// The conditions of a body on undecided fluents.
     pub(crate) fn conditions(&self, rule: &Rule, binding: &Binding, view: View) -> Vec<(Ground, bool)> {
         let mut conditions = Vec::new();
         for test in &rule.conditions {

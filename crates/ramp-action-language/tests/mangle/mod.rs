@@ -1,9 +1,9 @@
-//! Texts that are spoilt, always in the same way.
+//! Reproducibly corrupted texts.
 
 // A helper may panic as its test may.
 #![allow(clippy::unwrap_used)]
 
-/// A small generator of numbers; the same ones every time.
+/// A small reproducible random number generator.
 pub struct Dice(pub u64);
 
 impl Dice {

@@ -1,7 +1,8 @@
-//! What can be proved about an assembly: how well the holes meet, where the beams are closest or overlap, and an
-//! order of straight insertions that builds it.
+//! Properties proved about an assembly: the fit of the holes, gaps and overlaps of the beams, and
+//! an order of straight insertions that builds it.
 //!
-//! `solids` compares beams at their places; `order` searches the order of the insertions; `report` says both.
+//! `solids` compares beams in their goal poses, `order` searches an order of the insertions, and
+//! `report` combines both.
 
 mod order;
 mod report;

@@ -1,4 +1,4 @@
-//! An order of straight insertions: the best one of a small assembly, a good one of a large one.
+//! An order of straight insertions: the optimum for a small assembly, a good one for a large one.
 
 use super::set::{MAX_BEAMS, Set};
 use crate::block::LEAST_DISTANCE;
@@ -6,29 +6,29 @@ use crate::paths::Paths;
 use crate::placed::{Connection, Insertion, PlacedBeam};
 use std::collections::HashMap;
 
-/// Up to so many beams the best of all orders is found, for which every subset of them may have to be looked at;
-/// with more, one good order.
+/// Up to this number of beams the optimal order is searched, which may visit every subset of them;
+/// with more beams, a greedy search finds one good order.
 const MAX_EXACT: usize = 16;
 
-/// There is no order: none of these beams can be taken out while the others stand. With no beams: there are more
-/// than [`MAX_BEAMS`].
+/// No order exists: none of these beams can be removed while the others remain. Without beams:
+/// there are more than [`MAX_BEAMS`].
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Stuck {
     pub beams: Vec<usize>,
 }
 
-/// What an insertion costs beyond the plain case; the order with the least total is taken.
+/// Extra costs of an insertion; the order with the smallest sum is chosen.
 mod cost {
-    /// A beam that nothing holds yet, laid down at its place (or, failing that, pushed there): the next one may
-    /// push it away.
+    /// A beam without support, laid down (or, failing that, pushed) at its goal pose: the next
+    /// insertion may push it away.
     pub const LAID: u32 = 10;
-    /// A beam that comes down onto others from above.
+    /// A beam lowered onto others from above.
     pub const FROM_ABOVE: u32 = 5;
-    /// A female threaded over the long free end of a standing beam, which droops by up to 3 mm.
+    /// A female threaded over the long free end of a beam, which droops by up to 3 mm.
     pub const THREADED: u32 = 20;
 }
 
-/// Finds an order of straight insertions, each of which meets nothing that stands already.
+/// Finds an order of straight insertions, each free of collisions with the beams already placed.
 pub(crate) fn find_order(
     beams: &[PlacedBeam],
     base: usize,
@@ -50,7 +50,8 @@ pub(crate) fn find_order(
     }
     let mut standing = Set::default().with(base);
     let mut insertions = Vec::new();
-    // What can be taken apart one by one can be built one by one, so the search does not fail.
+    // An assembly that can be taken apart one by one can be built one by one, so the search does
+    // not fail.
     while let Some((_, insertion)) = order.best_next(standing, all) {
         standing = standing.with(insertion.beam);
         insertions.push(insertion);
@@ -60,24 +61,24 @@ pub(crate) fn find_order(
 
 struct Order<'a> {
     count: usize,
-    /// For each beam: does it lie along X or Y?
+    /// For each beam: whether it lies along X or Y.
     square: Vec<bool>,
     connections: &'a [Connection],
     paths: &'a Paths,
-    /// For each set of standing beams, the least cost to build the rest and the first step; `None` when it cannot
-    /// be built.
+    /// For each set of placed beams, the least cost to build the rest, and the first step; `None`
+    /// when the rest cannot be built.
     best: HashMap<Set, Option<(u32, Insertion)>>,
 }
 
 impl Order<'_> {
-    /// As deep as there are beams at most; every set is looked at once.
+    /// The recursion is at most as deep as the number of beams; every set is visited once.
     fn best_next(&mut self, standing: Set, all: Set) -> Option<(u32, Insertion)> {
         if let Some(known) = self.best.get(&standing) {
             return known.clone();
         }
         let mut candidates: Vec<usize> = (0..self.count).filter(|&beam| !standing.holds(beam)).collect();
-        // Beams that go into others before those that close over others (caps), square ones before those at an
-        // angle, which rely on them; then as in the file.
+        // Beams that enter others before those that close over others (caps). Square ones before
+        // oblique ones, which depend on them. Otherwise in the order of the file.
         candidates.sort_by_key(|&beam| {
             (self.swallowed(beam, standing).count(), !self.square[beam], self.first_connection(beam))
         });
@@ -98,7 +99,7 @@ impl Order<'_> {
         best
     }
 
-    /// The standing beams whose males the females of `beam` would close over.
+    /// The placed beams whose males the females of `beam` would close over.
     fn swallowed(&self, beam: usize, standing: Set) -> impl Iterator<Item = usize> + '_ {
         let ours = move |c: &&Connection| c.female.beam == beam && standing.holds(c.male.beam);
         self.connections.iter().filter(ours).map(|c| c.male.beam)
@@ -108,14 +109,14 @@ impl Order<'_> {
         self.connections.iter().position(|c| c.female.beam == beam || c.male.beam == beam)
     }
 
-    /// The cheapest insertion path for a beam past those that stand.
+    /// The cheapest insertion path of a beam past the placed ones.
     fn insertion(&self, beam: usize, standing: Set) -> Option<(u32, Insertion)> {
         let connected = self.connections.iter().any(|c| {
             (c.female.beam == beam && standing.holds(c.male.beam))
                 || (c.male.beam == beam && standing.holds(c.female.beam))
         });
         let mut best: Option<(u32, Insertion)> = None;
-        // Down comes last in the list, and first for a beam that nothing guides.
+        // The vertical path is last in the list, and the first choice for an unguided beam.
         let ways = self.paths.ways(beam);
         let count = ways.len();
         let first = if connected { 0 } else { count - 1 };
@@ -145,7 +146,7 @@ impl Order<'_> {
         best
     }
 
-    /// The beams that are joined with the base through others of the set.
+    /// The beams connected with the base through others of the set.
     fn joined(&self, base: usize, set: Set) -> Set {
         let mut joined = Set::default().with(base);
         loop {
@@ -162,11 +163,11 @@ impl Order<'_> {
         }
     }
 
-    /// An order found backwards: the whole is taken apart, each time by the beam that would be put there last at
-    /// the least cost and leaves the others joined with the base. Taking one out never holds another one back, so
-    /// this finds an order whenever there is one.
+    /// An order found backwards: from the complete assembly, repeatedly remove the beam that would
+    /// be inserted last at the least cost and leaves the others connected with the base. A removal
+    /// never blocks another one, so this finds an order whenever one exists.
     fn taken_apart(&self, beams: &[PlacedBeam], base: usize, all: Set) -> Result<Vec<Insertion>, Stuck> {
-        // How far out along its insertion path a beam reaches, m.
+        // Reach of a beam along its insertion path, m.
         let reach = |insertion: &Insertion| {
             let placed = &beams[insertion.beam];
             let out = |index| -(placed.x_ab * placed.beam.p_b_hole(index)).coords.dot(&insertion.direction);
@@ -180,11 +181,12 @@ impl Order<'_> {
                 let without = standing.without(beam);
                 let Some((cost, insertion)) = self.insertion(beam, without) else { continue };
                 let lost = without.beyond(&self.joined(base, without));
-                // The usual directions; what lies furthest out last, and of that what closes over others.
+                // The usual directions. The outermost beam comes last, and among those the one that
+                // closes over others.
                 let mut ways = self.paths.ways(beam).iter();
                 let way = ways.position(|way| way.direction == insertion.direction).unwrap_or(usize::MAX);
                 let others = self.count - self.swallowed(beam, without).count();
-                // Whole millimetres, so that holes that meet are equally far out.
+                // Rounded to millimetres, so that coincident holes have equal distances.
                 let nearness = (-reach(&insertion) * 1e3).round() as i64;
                 let rank = (cost + lost * cost::LAID, way, nearness, others);
                 if best.as_ref().is_none_or(|(least, _)| rank < *least) {
@@ -201,8 +203,8 @@ impl Order<'_> {
         Ok(insertions)
     }
 
-    /// The beams that hold each other: take out of the whole whatever can be taken out, in any order, for taking
-    /// one out never holds another one back.
+    /// The beams that block each other: all that remain after every possible removal. The order
+    /// does not matter, because a removal never blocks another one.
     fn stuck(&self, base: usize, all: Set) -> Vec<usize> {
         let mut standing = all;
         let free = |beam: usize, standing: Set| {

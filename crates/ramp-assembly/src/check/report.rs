@@ -1,23 +1,23 @@
-//! What the geometry of an assembly says, put together.
+//! The geometric report on an assembly.
 
 use super::order::find_order;
 use super::solids::{Gap, Overlap, Solids};
 use crate::assembly::{Assembly, Connection, Insertion};
 
-/// What the geometry of an assembly says.
+/// The geometric report on an assembly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// How each connection fits, in the order of the file.
+    /// Fit of each connection, in the order of the file.
     pub fits: Vec<Fit>,
-    /// The gap between the two beams that come closest, and their indices, the smaller one first.
+    /// The smallest gap between two beams, and their indices, the smaller one first.
     pub smallest_gap: Option<Gap>,
-    /// Beams that reach into each other.
+    /// Beams that overlap.
     pub overlaps: Vec<Overlap>,
-    /// An order of straight insertions that builds it; `None` when there is none.
+    /// An order of straight insertions that builds it; `None` when none exists.
     pub insertions: Option<Vec<Insertion>>,
 }
 
-/// How well a connection fits.
+/// Fit of a connection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     /// Distance between the two holes, m.
@@ -26,7 +26,7 @@ pub struct Fit {
     pub gap: f64,
 }
 
-/// Looks at the geometry of an assembly once more, from its poses and connections alone.
+/// Computes the report anew from the assembly's poses and connections alone.
 ///
 /// ```
 /// # use std::path::Path;

@@ -1,6 +1,6 @@
 //! Sets of beams, one bit each.
 
-/// The most beams in one goal.
+/// Largest number of beams in one goal.
 pub const MAX_BEAMS: usize = 256;
 
 const WORDS: usize = MAX_BEAMS / 64;
@@ -10,7 +10,7 @@ const WORDS: usize = MAX_BEAMS / 64;
 pub(super) struct Set([u64; WORDS]);
 
 impl Set {
-    /// The first so many beams.
+    /// The first `count` beams.
     pub(super) fn first(count: usize) -> Set {
         (0..count).fold(Set::default(), Set::with)
     }
@@ -19,14 +19,14 @@ impl Set {
         self.0[beam / 64] >> (beam % 64) & 1 == 1
     }
 
-    /// The same with a beam.
+    /// The same set with `beam`.
     #[must_use]
     pub(super) fn with(mut self, beam: usize) -> Set {
         self.0[beam / 64] |= 1 << (beam % 64);
         self
     }
 
-    /// The same without a beam.
+    /// The same set without `beam`.
     #[must_use]
     pub(super) fn without(mut self, beam: usize) -> Set {
         self.0[beam / 64] &= !(1 << (beam % 64));
@@ -38,7 +38,7 @@ impl Set {
         (0..MAX_BEAMS).filter(move |&beam| self.holds(beam))
     }
 
-    /// How many beams of this set are not in the other one.
+    /// Number of beams of this set that are not in the other one.
     pub(super) fn beyond(&self, other: &Set) -> u32 {
         self.0.iter().zip(other.0).map(|(a, b)| (a & !b).count_ones()).sum()
     }

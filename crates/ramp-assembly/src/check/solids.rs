@@ -1,4 +1,4 @@
-//! Beams at their places: gaps and overlaps between them.
+//! Beams in their goal poses: gaps and overlaps between them.
 
 use crate::assembly::PlacedBeam;
 use crate::block::TOUCH;
@@ -8,26 +8,26 @@ use ramp_kit::shape::beam_shapes;
 /// The space between two beams.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
-    /// Index of the one.
+    /// Index of the first beam.
     pub first: usize,
-    /// Index of the other.
+    /// Index of the second beam.
     pub second: usize,
     /// Its width, m.
     pub width: f64,
 }
 
-/// Two beams that reach into each other.
+/// Two beams that overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
-    /// Index of the one.
+    /// Index of the first beam.
     pub first: usize,
-    /// Index of the other.
+    /// Index of the second beam.
     pub second: usize,
-    /// By how much, m.
+    /// Depth, m.
     pub depth: f64,
 }
 
-/// The beams of an assembly at their places.
+/// The beams of an assembly in their goal poses.
 pub(crate) struct Solids(Vec<Solid>);
 
 impl Solids {
@@ -41,7 +41,7 @@ impl Solids {
         (0..self.0.len()).flat_map(|first| (first + 1..self.0.len()).map(move |second| (first, second)))
     }
 
-    /// The beams that reach into each other.
+    /// The beams that overlap.
     pub fn overlaps(&self) -> Vec<Overlap> {
         let overlap = |(first, second): (usize, usize)| {
             let depth = self.0[first].overlap(&self.0[second], TOUCH)?;
@@ -50,7 +50,7 @@ impl Solids {
         self.pairs().filter_map(overlap).collect()
     }
 
-    /// Does one of the beams reach into another?
+    /// Whether any of the beams overlap.
     pub fn overlaps_any(&self, first: usize) -> bool {
         let into = |second: usize| self.0[first].overlaps(&self.0[second], TOUCH);
         (0..self.0.len()).any(|second| second != first && into(second))
@@ -61,7 +61,7 @@ impl Solids {
         self.0[first].gap(&self.0[second])
     }
 
-    /// The two beams that come closest.
+    /// The two closest beams.
     pub fn smallest_gap(&self) -> Option<Gap> {
         let mut smallest: Option<Gap> = None;
         for (first, second) in self.pairs() {

@@ -15,13 +15,13 @@ const PEG_ROW: f64 = 15.5;
 const SMALL_PEG: f64 = 6.2;
 const RULE: &str = "#dfe4ea";
 
-/// The height of a legend of so many insertions and pegs, mm.
+/// The height of a legend with this number of insertions and pegs, mm.
 pub(super) fn rows(insertions: usize, pegs: usize) -> f64 {
     2.0 * 24.0 + (insertions + 1) as f64 * ROW + 10.0 + pegs as f64 * PEG_ROW
 }
 
-/// Adds the legend to a picture of this width and height, mm; `pegs` are connections in their order, and `colour` gives
-/// the fill and the edge of a beam.
+/// Adds the legend to a picture of this width and height, mm. `pegs` are connections in their
+/// order, and `colour` returns fill and edge colour of a beam.
 pub(super) fn legend(
     svg: &mut String,
     assembly: &Assembly,

@@ -1,6 +1,6 @@
-//! A goal as a picture: the finished assembly from above, with the order in which it is built.
+//! A goal as a picture: the finished assembly from above, with its order of insertions.
 //!
-//! X points right and Y up, as the robot sees it, which stands below the picture. One unit of the drawing is 1 mm.
+//! X points right and Y up; the robot is below the picture. One unit of the drawing is 1 mm.
 //!
 //! `picture` draws one goal, `legend` the list beside it; both with the `marks`.
 

@@ -31,12 +31,12 @@ const COLOURS: [[&str; 2]; 9] = [
     ["#f6bfdb", "#a94a82"],
 ];
 
-/// A goal with its place on the paper, mm.
+/// A goal with its position on the paper, mm.
 pub(super) struct Picture<'a> {
     assembly: &'a Assembly,
-    /// For each beam its place in the order of insertion: 0 for the base, then from 1.
+    /// For each beam its index in the order of insertion: 0 for the base, then from 1.
     step: Vec<usize>,
-    /// The connections in the order in which their pegs go in.
+    /// The connections in the order in which their pegs are inserted.
     pegs: Vec<usize>,
     /// The assembly's extent, mm.
     low: [f64; 2],
@@ -71,7 +71,7 @@ impl<'a> Picture<'a> {
             self.links(svg, placed);
             self.joints(svg, index, placed, true);
         }
-        // Females lie over the males in them and let them shine through.
+        // Females are drawn over the males inside them and are transparent.
         for (index, placed) in self.assembly.beams.iter().enumerate() {
             self.joints(svg, index, placed, false);
         }
@@ -117,7 +117,7 @@ impl<'a> Picture<'a> {
         text(svg, [MARGIN, MARGIN + 27.0], Align::Left, 6.6, FAINT, &words);
     }
 
-    /// The directions X and Y and a length to compare with, below the assembly.
+    /// The directions X and Y and a scale bar, below the assembly.
     fn axes(&self, svg: &mut String) {
         let [_, height] = self.drawing();
         let (x, y) = (MARGIN, height - 14.0);
@@ -177,7 +177,7 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// A male end that is turned: its pieces seen from above, without the lines between them.
+    /// A bent male end: its sections seen from above, without the lines between them.
     fn turned(&self, svg: &mut String, placed: &PlacedBeam, joint: &Joint, outward: f64, colour: [&str; 2]) {
         let mut shapes = Vec::new();
         ramp_kit::shape::joint_at(joint, outward, &mut shapes);
@@ -206,7 +206,7 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// The inner edge of each wall of a female, so that one sees where it is open.
+    /// The inner edge of each wall of a female, which shows the open sides.
     fn walls(&self, svg: &mut String, placed: &PlacedBeam, joint: &Joint, outward: f64, edge: &str) {
         let half = BODY_WIDTH / 2.0;
         let (inside, across) = (joint.kind.form().cavity, half);
@@ -280,7 +280,7 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// From where to where a joint's outside reaches along the beam, m; without the tag plate, which is thin.
+/// The range of a joint's outside along the beam, m, without the tag plate, which is thin.
 fn extent(joint: &Joint, outward: f64) -> [f64; 2] {
     let form = joint.kind.form();
     let inward = joint.kind.sleeve();

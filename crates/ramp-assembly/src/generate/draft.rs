@@ -1,4 +1,5 @@
-//! A goal grown from the clamped beam: one beam after another where its joints meet those that stand.
+//! A goal grown from the clamped beam: beams are added one by one where their joints meet those of
+//! placed ones.
 
 use super::dice::Dice;
 use super::goal_file::{goal_name, goal_xml};
@@ -11,23 +12,24 @@ use nalgebra::{Point2, Vector2};
 use ramp_kit::{Beam, Kit};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// How often a place for one more beam is looked for.
+/// Number of attempts to place one more beam.
 const TRIES: usize = 60;
-/// The part of the table that the robot builds on, in the assembly frame, m: beams stay within.
+/// The building area on the table, in the assembly frame, m: beams stay within.
 const AREA: [[f64; 2]; 2] = [[-0.150, 0.525], [-0.020, 0.335]];
-/// Holes that are nearer than this are one, m.
+/// Holes nearer than this coincide, m.
 const MEET: f64 = 0.05e-3;
-/// A male whose hole is nearer than this to that of a female that it is not joined with is a near miss, m.
+/// Minimum distance between a male's hole and that of an unconnected female, m; less is a near
+/// miss.
 const NEAR_MISS: f64 = 45.0e-3;
-/// A beam that is neither square nor at least this much out of it looks like a mistake, rad.
+/// Smallest angle of an oblique beam, rad; less would look like a mistake.
 const LEAST_ANGLE: f64 = 10.0 * PI / 180.0;
 /// Angles nearer than this are equal, rad.
 const SAME_ANGLE: f64 = 0.01 * PI / 180.0;
 
-/// A joint of a beam of the draft: index of the beam there, index of the joint.
+/// A joint of a beam of the draft: index of the beam, index of the joint.
 type Spot = (usize, usize);
 
-/// A goal that grows.
+/// A growing goal.
 pub(super) struct Draft<'a> {
     beams: Vec<&'a Beam>,
     poses: Vec<Planar>,
@@ -37,7 +39,7 @@ pub(super) struct Draft<'a> {
 }
 
 impl<'a> Draft<'a> {
-    /// Adds beams until there are `count`; `None` where no place for another was found.
+    /// Adds beams until there are `count`; `None` when no place for another was found.
     pub(super) fn grow(
         kit: &'a Kit,
         base: usize,
@@ -87,7 +89,8 @@ impl<'a> Draft<'a> {
         self.poses.push(pose);
     }
 
-    /// Puts a beam there if it is within reach, overlaps nothing, and whatever meets there fits.
+    /// Adds a beam at this pose if it is within reach, free of overlaps, and all meeting joints
+    /// fit.
     fn try_push(&mut self, beam: &'a Beam, pose: Planar) -> bool {
         for offset in [-10.0e-3, beam.span() + 10.0e-3] {
             let end = pose.hole(offset);
@@ -120,8 +123,8 @@ impl<'a> Draft<'a> {
         self.pairs.iter().any(|(female, male)| *female == spot || *male == spot)
     }
 
-    /// The joints of the beam `index` that meet joints of others; `None` when two meet that cannot be joined, or
-    /// all but meet.
+    /// The joints of the beam `index` that meet joints of others; `None` on a pair that cannot be
+    /// joined, or a near miss.
     fn meeting(&self, index: usize) -> Option<Vec<(Spot, Spot)>> {
         let mut found = Vec::new();
         for (own, joint) in self.beams[index].joints.iter().enumerate() {
@@ -150,7 +153,7 @@ impl<'a> Draft<'a> {
         Some(found)
     }
 
-    /// Does the male lie within the angle that the female accepts?
+    /// Whether the male is within the entry angle of the female.
     fn enters(&self, female: Spot, male: Spot) -> bool {
         let around = &self.beams[female.0].joints[female.1];
         let inside = &self.beams[male.0].joints[male.1];
@@ -158,7 +161,7 @@ impl<'a> Draft<'a> {
         pose::off_square(yaw - self.poses[female.0].yaw) <= pose::entry_limit(around.kind)
     }
 
-    /// Every free joint of the beams that stand that could mate with a joint of `kind`.
+    /// Every free joint of the placed beams of the given gender.
     fn free(&self, male: bool) -> impl Iterator<Item = Spot> + '_ {
         let spots = self.beams.iter().enumerate();
         let spots = spots.flat_map(|(beam, b)| (0..b.joints.len()).map(move |joint| (beam, joint)));
@@ -171,7 +174,7 @@ impl<'a> Draft<'a> {
         self.poses[beam].hole(self.beams[beam].joints[joint].offset)
     }
 
-    /// Places at a right angle to a beam that stands: one joint, chosen by chance, on each free one.
+    /// Poses at a right angle to a placed beam: one randomly chosen joint, on each free one.
     fn square_places(&self, beam: &Beam, dice: &mut Dice) -> Vec<Planar> {
         let own = dice.below(beam.joints.len());
         let joint = &beam.joints[own];
@@ -189,7 +192,7 @@ impl<'a> Draft<'a> {
         places
     }
 
-    /// Places at an angle: two joints on two free ones that are as far apart.
+    /// Oblique poses: two joints on two free ones at the same distance.
     fn angled_places(&self, beam: &Beam) -> Vec<Planar> {
         let mut places = Vec::new();
         for (first, a) in beam.joints.iter().enumerate() {
@@ -210,9 +213,10 @@ impl<'a> Draft<'a> {
         places
     }
 
-    /// Two beams that are joined with each other, and each with one that stands: where they close a triangle.
+    /// Two beams connected with each other, and each with a placed one, so that they close a
+    /// triangle.
     fn try_triangle(&mut self, a: &'a Beam, b: &'a Beam, dice: &mut Dice) -> bool {
-        // Whether the corner of the triangle is one that both can have is a matter of luck.
+        // Whether two random joints can share the triangle's corner is a matter of luck.
         for _ in 0..TRIES {
             let joint = |beam: &Beam, dice: &mut Dice| {
                 let [first, second] = [dice.below(beam.joints.len()), dice.below(beam.joints.len())];
@@ -261,7 +265,7 @@ impl<'a> Draft<'a> {
         self.pairs.iter().filter(passes).count() + self.poses.iter().filter(angled).count()
     }
 
-    /// Writes the goal and reads it back; `None` when the whole check finds something.
+    /// Writes the goal and reads it back; `None` when the full check finds an error.
     pub(super) fn finish(&self, kit: &Kit, request: Request) -> Option<Generated> {
         let class = request.class.unwrap_or(match self.specials() {
             0 if self.pairs.len() <= 4 => Class::Easy,
@@ -269,7 +273,7 @@ impl<'a> Draft<'a> {
             _ => Class::Hard,
         });
         let name = goal_name(class, request);
-        // A yaw is only written where the connections leave it open and the usual one is not meant.
+        // A yaw is written only where the connections leave it open and the default is wrong.
         let mut yaws = vec![false; self.beams.len()];
         loop {
             let text = self.text(&name, class, &yaws);
@@ -284,7 +288,8 @@ impl<'a> Draft<'a> {
             match (read, wrong) {
                 (Ok(assembly), None) => return Some(Generated { name, goal: text, kit: None, assembly }),
                 (Ok(_), Some(beam)) if !yaws[beam] => yaws[beam] = true,
-                // Holes that meet only so that the usual directions do not fit: say all of them.
+                // The default directions can make holes meet that do not fit: then all yaws are
+                // written.
                 (Err(_), _) if yaws[1..].iter().any(|said| !said) => yaws[1..].fill(true),
                 _ => return None,
             }

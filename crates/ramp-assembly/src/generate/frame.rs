@@ -1,9 +1,9 @@
-//! Frames of any size: rails across, columns between them, for a kit that is extended as far as needed.
+//! Frames of any size: rails across, columns between them, for a kit that is extended as needed.
 //!
-//! A rail has its females at fixed places along X, the first rail being the clamped beam. Columns stand between two
-//! rails; from a slot that took a column from below none goes on upwards, so rails are offset like bricks. Some
-//! columns are as long as two storeys and pass through the rail between. Every insertion path leads towards −Y, one
-//! rail after the other, so there is always an order.
+//! A rail has its females at fixed positions along X; the first rail is the clamped beam. Columns
+//! connect two rails. A slot that takes a column from below takes none from above, so columns are
+//! offset like bricks. Some columns are two storeys long and pass through the rail between. Every
+//! insertion path leads towards −Y, one rail after the other, so an order always exists.
 
 use super::dice::Dice;
 use super::goal_file::{goal_name, goal_xml};
@@ -13,21 +13,22 @@ use crate::read::read_goal_str;
 use ramp_kit::joint::SOCKET_DEPTH;
 use ramp_kit::{Beam, Joint, JointType, Kit, Link, Side};
 
-/// The heights of storeys to choose from, m: between the holes of a column. The shortest has room for its two ends and
-/// for the fingers between them.
+/// Heights of storeys to choose from, m: between the holes of a column. The shortest has room for
+/// its two ends and for the fingers between them.
 const STOREYS: [f64; 6] = [0.140, 0.145, 0.150, 0.155, 0.160, 0.170];
-/// How often a frame is begun anew before giving up. Chosen: of ten begun, nine at least are finished.
+/// Number of attempts per frame. Chosen so that a request rarely fails: at least nine attempts of
+/// ten succeed.
 const ATTEMPTS: usize = 20;
 /// Distance of the slots that a wide rail has beyond the clamped beam's, m.
 const BEYOND: f64 = 0.1262;
 
-/// A slot of a rail, counted from the left.
+/// A slot of a rail, numbered from the left.
 #[derive(Clone, Copy, PartialEq)]
 enum Slot {
     Free,
     /// Holds the lower end of a column.
     Start,
-    /// Holds the upper end of one, or lets one through.
+    /// Holds the upper end of a column, or lets one pass.
     Taken,
 }
 
@@ -41,10 +42,10 @@ struct Column {
 struct Builder<'a> {
     kit: Kit,
     base: &'a Beam,
-    /// Where the slots are along X, m, and which of them the clamped beam has.
+    /// Positions of the slots along X, m, and flags for those of the clamped beam.
     slots: Vec<f64>,
     base_slots: std::ops::Range<usize>,
-    /// For each rail what its slots hold; rail 0 is the clamped beam.
+    /// The state of each rail's slots; rail 0 is the clamped beam.
     rails: Vec<Vec<Slot>>,
     storeys: Vec<f64>,
     columns: Vec<Column>,
@@ -60,7 +61,7 @@ pub(crate) fn frame(
     let Request { beams: count, seed, class } = request;
     let not_found = GenerateError::NotFound { beams: count, seed, class };
     let base = &kit.beams[base];
-    // The larger, the wider, or it would be a tower.
+    // Larger frames are wider, otherwise they would be towers.
     let wings = match count {
         0..=30 => 0,
         31..=70 => 2,
@@ -76,7 +77,7 @@ pub(crate) fn frame(
     let slots: Vec<f64> = left.chain(inner.iter().copied()).chain(right).collect();
     let begin = wings as usize;
     let base_slots = begin..begin + inner.len();
-    // The extended kit has no pegs: nobody has printed as many.
+    // The extended kit has no pegs: no lab has printed that many.
     let kit = Kit { pegs: Vec::new(), holders: Vec::new(), ..kit.clone() };
     for _ in 0..ATTEMPTS {
         let mut builder = Builder {
@@ -102,9 +103,10 @@ impl Builder<'_> {
         self.rails.len() + self.columns.len()
     }
 
-    /// Adds columns and rails until there are `count` beams; `false` where the topmost rail has no slot for the last ones.
+    /// Adds columns and rails until there are `count` beams; `false` when the top rail has no slot
+    /// for the last ones.
     fn fill(&mut self, count: usize, class: Option<Class>, dice: &mut Dice) -> bool {
-        // How many columns may pass through a rail.
+        // Number of columns that may pass through a rail.
         let mut passing = match class {
             Some(Class::Easy) => 0,
             Some(Class::Medium) => 1,
@@ -122,7 +124,8 @@ impl Builder<'_> {
             for column in self.columns.iter().filter(|column| column.to == rail + 1) {
                 above[column.slot] = Slot::Taken;
             }
-            // Columns on the free slots of the topmost rail; at least two, or the next one would hang.
+            // Columns on the free slots of the top rail; at least two, because a rail needs two
+            // supports.
             let free: Vec<usize> =
                 (0..self.slots.len()).filter(|&slot| self.rails[rail][slot] == Slot::Free).collect();
             if free.is_empty() && left <= 2 {
@@ -133,7 +136,7 @@ impl Builder<'_> {
                 chosen = free;
             }
             for slot in chosen {
-                // Room for the rail that will lie on them; one or two more beams are columns without one.
+                // Room for the next rail; one or two remaining beams become columns without a rail.
                 if self.count() + usize::from(left > 2) >= count {
                     break;
                 }
@@ -151,14 +154,15 @@ impl Builder<'_> {
                 self.rails.push(above);
             }
         }
-        // Columns may stand out over the topmost rail.
+        // Columns may extend above the top rail.
         while self.storeys.len() <= self.rails.len() {
             self.storeys.push(STOREYS[0]);
         }
         true
     }
 
-    /// A rail: females at every slot. It takes columns from below; where one starts it is open upwards.
+    /// A rail: females at every slot. It takes columns from below; a female where a column starts
+    /// is open upwards.
     fn rail(&self, number: usize, dice: &mut Dice) -> Beam {
         let name = format!("r{number}");
         let last = self.slots.len() - 1;
@@ -180,15 +184,16 @@ impl Builder<'_> {
         beam(name, joints)
     }
 
-    /// Is there room for a long female between the neighbouring slots, whatever those are?
+    /// Whether a long female fits between the neighbouring slots, whatever their type.
     fn roomy(&self, slot: usize) -> bool {
         let apart = |a: usize, b: usize| self.slots[b] - self.slots[a];
         let least = 2.0 * (JointType::AngleF.socket_offset() + SOCKET_DEPTH);
         apart(slot - 1, slot) > least && apart(slot, slot + 1) > least
     }
 
-    /// A column between two rails. One on feet keeps its height while its free end waits for the next rail; one that
-    /// passes through a rail has none that could pass, but a male in its middle, and two rails that carry it.
+    /// A column between two rails. A column on feet keeps its height while its free end waits for
+    /// the next rail. A column that passes through a rail has no feet, which could not pass, but a
+    /// male in its middle and two supporting rails.
     fn column(&self, column: &Column) -> Beam {
         let height = |rail: usize| self.storeys[..rail].iter().sum::<f64>();
         let mut joints = Vec::new();
@@ -230,7 +235,7 @@ impl Builder<'_> {
             _ => Class::Hard,
         });
         let name = goal_name(class, request);
-        // In the order in which they can be put there: a rail's columns, then the rail on them.
+        // In an order that can be built: a rail's columns, then the rail on them.
         let mut components = vec![(self.base.name.as_str(), false, None)];
         for rail in 1..=self.rails.len() {
             let on = self.columns.iter().zip(&columns).filter(|(column, _)| column.from + 1 == rail);
@@ -247,7 +252,7 @@ impl Builder<'_> {
     }
 }
 
-/// A beam from its joints; the links follow from where they are.
+/// A beam from its joints; the links follow from the joints' positions.
 fn beam(name: String, joints: Vec<Joint>) -> Beam {
     let link = |(index, pair): (usize, &[Joint])| {
         let (a, b) = (&pair[0], &pair[1]);

@@ -5,13 +5,13 @@ use crate::assembly::Class;
 use ramp_kit::strokes::escape;
 use std::fmt::Write;
 
-/// The name of a goal that was made.
+/// The name of a generated goal.
 pub(crate) fn goal_name(class: Class, request: Request) -> String {
     format!("{}-{}-beams-{}", class.name(), request.beams, request.seed)
 }
 
-/// The text of a goal file: components as (beam, flipped, yaw in rad), the base first; connections as the male and
-/// the female with their beams.
+/// The text of a goal file. Components are (beam, flipped, yaw in rad), the base first. Connections
+/// are the male and the female, each with its beam.
 pub(crate) fn goal_xml(
     name: &str,
     class: Class,

@@ -1,11 +1,12 @@
-//! New goals, as many as asked: random, but always the same for the same seed, and every one of them checked.
+//! New goals in any number: random, reproducible from the seed, and each of them checked.
 //!
-//! Up to as many beams as the kit has, a goal is grown from the clamped beam: a beam is put where one of its
-//! joints meets one of the others, whatever else meets there is joined too, and what overlaps or cannot be built is
-//! discarded. Larger ones are frames (`frame`), for which the kit is extended.
+//! If the kit has enough beams, a goal is grown from the clamped beam. A beam is placed where one
+//! of its joints meets a joint of a placed beam; all other joints that meet there are connected
+//! too. Candidates that overlap or cannot be built are discarded. Larger goals are frames
+//! (`frame`), for which the kit is extended.
 //!
-//! `draft` grows a goal and `frame` builds one, each with the `dice` of the seed; `goal_file` writes it down, and it is
-//! read back like any other.
+//! `draft` grows a goal and `frame` constructs one, each with the `dice` of the seed. `goal_file`
+//! writes the goal, and it is read back like any other.
 
 mod dice;
 mod draft;
@@ -21,12 +22,12 @@ use crate::assembly::{Assembly, Class};
 use ramp_kit::Kit;
 use std::collections::HashSet;
 
-/// How often a goal is begun anew before giving up.
+/// Number of attempts per goal.
 const ATTEMPTS: usize = 4000;
 /// Millimetres in a metre.
 const MM: f64 = 1e3;
 
-/// A new goal.
+/// Generates a goal.
 ///
 /// ```
 /// # let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
@@ -41,7 +42,7 @@ const MM: f64 = 1e3;
 /// ```
 ///
 /// # Errors
-/// A request that makes no sense, or for which nothing was found.
+/// An invalid request, or no goal found.
 pub fn generate(kit: &Kit, request: Request) -> Result<Generated, GenerateError> {
     let Request { beams, seed, class } = request;
     if !(2..=crate::check::MAX_BEAMS).contains(&beams) {
@@ -71,10 +72,10 @@ pub fn generate(kit: &Kit, request: Request) -> Result<Generated, GenerateError>
     Err(GenerateError::NotFound { beams, seed, class })
 }
 
-/// Many goals: those of the seeds from `first.seed` on, each different from all before it, until there are `count`.
+/// Generates `count` different goals from the seeds `first.seed`, `first.seed + 1`, ….
 ///
 /// # Errors
-/// As [`generate`]; and where the kit has no more goals than were found.
+/// As [`generate`]; and when the kit has fewer different goals.
 pub fn generate_many(kit: &Kit, first: Request, count: usize) -> Result<Vec<Generated>, GenerateError> {
     let mut seen = HashSet::new();
     let mut goals = Vec::new();
@@ -97,7 +98,8 @@ pub fn generate_many(kit: &Kit, first: Request, count: usize) -> Result<Vec<Gene
     Ok(goals)
 }
 
-/// What makes a goal this one: what is joined with what, and how the beams lie; not names and orders in its file.
+/// The identity of a goal: its connections and the poses of its beams, without names and order in
+/// the file.
 fn essence(assembly: &Assembly) -> Vec<String> {
     let joined = assembly
         .connections

@@ -1,4 +1,5 @@
-//! From what a goal file says to an assembly: beams placed, overlaps looked for, an order of insertions found.
+//! From the content of a goal file to an assembly: beams placed, overlaps checked, an order of
+//! insertions found.
 
 use super::components::Component;
 use super::connections::Pair;
@@ -61,7 +62,7 @@ pub(super) fn build(file: &SourceFile, root: Node<'_>, kit: &Kit, draft: Draft) 
     Ok(Assembly { name, class, kit, beams, base, connections, insertions, paths })
 }
 
-/// What to look at when two connected beams overlap and the female is open to one side only.
+/// Advice when two connected beams overlap and the female is open to one side only.
 fn opening(overlap: &Overlap, beams: &[PlacedBeam], connections: &[Connection]) -> Option<String> {
     let both = [overlap.first, overlap.second];
     let between = |c: &&Connection| both.contains(&c.female.beam) && both.contains(&c.male.beam);
@@ -77,7 +78,7 @@ fn opening(overlap: &Overlap, beams: &[PlacedBeam], connections: &[Connection]) 
     })
 }
 
-/// A misfit in the words of the file.
+/// A misfit in the terms of the file.
 fn explain(
     misfit: Misfit,
     file: &SourceFile,

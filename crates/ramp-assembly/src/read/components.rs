@@ -1,4 +1,4 @@
-//! The components of a goal: which beams it uses, and which of them is the base.
+//! The components of a goal: its beams, and the base among them.
 
 use super::problem::{GoalProblem, Node, Result};
 use crate::check::MAX_BEAMS;
@@ -48,7 +48,7 @@ pub(super) fn read_components(
                     GoalProblem::TwoBases { first: kit.beams[first.beam].name.clone(), second: beam_name };
                 return Err(node.fault(problem).also(first.span.clone(), "the first base"));
             }
-            // Only a kit that says where its beams lie can say which one is clamped.
+            // Only a kit with the start poses of its beams defines the clamped one.
             if kit.beams[beam].start.is_some() {
                 let clamped = kit.beams.iter().find(|beam| beam.start.is_none());
                 let problem = GoalProblem::BaseNotClamped {

@@ -8,7 +8,7 @@ use ramp_source::{nearest, shorten};
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// A connection as it stands in the file.
+/// A connection as in the file.
 pub(super) struct Pair {
     pub(super) connection: Connection,
     pub(super) span: Range<usize>,
@@ -35,7 +35,8 @@ pub(super) fn read_connections(
         let elements = node.children(&["element"])?;
         let [first, second] = elements.as_slice() else {
             let problem = GoalProblem::Elements { connection: name, found: elements.len() };
-            // The third is one too many; with fewer there is only the connection to point at.
+            // The third element is one too many; with fewer there is only the connection to point
+            // at.
             return Err(elements.get(2).unwrap_or(node).fault(problem));
         };
         let mut joints = Vec::new();

@@ -13,9 +13,9 @@
 //! </assembly>
 //! ```
 //!
-//! Ours are `name` and `class` on `<assembly>` (otherwise the stem of the file and what it begins with) and `yaw`
-//! on `<component>`: the direction of the beam in the assembly frame, in degrees, where the connections leave it
-//! open and the usual one is not meant.
+//! Extensions of the published form are `name` and `class` on `<assembly>` (default: the stem of
+//! the file, and its first word), and `yaw` on `<component>`: the direction of the beam in the
+//! assembly frame, in degrees, where the connections leave it open and the default is wrong.
 //!
 //! `components` and `connections` read the elements, and `build` makes the assembly of them.
 
@@ -38,14 +38,14 @@ use std::path::Path;
 /// Reads a goal file.
 ///
 /// # Errors
-/// Whatever is wrong with the goal first, with its line and column: the file itself, the names in it, holes that do
-/// not meet, beams that overlap, or no way to build it.
+/// The first defect of the goal, with line and column: in the file itself, the names in it, holes
+/// that do not meet, beams that overlap, or no order that builds it.
 pub fn read_goal(path: &Path, kit: &Kit) -> Result<Assembly> {
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     read(&SourceFile::read(path)?, &stem, kit)
 }
 
-/// Reads a goal from text; `name` is what messages call it.
+/// Reads a goal from text; `name` is its name in messages.
 ///
 /// ```
 /// # let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");

@@ -1,39 +1,39 @@
-//! What can be wrong with a goal.
+//! Defects of a goal file.
 
 use crate::check::MAX_BEAMS;
 use ramp_source::{Element, Fault, FormProblem, Problem};
 
-/// What is wrong with a goal, and where.
+/// A defect of a goal file, with its place.
 pub type GoalError = Fault<GoalProblem>;
 
-/// What can be wrong with a goal.
+/// Defects of a goal file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GoalProblem {
     /// The form of the file.
     #[error(transparent)]
     Form(#[from] FormProblem),
-    /// A beam that the kit does not have.
+    /// The kit has no such beam.
     #[error("the kit has no beam `{found}`")]
     UnknownBeam {
-        /// What the file has.
+        /// The name found.
         found: String,
         /// The most similar beam.
         nearest: Option<String>,
     },
-    /// A beam that stands in a connection but is no component.
-    #[error("`{beam}` is no component of this goal")]
+    /// A connection names a beam that is not a component.
+    #[error("`{beam}` is not a component of this goal")]
     NotDeclared {
         /// The beam.
         beam: String,
     },
-    /// A component that stands in no connection.
-    #[error("`{beam}` stands in no connection")]
+    /// A component without connections.
+    #[error("`{beam}` has no connection")]
     NotConnected {
         /// The beam.
         beam: String,
     },
-    /// A component that no chain of connections joins with the base.
+    /// No chain of connections joins the component with the base.
     #[error("no chain of connections leads from `{beam}` to the base `{base}`")]
     Loose {
         /// The beam.
@@ -41,16 +41,16 @@ pub enum GoalProblem {
         /// The base.
         base: String,
     },
-    /// A beam that is a component twice.
-    #[error("`{beam}` is a component twice")]
+    /// A beam listed twice.
+    #[error("`{beam}` is listed twice")]
     DuplicateBeam {
         /// The beam.
         beam: String,
     },
-    /// More beams than the search for an order can take.
+    /// More beams than the search for an order supports.
     #[error("this goal has {found} components, expected at most {MAX_BEAMS}")]
     TooManyBeams {
-        /// How many it has.
+        /// Number of beams.
         found: usize,
     },
     /// No component is the base.
@@ -64,7 +64,7 @@ pub enum GoalProblem {
         /// The second.
         second: String,
     },
-    /// The base is a beam that lies on the sheet.
+    /// The base is a beam that starts on the sheet.
     #[error("`{found}` is the base, but in the kit it lies on the sheet")]
     BaseNotClamped {
         /// The base.
@@ -73,29 +73,29 @@ pub enum GoalProblem {
         clamped: Option<String>,
     },
     /// A yaw on the base.
-    #[error("the base has a yaw, but it is what yaws are measured from")]
+    #[error("the base has a yaw, but yaws are measured from the base")]
     BaseYaw,
     /// No connections.
     #[error("this goal has no connections")]
     NoConnections,
-    /// A connection that another one is named like.
-    #[error("the connection `{name}` is there twice")]
+    /// Two connections share a name.
+    #[error("the connection `{name}` is defined twice")]
     DuplicateConnection {
         /// The name.
         name: String,
     },
-    /// Not two elements.
+    /// A connection without exactly two elements.
     #[error("the connection `{connection}` has {found} elements, expected 2")]
     Elements {
         /// The connection.
         connection: String,
-        /// How many it has.
+        /// Number of elements.
         found: usize,
     },
-    /// A joint that the beam does not have.
+    /// The beam has no such joint.
     #[error("`{beam}` has no joint `{found}`")]
     UnknownJoint {
-        /// What the file has.
+        /// The name found.
         found: String,
         /// The beam.
         beam: String,
@@ -104,7 +104,7 @@ pub enum GoalProblem {
         /// The most similar joint of the beam.
         nearest: Option<String>,
     },
-    /// A beam joined with itself.
+    /// A beam connected with itself.
     #[error("the connection `{connection}` joins `{beam}` with itself")]
     SameBeam {
         /// The connection.
@@ -119,9 +119,9 @@ pub enum GoalProblem {
         connection: String,
         /// `male` or `female`.
         kind: &'static str,
-        /// The one joint, with its type.
+        /// The first joint, with its type.
         first: String,
-        /// The other.
+        /// The other joint.
         second: String,
     },
     /// A joint in two connections.
@@ -135,54 +135,54 @@ pub enum GoalProblem {
     /// More connections than pegs.
     #[error("this goal needs {needed} pegs, and the kit has {there}")]
     TooFewPegs {
-        /// One for each connection.
+        /// The number of connections.
         needed: usize,
-        /// How many there are.
+        /// The number of pegs.
         there: usize,
     },
-    /// Holes that do not meet.
+    /// The holes do not meet.
     #[error(
         "the holes of `{female}` and `{male}` are {distance:.2} mm apart where the other connections put them"
     )]
     HolesApart {
-        /// The one joint.
+        /// The female joint.
         female: String,
-        /// The other.
+        /// The male joint.
         male: String,
         /// In mm.
         distance: f64,
     },
-    /// A male that enters a female at an angle that does not fit.
+    /// A male enters a female at an invalid angle.
     #[error("`{male}` would enter `{female}` at {angle:.1}° from straight, expected at most {limit:.1}°")]
     Angle {
-        /// The joint around.
+        /// The female joint.
         female: String,
-        /// The joint inside.
+        /// The male joint.
         male: String,
         /// In degrees.
         angle: f64,
         /// In degrees.
         limit: f64,
     },
-    /// The search for poses was given up.
+    /// The search for poses reached its limit.
     #[error("the beams of this goal can be placed in too many ways")]
     TooHard,
-    /// Beams that reach into each other.
+    /// Beams overlap.
     #[error("`{first}` and `{second}` overlap by {depth:.2} mm")]
     Overlap {
-        /// The one beam.
+        /// The first beam.
         first: String,
-        /// The other.
+        /// The other beam.
         second: String,
         /// In mm.
         depth: f64,
-        /// Where a joint that is open to one side only has its opening, when that may be the reason.
+        /// The open side of a one-sided joint, when that may be the reason.
         opening: Option<String>,
     },
-    /// No order of insertions.
+    /// No order of insertions builds the goal.
     #[error("no order of straight insertions builds this goal: {}", stuck_words(beams))]
     Stuck {
-        /// The beams that hold each other.
+        /// The beams that block each other.
         beams: Vec<String>,
     },
 }
@@ -246,7 +246,7 @@ impl Problem for GoalProblem {
     }
 }
 
-/// What is read, or the first thing that is wrong with it.
+/// The value read, or the first defect of the file.
 pub(super) type Result<T, E = GoalError> = std::result::Result<T, E>;
 /// An element of a goal file.
 pub(super) type Node<'a> = Element<'a, GoalProblem>;

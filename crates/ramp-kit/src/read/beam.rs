@@ -79,7 +79,7 @@ fn build_beam(
                 _ => return Err(value.bad_choice("left or right")),
             }),
         };
-        // An empty marker is no marker.
+        // An empty marker means none.
         let marker = raw.node.optional("marker").filter(|value| !value.text().is_empty());
         let tag = marker.map(|value| names.take_tag(&value)).transpose()?;
         let mut offset = 0.0;
@@ -87,7 +87,7 @@ fn build_beam(
             let raw_link = &chain.links[link_order[position - 1]];
             let value = raw_link.node.required("length")?;
             let length = value.number(LENGTH, "mm")? * MM;
-            // What each joint covers of the extrusion, from the floor of its socket on.
+            // The part of the extrusion that each joint covers, from the floor of its socket on.
             let least: f64 =
                 [before.kind, kind].iter().map(|kind| kind.top_cover() - kind.socket_offset()).sum();
             if length < least - 1e-9 {

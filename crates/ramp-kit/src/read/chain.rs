@@ -1,10 +1,10 @@
-//! The order of joints and links along a beam, which the file gives by parents and children.
+//! The order of joints and links along a beam, which the file defines by parents and children.
 
 use super::problem::{KitProblem, Node, Result, Text};
 use ramp_source::{nearest, shorten};
 use std::collections::{HashMap, HashSet};
 
-/// A joint or link as it stands in the file, before the beam is put in order.
+/// A joint or link as in the file, before the beam is put in order.
 pub(super) struct Raw<'a> {
     pub(super) node: Node<'a>,
     pub(super) name: String,
@@ -13,7 +13,7 @@ pub(super) struct Raw<'a> {
 }
 
 impl<'a> Raw<'a> {
-    /// `other` is what the neighbours of this one are: `link` for a joint, `joint` for a link.
+    /// `other` is the kind of its neighbours: `link` for a joint, `joint` for a link.
     pub(super) fn read(node: Node<'a>, name: String, other: &'static str) -> Result<Raw<'a>> {
         let mut raw = Raw { node, name, parent: None, child: None };
         for neighbour in node.children(&["parent", "child"])? {
@@ -39,7 +39,7 @@ impl<'a> Raw<'a> {
     }
 }
 
-/// The joints and links of one beam, as the file gives them.
+/// The joints and links of one beam, as in the file.
 pub(super) struct Chain<'c, 'a> {
     pub(super) beam: &'c str,
     pub(super) joints: &'c [Raw<'a>],
@@ -47,7 +47,7 @@ pub(super) struct Chain<'c, 'a> {
 }
 
 impl Chain<'_, '_> {
-    /// Does every joint and link name neighbours that exist and name it in return?
+    /// Checks that every joint and link names existing neighbours that name it in return.
     pub(super) fn check(&self) -> Result<()> {
         for link in self.links {
             for role in ["parent", "child"] {
@@ -73,7 +73,8 @@ impl Chain<'_, '_> {
                         return Err(value.fault(KitProblem::OneSided { from, role, to }));
                     }
                     None => {
-                        // The neighbour that names us in return is a better guess than any similar name.
+                        // The neighbour that names us in return is a better suggestion than any
+                        // similar name.
                         let in_return = others.iter().find(|other| names_us(other)).map(|o| o.name.as_str());
                         let similar =
                             || nearest(value.text(), others.iter().map(|other| other.name.as_str()));
@@ -110,8 +111,8 @@ impl Chain<'_, '_> {
             else {
                 break;
             };
-            // Neighbours name each other and the first has no parent, so this walk meets no joint twice; should
-            // it ever, it ends.
+            // Neighbours name each other and the first has no parent, so this walk visits no joint
+            // twice; the check guarantees that it ends.
             if !reached.insert(next) {
                 return Err(node.fault(KitProblem::Loop { beam }));
             }

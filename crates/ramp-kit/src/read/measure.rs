@@ -1,4 +1,4 @@
-//! Lengths and places in the file, mm, and the ranges that they must lie in.
+//! Lengths and positions in the file, mm, and their valid ranges.
 
 use super::problem::{Node, Result};
 use std::ops::RangeInclusive;

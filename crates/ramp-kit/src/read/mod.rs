@@ -16,20 +16,22 @@
 //! </data>
 //! ```
 //!
-//! A kit may also add joint types of its own and state the four numbers that the printed parts are made from:
+//! A kit may also add joint types and state the four dimensions of the printed parts:
 //!
 //! ```xml
 //!   <part name="in-m-end-45" mates="male" place="end" socket="36" turn="45"/>
 //!   <dimensions wall="3" clearance="0.3" extrusion="20" hole="8.4"/>
 //! ```
 //!
-//! Joints and links may stand in any order: parents and children say how they follow along the beam. Ours are
-//! `opens` (the side an `in-f` or `in-f-end` is open to, `left` unless said), `<start>` (where j1 lies on the
-//! sheet, and whether the beam lies flipped), `<peg>`, `<holder>`, `<sheet>` (its size, its top left corner
-//! in the world, and the centre and black edge of its own tag) and `<base>` (the j1 hole of the clamped beam in the world). All lengths in the file are mm.
+//! Joints and links may come in any order: parents and children define the order along the beam.
+//! Extensions of the published form are `opens` (the open side of an `in-f` or `in-f-end`, default
+//! `left`), `<start>` (the position of j1 on the sheet, and whether the beam is flipped), `<peg>`,
+//! `<holder>`, `<sheet>` (its size, its top left corner in the world, and the centre and black edge
+//! of its own tag) and `<base>` (the j1 hole of the clamped beam in the world). All lengths in the
+//! file are mm.
 //!
-//! `chain` puts the joints of a beam in order, `beam`, `part` and `peg` read one element each, and `names` sees to it that
-//! nothing is named twice.
+//! `chain` puts the joints of a beam in order, `beam`, `part` and `peg` read one element each, and
+//! `names` rejects duplicates.
 
 mod beam;
 mod chain;
@@ -60,12 +62,12 @@ const TAG_EDGE: RangeInclusive<f64> = 10.0..=300.0;
 /// Reads a kit file.
 ///
 /// # Errors
-/// Whatever is wrong with the file first, with its line and column.
+/// The first defect of the file, with line and column.
 pub fn read_kit(path: &Path) -> Result<Kit, KitError> {
     read(&SourceFile::read(path)?)
 }
 
-/// Reads a kit from text; `name` is what messages call it.
+/// Reads a kit from text; `name` is its name in messages.
 ///
 /// ```
 /// let text = r#"<data>
@@ -84,7 +86,7 @@ pub fn read_kit(path: &Path) -> Result<Kit, KitError> {
 /// ```
 ///
 /// # Errors
-/// Whatever is wrong with the text first, with its line and column.
+/// The first defect of the text, with line and column.
 pub fn read_kit_str(name: &str, text: &str) -> Result<Kit, KitError> {
     read(&SourceFile::new(name, text))
 }
@@ -104,7 +106,7 @@ fn read(file: &SourceFile) -> Result<Kit> {
     let mut pegs = Vec::new();
     let mut seen = HashMap::new();
     let children = root.children(&["beam", "peg", "holder", "sheet", "base", "part", "dimensions"])?;
-    // Joint types come first: beams name them, and they may stand behind them in the file.
+    // Joint types are read first: beams name them, and they may come later in the file.
     for part in children.iter().filter(|child| child.tag() == "part") {
         let kind = read_part(*part)?;
         if names.part(kind.name()).is_some() {
@@ -156,7 +158,7 @@ fn read(file: &SourceFile) -> Result<Kit> {
             }
         }
     }
-    // Pegs come last: they name holders, which may stand behind them in the file.
+    // Pegs are read last: they name holders, which may come later in the file.
     let mut slots = HashMap::new();
     for peg in pegs {
         kit.pegs.push(read_peg(peg, &kit.holders, &mut names, &mut slots)?);

@@ -1,4 +1,4 @@
-//! Names, tags and joint types: each may be given once in a kit.
+//! Names, tags and joint types: each must be unique in a kit.
 
 use super::problem::{KitProblem, Result, Text};
 use crate::joint::JointType;
@@ -8,7 +8,7 @@ use std::ops::{Range, RangeInclusive};
 /// The ids of the tag family tag25h9; 0 is on the sheet.
 const TAGS: RangeInclusive<i64> = 1..=34;
 
-/// Names and tags, each of which may be given once in a kit, and the joint types of its own.
+/// Names and tags, each unique in a kit, and the kit's own joint types.
 #[derive(Default)]
 pub(super) struct Names {
     pub(super) parts: Vec<JointType>,
@@ -17,7 +17,7 @@ pub(super) struct Names {
 }
 
 impl Names {
-    /// A name that nothing else has.
+    /// A unique name.
     pub(super) fn take(&mut self, value: &Text<'_>) -> Result<String> {
         let name = value.name()?.to_string();
         match self.names.insert(name.clone(), value.span()) {
@@ -38,7 +38,7 @@ impl Names {
         JointType::ALL.iter().chain(&self.parts).map(|kind| kind.name()).collect()
     }
 
-    /// The id of a tag that nothing else carries.
+    /// A unique tag id.
     pub(super) fn take_tag(&mut self, value: &Text<'_>) -> Result<u32> {
         let id = value.integer(i64::MIN..=i64::MAX)?;
         if !TAGS.contains(&id) {

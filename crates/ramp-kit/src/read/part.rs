@@ -1,4 +1,4 @@
-//! The joint types of a kit's own, and the four numbers that its printed parts are made from.
+//! The joint types that a kit adds, and the four dimensions of its printed parts.
 
 use super::measure::MM;
 use super::problem::{KitError, KitProblem, Node, Result, Text};
@@ -6,9 +6,9 @@ use crate::dimensions::{Dimensions, MALE_TIP, STEM_RADIUS, WALL};
 use crate::joint::{JointForm, JointType};
 use std::ops::RangeInclusive;
 
-/// Walls that a printer can lay and that carry, mm.
+/// Thickness of walls, mm: printable and strong enough.
 const WALLS: RangeInclusive<f64> = 1.0..=6.0;
-/// Gaps between parts, mm; without one nothing goes into anything.
+/// Gaps between parts, mm; without a gap no part fits into another.
 const CLEARANCES: RangeInclusive<f64> = 0.05..=1.0;
 /// Square extrusions, mm.
 const EXTRUSIONS: RangeInclusive<f64> = 15.0..=30.0;
@@ -16,12 +16,12 @@ const EXTRUSIONS: RangeInclusive<f64> = 15.0..=30.0;
 const HOLES: RangeInclusive<f64> = 2e3 * STEM_RADIUS + 0.1..=12.0;
 /// From a hole to the floor of a socket, or to the end of a cavity, mm.
 const REACH: RangeInclusive<f64> = 1.0..=200.0;
-/// The angle of a turned male end, degrees.
+/// The angle of a bent male end, degrees.
 const TURNS: RangeInclusive<f64> = -60.0..=60.0;
-/// The smallest angle by which a male end is turned, degrees.
+/// Smallest angle of a bent male end, degrees.
 const LEAST_TURN: f64 = 5.0;
 
-/// The four numbers; those that are not stated are the benchmark's.
+/// The four dimensions; the default is the benchmark's.
 pub(super) fn read_dimensions(node: Node<'_>) -> Result<Dimensions> {
     node.check_attributes(&["wall", "clearance", "extrusion", "hole"])?;
     let number = |attribute, range: RangeInclusive<f64>, nominal: f64| match node.optional(attribute) {
@@ -37,7 +37,7 @@ pub(super) fn read_dimensions(node: Node<'_>) -> Result<Dimensions> {
     })
 }
 
-/// A joint type of the kit's own.
+/// A joint type added by the kit.
 pub(super) fn read_part(node: Node<'_>) -> Result<JointType> {
     node.check_attributes(&["name", "mates", "place", "socket", "cavity", "open", "feet", "turn"])?;
     let value = node.required("name")?;
@@ -72,7 +72,7 @@ pub(super) fn read_part(node: Node<'_>) -> Result<JointType> {
         Some(value) => {
             let degrees = value.number(TURNS, "degrees")?;
             if degrees.abs() < LEAST_TURN {
-                return bad(&value, "a male end that is turned is turned by at least 5°");
+                return bad(&value, "the turn of a male end is at least 5°");
             }
             degrees.to_radians()
         }

@@ -1,25 +1,25 @@
-//! What can be wrong with a kit.
+//! Defects of a kit file.
 
 use crate::joint::JointType;
 use ramp_source::{Element, Fault, FormProblem, Problem, Value};
 
-/// What is wrong with a kit, and where.
+/// A defect of a kit file, with its place.
 pub type KitError = Fault<KitProblem>;
 
-/// What can be wrong with a kit.
+/// Defects of a kit file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KitProblem {
     /// The form of the file.
     #[error(transparent)]
     Form(#[from] FormProblem),
-    /// A name that something else has already.
+    /// A name that is already taken.
     #[error("the name `{name}` is used twice")]
     DuplicateName {
         /// The name.
         name: String,
     },
-    /// A tag that something else carries already.
+    /// A tag that is already taken.
     #[error("the tag {tag} is used twice")]
     DuplicateTag {
         /// Its id.
@@ -28,24 +28,24 @@ pub enum KitProblem {
     /// No such type of joint.
     #[error("there is no joint type `{found}`")]
     UnknownPart {
-        /// What the file has.
+        /// The name found.
         found: String,
         /// The most similar type.
         nearest: Option<String>,
     },
-    /// A tag that the family does not have.
+    /// The tag family has no such id.
     #[error("there is no tag {tag}: the family tag25h9 has the ids 0 to 34, and 0 is on the sheet")]
     NoSuchTag {
         /// Its id.
         tag: i64,
     },
-    /// A joint type of the kit's own that has the name of another.
-    #[error("there is a joint type `{name}` already")]
+    /// An added joint type with the name of another.
+    #[error("the joint type `{name}` exists already")]
     DuplicatePart {
         /// The name.
         name: String,
     },
-    /// A joint type of the kit's own that cannot be made.
+    /// An added joint type that cannot be made.
     #[error("the joint type `{part}` cannot be made: {why}")]
     BadPart {
         /// The joint type.
@@ -53,32 +53,33 @@ pub enum KitProblem {
         /// The reason.
         why: String,
     },
-    /// An opening on a joint type that has none.
+    /// `opens` on a joint type without a single open side.
     #[error("a `{part}` has no opening to one side")]
     NoOpening {
         /// The joint type.
         part: &'static str,
     },
-    /// A parent or child that the beam does not have.
+    /// The beam has no such parent or child.
     #[error("`{from}` names `{found}` as its {role}, expected a {expected} of {beam}")]
     UnknownNeighbour {
-        /// Who names it.
+        /// The joint or link that names it.
         from: String,
         /// `parent` or `child`.
         role: &'static str,
         /// `joint` or `link`.
         expected: &'static str,
-        /// What the file has.
+        /// The name found.
         found: String,
         /// The beam.
         beam: String,
-        /// A better name: the one whose other side fits, or else the most similar one.
+        /// A better name: the neighbour that names this one in return, or else the most similar
+        /// one.
         nearest: Option<String>,
     },
     /// Two neighbours that do not name each other.
     #[error("`{from}` names `{to}` as its {role}, but `{to}` does not name `{from}` in return")]
     OneSided {
-        /// Who names the other.
+        /// The joint or link that names the other.
         from: String,
         /// `parent` or `child`.
         role: &'static str,
@@ -107,12 +108,12 @@ pub enum KitProblem {
         /// The beam.
         beam: String,
     },
-    /// Joints that the walk from j1 does not reach.
+    /// Joints that are not reached from j1.
     #[error("{beam} falls apart: `{joint}` is not connected with `{first}`")]
     Split {
         /// The beam.
         beam: String,
-        /// The joint it starts with.
+        /// The first joint.
         first: String,
         /// A joint that is not reached.
         joint: String,
@@ -122,11 +123,11 @@ pub enum KitProblem {
     JointCount {
         /// The beam.
         beam: String,
-        /// How many it has.
+        /// Number of joints.
         joints: usize,
     },
     /// An end joint inside the beam or a middle joint at its end.
-    #[error("`{joint}` is a `{part}`, which cannot stand {place} of a beam")]
+    #[error("`{joint}` is a `{part}`, which cannot be {place} of a beam")]
     WrongPlace {
         /// The joint.
         joint: String,
@@ -135,7 +136,7 @@ pub enum KitProblem {
         /// `at the end` or `in the middle`.
         place: &'static str,
     },
-    /// A link that leaves no room for its joints.
+    /// A link that is too short for its joints.
     #[error(
         "the link `{link}` is {length} mm long, expected at least {least:.2} mm between these two joints"
     )]
@@ -147,10 +148,10 @@ pub enum KitProblem {
         /// The length at which its joints touch, mm.
         least: f64,
     },
-    /// A peg in a holder that is not there.
+    /// A peg in a missing holder.
     #[error("there is no holder `{found}`")]
     UnknownHolder {
-        /// What the file has.
+        /// The name found.
         found: String,
         /// The most similar holder.
         nearest: Option<String>,
@@ -163,13 +164,13 @@ pub enum KitProblem {
         /// The slot.
         slot: i32,
     },
-    /// An element that may stand there once.
-    #[error("<{element}> stands here twice")]
+    /// An element that may occur only once.
+    #[error("<{element}> occurs twice")]
     Twice {
         /// The element.
         element: &'static str,
     },
-    /// Nothing to build with.
+    /// A kit without beams.
     #[error("this kit has no beams")]
     Empty,
 }
@@ -191,7 +192,7 @@ impl Problem for KitProblem {
             KitProblem::Loop { .. } => "which joint comes first?".into(),
             KitProblem::Split { .. } => "not reached".into(),
             KitProblem::JointCount { .. } => format!("expected 2 to {MAX_JOINTS} joints"),
-            KitProblem::WrongPlace { place, .. } => format!("stands {place}"),
+            KitProblem::WrongPlace { place, .. } => format!("is {place}"),
             KitProblem::ShortLink { .. } => "too short".into(),
             KitProblem::UnknownHolder { .. } => "unknown holder".into(),
             KitProblem::SlotTaken { .. } => "taken".into(),
@@ -216,10 +217,10 @@ impl Problem for KitProblem {
     }
 }
 
-/// The most joints of one beam; keeps the geometry of whatever is read small.
+/// Largest number of joints of one beam; it bounds the size of all geometry.
 pub const MAX_JOINTS: usize = 32;
 
-/// What is read, or the first thing that is wrong with it.
+/// The value read, or the first defect of the file.
 pub(super) type Result<T, E = KitError> = std::result::Result<T, E>;
 /// An element of a kit file.
 pub(super) type Node<'a> = Element<'a, KitProblem>;

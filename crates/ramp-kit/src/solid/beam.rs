@@ -1,4 +1,4 @@
-//! A beam as solids: its joints at their places, and the lengths of extrusion between them.
+//! A beam as solids: its joints in place, and the pieces of extrusion between them.
 
 use super::body::{CIRCLE, MM, Solid, SolidError, arc};
 use super::joint::joint;
@@ -6,14 +6,14 @@ use crate::beam::Beam;
 use crate::dimensions::Dimensions;
 use std::f64::consts::PI;
 
-/// A part of a beam at its place.
+/// A part of a beam in place.
 #[derive(Clone)]
 pub struct Piece {
     /// The name of the joint or link.
     pub name: String,
     /// The part, mm, in the beam's frame: origin on the axis at the first hole, x along the beam, z up.
     pub solid: Solid,
-    /// Is it a length of extrusion?
+    /// Whether it is a piece of extrusion.
     pub link: bool,
 }
 
@@ -28,8 +28,9 @@ pub fn beam(beam: &Beam, dimensions: &Dimensions, apart: f64) -> Result<Vec<Piec
         let height = if form.male { dimensions.body() } else { dimensions.female_height() };
         let axis = height * MM / 2.0;
         let solid = joint(part.kind, dimensions)?.translated([0.0, 0.0, -axis]);
-        // An end looks out of its beam; a middle is turned so that it opens to its side. A female end that opens
-        // to the other side is turned about the beam, which it does not show.
+        // An end faces out of its beam; a middle joint is rotated so that it opens to its side. A
+        // female end that opens to the other side is rotated about the beam, which does not change
+        // its look.
         let open = part.opens.map_or(1.0, |side| -side.sign());
         let (turn, over) = match (form.end, index == 0) {
             (true, true) => (90.0, open < 0.0),
@@ -49,18 +50,18 @@ pub fn beam(beam: &Beam, dimensions: &Dimensions, apart: f64) -> Result<Vec<Piec
     Ok(pieces)
 }
 
-/// A length of extrusion along z, mm: a 20 × 20 profile with four slots.
+/// A piece of extrusion along z, mm: a 20 × 20 profile with four slots.
 ///
 /// # Errors
-/// No length.
+/// Zero length.
 pub fn extrusion(length: f64) -> Result<Solid, SolidError> {
     Solid::extrude(&profile(), length).checked("extrusion")
 }
 
 /// The section of the extrusion: its outline and its bore, mm.
 pub fn profile() -> Vec<Vec<[f64; 2]>> {
-    /// Half the edge, the corners' radius, half the slot's mouth, thickness of its lips, half its width behind
-    /// them, depth there before it narrows, half the web.
+    /// Half the edge, the corners' radius, half the slot's mouth, thickness of its lips, half its
+    /// width behind them, depth before it narrows, half the web.
     const HALF: f64 = 10.0;
     const CORNER: f64 = 2.0;
     const MOUTH: f64 = 2.5;

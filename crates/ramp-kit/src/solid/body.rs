@@ -1,4 +1,4 @@
-//! Closed solids and their surfaces: made of boxes, cylinders and outlines, put together and cut.
+//! Closed solids and their surfaces: made of boxes, cylinders and outlines, joined and cut.
 
 use manifold_rust::cross_section::CrossSection;
 use manifold_rust::linalg::{Vec2, Vec3};
@@ -6,13 +6,14 @@ use manifold_rust::manifold::Manifold;
 use manifold_rust::types::{Error, OpType};
 use std::f64::consts::PI;
 
-/// Corners of a polygon that stands for a circle: at most 0.01 mm inside a hole of the kit.
+/// Number of corners of a polygon that approximates a circle: at most 0.01 mm inside a hole of the
+/// kit.
 pub(super) const CIRCLE: i32 = 64;
 
-/// The smallest detail of a part, mm.
+/// Smallest detail of a part, mm.
 const SMALLEST: f64 = 1e-4;
 
-/// By how much a cut reaches out of the face that it opens, so that no skin is left.
+/// Overshoot of a cut beyond the face that it opens, mm, so that no skin remains.
 pub(super) const PAST: f64 = 1.0;
 
 /// Millimetres in a metre.
@@ -25,7 +26,7 @@ pub(super) const MM: f64 = 1e3;
 pub struct SolidError {
     /// The part.
     pub part: String,
-    /// What the modeller says.
+    /// The modeller's reason.
     pub why: String,
 }
 
@@ -43,14 +44,15 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Its volume, mm³, from the divergence theorem: negative when it is inside out.
+    /// Its volume, mm³, from the divergence theorem: negative when the surface is inside out.
     pub fn volume(&self) -> f64 {
         let corner = |index: u32| nalgebra::Vector3::from(self.points[index as usize]);
         let six = |[a, b, c]: &[u32; 3]| corner(*a).dot(&corner(*b).cross(&corner(*c)));
         self.triangles.iter().map(six).sum::<f64>() / 6.0
     }
 
-    /// Is every edge of every triangle also an edge of exactly one other, the other way round?
+    /// Whether every edge of every triangle is also an edge of exactly one other, in the opposite
+    /// direction.
     pub fn is_closed(&self) -> bool {
         let mut edges: Vec<[u32; 2]> =
             self.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
@@ -79,7 +81,8 @@ impl Solid {
         Solid(Manifold::cube(size, false).translate(Vec3::new(x[0], y[0], z[0])))
     }
 
-    /// A cylinder or cone around the vertical through (x, y), from the radius at `z[0]` to that at `z[1]`, mm.
+    /// A cylinder or cone around the vertical through (x, y), from the radius at `z[0]` to that at
+    /// `z[1]`, mm.
     pub fn round(at: [f64; 2], radius: [f64; 2], z: [f64; 2]) -> Solid {
         let solid = Manifold::cylinder(z[1] - z[0], radius[0], radius[1], CIRCLE);
         Solid(solid.translate(Vec3::new(at[0], at[1], z[0])))
@@ -99,27 +102,27 @@ impl Solid {
         Solid(Manifold::extrude(&section.to_polygons(), height, 0, 0.0, Vec2::new(1.0, 1.0)))
     }
 
-    /// Moved, mm.
+    /// Translated, mm.
     pub fn translated(&self, by: [f64; 3]) -> Solid {
         Solid(self.0.translate(Vec3::new(by[0], by[1], by[2])))
     }
 
-    /// Turned about x, then y, then z, degrees.
+    /// Rotated about x, then y, then z, degrees.
     pub fn rotated(&self, degrees: [f64; 3]) -> Solid {
         Solid(self.0.rotate(degrees[0], degrees[1], degrees[2]))
     }
 
-    /// All of these as one.
+    /// The union of these.
     pub fn union(solids: &[Solid]) -> Solid {
         Solid::batch(solids, OpType::Add)
     }
 
-    /// What is left of this when the others are cut off.
+    /// This solid minus the others.
     pub fn minus(&self, cuts: &[Solid]) -> Solid {
         if cuts.is_empty() { self.clone() } else { Solid(self.0.difference(&Solid::union(cuts).0)) }
     }
 
-    /// What this and another one have in common.
+    /// The intersection with another one.
     pub fn common(&self, other: &Solid) -> Solid {
         Solid(self.0.intersection(&other.0))
     }
@@ -134,7 +137,7 @@ impl Solid {
         self.0.volume()
     }
 
-    /// How many holes go through it, as through a ring.
+    /// Number of through holes, as in a torus.
     pub fn genus(&self) -> i32 {
         self.0.genus()
     }
@@ -158,7 +161,8 @@ impl Solid {
 
     /// The solid of a part, if it is one piece.
     pub(super) fn checked(self, part: &str) -> Result<Solid, SolidError> {
-        // Corners that only rounding has parted become one, as they would in a file of single precision.
+        // Corners separated only by rounding are merged, as they would be in a file of single
+        // precision.
         let whole = Solid(self.0.simplify(SMALLEST));
         let why = match whole.0.status() {
             Error::NoError if whole.0.is_empty() => "nothing is left of it".to_string(),

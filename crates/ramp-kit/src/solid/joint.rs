@@ -14,7 +14,7 @@ use crate::joint::{JointForm, JointType};
 /// ```
 ///
 /// # Errors
-/// Dimensions that leave nothing, or pieces.
+/// Dimensions that give an empty solid, or several pieces.
 pub fn joint(kind: JointType, dimensions: &Dimensions) -> Result<Solid, SolidError> {
     let form = kind.form();
     let sizes = Sizes::new(dimensions);
@@ -22,7 +22,7 @@ pub fn joint(kind: JointType, dimensions: &Dimensions) -> Result<Solid, SolidErr
     solid.checked(kind.name())
 }
 
-/// What follows from the four numbers, mm.
+/// Derived dimensions, mm.
 struct Sizes {
     wall: f64,
     clearance: f64,
@@ -51,7 +51,8 @@ impl Sizes {
         Solid::round([0.0; 2], [self.hole; 2], [z[0] - PAST, z[1] + PAST])
     }
 
-    /// The countersunk hole in the wall of a socket at y, its axis at height z; `side` (±1) is the face it is in.
+    /// The countersunk hole in the wall of a socket at y, its axis at height z; `side` (±1) is the
+    /// face it is in.
     fn screw(&self, side: f64, y: f64, z: f64) -> Solid {
         let (cone, outer, inner) = (SCREW.cone * MM, SCREW.outer * MM, SCREW.inner * MM);
         // Along +z first: the countersink from below, a little longer than its depth on the outside.
@@ -62,7 +63,7 @@ impl Sizes {
         Solid::union(&[sink, shank]).rotated([0.0, turn, 0.0]).translated([side * self.body, y, z])
     }
 
-    /// The socket whose floor is at `from` and whose mouth is at `to`, and its screw hole.
+    /// The socket between its floor `from` and its mouth `to`, with its screw hole.
     fn socket(&self, [from, to]: [f64; 2], side: f64, z: f64) -> [Solid; 2] {
         let out = (to - from).signum();
         let ends = [from.min(to + out * PAST), from.max(to + out * PAST)];
@@ -96,7 +97,7 @@ fn male(kind: JointType, form: &JointForm, s: &Sizes) -> Solid {
             };
             Solid::hull(&[ring(from, 0.0), ring(to - c, 0.0), ring(to, c)].concat())
         };
-        // Anticlockwise from above is to the left of +y too.
+        // Anticlockwise from above is also to the left of +y.
         solids.push(solid.rotated([0.0, 0.0, section.turn.to_degrees()]));
     }
     let plate = sleeve + TAG_PLATE * MM;
@@ -115,7 +116,7 @@ fn male(kind: JointType, form: &JointForm, s: &Sizes) -> Solid {
     Solid::union(&solids).minus(&cuts)
 }
 
-/// The recess for the tag in the face at height z, `depth` deep: upwards when it is negative.
+/// The recess for the tag in the face at height z, `depth` deep; upwards when it is negative.
 fn recess(kind: JointType, z: f64, depth: f64) -> Solid {
     let at = -kind.tag_offset().unwrap_or_default() * MM;
     let half = TAG_RECESS * MM / 2.0;

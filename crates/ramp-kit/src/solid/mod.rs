@@ -1,10 +1,11 @@
-//! The parts as solids: what is printed, and the bought parts for whoever wants them in a drawing program.
+//! The parts as solids: the printed parts, and the bought parts for use in a CAD program.
 //!
-//! Millimetres throughout this module, as in the files it fills. A joint's frame: origin on the axis of its peg
-//! hole at the underside of its body, y along the beam (an end joint's extrusion comes from −y), z up; a joint
-//! that is open to one side is open to −x at an end of a beam and to +x in its middle.
+//! Millimetres throughout this module, as in the exported files. A joint's frame: origin on the
+//! axis of its peg hole at the underside of its body, y along the beam (an end joint's extrusion
+//! comes from −y), z up. A joint that is open to one side is open to −x at an end of a beam and to
+//! +x in its middle.
 //!
-//! `body` makes and cuts solids; `joint`, `beam`, `peg` and `station` make the parts of it.
+//! `body` makes and cuts solids; `joint`, `beam`, `peg` and `station` build the parts from them.
 
 mod beam;
 mod body;

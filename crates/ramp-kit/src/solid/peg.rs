@@ -1,4 +1,4 @@
-//! The peg, and the holder that three of them start in.
+//! The peg, and the holder in which three of them start.
 
 use super::body::{MM, PAST, Solid, SolidError, arc, ball};
 use crate::beam::Holder;
@@ -27,7 +27,7 @@ pub fn peg(dimensions: &Dimensions) -> Result<Solid, SolidError> {
     let (top, [width, depth]) = (HEAD_HEIGHT * MM, GROOVE);
     let square = |half: f64| Solid::cuboid([-half, half], [-half, half], [top - depth, top + PAST]);
     let groove = square(PAD / 2.0 + width).minus(&[square(PAD / 2.0)]);
-    // As long as a female is high, whatever its walls are.
+    // As long as the height of a female, for any wall thickness.
     let (length, cone) = (dimensions.female_height() * MM, STEM_CONE * MM);
     let (radius, tip) = (STEM_RADIUS * MM, STEM_TIP_RADIUS * MM);
     let stem = Solid::round([0.0; 2], [radius; 2], [cone - length, 2.0]);
@@ -40,13 +40,13 @@ pub fn peg(dimensions: &Dimensions) -> Result<Solid, SolidError> {
 /// # Errors
 /// None for the benchmark's dimensions.
 pub fn holder(dimensions: &Dimensions) -> Result<Solid, SolidError> {
-    /// Half the depth of a rib at some heights; the last is inside the bar.
+    /// Half the depth of a rib at several heights; the last is inside the bar.
     const RIB: [[f64; 2]; 6] =
         [[0.0, 20.0], [3.85, 17.7], [9.9, 14.98], [17.2, 12.4], [28.2, 10.45], [36.2, 10.0]];
     const RIBS: [[f64; 2]; 4] = [[-51.5, -45.5], [-20.0, -14.0], [14.0, 20.0], [45.5, 51.5]];
     const ROUND: f64 = 1.0;
-    /// Half the width of the ridge that the tips stand in, the heights of its top and of the pockets' floor, and
-    /// the height from which the floor between the ribs narrows into it.
+    /// Half the width of the ridge that holds the tips, the heights of its top and of the pockets'
+    /// floor, and the height from which the floor between the ribs narrows into it.
     const RIDGE: f64 = 11.86;
     const TOP: f64 = 6.0;
     const FLOOR: f64 = 4.0;

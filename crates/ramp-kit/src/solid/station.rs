@@ -4,8 +4,8 @@ use super::body::{MM, PAST, Solid, SolidError};
 use crate::dimensions::Dimensions;
 use std::f64::consts::PI;
 
-/// A fingertip: x across the finger, y the way it closes, z up to the hand; the origin is the point between the
-/// tips that the hand is steered by.
+/// A fingertip: x across the finger, y along the closing direction, z up to the hand; the origin is
+/// the tip frame's, between the two fingertips.
 ///
 /// # Errors
 /// None.
@@ -25,7 +25,7 @@ pub fn fingertip() -> Result<Solid, SolidError> {
     const NUT_DEPTH: f64 = 3.2;
     const BOSS: [f64; 2] = [2.95, 1.5];
     let prism = |section: &[[f64; 2]]| {
-        // Drawn as (y, z), pulled along x.
+        // Drawn as (y, z), extruded along x.
         let points: Vec<[f64; 3]> =
             section.iter().flat_map(|&[y, z]| [[-HALF, y, z], [HALF, y, z]]).collect();
         Solid::hull(&points)
@@ -60,7 +60,7 @@ pub fn fingertip() -> Result<Solid, SolidError> {
         [BLOCK_REACH - 1.2, BLOCK[1]],
         [THICK - 3.0, BLOCK[1]],
     ]);
-    // Drawn along z and laid back, so that z becomes y.
+    // Drawn along z and rotated, so that z becomes y.
     let lay = |solid: Solid| solid.rotated([-90.0, 0.0, 0.0]).translated([0.0, 0.0, SCREW_Z]);
     let boss = lay(Solid::round([0.0; 2], [BOSS[0]; 2], [-BOSS[1], 0.5]));
     let bolt = lay(Solid::round([0.0; 2], [SCREW_R; 2], [-BOSS[1] - PAST, THICK + PAST]));
@@ -71,8 +71,9 @@ pub fn fingertip() -> Result<Solid, SolidError> {
     Solid::union(&[plate, rib, block, boss]).minus(&[bolt, lay(nut)]).checked("fingertip")
 }
 
-/// The clamp that holds the fixed beam on the table: a trough for its extrusion, y along the beam, z = 0 on the
-/// table, four holes down into the table and two for screws into the extrusion's slots.
+/// The clamp that holds the fixed beam on the table: a trough for its extrusion, y along the beam,
+/// z = 0 on the table, four holes down into the table and two for screws into the extrusion's
+/// slots.
 ///
 /// # Errors
 /// Dimensions that leave no wall beside the extrusion.

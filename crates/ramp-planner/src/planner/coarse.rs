@@ -1,6 +1,7 @@
 //! The second level: the fewest coarse actions for each task.
 //!
-//! A task is solved on a part of the goal around it first; what comes out is judged on the whole goal.
+//! A task is first solved on the part of the goal around it; the result is judged on the whole
+//! goal.
 
 use super::core::{Planner, Transition, name_of};
 use super::fact_index::Facts;
@@ -32,7 +33,7 @@ impl Planner<'_> {
         for task in self.tasks(order, known) {
             self.reach(&task, &facts, &mut state, &mut transitions)?;
         }
-        // What the domain asks of the end: a free hand that stands aside, and whatever else it says.
+        // The domain's goals for the final state, such as an empty hand.
         for _ in 0..2 {
             let missing = self.model.missing(&state);
             if missing.is_empty() {
@@ -48,7 +49,7 @@ impl Planner<'_> {
         }
     }
 
-    /// Adds the fewest actions that reach a task.
+    /// Appends the fewest actions that achieve a task.
     fn reach(
         &mut self,
         task: &Task,
@@ -60,7 +61,8 @@ impl Planner<'_> {
         if task.iter().all(held) {
             return Ok(());
         }
-        // Where a beam is placed, those matter that it meets, and those that carry these; for a peg, its two beams.
+        // Relevant for placing a beam: the beams that it meets, and those that support them; for a
+        // peg: its two beams.
         let places = task.iter().any(|(fluent, _)| name_of(fluent) == Some("in_assembly"));
         let reaches: &[usize] = match (self.options.zoom, places) {
             (false, _) => &[],
@@ -70,7 +72,7 @@ impl Planner<'_> {
         for &reach in reaches {
             if let Some(actions) = self.solve_task(task, facts, state, Some(reach))?
                 && let Ok(walked) = self.walk(state, &actions)
-                // Judged on the whole goal: what was left out made no difference.
+                // Judged on the whole goal: the omitted parts made no difference.
                 && let Some(last) = walked.last()
                 && task.iter().all(|(fluent, truth)| self.model.holds(&last.after, fluent) == *truth)
             {
@@ -113,14 +115,14 @@ impl Planner<'_> {
         let most = most_steps(self.assembly);
         let found = self.coarse_answers.shortest(&mut self.solver, self.domains.coarse(), &shape, most)?;
         let Some(Found { mut actions, .. }) = found else { return Ok(None) };
-        // Pushes that follow each other may come in any order; it is the same one every time.
+        // Consecutive pushes may come in any order; it is always the same one.
         for run in actions.chunk_by_mut(|a, b| is_push(a) && is_push(b)) {
             run.sort_by_key(|action| action.texts().first().and_then(|name| self.assembly.beam_index(name)));
         }
         Ok(Some(actions))
     }
 
-    /// The names that a task can have to do with: its beams and those around them, so many joints away.
+    /// The names relevant for a task: its beams and those at most `reach` joints away.
     fn around(&self, task: &Task, state: &Fluents, reach: usize) -> BTreeSet<String> {
         let mut names = self.coarse_sight.known.clone();
         let in_hand = ["in_hand", "stuck"].map(|name| self.model.true_of(state, name)).concat();
@@ -133,7 +135,7 @@ impl Planner<'_> {
                 beams.extend([connection.female.beam, connection.male.beam]);
             }
         }
-        // What does not stand yet changes nothing.
+        // Beams that are not placed yet have no effect.
         let (stands, _) = self.standing(state);
         let in_the_way: Vec<usize> = beams
             .iter()
@@ -167,7 +169,7 @@ fn is_push(action: &Term) -> bool {
     name_of(action) == Some("push")
 }
 
-/// To the assembly and back with a push for every beam, the way there and back again, and the task itself.
+/// To the assembly and back with a push for every beam, there and back again, and the task itself.
 fn most_steps(assembly: &Assembly) -> usize {
     assembly.beams.len().min(24) + 14
 }

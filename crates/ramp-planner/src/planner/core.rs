@@ -1,4 +1,5 @@
-//! What every step of planning needs: the goal, its geometry and facts, the coarse model, and what was solved so far.
+//! The planner's common state: the goal, its geometry and facts, the coarse model, and solved
+//! problems.
 
 use super::fact_index::Facts;
 use super::memo::{KnownAnswers, refusal_words};
@@ -16,7 +17,7 @@ use ramp_action_language::{Model, Refusal, State as Fluents, Term};
 use ramp_assembly::Assembly;
 use std::collections::{BTreeSet, HashMap};
 
-/// What every step of planning needs.
+/// The planner's common state.
 pub(crate) struct Planner<'a> {
     pub(crate) assembly: &'a Assembly,
     /// The names of the pegs.
@@ -27,19 +28,20 @@ pub(crate) struct Planner<'a> {
     pub(crate) model: Model<'a>,
     /// The beams by name.
     pub(crate) numbers: HashMap<String, usize>,
-    /// What the laws see of names and numbers. Names that they know, and those of ways, are in every coarse problem.
+    /// The names and numbers visible to the laws. Names in laws, and those of paths, are part of
+    /// every coarse problem.
     pub(crate) coarse_sight: Sight,
     pub(crate) fine_sight: Sight,
-    /// The names of facts that the fine rules ask for.
+    /// The names of facts used by the fine rules.
     pub(crate) fine_facts: BTreeSet<&'a str>,
     pub(crate) solver: Solver,
     pub(crate) options: Options,
     /// Answers to problems of the same shape.
     pub(crate) coarse_answers: KnownAnswers,
     pub(crate) fine_answers: KnownAnswers,
-    /// The first beam for which no link was found that can be held where the beam starts and at its place.
+    /// The first beam without a common grasp for its start and goal pose.
     pub(crate) ungrasped: Option<usize>,
-    /// Ends with the planner.
+    /// Lives as long as the planner.
     _watch: Option<Watch>,
 }
 
@@ -52,7 +54,7 @@ pub(crate) struct Transition {
 }
 
 impl<'a> Planner<'a> {
-    /// A planner for one goal, which knows some motion facts; nothing is solved yet.
+    /// A planner for one goal with known motion facts; nothing is solved yet.
     pub(crate) fn new(
         assembly: &'a Assembly,
         domains: &'a Domains,
@@ -88,7 +90,7 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// Lets beams be regrasped on their way that the facts do not know to need it. Returns whether that is new for any.
+    /// Allows regrasps of further beams. Returns whether any is new.
     pub(crate) fn regrasp(&mut self, beams: &[usize]) -> bool {
         let mut facts = self.facts.all.clone();
         for &beam in beams {
@@ -120,7 +122,7 @@ impl<'a> Planner<'a> {
         Ok(transitions)
     }
 
-    /// Which beams stand in a coarse state, and which of them are pushed back.
+    /// The placed beams of a coarse state, and those of them that are pushed back.
     pub(crate) fn standing(&self, state: &Fluents) -> (Vec<bool>, Vec<bool>) {
         let beams = |fluent: &str| {
             let mut flags = vec![false; self.assembly.beams.len()];
@@ -135,7 +137,7 @@ impl<'a> Planner<'a> {
         (beams("in_assembly"), beams("deep"))
     }
 
-    /// There is no plan for a task of this rule file.
+    /// An error: no plan for a task of this rule file.
     pub(crate) fn no_plan(&self, file: &str, task: &str, steps: usize) -> PlanError {
         PlanError::NoPlan {
             goal: self.assembly.name.clone(),
@@ -145,7 +147,7 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// The interpreter refuses what clingo found, or a state that was told.
+    /// An error: the interpreter refuses clingo's plan, or the given state.
     pub(crate) fn refused(&self, refusal: Refusal, what: &str) -> PlanError {
         let file = self.domains.coarse().file().name().to_string();
         PlanError::Refused { file, why: refusal_words(refusal, what) }

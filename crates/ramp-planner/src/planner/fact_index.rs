@@ -1,16 +1,16 @@
-//! Facts by the names in them: what a small problem is told of a large goal.
+//! Facts indexed by the names in them, to select those of a small part of a large goal.
 
 use ramp_action_language::Term;
 use std::collections::{BTreeSet, HashMap};
 
-/// Facts, to be picked by the names in them.
+/// Facts, indexed by their names.
 pub(crate) struct Facts {
     pub(crate) all: Vec<Term>,
     /// The names, by number.
     numbers: HashMap<String, usize>,
-    /// By number of the name: where it occurs, in order.
+    /// By name: the facts that contain it, in order.
     of: Vec<Vec<usize>>,
-    /// By fact: the numbers of its names.
+    /// By fact: its names.
     names: Vec<Vec<usize>>,
     /// Facts without any name.
     nameless: Vec<usize>,
@@ -41,7 +41,7 @@ impl Facts {
         facts
     }
 
-    /// The facts that name nothing but these, in order; without names, all.
+    /// The facts that name only these objects, in order; without `names`, all.
     pub(crate) fn about(&self, names: Option<&BTreeSet<String>>) -> impl Iterator<Item = &Term> {
         let picked = match names {
             None => (0..self.all.len()).collect(),

@@ -12,10 +12,10 @@ use crate::state::{Known, area_name};
 use ramp_action_language::{FluentKind, Kind, Term};
 use std::collections::BTreeSet;
 
-/// The most fine actions in one coarse action; the rules never need more than four.
+/// Largest number of fine actions per coarse action; the rules never need more than four.
 const MOST_FINE_STEPS: usize = 8;
 
-/// What stands, what of it is pushed back, and which connections are pinned, by index.
+/// The placed beams, those of them that are pushed back, and the pinned connections, by index.
 struct Frame {
     stands: Vec<bool>,
     deep: Vec<bool>,
@@ -35,7 +35,7 @@ impl Planner<'_> {
         let mut steps = Vec::new();
         let mut kept: Option<(&Transition, Frame)> = None;
         for transition in transitions {
-            // It changes by few of the actions.
+            // Few of the actions change it.
             let same = |other: &Transition| {
                 self.model.agree(&other.before, &transition.before, ["in_assembly", "deep", "pinned"])
             };
@@ -56,7 +56,7 @@ impl Planner<'_> {
         Ok(steps)
     }
 
-    /// What stands and what is pinned before a transition.
+    /// Placed beams and pinned connections before a transition.
     fn frame(&self, transition: &Transition) -> Frame {
         let (stands, deep) = self.standing(&transition.before);
         let pins = self.model.true_of(&transition.before, "pinned");
@@ -66,8 +66,8 @@ impl Planner<'_> {
         Frame { stands, deep, pinned }
     }
 
-    /// The fine actions for one coarse action. `own`: the fine fluents that have no coarse ones of their name,
-    /// before and then after it.
+    /// The fine actions for one coarse action. `own`: the fine fluents without a coarse
+    /// counterpart, before and then after it.
     fn refine(
         &mut self,
         transition: &Transition,
@@ -84,7 +84,7 @@ impl Planner<'_> {
         let beams: Vec<usize> =
             all.filter(|&beam| !zoom || names.contains(&self.assembly.beams[beam].beam.name)).collect();
         let named = transition.action.texts();
-        // How a beam is held matters until it is in its place.
+        // The grasp of a beam is relevant until the beam is placed.
         let gained = self.model.gained(&transition.before, &transition.after);
         let placed: BTreeSet<&str> = gained
             .iter()
@@ -97,7 +97,7 @@ impl Planner<'_> {
         };
         let facts =
             facts::fine(self.assembly, &self.geometry, &beams, &handled, &frame.stands, &frame.pinned);
-        // What belongs to a relevant thing is relevant.
+        // Parts of a relevant object are relevant.
         for fact in &facts {
             if let Some(("component", [part, whole])) = fact.parts()
                 && whole.texts().iter().all(|text| names.contains(*text))
@@ -115,7 +115,7 @@ impl Planner<'_> {
             before.iter().filter(|fluent| name_of(fluent).is_some_and(|name| fine.kind(name).is_some()));
         let told = shared.chain(own.iter().filter(|fluent| matters(fluent)));
         problem.extend(told.map(|fluent| Term::new("told", [fluent.clone()])));
-        // The coarse fluents that become true, as far as the fine domain knows of them.
+        // The coarse fluents that become true and are known to the fine domain.
         for fluent in gained.iter().cloned() {
             let Some(name) = name_of(&fluent) else { continue };
             if fine.kind(name) == Some(Kind::Fluent(FluentKind::Inertial)) {
@@ -127,8 +127,8 @@ impl Planner<'_> {
         let shape = Shape::of(&problem, &self.fine_sight);
         let found = self.fine_answers.shortest(&mut self.solver, fine, &shape, MOST_FINE_STEPS)?;
         let Some(Found { actions, mut end }) = found else { return Err(self.no_fine_plan(transition)) };
-        // Where the hand ends up, the next action begins. What was left out of sight stays, unless something else of
-        // the kind has come: one hand has one place.
+        // The next action begins at the hand's final place. Omitted fluents persist, unless one
+        // with the same name replaces them: the hand has one place.
         end.retain(|fluent| name_of(fluent).is_some_and(|name| self.domains.coarse().kind(name).is_none()));
         end.sort();
         let names: BTreeSet<&str> = end.iter().filter_map(name_of).collect();
@@ -148,7 +148,7 @@ impl Planner<'_> {
             (Some(("pick_up", _)), Some(beam)) => PlanError::Illegal {
                 goal: self.assembly.name.clone(),
                 why: format!(
-                    "{beam} has no link that the hand can hold both where it starts and at its place"
+                    "{beam} has no link that the hand can grasp both at its start and at its goal pose"
                 ),
                 beams: vec![beam.to_string()],
             },

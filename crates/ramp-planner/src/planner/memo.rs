@@ -1,4 +1,4 @@
-//! Problems of one shape are solved once: the shortest plan for a problem, and those that are known already.
+//! Cache of solved problems by shape: the shortest plan for a problem.
 
 use super::shape::Shape;
 use crate::error::PlanError;
@@ -14,7 +14,7 @@ pub(crate) struct KnownAnswers(pub(crate) HashMap<Vec<Term>, Option<Found>>);
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Found {
     pub(crate) actions: Vec<Term>,
-    /// The inertial fluents that are true in the end.
+    /// The true inertial fluents of the final state.
     pub(crate) end: Vec<Term>,
 }
 
@@ -45,8 +45,8 @@ impl KnownAnswers {
     }
 }
 
-/// The fewest actions, from the least number to the most, for a problem of objects, statics, `told(F)`, `goal(F)` and
-/// `avoid(F)`.
+/// The fewest actions, between `least` and `most`, for a problem of objects, statics, `told(F)`,
+/// `goal(F)` and `avoid(F)`.
 pub(crate) fn solve(
     solver: &mut Solver,
     domain: &Domain,
@@ -79,7 +79,7 @@ pub(crate) fn solve(
     Ok(Some(Found { actions, end: model.inertial(&state) }))
 }
 
-/// A refusal in a sentence; `what` was refused.
+/// A refusal as a sentence; `what` is its subject.
 pub(crate) fn refusal_words(refusal: Refusal, what: &str) -> String {
     match refusal {
         Refusal::Unknown(name) => format!("there is no action {name}"),

@@ -1,9 +1,9 @@
 //! From an assembly and a state to a plan: the order of the beams, then coarse actions, then fine ones.
 //!
-//! What may be done, and how, stands in the rule files. Here their answers are carried from level to level: `order`,
-//! `coarse` (one of the `tasks` at a time) and `fine`; `search` runs through them. A level that finds no answer to what
-//! the one above decided hands that back, and gets another decision. Problems are kept small (`fact_index`) and solved
-//! once for each `shape` (`memo`); `proof` says how good a plan is.
+//! The rule files define the possible actions. This module passes their answers from level to
+//! level: `order`, `coarse` (one of the `tasks` at a time) and `fine`; `search` iterates over them.
+//! A level without an answer asks the level above for another decision. Problems are kept small
+//! (`fact_index`) and solved once per `shape` (`memo`); `proof` gives lower bounds.
 
 mod coarse;
 mod core;
@@ -28,13 +28,13 @@ use crate::plan::{Plan, State};
 use crate::state;
 use ramp_assembly::Assembly;
 
-/// Plans what is left to do to build an assembly.
+/// Plans the remaining steps to build an assembly.
 ///
 /// The same input always gives the same plan.
 ///
 /// # Errors
-/// When the state cannot be, when the rules say that the goal cannot be built, when the pegs do not suffice, or when
-/// a rule file gives an answer that means nothing here.
+/// When the state contradicts itself, when the rules forbid the goal, when the pegs do not suffice,
+/// or when a rule file gives an invalid answer.
 ///
 /// ```
 /// use ramp_planner::{CoarseAction, Domains, State, plan};
@@ -50,7 +50,7 @@ pub fn plan(assembly: &Assembly, state: &State, domains: &Domains) -> Result<Pla
     plan_with(assembly, state, domains, Options::default())
 }
 
-/// The same with other [`Options`].
+/// Plans with other [`Options`].
 ///
 /// # Errors
 /// As [`plan`].
@@ -77,7 +77,7 @@ pub fn plan_with(
     plan.map_err(|error| because_of_motion(error, &assembly.name, &known.motion))
 }
 
-/// Where there is no plan and motion facts are known, they are the reason.
+/// If motion facts are known, they are the reason for a missing plan.
 fn because_of_motion(error: PlanError, goal: &str, motion: &Motion) -> PlanError {
     let why = match &error {
         _ if motion.facts.is_empty() => return error,
@@ -130,7 +130,7 @@ mod tests {
         ramp_assembly::read_goal(&file, kit).unwrap()
     }
 
-    /// The program that is solved and the one that people read are the same.
+    /// The solved program is equivalent to the readable one.
     #[test]
     fn unrolling_agrees_with_clingos_own_grounder() {
         let (kit, domains) = data();

@@ -1,6 +1,6 @@
-//! What a caller may ask of the search.
+//! Options of the search.
 
-/// How a plan is searched.
+/// Options of the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Prove that no plan has fewer coarse actions; takes much longer.

@@ -1,4 +1,4 @@
-//! The first level: in which order the beams are placed, by the rules of `order.lp`.
+//! The first level: the order of the beams, by the rules of `order.lp`.
 
 use super::core::Planner;
 use crate::answer::{Answers, meaningless};
@@ -12,9 +12,9 @@ use std::collections::BTreeSet;
 /// An answer of the first level.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Order {
-    /// The beams that are not in yet, in the order in which they are to be placed.
+    /// The remaining beams, in the order of placement.
     pub(crate) sequence: Vec<usize>,
-    /// Which beam comes before which.
+    /// Pairs of beams, the first placed before the second.
     pub(crate) before: Vec<(usize, usize)>,
     /// Beams that are pushed back at first.
     pub(crate) deep: Vec<usize>,
@@ -51,7 +51,7 @@ impl Planner<'_> {
             facts.extend(deep.map(|&beam| Term::new("refused_deep", [number.into(), name(beam)])));
         }
         let solved = match self.solver.best(rules, &facts) {
-            // The order that comes with the goal is proven to work for the beams alone.
+            // The goal's own order is proven to work for the beams alone.
             Err(SolveError::Limit { .. }) if refused.is_empty() => return Ok(self.proven(known)),
             other => other.map_err(|error| PlanError::solver(rules, &error))?,
         };
@@ -80,7 +80,7 @@ impl Planner<'_> {
         if let Some(words) = problems.first() {
             return Err(self.illegal(words));
         }
-        // Again and again, the first beam of the proven order that waits for no other.
+        // Repeatedly, the first beam of the proven order that waits for no other.
         let mut waits = vec![0usize; self.assembly.beams.len()];
         let mut after: Vec<Vec<usize>> = vec![Vec::new(); self.assembly.beams.len()];
         for &(first, second) in &order.before {
@@ -112,7 +112,7 @@ impl Planner<'_> {
         Ok(order)
     }
 
-    /// The order that comes with the goal, as far as its beams do not stand yet.
+    /// The goal's own order, for the remaining beams.
     fn proven(&self, known: &Known) -> Order {
         let proven = self.assembly.insertions.iter().map(|insertion| insertion.beam);
         let sequence: Vec<usize> = proven.filter(|&beam| !known.stands[beam]).collect();
@@ -120,7 +120,7 @@ impl Planner<'_> {
         Order { sequence, before, deep: Vec::new() }
     }
 
-    /// A problem in the words of the rules as an error.
+    /// A problem reported by the rules, as an error.
     fn illegal(&self, words: &Term) -> PlanError {
         let texts = words.texts();
         let is_beam = |text: &&&str| self.assembly.beam_index(text).is_some();

@@ -1,4 +1,4 @@
-//! Proofs: how many coarse actions a plan needs at least, and whether there is a shorter one.
+//! Proofs: a lower bound on the number of coarse actions, and the search for a shorter plan.
 
 use super::core::Planner;
 use super::memo::solve;
@@ -8,8 +8,8 @@ use crate::state::Known;
 use ramp_action_language::{State as Fluents, Term};
 
 impl Planner<'_> {
-    /// A plan of at most so many coarse actions for the whole goal, if there is one; and no plan is shorter than
-    /// the number that comes with it.
+    /// A plan of at most `most` coarse actions for the whole goal, if one exists, and a lower
+    /// bound.
     pub(crate) fn shorter(
         &mut self,
         start: &Fluents,
@@ -36,12 +36,13 @@ impl Planner<'_> {
     }
 }
 
-/// The hand begins over the sheet and every item costs it six actions: pick up, two moves, one to build it in, two
-/// moves back. The last item does not need those two, but one move that leaves the hand free.
+/// The hand begins over the sheet and every item costs six actions: pick up, two moves, one to
+/// build it in, two moves back. After the last item, one move that frees the hand replaces the two
+/// moves back.
 pub(crate) fn lower_bound(known: &Known) -> usize {
     let beams = known.stands.iter().filter(|stands| !**stands).count();
     let pegs = known.pinned.iter().filter(|pinned| pinned.is_none()).count();
     let held = usize::from(known.held_beam.is_some() || known.held_peg.is_some());
-    // What is in the hand already needs to be built in, and the hand may be there.
+    // A held item only needs to be built in, and the hand may be there already.
     (6 * (beams + pegs)).saturating_sub(1 + 3 * held)
 }

@@ -8,7 +8,7 @@ use crate::plan::{CoarseStep, Entry, Plan, Statistics};
 use crate::state::Known;
 use ramp_action_language::State as Fluents;
 
-/// How many orders of the beams are tried before the planner gives up.
+/// Number of orders of the beams that are tried.
 const MOST_ORDERS: usize = 24;
 
 impl Planner<'_> {
@@ -25,8 +25,8 @@ impl Planner<'_> {
         Ok(self.search(known)?.0)
     }
 
-    /// Plans, and again with a beam to be regrasped where no link can be held all the way: which ones there is room for
-    /// at a beam's place depends on what stands by then.
+    /// Plans, and replans with a regrasp for each beam without a common grasp: the possible grasps
+    /// at a beam's goal pose depend on the beams placed by then.
     fn search(&mut self, known: &Known) -> Result<(Vec<Transition>, Vec<CoarseStep>, usize), PlanError> {
         loop {
             let found = self.try_orders(known);
@@ -45,7 +45,7 @@ impl Planner<'_> {
         loop {
             let order = match self.order(known, &refused) {
                 Ok(order) => order,
-                // What the levels below said of the first order says more.
+                // The error of the levels below for the first order is more informative.
                 Err(error) => return Err(first_error.unwrap_or(error)),
             };
             match self.build(&order, known, &start) {
@@ -65,7 +65,7 @@ impl Planner<'_> {
         }
     }
 
-    /// Coarse and fine actions for an order, and a number of coarse actions that no plan goes below.
+    /// Coarse and fine actions for an order, and a lower bound on the number of coarse actions.
     fn build(
         &mut self,
         order: &Order,
@@ -74,7 +74,7 @@ impl Planner<'_> {
     ) -> Result<(Vec<Transition>, Vec<CoarseStep>, usize), PlanError> {
         let mut transitions = self.coarse(order, known, start)?;
         self.has_ways(&transitions)?;
-        // What is known of the shipped rules need not be true of others.
+        // The analytic bound is known for the shipped rules only.
         let shipped =
             self.domains.coarse().file().text() == include_str!("../../../../data/domains/coarse.al");
         let mut lower_bound = if shipped { lower_bound(known).min(transitions.len()) } else { 0 };
@@ -89,8 +89,9 @@ impl Planner<'_> {
         Ok((transitions, steps, lower_bound))
     }
 
-    /// Each beam has an insertion path past all that stands by then. The rules know which single beams block a path. Where
-    /// one beam makes the path longer and another one blocks it further out, only both together do.
+    /// Checks that each beam has an insertion path past all beams placed by then. The rules only
+    /// know single beams that block a path. Where one beam makes the path longer and another one
+    /// blocks it further out, only both together do.
     fn has_ways(&self, transitions: &[Transition]) -> Result<(), PlanError> {
         for transition in transitions {
             let Some((name @ ("assemble" | "assemble_deep" | "lay_down"), [beam])) =
@@ -106,7 +107,7 @@ impl Planner<'_> {
                 let beam = &self.assembly.beams[index].beam.name;
                 return Err(PlanError::Illegal {
                     goal: self.assembly.name.clone(),
-                    why: format!("{beam} has no insertion path past all that stands by then"),
+                    why: format!("{beam} has no insertion path past the beams placed before it"),
                     beams: vec![beam.clone()],
                 });
             }
@@ -114,7 +115,7 @@ impl Planner<'_> {
         Ok(())
     }
 
-    /// How the beams of some transitions get to their places.
+    /// Insertion motions of the beams in some transitions.
     fn entries(&self, transitions: &[Transition]) -> Vec<Entry> {
         let mut entries = Vec::new();
         for transition in transitions {

@@ -1,18 +1,19 @@
-//! Problems that differ in nothing but names, or in numbers of the same order, have the same shape, and are solved once.
+//! Shapes of problems: problems that differ only in names, or in numbers of the same order, are
+//! solved once.
 
 use ramp_action_language::{Domain, Term};
 use std::collections::{BTreeSet, HashMap};
 
-/// What the rules of a domain see of names and numbers.
+/// The names and numbers visible to the rules of a domain.
 pub(crate) struct Sight {
-    /// Names that the rules know themselves: they are not like others.
+    /// Names in the rules: they are not interchangeable.
     pub(crate) known: BTreeSet<String>,
-    /// Whether the rules do nothing with numbers but compare them.
+    /// Whether the rules only compare numbers.
     order: bool,
 }
 
 impl Sight {
-    /// Of a domain; `also` are names that are not like others, either.
+    /// Of a domain; `also` are further names that are not interchangeable.
     pub(crate) fn of(domain: &Domain, also: impl IntoIterator<Item = String>) -> Sight {
         let mut known = domain.quoted();
         known.extend(also);
@@ -20,18 +21,19 @@ impl Sight {
     }
 }
 
-/// Facts in which every name is replaced by its number in the order of appearance, and every number by its rank.
+/// Facts with every name replaced by its index in order of appearance, and every number by its
+/// rank.
 pub(crate) struct Shape {
     /// The facts without names; equal for problems of the same shape.
     pub(crate) facts: Vec<Term>,
     /// The names, by number.
     names: Vec<String>,
-    /// The numbers, by rank; none where the rules do more with numbers than compare them.
+    /// The numbers, by rank; empty where the rules calculate with numbers.
     numbers: Vec<i64>,
 }
 
 impl Shape {
-    /// Takes the names and numbers out of some facts, as far as the rules do not see them.
+    /// Removes the interchangeable names and numbers from some facts.
     pub(crate) fn of(facts: &[Term], sight: &Sight) -> Shape {
         let mut names: Vec<String> = Vec::new();
         let mut known: HashMap<String, String> = HashMap::new();
@@ -42,7 +44,7 @@ impl Shape {
             if let Some(number) = known.get(text) {
                 return number.clone();
             }
-            // Of one width, so that the rules put them in the order of appearance.
+            // Zero-padded, so that the rules sort them in order of appearance.
             let number = format!("{:06}", names.len());
             names.push(text.to_string());
             known.insert(text.to_string(), number.clone());
@@ -91,7 +93,7 @@ mod tests {
             (Shape::of(&facts("C1", "b4"), &sight(false)), Shape::of(&facts("b4", "\""), &sight(false)));
         assert_eq!(first.facts, second.facts);
         assert_ne!(first.facts, Shape::of(&facts("C1", "C1"), &sight(false)).facts);
-        // Numbers count by their order alone, where the rules do nothing but compare them.
+        // Only the order of the numbers matters when the rules only compare them.
         let far = |a: i64, b: i64| [a, b].map(|number| Term::new("far", [Term::Number(number)]));
         let of = |order, a, b| Shape::of(&far(a, b), &sight(order));
         assert_eq!(of(true, 70, 9).facts, of(true, 140, -3).facts);

@@ -1,4 +1,4 @@
-//! The tasks of a plan, one after the other: a beam placed, its connections pinned, beams slid forward.
+//! The tasks of a plan, in order: place a beam, pin its connections, slide beams forward.
 
 use super::core::Planner;
 use super::order::Order;
@@ -7,15 +7,15 @@ use crate::facts::{self, beam_name, connection_name, peg_item};
 use crate::state::Known;
 use ramp_action_language::{State as Fluents, Term};
 
-/// Something to be reached: fluents that are to be true or false.
+/// A task: fluents with their required truth values.
 pub(crate) type Task = Vec<(Term, bool)>;
 
 impl Planner<'_> {
-    /// The coarse state that is known.
+    /// The known coarse state.
     pub(crate) fn fluents(&self, known: &Known) -> Result<Fluents, PlanError> {
         let mut told = known.told(self.assembly);
         if known.held_peg.is_some() {
-            // Pegs are alike: it is the one of the connection that is pinned next.
+            // Pegs are interchangeable: this one belongs to the connection that is pinned next.
             let first = self.tasks(&Order::default(), known).into_iter().flatten().find_map(|(term, _)| {
                 let (name, arguments) = term.parts()?;
                 (name == "pinned").then(|| Term::new("in_hand", [Term::new("peg", [arguments[0].clone()])]))
@@ -27,7 +27,7 @@ impl Planner<'_> {
         self.model.initial(&told, &[]).map_err(|refusal| self.refused(refusal, "the state"))
     }
 
-    /// What is to be reached, one after the other: a beam placed, its connections pinned, beams slid forward.
+    /// The tasks, in order: place a beam, pin its connections, slide beams forward.
     pub(crate) fn tasks(&self, order: &Order, known: &Known) -> Vec<Task> {
         let mut stands = known.stands.clone();
         let mut deep = known.deep.clone();
@@ -45,10 +45,12 @@ impl Planner<'_> {
         tasks
     }
 
-    /// Pegs for what is closed, then beams slid forward where all is there that they go into, and pegs again.
+    /// Pegs for closed connections, then beams slid forward where all their targets are placed, and
+    /// pegs again.
     fn finish(&self, stands: &[bool], deep: &mut [bool], pinned: &mut [bool], tasks: &mut Vec<Task>) {
         loop {
-            // First where a joint guides the male: around the first peg of any other, it turns.
+            // Joints that guide the male come first: in any other one the male could rotate about
+            // the first peg.
             let mut indices: Vec<usize> = (0..self.assembly.connections.len()).collect();
             indices.sort_by_key(|&index| !facts::is_tight(self.assembly, index));
             for index in indices {

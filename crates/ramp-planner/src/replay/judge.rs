@@ -1,4 +1,4 @@
-//! Carries out plans and judges each action, at both resolutions.
+//! Simulates plans and judges each action, at both resolutions.
 
 use super::table::Replayer;
 use super::terms::Check;
@@ -9,10 +9,10 @@ use ramp_action_language::{Model, Refusal, State as Fluents, Term};
 use std::collections::BTreeSet;
 
 impl Replayer<'_> {
-    /// Carries out a whole plan and checks that it reaches the goal.
+    /// Simulates a whole plan and checks that it reaches the goal.
     ///
     /// # Errors
-    /// At the first step that is not possible, or does something else than it says.
+    /// At the first impossible step, or the first with another effect than stated.
     pub fn run(&mut self, steps: &[CoarseStep]) -> Result<(), Refused> {
         self.expect_regrasps(steps.iter().map(|step| &step.coarse))?;
         for index in 0..steps.len() {
@@ -34,10 +34,11 @@ impl Replayer<'_> {
         self.end(actions.len())
     }
 
-    /// Carries out coarse actions that need not reach the goal: a plan's beginning, up to where nothing is in the hand.
+    /// Simulates coarse actions that need not reach the goal: the beginning of a plan, up to an
+    /// empty hand.
     ///
     /// # Errors
-    /// At the first one that is not possible.
+    /// At the first impossible action.
     pub fn carry_out(&mut self, actions: &[CoarseAction]) -> Result<(), Refused> {
         let steps: Vec<CoarseStep> =
             actions.iter().map(|coarse| CoarseStep { coarse: coarse.clone(), fine: Vec::new() }).collect();
@@ -52,7 +53,7 @@ impl Replayer<'_> {
         Ok(())
     }
 
-    /// A plan may regrasp any beam; the rules then hold it to what that means.
+    /// A plan may regrasp any beam; the rules then check the consequences.
     fn expect_regrasps<'s>(
         &mut self,
         actions: impl Iterator<Item = &'s CoarseAction>,
@@ -85,7 +86,8 @@ impl Replayer<'_> {
         }
     }
 
-    /// Carries out the first of some steps; the others say for which connection a peg is fetched.
+    /// Simulates the first of some steps; the others determine for which connection a peg is
+    /// fetched.
     pub(crate) fn step(&mut self, steps: &[CoarseStep], fine: bool) -> Check<()> {
         let Some(step) = steps.first() else { return Ok(()) };
         let rest = || steps[1..].iter().map(|step| &step.coarse);
@@ -102,7 +104,7 @@ impl Replayer<'_> {
                     let in_use =
                         self.pegs.iter().flatten().any(|used| used == peg) || self.lost.contains(peg);
                     if in_use || !self.planner.pegs.contains(peg) {
-                        return Err(format!("{peg} cannot be had"));
+                        return Err(format!("{peg} is not available"));
                     }
                 }
                 self.hand = Some(item.clone());
@@ -126,7 +128,7 @@ impl Replayer<'_> {
         Ok(())
     }
 
-    /// Is there an insertion path for what is placed?
+    /// Checks that the placed beam has an insertion path.
     fn geometry(&self, action: &CoarseAction) -> Check<()> {
         let (beam, laid) = match action {
             CoarseAction::Assemble { beam } | CoarseAction::AssembleDeep { beam } => (beam, false),
@@ -152,7 +154,7 @@ impl Replayer<'_> {
         let (planner, assembly) = (&self.planner, self.planner.assembly);
         let (stands, deep) = planner.standing(before);
         let pinned: Vec<bool> = self.pegs.iter().map(Option::is_some).collect();
-        // All that the step can be about: the beams that it names, and those that they meet.
+        // All beams that the step can affect: those that it names, and those that they meet.
         let mut beams: BTreeSet<usize> = BTreeSet::new();
         let names = self.coarse_term(&step.coarse, rest.clone())?;
         beams.extend(names.texts().iter().filter_map(|text| assembly.beam_index(text)));
@@ -172,7 +174,7 @@ impl Replayer<'_> {
             fluents =
                 model.after(&fluents, &term).map_err(|refusal| format!("{action}: {}", words(&refusal)))?;
         }
-        // What the fine actions did is what the coarse action says.
+        // The effect of the fine actions must equal that of the coarse action.
         let reached = model.bridged(&fluents);
         let old: BTreeSet<Term> = planner.model.inertial(before).into_iter().collect();
         let new: BTreeSet<Term> = planner.model.inertial(after).into_iter().collect();
@@ -187,7 +189,7 @@ impl Replayer<'_> {
         for fluent in &reached {
             let coarse =
                 fluent.parts().is_some_and(|(name, _)| planner.domains.coarse().kind(name).is_some());
-            // An alignment that is lost by the way is seen by the coarse domain alone.
+            // Only the coarse domain tracks an alignment that is lost as a side effect.
             let aligned = matches!(fluent.parts(), Some(("aligned", _)));
             if coarse && !aligned && !new.contains(fluent) {
                 return Err(format!("the fine actions make {fluent} true, the coarse one does not"));
@@ -203,7 +205,7 @@ impl Replayer<'_> {
     }
 }
 
-/// A refusal in a sentence.
+/// A refusal as a sentence.
 fn words(refusal: &Refusal) -> String {
     match refusal {
         Refusal::Unknown(name) => format!("there is no action {name}"),

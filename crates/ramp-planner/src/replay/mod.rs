@@ -1,8 +1,8 @@
-//! Judges plans without clingo: states, conditions and effects by the definition of the language, insertion paths by the
-//! shapes of the assembly.
+//! Judges plans without clingo: states, conditions and effects by the definition of the language,
+//! insertion paths by the shapes of the assembly.
 //!
-//! `table` is what stands after some actions, `terms` puts the actions of a plan into the words of the rules, and
-//! `judge` carries them out.
+//! `table` holds the state after some actions, `terms` translates the actions of a plan into terms
+//! of the rules, and `judge` executes them.
 
 mod judge;
 mod table;

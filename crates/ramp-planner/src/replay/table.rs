@@ -1,4 +1,4 @@
-//! The table while a plan is carried out: which fluents are true, which peg is where, what the hand holds.
+//! The table while a plan is simulated: true fluents, positions of the pegs, and the held item.
 
 use crate::domains::Domains;
 use crate::error::PlanError;
@@ -9,7 +9,7 @@ use crate::state::{Known, area_name, look_up};
 use ramp_action_language::{State as Fluents, Term};
 use ramp_assembly::Assembly;
 
-/// The table while a plan is carried out, as both resolutions see it.
+/// The table while a plan is simulated, at both resolutions.
 ///
 /// ```
 /// use ramp_planner::{Domains, Replayer, State, plan};
@@ -27,7 +27,7 @@ pub struct Replayer<'a> {
     pub(crate) planner: Planner<'a>,
     pub(super) start: Known,
     pub(super) state: Fluents,
-    /// What the fine domain has besides.
+    /// The fluents of the fine domain alone.
     pub(super) own: Vec<Term>,
     /// The peg in each connection.
     pub(super) pegs: Vec<Option<String>>,
@@ -39,7 +39,7 @@ impl<'a> Replayer<'a> {
     /// The table at the beginning.
     ///
     /// # Errors
-    /// When the state cannot be.
+    /// When the state contradicts itself.
     pub fn new(
         assembly: &'a Assembly,
         domains: &'a Domains,
@@ -65,7 +65,7 @@ impl<'a> Replayer<'a> {
         &self.state
     }
 
-    /// Something happens, if it can.
+    /// An event happens, if it is possible.
     pub(crate) fn happens(&mut self, event: &Term) {
         let Ok(after) = self.planner.model.after(&self.state, event) else { return };
         self.state = after;
@@ -75,7 +75,7 @@ impl<'a> Replayer<'a> {
         }
     }
 
-    /// What a planner would be told now.
+    /// The current state as input of the planner.
     pub fn state(&self) -> State {
         let assembly = self.planner.assembly;
         let (stands, deep) = self.planner.standing(&self.state);

@@ -10,11 +10,12 @@ use crate::state::area_name;
 use ramp_action_language::Term;
 use ramp_assembly::{Connection, JointRef};
 
-/// Something about an action, or what is wrong with it.
+/// A value, or the defect of an action.
 pub(crate) type Check<T> = Result<T, String>;
 
 impl Replayer<'_> {
-    /// A coarse action as the rules name it; `rest` says for which connection a peg is fetched.
+    /// A coarse action as a term of the rules; `rest` determines for which connection a peg is
+    /// fetched.
     pub(crate) fn coarse_term<'s>(
         &self,
         action: &CoarseAction,
@@ -136,7 +137,7 @@ impl Replayer<'_> {
         Ok(connection_name(assembly, index))
     }
 
-    /// An item that is to be fetched. Pegs are alike: the rules name them by the connection that they are for.
+    /// An item to be fetched. Pegs are interchangeable: the rules name them by their connection.
     fn item<'s>(&self, item: &Item, rest: impl Iterator<Item = &'s CoarseAction>) -> Check<Term> {
         let assembly = self.planner.assembly;
         let peg = match item {

@@ -1,4 +1,5 @@
-//! A rule file checked by clingo without running it: its first message becomes an error at its place.
+//! Checks a rule file with clingo without running it: its first message becomes an error at its
+//! place.
 
 use super::control::alone;
 use super::problem::OrderProblem;
@@ -10,13 +11,13 @@ use clingo::{
 use ramp_source::{Fault, SourceFile};
 use std::cell::RefCell;
 
-/// Checks that a rule file is a valid program, without running it. The file can be anybody's: clingo gets it only when it
-/// cannot make clingo read other files, run programs or exhaust its stack.
+/// Checks that a rule file is a valid program, without running it. The file is untrusted: clingo
+/// gets it only when it cannot make clingo read other files, run programs or exhaust its stack.
 pub(crate) fn check(file: &SourceFile) -> Result<(), Fault<OrderProblem>> {
     scan(file.text()).map_err(|(problem, at)| Fault::new(problem, file.place(at)))?;
     let _alone = alone();
     MESSAGES.take();
-    // Grounding no part at all still parses the rules and checks their variables.
+    // Grounding no part still parses the rules and checks their variables.
     let outcome = clingo::control_with_context(vec![], Listener).and_then(|control| {
         // A control with a context is never freed; one whose context was replaced is.
         let mut control: GenericControl<Listener> = control.register_control_context(Listener);
@@ -45,7 +46,7 @@ fn fault(file: &SourceFile, message: &str) -> Fault<OrderProblem> {
     let text = file.text();
     let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
     let at = start + column.saturating_sub(1);
-    // On one line, a third number is the column where the place ends.
+    // A third number on the same line is the last column of the place.
     let end = numbers.next().filter(|_| numbers.next().is_none()).map_or(at, |last| start + last - 1);
     let why = why.replace("<block>", file.name());
     let why = why.lines().map(str::trim).collect::<Vec<_>>().join(" ");
@@ -53,11 +54,11 @@ fn fault(file: &SourceFile, message: &str) -> Fault<OrderProblem> {
 }
 
 thread_local! {
-    /// What clingo said while the rule file at hand was checked.
+    /// clingo's messages during the current check.
     static MESSAGES: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Collects clingo's messages; has no size because clingo keeps its address while it moves.
+/// Collects clingo's messages. Zero-sized, because clingo keeps its address while it moves.
 struct Listener;
 
 impl Logger for Listener {

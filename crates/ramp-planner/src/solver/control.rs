@@ -1,4 +1,4 @@
-//! clingo's control: made with fixed options, filled with rules, read term by term.
+//! clingo's control: created with fixed options, filled with rules, read term by term.
 
 use clingo::{
     Atom, ClingoError, Control, Model, ShowType, SolveHandle, SolveResult, SolverLiteral, Symbol, SymbolType,
@@ -7,23 +7,23 @@ use ramp_action_language::{Literal, Term, Unrolled};
 use ramp_source::SourceFile;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Conflicts after which one call gives up: a few seconds of work, or, where no effort is spared, some minutes.
+/// Conflict limits of one call: a few seconds of work, or some minutes for a proof.
 const CONFLICT_LIMITS: [u32; 2] = [200_000, 5_000_000];
 
-/// How deep the terms of an answer may be nested.
+/// Largest nesting depth of an answer's terms.
 const MAX_DEPTH: usize = 16;
 
-/// Held while clingo works, one call at a time: its grounder crashes now and then when two threads use it, each with
+/// Serialises calls of clingo: its grounder occasionally crashes when two threads use it, each with
 /// a control of its own (clingo 5.6, in `Gringo::Input::Program::rewrite`).
 static CLINGO: Mutex<()> = Mutex::new(());
 
-/// Waits until no other call works.
+/// Waits for exclusive use of clingo.
 pub(crate) fn alone() -> MutexGuard<'static, ()> {
     // It guards no data that a panic could leave half-written.
     CLINGO.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Lets a search run to its end.
+/// Runs a search to its end.
 pub(crate) fn last_answer<T>(
     handle: &mut SolveHandle,
     read: impl Fn(&Model) -> Result<T, ClingoError>,
@@ -38,26 +38,27 @@ pub(crate) fn last_answer<T>(
     }
 }
 
-/// What the rules show of an answer.
+/// The shown terms of an answer.
 pub(crate) fn shown(model: &Model) -> Result<Vec<Term>, ClingoError> {
     model.symbols(ShowType::SHOWN)?.into_iter().map(|symbol| term(symbol, MAX_DEPTH)).collect()
 }
 
-/// An empty control; `thorough` spares no effort.
+/// An empty control; `thorough` is for proofs.
 pub(crate) fn new_control(thorough: bool) -> Result<Control, ClingoError> {
     let limit = format!("--solve-limit={}", CONFLICT_LIMITS[usize::from(thorough)]);
     // Of clasp's presets, the one that proves the easy goals optimal in the least time.
     let preset = if thorough { "--configuration=jumpy" } else { "--configuration=auto" };
-    // The best order is made of many small preferences that have little to do with each other. A search that lowers the
-    // cost of a whole answer step by step does not end beyond 80 beams; one that adds up what cannot be had at once
+    // The best order consists of many small, mostly independent preferences. Model-guided search,
+    // which lowers the total cost step by step, does not end beyond 80 beams; core-guided search
     // needs no time.
     let best = "--opt-strategy=usc";
-    // The rule file was checked when it was read; what is left are remarks about facts that a goal lacks.
+    // The rule file was checked when it was read; the remaining warnings concern facts that a goal
+    // lacks.
     let options = ["--warn=none", "--parallel-mode=1", "--seed=0", preset, best, &limit];
     clingo::control(options.map(str::to_string).to_vec())
 }
 
-/// A control with the rules and the facts in it, nothing grounded yet.
+/// A control with the rules and facts, nothing grounded yet.
 pub(crate) fn load(rules: &SourceFile, facts: &[Term]) -> Result<Control, ClingoError> {
     let mut control = new_control(false)?;
     control.add("base", &[], rules.text())?;
@@ -66,7 +67,7 @@ pub(crate) fn load(rules: &SourceFile, facts: &[Term]) -> Result<Control, Clingo
     Ok(control)
 }
 
-/// Hands the new rules of a ground program on; `atoms` are clingo's names for its atoms.
+/// Passes new rules of a ground program to clingo; `atoms` maps its atoms to clingo's.
 pub(crate) fn add(
     control: &mut Control,
     atoms: &mut Vec<Atom>,
@@ -96,7 +97,7 @@ pub(crate) fn literal(atoms: &[Atom], literal: Literal) -> SolverLiteral {
     if literal < 0 { positive.negate() } else { positive }
 }
 
-/// A symbol of clingo as a term; what is nested deeper has no meaning for any level.
+/// A symbol of clingo as a term; deeper nesting has no meaning on any level.
 fn term(symbol: Symbol, depth: usize) -> Result<Term, ClingoError> {
     let Some(depth) = depth.checked_sub(1) else { return Ok(Term::Other("…".to_string())) };
     Ok(match symbol.symbol_type()? {

@@ -1,4 +1,4 @@
-//! The smallest sets of happenings that agree with a program.
+//! The smallest sets of events that are consistent with a program.
 
 use super::control::{add, alone, literal, new_control};
 use super::error::SolveError;
@@ -7,19 +7,21 @@ use clingo::{Atom, Control, Model, SolverLiteral};
 use ramp_action_language::{Literal, Term, Unrolled};
 use std::collections::BTreeMap;
 
-/// The most explanations of one size that are told.
+/// Largest number of returned explanations of one size.
 const MOST_EXPLANATIONS: usize = 16;
 
-/// Something that may have happened.
+/// An event that may have happened.
 pub(crate) struct Happening {
     pub event: Term,
-    /// Before which action of the history; for an action without effect, which.
+    /// Index of the action in the history before which it happened; for an action without effect,
+    /// that action.
     pub before: usize,
     pub literal: Literal,
 }
 
 impl Solver {
-    /// The smallest sets of happenings that may be true together with the program, by index; at most so many at once.
+    /// The smallest sets of events, by index, that may be true together with the program; at most
+    /// `most` at once.
     pub(crate) fn explanations(
         &mut self,
         unrolled: &mut Unrolled,
@@ -27,7 +29,7 @@ impl Solver {
         most: usize,
     ) -> Result<Vec<Vec<usize>>, SolveError> {
         let _alone = alone();
-        // `more[n]`: more than n of the happenings so far are true.
+        // `more[n]`: more than n of the events so far are true.
         let mut more: Vec<Literal> = Vec::new();
         for happening in happenings {
             let before = more.clone();
@@ -44,7 +46,7 @@ impl Solver {
                 })
                 .collect();
         }
-        // By what it is, whenever it happens: that is what tells explanations apart.
+        // Grouped by the event, whatever its time: explanations differ in their events.
         let mut names: BTreeMap<&Term, Vec<usize>> = BTreeMap::new();
         for (index, happening) in happenings.iter().enumerate() {
             names.entry(&happening.event).or_default().push(index);
@@ -65,7 +67,7 @@ impl Solver {
                 let (back, answer) = self.happened(control, &mut atoms, unrolled, happenings, &few)?;
                 control = back;
                 let Some(mut set) = answer else { break };
-                // As late as possible: what went wrong before would have been noticed before.
+                // As late as possible: an earlier event would have been noticed earlier.
                 for place in 0..set.len() {
                     let same = &names[&happenings[set[place]].event];
                     for &later in same.iter().rev().take_while(|&&later| later > set[place]) {
@@ -96,7 +98,7 @@ impl Solver {
         Ok(found)
     }
 
-    /// Which of the happenings are true in an answer.
+    /// The true events of an answer.
     fn happened(
         &mut self,
         mut control: Control,

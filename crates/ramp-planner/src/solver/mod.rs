@@ -1,7 +1,9 @@
-//! clingo, behind four calls: check a rule file, find its best answer, find the shortest plan, find explanations.
+//! clingo, with four functions: check a rule file, find its best answer, find the shortest plan,
+//! find explanations.
 //!
-//! Everything is deterministic: one thread, a fixed seed, and limits counted in conflicts instead of seconds. `control`
-//! talks to clingo; `scan` keeps from it what rules need not; `search`, `explanations` and `check` are what is asked of it.
+//! Everything is deterministic: one thread, a fixed seed, and limits counted in conflicts instead
+//! of seconds. `control` calls clingo; `scan` filters dangerous input; `search`, `explanations` and
+//! `check` are the functions.
 
 mod check;
 mod control;

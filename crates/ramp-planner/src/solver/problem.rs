@@ -1,20 +1,20 @@
-//! What can be wrong with a rule file for the order.
+//! Defects of a rule file for the order.
 
 use ramp_source::{FormProblem, Problem};
 
-/// The longest statement, bytes without comments and spaces; the project's own have a tenth of it. clingo walks terms by
-/// recursion: this bounds how deep they can be.
+/// Longest statement, bytes without comments and spaces; the project's own are ten times shorter.
+/// clingo walks terms recursively, so this bounds its stack.
 pub(super) const MAX_STATEMENT: usize = 2048;
 
-/// What can be wrong with the rules for the order, which are a program for clingo.
+/// Defects of the rules for the order, which are a program for clingo.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OrderProblem {
     /// The file cannot be read.
     #[error(transparent)]
     Form(#[from] FormProblem),
-    /// A word by which clingo would read other files or run programs.
-    #[error("`{word}` may not stand in a rule file, also not in a comment or in quotes")]
+    /// A directive by which clingo would read other files or run programs.
+    #[error("`{word}` is not allowed in a rule file, not even in a comment or in quotes")]
     Foreign {
         /// The word.
         word: &'static str,
@@ -44,7 +44,7 @@ impl Problem for OrderProblem {
         match self {
             OrderProblem::Form(problem) => problem.help(),
             OrderProblem::Foreign { .. } => Some("put all rules into this one file".to_string()),
-            OrderProblem::Long => Some("make several statements of it".to_string()),
+            OrderProblem::Long => Some("split it into several statements".to_string()),
             OrderProblem::Rule { .. } => None,
         }
     }

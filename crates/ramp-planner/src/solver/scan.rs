@@ -1,21 +1,22 @@
-//! What a rule file may not hold, found before clingo sees it.
+//! Rejects dangerous rule files before clingo sees them.
 //!
-//! Words that make clingo read a file or run a program are refused wherever they stand, also in comments and in quotes:
-//! clingo's lexer knows each of them only as one piece, without spaces and escapes, so no reading of the file can find
-//! one that this search does not. The length of statements is counted as clingo's lexer sees them.
+//! Directives that make clingo read a file or run a program are refused everywhere, also in
+//! comments and in quotes. clingo's lexer knows each of them only as one piece, without spaces and
+//! escapes, so no reading of the file can find one that this search does not. The length of
+//! statements is counted as clingo's lexer sees them.
 
 use super::problem::{MAX_STATEMENT, OrderProblem};
 use std::ops::Range;
 
-/// `#include` reads files, `#script` runs programs, `#theory` changes the signs of which statements are made.
+/// `#include` reads files, `#script` runs programs, `#theory` changes the signs of statements.
 const FOREIGN: [&str; 3] = ["#include", "#script", "#theory"];
-/// The beginning of a ground program in numbers, which clingo would read in place of rules.
+/// Head of a numeric ground program, which clingo would read instead of rules.
 const GROUND: &str = "asp ";
 
-/// Looks through a rule file.
+/// Scans a rule file.
 ///
 /// # Errors
-/// What may not stand in it, and where.
+/// The first forbidden directive, and its place.
 pub(super) fn scan(text: &str) -> Result<(), (OrderProblem, Range<usize>)> {
     let places = FOREIGN.into_iter().filter_map(|word| Some((text.find(word)?, word)));
     if let Some((at, word)) = places.min() {
@@ -25,7 +26,7 @@ pub(super) fn scan(text: &str) -> Result<(), (OrderProblem, Range<usize>)> {
         return Err((OrderProblem::Foreign { word: GROUND.trim_end() }, 0..GROUND.len() - 1));
     }
     let mut at = 0;
-    // Where the statement at hand begins, and its length so far.
+    // Start of the current statement, and its length so far.
     let mut begin = 0;
     let mut length = 0;
     while let Some(byte) = text.as_bytes().get(at) {
@@ -71,7 +72,7 @@ fn line(text: &[u8]) -> usize {
     text.iter().position(|&byte| byte == b'\n').unwrap_or(text.len())
 }
 
-/// The length of a comment between `%*` and `*%`; comments of both kinds may stand in it.
+/// The length of a comment between `%*` and `*%`; comments of both kinds may be nested.
 fn block(text: &[u8]) -> usize {
     let mut open = 0;
     let mut at = 0;
@@ -95,7 +96,7 @@ fn block(text: &[u8]) -> usize {
     at
 }
 
-/// The length of a string; 1 where it is none, which clingo refuses.
+/// The length of a string; 1 for an unterminated one, which clingo refuses.
 fn quoted(text: &[u8]) -> usize {
     let mut at = 1;
     while let Some(byte) = text.get(at) {

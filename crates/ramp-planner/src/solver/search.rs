@@ -1,4 +1,4 @@
-//! What is searched: the best answer of some rules, and the shortest plan of an unrolled domain.
+//! Searches: the best answer of some rules, and the shortest plan of an unrolled domain.
 
 use super::control::{add, alone, last_answer, literal, load, new_control, shown};
 use super::error::SolveError;
@@ -6,17 +6,17 @@ use clingo::{Atom, ClingoError, Control, Model, Part, SolveMode, SolveResult, So
 use ramp_action_language::{Prospect, Term, Unrolled};
 use ramp_source::SourceFile;
 
-/// Runs programs and counts how often.
+/// Runs programs and counts the calls.
 #[derive(Debug, Default)]
 pub(crate) struct Solver {
     /// Calls so far.
     pub(crate) solves: usize,
-    /// Spare no effort: for proofs.
+    /// Higher limits, for proofs.
     pub(crate) thorough: bool,
 }
 
 impl Solver {
-    /// The best answer of the part `base` of the rules with some facts; `None` when there is no answer.
+    /// The best answer of the part `base` of the rules with some facts; `None` without an answer.
     pub(crate) fn best(
         &mut self,
         rules: &SourceFile,
@@ -28,7 +28,7 @@ impl Solver {
         Ok(self.solve(control, 0, &[], shown)?.1)
     }
 
-    /// The shortest plan that makes some fluents true or false, by the number of its actions from `least` to `most`;
+    /// The shortest plan, of `least` to `most` actions, that makes some fluents true or false;
     /// `None` when there is none.
     pub(crate) fn shortest(
         &mut self,
@@ -79,7 +79,7 @@ impl Solver {
         Ok(None)
     }
 
-    /// Solves once; gives the control back, and the last and so the best answer.
+    /// Solves once; returns the control, and the last and so the best answer.
     pub(crate) fn solve<T>(
         &mut self,
         control: Control,
@@ -90,7 +90,7 @@ impl Solver {
         self.solves += 1;
         let mut handle = control.solve(SolveMode::YIELD, assumed)?;
         let outcome = last_answer(&mut handle, read);
-        // Closed before anything else, also after a failure: the search works on the control.
+        // Closed first, also after a failure: the search works on the control.
         let control = handle.close()?;
         let (result, answer) = outcome?;
         let decided = SolveResult::SATISFIABLE | SolveResult::UNSATISFIABLE;
@@ -101,8 +101,8 @@ impl Solver {
     }
 }
 
-/// The number of steps of the shortest plan of a program in the parts of clingo's incremental mode, grounded by
-/// clingo itself.
+/// The number of steps of the shortest plan of a program in the parts of clingo's incremental mode,
+/// grounded by clingo itself.
 #[cfg(test)]
 pub(crate) fn shortest_by_clingo(program: &str, most: i32) -> Option<usize> {
     let _alone = alone();
@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn a_search_without_an_end_gives_up() {
-        // One pigeon more than there are holes.
+        // One more pigeon than holes.
         let rules = "{ in(P,H) : H = 1..12 } = 1 :- P = 1..13. :- in(P,H), in(Q,H), P < Q.";
         assert!(matches!(shown(rules, &[]), Err(SolveError::Limit { .. })));
     }

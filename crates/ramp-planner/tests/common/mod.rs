@@ -1,8 +1,8 @@
-//! What the tests of plans share: the goals, and the replayer.
+//! Common helpers of the tests of plans: the goals, and the replayer.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
-// Every test file uses a part of this.
+// Every test file uses some of these.
 #![allow(dead_code)]
 
 use ramp_assembly::{Assembly, read_goal};

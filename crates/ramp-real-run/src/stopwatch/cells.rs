@@ -1,4 +1,4 @@
-//! Rows, cells and what may stand in them.
+//! Rows and cells, and checks of their content.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use ramp_robot::Track;
 use super::{Cell, Head, LONGEST, LogProblem, Read, Reader};
 
 impl Reader<'_> {
-    /// All rows of which some cell is filled, without empty cells at their ends.
+    /// All non-empty rows, without empty cells at their ends.
     pub(super) fn rows(&self) -> Read<Vec<Vec<Cell>>> {
         let text = self.file.text();
         let mut reader = csv::ReaderBuilder::new()
@@ -26,7 +26,7 @@ impl Reader<'_> {
             let mut from = record.position().map_or(0, |it| it.byte() as usize);
             let mut row: Vec<Cell> = Vec::new();
             for field in &record {
-                // A quoted cell with quotes in it is not found as it stands; its row is.
+                // A quoted cell that contains quotes is not found literally; its row is.
                 let at = text.get(from..).and_then(|rest| rest.find(field)).map_or(from, |at| from + at);
                 let cell = Cell { text: field.to_string(), span: at..at + field.len() };
                 if !is_text(field, MAX_TITLE) {
@@ -59,7 +59,7 @@ impl Reader<'_> {
         Fault::new(problem, self.file.place(span))
     }
 
-    /// What the head says of `name`.
+    /// The head's value of `name`.
     pub(super) fn entry<'h>(&self, head: &'h Head, name: &str) -> Read<&'h Cell> {
         match head.entries.iter().find(|(known, _)| known.text == name) {
             Some((_, value)) => Ok(value),
@@ -79,7 +79,7 @@ impl Reader<'_> {
         Ok(self.entry(head, name)?.text.clone())
     }
 
-    /// What the head says of `name`, which must be a name itself.
+    /// The head's value of `name`, which must be a valid name.
     pub(super) fn name(&self, head: &Head, name: &str) -> Read<String> {
         let cell = self.entry(head, name)?;
         if is_name(&cell.text) {
@@ -131,7 +131,7 @@ impl Reader<'_> {
         Ok(rows)
     }
 
-    /// A cell of a row, which may be missing at its end.
+    /// A cell of a row; empty if the row is too short.
     pub(super) fn cell(&self, row: &[Cell], column: usize) -> Cell {
         let end = row.last().map_or(0, |cell| cell.span.end);
         row.get(column).cloned().unwrap_or(Cell { text: String::new(), span: end..end })

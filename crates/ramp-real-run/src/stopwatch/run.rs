@@ -13,13 +13,14 @@ use ramp_robot::{Event, Fault};
 pub(super) struct Run<'a> {
     pub goal: &'a Assembly,
     pub repeat: u32,
-    /// When the robot was free to move, s.
+    /// Time at which the robot was free to move, s.
     pub planning: Option<f64>,
-    /// For each connection: when its peg was seated, which one, and where the log says so.
+    /// For each connection: the time at which its peg was seated, the peg, and the place in the
+    /// log.
     pub pegs: Vec<Option<(f64, String, Range<usize>)>>,
     pub faults: Vec<(f64, String)>,
     pub ended: Option<String>,
-    /// The time of its last line, s, and where that is.
+    /// The time of its last line, s, and the place.
     pub now: f64,
     pub last: Range<usize>,
 }

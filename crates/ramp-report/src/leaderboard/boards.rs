@@ -1,4 +1,4 @@
-//! Who stands where: one board for each class, track and rules, the best agent first.
+//! Rankings: one board for each class, track and rules, the best agent first.
 
 use ramp_result::collection::{Collection, class_rank};
 use ramp_result::episode::{EpisodeResult, RealRun, WorldInfo};
@@ -6,23 +6,23 @@ use ramp_robot::Track;
 
 use crate::sums::{self, Line, Scope};
 
-/// What episodes must share to be ranked together.
+/// Properties that episodes must share to be ranked together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key {
     /// The class, or none.
     pub class: Option<String>,
     /// The track.
     pub track: String,
-    /// What tells the world from all others; `None` of real runs.
+    /// Unambiguous name of the world; `None` for real runs.
     pub world: Option<String>,
     /// The rules of judging.
     pub rules: String,
-    /// Whether real robots worked.
+    /// Whether the runs were on real robots.
     pub real: bool,
 }
 
 impl Key {
-    /// Of an episode: what else sets boards apart is added here.
+    /// The key of an episode. Further distinctions between boards belong here.
     pub fn of(result: &EpisodeResult) -> Key {
         Key {
             class: result.class.clone(),
@@ -53,7 +53,7 @@ impl Key {
             .collect()
     }
 
-    /// Easy ones first, tracks in their order, real robots last.
+    /// Easy classes first, tracks in their order, real robots last.
     fn rank(&self) -> (usize, usize, bool, Option<&str>, &str) {
         let track = Track::ALL.iter().position(|known| known.name() == self.track);
         (
@@ -66,7 +66,7 @@ impl Key {
     }
 }
 
-/// One agent on one board.
+/// One agent's row on one board.
 #[derive(Clone, Debug)]
 pub struct Standing {
     /// The entry.
@@ -81,20 +81,20 @@ pub struct Standing {
     pub host: String,
     /// The program that made the results.
     pub software: [String; 2],
-    /// Of a real robot, what is known of it.
+    /// Description of a real robot.
     pub real: Option<RealRun>,
-    /// Whether planning and compute are times that the organiser has taken.
+    /// Whether the organiser measured planning and compute.
     pub timed_here: bool,
-    /// What a reader must know of it.
+    /// Warnings for the reader.
     pub warnings: Vec<String>,
 }
 
 /// One board.
 #[derive(Clone, Debug)]
 pub struct Board {
-    /// What all on it share.
+    /// Common properties of its rows.
     pub key: Key,
-    /// The best first.
+    /// The rows, the best first.
     pub standings: Vec<Standing>,
 }
 
@@ -105,7 +105,7 @@ pub struct Boards {
 }
 
 impl Boards {
-    /// Puts an agent in its place: higher completion first, then less time, then the earlier entry.
+    /// Inserts an agent by rank: higher completion first, then less time, then the earlier entry.
     pub fn add(&mut self, key: Key, standing: Standing) {
         let index = self.boards.iter().position(|board| board.key == key).unwrap_or_else(|| {
             let index = self.boards.partition_point(|board| board.key.rank() < key.rank());
@@ -117,13 +117,13 @@ impl Boards {
         standings.insert(place, standing);
     }
 
-    /// In order.
+    /// The boards in order.
     pub fn boards(&self) -> &[Board] {
         &self.boards
     }
 }
 
-/// Where the agent of an entry stands on each track and class, without warnings.
+/// The agent's rows of an entry on each track and class, without warnings.
 pub fn standings(
     entry: &str,
     agent: &str,

@@ -1,4 +1,4 @@
-//! Calls of an episode that another entry has made before, to the last bit.
+//! Detection of calls that an earlier entry has made, to the last bit.
 
 use std::collections::HashMap;
 
@@ -22,11 +22,11 @@ pub struct Copy {
     pub entry: String,
     /// Its agent.
     pub agent: String,
-    /// How many episodes share their calls with it.
+    /// Number of episodes with equal calls.
     pub episodes: usize,
 }
 
-/// The calls of all entries so far, and who made them first.
+/// The calls of all entries so far, with their first author.
 #[derive(Debug, Default)]
 pub struct Streams {
     /// Entry and agent.
@@ -34,7 +34,7 @@ pub struct Streams {
 }
 
 impl Streams {
-    /// Adds the calls of an entry. Which earlier entries made some of them, by name.
+    /// Adds the calls of an entry. Returns the earlier entries with equal calls, by name.
     pub fn add(&mut self, entry: &str, agent: &str, streams: &[Stream]) -> Vec<Copy> {
         let mut copies: Vec<Copy> = Vec::new();
         for stream in streams {
@@ -71,7 +71,7 @@ mod tests {
         assert!(streams.add("a", "one 1", &[stream(1, "x"), stream(2, "y"), stream(2, "y")]).is_empty());
         let copies = streams.add("b", "two 1", &[stream(1, "x"), stream(2, "y"), stream(3, "y")]);
         assert_eq!(copies, [Copy { entry: "a".into(), agent: "one 1".into(), episodes: 2 }]);
-        // The same calls with another seed are of another episode.
+        // Equal calls with another seed belong to another episode.
         assert!(streams.add("c", "three 1", &[stream(3, "x")]).is_empty());
     }
 }

@@ -1,5 +1,5 @@
-//! The boards as static pages: a front page with the best of each board, pages of each board, and the entries that were
-//! refused.
+//! The boards as static pages: a front page with the best of each board, pages of each board, and
+//! the refused entries.
 
 use maud::{Markup, html};
 
@@ -13,19 +13,18 @@ pub const PAGE: usize = 50;
 const BEST: usize = 3;
 /// The front page.
 pub const INDEX: &str = "index.html";
-/// What the site is called.
+/// The site's title.
 pub const TITLE: &str = "RAMP leaderboard";
 
-/// Whose times they are.
-const TIMES: &str =
-    "Planning and compute times are the entrants' own, unless “timed here” stands beside them.";
+/// Note on the source of the times.
+const TIMES: &str = "Planning and compute times are the entrants' own, unless “timed here” is beside them.";
 
-/// An entry that is on no board.
+/// An entry without a board.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
     /// Its name.
     pub entry: String,
-    /// Why.
+    /// The reason.
     pub reason: String,
 }
 
@@ -84,7 +83,7 @@ fn way_back() -> Markup {
     html! { p { a href=(INDEX) { "← " (TITLE) } } }
 }
 
-/// Links to the other pages, if there are some.
+/// Links to the other pages.
 fn turn(stem: &str, number: usize, pages: usize) -> Markup {
     html! {
         @if pages > 1 {
@@ -119,13 +118,13 @@ fn front(boards: &Boards, refused: usize) -> String {
         @if boards.boards().is_empty() { p { "No entry is on a board." } }
         @if refused > 0 {
             h2 { a href=(file(REFUSED, 0)) { "Refused" } }
-            p { (count(refused, "entry was", "entries were")) " refused; the page tells why." }
+            p { (count(refused, "entry was", "entries were")) " refused; the page gives the reasons." }
         }
     };
     page(TITLE, &body)
 }
 
-/// What a reader must know of a board.
+/// Notes for the reader of a board.
 fn board_words(board: &Board) -> Markup {
     html! {
         p.soft {
@@ -133,7 +132,7 @@ fn board_words(board: &Board) -> Markup {
             ". Higher completion first, then less total time. Intervals are of 95 %. The bound is a lower one for the robot's \
              time; the reference is the time of the same plan without looks and retries. "
             @if board.key.real {
-                "By stopwatch: nobody can run these again."
+                "By stopwatch: these cannot be reproduced."
             } @else {
                 "Every result was run again from its log and is equal to the last bit. " (TIMES)
             }

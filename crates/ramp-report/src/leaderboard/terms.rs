@@ -1,4 +1,5 @@
-//! What an entry must be to go on a board: of one agent, whole classes of the organiser's goals, and results of their logs.
+//! Conditions of admission to a board: one agent, whole classes of the organiser's goals, and
+//! results that match their logs.
 
 use crate::report::REPEATS;
 use ramp_log::{Log, SecretSeed};
@@ -18,7 +19,7 @@ pub struct Goal {
     pub xml: String,
 }
 
-/// What results must have been made with.
+/// Inputs that results must have been made with.
 #[derive(Clone, Debug)]
 pub struct Terms {
     /// The goals.
@@ -27,27 +28,27 @@ pub struct Terms {
     pub kit: String,
     /// The arm file.
     pub arm: String,
-    /// Largest shift (m) and turn (rad) of the start.
+    /// Largest displacement (m) and rotation (rad) of the start.
     pub disturbance: [f64; 2],
-    /// What is mixed into the seeds; `None` where everybody knows them.
+    /// The secret mixed into the seeds; `None` for public seeds.
     pub secret: Option<Secret>,
 }
 
-/// Why a result does not go on the board.
+/// Reasons why a result is not admitted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refused {
-    /// Nothing for a board.
-    #[error("there is no episode of an agent in it")]
+    /// No episode that a board could show.
+    #[error("it contains no episode of an agent")]
     NoEpisode,
     /// More than one agent.
-    #[error("it holds results of {first} and of {second}; an entry is of one agent")]
+    #[error("it holds results of {first} and of {second}, but an entry is of one agent")]
     Agents {
         /// One agent.
         first: String,
         /// The other.
         second: String,
     },
-    /// Part of a class.
+    /// An incomplete class.
     #[error(
         "{who}: {goal} was run with seeds {found}; a class is every goal of it with seeds 1 to {REPEATS}"
     )]
@@ -56,17 +57,17 @@ pub enum Refused {
         who: String,
         /// The goal.
         goal: String,
-        /// The seeds that are there.
+        /// The existing seeds.
         found: String,
     },
-    /// A goal of somebody else.
-    #[error("{file}: the goal is not the one of this name here")]
+    /// A goal that is not the organiser's.
+    #[error("{file}: the goal differs from this board's goal of the same name")]
     Goal {
         /// The result.
         file: String,
     },
-    /// Other parts or start than everybody's.
-    #[error("{file}: the {what} is not the one here")]
+    /// Other parts, or another start, than the organiser's.
+    #[error("{file}: the {what} differs from this board's")]
     Other {
         /// The result.
         file: String,
@@ -74,7 +75,7 @@ pub enum Refused {
         what: &'static str,
     },
     /// Seeds that are not the organiser's.
-    #[error("{file}: it was run with {found}, and {expected} is expected here")]
+    #[error("{file}: run with {found}, expected {expected}")]
     Seed {
         /// The result.
         file: String,
@@ -83,8 +84,8 @@ pub enum Refused {
         /// The organiser's, in words.
         expected: String,
     },
-    /// The result is not that of its log.
-    #[error("{file}: the result is not the one that its log ends with")]
+    /// The result does not match its log.
+    #[error("{file}: the result differs from the one in its log")]
     NotOfLog {
         /// The result.
         file: String,
@@ -110,7 +111,7 @@ pub fn agent(identity: &Identity) -> String {
     format!("{} {}", identity.agent, identity.agent_version)
 }
 
-/// Is every class that an agent has begun whole? A lost episode is part of it.
+/// Checks that every class with at least one episode is complete. Lost episodes count.
 ///
 /// # Errors
 /// The first goal that is not the organiser's, lacks a seed, or has one too many.
@@ -125,7 +126,7 @@ pub fn check_whole(collection: &Collection, terms: &Terms) -> Result<(), Refused
             seeds
         };
         let who = format!("{}, track {}", entrant.label, entrant.identity.track);
-        // The class that a result tells decides on which board it goes.
+        // The class in a result determines its board.
         let known = |file: &&ResultFile| {
             terms.goals.iter().any(|goal| {
                 let it = &file.result;
@@ -151,10 +152,10 @@ pub fn check_whole(collection: &Collection, terms: &Terms) -> Result<(), Refused
     Ok(())
 }
 
-/// Was a result made with everybody's goal, parts and start, and is it that of its log?
+/// Checks that a result was made with the organiser's goal, parts and start, and matches its log.
 ///
 /// # Errors
-/// What differs.
+/// The difference.
 pub fn check_log(file: &ResultFile, log: &Log, terms: &Terms) -> Result<(), Refused> {
     let name = || file.path.display().to_string();
     let header = &log.header;

@@ -7,7 +7,7 @@ use crate::format::{NONE, small};
 use crate::report::ClassPart;
 use crate::sums::{Comparison, Difference};
 
-/// The pairs of the agents that are shown.
+/// The pairs of the shown agents.
 pub fn comparisons(view: View, class: &ClassPart) -> Markup {
     let is_shown = |it: &&Comparison| it.entrants.iter().all(|entrant| class.shown.contains(entrant));
     let pairs: Vec<&Comparison> = class.comparisons.iter().filter(is_shown).collect();

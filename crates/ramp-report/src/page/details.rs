@@ -1,4 +1,4 @@
-//! What a page tells of each agent alone: failures, every episode over time, and where its results come from.
+//! Details of each agent: failures, every episode over time, and the origin of its results.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -6,7 +6,7 @@ use super::view::View;
 use crate::format::{NONE, percent, seconds};
 use crate::sums;
 
-/// What ended the episodes that are not complete.
+/// Causes of the incomplete episodes.
 pub fn failures(view: View) -> Markup {
     let report = view.report;
     html! {
@@ -45,7 +45,7 @@ pub fn episodes_over_time(view: View) -> Markup {
     let report = view.report;
     html! {
         h2 { "Every episode over time" }
-        p.soft { "A line is an episode: its goal and seed. Point at a mark or a stretch to read what it was." }
+        p.soft { "A line is an episode: its goal and seed. Hover over a mark or an interval for details." }
         @for part in &report.tracks {
             @for class in &part.classes {
                 @for &entrant in &part.entrants {

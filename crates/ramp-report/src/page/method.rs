@@ -1,10 +1,10 @@
-//! How the numbers of a page are made.
+//! Explanation of a page's numbers.
 
 use maud::{Markup, html};
 
 use ramp_result::statistics::{DRAWS, FLIPS, SEED};
 
-/// How the numbers are made.
+/// Explanation of the numbers.
 pub fn method() -> Markup {
     html! {
         h2 { "How the numbers are made" }

@@ -1,4 +1,4 @@
-//! How a page calls an agent: its colour, its label, and where its own page is.
+//! Display of an agent on a page: its colour, its label, and the link to its own page.
 
 use maud::{Markup, html};
 
@@ -8,9 +8,9 @@ use crate::report::Report;
 /// A report as a page shows it.
 #[derive(Clone, Copy)]
 pub struct View<'r> {
-    /// What is shown.
+    /// The report.
     pub report: &'r Report,
-    /// The folder of the agents' own pages, where they have some.
+    /// The folder of the agents' own pages, if any.
     pub folder: Option<&'r str>,
 }
 
@@ -20,13 +20,13 @@ pub fn agent_page(entrant: usize) -> String {
 }
 
 impl View<'_> {
-    /// The colour of an agent that is drawn.
+    /// The colour of a plotted agent.
     pub fn swatch(&self, entrant: usize) -> Markup {
         let colour = self.report.place(entrant).map(plot::agent_colour);
         html! { @if let Some(colour) = colour { span.swatch style=(format!("background:{colour}")) {} } }
     }
 
-    /// Colour and label, which leads to the agent's own page.
+    /// Colour and label, with a link to the agent's own page.
     pub fn name(&self, entrant: usize) -> Markup {
         html! {
             (self.swatch(entrant))

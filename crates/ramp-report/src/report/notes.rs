@@ -1,11 +1,11 @@
-//! What a reader of a report must know first.
+//! Notes at the head of a report.
 
 use ramp_result::collection::Collection;
 
 /// Repeats of each goal that the protocol asks for.
 pub const REPEATS: u64 = 5;
 
-/// Where results are not those of a whole protocol.
+/// Deviations of the results from the protocol.
 pub(super) fn notes(collection: &Collection) -> Vec<String> {
     let mut notes = collection.notes.clone();
     for entrant in &collection.entrants {

@@ -1,4 +1,4 @@
-//! An episode's result, checked before anything in it is believed.
+//! Consistency checks of an episode's result, before anything else uses it.
 
 use ramp_kit::source::shorten;
 
@@ -8,10 +8,10 @@ use crate::words::{self, MOST_PEGS};
 /// The longest time that an episode can have, s: more than any protocol asks for, and what a picture can
 /// show.
 const LONGEST: f64 = 1e7;
-/// By how much times that should agree may differ, s: rounding of whoever wrote them.
+/// Tolerance between times that should agree, s: rounding by the tool that wrote them.
 const SLACK: f64 = 1e-3;
 
-/// Can an episode have ended like this?
+/// Checks that an episode can have ended like this.
 pub(super) fn check(result: &EpisodeResult) -> Result<(), String> {
     words(result)?;
     if result.real.is_some() != result.physics.is_none() {
@@ -58,7 +58,7 @@ pub(super) fn check(result: &EpisodeResult) -> Result<(), String> {
             if other.connection == peg.connection {
                 return Err(format!("{name} counts twice"));
             }
-            // A person with a stopwatch may not have noted which peg it was.
+            // The scorer of a real run may not have noted the peg.
             if other.peg == peg.peg && !peg.peg.is_empty() {
                 return Err(format!("the peg {} counts twice", shorten(&peg.peg)));
             }
@@ -77,7 +77,7 @@ pub(super) fn check(result: &EpisodeResult) -> Result<(), String> {
     words::events(&result.events, LONGEST)
 }
 
-/// Is everything in it that is shown to a person, or that a file is called after, what it should be?
+/// Checks every text that is shown to a person or becomes part of a file name.
 fn words(result: &EpisodeResult) -> Result<(), String> {
     let EpisodeResult { goal, class, track, real, agent, software, host, pegs, fault, ended, log, .. } =
         result;
@@ -98,7 +98,7 @@ fn words(result: &EpisodeResult) -> Result<(), String> {
         for joint in &peg.joints {
             words::name("a joint", joint)?;
         }
-        // A person with a stopwatch may not have noted which peg it was.
+        // The scorer of a real run may not have noted the peg.
         if !peg.peg.is_empty() {
             words::name("a peg", &peg.peg)?;
         }

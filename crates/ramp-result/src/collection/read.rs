@@ -1,4 +1,4 @@
-//! One file: read, and checked before anything in it is believed.
+//! Reads and checks one file.
 
 use std::path::{Path, PathBuf};
 
@@ -13,9 +13,9 @@ use crate::perception::{self, PerceptionVerdict};
 use crate::planning::{self, PlanVerdict};
 use crate::published::{self, Published};
 
-/// The largest file that is read, bytes: more than all the events that an agent may tell of need.
+/// Size limit of a file, bytes: more than all events of an agent need.
 pub const LARGEST: usize = 16 << 20;
-/// The longest message of the parser that is passed on, characters.
+/// Length limit of the parser's message that is passed on, characters.
 const LONGEST_WHY: usize = 300;
 
 /// One result file.
@@ -29,13 +29,13 @@ pub struct ResultFile {
     pub result: EpisodeResult,
 }
 
-/// Why results cannot be summed up.
+/// Reasons why results cannot be added up.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum CollectError {
     /// A folder or file that cannot be read.
     #[error("{path} cannot be read: {why}")]
     Unreadable {
-        /// Which.
+        /// Its path.
         path: String,
         /// The system's message.
         why: String,
@@ -44,7 +44,7 @@ pub enum CollectError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Read(#[from] ReadError),
-    /// A file that is no JSON, or no episode.
+    /// A file that is not JSON, or not an episode.
     #[error("{place}: {why}")]
     #[diagnostic(help("expected a result of `ramp run`, `ramp bench` or `ramp score`"))]
     Form {
@@ -55,7 +55,7 @@ pub enum CollectError {
     },
     /// A result of another schema.
     #[error("{file} is of the schema `{found}`, expected `{SCHEMA}`")]
-    #[diagnostic(help("results of different schemas are not added up: run these episodes again"))]
+    #[diagnostic(help("results of different schemas cannot be combined: run these episodes again"))]
     Schema {
         /// The file.
         file: String,
@@ -64,16 +64,16 @@ pub enum CollectError {
     },
     /// A result by other rules.
     #[error("{file} was judged by the rules {found}, expected {RULES}")]
-    #[diagnostic(help("results of different rules are not added up: run these episodes again"))]
+    #[diagnostic(help("results of different rules cannot be combined: run these episodes again"))]
     Rules {
         /// The file.
         file: String,
         /// The version in the file.
         found: String,
     },
-    /// A result that cannot be.
+    /// A result that contradicts itself.
     #[error("{file}: {why}")]
-    #[diagnostic(help("no episode ends like this: the file was changed, or made by something else"))]
+    #[diagnostic(help("the file contradicts itself: it was edited, or not written by RAMP"))]
     Impossible {
         /// The file.
         file: String,
@@ -89,7 +89,7 @@ pub enum CollectError {
         /// The other.
         second: String,
     },
-    /// Two goals of one name.
+    /// Two different goals with the same name.
     #[error("{first} and {second} are of two goals called `{goal}`: {why}")]
     TwoGoals {
         /// The name.
@@ -101,10 +101,10 @@ pub enum CollectError {
         /// The difference.
         why: String,
     },
-    /// Nothing there.
+    /// A folder without results.
     #[error("there is no result in {folder}")]
     #[diagnostic(help(
-        "make some with `ramp bench easy -o {folder}`; those with a fault on purpose are left out"
+        "make some with `ramp bench easy -o {folder}`; results with an injected fault are ignored"
     ))]
     Empty {
         /// The folder.
@@ -118,7 +118,7 @@ pub(super) enum Found {
     Plan(PlanVerdict),
     Perception(PerceptionVerdict),
     Trial(Box<Trial>),
-    /// Not ours.
+    /// A file without a schema of RAMP.
     Other,
 }
 
@@ -139,7 +139,7 @@ pub(super) fn read(path: &Path) -> Result<Found, CollectError> {
     })
 }
 
-/// A file's content.
+/// The content of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parsed {
     /// The result of an episode.
@@ -154,17 +154,17 @@ pub enum Parsed {
     Trial(Box<Trial>),
 }
 
-/// Reads one result; `None` for JSON that does not say that it is one. `name` is what messages call it.
+/// Reads one result; `None` for JSON without a schema of RAMP. `name` is its name in messages.
 ///
 /// # Errors
-/// [`CollectError`] for everything that is not a result that can be.
+/// [`CollectError`] for a file that claims to be a result and is not a valid one.
 pub fn parse(name: &str, bytes: &[u8]) -> Result<Option<Parsed>, CollectError> {
     let bad = |error: serde_json::Error| {
         let text = error.to_string();
         let why = plain(text.split(" at line ").next().unwrap_or(&text), LONGEST_WHY);
         CollectError::Form { place: format!("{name}:{}:{}", error.line(), error.column()), why }
     };
-    // Twice, so that a wrong schema is told before everything that follows from it.
+    // Parsed twice, so that a wrong schema is reported before the errors that follow from it.
     let value: Value = serde_json::from_slice(bytes).map_err(bad)?;
     let schema = value["schema"].as_str().unwrap_or_default();
     let impossible = |why| CollectError::Impossible { file: name.to_string(), why };
@@ -203,7 +203,7 @@ pub fn parse(name: &str, bytes: &[u8]) -> Result<Option<Parsed>, CollectError> {
     Ok(Some(Parsed::Episode(Box::new(result))))
 }
 
-/// The error of a file or folder that the system does not let be read.
+/// The error of a file or folder that the operating system cannot read.
 pub(super) fn unreadable(path: &Path, error: &std::io::Error) -> CollectError {
     let why = match error.kind() {
         std::io::ErrorKind::NotFound => "there is nothing of that name".to_string(),
@@ -213,7 +213,7 @@ pub(super) fn unreadable(path: &Path, error: &std::io::Error) -> CollectError {
     CollectError::Unreadable { path: shown(path), why }
 }
 
-/// A path as it may stand in a message: who made the folder has named its files.
+/// A path made safe for a message: file names are untrusted.
 pub(super) fn shown(path: &Path) -> String {
     plain(&path.display().to_string(), usize::MAX)
 }

@@ -14,29 +14,30 @@ pub struct SkillSum {
     pub skill: String,
     /// The track.
     pub track: String,
-    /// What tells the world from all others.
+    /// Unambiguous name of the world ([`WorldInfo::title`](crate::episode::WorldInfo::title)).
     pub world: String,
     /// The agent and its version.
     pub agent: String,
-    /// With what the trials were made.
+    /// The program that made the trials.
     pub software: Software,
-    /// How many trials.
+    /// Number of trials.
     pub trials: usize,
-    /// How many of them the truth says are done.
+    /// Number of trials that are done according to the true poses.
     pub successes: usize,
     /// Wilson's interval of their share, 95 %.
     pub interval: Interval,
-    /// Trials in which something was tried again.
+    /// Number of trials with at least one retry.
     pub retried: usize,
     /// Robot time, s: median and 95 % quantile, of all trials.
     pub time: [f64; 2],
     /// The largest force of all trials, N.
     pub largest_force: f64,
-    /// Causes of failure without names and numbers, how often each, and the first seed, the most frequent first.
+    /// Causes of failure without names and numbers, with count and first seed, the most frequent
+    /// first.
     pub failures: Vec<(String, usize, u64)>,
 }
 
-/// Sums by skill, track, world, agent and software, in the order in which they first come.
+/// Sums by skill, track, world, agent and software, in order of first occurrence.
 pub fn sums<'t>(trials: impl IntoIterator<Item = &'t Trial>) -> Vec<SkillSum> {
     let mut groups: Vec<(Key, Vec<&Trial>)> = Vec::new();
     for trial in trials {
