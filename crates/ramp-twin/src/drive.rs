@@ -12,7 +12,7 @@ use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_robot::{ArmCommand, DOF, PERIOD, RobotError};
 use ramp_world::Physics;
-use ramp_world::groups::Arm;
+use ramp_world::groups::{Arm, Controller};
 
 use crate::joint_friction::{JointFriction, shares};
 use crate::line::Line;
@@ -27,8 +27,8 @@ const NO_RATE: f64 = 1e8;
 /// The drives of the arm with their sensors.
 #[derive(Clone)]
 pub(crate) struct Drive {
-    physics: Physics,
-    friction: JointFriction,
+    /// Deflection of the bristles that hold each joint, rad.
+    bristles: JointVector,
     line: Line,
     handover: Handover,
     compensation: Compensation,
@@ -58,7 +58,7 @@ impl Drive {
         let zero =
             bias(physics, &JointVector::from(*home)) + JointVector::from_fn(|_, _| noise.normal(sigma));
         Drive {
-            friction: JointFriction::new(&physics.friction, &physics.arm),
+            bristles: JointVector::zeros(),
             line: Line::new(&physics.line, seed),
             handover: Handover::default(),
             compensation: Compensation::new(controller.compensation, controller.compensation_rate, &model),
@@ -69,7 +69,6 @@ impl Drive {
             commanded: JointVector::zeros(),
             braked: JointVector::zeros(),
             measured: JointVector::zeros(),
-            physics: physics.clone(),
         }
     }
 
@@ -79,11 +78,12 @@ impl Drive {
     /// [`RobotError::TorqueJump`] when torques are commanded that change faster than the controller allows.
     pub fn command(
         &mut self,
+        controller: &Controller,
         arm: &ArmModel,
         command: &ArmCommand,
         wanted: JointVector,
     ) -> Result<JointVector, RobotError> {
-        let rate = self.physics.controller.torque_rate;
+        let rate = controller.torque_rate;
         if rate >= NO_RATE {
             let torques = limit_torques(arm, wanted + self.compensation.torques());
             self.commanded = self.line.send(torques);
@@ -110,41 +110,49 @@ impl Drive {
         self.line.has_stopped()
     }
 
-    /// The arm works again after a stop.
-    pub fn begin_anew(&mut self) {
-        self.line.begin_anew();
+    /// Makes the arm ready again after a stop.
+    pub fn reset(&mut self) {
+        self.line.reset();
         self.handover = Handover::default();
         self.sent = JointVector::zeros();
     }
 
-    /// The torques beside those of the motors that act on the joints in this period, N·m: friction, and what weight the
-    /// compensation of gravity does not know. `p_unknown` is where that weight is (m), `p_tip` the point of the Jacobian.
-    pub fn load(&mut self, state: &ArmState, p_unknown: &Vector3<f64>) -> JointVector {
-        self.braked = self.friction.step(&state.velocities);
-        let weight = Vector3::new(0.0, 0.0, -self.physics.arm.unknown_mass * crate::engine::GRAVITY);
+    /// The torques that act on the joints in this period beside those of the motors, N·m: friction, and the weight of a
+    /// mass that the gravity compensation does not know (kg), at `p_unknown` (m, in the world).
+    pub fn load(
+        &mut self,
+        friction: &JointFriction,
+        unknown_mass: f64,
+        state: &ArmState,
+        p_unknown: &Vector3<f64>,
+    ) -> JointVector {
+        self.braked = friction.step(&mut self.bristles, &state.velocities);
+        let weight = Vector3::new(0.0, 0.0, -unknown_mass * crate::engine::GRAVITY);
         let moment = (p_unknown - state.x_wt.translation.vector).cross(&weight);
         let wrench = Vector6::new(weight.x, weight.y, weight.z, moment.x, moment.y, moment.z);
         self.braked + state.jacobian.transpose() * wrench
     }
 
-    /// What came of a period: the joints' inertia with the drives (kg·m²) and velocities (rad/s) before it, their velocities
-    /// after it, and the torques of Coriolis and centrifugal forces, N·m.
+    /// Updates the torque sensors after a period. `inertia` (kg·m²) is that of the joints with the drives; the velocities
+    /// (rad/s) are those before and after the period, the positions (rad) those before it, and `coriolis` the torques of
+    /// Coriolis and centrifugal forces, N·m.
     pub fn sensed(
         &mut self,
+        physics: &Physics,
         inertia: &SMatrix<f64, DOF, DOF>,
         [before, after]: [&JointVector; 2],
         coriolis: &JointVector,
         positions: &JointVector,
     ) {
         let accelerations = (after - before) / PERIOD;
-        let armature = JointVector::from(self.physics.arm.armature);
-        let viscous = JointVector::from(self.physics.friction.viscous);
+        let armature = JointVector::from(physics.arm.armature);
+        let viscous = JointVector::from(physics.friction.viscous);
         let drives = armature.component_mul(&accelerations);
-        let [motor, _] = shares(&self.physics.friction);
-        let sigma = self.physics.sensing.torque_noise;
+        let [motor, _] = shares(&physics.friction);
+        let sigma = physics.sensing.torque_noise;
         let noise = JointVector::from_fn(|_, _| self.noise.normal(sigma));
         let link = self.commanded + motor * self.braked - viscous.component_mul(after) - drives;
-        self.measured = link + bias(&self.physics, positions) - self.zero + noise;
+        self.measured = link + bias(physics, positions) - self.zero + noise;
         self.compensation.sensed(&self.commanded, &self.measured, &drives);
         let links = inertia - SMatrix::<f64, DOF, DOF>::from_diagonal(&armature);
         self.estimate.sensed(&links, &accelerations, coriolis, &self.measured);
@@ -160,12 +168,11 @@ impl Drive {
         self.estimate.wrench(jacobian)
     }
 
-    /// Whether the arm stops by reflex under this external force (N).
+    /// Checks the external force (N) and the estimated external torques against the limits of the reflex stop.
     ///
     /// # Errors
     /// [`RobotError::Reflex`].
-    pub fn check_reflex(&self, force: f64) -> Result<(), RobotError> {
-        let controller = &self.physics.controller;
+    pub fn check_reflex(&self, controller: &Controller, force: f64) -> Result<(), RobotError> {
         if force > controller.reflex_force {
             let of = "the external force".to_string();
             return Err(RobotError::Reflex { of, value: force, limit: controller.reflex_force, unit: "N" });

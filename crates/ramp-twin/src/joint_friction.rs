@@ -11,28 +11,26 @@ use ramp_world::groups::{Arm, Friction};
 /// Damping ratio of a bristle with the inertia of its drive. Chosen: it does not ring.
 const DAMPING: f64 = 0.7;
 
-/// The bristles of all joints.
-#[derive(Clone, Debug)]
+/// Friction of all joints.
 pub(crate) struct JointFriction {
     friction: Friction,
     /// Stiffness (N·m/rad) and damping (N·m·s/rad) of each.
     stiffness: JointVector,
     damping: JointVector,
-    /// How far each is bent, rad.
-    bent: JointVector,
 }
 
 impl JointFriction {
-    /// With nothing bent.
+    /// The bristles of these drives.
     pub fn new(friction: &Friction, arm: &Arm) -> JointFriction {
         let stiffness = JointVector::from(friction.coulomb) / friction.presliding;
         let damping =
             JointVector::from_fn(|joint, _| 2.0 * DAMPING * (stiffness[joint] * arm.armature[joint]).sqrt());
-        JointFriction { friction: friction.clone(), stiffness, damping, bent: JointVector::zeros() }
+        JointFriction { friction: friction.clone(), stiffness, damping }
     }
 
-    /// The torques of friction on the joints, against these velocities (rad/s), after one more period, N·m.
-    pub fn step(&mut self, velocities: &JointVector) -> JointVector {
+    /// The torques of friction on the joints, against these velocities (rad/s), after one more period, N·m. `deflections`
+    /// (rad) are those of the bristles, zero at first.
+    pub fn step(&self, deflections: &mut JointVector, velocities: &JointVector) -> JointVector {
         let Friction { coulomb, breakaway, stribeck, asymmetry, .. } = &self.friction;
         JointVector::from_fn(|joint, _| {
             if coulomb[joint] <= 0.0 {
@@ -45,9 +43,9 @@ impl JointFriction {
             // Where the bristle comes to rest at this velocity, and how fast it comes there: exact over the period.
             let slipping = velocity.signum() * most / self.stiffness[joint];
             let fade = (-velocity.abs() * self.stiffness[joint] / most * PERIOD).exp();
-            let before = self.bent[joint];
+            let before = deflections[joint];
             let bent = slipping + (before - slipping) * fade;
-            self.bent[joint] = bent;
+            deflections[joint] = bent;
             -(self.stiffness[joint] * bent + self.damping[joint] * (bent - before) / PERIOD)
         })
     }
@@ -73,11 +71,12 @@ mod tests {
         physics.friction.coulomb = [1.0; DOF];
         physics.friction.breakaway = 0.5;
         physics.friction.asymmetry = [0.0; DOF];
-        let mut friction = JointFriction::new(&physics.friction, &physics.arm);
+        let mut deflections = JointVector::zeros();
+        let friction = JointFriction::new(&physics.friction, &physics.arm);
         let (mut position, mut velocity, mut braked) = (0.0, 0.0, 0.0);
         for period in 0..periods {
             let torque = torque * (period as f64 * PERIOD).min(1.0);
-            braked = friction.step(&JointVector::repeat(velocity))[0];
+            braked = friction.step(&mut deflections, &JointVector::repeat(velocity))[0];
             velocity += (torque + braked) / physics.arm.armature[0] * PERIOD;
             position += velocity * PERIOD;
         }

@@ -66,8 +66,8 @@ impl Line {
         self.in_row >= MOST_LOST
     }
 
-    /// The arm works again: nothing is on its way any more.
-    pub fn begin_anew(&mut self) {
+    /// Makes the arm ready again: nothing is on its way any more.
+    pub fn reset(&mut self) {
         self.coming.clear();
         self.losing = 0;
         self.in_row = 0;
@@ -105,7 +105,7 @@ mod tests {
             before = came;
             if line.has_stopped() {
                 stops += 1;
-                line.begin_anew();
+                line.reset();
             }
         }
         let mean = f64::from(lost) / rows as f64;

@@ -9,6 +9,7 @@ use ramp_kit::Pose;
 
 use super::kind::FaultKind;
 use crate::engine::body_pose;
+use crate::scene::Scene;
 use crate::setup::Setup;
 use ramp_robot::PERIOD;
 
@@ -59,7 +60,7 @@ pub(super) struct Placed {
 
 /// What never changes: who is who among MuJoCo's bodies.
 #[derive(Clone, Debug)]
-pub(super) struct Cell {
+pub(super) struct Bodies {
     pub parts: Vec<Part>,
     pub placed: Vec<Placed>,
     pub holders: Vec<(String, usize)>,
@@ -71,15 +72,13 @@ pub(super) struct Cell {
     solids: Vec<Vec<(usize, f64)>>,
 }
 
-impl Cell {
-    pub fn new(
-        setup: &Setup,
-        model: &MjModel,
-        names: &[(String, usize)],
-        holders: Vec<(String, usize)>,
-        fingers: [usize; 2],
-    ) -> Cell {
-        let parts: Vec<Part> = names
+impl Bodies {
+    /// The bodies of a scene.
+    pub fn new(setup: &Setup, scene: &Scene) -> Bodies {
+        let model = &scene.model;
+        let [_, left, right] = scene.hand_bodies;
+        let parts: Vec<Part> = scene
+            .parts
             .iter()
             .map(|(name, body)| Part {
                 name: name.clone(),
@@ -122,7 +121,15 @@ impl Cell {
                 })
             })
             .collect();
-        Cell { parts, placed, holders, fingers, geom_body, body_part, solids }
+        Bodies {
+            parts,
+            placed,
+            holders: scene.holders.clone(),
+            fingers: [left, right],
+            geom_body,
+            body_part,
+            solids,
+        }
     }
 
     /// Where a part is.
@@ -137,7 +144,7 @@ impl Cell {
             && x_wb.rotation.angle_to(&placed.x_wb.rotation) < IN_PLACE.1
     }
 
-    /// The beams that stand in the assembly and are neither clamped nor held, as indices into [`Cell::placed`].
+    /// The beams that stand in the assembly and are neither clamped nor held, as indices into [`Bodies::placed`].
     pub fn standing(&self, data: &Data, held: Option<usize>) -> Vec<usize> {
         (0..self.placed.len())
             .filter(|&index| {
@@ -248,33 +255,33 @@ impl Watch {
     }
 
     /// Looks at the world; tells an occasion when there is one. `fingers` is the speed at which they open, m/s.
-    pub fn look(&mut self, cell: &Cell, data: &mut Data, x_wt: &Pose, fingers: f64) -> Option<Occasion> {
+    pub fn look(&mut self, bodies: &Bodies, data: &mut Data, x_wt: &Pose, fingers: f64) -> Option<Occasion> {
         let passed = self.every() as f64 * PERIOD;
         // Which parts each finger touches.
         let mut touched: [Vec<usize>; 2] = [Vec::new(), Vec::new()];
         for contact in data.contact() {
-            let bodies = contact.geom.map(|geom| {
-                usize::try_from(geom).ok().and_then(|geom| cell.geom_body.get(geom)).copied().unwrap_or(0)
+            let touching = contact.geom.map(|geom| {
+                usize::try_from(geom).ok().and_then(|geom| bodies.geom_body.get(geom)).copied().unwrap_or(0)
             });
-            for (one, other) in [(bodies[0], bodies[1]), (bodies[1], bodies[0])] {
-                let Some(part) = cell.body_part.get(other).copied().flatten() else { continue };
-                if let Some(finger) = cell.fingers.iter().position(|finger| *finger == one) {
+            for (one, other) in [(touching[0], touching[1]), (touching[1], touching[0])] {
+                let Some(part) = bodies.body_part.get(other).copied().flatten() else { continue };
+                if let Some(finger) = bodies.fingers.iter().position(|finger| *finger == one) {
                     touched[finger].push(part);
                 }
             }
         }
         let closed = self.closing(&touched, fingers, passed);
-        let gripped = self.grip(cell, data, &touched, passed);
-        let lifted = self.lifted(cell, data);
+        let gripped = self.grip(bodies, data, &touched, passed);
+        let lifted = self.lifted(bodies, data);
         match self.kind {
             FaultKind::PegDropped | FaultKind::PegTilted | FaultKind::HolderShifted => {
-                lifted.filter(|part| cell.parts[*part].is_peg).map(Occasion::Part)
+                lifted.filter(|part| bodies.parts[*part].is_peg).map(Occasion::Part)
             }
             FaultKind::BeamSlipped | FaultKind::BeamTurned => {
-                lifted.filter(|part| !cell.parts[*part].is_peg).map(Occasion::Part)
+                lifted.filter(|part| !bodies.parts[*part].is_peg).map(Occasion::Part)
             }
-            FaultKind::BeamBumped => self.left(cell, data, x_wt).then_some(Occasion::Left),
-            FaultKind::Jam => self.inserted(cell, data, passed),
+            FaultKind::BeamBumped => self.left(bodies, data, x_wt).then_some(Occasion::Left),
+            FaultKind::Jam => self.inserted(bodies, data, passed),
             FaultKind::GripperWeak => closed.map(Occasion::Part),
             FaultKind::CameraFrozen | FaultKind::ForceDrift => gripped.map(Occasion::Part),
             FaultKind::PegMissing | FaultKind::TagCovered => None,
@@ -290,7 +297,13 @@ impl Watch {
     }
 
     /// Follows what both fingers touch; the part in the look in which it counts as gripped.
-    fn grip(&mut self, cell: &Cell, data: &Data, touched: &[Vec<usize>; 2], passed: f64) -> Option<usize> {
+    fn grip(
+        &mut self,
+        bodies: &Bodies,
+        data: &Data,
+        touched: &[Vec<usize>; 2],
+        passed: f64,
+    ) -> Option<usize> {
         let both = |part: usize| touched.iter().all(|one| one.contains(&part));
         let mut gripped = None;
         if let Some(grip) = &mut self.grip {
@@ -306,7 +319,7 @@ impl Watch {
                 }
             }
         } else if let Some(part) = touched[0].iter().copied().find(|part| both(*part)) {
-            let p_w = cell.pose(data, part).translation.vector;
+            let p_w = bodies.pose(data, part).translation.vector;
             self.grip = Some(Grip {
                 part,
                 height: p_w.z,
@@ -321,39 +334,39 @@ impl Watch {
     }
 
     /// The held part in the look in which it counts as lifted.
-    fn lifted(&mut self, cell: &Cell, data: &Data) -> Option<usize> {
+    fn lifted(&mut self, bodies: &Bodies, data: &Data) -> Option<usize> {
         let grip =
             self.grip.as_mut().filter(|grip| grip.held >= GRIPPED && grip.missed == 0.0 && !grip.lifted)?;
-        grip.lifted = cell.pose(data, grip.part).translation.z - grip.height > LIFTED;
+        grip.lifted = bodies.pose(data, grip.part).translation.z - grip.height > LIFTED;
         grip.lifted.then_some(grip.part)
     }
 
     /// The held part in the look in which it first moves into a beam of the assembly.
-    fn inserted(&mut self, cell: &Cell, data: &mut Data, passed: f64) -> Option<Occasion> {
+    fn inserted(&mut self, bodies: &Bodies, data: &mut Data, passed: f64) -> Option<Occasion> {
         let grip = self.grip.as_mut()?;
-        let p_w = cell.pose(data, grip.part).translation.vector;
+        let p_w = bodies.pose(data, grip.part).translation.vector;
         let velocity = (p_w - grip.before) / passed;
         grip.before = p_w;
         let direction = velocity.try_normalize(INSERTING).filter(|_| grip.lifted && !grip.inserted)?;
-        let p_w = cell.entered(data, grip.part)?;
+        let p_w = bodies.entered(data, grip.part)?;
         grip.inserted = true;
         Some(Occasion::Inserted { part: grip.part, p_w, direction })
     }
 
     /// Whether the hand works at a beam.
-    pub fn is_back(&self, cell: &Cell, data: &Data, beam: usize, x_wt: &Pose) -> bool {
+    pub fn is_back(&self, bodies: &Bodies, data: &Data, beam: usize, x_wt: &Pose) -> bool {
         let p_w = x_wt.translation.vector;
-        let placed = cell.placed.iter().find(|placed| placed.part == beam);
-        p_w.z < HEIGHTS[0] && placed.is_some_and(|placed| cell.distance(data, placed, &p_w) < NEAR)
+        let placed = bodies.placed.iter().find(|placed| placed.part == beam);
+        p_w.z < HEIGHTS[0] && placed.is_some_and(|placed| bodies.distance(data, placed, &p_w) < NEAR)
     }
 
     /// Whether the hand has just left an assembly in which beams stand.
-    fn left(&mut self, cell: &Cell, data: &Data, x_wt: &Pose) -> bool {
+    fn left(&mut self, bodies: &Bodies, data: &Data, x_wt: &Pose) -> bool {
         let p_w = x_wt.translation.vector;
-        let standing = cell.standing(data, self.held());
+        let standing = bodies.standing(data, self.held());
         let nearest = standing
             .iter()
-            .map(|&index| cell.distance(data, &cell.placed[index], &p_w))
+            .map(|&index| bodies.distance(data, &bodies.placed[index], &p_w))
             .fold(f64::INFINITY, f64::min);
         if p_w.z < HEIGHTS[0] && nearest < NEAR {
             self.worked = true;

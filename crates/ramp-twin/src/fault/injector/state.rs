@@ -3,8 +3,9 @@
 use crate::fault::act::{Motion, Obstacle, Push};
 use crate::fault::draws::{Draws, Start};
 use crate::fault::kind::FaultKind;
-use crate::fault::occasion::{Cell, Watch};
+use crate::fault::occasion::{Bodies, Watch};
 use crate::fault::spec::FaultReport;
+use crate::scene::Scene;
 use crate::setup::Setup;
 use mujoco_rs::prelude::*;
 use nalgebra::Vector3;
@@ -63,7 +64,7 @@ pub(super) enum Action {
 /// The fault of an episode.
 #[derive(Clone, Debug)]
 pub(crate) struct Injector {
-    pub(super) cell: Cell,
+    pub(super) bodies: Arc<Bodies>,
     pub(super) draws: Draws,
     pub(super) watch: Watch,
     /// Occasions so far.
@@ -73,15 +74,8 @@ pub(crate) struct Injector {
 }
 
 impl Injector {
-    /// The fault of `setup`, if it has one. `parts` and `holders` are names and bodies.
-    pub fn new(
-        setup: &Setup,
-        start: &Start,
-        model: &MjModel,
-        parts: &[(String, usize)],
-        holders: Vec<(String, usize)>,
-        fingers: [usize; 2],
-    ) -> Option<Injector> {
+    /// The fault of `setup`, if it has one.
+    pub fn new(setup: &Setup, start: &Start, scene: &Scene) -> Option<Injector> {
         let fault = setup.fault?;
         let draws = Draws::new(fault, setup);
         let mut report = FaultReport {
@@ -104,7 +98,7 @@ impl Injector {
         }
         let at_start = matches!(fault.kind, FaultKind::PegMissing | FaultKind::TagCovered);
         Some(Injector {
-            cell: Cell::new(setup, model, parts, holders, fingers),
+            bodies: Arc::new(Bodies::new(setup, scene)),
             draws,
             watch: Watch::new(fault.kind),
             count: 0,

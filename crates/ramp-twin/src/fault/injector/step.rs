@@ -22,7 +22,7 @@ impl Injector {
     ) -> GripperCommand {
         let time = steps as f64 * PERIOD;
         if steps.is_multiple_of(self.watch.every()) && !matches!(self.action, Action::Over) {
-            let occasion = self.watch.look(&self.cell, data, x_wt, fingers[1]);
+            let occasion = self.watch.look(&self.bodies, data, x_wt, fingers[1]);
             if let Some(occasion) = occasion.filter(|_| matches!(self.action, Action::Waiting)) {
                 self.count += 1;
                 if self.count >= self.draws.occasion {

@@ -48,7 +48,7 @@ impl Injector {
             Occasion::Part(part) | Occasion::Inserted { part, .. } => Some(*part),
             Occasion::Left => None,
         };
-        let name = part.map(|part| self.cell.parts[part].name.clone()).unwrap_or_default();
+        let name = part.map(|part| self.bodies.parts[part].name.clone()).unwrap_or_default();
         let action = match (self.report.kind, occasion) {
             (FaultKind::HolderShifted, Occasion::Part(peg)) => self.shift(*peg, data, time),
             (FaultKind::BeamBumped, Occasion::Left) => self.begin_bump(data, time),
@@ -60,7 +60,7 @@ impl Injector {
                     Some(force),
                     format!("{name} meets {force:.0} N for {seconds:.1} s"),
                 );
-                let body = self.cell.parts[*part].body;
+                let body = self.bodies.parts[*part].body;
                 Some(Action::Jam(Obstacle::new(data, body, *p_w, *direction, force, seconds)))
             }
             (FaultKind::CameraFrozen, Occasion::Part(_)) => {
@@ -114,7 +114,7 @@ impl Injector {
             return Action::Waiting;
         }
         let kind = self.report.kind;
-        let (name, body) = (self.cell.parts[part].name.clone(), self.cell.parts[part].body);
+        let (name, body) = (self.bodies.parts[part].name.clone(), self.bodies.parts[part].body);
         if kind == FaultKind::PegDropped {
             let left = between(LIMP, self.draws.size);
             self.struck(
@@ -125,7 +125,7 @@ impl Injector {
             );
             return Action::Limp { left };
         }
-        let x_tp = x_wt.inverse() * self.cell.pose(data, part);
+        let x_tp = x_wt.inverse() * self.bodies.pose(data, part);
         // The fingers close along y of the tip: about that axis a part turns most easily.
         let (motion, way, what) = match kind {
             FaultKind::BeamSlipped => {
@@ -142,7 +142,7 @@ impl Injector {
                 Strength { way, speed: 0.03, most: 40.0, growth: 150.0, back_off: 0.9, longest: 2.0 }
             }
             // A peg is so light that it starts with a jerk.
-            Motion::Turn(_) if self.cell.parts[part].is_peg => {
+            Motion::Turn(_) if self.bodies.parts[part].is_peg => {
                 Strength { way, speed: 0.5, most: 3.0, growth: 3.0, back_off: 0.8, longest: 4.0 }
             }
             Motion::Turn(_) => {
@@ -190,15 +190,15 @@ impl Injector {
 
     /// The holder of a lifted peg, or the first with pegs in it when that is empty, is pushed.
     fn shift(&mut self, peg: usize, data: &Data, time: f64) -> Option<Action> {
-        let own = self.cell.parts[peg].holder.clone();
+        let own = self.bodies.parts[peg].holder.clone();
         let filled = |(name, body): &&(String, usize)| {
             let p_h = Vector3::from(data.xpos()[*body]);
-            self.cell.parts.iter().enumerate().any(|(index, part)| {
-                let p_w = self.cell.pose(data, index).translation.vector;
+            self.bodies.parts.iter().enumerate().any(|(index, part)| {
+                let p_w = self.bodies.pose(data, index).translation.vector;
                 index != peg && part.holder.as_ref() == Some(name) && (p_w - p_h).xy().norm() < 0.05
             })
         };
-        let holders = self.cell.holders.iter();
+        let holders = self.bodies.holders.iter();
         let first = holders.clone().filter(|(name, _)| Some(name) == own.as_ref()).find(filled);
         let (name, body) = first.or_else(|| holders.clone().find(filled))?.clone();
         let way = between(SHIFT, self.draws.size);
@@ -211,17 +211,17 @@ impl Injector {
 
     /// The beams that stand, those with the fewest pegs first, each from its four sides.
     fn begin_bump(&mut self, data: &Data, time: f64) -> Option<Action> {
-        let mut standing = self.cell.standing(data, self.watch.held());
+        let mut standing = self.bodies.standing(data, self.watch.held());
         if standing.is_empty() {
             return None;
         }
         // Among equals the drawn one comes first.
         let turn = ((self.draws.angle * standing.len() as f64) as usize).min(standing.len() - 1);
         standing.rotate_left(turn);
-        standing.sort_by_key(|&index| self.cell.pins(data, &self.cell.placed[index]).len());
+        standing.sort_by_key(|&index| self.bodies.pins(data, &self.bodies.placed[index]).len());
         let mut sides = Vec::new();
         for index in standing {
-            let x_wb = self.cell.pose(data, self.cell.placed[index].part);
+            let x_wb = self.bodies.pose(data, self.bodies.placed[index].part);
             let along =
                 (x_wb.rotation * Vector3::x()).component_mul(&Vector3::new(1.0, 1.0, 0.0)).normalize();
             let across = Vector3::z().cross(&along) * self.side();
@@ -240,14 +240,14 @@ impl Injector {
         left: Vec<(usize, Motion)>,
         data: &Data,
     ) -> Action {
-        let placed = &self.cell.placed[index];
+        let placed = &self.bodies.placed[index];
         // At the link that is furthest from the pegs, where it gives way most.
-        let pins = self.cell.pins(data, placed);
+        let pins = self.bodies.pins(data, placed);
         let far = |p: &Point3<f64>| pins.iter().map(|pin| (p - pin).norm()).fold(f64::INFINITY, f64::min);
         let p_b = placed.links.iter().copied().max_by(|a, b| far(a).total_cmp(&far(b)));
         let way = between(BUMP, self.draws.size);
         let strength = Strength { way, speed: 0.05, most: 40.0, growth: 100.0, back_off: 0.9, longest: 1.5 };
-        let body = self.cell.parts[placed.part].body;
+        let body = self.bodies.parts[placed.part].body;
         let push = Push::new(data, body, p_b.unwrap_or_else(Point3::origin), motion, strength, None);
         Action::Bump { push, part: placed.part, at, left }
     }
@@ -262,7 +262,7 @@ impl Injector {
         data: &mut Data,
         x_wt: &Pose,
     ) -> Action {
-        let back = self.watch.is_back(&self.cell, data, part, x_wt);
+        let back = self.watch.is_back(&self.bodies, data, part, x_wt);
         if back {
             push.end(data);
             left.clear();
@@ -273,7 +273,7 @@ impl Injector {
             _ => return Action::Bump { push, part, at, left },
         };
         if gone >= LEAST_BUMP {
-            let name = self.cell.parts[part].name.clone();
+            let name = self.bodies.parts[part].name.clone();
             self.struck(at, &name, Some(gone), format!("{name} is pushed by {:.1} mm", gone * 1e3));
             return Action::Over;
         }

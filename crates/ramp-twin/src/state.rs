@@ -1,0 +1,98 @@
+//! The part of a twin that changes during an episode. A snapshot is a clone of it, and of MuJoCo's data.
+
+use std::sync::Arc;
+
+use mujoco_rs::prelude::*;
+use nalgebra::{Vector3, Vector6};
+use ramp_control::{ArmState, GripperLoop, JointVector};
+use ramp_robot::random::Stream;
+use ramp_robot::{DOF, Observation, PERIOD, RobotError};
+
+use crate::cameras::CamerasState;
+use crate::drive::Drive;
+use crate::fault::{Injector, Start};
+use crate::scene::Scene;
+use crate::sensors;
+use crate::setup::Setup;
+use crate::slow_gripper::SlowGripper;
+use crate::targets::{START_WIDTH, Targets};
+
+/// Everything of a twin that changes, except MuJoCo's data.
+#[derive(Clone)]
+pub(crate) struct State {
+    /// Control periods since the episode began.
+    pub steps: u64,
+    /// The error that stopped the arm. Every later call returns it again.
+    pub failed: Option<RobotError>,
+    pub targets: Targets,
+    pub drive: Drive,
+    pub gripper: GripperLoop,
+    pub slow_gripper: SlowGripper,
+    /// State of the arm as its joint sensors report it.
+    pub arm: ArmState,
+    /// Joint torques that the arm reports, N·m.
+    pub torques: JointVector,
+    /// Wrench of the hand on the world that the arm reports, N and N·m, axes of the world.
+    pub wrench: Vector6<f64>,
+    /// Noise of the wrist sensor.
+    pub wrist_noise: Stream,
+    /// Noise of the readings of parts.
+    pub reading_noise: Stream,
+    pub cameras: CamerasState,
+    pub fault: Option<Injector>,
+    /// Deepest penetration between two parts so far, m.
+    pub deepest: f64,
+    /// Force of the hand on the world after the sensor's filter, without noise, N.
+    pub pressed: Vector3<f64>,
+    /// Largest norm of `pressed` so far, N.
+    pub largest_force: f64,
+    /// The observation of the last period.
+    pub observation: Observation,
+}
+
+impl State {
+    /// The state at the start, with the arm at rest where `data` has it.
+    pub fn new(setup: &Setup, start: &Start, scene: &Scene, data: &MjData<Arc<MjModel>>) -> State {
+        let physics = &scene.physics;
+        let arm = sensors::arm_state(scene, data);
+        let wrench = if sensors::has_wrist_sensor(physics) {
+            sensors::read_wrist(scene, data)
+        } else {
+            Vector6::zeros()
+        };
+        let observation = Observation {
+            time: 0.0,
+            positions: arm.positions.into(),
+            velocities: arm.velocities.into(),
+            torques: [0.0; DOF],
+            x_wt: arm.x_wt,
+            wrench,
+            width: START_WIDTH,
+            gripper_busy: false,
+        };
+        State {
+            steps: 0,
+            failed: None,
+            targets: Targets::new(&setup.arm.home),
+            drive: Drive::new(physics, &setup.arm.home, setup.seed),
+            gripper: GripperLoop::new(START_WIDTH / 2.0),
+            slow_gripper: SlowGripper::new(&physics.gripper, START_WIDTH),
+            arm,
+            torques: JointVector::zeros(),
+            wrench,
+            wrist_noise: Stream::new(setup.seed, "wrist"),
+            reading_noise: Stream::new(setup.seed, "readings"),
+            cameras: CamerasState::new(setup.seed),
+            fault: Injector::new(setup, start, scene),
+            deepest: 0.0,
+            pressed: Vector3::zeros(),
+            largest_force: 0.0,
+            observation,
+        }
+    }
+
+    /// Robot time, s: counted in periods, so that it carries no rounding error.
+    pub fn time(&self) -> f64 {
+        self.steps as f64 * PERIOD
+    }
+}
