@@ -11,6 +11,7 @@ pub mod collision;
 pub mod dynamics;
 pub mod kinematics;
 pub mod path;
+mod random_tree;
 mod space;
 mod spline;
 pub mod time_law;

@@ -14,6 +14,7 @@ use ramp_robot::random::Stream;
 use crate::analytic::Analytic;
 use crate::collision::Checker;
 use crate::kinematics::{Kinematics, RANGE_MARGIN};
+use crate::random_tree::{self, JOINT_SAMPLE, interpolate};
 use crate::space::{Joints, Pose};
 use crate::spline::Spline;
 use crate::time_law::TimeLaw;
@@ -23,8 +24,6 @@ use crate::trajectory::Trajectory;
 const SAMPLE: f64 = 0.0075;
 /// Metres that a radian of the hand's turn counts as.
 const TURN_WEIGHT: f64 = 0.15;
-/// Largest distance between samples of a path in joint space, rad.
-const JOINT_SAMPLE: f64 = 0.05;
 /// A way is taken without a look at others when its time is below this many times that of the straight way in joint space.
 /// Chosen.
 const GOOD_TIME: f64 = 1.05;
@@ -46,13 +45,6 @@ const ROUNDING: usize = 20;
 const ROUNDING_SHARES: [f64; 5] = [1.0, 0.7, 0.5, 0.3, 0.15];
 /// A corner that is so near to an end of the motion is left out: m, and rad.
 const NEAR: (f64, f64) = (3e-3, 0.02);
-/// Growth of a tree in one step, rad.
-const TREE_STEP: f64 = 0.1;
-/// Nodes of both trees together before the search gives up.
-const TREE_NODES: usize = 6000;
-/// Tries to shorten a found way.
-const SHORTCUTS: usize = 150;
-
 /// Why there is no path.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MotionError {
@@ -507,12 +499,8 @@ impl<const N: usize> PathPlanner<N> {
         })
     }
 
-    fn edge_is_free(&self, a: &Joints<N>, b: &Joints<N>, checker: &Checker) -> bool {
-        interpolate(a, b).iter().all(|q| checker.is_free(&self.kinematics.frames(q)))
-    }
-
-    /// RRT-Connect between two configurations: the corners of a shortened way, straight in joint space between them;
-    /// `None` when none was found.
+    /// A way around everything between two configurations by random search (RRT-Connect): its corners,
+    /// straight in joint space between them; `None` when none was found.
     pub fn connect(
         &self,
         start: &Joints<N>,
@@ -520,74 +508,9 @@ impl<const N: usize> PathPlanner<N> {
         checker: &Checker,
         stream: &mut Stream,
     ) -> Option<Vec<Joints<N>>> {
-        let mut trees: [Vec<(Joints<N>, usize)>; 2] = [vec![(*start, 0)], vec![(*goal, 0)]];
-        let mut turn = 0;
-        while trees[0].len() + trees[1].len() < TREE_NODES {
-            let sample = Joints::from_fn(|joint, _| {
-                let [low, high] = self.arm.joints[joint].range;
-                low + (high - low) * stream.uniform()
-            });
-            if let Some(new) = self.grow(&mut trees[turn], &sample, checker) {
-                let target = trees[turn][new].0;
-                let other = 1 - turn;
-                while let Some(near) = self.grow(&mut trees[other], &target, checker) {
-                    if (trees[other][near].0 - target).amax() < 1e-9 {
-                        let branch = |tree: &[(Joints<N>, usize)], mut node: usize| {
-                            let mut way = vec![tree[node].0];
-                            while node != 0 {
-                                node = tree[node].1;
-                                way.push(tree[node].0);
-                            }
-                            way
-                        };
-                        let (mine, theirs) = (branch(&trees[turn], new), branch(&trees[other], near));
-                        let (head, tail) = if turn == 0 { (mine, theirs) } else { (theirs, mine) };
-                        let mut way: Vec<Joints<N>> = head.into_iter().rev().collect();
-                        way.extend(tail.into_iter().skip(1));
-                        return Some(self.shorten(way, checker, stream));
-                    }
-                }
-            }
-            turn = 1 - turn;
-        }
-        None
-    }
-
-    /// Grows a tree one step towards `target`; the new node, or `None` when something blocks it.
-    fn grow(
-        &self,
-        tree: &mut Vec<(Joints<N>, usize)>,
-        target: &Joints<N>,
-        checker: &Checker,
-    ) -> Option<usize> {
-        let (nearest, _) = tree
-            .iter()
-            .enumerate()
-            .map(|(index, (q, _))| (index, (q - target).norm_squared()))
-            .min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let from = tree[nearest].0;
-        let way = target - from;
-        let next = if way.norm() <= TREE_STEP { *target } else { from + way * (TREE_STEP / way.norm()) };
-        if (next - from).norm() < 1e-12 || !self.edge_is_free(&from, &next, checker) {
-            return None;
-        }
-        tree.push((next, nearest));
-        Some(tree.len() - 1)
-    }
-
-    fn shorten(&self, mut way: Vec<Joints<N>>, checker: &Checker, stream: &mut Stream) -> Vec<Joints<N>> {
-        for _ in 0..SHORTCUTS {
-            if way.len() < 3 {
-                break;
-            }
-            let a = (stream.uniform() * way.len() as f64) as usize;
-            let b = (stream.uniform() * way.len() as f64) as usize;
-            let (a, b) = (a.min(b), a.max(b));
-            if b > a + 1 && self.edge_is_free(&way[a], &way[b], checker) {
-                way.drain(a + 1..b);
-            }
-        }
-        way
+        let ranges = self.arm.joints.each_ref().map(|joint| joint.range);
+        let free = |q: &Joints<N>| checker.is_free(&self.kinematics.frames(q));
+        random_tree::connect(&ranges, &free, start, goal, stream)
     }
 }
 
@@ -622,12 +545,6 @@ fn upright(rotation: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
     let yaw = x.y.atan2(x.x);
     UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw)
         * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
-}
-
-/// Samples of a straight line in joint space, both ends among them.
-fn interpolate<const N: usize>(a: &Joints<N>, b: &Joints<N>) -> Vec<Joints<N>> {
-    let steps = (((b - a).amax() / JOINT_SAMPLE).ceil() as usize).max(1);
-    (0..=steps).map(|step| a.lerp(b, step as f64 / steps as f64)).collect()
 }
 
 /// A curve in place of the samples from so many before a corner to so many after it: it begins and ends as they do, and

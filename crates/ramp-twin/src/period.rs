@@ -12,7 +12,7 @@ use crate::command::check_command;
 use crate::engine::rotation_from_rows;
 use crate::fault::Injector;
 use crate::scene::Scene;
-use crate::sensors::{self, WRENCH_FILTER};
+use crate::sensors;
 use crate::shutters::Moment;
 use crate::state::State;
 
@@ -78,10 +78,8 @@ fn advance(
     state.deepest = state.deepest.max(scene.deepest_penetration(data));
     let reading = sensors::read_wrist(scene, data);
     state.arm = sensors::arm_state(scene, data);
-    sensors::feel(scene, data, state, &before, &reading);
-    state.pressed += (reading.fixed_rows::<3>(0) - state.pressed) * WRENCH_FILTER;
-    state.largest_force = state.largest_force.max(state.pressed.norm());
-    sensors::observe(data, state);
+    state.feel(scene, data, &before, &reading);
+    state.observe(data);
     expose(scene, data, state);
     state.drive.check_reflex(&scene.physics.controller, state.wrench.fixed_rows::<3>(0).norm())?;
     check_limits(scene, state)

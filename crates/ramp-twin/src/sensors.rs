@@ -6,16 +6,13 @@ use mujoco_rs::prelude::*;
 use nalgebra::{SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_control::{ArmState, Jacobian, JointVector};
 use ramp_robot::random::Stream;
-use ramp_robot::{DOF, Observation, PartReading, Pose};
+use ramp_robot::{DOF, PartReading, Pose};
 use ramp_world::Physics;
 
 use crate::drive::believed;
 use crate::engine::{GRAVITY, body_pose, rotation_from_rows};
 use crate::scene::Scene;
-use crate::state::State;
 
-/// Share of a new reading in the wrist sensor's low-pass filter: a time constant of 20 ms.
-pub(crate) const WRENCH_FILTER: f64 = 0.05;
 /// Standard deviation of a reading on track `noisy`: position of a part, m along each axis, and its rotation, rad
 /// about each axis.
 pub const READING_NOISE: [f64; 2] = [1.0e-3, std::f64::consts::PI / 180.0];
@@ -87,44 +84,8 @@ pub(crate) fn read_wrist(scene: &Scene, data: &Data) -> Vector6<f64> {
     Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
 }
 
-/// Updates torques and wrench of the state after a period: the wrench from the sensor at the wrist, or as the arm
-/// estimates it from its joint torques. `before` is the arm before the period, `reading` the noise-free wrist reading
-/// after it.
-pub(crate) fn feel(scene: &Scene, data: &Data, state: &mut State, before: &ArmState, reading: &Vector6<f64>) {
-    let physics = &scene.physics;
-    let sensing = &physics.sensing;
-    let (force, moment) = (sensing.force_noise, sensing.moment_noise);
-    let noise = Vector6::from_fn(|axis, _| state.wrist_noise.normal(if axis < 3 { force } else { moment }));
-    let has_torque_sensors = sensing.torque_sensors >= 0.5;
-    if has_torque_sensors || !has_wrist_sensor(physics) {
-        // Coriolis and centrifugal torques: the engine's bias without the weights that it compensates.
-        let coriolis = JointVector::from_column_slice(&data.qfrc_bias()[..DOF])
-            - JointVector::from_column_slice(&data.qfrc_gravcomp()[..DOF]);
-        let after = JointVector::from_column_slice(&data.qvel()[..DOF]);
-        let velocities = [&before.velocities, &after];
-        state.drive.sensed(physics, &before.inertia, velocities, &coriolis, &before.positions);
-    }
-    if has_torque_sensors {
-        state.torques = *state.drive.torques();
-    }
-    let fault_bias = wrist_bias(scene, data, state);
-    if has_wrist_sensor(physics) {
-        let wrench = reading + fault_bias + sensor_bias(scene, data) + noise;
-        state.wrench += (wrench - state.wrench) * WRENCH_FILTER;
-    } else {
-        state.wrench = state.drive.wrench(&wrist_jacobian(scene, data, &state.arm)) + fault_bias;
-    }
-}
-
-/// Bias that the injected fault adds to the wrist wrench, N and N·m, axes of the world.
-fn wrist_bias(scene: &Scene, data: &Data, state: &State) -> Vector6<f64> {
-    let Some(fault) = &state.fault else { return Vector6::zeros() };
-    let force = rotation_from_rows(&data.site_xmat()[scene.wrist_site]) * fault.bias();
-    Vector6::new(force.x, force.y, force.z, 0.0, 0.0, 0.0)
-}
-
 /// Constant bias of this world's wrist sensor, N and N·m, axes of the world.
-fn sensor_bias(scene: &Scene, data: &Data) -> Vector6<f64> {
+pub(crate) fn sensor_bias(scene: &Scene, data: &Data) -> Vector6<f64> {
     let rotation = rotation_from_rows(&data.site_xmat()[scene.wrist_site]);
     let sensing = &scene.physics.sensing;
     let [force, moment] = [sensing.force_bias, sensing.moment_bias].map(|it| rotation * Vector3::from(it));
@@ -132,7 +93,7 @@ fn sensor_bias(scene: &Scene, data: &Data) -> Vector6<f64> {
 }
 
 /// The Jacobian of the wrist in the world, from that of the tip.
-fn wrist_jacobian(scene: &Scene, data: &Data, state: &ArmState) -> Jacobian {
+pub(crate) fn wrist_jacobian(scene: &Scene, data: &Data, state: &ArmState) -> Jacobian {
     let lever =
         Vector3::from(data.site_xpos()[scene.wrist_site]) - Vector3::from(data.site_xpos()[scene.tip_site]);
     let mut jacobian = state.jacobian;
@@ -142,26 +103,6 @@ fn wrist_jacobian(scene: &Scene, data: &Data, state: &ArmState) -> Jacobian {
         jacobian.fixed_view_mut::<3, 1>(0, joint).copy_from(&linear);
     }
     jacobian
-}
-
-/// Updates the observation from the state.
-pub(crate) fn observe(data: &Data, state: &mut State) {
-    let width = data.qpos()[DOF] + data.qpos()[DOF + 1];
-    let gripper = state.targets.command.as_ref().map(|command| command.gripper);
-    let (width, gripper_busy) = match gripper {
-        Some(gripper) => state.slow_gripper.sensed(width, gripper),
-        None => (width, false),
-    };
-    state.observation = Observation {
-        time: state.time(),
-        positions: state.arm.positions.into(),
-        velocities: state.arm.velocities.into(),
-        torques: state.torques.into(),
-        x_wt: state.arm.x_wt,
-        wrench: state.wrench,
-        width,
-        gripper_busy,
-    };
 }
 
 /// The true poses of all beams and pegs.

@@ -108,7 +108,7 @@ impl Twin {
         self.state.steps = 0;
         self.state.deepest = 0.0;
         self.state.largest_force = 0.0;
-        sensors::observe(&self.data, &mut self.state);
+        self.state.observe(&self.data);
     }
 
     /// The scene as MJCF.
