@@ -1,16 +1,18 @@
 //! Closed-form inverse kinematics of arms built like Franka's Panda and FR3: every way to reach a pose.
 //!
-//! Such an arm has a spherical shoulder (axes 1, 2 and 3 meet in a point S), and its axes 5 and 6 meet in a point W.
-//! A pose fixes six of the seven joints; the angle of the last, q7, is free. This choice of the free joint and the
-//! number of branches are those of He and Liu, "Analytical Inverse Kinematics for Franka Emika Panda – a Geometrical
-//! Solver for 7-DOF Manipulators with Unconventional Design" (2021). With q7 given, link 6 stands still, and so does W:
+//! Such an arm has a spherical shoulder (axes 1, 2 and 3 meet in a point S), and its axes 5 and 6 meet in a
+//! point W. A pose fixes six of the seven joints; the angle of the last, q7, is free. This choice of the free
+//! joint and the number of branches are those of He and Liu, "Analytical Inverse Kinematics for Franka Emika
+//! Panda – a Geometrical Solver for 7-DOF Manipulators with Unconventional Design" (2021). With q7 given,
+//! link 6 stands still, and so does W:
 //!
 //! 1. the distance from S to W gives q4, in two ways (elbow);
-//! 2. the distance of S along axis 5 gives q6, in two ways (wrist), and the direction of S around axis 5 gives q5;
+//! 2. the distance of S along axis 5 gives q6, in two ways (wrist), and the direction of S around axis 5
+//!    gives q5;
 //! 3. link 3 stands still now, and its orientation gives q1, q2 and q3, in two ways (shoulder).
 //!
-//! All lengths come from the arm file. An arm of another build is refused by [`Analytic::new`]; the iteration of
-//! [`Kinematics::inverse`](crate::Kinematics::inverse) serves any arm.
+//! All lengths come from the arm file. An arm of another build is refused by [`Analytic::new`]; the iteration
+//! of [`Kinematics::inverse`](crate::Kinematics::inverse) serves any arm.
 
 pub mod search;
 
@@ -28,21 +30,21 @@ const SEVEN: usize = 7;
 /// Most solutions for one pose and one q7: two each for elbow, wrist and shoulder.
 pub const BRANCHES: usize = 8;
 
-/// How far an arm file may be from the geometry assumed here, m and rad: solutions are wrong by about as much.
+/// Tolerance of the geometry assumed here, m and rad: solutions are wrong by about as much.
 const GEOMETRY: f64 = 1e-10;
 /// Lengths (m), products of lengths (m²) and sines that count as zero: a thousand times what rounding gives.
 const ROUNDING: f64 = 1e-12;
-/// How far behind the place where two branches meet a pose may be, m or m², and still be reached from there: the
-/// rounding of an angle near such a place, times a length. Solutions there are off by about as much.
+/// Distance behind the meeting of two branches, m or m², at which a pose still counts as reached: the
+/// rounding of an angle near such a meeting, times a length. Solutions there are off by about as much.
 const REACH: f64 = 1e-10;
 /// One way to reach a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution<const N: usize = DOF> {
     /// Joint positions, rad; each is the one nearest to the middle of its joint's range.
     pub q: Joints<N>,
-    /// Which of the [`BRANCHES`]: bit 0 elbow, bit 1 wrist, bit 2 shoulder. Within the joint ranges it stays the same
-    /// along a continuous motion, unless two branches meet on the way. For the Panda the bits are set where q4 is beyond
-    /// the outstretched arm, cos q5 is positive and q2 is negative.
+    /// Which of the [`BRANCHES`]: bit 0 elbow, bit 1 wrist, bit 2 shoulder. Within the joint ranges it stays
+    /// the same along a continuous motion, unless two branches meet on the way. For the Panda the bits are
+    /// set where q4 is beyond the outstretched arm, cos q5 is positive and q2 is negative.
     pub branch: u8,
 }
 
@@ -72,13 +74,13 @@ impl<const N: usize> Deref for Solutions<N> {
     }
 }
 
-/// Why an arm has no closed form here.
+/// Error of [`Analytic::new`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("the arm {arm} has no closed-form inverse kinematics: {reason}")]
 pub struct GeometryError {
     /// Its name.
     pub arm: String,
-    /// What of its geometry is different, with joint numbers from 1.
+    /// The difference of its geometry, with joint numbers from 1.
     pub reason: String,
 }
 
@@ -103,7 +105,7 @@ pub struct GeometryError {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// None is ever made for an arm that has not seven joints; `N` is there so that a planner for any arm can ask for one.
+/// It exists for arms with seven joints only; `N` lets a planner for any arm ask for one.
 #[derive(Clone, Debug)]
 pub struct Analytic<const N: usize = DOF> {
     /// Frame 1 at angle zero in the world; its origin is S.
@@ -146,8 +148,8 @@ fn radius(v: &Vector3<f64>) -> f64 {
     v.x.hypot(v.y)
 }
 
-/// Angles at which `amplitude · cos(angle − centre) = target`, and how many: 0, 1 or 2. `free` is the answer where all
-/// angles serve.
+/// Angles at which `amplitude · cos(angle − centre) = target`, and how many: 0, 1 or 2. `free` is the answer
+/// where all angles serve.
 fn roots(amplitude: f64, target: f64, centre: f64, free: f64) -> ([f64; 2], usize) {
     if target.abs() > amplitude + REACH {
         return ([free; 2], 0);
@@ -164,8 +166,8 @@ impl<const N: usize> Analytic<N> {
     /// The closed-form inverse of `arm`.
     ///
     /// # Errors
-    /// When the arm has not seven joints, its axes 1, 2 and 3 do not meet in the origins of joints 1 and 2, are not at right angles one to
-    /// the next, or axes 5 and 6 do not meet in the origins of joints 5 and 6.
+    /// When the arm has not seven joints, its axes 1, 2 and 3 do not meet in the origins of joints 1 and 2,
+    /// are not at right angles one to the next, or axes 5 and 6 do not meet in the origins of joints 5 and 6.
     pub fn new(arm: &ArmModel<N>) -> Result<Analytic<N>, GeometryError> {
         let refused = |reason: String| GeometryError { arm: arm.name.clone(), reason };
         if N != SEVEN {
@@ -215,12 +217,14 @@ impl<const N: usize> Analytic<N> {
         })
     }
 
-    /// All joint positions that bring the tip to `x_wt` with the last joint at `q7` (rad), within their ranges or not.
+    /// All joint positions that bring the tip to `x_wt` with the last joint at `q7` (rad), within their
+    /// ranges or not.
     ///
-    /// Where one angle of a pair or a single one does not matter, one solution of the family is given: axes 1 and 3 in
-    /// line share their turn in equal parts, and a joint that turns nothing stands in the middle of its range. Where
-    /// two branches meet, angles are known to 1e-8 rad only, and to 1e-4 where elbows and wrists do so at once; there a
-    /// solution may even be missed. The poses of the solutions given are exact to 1e-9 all the same.
+    /// If one angle of a pair or a single one does not matter, one solution of the family is given: axes 1
+    /// and 3 in line share their rotation in equal parts, and a joint that moves nothing is in the middle of
+    /// its range. Where two branches meet, angles are known to 1e-8 rad only, and to 1e-4 where elbows and
+    /// wrists do so at once; there a solution may even be missed. The poses of the solutions given are exact
+    /// to 1e-9 all the same.
     pub fn all(&self, x_wt: &Pose, q7: f64) -> Solutions<N> {
         let wide = Joints::repeat(f64::INFINITY);
         self.bounded(x_wt, q7, &-wide, &wide)
@@ -388,10 +392,10 @@ mod tests {
         check(&arm("fr3.json"));
     }
 
-    /// Within the Panda's ranges the bits are signs: of q4 from outstretched, of cos q5 and of q2. So a branch is left only
-    /// where two meet.
+    /// Within the Panda's ranges the bits are signs: of q4 from outstretched, of cos q5 and of q2. So a
+    /// branch is left only where two meet.
     #[test]
-    fn the_branch_tells_signs_of_the_joints() {
+    fn the_branch_gives_signs_of_the_joints() {
         let arm = arm("panda.json");
         let (kinematics, analytic) = (Kinematics::new(&arm), Analytic::new(&arm).unwrap());
         let mut stream = Stream::new(4, "branch");
@@ -411,7 +415,8 @@ mod tests {
         -(0.0825_f64 / 0.316).atan() - (0.0825_f64 / 0.384).atan()
     }
 
-    /// Where branches meet, and next to it: axes 1 and 3 in line, the elbow stretched, axis 6 in the arm's plane.
+    /// Poses at which branches meet, and next to it: axes 1 and 3 in line, the elbow stretched, axis 6 in the
+    /// arm's plane.
     #[test]
     fn poses_next_to_singular_ones_are_reached() {
         let arm = arm("panda.json");
@@ -439,8 +444,8 @@ mod tests {
             let x_wt = kinematics.tip(&q);
             let all = analytic.all(&x_wt, q[6]);
             worst = worst.max(error(&kinematics, &all, &x_wt));
-            // Next to a meeting of branches, angles are known to the root of the rounding only. Next to axes in line,
-            // the turn is shared in another way.
+            // Next to a meeting of branches, angles are known to the root of the rounding only. Next to axes
+            // in line, the turn is shared in another way.
             let mut found = distance(&all, &q);
             if q[1].abs() < 1e-2 {
                 let sum = |q: &Joints| (q[0] + q[2] + TAU).rem_euclid(TAU);
@@ -455,7 +460,8 @@ mod tests {
                     })
                     .fold(f64::INFINITY, f64::min);
             }
-            // Next to both, elbow and wrist, a solution may be less exact or missed, as the documentation says.
+            // Next to both, elbow and wrist, a solution may be less exact or missed, as the documentation
+            // says.
             let (elbow, wrist) = (q[3] - stretched, q[4].abs() - std::f64::consts::FRAC_PI_2);
             if elbow.abs().max(wrist.abs()) > 1e-2 {
                 assert!(found < 1e-5, "{found:e}: {q} near {near:e}, {which}");

@@ -1,7 +1,9 @@
-//! Inverse dynamics: the torques that a motion asks of the joints, by the recursive algorithm of Newton and Euler.
+//! Inverse dynamics: the torques that a motion asks of the joints, by the recursive algorithm of Newton and
+//! Euler.
 //!
-//! Velocities and accelerations pass from the base outwards, forces and moments back. The hand, its closed fingers and what
-//! they hold count as part of the last link. Friction and the inertia of the motors are left out: arm files do not have them.
+//! Velocities and accelerations pass from the base outwards, forces and moments back. The hand, its closed
+//! fingers and what they hold count as part of the last link. Friction and the inertia of the motors are left
+//! out: arm files do not have them.
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use ramp_robot::DOF;

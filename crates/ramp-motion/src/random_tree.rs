@@ -1,5 +1,5 @@
-//! A way around obstacles in joint space, by random search: bidirectional trees (Kuffner and LaValle: RRT-Connect,
-//! 2000), whose way is then shortened.
+//! Random search for a path around obstacles in joint space: bidirectional trees (Kuffner and LaValle:
+//! RRT-Connect, 2000). The path is then shortened.
 
 use ramp_robot::random::Stream;
 
@@ -11,14 +11,15 @@ pub(crate) const JOINT_SAMPLE: f64 = 0.05;
 const TREE_STEP: f64 = 0.1;
 /// Nodes of both trees together before the search gives up.
 const TREE_NODES: usize = 6000;
-/// Attempts to shorten a way that was found.
+/// Attempts to shorten a path.
 const SHORTCUTS: usize = 150;
 
 /// A node: joint positions (rad), and the number of its parent. The root is its own parent.
 type Node<const N: usize> = (Joints<N>, usize);
 
-/// The corners of a shortened way from `start` to `goal`, straight in joint space between them; `None` when none was
-/// found. Joint positions are in rad, random ones within `ranges`, and every sample of the way is `free`.
+/// The corners of a shortened path from `start` to `goal`, straight in joint space between them; `None` when
+/// none was found. Joint positions are in rad, random ones within `ranges`, and every sample of the path is
+/// `free`.
 pub(crate) fn connect<const N: usize>(
     ranges: &[[f64; 2]; N],
     free: &impl Fn(&Joints<N>) -> bool,
@@ -51,7 +52,7 @@ pub(crate) fn connect<const N: usize>(
     None
 }
 
-/// The way from a node to the root of its tree.
+/// The nodes from one node to the root of its tree.
 fn branch<const N: usize>(tree: &[Node<N>], mut node: usize) -> Vec<Joints<N>> {
     let mut way = vec![tree[node].0];
     while node != 0 {
@@ -82,7 +83,7 @@ fn grow<const N: usize>(
     Some(tree.len() - 1)
 }
 
-/// Replaces random parts of a way by straight lines where these are free.
+/// Replaces random parts of a path by straight lines where these are free.
 fn shorten<const N: usize>(
     mut way: Vec<Joints<N>>,
     free: &impl Fn(&Joints<N>) -> bool,

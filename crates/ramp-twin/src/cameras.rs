@@ -16,8 +16,8 @@ use crate::setup::Setup;
 pub use crate::shutters::EXPOSURE_STEPS;
 use crate::shutters::{Exposure, Shutters};
 
-/// The true camera in the episode of this seed: the nominal one with an error of calibration. `position` (m) and `angle`
-/// (rad) are the standard deviation of that error for each axis.
+/// The true camera in the episode of this seed: the nominal one with an error of calibration. `position` (m)
+/// and `angle` (rad) are the standard deviation of that error for each axis.
 pub fn true_camera(camera: Camera, arm: &ArmModel, seed: u64, [position, angle]: [f64; 2]) -> CameraModel {
     let mut stream = Stream::new(seed, &format!("calibration-{}", camera.name()));
     let mut three = |sigma: f64| Vector3::from_fn(|_, _| stream.normal(sigma));
@@ -115,8 +115,8 @@ impl Cameras {
         Ok(Arc::clone(self.looks.get_or_init(|| looks)))
     }
 
-    /// Opens the shutters of both cameras as soon as they are free, unless as many exposures as can be kept still wait for
-    /// their images. `kept` images stay until they are read.
+    /// Opens the shutters of both cameras as soon as they are free, unless as many exposures as can be kept
+    /// still wait for their images. `kept` images stay until they are read.
     pub fn open(&self, state: &mut CamerasState, now: u64, kept: bool) {
         if state.shutters.make_room(now) {
             let latency = self.latency(&mut state.jitter);
@@ -124,7 +124,8 @@ impl Cameras {
         }
     }
 
-    /// Time from the end of an exposure until the agent has the image, in control periods: readout and transfer.
+    /// Time from the end of an exposure until the agent has the image, in control periods: readout and
+    /// transfer.
     fn latency(&self, stream: &mut Stream) -> u32 {
         let groups::Cameras { latency, jitter, .. } = self.physics;
         let late = if jitter > 0.0 { jitter * stream.uniform() } else { 0.0 };
@@ -136,8 +137,8 @@ impl Cameras {
         ((self.physics.interval / PERIOD).round() as u64).max(u64::from(EXPOSURE_STEPS))
     }
 
-    /// The image of an exposure: its width, its height, and red, green and blue of each pixel. A frozen camera repeats its
-    /// last image, if it has taken one.
+    /// The image of an exposure: its width, its height, and red, green and blue of each pixel. A frozen
+    /// camera repeats its last image, if it has taken one.
     ///
     /// # Errors
     /// When meshes and textures cannot be loaded.

@@ -1,11 +1,11 @@
-//! What the twin asks of a command before it moves.
+//! Checks of a command before the arm moves.
 
 use nalgebra::Vector6;
 use ramp_control::PoseMotion;
 use ramp_robot::{ArmCommand, Command, Impedance, Pose, RobotError};
 
-/// Velocity (m/s, rad/s) and acceleration (m/s², rad/s²) of the target of an impedance, as far as they are those of a motion
-/// and not of a jump: an impedance may jump.
+/// Velocity (m/s, rad/s) and acceleration (m/s², rad/s²) of the target of an impedance, as far as they are
+/// those of a motion and not of a jump: an impedance may jump.
 pub(crate) fn fed_forward(target: &PoseMotion) -> [Vector6<f64>; 2] {
     const VELOCITY: f64 = 0.5;
     const ACCELERATION: f64 = 5.0;

@@ -1,8 +1,8 @@
-//! What stands between the torques that the inner loops want and the joints, and what the arm feels of itself.
+//! The drives: from the torques that the inner loops request to those at the joints, and the torque sensors.
 //!
-//! Wanted torques pass the handover from mode to mode, the compensation of friction, the limits of the controller and the
-//! [`line`](crate::line) to the motors; [`joint_friction`](crate::joint_friction) brakes the joints. After a period the torque
-//! sensors tell what came of it, and the external wrench is estimated from that.
+//! Requested torques pass the handover from mode to mode, the compensation of friction, the limits of the
+//! controller and the [`line`](crate::line) to the motors; [`joint_friction`](crate::joint_friction) brakes
+//! the joints. After a period the torque sensors are read, and the external wrench is estimated from them.
 
 use nalgebra::{SMatrix, UnitQuaternion, Vector3, Vector6};
 use ramp_control::{
@@ -17,11 +17,12 @@ use ramp_world::groups::{Arm, Controller};
 use crate::joint_friction::{JointFriction, shares};
 use crate::line::Line;
 
-/// By which share a limit may be passed, for rounding.
+/// Share by which a limit may be exceeded, for rounding.
 const ROUNDING: f64 = 1e-6;
-/// Readings of the torque sensors at rest before the episode from which their zero is known. Chosen: a tenth of a second.
+/// Readings of the torque sensors at rest before the episode from which their zero is known. Chosen: a tenth
+/// of a second.
 const ZERO_READINGS: f64 = 100.0;
-/// A torque rate that is none.
+/// Torque rate from which on it is not limited, N·m/s.
 const NO_RATE: f64 = 1e8;
 
 /// The drives of the arm with their sensors.
@@ -34,7 +35,7 @@ pub(crate) struct Drive {
     compensation: Compensation,
     estimate: WrenchEstimate,
     noise: Stream,
-    /// What the torque sensors read at the start, N·m.
+    /// Readings of the torque sensors at the start, N·m.
     zero: JointVector,
     /// The torques that were sent last, N·m.
     sent: JointVector,
@@ -42,7 +43,7 @@ pub(crate) struct Drive {
     commanded: JointVector,
     /// The torques of friction in this period, N·m.
     braked: JointVector,
-    /// What the torque sensors tell, N·m.
+    /// Readings of the torque sensors, N·m.
     measured: JointVector,
 }
 
@@ -111,14 +112,14 @@ impl Drive {
     }
 
     /// Makes the arm ready again after a stop.
-    pub fn reset(&mut self) {
-        self.line.reset();
+    pub fn restart(&mut self) {
+        self.line.restart();
         self.handover = Handover::default();
         self.sent = JointVector::zeros();
     }
 
-    /// The torques that act on the joints in this period beside those of the motors, N·m: friction, and the weight of a
-    /// mass that the gravity compensation does not know (kg), at `p_unknown` (m, in the world).
+    /// The torques that act on the joints in this period beside those of the motors, N·m: friction, and the
+    /// weight of a mass that the gravity compensation does not know (kg), at `p_unknown` (m, in the world).
     pub fn load(
         &mut self,
         friction: &JointFriction,
@@ -133,9 +134,9 @@ impl Drive {
         self.braked + state.jacobian.transpose() * wrench
     }
 
-    /// Updates the torque sensors after a period. `inertia` (kg·m²) is that of the joints with the drives; the velocities
-    /// (rad/s) are those before and after the period, the positions (rad) those before it, and `coriolis` the torques of
-    /// Coriolis and centrifugal forces, N·m.
+    /// Updates the torque sensors after a period. `inertia` (kg·m²) is that of the joints with the drives;
+    /// the velocities (rad/s) are those before and after the period, the positions (rad) those before it, and
+    /// `coriolis` the torques of Coriolis and centrifugal forces, N·m.
     pub fn sensed(
         &mut self,
         physics: &Physics,
@@ -158,7 +159,7 @@ impl Drive {
         self.estimate.sensed(&links, &accelerations, coriolis, &self.measured);
     }
 
-    /// What the torque sensors tell, N·m.
+    /// Readings of the torque sensors, N·m.
     pub fn torques(&self) -> &JointVector {
         &self.measured
     }
@@ -168,7 +169,8 @@ impl Drive {
         self.estimate.wrench(jacobian)
     }
 
-    /// Checks the external force (N) and the estimated external torques against the limits of the reflex stop.
+    /// Checks the external force (N) and the estimated external torques against the limits of the reflex
+    /// stop.
     ///
     /// # Errors
     /// [`RobotError::Reflex`].
@@ -189,7 +191,7 @@ impl Drive {
     }
 }
 
-/// By how much the torque sensors are off at these positions (rad), N·m.
+/// Bias of the torque sensors at these positions (rad), N·m.
 fn bias(physics: &Physics, positions: &JointVector) -> JointVector {
     let sensing = &physics.sensing;
     JointVector::from_fn(|joint, _| {
@@ -197,8 +199,7 @@ fn bias(physics: &Physics, positions: &JointVector) -> JointVector {
     })
 }
 
-/// The arm as it takes itself to be, when its joints' positions are off a little: what its own model makes of what its joints
-/// tell.
+/// The arm's state by its own model, from joint positions with the errors of its joint sensors.
 pub(crate) fn believed(arm: &Arm, state: ArmState) -> ArmState {
     let off = JointVector::from_fn(|joint, _| {
         arm.offset[joint] + arm.wave[joint] * (state.positions[joint] + arm.wave_begin[joint]).sin()

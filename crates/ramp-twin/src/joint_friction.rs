@@ -1,8 +1,8 @@
-//! Friction of the joints: bristles that bend before they slip (Canudas de Wit, Olsson, Åström, Lischinsky: A new model for
-//! control of systems with friction, 1995).
+//! Friction of the joints: bristles that bend before they slip (Canudas de Wit, Olsson, Åström, Lischinsky: A
+//! new model for control of systems with friction, 1995).
 //!
-//! A joint at rest is held by its bristles like by a stiff spring, up to the friction at which it breaks away; one that moves
-//! is braked by dry friction. What is viscous is the engine's.
+//! A joint at rest is held by its bristles like by a stiff spring, up to the friction at which it breaks
+//! away; one that moves is braked by dry friction. The engine computes viscous friction.
 
 use ramp_control::JointVector;
 use ramp_robot::PERIOD;
@@ -28,8 +28,8 @@ impl JointFriction {
         JointFriction { friction: friction.clone(), stiffness, damping }
     }
 
-    /// The torques of friction on the joints, against these velocities (rad/s), after one more period, N·m. `deflections`
-    /// (rad) are those of the bristles, zero at first.
+    /// The torques of friction on the joints, against these velocities (rad/s), after one more period, N·m.
+    /// `deflections` (rad) are those of the bristles, zero at first.
     pub fn step(&self, deflections: &mut JointVector, velocities: &JointVector) -> JointVector {
         let Friction { coulomb, breakaway, stribeck, asymmetry, .. } = &self.friction;
         JointVector::from_fn(|joint, _| {
@@ -40,7 +40,8 @@ impl JointFriction {
             let direction = 1.0 + asymmetry[joint] * velocity.signum();
             let most =
                 coulomb[joint] * direction * (1.0 + breakaway * (-(velocity / stribeck).powi(2)).exp());
-            // Where the bristle comes to rest at this velocity, and how fast it comes there: exact over the period.
+            // Equilibrium deflection of the bristle at this velocity, and the decay towards it: exact over
+            // the period.
             let slipping = velocity.signum() * most / self.stiffness[joint];
             let fade = (-velocity.abs() * self.stiffness[joint] / most * PERIOD).exp();
             let before = deflections[joint];
@@ -51,7 +52,7 @@ impl JointFriction {
     }
 }
 
-/// For each joint, which share of friction acts on the motor's side of the torque sensor, and which on the link's.
+/// Shares of the friction that act on the motor's side and on the link's side of the torque sensor.
 pub(crate) fn shares(friction: &Friction) -> [f64; 2] {
     [1.0 - friction.past_sensor, friction.past_sensor]
 }
@@ -63,8 +64,8 @@ mod tests {
 
     use super::*;
 
-    /// One joint of the inertia of its drive alone, under a torque that grows to its full size within a second: where it is then,
-    /// how fast, and how it is braked.
+    /// One joint with the inertia of its drive alone, under a torque that grows to its full size within a
+    /// second: its final position, velocity and friction torque.
     fn pushed(torque: f64, periods: usize) -> (f64, f64, f64) {
         let physics = World::shipped("hard").map(|world| world.draw(1));
         let Some(mut physics) = physics else { return (0.0, 0.0, 0.0) };
@@ -83,8 +84,8 @@ mod tests {
         (position, velocity, braked)
     }
 
-    /// Under less than the friction at rest a joint gives a little and stays; under more it moves, and dry friction alone brakes
-    /// it.
+    /// Under a torque below the static friction a joint gives a little and stays. Above it, the joint moves,
+    /// and only dry friction brakes it.
     #[test]
     fn a_joint_breaks_away_at_its_friction_at_rest() {
         let (position, velocity, _) = pushed(1.4, 3000);

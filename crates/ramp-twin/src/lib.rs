@@ -1,10 +1,10 @@
-//! The digital twin (section III-E of the paper): kit, goal and seed become a [`Twin`], a robot to drive and the
-//! truth for the referee.
+//! The digital twin (section III-E of the paper): kit, goal and seed become a [`Twin`], a robot to drive and
+//! the truth for the referee.
 //!
 //! Data passes one way: [`layout`] disturbs the start poses from the seed; [`mjcf`] writes the MJCF; MuJoCo
 //! compiles it into a `Scene`, which never changes; `State` is what changes, and [`twin`] steps it once each
-//! millisecond, with the arm's inner loop from [`ramp_control`]. After the start only contact moves and holds a
-//! part, and in an episode with a [`fault`] the force of that fault.
+//! millisecond, with the arm's inner loop from [`ramp_control`]. After the start only contact moves and holds
+//! a part, and in an episode with a [`fault`] the force of that fault.
 
 mod broad_phase;
 pub mod cameras;

@@ -21,7 +21,8 @@ const POSITION_MARGIN: f64 = 0.005;
 
 type Data = MjData<Arc<MjModel>>;
 
-/// One period under a command. If the line to the arm was silent for too long, also the stop and the recovery after it.
+/// One period under a command. If the line to the arm was silent for too long, also the stop and the recovery
+/// after it.
 ///
 /// # Errors
 /// When the command is refused, a limit is exceeded, or the physics diverge.
@@ -46,7 +47,7 @@ fn recover(
     state: &mut State,
     broad_phase: &mut BroadPhase,
 ) -> Result<(), RobotError> {
-    state.drive.reset();
+    state.drive.restart();
     let before = state.targets.clone();
     let arm = ArmCommand::JointPositions(state.arm.positions.into());
     let here = Command { arm, gripper: before.gripper() };

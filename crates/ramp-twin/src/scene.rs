@@ -1,5 +1,5 @@
-//! The part of a twin that is built once and never changes: MuJoCo's model, the names and ids of its bodies, and the
-//! physics that the episode drew from its world. Twins that were duplicated share one.
+//! The part of a twin that is built once and never changes: MuJoCo's model, the names and ids of its bodies,
+//! and the physics that the episode drew from its world. Twins that were duplicated share one.
 
 use std::sync::Arc;
 
@@ -41,14 +41,15 @@ pub(crate) struct Scene {
     /// The values that the episode drew from its world.
     pub physics: Physics,
     pub friction: JointFriction,
-    /// Whether torques other than those of the motors act on the joints: friction, or a mass that the controller does
-    /// not know.
+    /// Whether torques other than those of the motors act on the joints: friction, or a mass that the
+    /// controller does not know.
     pub loaded: bool,
     pub cameras: Cameras,
 }
 
 impl Scene {
-    /// Compiles the scene with every part at its place in `layout`, changed by the world's table and the fault's `start`.
+    /// Compiles the scene with every part at its place in `layout`, changed by the world's table and the
+    /// fault's `start`.
     ///
     /// # Errors
     /// [`TwinError::Scene`] when MuJoCo refuses it, [`TwinError::Missing`] when a body or site is not in it.

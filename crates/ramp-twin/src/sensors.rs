@@ -1,4 +1,5 @@
-//! The sensors of the arm and of the hand, and the readings of parts, as functions of the scene and of the physics.
+//! The sensors of the arm and of the hand, and the readings of parts, as functions of the scene and of the
+//! physics.
 
 use std::sync::Arc;
 
@@ -13,8 +14,8 @@ use crate::drive::believed;
 use crate::engine::{GRAVITY, body_pose, rotation_from_rows};
 use crate::scene::Scene;
 
-/// Standard deviation of a reading on track `noisy`: position of a part, m along each axis, and its rotation, rad
-/// about each axis.
+/// Standard deviation of a reading on track `noisy`: position of a part, m along each axis, and its rotation,
+/// rad about each axis.
 pub const READING_NOISE: [f64; 2] = [1.0e-3, std::f64::consts::PI / 180.0];
 /// Share of the parts that a reading on track `noisy` leaves out.
 pub const READING_DROPPED: f64 = 0.05;
@@ -23,7 +24,8 @@ pub const READING_STEPS: u32 = 33;
 
 type Data = MjData<Arc<MjModel>>;
 
-/// State of the arm as its joint sensors report it: the true one, with the world's errors of the joint positions.
+/// State of the arm as its joint sensors report it: the true one, with the world's errors of the joint
+/// positions.
 pub(crate) fn arm_state(scene: &Scene, data: &Data) -> ArmState {
     let p_wt = Vector3::from(data.site_xpos()[scene.tip_site]);
     let rotation = rotation_from_rows(&data.site_xmat()[scene.tip_site]);
@@ -66,8 +68,8 @@ pub(crate) fn has_wrist_sensor(physics: &Physics) -> bool {
     physics.sensing.wrist_sensor >= 0.5
 }
 
-/// Reading of the wrist sensor without noise: wrench of the hand on the objects that it touches and holds, at the
-/// wrist, axes of the world, N and N·m. The weight of the hand itself is removed.
+/// Reading of the wrist sensor without noise: wrench of the hand on the objects that it touches and holds, at
+/// the wrist, axes of the world, N and N·m. The weight of the hand itself is removed.
 pub(crate) fn read_wrist(scene: &Scene, data: &Data) -> Vector6<f64> {
     let sensor = data.sensordata();
     let rotation = rotation_from_rows(&data.site_xmat()[scene.wrist_site]);

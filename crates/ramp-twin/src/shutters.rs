@@ -7,12 +7,13 @@ use ramp_robot::{Camera, MOST_EXPOSURES, Pose};
 
 /// Time for which the shutter is open, in control periods of a millisecond.
 pub const EXPOSURE_STEPS: u32 = 8;
-/// Periods after the opening at which the poses of all bodies are recorded. The image carries the pose of the middle one.
-/// If the hand moved, it shows the others together.
+/// Periods after the opening at which the poses of all bodies are recorded. The image carries the pose of the
+/// middle one. If the hand moved, it shows the others together.
 const MOMENTS: [u64; 5] = [1, 3, 4, 5, 7];
 /// See [`MOMENTS`].
 const MIDDLE: usize = 2;
-/// A hand that moves no further than this while the shutter is open (m, and rad) blurs nothing: a fifth of a pixel or less.
+/// Motion of the hand while the shutter is open (m, and rad) below which an image is not blurred: a fifth of
+/// a pixel or less.
 const AT_REST: (f64, f64) = (1.0e-4, 3.0e-4);
 
 /// The poses of all bodies at one moment.
@@ -75,8 +76,8 @@ pub(crate) struct Shutters {
 }
 
 impl Shutters {
-    /// Makes room for another exposure: if there are as many as are kept, drops the oldest whose images are available.
-    /// False if all of them still wait for their images.
+    /// Makes room for another exposure: if there are as many as are kept, drops the oldest whose images are
+    /// available. False if all of them still wait for their images.
     pub fn make_room(&mut self, now: u64) -> bool {
         if self.exposures.len() < MOST_EXPOSURES {
             return true;
@@ -85,8 +86,9 @@ impl Shutters {
         oldest.and_then(|oldest| self.exposures.remove(oldest)).is_some()
     }
 
-    /// Opens the shutters as soon as they are free. `interval` is the time from one exposure to the next and `latency` that
-    /// from its end until the images are available, in periods. `kept` images stay until they are read.
+    /// Opens the shutters as soon as they are free. `interval` is the time from one exposure to the next and
+    /// `latency` that from its end until the images are available, in periods. `kept` images stay until they
+    /// are read.
     pub fn open(&mut self, now: u64, interval: u64, latency: u32, kept: bool) {
         let begin = now.max(self.free);
         self.free = begin + interval;
@@ -101,7 +103,8 @@ impl Shutters {
         self.exposures.iter().any(|exposure| exposure.is_due(period))
     }
 
-    /// Adds the poses at the end of this period to the exposures that include it, and whether the cameras are frozen.
+    /// Adds the poses at the end of this period to the exposures that include it, and whether the cameras are
+    /// frozen.
     pub fn record(&mut self, period: u64, moment: &Moment, frozen: bool) {
         for exposure in self.exposures.iter_mut().filter(|exposure| exposure.is_due(period)) {
             exposure.moments.push(moment.clone());

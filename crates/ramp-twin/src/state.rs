@@ -101,8 +101,9 @@ impl State {
     pub fn time(&self) -> f64 {
         self.steps as f64 * PERIOD
     }
-    /// Updates torques and wrench after a period: the wrench from the sensor at the wrist, or as the arm estimates it from
-    /// its joint torques. `before` is the arm before the period, `reading` the noise-free wrist reading after it.
+    /// Updates torques and wrench after a period: the wrench from the sensor at the wrist, or as the arm
+    /// estimates it from its joint torques. `before` is the arm before the period, `reading` the noise-free
+    /// wrist reading after it.
     pub fn feel(&mut self, scene: &Scene, data: &Data, before: &ArmState, reading: &Vector6<f64>) {
         let physics = &scene.physics;
         let sensing = &physics.sensing;

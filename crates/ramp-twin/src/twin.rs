@@ -64,10 +64,12 @@ impl Twin {
         Twin::with_options(setup, layout, &SceneOptions::default())
     }
 
-    /// As [`Twin::with_layout`], with options for the scene. `layout` may leave out parts, but not the clamped beam.
+    /// As [`Twin::with_layout`], with options for the scene. `layout` may leave out parts, but not the
+    /// clamped beam.
     ///
     /// # Errors
-    /// When MuJoCo refuses the scene, or, on track `tags`, when meshes and textures for images cannot be loaded.
+    /// When MuJoCo refuses the scene, or, on track `tags`, when meshes and textures for images cannot be
+    /// loaded.
     pub fn with_options(setup: &Setup, layout: Layout, options: &SceneOptions) -> Result<Twin, TwinError> {
         let start = Start::new(setup);
         let scene = Scene::new(setup, layout, options, &start)?;
@@ -83,8 +85,8 @@ impl Twin {
         Ok(Twin { scene: Arc::new(scene), data, state, workspace })
     }
 
-    /// Gives a part that is not clamped a velocity, in axes of the world: of its frame's origin (m/s) and about it (rad/s).
-    /// For starts that differ from the sheet's, before [`Twin::begin`].
+    /// Gives a part that is not clamped a velocity, in axes of the world: of its frame's origin (m/s) and
+    /// about it (rad/s). For starts that differ from the sheet's, before [`Twin::begin`].
     pub fn knock(&mut self, part: &str, linear: &Vector3<f64>, angular: &Vector3<f64>) {
         let Some((_, body)) = self.scene.parts.iter().find(|(name, _)| name == part) else { return };
         let Ok(from) = usize::try_from(self.scene.model.body_dofadr()[*body]) else { return };
@@ -170,8 +172,8 @@ impl Twin {
         self.state.deepest
     }
 
-    /// The largest force between the hand and the objects that it touches or holds so far, N: at the wrist, after the
-    /// sensor's filter (time constant 20 ms), without its noise.
+    /// The largest force between the hand and the objects that it touches or holds so far, N: at the wrist,
+    /// after the sensor's filter (time constant 20 ms), without its noise.
     pub fn largest_force(&self) -> f64 {
         self.state.largest_force
     }
@@ -186,7 +188,8 @@ impl Twin {
         self.state.time()
     }
 
-    /// Hash of positions and velocities: equal for two runs only if every bit of their physics state is equal.
+    /// Hash of positions and velocities: equal for two runs only if every bit of their physics state is
+    /// equal.
     pub fn state_hash(&self) -> u64 {
         let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
         for value in self.data.qpos().iter().chain(self.data.qvel()) {
@@ -197,8 +200,8 @@ impl Twin {
         hash
     }
 
-    /// Runs periods under the last command; before the first one the arm stays at home. Afterwards a commanded motion
-    /// continues as if no period had passed.
+    /// Runs periods under the last command; before the first one the arm stays at home. Afterwards a
+    /// commanded motion continues as if no period had passed.
     fn hold(&mut self, periods: u32) -> Result<(), RobotError> {
         let targets = &self.state.targets;
         let command = targets.command.clone().unwrap_or(Command {

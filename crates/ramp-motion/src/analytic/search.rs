@@ -5,15 +5,15 @@ use ramp_robot::DOF;
 use super::{Analytic, Solution};
 use crate::space::{Joints, Pose};
 
-/// Distance between the values of q7 that [`Analytic::best`] tries first, rad. For 200 random poses the quickest
-/// solution was missed by more than 1 ms 5 times with 0.05 rad, twice with 0.03 and once with 0.02; windows of q7 that
-/// are narrower than the grid are lost.
+/// Distance between the values of q7 that [`Analytic::best`] tries first, rad. For 200 random poses the
+/// quickest solution was missed by more than 1 ms 5 times with 0.05 rad, twice with 0.03 and once with 0.02;
+/// windows of q7 that are narrower than the grid are lost.
 const GRID: f64 = 0.03;
 /// Local minima of the grid that are refined.
 const REFINED: usize = 3;
 /// Step of q7 at which refinement ends, rad: at 2 rad/s it is worth 0.05 ms.
 const FINE: f64 = 1e-4;
-/// How far to both sides of q7 [`Analytic::nearest`] looks to know slope and bend, rad. Chosen.
+/// Step of q7 in the finite differences of [`Analytic::nearest`], rad. Chosen.
 const PROBE: f64 = 1e-4;
 /// Its largest step of q7, rad.
 const STEP: f64 = 0.3;
@@ -32,15 +32,17 @@ pub struct Choice<const N: usize = DOF> {
 }
 
 impl<const N: usize> Analytic<N> {
-    /// The solution with q7 as in `q` that is nearest to it (rad), every joint at least `margin` (rad) inside its range.
+    /// The solution with q7 as in `q` that is nearest to it (rad), every joint at least `margin` (rad) inside
+    /// its range.
     pub fn beside(&self, x_wt: &Pose, q: &Joints<N>, margin: f64) -> Option<Joints<N>> {
         let apart = |other: &Joints<N>| (other - q).norm_squared();
         let all = self.within(x_wt, q[6], margin);
         all.iter().map(|solution| solution.q).min_by(|a, b| apart(a).total_cmp(&apart(b)))
     }
 
-    /// Of the solutions on the branch of `seed`, the one nearest to `posture` (rad), every joint at least `margin` (rad) inside
-    /// its range. Found from the solution beside `seed` by steps of Newton's method over q7; `None` when there is none there.
+    /// Of the solutions on the branch of `seed`, the one nearest to `posture` (rad), every joint at least
+    /// `margin` (rad) inside its range. Found from the solution beside `seed` by steps of Newton's method
+    /// over q7; `None` when there is none there.
     pub fn nearest(
         &self,
         x_wt: &Pose,
@@ -73,11 +75,11 @@ impl<const N: usize> Analytic<N> {
         Some(q)
     }
 
-    /// The solution of least `cost` over all q7 and branches, every joint at least `margin` (rad) inside its range;
-    /// `None` when there is none, or none of finite cost. A cost of infinity refuses a solution.
+    /// The solution of least `cost` over all q7 and branches, every joint at least `margin` (rad) inside its
+    /// range; `None` when there is none, or none of finite cost. A cost of infinity refuses a solution.
     ///
-    /// A grid over q7 comes first; then q7 is refined around the best places of the grid. What is found is a local
-    /// minimum, in practice nearly always the least.
+    /// A grid over q7 comes first; then q7 is refined around the best places of the grid. What is found is a
+    /// local minimum, in practice nearly always the least.
     pub fn best(
         &self,
         x_wt: &Pose,
@@ -132,13 +134,14 @@ impl<const N: usize> Analytic<N> {
             .min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
-    /// The solution that the arm reaches first from `from` (rad), every joint at least `margin` (rad) inside its range.
-    /// Its cost is [`Analytic::least_time`].
+    /// The solution that the arm reaches first from `from` (rad), every joint at least `margin` (rad) inside
+    /// its range. Its cost is [`Analytic::least_time`].
     pub fn quickest(&self, x_wt: &Pose, from: &Joints<N>, margin: f64) -> Option<Choice<N>> {
         self.best(x_wt, margin, |q| self.least_time(from, q))
     }
 
-    /// A lower bound on the time from `from` to `to` (rad), s: every joint goes straight at its largest speed.
+    /// A lower bound on the time from `from` to `to` (rad), s: every joint goes straight at its largest
+    /// speed.
     pub fn least_time(&self, from: &Joints<N>, to: &Joints<N>) -> f64 {
         (to - from).component_div(&self.velocity).amax()
     }
@@ -153,7 +156,8 @@ mod tests {
     use super::*;
     use crate::Kinematics;
 
-    /// The iteration and the closed form come to rest in the same place: paths do not depend on which of them found them.
+    /// The iteration and the closed form come to rest in the same place: paths do not depend on which of them
+    /// found them.
     #[test]
     fn the_nearest_solution_is_that_of_the_iteration() {
         let arm = arm("panda.json");

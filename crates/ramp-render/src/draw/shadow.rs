@@ -11,7 +11,8 @@ use crate::looks::Looks;
 const SHADOW_EDGE: f32 = 0.1;
 
 impl Renderer {
-    /// Marks on a map of the table what the lamp does not reach, where `camera` (the world's pose in it) may see it.
+    /// Marks on a map of the table what the lamp does not reach, where `camera` (the world's pose in it) may
+    /// see it.
     pub(super) fn cast_shadows(&mut self, looks: &Looks, scene: &Scene, camera: &Rigid) {
         let [columns, rows] = shadow_size();
         self.shadow.fill(0);

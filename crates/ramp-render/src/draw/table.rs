@@ -12,12 +12,13 @@ use ramp_robot::{CameraModel, Pose};
 const TABLE_COLOUR: [f32; 3] = [0.33, 0.31, 0.28];
 const FLOOR_COLOUR: [f32; 3] = [0.13, 0.13, 0.13];
 const WALL_COLOUR: [f32; 3] = [0.55, 0.57, 0.60];
-/// Pixels along a row between two whose places on the table are worked out, from near and from far, and how far apart those
-/// may be, m: twice what is known to be bare around a cell, and less than the width of any shadow.
+/// Pixels along a row between two whose places on the table are worked out, from near and from far, and how
+/// far apart those may be, m: twice what is known to be bare around a cell, and less than the width of any
+/// shadow.
 const STRIDES: [usize; 2] = [16, 8];
 const BARE: f32 = 20.0e-3;
 
-/// How the table is seen.
+/// The view of the table.
 pub(super) struct Table<'a> {
     turn: [[f32; 3]; 3],
     eye: [f32; 3],
@@ -35,7 +36,7 @@ impl<'a> Table<'a> {
     /// The table from a camera.
     pub(super) fn new(looks: &'a Looks, x_wc: &Pose, model: &CameraModel) -> Table<'a> {
         let rigid = Rigid::new(x_wc);
-        // What a pixel covers where the optical axis meets the table, or straight below.
+        // Size of a pixel where the optical axis meets the table, or straight below.
         let down = -rigid.turn[2][2];
         let distance = if down > 0.3 { rigid.shift[2] / down } else { rigid.shift[2] };
         let pixel = distance.max(0.01) / model.focal[0] as f32;
@@ -55,7 +56,7 @@ impl<'a> Table<'a> {
         Table { turn: rigid.turn, eye: rigid.shift, stride, sheet, ink, plain }
     }
 
-    /// Where a pixel looks on the table, m in the world.
+    /// Point on the table that a pixel shows, m in the world.
     #[inline]
     pub(super) fn place(&self, dx: f32, dy: f32) -> [f32; 2] {
         let [tx, ty, tz] = self.turn;
@@ -66,8 +67,9 @@ impl<'a> Table<'a> {
         [(self.eye[0], x), (self.eye[1], y)].map(|(eye, way)| if down { eye + t * way } else { ABOVE })
     }
 
-    /// Colours the pixels from `x` on, which all show the table. `nodes` are the places of each `stride`th pixel of the row
-    /// and of its last: between two that are close to each other, places and shadows go straight.
+    /// Colours the pixels from `x` on, which all show the table. `nodes` are the places of each `stride`th
+    /// pixel of the row and of its last: between two that are close to each other, places and shadows go
+    /// straight.
     pub(super) fn stretch(
         &self,
         looks: &Looks,

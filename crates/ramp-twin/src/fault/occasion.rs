@@ -1,5 +1,5 @@
-//! The moments at which a fault may strike, seen in the truth: what is gripped, lifted, closed on and inserted, and
-//! when the hand leaves the assembly.
+//! The moments at which a fault may strike, found in the true state: a part is gripped, lifted or inserted,
+//! the fingers close on it, or the hand leaves the assembly.
 
 use std::sync::Arc;
 
@@ -15,20 +15,21 @@ use ramp_robot::PERIOD;
 
 /// A beam is in its place up to this, m and rad.
 const IN_PLACE: (f64, f64) = (15.0e-3, 6.0 / 180.0 * std::f64::consts::PI);
-/// A held part is lifted when it has risen so far since it was gripped, m.
+/// Height above the place of its grasp at which a held part counts as lifted, m.
 const LIFTED: f64 = 15.0e-3;
-/// A part is gripped when both fingers have touched it for so long, s, and let go when they have not for so long.
+/// Time for which both fingers must touch a part until it counts as gripped, s.
 const GRIPPED: f64 = 0.1;
-/// See [`GRIPPED`].
+/// Time for which they must not until it counts as released, s.
 const LET_GO: f64 = 0.2;
-/// A held part is inserted into a beam from which it is no further than this, m: 0.3 mm lie on each side of a male in a female,
-/// and printed faces are off by up to 0.1 mm each.
+/// Distance to a beam within which a held part counts as inserted, m: the gap between male and female joint
+/// is 0.3 mm on each side, and printed faces are off by up to 0.1 mm each.
 const ENTERED: f64 = 0.5e-3;
-/// Least speed of what is inserted, m/s.
+/// Least speed of a part that counts as inserted, m/s.
 const INSERTING: f64 = 5.0e-3;
 /// The hand works at a beam below this height of the tip, m, and is away above the other.
 const HEIGHTS: [f64; 2] = [0.10, 0.12];
-/// Horizontal distance from the joints of a beam within which the hand works at it, m, and is not away from it.
+/// Horizontal distance from the joints of a beam within which the hand works at it, m, and is not away from
+/// it.
 const NEAR: f64 = 0.10;
 /// Speed at which the fingers are closing, m/s.
 const CLOSING: f64 = 1.0e-3;
@@ -51,14 +52,14 @@ pub(super) struct Placed {
     /// Index into the parts.
     pub part: usize,
     pub clamped: bool,
-    /// Where it belongs in the world.
+    /// Its target pose in the world.
     pub x_wb: Pose,
-    /// Its holes, and the middles of its links, in its own frame.
+    /// Its holes, and the middles of its links, in its own frame, m.
     pub holes: Vec<Point3<f64>>,
     pub links: Vec<Point3<f64>>,
 }
 
-/// What never changes: who is who among MuJoCo's bodies.
+/// The bodies of parts, holders and fingers in MuJoCo's model. They do not change during an episode.
 #[derive(Clone, Debug)]
 pub(super) struct Bodies {
     pub parts: Vec<Part>,
@@ -132,7 +133,7 @@ impl Bodies {
         }
     }
 
-    /// Where a part is.
+    /// Pose of a part in the world.
     pub fn pose(&self, data: &Data, part: usize) -> Pose {
         body_pose(data, self.parts[part].body)
     }
@@ -144,7 +145,8 @@ impl Bodies {
             && x_wb.rotation.angle_to(&placed.x_wb.rotation) < IN_PLACE.1
     }
 
-    /// The beams that stand in the assembly and are neither clamped nor held, as indices into [`Bodies::placed`].
+    /// The beams that stand in the assembly and are neither clamped nor held, as indices into
+    /// [`Bodies::placed`].
     pub fn standing(&self, data: &Data, held: Option<usize>) -> Vec<usize> {
         (0..self.placed.len())
             .filter(|&index| {
@@ -154,7 +156,8 @@ impl Bodies {
             .collect()
     }
 
-    /// Where a part is within [`ENTERED`] of a beam that stands in the assembly, m in the world: between the two.
+    /// The point, m in the world, at which a part is within [`ENTERED`] of a beam that stands in the
+    /// assembly: the middle between the two.
     fn entered(&self, data: &mut Data, part: usize) -> Option<Point3<f64>> {
         for placed in self.placed.iter().filter(|placed| placed.part != part) {
             if !placed.clamped && !self.in_place(data, placed) {
@@ -177,7 +180,7 @@ impl Bodies {
         None
     }
 
-    /// How many pegs are in the holes of a beam.
+    /// The holes of a beam that have a peg in them, in its frame, m.
     pub fn pins(&self, data: &Data, placed: &Placed) -> Vec<Point3<f64>> {
         let x_wb = self.pose(data, placed.part);
         let pegs: Vec<Vector3<f64>> = (0..self.parts.len())
@@ -203,13 +206,13 @@ impl Bodies {
     }
 }
 
-/// What the fingers hold.
+/// The part between the fingers.
 #[derive(Clone, Debug)]
 struct Grip {
     part: usize,
     /// Height at which it was gripped, m.
     height: f64,
-    /// How long both fingers have touched it, and how long since they have not, s.
+    /// Time for which both fingers have touched it, and time since they last did, s.
     held: f64,
     missed: f64,
     lifted: bool,
@@ -224,7 +227,8 @@ pub(super) enum Occasion {
     Part(usize),
     /// The hand left the assembly, in which beams stand.
     Left,
-    /// A held part moves into a beam: where the two are nearest to each other, m, and the direction of its motion, both in the world.
+    /// A held part moves into a beam: where the two are nearest to each other, m, and the direction of its
+    /// motion, both in the world.
     Inserted { part: usize, p_w: Point3<f64>, direction: Vector3<f64> },
 }
 
@@ -233,7 +237,7 @@ pub(super) enum Occasion {
 pub(super) struct Watch {
     kind: FaultKind,
     grip: Option<Grip>,
-    /// How long no finger has touched a part, s.
+    /// Time since a finger last touched a part, s.
     untouched: f64,
     /// Whether the hand has worked at the assembly since it was last away.
     worked: bool,
@@ -244,7 +248,7 @@ impl Watch {
         Watch { kind, grip: None, untouched: LET_GO, worked: false }
     }
 
-    /// Once in so many periods it is looked: where a moment matters, in each.
+    /// Number of control periods between two checks: one for a kind that needs the exact moment.
     pub fn every(&self) -> u64 {
         if self.kind == FaultKind::GripperWeak { 1 } else { 10 }
     }
@@ -254,10 +258,11 @@ impl Watch {
         self.grip.as_ref().map(|grip| grip.part)
     }
 
-    /// Looks at the world; tells an occasion when there is one. `fingers` is the speed at which they open, m/s.
+    /// Checks the world; returns an occasion when it has come. `fingers` is the speed at which they open,
+    /// m/s.
     pub fn look(&mut self, bodies: &Bodies, data: &mut Data, x_wt: &Pose, fingers: f64) -> Option<Occasion> {
         let passed = self.every() as f64 * PERIOD;
-        // Which parts each finger touches.
+        // Parts that each finger touches.
         let mut touched: [Vec<usize>; 2] = [Vec::new(), Vec::new()];
         for contact in data.contact() {
             let touching = contact.geom.map(|geom| {

@@ -1,7 +1,7 @@
 //! Snapshots of a twin, exact to the last bit.
 //!
-//! MuJoCo's own `mjSTATE_*` leave out which bodies sleep, so that a scene set from them ends micrometres elsewhere. A
-//! snapshot is a clone of all of MuJoCo's data and of the twin's state.
+//! MuJoCo's own `mjSTATE_*` leave out which bodies sleep, so that a scene set from them ends micrometres
+//! elsewhere. A snapshot is a clone of all of MuJoCo's data and of the twin's state.
 
 use std::sync::Arc;
 
@@ -35,13 +35,14 @@ impl Snapshot {
 }
 
 impl Twin {
-    /// Copies everything that changes. Takes some microseconds, and the memory of MuJoCo's data that is in use.
+    /// Copies everything that changes. Takes some microseconds, and the memory of MuJoCo's data that is in
+    /// use.
     pub fn snapshot(&self) -> Snapshot {
         Snapshot { scene: Arc::clone(&self.scene), data: self.data.clone(), state: self.state.clone() }
     }
 
-    /// Returns to a snapshot of this twin, or of one that [`Twin::duplicate`] made of it. All later steps, readings and
-    /// images are the same to the last bit as they were after the snapshot.
+    /// Returns to a snapshot of this twin, or of one that [`Twin::duplicate`] made of it. All later steps,
+    /// readings and images are the same to the last bit as they were after the snapshot.
     ///
     /// # Errors
     /// [`RestoreError::OtherTwin`]; the twin is then unchanged.

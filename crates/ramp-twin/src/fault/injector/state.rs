@@ -1,4 +1,4 @@
-//! What a fault is doing now, and what it did.
+//! State of a fault, and its report.
 
 use crate::fault::act::{Motion, Obstacle, Push};
 use crate::fault::draws::{Draws, Start};
@@ -14,25 +14,25 @@ use std::sync::Arc;
 /// The physics.
 pub(super) type Data = MjData<Arc<MjModel>>;
 
-/// What goes on.
+/// The current stage of a fault.
 #[derive(Clone, Debug)]
 pub(super) enum Action {
     Waiting,
-    /// A part was lifted; in so many seconds it is struck.
+    /// A part was lifted. It is struck when `left` seconds have passed.
     Lifted {
         part: usize,
         left: f64,
     },
-    /// The fingers have no force for so many seconds.
+    /// The fingers have no force for another `left` seconds.
     Limp {
         left: f64,
     },
-    /// A part is pushed in the grip; the other way, if it has not been tried.
+    /// A part is pushed in the grip. `other` is the push in the other direction, if it has not been tried.
     InGrip {
         push: Push,
         other: Option<Push>,
     },
-    /// A standing beam is pushed; the sides that are left to push it from.
+    /// A standing beam is pushed. `left` are the remaining directions.
     Bump {
         push: Push,
         part: usize,
@@ -43,7 +43,7 @@ pub(super) enum Action {
     Shift(Push),
     /// An obstacle blocks an insertion.
     Jam(Obstacle),
-    /// The cameras repeat their images for so many seconds.
+    /// The cameras repeat their images for another `left` seconds.
     Frozen {
         left: f64,
     },
@@ -89,7 +89,7 @@ impl Injector {
         if let Some(peg) = &start.missing {
             report.at = Some(0.0);
             report.part = Some(peg.clone());
-            report.text = format!("{peg} is not there");
+            report.text = format!("{peg} is missing");
         }
         if let Some((tag, beam)) = &start.covered {
             report.at = Some(0.0);
@@ -107,7 +107,7 @@ impl Injector {
         })
     }
 
-    /// What became of it so far.
+    /// The report so far.
     pub fn report(&self) -> &FaultReport {
         &self.report
     }
@@ -117,7 +117,7 @@ impl Injector {
         matches!(self.action, Action::Frozen { .. })
     }
 
-    /// What is added to the force that the wrist sensor reads, N, in the sensor's frame.
+    /// Bias on the force that the wrist sensor reads, N, in the sensor's frame.
     pub fn bias(&self) -> Vector3<f64> {
         match &self.action {
             Action::Drift { force, direction, .. } => *force * direction,

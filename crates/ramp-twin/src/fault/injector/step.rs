@@ -1,4 +1,4 @@
-//! One step: the occasion is watched for, and what goes on goes on.
+//! One step: watches for the occasion, and continues a fault that has struck.
 
 use super::state::{Action, Data, Injector};
 use crate::fault::act::Progress;
@@ -6,12 +6,12 @@ use ramp_kit::Pose;
 use ramp_robot::GripperCommand;
 use ramp_robot::PERIOD;
 
-/// What is left of the fingers' force while something is moved in the grip.
+/// Share of the fingers' force that remains while a part is moved in the grip.
 const WEAKENED: f64 = 0.15;
 
 impl Injector {
-    /// Before each step of the physics: `fingers` are the width of the hand, m, and the speed at which it opens, m/s.
-    /// Returns what the gripper does with its command.
+    /// Before each step of the physics: `fingers` are the width of the hand, m, and the speed at which it
+    /// opens, m/s. Returns the command that the gripper executes.
     pub fn step(
         &mut self,
         data: &mut Data,

@@ -1,4 +1,4 @@
-//! How each kind strikes, and how pushes go on where nothing gives way.
+//! How each kind of fault strikes, and what follows when a pushed part does not move.
 
 use nalgebra::{Point3, Vector3};
 use ramp_kit::Pose;
@@ -8,31 +8,32 @@ use crate::fault::act::{Motion, Obstacle, Progress, Push, Strength};
 use crate::fault::kind::FaultKind;
 use crate::fault::occasion::Occasion;
 
-/// From a lift until what was lifted is dropped or moved in the grip, s.
+/// Time from a lift until the lifted part is dropped or moved in the grip, s.
 const DELAY: [f64; 2] = [0.3, 2.5];
-/// How long the fingers have no force, s.
+/// Time without finger force, s.
 const LIMP: [f64; 2] = [0.3, 0.6];
-/// What moves by less than this share of its way does not give way.
+/// A part that moves by less than this share of the intended distance counts as stuck.
 const LEAST_OF_WAY: f64 = 0.3;
-/// How far a peg is turned in the grip, rad.
+/// Rotation of a peg in the grip, rad.
 const TILT: [f64; 2] = [6.0 / 180.0 * std::f64::consts::PI, 15.0 / 180.0 * std::f64::consts::PI];
-/// How far a beam is pushed along its axis in the grip, m.
+/// Displacement of a beam along its axis in the grip, m.
 const SLIP: [f64; 2] = [4.0e-3, 12.0e-3];
-/// How far a beam is turned in the grip, rad.
+/// Rotation of a beam in the grip, rad.
 const TURN: [f64; 2] = [4.0 / 180.0 * std::f64::consts::PI, 10.0 / 180.0 * std::f64::consts::PI];
-/// How far a standing beam is pushed, m.
+/// Displacement of a standing beam, m.
 const BUMP: [f64; 2] = [3.0e-3, 15.0e-3];
-/// A bump that moved a beam by less has not happened, m: it is made again from another side, or on another occasion.
+/// Least displacement of a bump, m. After a smaller one the beam is pushed from another side, or on another
+/// occasion.
 const LEAST_BUMP: f64 = 2.5e-3;
-/// How far a holder is pushed, m.
+/// Displacement of a holder, m.
 const SHIFT: [f64; 2] = [3.0e-3, 8.0e-3];
-/// Force at which the obstacle of an insertion gives way, N, and for how long it is there, s.
+/// Force at which the obstacle of an insertion gives way, N, and its duration, s.
 const JAM: ([f64; 2], [f64; 2]) = ([25.0, 35.0], [4.0, 8.0]);
-/// How long the cameras repeat their images, s.
+/// Time for which the cameras repeat their images, s.
 const FROZEN: f64 = 5.0;
-/// How far the fingers spring back, m.
+/// Distance by which the fingers spring back, m.
 const SHORT: [f64; 2] = [2.0e-3, 4.0e-3];
-/// Growth of the sensor's bias, N/s, and its end, N.
+/// Growth of the sensor's bias, N/s, and its final value, N.
 const DRIFT: ([f64; 2], [f64; 2]) = ([0.05, 0.2], [5.0, 8.0]);
 
 /// Between two ends.
@@ -41,7 +42,7 @@ fn between([from, to]: [f64; 2], share: f64) -> f64 {
 }
 
 impl Injector {
-    /// The occasion has come.
+    /// Begins the fault at its occasion.
     pub(super) fn strike(&mut self, occasion: &Occasion, data: &Data, time: f64, width: f64) {
         let draws = self.draws;
         let part = match occasion {
@@ -103,12 +104,13 @@ impl Injector {
         self.report.text = text;
     }
 
-    /// One way or the other.
+    /// Direction drawn for the fault, 1 or −1.
     fn side(&self) -> f64 {
         if self.draws.side < 0.5 { -1.0 } else { 1.0 }
     }
 
-    /// What was lifted falls, or is moved in the grip; when it is no longer there, it is waited for the next.
+    /// Drops the lifted part, or moves it in the grip. If it is not held any more, waits for the next
+    /// occasion.
     pub(super) fn strike_in_grip(&mut self, part: usize, data: &Data, x_wt: &Pose, time: f64) -> Action {
         if self.watch.held() != Some(part) {
             return Action::Waiting;
@@ -162,8 +164,8 @@ impl Injector {
         Action::InGrip { push: push(motion), other: Some(push(back)) }
     }
 
-    /// A push in the grip goes on; where the part does not give way, because a joint is at the fingers, it is pushed the
-    /// other way.
+    /// Continues a push in the grip. If the part does not move because a joint is at the fingers, pushes it
+    /// the other way.
     pub(super) fn push_in_grip(
         &mut self,
         mut push: Push,
@@ -252,7 +254,8 @@ impl Injector {
         Action::Bump { push, part: placed.part, at, left }
     }
 
-    /// A bump goes on; where the beam does not give way, it is made from the next side. It ends when the hand comes back.
+    /// Continues a bump. If the beam does not move, pushes it from the next side. Ends when the hand comes
+    /// back.
     pub(super) fn bump(
         &mut self,
         mut push: Push,
