@@ -18,7 +18,7 @@ const START: f64 = 0.01;
 const START_POSE: [f64; 2] = [0.005, 0.02];
 /// Share by which a limit may be exceeded, for rounding.
 const ROUNDING: f64 = 1e-6;
-/// The names and units of what is checked of a joint.
+/// The names and units of the quantities that are checked of a joint.
 const OF_JOINT: [(&str, &str); 3] = [("velocity", "rad/s"), ("acceleration", "rad/s²"), ("jerk", "rad/s³")];
 /// The same for the tip's point.
 const OF_POINT: [(&str, &str); 3] = [("velocity", "m/s"), ("acceleration", "m/s²"), ("jerk", "m/s³")];

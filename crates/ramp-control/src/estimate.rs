@@ -1,4 +1,4 @@
-//! The external wrench as an arm without a force sensor knows it: estimated from the torques of its joints.
+//! The external wrench of an arm without a force sensor, estimated from the torques of its joints.
 //!
 //! The torques that the arm's motion needs beyond those of its joints are external. [`WrenchEstimate`]
 //! filters them, as the observers of real arms do, and gives the wrench at a point that explains them best.

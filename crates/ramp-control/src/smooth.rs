@@ -109,7 +109,7 @@ impl Smoother {
     }
 
     /// The command to give to the robot for this period in place of `command`, and whether it is another one.
-    /// `seen` is what the robot sensed last. Only joint positions and poses are changed.
+    /// `seen` is the last observation. Only joint positions and poses are changed.
     pub fn smooth(&mut self, command: &Command, seen: &Observation) -> (Command, bool) {
         let (joints, pose) = (self.joints.take(), self.pose.take());
         let arm = match &command.arm {

@@ -1,10 +1,10 @@
 //! Collision checks of the arm and the part in its hand with each other and with obstacles.
 //!
-//! A [`Checker`] is built once for a motion and asked at every sample of it. It lists the solids of the arm
-//! with what the hand holds, each with a ball around it, and the boxes around the arm with their bounds along
-//! the axes of the world. Most solids are ruled out by the bounds of all boxes together, most boxes by their
-//! own; what is left is tested exactly. Then the hand, what it holds and the links are tested against those
-//! links that are far enough up the arm.
+//! A [`Checker`] is built once for a motion and used at every sample of it. It lists the solids of the arm
+//! and of the held part, each with a ball around it, and the boxes around the arm with their bounds along the
+//! axes of the world. Most solids are ruled out by the bounds of all boxes together, most boxes by their own;
+//! the rest is tested exactly. Then the hand, the held part and the links are tested against those links that
+//! are far enough up the arm.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use parry3d_f64::math::{Pose as ParryPose, Rotation, Vector};
@@ -140,14 +140,14 @@ enum Touched {
 
 /// Tells whether the arm, opened or closed and with or without a part, touches anything.
 pub struct Checker {
-    /// Solids of the base, the links, the hand, the fingers, and what is held.
+    /// Solids of the base, the links, the hand, the fingers, and the held part.
     solids: Vec<Solid>,
     /// Those of them that may meet each other, by number.
     pairs: Vec<[usize; 2]>,
     around: Surroundings,
     /// The same with more room.
     widely: Surroundings,
-    /// Names of what is around.
+    /// Names of the obstacles.
     names: Vec<String>,
 }
 

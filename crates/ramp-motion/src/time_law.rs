@@ -1,7 +1,7 @@
 //! When a joint path is where: the fastest that the arm's limits allow.
 //!
 //! Time-optimal path parametrisation by reachability (TOPP-RA, Pham and Pham 2018): the path is a curve q(s),
-//! and what is sought is the square of its speed, x = ṡ², on a grid of s. Velocity limits bound x;
+//! and the unknown is the square of its speed, x = ṡ², on a grid of s. Velocity limits bound x;
 //! acceleration limits are linear in x and the path's acceleration u = s̈. A pass from the end to the start
 //! finds the largest x from which the end can still be reached at rest, and a pass back accelerates as much
 //! as that allows.

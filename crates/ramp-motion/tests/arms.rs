@@ -63,7 +63,7 @@ fn the_table_is_reached_from_home() {
             let reached = planner.kinematics.tip(&choice.solution.q);
             assert!((reached.translation.vector - x_wt.translation.vector).norm() < 1e-9);
             assert!(planner.kinematics.range_margin(&choice.solution.q) > MARGIN - 1e-12);
-            // No slower than what the iteration finds.
+            // No slower than the motions that the iteration finds.
             let iterated = planner.solve(&x_wt, &home).unwrap();
             assert!(choice.cost <= analytic.least_time(&home, &iterated) + 1e-3, "{}", arm.name);
         }

@@ -93,7 +93,7 @@ fn finger_box(piece: &ArmBox, tip: f64) -> Cuboid {
     Cuboid { min: [x0, y0, tip - z1], max: [x1, y1, tip - z0] }
 }
 
-/// Name of the body of what is mounted on the hand; the wrist camera, which is in it, does not see it.
+/// Name of the body of the wrist camera's housing on the hand; the camera, which is in it, does not see it.
 pub const HOUSING: &str = "housing";
 
 impl Looks {

@@ -96,7 +96,7 @@ impl BroadPhase {
         }
     }
 
-    /// Leaves in what is awake, what its boxes touch, what those would wake, and so on.
+    /// Keeps bodies that are awake, those that their boxes touch, those that these would wake, and so on.
     fn find(&mut self, data: &MjData<Arc<MjModel>>) {
         let model = data.model();
         let (trees, asleep) = (model.body_treeid(), data.tree_asleep());

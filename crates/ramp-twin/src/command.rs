@@ -15,7 +15,7 @@ pub(crate) fn fed_forward(target: &PoseMotion) -> [Vector6<f64>; 2] {
     ]
 }
 
-/// Refuses what is not finite or not sensible, before anything moves.
+/// Refuses values that are not finite or out of range, before the arm moves.
 pub(crate) fn check_command(command: &Command) -> Result<(), RobotError> {
     let finite = |values: &[f64], what| {
         if values.iter().all(|value| value.is_finite()) {

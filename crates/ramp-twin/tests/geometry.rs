@@ -22,7 +22,7 @@ use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_twin::{Disturbance, Setup, Twin};
 
-/// Largest gap between what the twin collides and what is printed, m.
+/// Largest gap between the twin's collision geometry and the printed part, m.
 const GAP: f64 = 0.1e-3;
 /// Points thrown at each part.
 const POINTS: usize = 60_000;

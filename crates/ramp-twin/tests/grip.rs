@@ -159,7 +159,7 @@ fn creep(world: &ramp_twin::World, pads: Option<&str>) -> f64 {
     (place(&data) - before).norm() / (1000.0 * PERIOD)
 }
 
-/// In every world, what the fingers hold stays where it is for as long as a press takes. `real` has no
+/// In every world, a held part stays in place during a press. `real` has no
 /// iterations against creep: there the damping of the fingertips holds it.
 #[test]
 fn a_held_part_hardly_creeps_under_a_load() {

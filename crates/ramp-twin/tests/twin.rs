@@ -1,4 +1,4 @@
-//! The twin as a robot: what it keeps, what it refuses, and that nothing but contact moves a part.
+//! The twin as a robot: limits, refused commands, and that only contact moves a part.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]

@@ -75,7 +75,7 @@ pub fn measure(
             if width < 0.0 {
                 normal = normal.map(|value| -value);
             }
-            // Never into what the next cell's blur reaches.
+            // Never into the blur of the next cell.
             let reach = (width.abs() - BLUR).clamp(LEAST_REACH, REACH);
             if let Some(offset) = across(grey, at, normal, reach) {
                 let along = normal[0] * at[0] + normal[1] * at[1] + offset;

@@ -1,4 +1,4 @@
-//! From parts to a picture and back: what the perception room says must be what was drawn.
+//! From parts to a picture and back: perception must find the parts that were drawn.
 
 #![allow(clippy::unwrap_used)] // A failed unwrap here is a failed test.
 

@@ -196,7 +196,7 @@ macro_rules! groups {
             }
         }
 
-        /// The groups of a world file: name, what it is for, and its quantities.
+        /// The groups of a world file: name, description and quantities.
         pub const GROUPS: &[(&str, &str, &[crate::Field])] =
             &[$((stringify!($name), $group::ABOUT, $group::FIELDS),)+];
     };

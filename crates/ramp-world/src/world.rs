@@ -272,7 +272,7 @@ mod tests {
         assert_eq!(real.draw(1), real.draw(1));
     }
 
-    /// A quantity that a world changes leaves what is drawn of the others.
+    /// A change of one quantity does not change the numbers drawn for the others.
     #[test]
     fn quantities_are_drawn_apart() {
         let real = World::shipped("real").unwrap();

@@ -17,7 +17,7 @@ const FINE: f64 = 1e-4;
 const PROBE: f64 = 1e-4;
 /// Its largest step of q7, rad.
 const STEP: f64 = 0.3;
-/// Its last step is shorter than this, rad: what is left is the square of it.
+/// Its last step is shorter than this, rad: the remaining error is the square of it.
 const NEAR: f64 = 1e-4;
 /// Most steps; it takes two or three.
 const TURNS: usize = 10;

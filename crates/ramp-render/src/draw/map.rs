@@ -1,4 +1,4 @@
-//! The map of the table: for each cell what is there, and how much of the lamp's light reaches it.
+//! The map of the table: content of each cell, and its light from the lamp.
 
 use crate::looks::Looks;
 

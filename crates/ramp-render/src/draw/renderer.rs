@@ -42,7 +42,7 @@ pub struct Renderer {
     pub(super) shadow: Vec<u8>,
     /// Sums while shadows' edges are made soft.
     pub(super) sums: [Vec<u16>; 2],
-    /// For each cell of the map what is there: [`TABLE_TOP`], [`PAPER`] or [`DETAIL`].
+    /// Content of each cell of the map: [`TABLE_TOP`], [`PAPER`] or [`DETAIL`].
     pub(super) bare: Vec<u8>,
     /// For each cell of the map the shadow on it, on its right neighbour, and on the two below, a byte each.
     pub(super) soft: Vec<u32>,

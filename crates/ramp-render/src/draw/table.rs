@@ -8,13 +8,12 @@ use crate::sensor::FULL;
 use crate::texture::Level;
 use ramp_robot::{CameraModel, Pose};
 
-/// The colours of the table, of the floor around it, and of what is seen where nothing is.
+/// The colours of the table, of the floor around it, and of the background.
 const TABLE_COLOUR: [f32; 3] = [0.33, 0.31, 0.28];
 const FLOOR_COLOUR: [f32; 3] = [0.13, 0.13, 0.13];
 const WALL_COLOUR: [f32; 3] = [0.55, 0.57, 0.60];
 /// Pixels along a row between two whose places on the table are worked out, from near and from far, and how
-/// far apart those may be, m: twice what is known to be bare around a cell, and less than the width of any
-/// shadow.
+/// far apart those may be, m: twice the bare area known around a cell, and less than the width of any shadow.
 const STRIDES: [usize; 2] = [16, 8];
 const BARE: f32 = 20.0e-3;
 
@@ -28,7 +27,7 @@ pub(super) struct Table<'a> {
     sheet: Level<'a>,
     /// The sheet's colours by their numbers where no shadow falls.
     ink: [[u16; 3]; 256],
-    /// Colours without shadows by what is there, [`TABLE_TOP`] to [`WALL`].
+    /// Colours without shadows by content, [`TABLE_TOP`] to [`WALL`].
     plain: [[u16; 3]; WALL as usize + 1],
 }
 
@@ -40,7 +39,7 @@ impl<'a> Table<'a> {
         let down = -rigid.turn[2][2];
         let distance = if down > 0.3 { rigid.shift[2] / down } else { rigid.shift[2] };
         let pixel = distance.max(0.01) / model.focal[0] as f32;
-        // A little room for what is further away than the middle.
+        // A margin for points further away than the middle.
         let [near, far] = STRIDES;
         let stride = if 1.5 * pixel * (near as f32) < BARE { near } else { far };
         let sheet = looks.sheet.on(looks.sheet.level(pixel));

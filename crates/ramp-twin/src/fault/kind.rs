@@ -74,7 +74,7 @@ impl FaultKind {
                 "the times the hand leaves the assembly while a beam stands in it that is not clamped"
             }
             FaultKind::Jam => {
-                "the insertions: what is held moves within 0.5 mm of a beam that stands in the assembly"
+                "the insertions: a held part moves within 0.5 mm of a beam that stands in the assembly"
             }
             FaultKind::PegMissing => "the kit's pegs in their order",
             FaultKind::TagCovered => "the tags of the goal's beams in their order",

@@ -36,7 +36,7 @@ impl Printed<'_> {
         }
     }
 
-    /// Each peg and the radius of its stem, m, where they differ from what is drawn.
+    /// Each peg and the radius of its stem, m, where they differ from the drawing.
     pub(super) fn stems<'n>(&self, pegs: impl Iterator<Item = &'n str>) -> Vec<(&'n str, f64)> {
         if self.physics.parts.radius == 0.0 {
             return Vec::new();

@@ -1,4 +1,4 @@
-//! Parts in an image: all tags of a part together, what is believed, and what was odd.
+//! Parts in an image: detection from all tags of a part together, and unexpected findings.
 //!
 //! `finder` groups the tags of an image by part, `part` estimates the pose of one part from its prior
 //! (`lying`) and the points of its `tags`, and `sighting` is the result.

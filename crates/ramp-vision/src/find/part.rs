@@ -1,4 +1,4 @@
-//! One part: from its tags in the image to a pose that can be believed, or to what is odd about it.
+//! One part: from its tags in the image to an accepted pose, or to an unexpected finding.
 
 use super::lying::Lying;
 use super::sighting::{Oddity, SHEET, SeenPart};
@@ -29,7 +29,7 @@ const LEAST_ERROR: f64 = 0.56;
 const VAGUE: [f64; 2] = [1.25e-3, 1.8e-3];
 /// Heights in which a part's origin can be, m in the world.
 const HEIGHTS: [f64; 2] = [-0.03, 1.2];
-/// Largest sum of squares of what is known of a part, in units of its σ: three numbers, five σ.
+/// Largest sum of squares of the prior's residuals, in units of their σ: three numbers, five σ.
 const KNOWN_AGREES: f64 = 25.0;
 /// Least share of the places on the edges of a tag that must be measurable.
 const MEASURED: f64 = 0.5;
@@ -96,7 +96,7 @@ impl View<'_> {
         let mut fits: Vec<Fit> = Vec::new();
         for (place, detection) in &once {
             for start in candidates(self.camera, place, &detection.corners).into_iter().flatten() {
-                // Without what is known first: a part that does not lie must not be pressed flat.
+                // First without the prior: a part that does not lie flat must not be forced flat.
                 let Some(found) = fit(&terms, &start, 30) else { continue };
                 let same = |other: &Fit| other.x_cp.rotation.angle_to(&found.x_cp.rotation) < SAME;
                 match fits.iter_mut().find(|other| same(other)) {
