@@ -33,7 +33,7 @@ def test_goals_are_those_of_the_benchmark():
         (lambda: ramp.Goal.load("nowhere.xml"), "nowhere.xml"),
         (lambda: ramp.run("easy-1", track="sight"), "there is no track `sight`"),
         (lambda: ramp.run("easy-1", world="idael"), "did you mean `ideal`"),
-        (lambda: ramp.run("easy-1", fault="fire"), "there is no fault `fire`"),
+        (lambda: ramp.run("easy-1", fault="fire"), "unknown fault `fire`"),
         (lambda: ramp.Twin(seed=1).look("nose"), "there is no camera `nose`"),
         (lambda: ramp.Command.joint_positions([0.0] * 6), "6 numbers, and 7 were expected"),
         (lambda: ramp.Command.pose([0, 0, 0], [2, 0, 0, 0]), "the length 2.0000"),

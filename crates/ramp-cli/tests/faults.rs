@@ -31,10 +31,10 @@ fn a_fault_that_there_is_not_is_refused_and_nothing_written() {
     let folder = TempDir::new().unwrap();
     for (arguments, expected) in [
         (&["run", "easy-1", "--fault", "peg-droped"][..], "did you mean `peg-dropped`?"),
-        (&["run", "easy-1", "--fault", "earthquake"], "there are peg-dropped, peg-tilted"),
+        (&["run", "easy-1", "--fault", "earthquake"], "expected one of peg-dropped, peg-tilted"),
         (&["run", "easy-1", "--fault", "jam@0"], "expected a number from 1 after the @"),
         (&["run", "easy-1", "--fault", "jam@"], "expected a number from 1 after the @"),
-        (&["run", "easy-1", "--fault", "jam@-1"], "`-1` is no occasion of the fault `jam`"),
+        (&["run", "easy-1", "--fault", "jam@-1"], "invalid occasion `-1` of the fault `jam`"),
         (&["faults", "easy-1", "--fault", "jams"], "did you mean `jam`?"),
         (&["faults", "easy-33"], "did you mean `easy-3`?"),
         (&["faults", "easy-1", "--seeds", "0"], "--seeds"),

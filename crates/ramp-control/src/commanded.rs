@@ -1,8 +1,9 @@
-//! Commanded motions: how a target moves from one command to the next, and whether an arm can be asked for that.
+//! Commanded motions: how a target moves from one command to the next, and whether an arm can be asked for
+//! that.
 //!
-//! A position or a pose is commanded once each period. What it asks of the arm is told by differences: from the target of
-//! the period before come its velocity, acceleration and jerk. [`JointMotion`] does so for joints, [`PoseMotion`] for the tip.
-//! Their `check` holds them against the arm's limits, as the controller of a real arm does.
+//! A position or a pose is commanded once each period. Differences from the target of the period before give
+//! velocity, acceleration and jerk of the command. [`JointMotion`] does so for joints, [`PoseMotion`] for the
+//! tip. Their `check` holds them against the arm's limits, as the controller of a real arm does.
 
 use nalgebra::{Vector3, Vector6};
 use ramp_robot::arm::{ArmModel, CartesianLimits};
@@ -10,14 +11,14 @@ use ramp_robot::{DOF, PERIOD, Pose, RobotError};
 
 use crate::state::JointVector;
 
-/// How far the first target of a motion may be from where the arm is, rad. Chosen: the stiffest joint then feels half of
-/// its largest torque.
+/// Largest distance of the first target of a motion from the arm's position, rad. Chosen: the stiffest joint
+/// then feels half of its largest torque.
 const START: f64 = 0.01;
 /// The same for a pose: m, and rad. Chosen: half of a centimetre.
 const START_POSE: [f64; 2] = [0.005, 0.02];
-/// By which share a limit may be passed, for rounding.
+/// Share by which a limit may be exceeded, for rounding.
 const ROUNDING: f64 = 1e-6;
-/// The names and units of what is checked of a joint.
+/// The names and units of the quantities that are checked of a joint.
 const OF_JOINT: [(&str, &str); 3] = [("velocity", "rad/s"), ("acceleration", "rad/s²"), ("jerk", "rad/s³")];
 /// The same for the tip's point.
 const OF_POINT: [(&str, &str); 3] = [("velocity", "m/s"), ("acceleration", "m/s²"), ("jerk", "m/s³")];
@@ -58,7 +59,7 @@ impl JointMotion {
         Ok(())
     }
 
-    /// Whether an arm can be asked to go on like this after `before`.
+    /// Checks that an arm can continue with this target after `before`.
     ///
     /// # Errors
     /// [`RobotError::NotSmooth`], with the first limit that is broken.
@@ -115,7 +116,7 @@ impl PoseMotion {
         check(|| "the tip".to_string(), ("first turn", "rad"), turn, most_turn)
     }
 
-    /// Whether an arm can be asked to go on like this after `before`.
+    /// Checks that an arm can continue with this target after `before`.
     ///
     /// # Errors
     /// [`RobotError::NotSmooth`], with the first limit that is broken.

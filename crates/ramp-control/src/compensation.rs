@@ -1,15 +1,16 @@
 //! Compensation of the friction in the joints, from what their torque sensors measure.
 //!
-//! The motor's torque is commanded, and the torque on the link is measured: what is missing between the two, but for what
-//! speeds up the drive itself, is friction. [`Compensation`] follows it and adds it to the next commands. It needs no model of
-//! friction but a bound. Friction past the sensor is not seen and stays.
+//! The motor's torque is commanded, and the torque on the link is measured. Their difference, less the torque
+//! that accelerates the drive itself, is friction. [`Compensation`] tracks it and adds it to the next
+//! commands. It needs no model of friction, only a bound. Friction past the sensor is not measured and not
+//! compensated.
 
 use ramp_robot::PERIOD;
 
 use crate::state::JointVector;
 
-/// How far beyond the controller's model of dry friction the compensation may go: friction that breaks away is more than that
-/// of a joint that moves, and the model may be half of it.
+/// Largest compensation, as a multiple of the controller's model of dry friction: friction that breaks away
+/// is more than that of a joint that moves, and the model may be half of it.
 const BOUND: f64 = 2.0;
 
 /// Follows the friction before the torque sensors.
@@ -25,8 +26,8 @@ pub struct Compensation {
 }
 
 impl Compensation {
-    /// Compensates `share` of what it measures, follows it with `rate` (1/s), and never adds more than twice the dry friction
-    /// of `model` (N·m).
+    /// Compensates `share` of the measured friction, follows it with `rate` (1/s), and never adds more than
+    /// twice the dry friction of `model` (N·m).
     pub fn new(share: f64, rate: f64, model: &JointVector) -> Compensation {
         Compensation {
             share,
@@ -36,13 +37,13 @@ impl Compensation {
         }
     }
 
-    /// What to add to the torques that the joints should feel, N·m.
+    /// Torques to add to those requested at the joints, N·m.
     pub fn torques(&self) -> JointVector {
         self.friction * self.share
     }
 
-    /// What came of a period: the torques that were commanded and those that were measured on the links (N·m), and the torque
-    /// that speeds up the drives (N·m).
+    /// Updates after a period with the torques commanded and those measured on the links (N·m), and the
+    /// torque that speeds up the drives (N·m).
     pub fn sensed(&mut self, commanded: &JointVector, measured: &JointVector, drives: &JointVector) {
         let lost = commanded - measured - drives;
         self.friction += (lost - self.friction) * self.step;
@@ -54,8 +55,8 @@ impl Compensation {
 mod tests {
     use super::*;
 
-    /// A joint that sticks with 0.8 N·m: the torque on its link comes to what was wanted. One that sticks with more than twice
-    /// the model is helped as far as the bound.
+    /// A joint that sticks with 0.8 N·m: the torque on its link reaches the requested one. One that sticks
+    /// with more than twice the model is compensated up to the bound.
     #[test]
     fn friction_is_added_up_to_the_bound() {
         for (friction, expected) in [(0.8, 0.8), (3.0, 2.0)] {

@@ -1,8 +1,9 @@
-//! The external wrench as an arm without a force sensor knows it: estimated from the torques of its joints.
+//! The external wrench of an arm without a force sensor, estimated from the torques of its joints.
 //!
-//! What the joints' torques do not explain of the arm's motion is external. [`WrenchEstimate`] filters that, as the observers
-//! of real arms do, and gives the wrench at a point that explains it best. Friction past the torque sensors, their errors and
-//! those of the model of the arm's weight are in it.
+//! The torques that the arm's motion needs beyond those of its joints are external. [`WrenchEstimate`]
+//! filters them, as the observers of real arms do, and gives the wrench at a point that explains them best.
+//! The estimate includes friction past the torque sensors, their errors and those of the model of the arm's
+//! weight.
 
 use nalgebra::{Matrix6, SMatrix, Vector6};
 use ramp_robot::{DOF, PERIOD};
@@ -30,8 +31,9 @@ impl WrenchEstimate {
         }
     }
 
-    /// What came of a period: the joints' accelerations (rad/s²) with the inertia of the links (kg·m², without the drives),
-    /// the torques of Coriolis and centrifugal forces and those measured on the links (N·m).
+    /// Updates after a period with the joints' accelerations (rad/s²), the inertia of the links (kg·m²,
+    /// without the drives), the torques of Coriolis and centrifugal forces and those measured on the links
+    /// (N·m).
     pub fn sensed(
         &mut self,
         inertia: &SMatrix<f64, DOF, DOF>,
@@ -59,7 +61,8 @@ impl WrenchEstimate {
 mod tests {
     use super::*;
 
-    /// A constant pull is known after some tenths of a second, and half known after the time of its bandwidth.
+    /// A constant pull is known after some tenths of a second, and half known after the time of its
+    /// bandwidth.
     #[test]
     fn a_pull_is_known_within_the_bandwidth() {
         let mut jacobian = Jacobian::zeros();

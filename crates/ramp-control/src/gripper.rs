@@ -10,7 +10,7 @@ pub const FINGER_SPEED: f64 = 0.05;
 /// The gripper's loop: two fingers that move together at limited speed and press with limited force.
 #[derive(Clone, Copy, Debug)]
 pub struct GripperLoop {
-    /// Where both fingers are told to be, m from closed.
+    /// Commanded position of both fingers, m from closed.
     target: f64,
 }
 
@@ -20,8 +20,8 @@ impl GripperLoop {
         GripperLoop { target: q }
     }
 
-    /// Forces on the two fingers, N, for a wanted distance between them (m) and a largest force each (N). `q` (m)
-    /// and `v` (m/s) are the fingers' positions and speeds, `period` is in s.
+    /// Forces on the two fingers, N, for a wanted distance between them (m) and a largest force each (N). `q`
+    /// (m) and `v` (m/s) are the fingers' positions and speeds, `period` is in s.
     pub fn forces(&mut self, width: f64, force: f64, q: [f64; 2], v: [f64; 2], period: f64) -> [f64; 2] {
         let wanted = width / 2.0;
         let step = FINGER_SPEED * period;

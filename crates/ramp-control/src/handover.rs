@@ -1,13 +1,14 @@
-//! From one kind of command to another without a jump of torque, and the limit of how fast torques may change.
+//! From one kind of command to another without a jump of torque, and the limit of how fast torques may
+//! change.
 //!
-//! A joint that is tracked stiffly and a tip that is held softly want different torques of the same arm. [`Handover`] carries
-//! the difference over and lets it fade.
+//! A joint that is tracked stiffly and a tip that is held softly want different torques of the same arm.
+//! [`Handover`] carries the difference over and lets it fade.
 
 use ramp_robot::{ArmCommand, PERIOD};
 
 use crate::state::JointVector;
 
-/// How fast the difference fades, s. Chosen: a tenth of a motion that settles.
+/// Time constant with which the difference decays, s. Chosen: a tenth of a settling motion.
 const FADE: f64 = 0.03;
 
 /// The kinds of commands that want torques of their own.
@@ -35,7 +36,7 @@ impl Mode {
     }
 }
 
-/// What is carried over from the mode before.
+/// Torque difference carried over from the previous mode.
 #[derive(Clone, Debug, Default)]
 pub struct Handover {
     mode: Option<Mode>,
@@ -44,7 +45,8 @@ pub struct Handover {
 }
 
 impl Handover {
-    /// The torques (N·m) to command in place of those that `mode` wants. Torques that are commanded pass as they are.
+    /// The torques (N·m) to command in place of those that `mode` wants. Torques that are commanded pass as
+    /// they are.
     pub fn over(&mut self, mode: Mode, wanted: &JointVector) -> JointVector {
         if self.mode.is_some_and(|before| before != mode) {
             self.carried = self.last - wanted;
@@ -64,7 +66,8 @@ impl Handover {
     }
 }
 
-/// `wanted` (N·m), as near as torques come to it in one period from `before` when they change by `rate` (N·m/s) at most.
+/// `wanted` (N·m), as near as torques come to it in one period from `before` when they change by `rate`
+/// (N·m/s) at most.
 pub fn limit_rate(before: &JointVector, wanted: &JointVector, rate: f64) -> JointVector {
     let step = rate * PERIOD;
     wanted.zip_map(before, |wanted, before| wanted.clamp(before - step, before + step))

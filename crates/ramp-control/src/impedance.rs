@@ -28,9 +28,9 @@ pub fn pose_impedance(x_wt: &Pose, posture: [f64; DOF]) -> Impedance {
 }
 
 /// Torques of a Cartesian impedance with a posture in its null space, N·m. Damping acts on the tip's velocity
-/// relative to `target_velocity`, that of the moving target (m/s and rad/s, axes of the world). `target_acceleration`
-/// (m/s² and rad/s²) is fed forward with the mass that the arm shows at its tip: without it a target that speeds up
-/// pulls the tip aside, since that mass is not the same in all directions.
+/// relative to `target_velocity`, that of the moving target (m/s and rad/s, axes of the world).
+/// `target_acceleration` (m/s² and rad/s²) is fed forward with the mass that the arm shows at its tip:
+/// without it a target that speeds up pulls the tip aside, since that mass is not the same in all directions.
 pub fn impedance(
     state: &ArmState,
     command: &Impedance,
@@ -53,13 +53,14 @@ pub fn impedance(
         POSTURE_STIFFNESS * (command.posture[joint] - state.positions[joint])
             - POSTURE_DAMPING * state.velocities[joint]
     });
-    // Takes from the posture's torques what would accelerate the tip (Khatib's dynamically consistent null space).
+    // Takes from the posture's torques what would accelerate the tip (Khatib's dynamically consistent null
+    // space).
     let leak = mass * (state.jacobian * inertia.solve(&posture));
     jt * (wrench - leak) + posture
 }
 
-/// The damping matrix that gives the spring `stiffness` (diagonal) this damping ratio with the mass matrix the arm
-/// shows at its tip: D = 2 ζ K^½ (K^-½ Λ K^-½)^½ K^½, which damps every mode of the pair alike.
+/// The damping matrix that gives the spring `stiffness` (diagonal) this damping ratio with the mass matrix
+/// the arm shows at its tip: D = 2 ζ K^½ (K^-½ Λ K^-½)^½ K^½, which damps every mode of the pair alike.
 fn damping(mass: &Matrix6<f64>, stiffness: &Vector6<f64>, ratio: f64) -> Matrix6<f64> {
     let root = stiffness.map(|k| k.max(LEAST_STIFFNESS).sqrt());
     let scaled = Matrix6::from_fn(|i, j| mass[(i, j)] / (root[i] * root[j]));
@@ -117,8 +118,8 @@ mod tests {
         let mut command = spring(Pose::identity());
         command.posture = [0.3; DOF];
         let torques = impedance(&straight(), &command, &Vector6::zeros(), &Vector6::zeros());
-        // Only the seventh joint does not move this tip. What is left on the others is what keeps a stretched arm from
-        // a division by zero.
+        // Only the seventh joint does not move this tip. What is left on the others is what keeps a stretched
+        // arm from a division by zero.
         assert!(torques.rows(0, 6).norm() < 0.01 * torques[6].abs(), "{torques}");
         assert!(torques[6] > 0.0);
     }

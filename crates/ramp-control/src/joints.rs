@@ -10,8 +10,8 @@ const JOINT_STIFFNESS: [f64; DOF] = [4000.0, 4000.0, 3000.0, 3000.0, 1200.0, 120
 /// Damping of joint tracking, N·m·s/rad: about critical with the inertia each joint carries.
 const JOINT_DAMPING: [f64; DOF] = [140.0, 140.0, 90.0, 90.0, 30.0, 30.0, 16.0];
 
-/// Torques that track joint positions (rad) moving at `velocities` (rad/s) with `accelerations` (rad/s²), N·m. The
-/// accelerations are fed forward with the arm's inertia, so that the arm does not lag behind.
+/// Torques that track joint positions (rad) moving at `velocities` (rad/s) with `accelerations` (rad/s²),
+/// N·m. The accelerations are fed forward with the arm's inertia, so that the arm does not lag behind.
 pub fn track_joints(
     state: &ArmState,
     positions: &JointVector,

@@ -1,10 +1,12 @@
 //! The inner loops of an arm and its gripper: from a command to joint torques, once each millisecond.
 //!
-//! Pure mathematics on plain numbers: what was sensed ([`ArmState`]) and what was commanded go in, torques come out.
-//! [`joints`] tracks joint positions and velocities, [`impedance`](mod@impedance) holds the tip to a pose like a spring,
-//! [`gripper`] moves the fingers. [`commanded`] tells whether a command can follow the one before, and [`smooth`] makes it
-//! so. [`handover`] goes from one kind of command to another without a jump. [`compensation`] adds what friction takes, and
-//! [`estimate`] tells the external wrench of an arm without a force sensor. Nothing here knows whether an engine or a real arm is behind the numbers.
+//! Pure mathematics on plain numbers: the input is the sensed state ([`ArmState`]) and the command, the
+//! output are torques. [`joints`] tracks joint positions and velocities, [`impedance`](mod@impedance) holds
+//! the tip to a pose like a spring, [`gripper`] moves the fingers. [`commanded`] checks that a command can
+//! follow the one before, and [`smooth`] makes one that can. [`handover`] goes from one kind of command to
+//! another without a jump. [`compensation`] adds what friction takes, and [`estimate`] computes the external
+//! wrench of an arm without a force sensor. The crate does not depend on whether a simulation or a real arm
+//! provides the numbers.
 
 pub mod commanded;
 pub mod compensation;

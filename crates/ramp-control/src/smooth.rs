@@ -1,8 +1,10 @@
-//! Makes commanded positions and poses smooth: for agents that command where the arm should be, and not how it gets there.
+//! Makes commanded positions and poses smooth: for agents that command where the arm should be, and not how
+//! it gets there.
 //!
-//! Each command goes through a [`Smoother`] on its way to the robot. A target that follows from the one before within the
-//! arm's limits passes as it is. Towards one that does not, the arm goes as fast as velocity, acceleration and jerk allow,
-//! and comes to rest there; Ruckig (the crate `rsruckig`) finds that motion anew each period.
+//! Each command goes through a [`Smoother`] on its way to the robot. A target that follows from the one
+//! before within the arm's limits passes as it is. Towards one that does not, the arm goes as fast as
+//! velocity, acceleration and jerk allow, and comes to rest there; Ruckig (the crate `rsruckig`) finds that
+//! motion anew each period.
 
 use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_robot::arm::ArmModel;
@@ -17,11 +19,12 @@ const SHARE: f64 = 0.9;
 /// The share of the limits of the tip, on each of three axes: their sum must keep the limit.
 const POSE_SHARE: f64 = 0.5;
 
-/// The shares of the limits with which a way is looked for in turn: from rare states Ruckig finds none, though it finds one with
-/// slightly other limits. Chosen: all are within the room that [`SHARE`] and [`POSE_SHARE`] leave.
+/// Shares of the limits that are tried one after another: from rare states Ruckig finds no motion, though it
+/// finds one with slightly other limits. Chosen: all are within the room that [`SHARE`] and [`POSE_SHARE`]
+/// leave.
 const TRIED_LIMITS: [f64; 5] = [1.0, 1.01, 0.99, 1.05, 0.95];
 
-/// Where something is on each axis and how it moves, in the unit of the axis and s.
+/// Position and motion on each axis, in the unit of the axis and s.
 #[derive(Clone)]
 struct Moving<const N: usize> {
     position: SVector<f64, N>,
@@ -33,8 +36,9 @@ struct Moving<const N: usize> {
 type Limits<const N: usize> = [SVector<f64, N>; 3];
 
 impl<const N: usize> Moving<N> {
-    /// At `position`, as differences of the last positions tell: their velocity is that of half a period ago.
-    fn told(
+    /// At `position`, with derivatives from differences of the last positions: their velocity is that of half
+    /// a period ago.
+    fn estimated(
         position: SVector<f64, N>,
         velocity: SVector<f64, N>,
         acceleration: SVector<f64, N>,
@@ -43,7 +47,7 @@ impl<const N: usize> Moving<N> {
     }
 }
 
-/// How it moves one period later on the quickest way to rest at `target`; `None` when there is no such way.
+/// State one period later on the fastest motion to rest at `target`; `None` when there is none.
 fn towards<const N: usize>(
     from: &Moving<N>,
     target: &SVector<f64, N>,
@@ -88,13 +92,13 @@ pub struct Smoother {
     pose: Option<Followed<PoseMotion, Pose, 6>>,
 }
 
-/// What came of the last command.
+/// Result of the last command.
 struct Followed<M, T, const N: usize> {
     /// The target that the robot got.
     motion: M,
     /// The target that was commanded.
     asked: T,
-    /// How the robot's target moves while it is not what was commanded.
+    /// Motion of the robot's target while it differs from the commanded one.
     moving: Option<Moving<N>>,
 }
 
@@ -104,8 +108,8 @@ impl Smoother {
         Smoother { arm: arm.clone(), joints: None, pose: None }
     }
 
-    /// The command to give to the robot for this period in place of `command`, and whether it is another one. `seen` is what
-    /// the robot sensed last. Only joint positions and poses are changed.
+    /// The command to give to the robot for this period in place of `command`, and whether it is another one.
+    /// `seen` is the last observation. Only joint positions and poses are changed.
     pub fn smooth(&mut self, command: &Command, seen: &Observation) -> (Command, bool) {
         let (joints, pose) = (self.joints.take(), self.pose.take());
         let arm = match &command.arm {
@@ -148,7 +152,7 @@ impl Smoother {
     ) -> Followed<JointMotion, JointVector, DOF> {
         let Followed { motion: before, asked, moving } = followed;
         let next = before.next(target);
-        // A target that is caught up with must not be lost at once: it goes on as it does.
+        // A target that has been reached must not be lost at once: its motion is continued.
         let on = next.next(target + (target - asked));
         if next.check(&before, &self.arm).is_ok() && (moving.is_none() || on.check(&next, &self.arm).is_ok())
         {
@@ -165,8 +169,8 @@ impl Smoother {
             JointVector::from_fn(|index, _| SHARE * joint(index).acceleration),
             JointVector::from_fn(|index, _| SHARE * joint(index).jerk),
         ];
-        let told = || Moving::told(before.positions, before.velocities, before.accelerations);
-        let from = moving.unwrap_or_else(told);
+        let estimated = || Moving::estimated(before.positions, before.velocities, before.accelerations);
+        let from = moving.unwrap_or_else(estimated);
         match towards::<DOF>(&from, &target.sup(&low).inf(&high), &limits) {
             Some(there) => {
                 Followed { motion: before.next(there.position), asked: target, moving: Some(there) }
@@ -199,7 +203,7 @@ impl Smoother {
         let position = joined(&before.x_wt.translation.vector, &Vector3::zeros());
         let from = match moving {
             Some(moving) => Moving { position, ..moving },
-            None => Moving::told(position, before.velocity, before.acceleration),
+            None => Moving::estimated(position, before.velocity, before.acceleration),
         };
         let turn = (target.rotation * before.x_wt.rotation.inverse()).scaled_axis();
         let limits = [limits.velocity, limits.acceleration, limits.jerk]
@@ -247,7 +251,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(40))]
 
-        /// Whatever jumps an agent commands, the robot is never asked for more than its limits, and it arrives.
+        /// Whatever jumps an agent commands, the robot is never asked for more than its limits, and it
+        /// arrives.
         #[test]
         fn jumps_of_joints_become_motions(
             jumps in prop::collection::vec((prop::array::uniform7(-0.6..0.6f64), 1usize..80), 1..12)

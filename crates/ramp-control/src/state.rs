@@ -1,4 +1,4 @@
-//! What the inner loops are told of the arm.
+//! State of the arm, as input of the inner loops.
 
 use nalgebra::{SMatrix, SVector};
 use ramp_robot::{DOF, Pose};

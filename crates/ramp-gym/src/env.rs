@@ -263,9 +263,9 @@ impl Env {
             Some(mut twin) => match twin.restore(&start.twin.snapshot()) {
                 Ok(()) => twin,
                 // Of another scene.
-                Err(_) => start.twin.duplicate()?,
+                Err(_) => start.twin.duplicate(),
             },
-            None => start.twin.duplicate()?,
+            None => start.twin.duplicate(),
         };
         let readings = self.readings(&mut twin);
         let seen = twin.observe();

@@ -1,11 +1,11 @@
 //! Speed of motion planning, and how far its motions are from the fastest possible.
 //!
-//! A hundred moves between random hovers over the table, among boxes of the size of joints. Printed beside: the
-//! obvious algorithm (RRT-Connect in joint space for every move) and a lower bound on the motion's time (each joint
-//! straight to its end at its largest speed).
+//! A hundred moves between random hovers over the table, among boxes of the size of joints. Printed beside:
+//! the obvious algorithm (RRT-Connect in joint space for every move) and a lower bound on the motion's time
+//! (each joint straight to its end at its largest speed).
 //!
-//! Then the closed-form inverse on random poses: all branches at one q7, and the quickest solution over all q7, each
-//! beside one call of the iterative inverse for the same pose.
+//! Then the closed-form inverse on random poses: all branches at one q7, and the quickest solution over all
+//! q7, each beside one call of the iterative inverse for the same pose.
 
 use std::path::Path;
 use std::time::Instant;

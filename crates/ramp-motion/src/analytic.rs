@@ -1,16 +1,20 @@
 //! Closed-form inverse kinematics of arms built like Franka's Panda and FR3: every way to reach a pose.
 //!
-//! Such an arm has a spherical shoulder (axes 1, 2 and 3 meet in a point S), and its axes 5 and 6 meet in a point W.
-//! A pose fixes six of the seven joints; the angle of the last, q7, is free. This choice of the free joint and the
-//! number of branches are those of He and Liu, "Analytical Inverse Kinematics for Franka Emika Panda – a Geometrical
-//! Solver for 7-DOF Manipulators with Unconventional Design" (2021). With q7 given, link 6 stands still, and so does W:
+//! Such an arm has a spherical shoulder (axes 1, 2 and 3 meet in a point S), and its axes 5 and 6 meet in a
+//! point W. A pose fixes six of the seven joints; the angle of the last, q7, is free. This choice of the free
+//! joint and the number of branches are those of He and Liu, "Analytical Inverse Kinematics for Franka Emika
+//! Panda – a Geometrical Solver for 7-DOF Manipulators with Unconventional Design" (2021). With q7 given,
+//! link 6 stands still, and so does W:
 //!
 //! 1. the distance from S to W gives q4, in two ways (elbow);
-//! 2. the distance of S along axis 5 gives q6, in two ways (wrist), and the direction of S around axis 5 gives q5;
+//! 2. the distance of S along axis 5 gives q6, in two ways (wrist), and the direction of S around axis 5
+//!    gives q5;
 //! 3. link 3 stands still now, and its orientation gives q1, q2 and q3, in two ways (shoulder).
 //!
-//! All lengths come from the arm file. An arm of another build is refused by [`Analytic::new`]; the iteration of
-//! [`Kinematics::inverse`](crate::Kinematics::inverse) serves any arm.
+//! All lengths come from the arm file. An arm of another build is refused by [`Analytic::new`]; the iteration
+//! of [`Kinematics::inverse`](crate::Kinematics::inverse) serves any arm.
+
+pub mod search;
 
 use std::f64::consts::TAU;
 use std::ops::Deref;
@@ -26,38 +30,21 @@ const SEVEN: usize = 7;
 /// Most solutions for one pose and one q7: two each for elbow, wrist and shoulder.
 pub const BRANCHES: usize = 8;
 
-/// How far an arm file may be from the geometry assumed here, m and rad: solutions are wrong by about as much.
+/// Tolerance of the geometry assumed here, m and rad: solutions are wrong by about as much.
 const GEOMETRY: f64 = 1e-10;
 /// Lengths (m), products of lengths (m²) and sines that count as zero: a thousand times what rounding gives.
 const ROUNDING: f64 = 1e-12;
-/// How far behind the place where two branches meet a pose may be, m or m², and still be reached from there: the
-/// rounding of an angle near such a place, times a length. Solutions there are off by about as much.
+/// Distance behind the meeting of two branches, m or m², at which a pose still counts as reached: the
+/// rounding of an angle near such a meeting, times a length. Solutions there are off by about as much.
 const REACH: f64 = 1e-10;
-/// Distance between the values of q7 that [`Analytic::best`] tries first, rad. For 200 random poses the quickest
-/// solution was missed by more than 1 ms 5 times with 0.05 rad, twice with 0.03 and once with 0.02; windows of q7 that
-/// are narrower than the grid are lost.
-const GRID: f64 = 0.03;
-/// Local minima of the grid that are refined.
-const REFINED: usize = 3;
-/// Step of q7 at which refinement ends, rad: at 2 rad/s it is worth 0.05 ms.
-const FINE: f64 = 1e-4;
-/// How far to both sides of q7 [`Analytic::nearest`] looks to know slope and bend, rad. Chosen.
-const PROBE: f64 = 1e-4;
-/// Its largest step of q7, rad.
-const STEP: f64 = 0.3;
-/// Its last step is shorter than this, rad: what is left is the square of it.
-const NEAR: f64 = 1e-4;
-/// Most steps; it takes two or three.
-const TURNS: usize = 10;
-
 /// One way to reach a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution<const N: usize = DOF> {
     /// Joint positions, rad; each is the one nearest to the middle of its joint's range.
     pub q: Joints<N>,
-    /// Which of the [`BRANCHES`]: bit 0 elbow, bit 1 wrist, bit 2 shoulder. Within the joint ranges it stays the same
-    /// along a continuous motion, unless two branches meet on the way. For the Panda the bits are set where q4 is beyond
-    /// the outstretched arm, cos q5 is positive and q2 is negative.
+    /// Which of the [`BRANCHES`]: bit 0 elbow, bit 1 wrist, bit 2 shoulder. Within the joint ranges it stays
+    /// the same along a continuous motion, unless two branches meet on the way. For the Panda the bits are
+    /// set where q4 is beyond the outstretched arm, cos q5 is positive and q2 is negative.
     pub branch: u8,
 }
 
@@ -87,22 +74,13 @@ impl<const N: usize> Deref for Solutions<N> {
     }
 }
 
-/// The best solution over all q7 and branches.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice<const N: usize = DOF> {
-    /// The solution.
-    pub solution: Solution<N>,
-    /// Its cost.
-    pub cost: f64,
-}
-
-/// Why an arm has no closed form here.
+/// Error of [`Analytic::new`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("the arm {arm} has no closed-form inverse kinematics: {reason}")]
 pub struct GeometryError {
     /// Its name.
     pub arm: String,
-    /// What of its geometry is different, with joint numbers from 1.
+    /// The difference of its geometry, with joint numbers from 1.
     pub reason: String,
 }
 
@@ -127,7 +105,7 @@ pub struct GeometryError {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// None is ever made for an arm that has not seven joints; `N` is there so that a planner for any arm can ask for one.
+/// It exists for arms with seven joints only; `N` lets a planner for any arm ask for one.
 #[derive(Clone, Debug)]
 pub struct Analytic<const N: usize = DOF> {
     /// Frame 1 at angle zero in the world; its origin is S.
@@ -170,8 +148,8 @@ fn radius(v: &Vector3<f64>) -> f64 {
     v.x.hypot(v.y)
 }
 
-/// Angles at which `amplitude · cos(angle − centre) = target`, and how many: 0, 1 or 2. `free` is the answer where all
-/// angles serve.
+/// Angles at which `amplitude · cos(angle − centre) = target`, and how many: 0, 1 or 2. `free` is the answer
+/// where all angles serve.
 fn roots(amplitude: f64, target: f64, centre: f64, free: f64) -> ([f64; 2], usize) {
     if target.abs() > amplitude + REACH {
         return ([free; 2], 0);
@@ -188,8 +166,8 @@ impl<const N: usize> Analytic<N> {
     /// The closed-form inverse of `arm`.
     ///
     /// # Errors
-    /// When the arm has not seven joints, its axes 1, 2 and 3 do not meet in the origins of joints 1 and 2, are not at right angles one to
-    /// the next, or axes 5 and 6 do not meet in the origins of joints 5 and 6.
+    /// When the arm has not seven joints, its axes 1, 2 and 3 do not meet in the origins of joints 1 and 2,
+    /// are not at right angles one to the next, or axes 5 and 6 do not meet in the origins of joints 5 and 6.
     pub fn new(arm: &ArmModel<N>) -> Result<Analytic<N>, GeometryError> {
         let refused = |reason: String| GeometryError { arm: arm.name.clone(), reason };
         if N != SEVEN {
@@ -239,12 +217,14 @@ impl<const N: usize> Analytic<N> {
         })
     }
 
-    /// All joint positions that bring the tip to `x_wt` with the last joint at `q7` (rad), within their ranges or not.
+    /// All joint positions that bring the tip to `x_wt` with the last joint at `q7` (rad), within their
+    /// ranges or not.
     ///
-    /// Where one angle of a pair or a single one does not matter, one solution of the family is given: axes 1 and 3 in
-    /// line share their turn in equal parts, and a joint that turns nothing stands in the middle of its range. Where
-    /// two branches meet, angles are known to 1e-8 rad only, and to 1e-4 where elbows and wrists do so at once; there a
-    /// solution may even be missed. The poses of the solutions given are exact to 1e-9 all the same.
+    /// If one angle of a pair or a single one does not matter, one solution of the family is given: axes 1
+    /// and 3 in line share their rotation in equal parts, and a joint that moves nothing is in the middle of
+    /// its range. Where two branches meet, angles are known to 1e-8 rad only, and to 1e-4 where elbows and
+    /// wrists do so at once; there a solution may even be missed. The poses of the solutions given are exact
+    /// to 1e-9 all the same.
     pub fn all(&self, x_wt: &Pose, q7: f64) -> Solutions<N> {
         let wide = Joints::repeat(f64::INFINITY);
         self.bounded(x_wt, q7, &-wide, &wide)
@@ -341,117 +321,6 @@ impl<const N: usize> Analytic<N> {
         let x_2 = turned(-q2, &self.r_12.tr_mul(&turned(-q1, x_3)));
         angle(&self.r_23.tr_mul(&x_2))
     }
-
-    /// The solution with q7 as in `q` that is nearest to it (rad), every joint at least `margin` (rad) inside its range.
-    pub fn beside(&self, x_wt: &Pose, q: &Joints<N>, margin: f64) -> Option<Joints<N>> {
-        let apart = |other: &Joints<N>| (other - q).norm_squared();
-        let all = self.within(x_wt, q[6], margin);
-        all.iter().map(|solution| solution.q).min_by(|a, b| apart(a).total_cmp(&apart(b)))
-    }
-
-    /// Of the solutions on the branch of `seed`, the one nearest to `posture` (rad), every joint at least `margin` (rad) inside
-    /// its range. Found from the solution beside `seed` by steps of Newton's method over q7; `None` when there is none there.
-    pub fn nearest(
-        &self,
-        x_wt: &Pose,
-        seed: &Joints<N>,
-        posture: &Joints<N>,
-        margin: f64,
-    ) -> Option<Joints<N>> {
-        let apart = |q: &Joints<N>| (q - posture).norm_squared();
-        let turned = |q: &Joints<N>, by: f64| {
-            let mut near = *q;
-            near[6] += by;
-            self.beside(x_wt, &near, margin)
-        };
-        let (low, high) = (self.low[6] + margin + PROBE, self.high[6] - margin - PROBE);
-        let mut seed = *seed;
-        seed[6] = seed[6].clamp(low, high);
-        let mut q = self.beside(x_wt, &seed, margin)?;
-        for _ in 0..TURNS {
-            let (Some(before), Some(after)) = (turned(&q, -PROBE), turned(&q, PROBE)) else { break };
-            let (a, here, b) = (apart(&before), apart(&q), apart(&after));
-            let (slope, bend) = ((b - a) / (2.0 * PROBE), (a - 2.0 * here + b) / (PROBE * PROBE));
-            let step = if bend > 0.0 { -slope / bend } else { -STEP * slope.signum() };
-            let step = (q[6] + step.clamp(-STEP, STEP)).clamp(low, high) - q[6];
-            let Some(next) = turned(&q, step) else { break };
-            q = next;
-            if step.abs() < NEAR {
-                break;
-            }
-        }
-        Some(q)
-    }
-
-    /// The solution of least `cost` over all q7 and branches, every joint at least `margin` (rad) inside its range;
-    /// `None` when there is none, or none of finite cost. A cost of infinity refuses a solution.
-    ///
-    /// A grid over q7 comes first; then q7 is refined around the best places of the grid. What is found is a local
-    /// minimum, in practice nearly always the least.
-    pub fn best(
-        &self,
-        x_wt: &Pose,
-        margin: f64,
-        mut cost: impl FnMut(&Joints<N>) -> f64,
-    ) -> Option<Choice<N>> {
-        let (low, high) = (self.low.add_scalar(margin), self.high.add_scalar(-margin));
-        let mut at = |q7: f64| {
-            let mut best: Option<Choice<N>> = None;
-            for solution in self.bounded(x_wt, q7, &low, &high).iter() {
-                let cost = cost(&solution.q);
-                if cost < best.map_or(f64::INFINITY, |best| best.cost) {
-                    best = Some(Choice { solution: *solution, cost });
-                }
-            }
-            best
-        };
-        let steps = ((high[6] - low[6]) / GRID).ceil().max(1.0);
-        let step = (high[6] - low[6]) / steps;
-        // Local minima of the grid, the best first.
-        let mut minima: [Option<Choice<N>>; REFINED] = [None; REFINED];
-        let value = |choice: &Option<Choice<N>>| choice.map_or(f64::INFINITY, |choice| choice.cost);
-        let (mut before, mut here) = (None, at(low[6]));
-        for index in 1..=steps as usize + 1 {
-            let next =
-                if index as f64 <= steps { at((low[6] + index as f64 * step).min(high[6])) } else { None };
-            if value(&here) <= value(&before) && value(&here) < value(&next) {
-                let place = minima.iter().position(|minimum| value(&here) < value(minimum));
-                if let Some(place) = place {
-                    minima[place..].rotate_right(1);
-                    minima[place] = here;
-                }
-            }
-            (before, here) = (here, next);
-        }
-        minima
-            .into_iter()
-            .flatten()
-            .map(|mut best| {
-                let mut step = step / 2.0;
-                while step > FINE {
-                    let q7 = best.solution.q[6];
-                    let better =
-                        [q7 - step, q7 + step].into_iter().filter_map(&mut at).find(|it| it.cost < best.cost);
-                    match better {
-                        Some(better) => best = better,
-                        None => step /= 2.0,
-                    }
-                }
-                best
-            })
-            .min_by(|a, b| a.cost.total_cmp(&b.cost))
-    }
-
-    /// The solution that the arm reaches first from `from` (rad), every joint at least `margin` (rad) inside its range.
-    /// Its cost is [`Analytic::least_time`].
-    pub fn quickest(&self, x_wt: &Pose, from: &Joints<N>, margin: f64) -> Option<Choice<N>> {
-        self.best(x_wt, margin, |q| self.least_time(from, q))
-    }
-
-    /// A lower bound on the time from `from` to `to` (rad), s: every joint goes straight at its largest speed.
-    pub fn least_time(&self, from: &Joints<N>, to: &Joints<N>) -> f64 {
-        (to - from).component_div(&self.velocity).amax()
-    }
 }
 
 #[cfg(test)]
@@ -461,12 +330,12 @@ mod tests {
     use ramp_robot::random::Stream;
     use std::path::Path;
 
-    fn arm(name: &str) -> ArmModel {
+    pub(super) fn arm(name: &str) -> ArmModel {
         ArmModel::read(&Path::new("../../data/arms").join(name)).unwrap()
     }
 
     /// Joint positions, uniform in the ranges of `arm`.
-    fn uniform(arm: &ArmModel, stream: &mut Stream) -> Joints {
+    pub(super) fn uniform(arm: &ArmModel, stream: &mut Stream) -> Joints {
         Joints::from_fn(|joint, _| {
             let [low, high] = arm.joints[joint].range;
             low + (high - low) * stream.uniform()
@@ -474,7 +343,7 @@ mod tests {
     }
 
     /// Largest error of `solutions` against `x_wt`, m and rad.
-    fn error(kinematics: &Kinematics, solutions: &[Solution], x_wt: &Pose) -> f64 {
+    pub(super) fn error(kinematics: &Kinematics, solutions: &[Solution], x_wt: &Pose) -> f64 {
         let off = |solution: &Solution| {
             let reached = kinematics.tip(&solution.q);
             let shift = (reached.translation.vector - x_wt.translation.vector).norm();
@@ -523,10 +392,10 @@ mod tests {
         check(&arm("fr3.json"));
     }
 
-    /// Within the Panda's ranges the bits are signs: of q4 from outstretched, of cos q5 and of q2. So a branch is left only
-    /// where two meet.
+    /// Within the Panda's ranges the bits are signs: of q4 from outstretched, of cos q5 and of q2. So a
+    /// branch is left only where two meet.
     #[test]
-    fn the_branch_tells_signs_of_the_joints() {
+    fn the_branch_gives_signs_of_the_joints() {
         let arm = arm("panda.json");
         let (kinematics, analytic) = (Kinematics::new(&arm), Analytic::new(&arm).unwrap());
         let mut stream = Stream::new(4, "branch");
@@ -546,7 +415,8 @@ mod tests {
         -(0.0825_f64 / 0.316).atan() - (0.0825_f64 / 0.384).atan()
     }
 
-    /// Where branches meet, and next to it: axes 1 and 3 in line, the elbow stretched, axis 6 in the arm's plane.
+    /// Poses at which branches meet, and next to it: axes 1 and 3 in line, the elbow stretched, axis 6 in the
+    /// arm's plane.
     #[test]
     fn poses_next_to_singular_ones_are_reached() {
         let arm = arm("panda.json");
@@ -574,8 +444,8 @@ mod tests {
             let x_wt = kinematics.tip(&q);
             let all = analytic.all(&x_wt, q[6]);
             worst = worst.max(error(&kinematics, &all, &x_wt));
-            // Next to a meeting of branches, angles are known to the root of the rounding only. Next to axes in line,
-            // the turn is shared in another way.
+            // Next to a meeting of branches, angles are known to the root of the rounding only. Next to axes
+            // in line, the turn is shared in another way.
             let mut found = distance(&all, &q);
             if q[1].abs() < 1e-2 {
                 let sum = |q: &Joints| (q[0] + q[2] + TAU).rem_euclid(TAU);
@@ -590,7 +460,8 @@ mod tests {
                     })
                     .fold(f64::INFINITY, f64::min);
             }
-            // Next to both, elbow and wrist, a solution may be less exact or missed, as the documentation says.
+            // Next to both, elbow and wrist, a solution may be less exact or missed, as the documentation
+            // says.
             let (elbow, wrist) = (q[3] - stretched, q[4].abs() - std::f64::consts::FRAC_PI_2);
             if elbow.abs().max(wrist.abs()) > 1e-2 {
                 assert!(found < 1e-5, "{found:e}: {q} near {near:e}, {which}");
@@ -649,65 +520,5 @@ mod tests {
         arm.joints[6].position = [0.1, 0.02, -0.01];
         arm.hand.position = [0.01, 0.02, 0.1];
         check(&arm);
-    }
-
-    /// The iteration and the closed form come to rest in the same place: paths do not depend on which of them found them.
-    #[test]
-    fn the_nearest_solution_is_that_of_the_iteration() {
-        let arm = arm("panda.json");
-        let (kinematics, analytic) = (Kinematics::new(&arm), Analytic::new(&arm).unwrap());
-        let mut stream = Stream::new(4, "nearest");
-        let mut compared = 0;
-        for _ in 0..200 {
-            let mut draw = |most: f64| Joints::from(arm.home).map(|angle| angle + stream.symmetric(most));
-            let (seed, posture) = (draw(0.2), draw(0.2));
-            let x_wt = kinematics.tip(&draw(0.2));
-            let Some(iterated) = kinematics.inverse(&x_wt, &seed, &posture) else { continue };
-            let nearest = analytic.nearest(&x_wt, &iterated, &posture, 0.05).unwrap();
-            assert!((nearest - iterated).amax() < 1e-4, "{nearest} {iterated}");
-            let from_afar = analytic.nearest(&x_wt, &seed, &posture, 0.05).unwrap();
-            assert!((from_afar - posture).norm() < (iterated - posture).norm() + 1e-6);
-            compared += 1;
-        }
-        assert!(compared > 150, "{compared}");
-    }
-
-    /// Against a grid over q7 thirty times as fine: random poses, and the hand down over the table.
-    #[test]
-    fn the_quickest_solution_is_the_quickest() {
-        let arm = arm("panda.json");
-        let (kinematics, analytic) = (Kinematics::new(&arm), Analytic::new(&arm).unwrap());
-        let mut stream = Stream::new(3, "quickest");
-        let [low, high] = arm.joints[6].range;
-        let (margin, steps) = (0.05, 5800);
-        let mut missed = [0, 0];
-        for round in 0..400 {
-            let (from, x_wt) = if round % 2 == 0 {
-                (uniform(&arm, &mut stream), kinematics.tip(&uniform(&arm, &mut stream)))
-            } else {
-                let down = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), stream.symmetric(3.0))
-                    * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-                let (x, y) = (0.45 + stream.symmetric(0.15), stream.symmetric(0.4));
-                let place = Translation3::new(x, y, 0.1 + stream.symmetric(0.1));
-                (Joints::from(arm.home), Pose::from_parts(place, down))
-            };
-            let exhaustive = (0..=steps)
-                .flat_map(|step| {
-                    let q7 = low + (high - low) * f64::from(step) / f64::from(steps);
-                    analytic.within(&x_wt, q7, margin).to_vec()
-                })
-                .map(|solution| analytic.least_time(&from, &solution.q))
-                .fold(f64::INFINITY, f64::min);
-            let Some(choice) = analytic.quickest(&x_wt, &from, margin) else {
-                missed[round % 2] += usize::from(exhaustive.is_finite());
-                continue;
-            };
-            assert!(error(&kinematics, &[choice.solution], &x_wt) < 1e-9);
-            assert!(kinematics.range_margin(&choice.solution.q) >= margin - 1e-12);
-            assert_eq!(choice.cost, analytic.least_time(&from, &choice.solution.q));
-            missed[round % 2] += usize::from(choice.cost > exhaustive + 1e-3);
-        }
-        println!("{missed:?} missed");
-        assert!(missed[0] <= 4 && missed[1] <= 2, "{missed:?}");
     }
 }

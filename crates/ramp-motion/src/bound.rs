@@ -1,10 +1,12 @@
-//! The least time in which an arm can rest at some poses of its tip, one after the other: a bound for every motion.
+//! The least time in which an arm can rest at some poses of its tip, one after the other: a bound for every
+//! motion.
 //!
-//! Nothing is in the way and no force acts. Between two rests each joint goes at most as fast as a double integrator within
-//! its limits of velocity and acceleration. At each pose the arm may choose any posture: the closed form gives all of them
-//! for a grid of angles of the last joint. Neighbours on that grid make a cell, the box of the joint positions between
-//! them. Dynamic programming over the cells finds the least sum of times, each taken between the nearest corners of two
-//! boxes, so that the grid does not make the bound too large.
+//! The bound ignores obstacles and forces. Between two rests each joint goes at most as fast as a double
+//! integrator within its limits of velocity and acceleration. At each pose the arm may choose any posture:
+//! the closed form gives all of them for a grid of angles of the last joint. Neighbours on that grid make a
+//! cell, the box of the joint positions between them. Dynamic programming over the cells finds the least sum
+//! of times, each taken between the nearest corners of two boxes, so that the grid does not make the bound
+//! too large.
 
 use ramp_robot::DOF;
 use ramp_robot::arm::ArmModel;
@@ -14,7 +16,7 @@ use crate::space::{Joints, Pose};
 
 /// Distance between the angles of the last joint, rad. Chosen: 2°; a quarter of that changes bounds by 1 %.
 const GRID: f64 = std::f64::consts::PI / 90.0;
-/// By how much a box is widened where a branch ends within it, rad. Chosen: more than a branch turns on its last 2°.
+/// Growth of a box in which a branch ends, rad. Chosen: more than a branch changes over its last 2°.
 const BRANCH_END: f64 = 0.3;
 
 /// The boxes of joint positions with which the tip is at a pose.
@@ -67,8 +69,8 @@ fn between(arm: &ArmModel, from: &Cell, to: &Cell) -> f64 {
     longest
 }
 
-/// No motion from rest at `start` (rad) by way of rests at all of `poses` (tip in the world), in their order, takes less
-/// time, s; infinite where a pose is out of reach.
+/// No motion from rest at `start` (rad) by way of rests at all of `poses` (tip in the world), in their order,
+/// takes less time, s; infinite where a pose is out of reach.
 ///
 /// ```
 /// # use std::path::Path;
@@ -114,7 +116,8 @@ mod tests {
     use super::*;
     use crate::{Kinematics, Pace, TimeLaw};
 
-    /// A bound that some motion beats is none: straight motions in joint space between random postures take longer.
+    /// The bound must hold for every motion: straight motions in joint space between random postures take
+    /// longer.
     #[test]
     fn no_motion_takes_less() {
         let arm: ArmModel = ArmModel::read(Path::new("../../data/arms/panda.json")).unwrap();

@@ -1,9 +1,10 @@
-//! What stands around the arm, what it carries, and whether they touch.
+//! Collision checks of the arm and the part in its hand with each other and with obstacles.
 //!
-//! A [`Checker`] is built once for a motion and asked at every sample of it. It lists the solids of the arm with what the
-//! hand holds, each with a ball around it, and the boxes around the arm with their bounds along the axes of the world.
-//! Most solids are ruled out by the bounds of all boxes together, most boxes by their own; what is left is tested exactly.
-//! Then the hand, what it holds and the links are tested against those links that are far enough up the arm.
+//! A [`Checker`] is built once for a motion and used at every sample of it. It lists the solids of the arm
+//! and of the held part, each with a ball around it, and the boxes around the arm with their bounds along the
+//! axes of the world. Most solids are ruled out by the bounds of all boxes together, most boxes by their own;
+//! the rest is tested exactly. Then the hand, the held part and the links are tested against those links that
+//! are far enough up the arm.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use parry3d_f64::math::{Pose as ParryPose, Rotation, Vector};
@@ -25,12 +26,12 @@ pub struct Obstacle {
     pub half: [f64; 3],
 }
 
-/// How much further than its margin the arm keeps from everything where it could take another way, m: parts are not exactly
-/// where they are believed to be.
+/// Extra distance to obstacles, beyond the margin, that the arm keeps where it could take another path, m:
+/// the poses of parts are uncertain.
 const CLEAR: f64 = 5.0e-3;
 
-/// How many joints are between two bodies of the arm that may meet: nearer ones are kept apart by the joints' ranges, and
-/// their capsules, which are wider than the arm, overlap.
+/// Least number of joints between two bodies of the arm that may collide. Nearer ones are kept apart by the
+/// joints' ranges, and their capsules, which are wider than the arm, overlap.
 const JOINTS_BETWEEN: usize = 3;
 
 /// Bounds along the axes of the world, m.
@@ -79,7 +80,7 @@ impl Surroundings {
     }
 }
 
-/// What a solid is fixed to.
+/// The body to which a solid is fixed.
 #[derive(Clone, Copy)]
 enum Body {
     Base,
@@ -96,7 +97,7 @@ impl Body {
         }
     }
 
-    /// How many joints carry it, in an arm of `joints`.
+    /// Number of joints that carry it, in an arm of `joints`.
     fn carried_by(&self, joints: usize) -> usize {
         match self {
             Body::Base => 0,
@@ -128,7 +129,7 @@ struct Solid {
     radius: f64,
 }
 
-/// What the arm touches.
+/// The object that the arm touches.
 enum Touched {
     Table,
     /// A box around it, by number.
@@ -139,14 +140,14 @@ enum Touched {
 
 /// Tells whether the arm, opened or closed and with or without a part, touches anything.
 pub struct Checker {
-    /// Solids of the base, the links, the hand, the fingers, and what is held.
+    /// Solids of the base, the links, the hand, the fingers, and the held part.
     solids: Vec<Solid>,
     /// Those of them that may meet each other, by number.
     pairs: Vec<[usize; 2]>,
     around: Surroundings,
     /// The same with more room.
     widely: Surroundings,
-    /// Names of what is around.
+    /// Names of the obstacles.
     names: Vec<String>,
 }
 
@@ -201,7 +202,7 @@ impl Solid {
             .is_ok_and(|result| result.intersecting)
     }
 
-    /// What it touches of what is around the arm, at a pose of its body.
+    /// The obstacle that it touches, at a pose of its body.
     fn touches(&self, frame: &Pose, around: &Surroundings) -> Option<Touched> {
         let centre = (frame * self.centre).coords;
         let ball = Bounds {
@@ -247,7 +248,8 @@ fn fingers<const N: usize>(arm: &ArmModel<N>, width: f64) -> impl Iterator<Item 
     })
 }
 
-/// The pairs of solids that may meet: enough joints are between them, and they are apart with the arm at home.
+/// The pairs of solids that may meet: enough joints are between them, and they are apart with the arm at
+/// home.
 fn may_meet<const N: usize>(arm: &ArmModel<N>, solids: &[Solid]) -> Vec<[usize; 2]> {
     let (frames, world) = (Kinematics::new(arm).frames(&arm.home.into()), Pose::identity());
     let mut pairs = Vec::new();
@@ -265,9 +267,9 @@ fn may_meet<const N: usize>(arm: &ArmModel<N>, solids: &[Solid]) -> Vec<[usize; 
 }
 
 impl Checker {
-    /// A checker for `arm` with the gripper opened to `width` (m, both fingers together), carrying `held` (boxes
-    /// in the tip's frame), among `around` (boxes in the world), keeping `margin` (m) from everything. The table
-    /// is always there, at z = 0.
+    /// A checker for `arm` with the gripper opened to `width` (m, both fingers together), carrying `held`
+    /// (boxes in the tip's frame), among `around` (boxes in the world), keeping `margin` (m) from everything.
+    /// The table is always there, at z = 0.
     pub fn new<const N: usize>(
         arm: &ArmModel<N>,
         width: f64,
@@ -307,7 +309,7 @@ impl Checker {
         self.first(frames, &self.widely).is_none()
     }
 
-    /// What the arm touches with its frames here: the name of a part, `the table`, or `itself`.
+    /// The object that the arm touches with these frames: the name of a part, `the table`, or `itself`.
     pub fn touched<const N: usize>(&self, frames: &Frames<N>) -> Option<&str> {
         let touched = self.first(frames, &self.around)?;
         Some(match touched {
@@ -317,7 +319,7 @@ impl Checker {
         })
     }
 
-    /// What the first solid touches that touches something.
+    /// The object that the first colliding solid touches.
     fn first<const N: usize>(&self, frames: &Frames<N>, around: &Surroundings) -> Option<Touched> {
         let world = Pose::identity();
         let out = self.solids.iter().filter(|solid| solid.body.reaches_out());

@@ -1,7 +1,9 @@
-//! Inverse dynamics: the torques that a motion asks of the joints, by the recursive algorithm of Newton and Euler.
+//! Inverse dynamics: the torques that a motion asks of the joints, by the recursive algorithm of Newton and
+//! Euler.
 //!
-//! Velocities and accelerations pass from the base outwards, forces and moments back. The hand, its closed fingers and what
-//! they hold count as part of the last link. Friction and the inertia of the motors are left out: arm files do not have them.
+//! Velocities and accelerations pass from the base outwards, forces and moments back. The hand, its closed
+//! fingers and the held part count as part of the last link. Friction and the inertia of the motors are left
+//! out: arm files do not have them.
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use ramp_robot::DOF;
@@ -12,7 +14,7 @@ use crate::space::Joints;
 /// Acceleration of free fall, m/s²: the standard value.
 const GRAVITY: f64 = 9.80665;
 
-/// A rigid body: a link, or what the hand holds.
+/// A rigid body: a link, or the held part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertia {
     /// kg.
@@ -174,7 +176,7 @@ mod tests {
     use ramp_robot::random::Stream;
     use std::path::Path;
 
-    /// A load in the hand asks for what the transposed Jacobian says.
+    /// A load in the hand needs the torques of the transposed Jacobian.
     #[test]
     fn a_load_weighs_on_the_joints_as_its_force_at_the_tip() {
         let arm: ArmModel = ArmModel::read(Path::new("../../data/arms/panda.json")).unwrap();

@@ -6,13 +6,13 @@ use ramp_robot::arm::ArmModel;
 
 use crate::space::{Joints, Pose};
 
-/// How near a solution comes to its target, in m and rad, and to where the null space comes to rest, in rad. Second
-/// differences of solutions a centimetre apart are some 1e-4 rad: noise has to be well below.
+/// Accuracy of a solution: distance to its target, in m and rad, and to the rest position of the null space,
+/// in rad. Second differences of solutions a centimetre apart are some 1e-4 rad: noise has to be well below.
 const TOLERANCE: f64 = 1e-7;
 /// Iterations of the inverse before it gives up.
 const ITERATIONS: usize = 100;
-/// Share of the way to the posture that one iteration goes in the null space: all of it overshoots where that is
-/// strongly curved.
+/// Share of the distance to the posture that one iteration moves in the null space: a full step overshoots
+/// where that is strongly curved.
 const PULL: f64 = 0.7;
 /// Largest change of a joint in one iteration, rad.
 const STEP: f64 = 0.2;
@@ -61,7 +61,7 @@ impl<const N: usize> Kinematics<N> {
         }
     }
 
-    /// Where all frames are at joint positions `q` (rad).
+    /// Poses of all frames at joint positions `q` (rad).
     pub fn frames(&self, q: &Joints<N>) -> Frames<N> {
         let mut x = Pose::identity();
         let links = std::array::from_fn(|joint| {
@@ -102,12 +102,12 @@ impl<const N: usize> Kinematics<N> {
         (self.low + self.high) / 2.0
     }
 
-    /// Joint positions within their ranges that bring the tip to `x_wt` and are, of all that do, as near to `posture`
-    /// as a sequence of small steps from `seed` gets; `None` when the iteration does not arrive.
+    /// Joint positions within their ranges that bring the tip to `x_wt` and are, of all that do, as near to
+    /// `posture` as a sequence of small steps from `seed` gets; `None` when the iteration does not arrive.
     ///
-    /// Damped least squares, until both the tip and the null space stand still: so the solution depends on pose and
-    /// posture, as smoothly as they do, and not on how many steps it took. Small steps from a near seed stay on the seed's
-    /// branch.
+    /// Damped least squares, until both the tip and the null space stand still: so the solution depends on
+    /// pose and posture, as smoothly as they do, and not on how many steps it took. Small steps from a near
+    /// seed stay on the seed's branch.
     pub fn inverse(&self, x_wt: &Pose, seed: &Joints<N>, posture: &Joints<N>) -> Option<Joints<N>> {
         let low = self.low.add_scalar(RANGE_MARGIN);
         let high = self.high.add_scalar(-RANGE_MARGIN);
@@ -118,7 +118,8 @@ impl<const N: usize> Kinematics<N> {
             let turn = (x_wt.rotation * frames.tip.rotation.inverse()).scaled_axis();
             let error = Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z);
             let mut jacobian = self.jacobian(&frames);
-            // The pull fades out late, so that a null space that goes to and fro still ends on the tip's target.
+            // The pull fades out late, so that an oscillating null-space motion still ends at the tip's
+            // target.
             let fade = (2.0 - 2.0 * iteration as f64 / ITERATIONS as f64).min(1.0);
             let mut pull = (posture - q) * (PULL * fade);
             let mut step = Joints::zeros();

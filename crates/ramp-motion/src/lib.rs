@@ -1,9 +1,10 @@
 //! Motion planning: an arm model becomes kinematics, collision-free paths and timed trajectories.
 //!
-//! Data passes one way: [`kinematics`] turns joint positions into poses and back, and [`analytic`] gives every way back
-//! where the arm's build allows it; [`collision`] holds what stands around the arm and what it carries; [`path`] finds a
-//! joint path between two poses that keeps clear of it; [`time_law`] says when the arm is where on it, within its limits
-//! and, by its [`dynamics`], those of its torques: a [`trajectory`]. [`bound`] tells what no motion can be quicker than.
+//! Data passes one way: [`kinematics`] turns joint positions into poses and back, and [`analytic`] gives
+//! every way back where the arm's build allows it; [`collision`] has the obstacles and the held part;
+//! [`path`] finds a collision-free joint path between two poses; [`time_law`] parametrises it by time within
+//! the limits of the joints and, by the arm's [`dynamics`], of their torques: a [`trajectory`]. [`bound`] is
+//! a lower bound on the time of any motion.
 
 pub mod analytic;
 pub mod bound;
@@ -11,6 +12,7 @@ pub mod collision;
 pub mod dynamics;
 pub mod kinematics;
 pub mod path;
+mod random_tree;
 mod space;
 mod spline;
 pub mod time_law;

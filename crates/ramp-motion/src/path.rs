@@ -1,10 +1,11 @@
-//! Joint paths that keep clear of everything.
+//! Collision-free joint paths.
 //!
-//! Most motions are level: up to travelling height, across, down, with the corners rounded where there is room. There
-//! are three ways across: straight, on an arc around the base, and straight in joint space, which tilts the hand on the
-//! way and is for an empty one. Of those that are free the one that takes the least time is taken, or the first that takes
-//! little more than straight in joint space; if none is, all are tried again higher up. Where that is blocked, too, a
-//! bidirectional random tree (Kuffner and LaValle's RRT-Connect) looks for a way around in joint space.
+//! Most motions are level: up to travelling height, across, down, with the corners rounded where there is
+//! room. There are three ways across: straight, on an arc around the base, and straight in joint space, which
+//! tilts the hand on the way and is for an empty one. Of those that are free the one that takes the least
+//! time is taken, or the first that takes little more than straight in joint space; if none is, all are tried
+//! again higher up. Where that is blocked, too, a bidirectional random tree (Kuffner and LaValle's
+//! RRT-Connect) looks for a way around in joint space.
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_robot::DOF;
@@ -14,6 +15,7 @@ use ramp_robot::random::Stream;
 use crate::analytic::Analytic;
 use crate::collision::Checker;
 use crate::kinematics::{Kinematics, RANGE_MARGIN};
+use crate::random_tree::{self, JOINT_SAMPLE, interpolate};
 use crate::space::{Joints, Pose};
 use crate::spline::Spline;
 use crate::time_law::TimeLaw;
@@ -21,39 +23,31 @@ use crate::trajectory::Trajectory;
 
 /// Distance between samples along a path of the tip: m, and rad of hand rotation counted as m.
 const SAMPLE: f64 = 0.0075;
-/// Metres that a radian of the hand's turn counts as.
+/// Metres that a radian of hand rotation counts as.
 const TURN_WEIGHT: f64 = 0.15;
-/// Largest distance between samples of a path in joint space, rad.
-const JOINT_SAMPLE: f64 = 0.05;
-/// A way is taken without a look at others when its time is below this many times that of the straight way in joint space.
-/// Chosen.
+/// A path is taken without comparison if its time is below this multiple of that of the straight path in
+/// joint space. Chosen.
 const GOOD_TIME: f64 = 1.05;
-/// Samples from one solution that is found by iteration to the next. Chosen: with 2 motions are no faster.
+/// Number of samples between two solutions that are found by iteration. Chosen: 2 makes motions no faster.
 const KNOT: usize = 4;
 /// Largest joint step between samples that still counts as continuous, rad.
 const LARGEST_STEP: f64 = 0.35;
-/// How near to its goal in joint space a path of the tip ends, rad: one that ends elsewhere is on another branch.
+/// Largest distance in joint space between the end of a tip path and its goal, rad. A path that ends further
+/// away is on another branch.
 const ARRIVED: f64 = 1e-3;
 /// Distance from the joints' ends at which a path's end is good enough, rad.
 const GOOD_MARGIN: f64 = 0.15;
-/// Turns of the shoulder beside its usual one that are tried where that does not do, rad. Chosen.
+/// Offsets of the shoulder angle that are tried one after another, rad. Chosen.
 const SIDES: [f64; 7] = [0.0, 0.3, -0.3, 0.6, -0.6, 0.9, -0.9];
-/// How much higher a motion goes that finds no way at travelling height, m: over most of what is built.
+/// Additional height of a motion for which no path was found at travelling height, m: above most assemblies.
 const OVER: f64 = 0.08;
-/// Most samples before and after a corner that a curve takes the place of: 15 cm.
+/// Most samples before and after a corner that a curve replaces: 15 cm.
 const ROUNDING: usize = 20;
 /// Shares of the room for a curve that are tried.
 const ROUNDING_SHARES: [f64; 5] = [1.0, 0.7, 0.5, 0.3, 0.15];
 /// A corner that is so near to an end of the motion is left out: m, and rad.
 const NEAR: (f64, f64) = (3e-3, 0.02);
-/// Growth of a tree in one step, rad.
-const TREE_STEP: f64 = 0.1;
-/// Nodes of both trees together before the search gives up.
-const TREE_NODES: usize = 6000;
-/// Tries to shorten a found way.
-const SHORTCUTS: usize = 150;
-
-/// Why there is no path.
+/// Error of path planning.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MotionError {
     /// No joint positions within their ranges bring the tip there.
@@ -63,20 +57,20 @@ pub enum MotionError {
     #[error("the arm would touch something at the {0} of the motion")]
     Blocked(&'static str),
     /// Neither a level path nor the search found a way.
-    #[error("no way around the obstacles was found")]
+    #[error("no path around the obstacles was found")]
     NoWay,
 }
 
-/// What a motion through free space keeps to.
+/// Constraints of a motion through free space.
 #[derive(Clone, Copy)]
 pub struct Terms<'a, const N: usize = DOF> {
     /// Travelling height, m, of the tip.
     pub height: f64,
     /// The hand stays level: a beam is in it.
     pub level: bool,
-    /// What the arm must keep clear of.
+    /// The obstacles that the arm must avoid.
     pub checker: &'a Checker,
-    /// How fast it may go.
+    /// Time parametrisation, with the limits of the motion.
     pub law: &'a TimeLaw<N>,
 }
 
@@ -84,7 +78,7 @@ pub struct Terms<'a, const N: usize = DOF> {
 struct Piece {
     from: Pose,
     to: Pose,
-    /// By what the hand turns on the way: a rotation vector, rad, axes of the world.
+    /// Rotation of the hand along the path: a rotation vector, rad, axes of the world.
     turn: Vector3<f64>,
     /// Around the base, and not straight.
     around: bool,
@@ -123,7 +117,8 @@ fn angle(p: &Vector3<f64>) -> f64 {
     p.y.atan2(p.x)
 }
 
-/// The turns that take one rotation to another: the short one and, where it is not much longer, the other way round.
+/// The turns that take one rotation to another: the short one and, where it is not much longer, the other way
+/// round.
 fn turns(from: &Pose, to: &Pose) -> Vec<Vector3<f64>> {
     let short = (to.rotation * from.rotation.inverse()).scaled_axis();
     let angle = short.norm();
@@ -147,7 +142,7 @@ struct Polyline<const N: usize> {
 }
 
 impl<const N: usize> Polyline<N> {
-    /// Goes on with samples that begin at the end of this one.
+    /// Appends samples that begin at the end of this one.
     fn extend(&mut self, next: Polyline<N>) {
         if self.samples.is_empty() {
             *self = next;
@@ -165,7 +160,7 @@ impl<const N: usize> Polyline<N> {
     }
 }
 
-/// A free way that is ready for the law of time.
+/// A collision-free path, ready for time parametrisation.
 struct Shaped<const N: usize> {
     /// At least one; the motion rests between them.
     parts: Vec<Vec<Joints<N>>>,
@@ -228,8 +223,8 @@ impl<const N: usize> PathPlanner<N> {
             .ok_or_else(|| MotionError::Unreachable(x_wt.translation.vector.into()))
     }
 
-    /// Joint positions for the tip at `from` from which it can go straight to `x_wt`: the shoulder turned towards it, or to a
-    /// side of it.
+    /// Joint positions for the tip at `from` from which it can go straight to `x_wt`: the shoulder turned
+    /// towards it, or to a side of it.
     pub fn posture_for(&self, from: &Pose, x_wt: &Pose) -> Option<Joints<N>> {
         let posture = self.posture(x_wt);
         SIDES.iter().find_map(|turn| {
@@ -257,8 +252,8 @@ impl<const N: usize> PathPlanner<N> {
         found
     }
 
-    /// A straight motion of the tip from `q` to `x_wt`, sampled, the hand turning the short way or, where the arm
-    /// cannot, the other; `None` when it would have to jump or leave its ranges on the way.
+    /// A straight motion of the tip from `q` to `x_wt`, sampled, the hand turning the short way or, where the
+    /// arm cannot, the other; `None` when it would have to jump or leave its ranges on the way.
     pub fn straight(&self, q: &Joints<N>, x_wt: &Pose) -> Option<Vec<Joints<N>>> {
         let from = self.kinematics.tip(q);
         self.solutions(x_wt, q).iter().find_map(|goal| {
@@ -269,8 +264,8 @@ impl<const N: usize> PathPlanner<N> {
         })
     }
 
-    /// The tip along pieces from `q` to `goal`, the posture changing evenly from that of one to that of the other; `None`
-    /// when the arm would have to jump or leave its ranges on the way.
+    /// The tip along pieces from `q` to `goal`, the posture changing evenly from that of one to that of the
+    /// other; `None` when the arm would have to jump or leave its ranges on the way.
     fn lead(&self, q: &Joints<N>, goal: &Joints<N>, pieces: &[Piece]) -> Option<Polyline<N>> {
         let total: f64 = pieces.iter().map(Piece::length).sum();
         let spacing = SAMPLE.min(total / ((goal - q).amax() / JOINT_SAMPLE).max(2.0));
@@ -296,7 +291,8 @@ impl<const N: usize> PathPlanner<N> {
         ((last - goal).amax() < ARRIVED).then_some(line)
     }
 
-    /// Joint positions along a piece after its start `q`, in so many even steps, near to the postures at those shares of the way.
+    /// Joint positions along a piece after its start `q`, in `count` equal steps, near to the postures at
+    /// those shares of the path.
     fn follow(
         &self,
         piece: &Piece,
@@ -347,7 +343,7 @@ impl<const N: usize> PathPlanner<N> {
         self.plan_to(q, nearest, terms, stream)
     }
 
-    /// A motion from `q` to other joint positions that goes around everything, found by random search.
+    /// A collision-free motion from `q` to other joint positions, found by random search.
     ///
     /// # Errors
     /// When no way is found.
@@ -367,8 +363,8 @@ impl<const N: usize> PathPlanner<N> {
         Ok(shaped.timed(terms.law))
     }
 
-    /// The fastest free level way to `goal`, where the tip is at `x_wt`, by way of a height (m, of the tip). The first that
-    /// takes little more time than straight in joint space will do.
+    /// The fastest collision-free level path to `goal`, where the tip is at `x_wt`, via a height (m, of the
+    /// tip). Ends with the first that takes little more time than straight in joint space.
     fn level(
         &self,
         q: &Joints<N>,
@@ -384,7 +380,7 @@ impl<const N: usize> PathPlanner<N> {
             Pose::from_parts(Translation3::new(p.x, p.y, height), upright(&x.rotation))
         };
         let (up, down) = (raised(&from), raised(x_wt));
-        // A hand that is nearly there already goes no extra way.
+        // A hand that is nearly at travelling height makes no detour.
         let up = if is_near(&from, &up) { from } else { up };
         let down = if is_near(&down, x_wt) { *x_wt } else { down };
         let straight = |from: &Pose, to: &Pose| {
@@ -426,7 +422,7 @@ impl<const N: usize> PathPlanner<N> {
         best
     }
 
-    /// A level way that is straight in joint space between its vertical ends.
+    /// A level path that is straight in joint space between its vertical ends.
     fn in_joint_space(
         &self,
         q: &Joints<N>,
@@ -458,7 +454,8 @@ impl<const N: usize> PathPlanner<N> {
         Some(line)
     }
 
-    /// A way with its corners rounded where there is room, and divided at those that are not; `None` when it is not free.
+    /// A path with its corners rounded where there is room, and divided at the others; `None` when it is not
+    /// collision-free.
     fn shaped(&self, way: &Polyline<N>, terms: &Terms<N>) -> Option<Shaped<N>> {
         let free = |q: &Joints<N>| terms.checker.is_free(&self.kinematics.frames(q));
         if !way.samples.iter().all(free) {
@@ -499,20 +496,16 @@ impl<const N: usize> PathPlanner<N> {
         Some(Shaped { parts, time })
     }
 
-    /// How far the joints stay from the ends of their ranges on a straight motion of the tip from `q` to `x_wt`, rad;
-    /// negative when the arm cannot follow it.
+    /// Least distance of the joints from the ends of their ranges on a straight motion of the tip from `q` to
+    /// `x_wt`, rad; negative when the arm cannot follow it.
     pub fn straight_margin(&self, q: &Joints<N>, x_wt: &Pose) -> f64 {
         self.straight(q, x_wt).map_or(-1.0, |line| {
             line.iter().map(|q| self.kinematics.range_margin(q)).fold(f64::MAX, f64::min)
         })
     }
 
-    fn edge_is_free(&self, a: &Joints<N>, b: &Joints<N>, checker: &Checker) -> bool {
-        interpolate(a, b).iter().all(|q| checker.is_free(&self.kinematics.frames(q)))
-    }
-
-    /// RRT-Connect between two configurations: the corners of a shortened way, straight in joint space between them;
-    /// `None` when none was found.
+    /// A path around obstacles between two configurations by random search (RRT-Connect): its corners,
+    /// straight in joint space between them; `None` when none was found.
     pub fn connect(
         &self,
         start: &Joints<N>,
@@ -520,79 +513,14 @@ impl<const N: usize> PathPlanner<N> {
         checker: &Checker,
         stream: &mut Stream,
     ) -> Option<Vec<Joints<N>>> {
-        let mut trees: [Vec<(Joints<N>, usize)>; 2] = [vec![(*start, 0)], vec![(*goal, 0)]];
-        let mut turn = 0;
-        while trees[0].len() + trees[1].len() < TREE_NODES {
-            let sample = Joints::from_fn(|joint, _| {
-                let [low, high] = self.arm.joints[joint].range;
-                low + (high - low) * stream.uniform()
-            });
-            if let Some(new) = self.grow(&mut trees[turn], &sample, checker) {
-                let target = trees[turn][new].0;
-                let other = 1 - turn;
-                while let Some(near) = self.grow(&mut trees[other], &target, checker) {
-                    if (trees[other][near].0 - target).amax() < 1e-9 {
-                        let branch = |tree: &[(Joints<N>, usize)], mut node: usize| {
-                            let mut way = vec![tree[node].0];
-                            while node != 0 {
-                                node = tree[node].1;
-                                way.push(tree[node].0);
-                            }
-                            way
-                        };
-                        let (mine, theirs) = (branch(&trees[turn], new), branch(&trees[other], near));
-                        let (head, tail) = if turn == 0 { (mine, theirs) } else { (theirs, mine) };
-                        let mut way: Vec<Joints<N>> = head.into_iter().rev().collect();
-                        way.extend(tail.into_iter().skip(1));
-                        return Some(self.shorten(way, checker, stream));
-                    }
-                }
-            }
-            turn = 1 - turn;
-        }
-        None
-    }
-
-    /// Grows a tree one step towards `target`; the new node, or `None` when something blocks it.
-    fn grow(
-        &self,
-        tree: &mut Vec<(Joints<N>, usize)>,
-        target: &Joints<N>,
-        checker: &Checker,
-    ) -> Option<usize> {
-        let (nearest, _) = tree
-            .iter()
-            .enumerate()
-            .map(|(index, (q, _))| (index, (q - target).norm_squared()))
-            .min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let from = tree[nearest].0;
-        let way = target - from;
-        let next = if way.norm() <= TREE_STEP { *target } else { from + way * (TREE_STEP / way.norm()) };
-        if (next - from).norm() < 1e-12 || !self.edge_is_free(&from, &next, checker) {
-            return None;
-        }
-        tree.push((next, nearest));
-        Some(tree.len() - 1)
-    }
-
-    fn shorten(&self, mut way: Vec<Joints<N>>, checker: &Checker, stream: &mut Stream) -> Vec<Joints<N>> {
-        for _ in 0..SHORTCUTS {
-            if way.len() < 3 {
-                break;
-            }
-            let a = (stream.uniform() * way.len() as f64) as usize;
-            let b = (stream.uniform() * way.len() as f64) as usize;
-            let (a, b) = (a.min(b), a.max(b));
-            if b > a + 1 && self.edge_is_free(&way[a], &way[b], checker) {
-                way.drain(a + 1..b);
-            }
-        }
-        way
+        let ranges = self.arm.joints.each_ref().map(|joint| joint.range);
+        let free = |q: &Joints<N>| checker.is_free(&self.kinematics.frames(q));
+        random_tree::connect(&ranges, &free, start, goal, stream)
     }
 }
 
-/// As [`PathPlanner::follow`] in closed form: a smooth curve through a few solutions tells the angle of the last joint in
-/// between. `None` when the way leads through poses that cannot be reached with that angle.
+/// As [`PathPlanner::follow`] in closed form: a smooth curve through a few solutions gives the angle of the
+/// last joint in between. `None` when the path leads through poses that cannot be reached with that angle.
 fn follow_closed<const N: usize>(
     analytic: &Analytic<N>,
     piece: &Piece,
@@ -624,20 +552,16 @@ fn upright(rotation: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
         * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
 }
 
-/// Samples of a straight line in joint space, both ends among them.
-fn interpolate<const N: usize>(a: &Joints<N>, b: &Joints<N>) -> Vec<Joints<N>> {
-    let steps = (((b - a).amax() / JOINT_SAMPLE).ceil() as usize).max(1);
-    (0..=steps).map(|step| a.lerp(b, step as f64 / steps as f64)).collect()
-}
-
-/// A curve in place of the samples from so many before a corner to so many after it: it begins and ends as they do, and
-/// leaves out the corner (a quadratic Bézier curve). `None` when one of them is none.
+/// A curve in place of the samples around a corner, from `halves[0]` before it to `halves[1]` after it: it
+/// begins and ends as they do, and leaves out the corner (a quadratic Bézier curve). `None` when one of
+/// `halves` is 0.
 fn round<const N: usize>(samples: &[Joints<N>], corner: usize, halves: [usize; 2]) -> Option<Vec<Joints<N>>> {
     if halves.contains(&0) {
         return None;
     }
     let (a, b, c) = (samples[corner - halves[0]], samples[corner], samples[corner + halves[1]]);
-    // The curve's parameter gains on each sample as much as its ends' distances ask for, evenly more or less in between.
+    // The curve's parameter gains on each sample as much as its ends' distances ask for, evenly more or less
+    // in between.
     let gains = halves.map(|half| 0.5 / half as f64);
     let count = (2.0 / (gains[0] + gains[1])).round().max(2.0);
     let parameter = |step: f64| gains[0] * step + (gains[1] - gains[0]) * step * step / (2.0 * count);

@@ -1,17 +1,19 @@
 //! When a joint path is where: the fastest that the arm's limits allow.
 //!
-//! Time-optimal path parametrisation by reachability (TOPP-RA, Pham and Pham 2018): the path is a curve q(s), and what is
-//! sought is the square of its speed, x = ṡ², on a grid of s. Velocity limits bound x; acceleration limits are linear in
-//! x and the path's acceleration u = s̈. A pass from the end to the start finds the largest x from which the end
-//! can still be reached at rest, and a pass back accelerates as much as that allows.
+//! Time-optimal path parametrisation by reachability (TOPP-RA, Pham and Pham 2018): the path is a curve q(s),
+//! and the unknown is the square of its speed, x = ṡ², on a grid of s. Velocity limits bound x;
+//! acceleration limits are linear in x and the path's acceleration u = s̈. A pass from the end to the start
+//! finds the largest x from which the end can still be reached at rest, and a pass back accelerates as much
+//! as that allows.
 //!
 //! Such a law jumps in acceleration. The mean of the positions over a short window, sample by sample, makes
-//! ramps of the jumps, and keeps the limits of velocity and acceleration, since a mean of values within a limit is within it.
-//! What comes out is checked against all limits at every control period, and slowed where it breaks one.
+//! ramps of the jumps, and keeps the limits of velocity and acceleration, since a mean of values within a
+//! limit is within it. The result is checked against all limits at every control period, and slowed where it
+//! exceeds one.
 //!
-//! Torques are linear in x and u, too: on the way q(s) they are τ = M q′ u + (M q″ + C(q, q′)) x + g. Their limits, and how fast
-//! they may change, hold with an empty hand, or with the load that [`TimeLaw::carrying`] tells. The choice between
-//! ways leaves them out.
+//! Torques are linear in x and u, too: on the way q(s) they are τ = M q′ u + (M q″ + C(q, q′)) x + g. Their
+//! limits, and how fast they may change, hold with an empty hand, or with the load of [`TimeLaw::carrying`].
+//! The choice between paths ignores them.
 
 use ramp_robot::arm::{ArmJoint, ArmModel};
 use ramp_robot::{DOF, PERIOD};
@@ -31,21 +33,22 @@ const LARGEST_TURNS: usize = 50;
 const SHORT: f64 = 1.0 - 1e-9;
 /// Slope below which a joint does not move along the path, rad a knot.
 const FLAT: f64 = 1e-9;
-/// The least limit of a joint's speed, rad/s: at the end of its range it is zero, and a path that began there would take
-/// for ever.
+/// The least limit of a joint's speed, rad/s: at the end of its range it is zero, and a path that began there
+/// would take for ever.
 const SLOWEST: f64 = 0.01;
-/// How much longer a ramp is than the largest jump of torque asks for: another jump may be near. Chosen.
+/// Factor on the length of a ramp for the largest torque jump: another jump may be near. Chosen.
 const ENOUGH: f64 = 1.05;
-/// How many times as long a ramp becomes at once where torques change too fast.
+/// Factor by which a ramp grows in one iteration where torques change too fast.
 const WIDER: f64 = 8.0;
-/// The longest ramp that the rate of torque makes, in control periods: 0.2 s. After that the motion becomes slower.
+/// The longest ramp that the rate of torque makes, in control periods: 0.2 s. After that the motion becomes
+/// slower.
 const WIDEST: usize = 200;
 /// Share of a joint's torque that counts as left where gravity takes more: such an arm moves slowly.
 const LEFT: f64 = 0.05;
 /// Relative error of differences of doubles that still counts as within a limit.
 const ROUNDING: f64 = 1e-6;
 
-/// How much of the arm's limits a motion uses, and how soft it is.
+/// Share of the arm's limits that a motion uses, and its smoothness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
     /// Share of the limits of the joints' velocities, 0 to 1.
@@ -93,7 +96,7 @@ pub struct Use {
 }
 
 impl Use {
-    /// By how much time has to be stretched for all of them to be within their limits.
+    /// Factor by which time must be stretched so that all of them are within their limits.
     fn excess(&self) -> f64 {
         let second = self.acceleration.max(self.torque).sqrt();
         self.velocity.max(second).max(self.jerk.max(self.torque_rate).cbrt())
@@ -130,8 +133,8 @@ impl<const N: usize> TimeLaw<N> {
         self
     }
 
-    /// The fastest trajectory along the samples of a path, at rest at both ends. The samples, at least one, follow each
-    /// other at even distances.
+    /// The fastest trajectory along the samples of a path, at rest at both ends. The samples, at least one,
+    /// follow each other at even distances.
     pub fn time(&self, path: &[Joints<N>]) -> Trajectory<N> {
         let (first, last) = (path[0], path[path.len() - 1]);
         let still = path.iter().all(|q| (q - first).amax() < FLAT);
@@ -186,7 +189,8 @@ impl<const N: usize> TimeLaw<N> {
         path.windows(2).map(|pair| (pair[1] - pair[0]).component_div(&speeds).amax()).sum()
     }
 
-    /// How much of these limits a trajectory uses, from differences of its samples, with rest before and after.
+    /// Share of these limits that a trajectory uses, from differences of its samples, with rest before and
+    /// after.
     pub fn used(&self, samples: &[Joints<N>]) -> Use {
         let mut used = Use { velocity: 0.0, acceleration: 0.0, jerk: 0.0, torque: 0.0, torque_rate: 0.0 };
         let last = samples.len() - 1;
@@ -214,7 +218,8 @@ impl<const N: usize> TimeLaw<N> {
         used
     }
 
-    /// The torques of a motion, N·m, and the largest share of their limits; where one is broken, of what gravity leaves.
+    /// The torques of a motion, N·m, and the largest share of their limits; where one is broken, of what
+    /// gravity leaves.
     fn torques(&self, q: &Joints<N>, speeds: &Joints<N>, gains: &Joints<N>) -> (Joints<N>, f64) {
         let chain = self.dynamics.at(q);
         let torques = chain.torques(speeds, gains);
@@ -245,8 +250,8 @@ struct Bound {
     high: f64,
 }
 
-/// The limits that hold at a point of a path, one for each joint: of acceleration there, of acceleration at the next
-/// point, and of torque.
+/// The limits that hold at a point of a path, one for each joint: of acceleration there, of acceleration at
+/// the next point, and of torque.
 type Bounds<const N: usize> = [[Bound; N]; 3];
 
 /// The mean of each sample and those before it in a window; before the start and after the end it rests.
@@ -277,7 +282,7 @@ struct Law {
 }
 
 impl Law {
-    /// On so many steps, with the limits of torque or without.
+    /// With a number of grid steps, with or without torque limits.
     fn fastest<const N: usize>(limits: &TimeLaw<N>, spline: &Spline<N>, count: usize, torques: bool) -> Law {
         let step = spline.end() / count as f64;
         let points: Vec<Point<N>> = (0..=count).map(|i| spline.at(i as f64 * step)).collect();
@@ -348,8 +353,8 @@ impl<const N: usize> TimeLaw<N> {
             .fold(f64::MAX, f64::min)
     }
 
-    /// The limits at a point: of acceleration there and, with what an acceleration makes of the speed, at the next point one
-    /// `step` on; and those of torque, if asked for.
+    /// The limits at a point: of acceleration there and, with what an acceleration makes of the speed, at the
+    /// next point one `step` on; and those of torque, if asked for.
     fn bounds(&self, here: &Point<N>, next: &Point<N>, step: f64, torques: bool) -> Bounds<N> {
         let within = |factor: f64, bend: f64, limit: f64| Bound { factor, bend, low: -limit, high: limit };
         // q̈ = slope · u + bend · x, and x grows by 2 step u to the next point.
@@ -378,8 +383,8 @@ impl<const N: usize> TimeLaw<N> {
     }
 }
 
-/// The range of accelerations along the path that keep these limits at the speed `x` (squared). Empty (low above high) when
-/// none does.
+/// The range of accelerations along the path that keep these limits at the speed `x` (squared). Empty (low
+/// above high) when none does.
 fn accelerations<const N: usize>(bounds: &Bounds<N>, x: f64) -> (f64, f64) {
     let (mut least, mut most) = (f64::MIN, f64::MAX);
     for Bound { factor, bend, low, high } in bounds.as_flattened() {
@@ -396,12 +401,12 @@ fn accelerations<const N: usize>(bounds: &Bounds<N>, x: f64) -> (f64, f64) {
     (least, most)
 }
 
-/// The largest square of the speed at a point, at most `largest`, from which some acceleration leads, within these limits, to
-/// one of at most `reach` at the next point one `step` on.
+/// The largest square of the speed at a point, at most `largest`, from which some acceleration leads, within
+/// these limits, to one of at most `reach` at the next point one `step` on.
 ///
-/// Each limit bounds the acceleration by two lines over x. The lines from below and those from above enclose a convex
-/// region around rest. Its largest x is found from beyond, each time going back to where the two lines cross
-/// that are the furthest apart.
+/// Each limit bounds the acceleration by two lines over x. The lines from below and those from above enclose
+/// a convex region around rest. Its largest x is found from beyond, each time going back to where the two
+/// lines cross that are the furthest apart.
 fn largest_from<const N: usize>(bounds: &Bounds<N>, largest: f64, step: f64, reach: f64) -> f64 {
     // Lines value + slope · x: the next speed is at least zero and at most what is in reach.
     let first = [(0.0, -0.5 / step), (reach * 0.5 / step, -0.5 / step)];
@@ -481,7 +486,7 @@ mod tests {
         }
     }
 
-    /// One joint on a straight path: accelerate, go on at the limit, brake. Its time is known.
+    /// One joint on a straight path: accelerate, move at the limit, brake. Its time is known.
     #[test]
     fn a_straight_path_takes_the_time_that_it_must() {
         let arm = panda();
@@ -499,8 +504,9 @@ mod tests {
         );
     }
 
-    /// Before ramps, and without torques, the law is that of `toppra` 0.6.10 (PyPI): its times for the same spline, limits and
-    /// grid, with limits of acceleration at both ends of each step (`DiscretizationType.Interpolation`).
+    /// Before ramps, and without torques, the law is that of `toppra` 0.6.10 (PyPI): its times for the same
+    /// spline, limits and grid, with limits of acceleration at both ends of each step
+    /// (`DiscretizationType.Interpolation`).
     #[test]
     fn the_fastest_law_is_that_of_toppra() {
         let (arm, spline) = (panda(), Spline::new(&waves()));
@@ -512,7 +518,8 @@ mod tests {
         }
     }
 
-    /// A heavy load on a long lever: with limits of acceleration alone the shoulder would be asked for more than it can.
+    /// A heavy load on a long lever: with limits of acceleration alone the shoulder would be asked for more
+    /// than it can.
     #[test]
     fn a_heavy_load_is_moved_more_slowly() {
         let arm = panda();
@@ -531,7 +538,7 @@ mod tests {
         assert!(slow.duration() > fast.duration());
     }
 
-    /// A path that goes nowhere takes no time.
+    /// A path of length zero takes no time.
     #[test]
     fn rest_takes_no_time() {
         let q = Joints::repeat(0.3);

@@ -38,7 +38,7 @@ impl<const N: usize> Trajectory<N> {
         &self.samples
     }
 
-    /// Where it ends, rad.
+    /// Its last joint positions, rad.
     pub fn end(&self) -> Joints<N> {
         self.samples[self.samples.len() - 1]
     }

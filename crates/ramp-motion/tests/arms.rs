@@ -35,7 +35,7 @@ fn hover(stream: &mut Stream) -> Pose {
     Pose::from_parts(Translation3::new(x, y, 0.1), down)
 }
 
-/// No file is left out, and each tells its name.
+/// Every file is read, and each contains its name.
 #[test]
 fn names_are_those_of_the_files() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/arms");
@@ -63,7 +63,7 @@ fn the_table_is_reached_from_home() {
             let reached = planner.kinematics.tip(&choice.solution.q);
             assert!((reached.translation.vector - x_wt.translation.vector).norm() < 1e-9);
             assert!(planner.kinematics.range_margin(&choice.solution.q) > MARGIN - 1e-12);
-            // No slower than what the iteration finds.
+            // No slower than the motions that the iteration finds.
             let iterated = planner.solve(&x_wt, &home).unwrap();
             assert!(choice.cost <= analytic.least_time(&home, &iterated) + 1e-3, "{}", arm.name);
         }
@@ -92,7 +92,8 @@ fn an_arm_of_six_joints_reaches_the_table() {
     }
 }
 
-/// The tool of the UR5e at angles zero, by its DH parameters: the arm stretched out, d1 − d5 high, and d4 + d6 to the side.
+/// The tool of the UR5e at angles zero, by its DH parameters: the arm stretched out, d1 − d5 high, and d4 +
+/// d6 to the side.
 #[test]
 fn the_ur5e_stands_where_its_dh_parameters_say() {
     let arm: ArmModel<6> = arm("ur5e");
@@ -123,8 +124,8 @@ fn an_arm_is_kept_from_touching_itself() {
     SEVEN.map(self::arm::<7>).iter().for_each(is_free);
 }
 
-/// On the way every limit is kept at every control period, and speeds stay within those that hold at each angle: the paths
-/// keep away from the ends.
+/// On the way every limit is kept at every control period, and speeds stay within those that hold at each
+/// angle: the paths keep away from the ends.
 #[test]
 fn paths_are_planned_around_boxes() {
     SEVEN.map(arm::<7>).iter().for_each(around_boxes);

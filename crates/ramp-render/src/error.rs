@@ -1,8 +1,8 @@
-//! Why there are no looks.
+//! Errors of loading meshes and textures.
 
 use ramp_kit::solid::SolidError;
 
-/// What could not be drawn.
+/// Cause of the error.
 #[derive(Debug, thiserror::Error)]
 pub enum LooksError {
     /// A part of the kit.
@@ -12,6 +12,6 @@ pub enum LooksError {
     #[error("the sheet cannot be drawn: {0}")]
     Sheet(String),
     /// A part has a tag that the family does not have.
-    #[error("there is no tag {0}")]
+    #[error("unknown tag {0}")]
     Tag(u32),
 }

@@ -2,8 +2,8 @@
 
 use ramp_robot::CameraModel;
 
-/// Pixels between two directions that are worked out exactly; those between are interpolated, good to a hundredth
-/// of a pixel for a lens of 90°.
+/// Pixels between two directions that are worked out exactly; those between are interpolated, good to a
+/// hundredth of a pixel for a lens of 90°.
 const GRID: usize = 8;
 
 /// A camera's lens.
@@ -76,7 +76,7 @@ impl Lens {
         [&xs[y * width..][..width], &ys[y * width..][..width]]
     }
 
-    /// By how much the direction changes from a pixel to the next one on the right and the one below.
+    /// Change of direction from a pixel to the next one on the right and to the one below.
     #[inline]
     pub fn step(&self, x: usize, y: usize) -> [[f32; 2]; 2] {
         let (width, height) = (self.model.width, self.model.height);

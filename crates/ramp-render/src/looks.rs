@@ -1,4 +1,4 @@
-//! What everything looks like: meshes, tags and the sheet, made once from the kit and the arm file.
+//! Appearance of all bodies: meshes, tags and the sheet, made once from the kit and the arm file.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -22,8 +22,8 @@ const HOLDER: Colour = [0.16, 0.17, 0.18];
 const METAL: Colour = [0.52, 0.54, 0.57];
 const TIP: Colour = [0.03, 0.03, 0.033];
 const TOOL: Colour = [0.22, 0.23, 0.25];
-/// For near and far looks: details that are left out and the longest edge of a triangle (the lens bends longer ones
-/// visibly), m.
+/// For near and far looks: details that are left out and the longest edge of a triangle (the lens bends
+/// longer ones visibly), m.
 const NEAR: [f32; 2] = [0.9e-3, 0.045];
 const FAR: [f32; 2] = [2.0e-3, 0.06];
 /// Details that a shadow does not show, m.
@@ -36,7 +36,7 @@ pub struct Sticker {
     pub place: TagPlace,
     /// Edge of the white sticker, m.
     pub size: f32,
-    /// What is printed on it.
+    /// The pattern printed on it.
     pub cells: Cells,
 }
 
@@ -93,7 +93,7 @@ fn finger_box(piece: &ArmBox, tip: f64) -> Cuboid {
     Cuboid { min: [x0, y0, tip - z1], max: [x1, y1, tip - z0] }
 }
 
-/// Name of the body of what is mounted on the hand; the wrist camera, which is in it, does not see it.
+/// Name of the body of the wrist camera's housing on the hand; the camera, which is in it, does not see it.
 pub const HOUSING: &str = "housing";
 
 impl Looks {
@@ -191,7 +191,7 @@ impl Looks {
     }
 }
 
-/// How much of an extrusion's end is drawn inside its socket, m: one sees into the gap a little.
+/// Length of an extrusion's end that is drawn inside its socket, m: the gap is visible.
 const HIDDEN: f64 = 3.0e-3;
 
 /// The sides of an extrusion from x = `from` to x = `to`, m.
@@ -283,8 +283,8 @@ pub struct ArmSurface {
     pub indices: Vec<u32>,
 }
 
-/// The maker's own meshes of the arm called `arm`, from the crate `franka-description` (Apache-2.0); none for an arm
-/// this crate has no meshes of.
+/// The maker's own meshes of the arm called `arm`, from the crate `franka-description` (Apache-2.0); empty
+/// for an arm without meshes in this crate.
 pub fn arm_surfaces(arm: &str) -> Vec<ArmSurface> {
     let mut all = Vec::new();
     if arm == "panda" {

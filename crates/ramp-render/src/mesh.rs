@@ -60,8 +60,8 @@ impl Mesh {
         self.add((0..8).map(corner), triangles, colour);
     }
 
-    /// Halves edges until none is longer than `longest` (m), so that a lens may bend them. Neighbours stay together:
-    /// whether an edge is halved depends on the edge alone.
+    /// Halves edges until none is longer than `longest` (m), so that a lens may bend them. Neighbours stay
+    /// together: whether an edge is halved depends on the edge alone.
     pub fn refined(self, longest: f32) -> Mesh {
         let mut points = self.points;
         let mut todo: Vec<([u32; 3], Colour)> = self.triangles.into_iter().zip(self.colours).rev().collect();

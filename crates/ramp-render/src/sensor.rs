@@ -1,12 +1,13 @@
-//! A sensor behind a lens: what blurs, scales and disturbs the light on its way to a number.
+//! A sensor behind a lens: it blurs and scales the light and adds noise.
 
 use ramp_robot::random::Stream;
 
 /// Largest value of a linear channel.
 pub(crate) const FULL: u16 = 4095;
-/// Sensor noise in grey levels (1 σ) after gamma, which makes shot noise about the same in dark and bright places.
+/// Sensor noise in grey levels (1 σ) after gamma, which makes shot noise about the same in dark and bright
+/// places.
 const NOISE: f64 = 1.6;
-/// By how much the exposure differs from episode to episode, and from image to image (1 σ, share).
+/// Variation of the exposure from episode to episode, and from image to image (1 σ, share).
 const GAIN_EPISODE: f64 = 0.08;
 /// See [`GAIN_EPISODE`].
 const GAIN_IMAGE: f64 = 0.01;
@@ -36,7 +37,7 @@ impl Sensor {
         Sensor { gain, stream, noise, tone: Box::new([0; FULL as usize + 1]), steady: false, row: Vec::new() }
     }
 
-    /// A sensor without noise, and the exposure that was meant.
+    /// A sensor without noise and with nominal exposure.
     pub fn ideal() -> Sensor {
         Sensor {
             gain: 1.0,

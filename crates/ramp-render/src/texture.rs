@@ -1,4 +1,5 @@
-//! The printed sheet as pixels, in several sizes so that a far look at it does not flicker, and the cells of tags.
+//! The printed sheet as pixels, in several sizes so that a far look at it does not flicker, and the cells of
+//! tags.
 
 use ramp_kit::{Kit, sheet, tags};
 use resvg::{tiny_skia, usvg};
@@ -8,19 +9,19 @@ use crate::error::LooksError;
 /// Pixels of the sheet's finest picture per millimetre.
 const SCALE: f64 = 3.2;
 
-/// Edge of the squares in which pixels are stored, so that those that are neighbours are so in memory too, whichever way
-/// the camera is turned.
+/// Edge of the squares in which pixels are stored, so that those that are neighbours are so in memory too,
+/// whichever way the camera is turned.
 const TILE: usize = 8;
 
-/// Where a pixel is stored.
+/// Index of a stored pixel.
 #[inline]
 fn place(width: usize, column: usize, row: usize) -> usize {
     let tiles = width.div_ceil(TILE);
     ((row / TILE * tiles + column / TILE) * TILE + row % TILE) * TILE + column % TILE
 }
 
-/// The number of a colour of the sheet, which is printed in grey and red: how bright its green is in steps of two, and
-/// above them the same for red.
+/// The number of a colour of the sheet, which is printed in grey and red: how bright its green is in steps of
+/// two, and above them the same for red.
 fn number(colour: u32) -> u8 {
     let [red, green] = [colour & 255, colour >> 8 & 255];
     (green / 2) as u8 | if red > green + 24 { 128 } else { 0 }
@@ -49,8 +50,8 @@ fn tiled(width: usize, height: usize, pixels: &[u32]) -> Vec<u8> {
 /// A picture on the table.
 #[derive(Clone, Debug)]
 pub struct Texture {
-    /// From fine to coarse: width, height and pixels in tiles, each a number of a colour. A byte each, because most of the
-    /// time of looking them up is waiting for memory.
+    /// From fine to coarse: width, height and pixels in tiles, each a number of a colour. A byte each,
+    /// because most of the time of looking them up is waiting for memory.
     levels: Vec<(usize, usize, Vec<u8>)>,
     /// The colours: red, green, blue in linear light, lowest byte first.
     colours: Vec<u32>,
@@ -172,8 +173,8 @@ impl Level<'_> {
         self.pixels.get(place(self.width, column, row)).copied().unwrap_or_default()
     }
 
-    /// The numbers of the colours along a straight line, from a place on the picture (as for [`Level::at`]) in equal steps
-    /// for as long as it does not leave the picture.
+    /// The numbers of the colours along a straight line, from a place on the picture (as for [`Level::at`])
+    /// in equal steps for as long as it does not leave the picture.
     #[inline]
     pub fn along(&self, from: [f32; 2], step: [f32; 2]) -> impl Iterator<Item = u8> {
         // Whole pixels and their 65536th parts: nothing to be rounded from pixel to pixel.
@@ -193,7 +194,7 @@ impl Level<'_> {
     }
 }
 
-/// How much light a tag's white and black throw back.
+/// Reflectance of a tag's white and black.
 pub const TAG_LIGHT: [f32; 2] = [0.82, 0.035];
 
 /// Cells across a tag with the ring of white that the sticker adds.
@@ -204,8 +205,8 @@ pub const PLACES: usize = 16;
 /// A tag's cells in a frame that begins at the sticker's corner.
 #[derive(Clone, Debug)]
 pub struct Cells {
-    /// By row from the top, with a ring of white around for the sticker's edge: a bit for each white cell, the lowest the
-    /// one on the left. As many rows as four bits can count, so that no index is out of range.
+    /// By row from the top, with a ring of white around for the sticker's edge: a bit for each white cell,
+    /// the lowest the one on the left. As many rows as four bits can count, so that no index is out of range.
     bright: [u16; 16],
     /// Cells per metre.
     per_metre: f32,
@@ -231,8 +232,9 @@ impl Cells {
         Cells { bright: [u16::MAX; 16], per_metre: self.per_metre }
     }
 
-    /// The row or column at a place that many cells from the first one's beginning, less a half: the nearest one then. In a
-    /// form that processors do four at a time; adding two to the power of 23 leaves the whole number in the lowest bits.
+    /// The row or column at a place that many cells from the first one's beginning, less a half: the nearest
+    /// one then. In a form that processors do four at a time; adding two to the power of 23 leaves the whole
+    /// number in the lowest bits.
     #[inline]
     fn nearest(value: f32) -> usize {
         const LAST: f32 = (ACROSS - 1) as f32;
@@ -241,8 +243,8 @@ impl Cells {
         ((value + 8_388_608.0).to_bits() & 15) as usize
     }
 
-    /// How many of the [`PLACES`] in a parallelogram around (x, y) with the sides `a` and `b` are white, all in the tag's
-    /// frame G (x right, y up, m).
+    /// Number of the [`PLACES`] in a parallelogram around (x, y) with the sides `a` and `b` are white, all
+    /// in the tag's frame G (x right, y up, m).
     #[inline]
     pub fn white(&self, x: f32, y: f32, a: [f32; 2], b: [f32; 2]) -> usize {
         const MIDDLE: f32 = ACROSS as f32 / 2.0 - 0.5;
@@ -274,7 +276,7 @@ impl Cells {
     }
 }
 
-/// Where in a pixel the [`PLACES`] are, as shares of its sides from its middle.
+/// Positions of the [`PLACES`] in a pixel, as shares of its sides from its middle.
 const SPREAD: [[f32; 2]; PLACES] = {
     let mut places = [[0.0; 2]; PLACES];
     let mut place = 0;

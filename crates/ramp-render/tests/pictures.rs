@@ -1,6 +1,6 @@
-//! Pictures as a detector's author would check them: is each thing at the pixel where the camera model has it?
+//! Geometry of the images: each object is at the pixel that the camera model predicts.
 
-#![allow(clippy::unwrap_used)] // A test that cannot go on may stop.
+#![allow(clippy::unwrap_used)] // A failed unwrap here is a failed test.
 
 use std::path::Path;
 use std::sync::Arc;

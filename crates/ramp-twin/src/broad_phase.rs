@@ -1,9 +1,10 @@
-//! Which bodies the engine need not look at when it searches for contacts.
+//! Selection of the bodies that the engine considers in its search for contacts.
 //!
-//! MuJoCo's broad phase makes a box of each body from all of its geoms at every step, also of those that sleep or are fixed;
-//! in the whole scene with its rings of boxes around holes that is more than half of a step. Here, a body that nothing can
-//! touch in this step is left out before: one that is neither awake nor near anything that is, or that may wake. The engine
-//! finds the same contacts in the same order, so no bit of the physics changes.
+//! MuJoCo's broad phase makes a box of each body from all of its geoms at every step, also of those that
+//! sleep or are fixed; in the whole scene with its rings of boxes around holes that is more than half of a
+//! step. Here, a body that nothing can touch in this step is left out before: one that is neither awake nor
+//! near anything that is, or that may wake. The engine finds the same contacts in the same order, so no bit
+//! of the physics changes.
 
 use std::sync::Arc;
 
@@ -11,7 +12,7 @@ use mujoco_rs::mujoco_c::mj_step;
 use mujoco_rs::prelude::*;
 use nalgebra::{Matrix3, Vector3};
 
-/// By how much boxes of what moves are enlarged, m: poses are those of the step before, and nothing moves at 20 m/s.
+/// Enlargement of the boxes, m: poses are those of the step before, and no body moves at 20 m/s.
 const MOTION: f64 = 20e-3;
 
 /// A box, along the axes of whatever frame it is in.
@@ -71,19 +72,21 @@ impl BroadPhase {
                 *mask = if *near { *all } else { 0 };
             }
         }
-        // The model is shared and never changes: the engine gets a table of contents of its own, with two other columns.
+        // The model is shared and never changes: the engine gets a table of contents of its own, with two
+        // other columns.
         let mut view = model.ffi().clone();
         let [contype, conaffinity] = &mut self.masks;
         (view.body_contype, view.body_conaffinity) = (contype.as_mut_ptr(), conaffinity.as_mut_ptr());
         #[expect(unsafe_code, reason = "the engine's own step takes no model but the data's")]
-        // SAFETY: all pointers of `view` are those of the data's model, which lives as long as the data, but for two arrays of
-        // the same length, which live longer than the call. The engine keeps no pointer to a model.
+        // SAFETY: all pointers of `view` are those of the data's model, which lives as long as the data, but
+        // for two arrays of the same length, which live longer than the call. The engine keeps no pointer to
+        // a model.
         unsafe {
             mj_step(&raw const view, data.ffi_mut());
         }
     }
 
-    /// Where all bodies are.
+    /// Places the boxes of all bodies in the world.
     fn place(&mut self, data: &MjData<Arc<MjModel>>) {
         for (body, (extent, placed)) in self.extents.iter().zip(&mut self.boxes).enumerate() {
             let Some(extent) = extent else { continue };
@@ -93,7 +96,7 @@ impl BroadPhase {
         }
     }
 
-    /// Leaves in what is awake, what its boxes touch, what those would wake, and so on.
+    /// Keeps bodies that are awake, those that their boxes touch, those that these would wake, and so on.
     fn find(&mut self, data: &MjData<Arc<MjModel>>) {
         let model = data.model();
         let (trees, asleep) = (model.body_treeid(), data.tree_asleep());
@@ -115,7 +118,7 @@ impl BroadPhase {
                 }
                 match usize::try_from(*tree) {
                     Ok(tree) => self.enter_island(data, tree),
-                    // What is fixed moves nothing else.
+                    // A fixed body moves no other.
                     Err(_) => self.near[other] = true,
                 }
             }

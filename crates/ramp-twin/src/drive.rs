@@ -1,8 +1,8 @@
-//! What stands between the torques that the inner loops want and the joints, and what the arm feels of itself.
+//! The drives: from the torques that the inner loops request to those at the joints, and the torque sensors.
 //!
-//! Wanted torques pass the handover from mode to mode, the compensation of friction, the limits of the controller and the
-//! [`line`](crate::line) to the motors; [`joint_friction`](crate::joint_friction) brakes the joints. After a period the torque
-//! sensors tell what came of it, and the external wrench is estimated from that.
+//! Requested torques pass the handover from mode to mode, the compensation of friction, the limits of the
+//! controller and the [`line`](crate::line) to the motors; [`joint_friction`](crate::joint_friction) brakes
+//! the joints. After a period the torque sensors are read, and the external wrench is estimated from them.
 
 use nalgebra::{SMatrix, UnitQuaternion, Vector3, Vector6};
 use ramp_control::{
@@ -12,29 +12,30 @@ use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_robot::{ArmCommand, DOF, PERIOD, RobotError};
 use ramp_world::Physics;
-use ramp_world::groups::Arm;
+use ramp_world::groups::{Arm, Controller};
 
 use crate::joint_friction::{JointFriction, shares};
 use crate::line::Line;
 
-/// By which share a limit may be passed, for rounding.
+/// Share by which a limit may be exceeded, for rounding.
 const ROUNDING: f64 = 1e-6;
-/// Readings of the torque sensors at rest before the episode from which their zero is known. Chosen: a tenth of a second.
+/// Readings of the torque sensors at rest before the episode from which their zero is known. Chosen: a tenth
+/// of a second.
 const ZERO_READINGS: f64 = 100.0;
-/// A torque rate that is none.
+/// Torque rate from which on it is not limited, N·m/s.
 const NO_RATE: f64 = 1e8;
 
 /// The drives of the arm with their sensors.
 #[derive(Clone)]
 pub(crate) struct Drive {
-    physics: Physics,
-    friction: JointFriction,
+    /// Deflection of the bristles that hold each joint, rad.
+    bristles: JointVector,
     line: Line,
     handover: Handover,
     compensation: Compensation,
     estimate: WrenchEstimate,
     noise: Stream,
-    /// What the torque sensors read at the start, N·m.
+    /// Readings of the torque sensors at the start, N·m.
     zero: JointVector,
     /// The torques that were sent last, N·m.
     sent: JointVector,
@@ -42,7 +43,7 @@ pub(crate) struct Drive {
     commanded: JointVector,
     /// The torques of friction in this period, N·m.
     braked: JointVector,
-    /// What the torque sensors tell, N·m.
+    /// Readings of the torque sensors, N·m.
     measured: JointVector,
 }
 
@@ -58,7 +59,7 @@ impl Drive {
         let zero =
             bias(physics, &JointVector::from(*home)) + JointVector::from_fn(|_, _| noise.normal(sigma));
         Drive {
-            friction: JointFriction::new(&physics.friction, &physics.arm),
+            bristles: JointVector::zeros(),
             line: Line::new(&physics.line, seed),
             handover: Handover::default(),
             compensation: Compensation::new(controller.compensation, controller.compensation_rate, &model),
@@ -69,7 +70,6 @@ impl Drive {
             commanded: JointVector::zeros(),
             braked: JointVector::zeros(),
             measured: JointVector::zeros(),
-            physics: physics.clone(),
         }
     }
 
@@ -79,11 +79,12 @@ impl Drive {
     /// [`RobotError::TorqueJump`] when torques are commanded that change faster than the controller allows.
     pub fn command(
         &mut self,
+        controller: &Controller,
         arm: &ArmModel,
         command: &ArmCommand,
         wanted: JointVector,
     ) -> Result<JointVector, RobotError> {
-        let rate = self.physics.controller.torque_rate;
+        let rate = controller.torque_rate;
         if rate >= NO_RATE {
             let torques = limit_torques(arm, wanted + self.compensation.torques());
             self.commanded = self.line.send(torques);
@@ -110,47 +111,55 @@ impl Drive {
         self.line.has_stopped()
     }
 
-    /// The arm works again after a stop.
-    pub fn begin_anew(&mut self) {
-        self.line.begin_anew();
+    /// Makes the arm ready again after a stop.
+    pub fn restart(&mut self) {
+        self.line.restart();
         self.handover = Handover::default();
         self.sent = JointVector::zeros();
     }
 
-    /// The torques beside those of the motors that act on the joints in this period, N·m: friction, and what weight the
-    /// compensation of gravity does not know. `p_unknown` is where that weight is (m), `p_tip` the point of the Jacobian.
-    pub fn load(&mut self, state: &ArmState, p_unknown: &Vector3<f64>) -> JointVector {
-        self.braked = self.friction.step(&state.velocities);
-        let weight = Vector3::new(0.0, 0.0, -self.physics.arm.unknown_mass * crate::engine::GRAVITY);
+    /// The torques that act on the joints in this period beside those of the motors, N·m: friction, and the
+    /// weight of a mass that the gravity compensation does not know (kg), at `p_unknown` (m, in the world).
+    pub fn load(
+        &mut self,
+        friction: &JointFriction,
+        unknown_mass: f64,
+        state: &ArmState,
+        p_unknown: &Vector3<f64>,
+    ) -> JointVector {
+        self.braked = friction.step(&mut self.bristles, &state.velocities);
+        let weight = Vector3::new(0.0, 0.0, -unknown_mass * crate::engine::GRAVITY);
         let moment = (p_unknown - state.x_wt.translation.vector).cross(&weight);
         let wrench = Vector6::new(weight.x, weight.y, weight.z, moment.x, moment.y, moment.z);
         self.braked + state.jacobian.transpose() * wrench
     }
 
-    /// What came of a period: the joints' inertia with the drives (kg·m²) and velocities (rad/s) before it, their velocities
-    /// after it, and the torques of Coriolis and centrifugal forces, N·m.
+    /// Updates the torque sensors after a period. `inertia` (kg·m²) is that of the joints with the drives;
+    /// the velocities (rad/s) are those before and after the period, the positions (rad) those before it, and
+    /// `coriolis` the torques of Coriolis and centrifugal forces, N·m.
     pub fn sensed(
         &mut self,
+        physics: &Physics,
         inertia: &SMatrix<f64, DOF, DOF>,
         [before, after]: [&JointVector; 2],
         coriolis: &JointVector,
         positions: &JointVector,
     ) {
         let accelerations = (after - before) / PERIOD;
-        let armature = JointVector::from(self.physics.arm.armature);
-        let viscous = JointVector::from(self.physics.friction.viscous);
+        let armature = JointVector::from(physics.arm.armature);
+        let viscous = JointVector::from(physics.friction.viscous);
         let drives = armature.component_mul(&accelerations);
-        let [motor, _] = shares(&self.physics.friction);
-        let sigma = self.physics.sensing.torque_noise;
+        let [motor, _] = shares(&physics.friction);
+        let sigma = physics.sensing.torque_noise;
         let noise = JointVector::from_fn(|_, _| self.noise.normal(sigma));
         let link = self.commanded + motor * self.braked - viscous.component_mul(after) - drives;
-        self.measured = link + bias(&self.physics, positions) - self.zero + noise;
+        self.measured = link + bias(physics, positions) - self.zero + noise;
         self.compensation.sensed(&self.commanded, &self.measured, &drives);
         let links = inertia - SMatrix::<f64, DOF, DOF>::from_diagonal(&armature);
         self.estimate.sensed(&links, &accelerations, coriolis, &self.measured);
     }
 
-    /// What the torque sensors tell, N·m.
+    /// Readings of the torque sensors, N·m.
     pub fn torques(&self) -> &JointVector {
         &self.measured
     }
@@ -160,12 +169,12 @@ impl Drive {
         self.estimate.wrench(jacobian)
     }
 
-    /// Whether the arm stops by reflex under this external force (N).
+    /// Checks the external force (N) and the estimated external torques against the limits of the reflex
+    /// stop.
     ///
     /// # Errors
     /// [`RobotError::Reflex`].
-    pub fn check_reflex(&self, force: f64) -> Result<(), RobotError> {
-        let controller = &self.physics.controller;
+    pub fn check_reflex(&self, controller: &Controller, force: f64) -> Result<(), RobotError> {
         if force > controller.reflex_force {
             let of = "the external force".to_string();
             return Err(RobotError::Reflex { of, value: force, limit: controller.reflex_force, unit: "N" });
@@ -182,7 +191,7 @@ impl Drive {
     }
 }
 
-/// By how much the torque sensors are off at these positions (rad), N·m.
+/// Bias of the torque sensors at these positions (rad), N·m.
 fn bias(physics: &Physics, positions: &JointVector) -> JointVector {
     let sensing = &physics.sensing;
     JointVector::from_fn(|joint, _| {
@@ -190,8 +199,7 @@ fn bias(physics: &Physics, positions: &JointVector) -> JointVector {
     })
 }
 
-/// The arm as it takes itself to be, when its joints' positions are off a little: what its own model makes of what its joints
-/// tell.
+/// The arm's state by its own model, from joint positions with the errors of its joint sensors.
 pub(crate) fn believed(arm: &Arm, state: ArmState) -> ArmState {
     let off = JointVector::from_fn(|joint, _| {
         arm.offset[joint] + arm.wave[joint] * (state.positions[joint] + arm.wave_begin[joint]).sin()

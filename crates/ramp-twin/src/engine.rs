@@ -1,4 +1,4 @@
-//! What the engine's numbers mean: poses of bodies and rotations.
+//! Poses of bodies and rotations from the engine's numbers.
 
 use std::sync::Arc;
 

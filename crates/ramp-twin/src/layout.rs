@@ -1,5 +1,5 @@
-//! Where every part stands when an episode starts: the kit's sheet, disturbed a little from the episode's seed, so
-//! that no agent can replay a fixed motion.
+//! Start poses of all parts: those of the kit's sheet with a small random disturbance from the episode's
+//! seed, so that no agent can replay a fixed motion.
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::Assembly;
@@ -7,7 +7,7 @@ use ramp_kit::Pose;
 use ramp_robot::random::Stream;
 use ramp_world::groups::Table;
 
-/// By how much the start poses differ from the sheet's outlines.
+/// Largest deviation of the start poses from the sheet's outlines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbance {
     /// Largest shift along each axis of the table, m.
@@ -79,7 +79,7 @@ impl Layout {
         Layout { beams, holders, pegs }
     }
 
-    /// Sets everything onto a table that is higher than it should be and leans.
+    /// Moves all parts with a table that is too high and tilted.
     pub fn tilt(&mut self, table: &Table) {
         let x_table = x_table(table);
         if x_table == Pose::identity() {
@@ -91,7 +91,7 @@ impl Layout {
     }
 }
 
-/// Where the table really is, against where it should be.
+/// True pose of the table in its nominal frame.
 pub(crate) fn x_table(table: &Table) -> Pose {
     let [x, y] = table.tilt;
     let lean = UnitQuaternion::from_scaled_axis(Vector3::new(x, y, 0.0));

@@ -6,13 +6,13 @@ use ramp_control::JointVector;
 use ramp_robot::random::Stream;
 use ramp_world::groups;
 
-/// So many commands lost in a row stop the arm. From libfranka's documentation.
+/// Number of commands lost in a row that stops the arm. From libfranka's documentation.
 pub(crate) const MOST_LOST: u32 = 20;
 
-/// What is on its way.
+/// Commands on their way to the arm.
 #[derive(Clone)]
 pub(crate) struct Line {
-    /// Commands that are not there yet, the oldest first.
+    /// Commands that have not arrived yet, the oldest first.
     coming: VecDeque<JointVector>,
     /// In periods.
     delay: usize,
@@ -40,12 +40,13 @@ impl Line {
         }
     }
 
-    /// Sends torques (N·m), and tells those that the motors get now: the last ones while commands are lost.
+    /// Sends torques (N·m). Returns those that arrive at the motors now: the last ones while commands are
+    /// lost.
     pub fn send(&mut self, torques: JointVector) -> JointVector {
         self.coming.push_back(torques);
         let arrived = if self.coming.len() > self.delay { self.coming.pop_front() } else { None };
         if self.lost > 0.0 && self.losing == 0 && self.stream.uniform() < self.lost {
-            // A row goes on with the same probability after each command: its mean length is `lost_row`.
+            // A row continues with the same probability after each command: its mean length is `lost_row`.
             self.losing = 1;
             while self.stream.uniform() < 1.0 - 1.0 / self.lost_row && self.losing < 10 * MOST_LOST {
                 self.losing += 1;
@@ -61,13 +62,13 @@ impl Line {
         self.last
     }
 
-    /// Whether so many were lost in a row that the arm stops.
+    /// Whether [`MOST_LOST`] commands or more were lost in a row, so that the arm stops.
     pub fn has_stopped(&self) -> bool {
         self.in_row >= MOST_LOST
     }
 
-    /// The arm works again: nothing is on its way any more.
-    pub fn begin_anew(&mut self) {
+    /// Makes the arm ready again: nothing is on its way any more.
+    pub fn restart(&mut self) {
         self.coming.clear();
         self.losing = 0;
         self.in_row = 0;
@@ -90,7 +91,8 @@ mod tests {
         assert_eq!(came, [0.0, 0.0, 1.0, 2.0, 3.0]);
     }
 
-    /// While commands are lost the last torque is held; 20 in a row stop the arm, and rows are as long as they should be.
+    /// While commands are lost the last torque is held; 20 in a row stop the arm, and rows have the specified
+    /// mean length.
     #[test]
     fn lost_commands_hold_the_last_torque() {
         let mut line = line(0.0, 0.01, 4.0);
@@ -105,7 +107,7 @@ mod tests {
             before = came;
             if line.has_stopped() {
                 stops += 1;
-                line.begin_anew();
+                line.restart();
             }
         }
         let mean = f64::from(lost) / rows as f64;

@@ -1,12 +1,12 @@
-//! What the arm looks like in MuJoCo's own pictures: the maker's meshes. They collide with nothing; collision geometry
-//! is in the arm file.
+//! Meshes that show the arm in MuJoCo's own pictures. They collide with nothing; collision geometry is in the
+//! arm file.
 
 use std::fmt::Write;
 use std::sync::OnceLock;
 
 use ramp_render::looks::{ArmSurface, arm_surfaces};
 
-/// The meshes of the arm called `arm`; none for an arm there are no meshes of.
+/// The meshes of the arm called `arm`; empty for an arm without meshes.
 fn meshes(arm: &str) -> &'static [ArmSurface] {
     static PANDA: OnceLock<Vec<ArmSurface>> = OnceLock::new();
     if arm != "panda" {

@@ -1,4 +1,4 @@
-//! What an episode in the twin is made from.
+//! Input of an episode in the twin.
 
 use ramp_assembly::Assembly;
 use ramp_render::LooksError;
@@ -9,22 +9,22 @@ use ramp_world::World;
 use crate::fault::Fault;
 use crate::layout::Disturbance;
 
-/// What an episode in the twin is made from.
+/// Input of an episode in the twin.
 #[derive(Clone, Debug)]
 pub struct Setup<'a> {
     /// The goal, with its kit.
     pub assembly: &'a Assembly,
     /// The arm.
     pub arm: &'a ArmModel,
-    /// What the agent may see.
+    /// The track: the data that the agent may see.
     pub track: Track,
-    /// All randomness flows from here.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// How far the start differs from the sheet's outlines.
+    /// Deviation of the start from the sheet's outlines.
     pub disturbance: Disturbance,
-    /// What the physics are drawn from.
+    /// The world from which the physics are drawn.
     pub world: &'a World,
-    /// What goes wrong on purpose.
+    /// The injected fault.
     pub fault: Option<Fault>,
 }
 
@@ -34,13 +34,13 @@ pub enum TwinError {
     /// MuJoCo refused the scene.
     #[error("MuJoCo cannot compile the scene: {0}")]
     Scene(String),
-    /// There is no window to be had.
+    /// A window cannot be opened.
     #[error("cannot open a window: {0}")]
     Window(String),
-    /// The cameras have nothing to show.
+    /// Meshes and textures for images cannot be loaded.
     #[error(transparent)]
     Looks(#[from] LooksError),
-    /// The scene lacks something the twin needs: the kit or the arm file is not what it should be.
+    /// The scene lacks a body or site that the twin needs: the kit or the arm file is wrong.
     #[error("the scene has no {0}")]
     Missing(String),
 }

@@ -1,24 +1,25 @@
-//! A gripper that takes its time: between a command and the motion of the fingers passes a dead time, what it has begun it
-//! finishes, and it tells its width a few times a second.
+//! A gripper with a dead time between a command and the motion of the fingers. It finishes a motion before it
+//! starts the next, and reports its width a few times a second.
 
 use ramp_robot::{GripperCommand, PERIOD};
 use ramp_world::groups::Gripper;
 
 /// Fingers that move less than this in a period are still, m.
 const STILL: f64 = 2e-6;
-/// For so many periods they must be still until a motion counts as finished. Chosen: a rib that slides into a slot pauses.
+/// Number of still periods after which a motion counts as finished. Chosen: a rib that slides into a slot
+/// pauses.
 const STILL_PERIODS: u32 = 60;
-/// A motion is finished after so many periods at the latest: the longest takes 0.8 s.
+/// Largest number of periods of a motion: the longest takes 0.8 s.
 const LONGEST: u32 = 2000;
 
-/// What the gripper is at.
+/// Stage of the gripper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
-    /// It holds what it was told last.
+    /// It holds the last command.
     Done,
-    /// It has heard a command, and does nothing yet: for so many periods more.
+    /// It has received a command and does nothing for this number of periods.
     Dead(u32),
-    /// Its fingers move: for so many periods so far, and still for so many.
+    /// Its fingers move: number of periods so far, and number of still ones at the end.
     Moving(u32, u32),
 }
 
@@ -27,14 +28,14 @@ enum Stage {
 pub(crate) struct SlowGripper {
     /// In periods.
     dead_time: u32,
-    told_every: u32,
+    report_every: u32,
     stage: Stage,
-    /// What the fingers do, and what they have been told to do next.
+    /// Command that the fingers execute, and the last one received.
     done: GripperCommand,
     heard: GripperCommand,
-    /// The width that was told last, m, and so many periods ago.
+    /// Last reported width, m, and number of periods since.
     width: f64,
-    told: u32,
+    since_report: u32,
     last_width: f64,
 }
 
@@ -44,17 +45,17 @@ impl SlowGripper {
         let start = GripperCommand { width, force: 10.0 };
         SlowGripper {
             dead_time: (gripper.dead_time / PERIOD).round() as u32,
-            told_every: ((gripper.told_every / PERIOD).round() as u32).max(1),
+            report_every: ((gripper.told_every / PERIOD).round() as u32).max(1),
             stage: Stage::Done,
             done: start,
             heard: start,
             width,
-            told: 0,
+            since_report: 0,
             last_width: width,
         }
     }
 
-    /// What the fingers are to do in this period, when `command` is commanded.
+    /// The command that the fingers execute in this period, when the agent commands `command`.
     pub fn step(&mut self, command: GripperCommand) -> GripperCommand {
         if self.dead_time == 0 {
             return command;
@@ -75,12 +76,13 @@ impl SlowGripper {
         self.done
     }
 
-    /// After a period: where the fingers are, m. Returns the width that is told, m, and whether the gripper is still at it.
+    /// Takes the true `width` (m) after a period. Returns the reported width, m, and whether the gripper is
+    /// still busy.
     pub fn sensed(&mut self, width: f64, command: GripperCommand) -> (f64, bool) {
-        if self.told == 0 {
+        if self.since_report == 0 {
             self.width = width;
         }
-        self.told = (self.told + 1) % self.told_every;
+        self.since_report = (self.since_report + 1) % self.report_every;
         if let Stage::Moving(periods, still) = self.stage {
             let still = if (width - self.last_width).abs() < STILL { still + 1 } else { 0 };
             self.stage = if still >= STILL_PERIODS || periods >= LONGEST {
@@ -107,7 +109,7 @@ mod tests {
         let mut gripper = SlowGripper::new(&Gripper { dead_time: 0.5, told_every: 0.1 }, 0.04);
         let command = |width| GripperCommand { width, force: 20.0 };
         let (mut width, mut began, mut ended) = (0.04, None, None);
-        let mut told = Vec::new();
+        let mut reported = Vec::new();
         for period in 0..3000 {
             // The program closes, and opens again 100 ms later.
             let wanted = command(if period < 100 { 0.02 } else { 0.06 });
@@ -120,13 +122,13 @@ mod tests {
             if ended.is_none() && width > 0.0599 && !busy {
                 ended = Some(period);
             }
-            if told.last() != Some(&known) {
-                told.push(known);
+            if reported.last() != Some(&known) {
+                reported.push(known);
             }
         }
         assert_eq!(began, Some(501));
         // Closed at 700, still for 60 periods, dead for 500, 400 to open, still again.
         assert!(matches!(ended, Some(1650..1760)), "{ended:?}");
-        assert!(told.len() < 20, "{told:?}");
+        assert!(reported.len() < 20, "{reported:?}");
     }
 }

@@ -1,5 +1,5 @@
-//! A live window on the twin. It has a state of its own and copies the twin's positions into it, so that nothing
-//! done in the window can reach the physics.
+//! A live window on the twin. It has a state of its own and copies the twin's positions into it, so that
+//! nothing done in the window can reach the physics.
 
 use mujoco_rs::prelude::*;
 use mujoco_rs::viewer::MjViewer;
@@ -40,7 +40,7 @@ impl Window {
         self.data.qpos_mut().copy_from_slice(twin.qpos());
         self.data.forward_kinematics();
         self.viewer.sync_data(&mut self.data);
-        // A frame that cannot be drawn is no reason to stop the episode.
+        // A frame that cannot be drawn does not stop the episode.
         let _ = self.viewer.render();
     }
 }

@@ -1,7 +1,7 @@
-//! The twin's cameras: time passes while they expose, the same seed gives the same bits, and they are not quite where
-//! the agent is told.
+//! The twin's cameras: time passes while they expose, the same seed gives the same bits, and their true poses
+//! differ a little from those reported to the agent.
 
-#![allow(clippy::unwrap_used)] // A test that cannot go on may stop.
+#![allow(clippy::unwrap_used)] // A failed unwrap here is a failed test.
 
 mod common;
 
@@ -35,9 +35,9 @@ fn an_image_takes_time_and_is_the_same_for_a_seed() {
     assert_ne!(one.look(Camera::Wrist).unwrap().pixels, two.look(Camera::BirdsEye).unwrap().pixels);
 }
 
-/// Shutters that are opened at once follow each other at the interval of the cameras, while the arm goes on. The oldest image
-/// comes first, without a wait if it is there. Eight are kept: another one takes the place of the oldest that is there, and is not
-/// begun if none is.
+/// Shutters that are opened at once follow each other at the interval of the cameras, while the arm moves.
+/// The oldest image comes first, without a wait if it is there. Eight are kept: another one takes the place
+/// of the oldest that is there, and is not begun if none is.
 #[test]
 fn exposures_go_on_while_the_arm_moves() {
     let world = World::new("easy-1");
@@ -84,12 +84,13 @@ fn exposures_go_on_while_the_arm_moves() {
     assert_eq!(noisy.expose(), Err(RobotError::NotOnTrack { track: Track::Noisy, what: "images" }));
 }
 
-/// An image of a hand that moves carries where the tip was in the middle, and is blurred; one from the same place of a hand at
-/// rest is sharp.
+/// An image of a hand that moves carries where the tip was in the middle, and is blurred; one from the same
+/// place of a hand at rest is sharp.
 #[test]
 fn a_moving_hand_blurs_its_image() {
     let world = World::new("easy-1");
-    // Pixels in a thousand that differ from their right neighbour as only a sharp edge does: far more than by noise.
+    // Pixels in a thousand that differ from their right neighbour as only a sharp edge does: far more than by
+    // noise.
     let sharpness = |image: &Image| -> f64 {
         let rows = image.pixels.chunks_exact(3 * image.width);
         let edges =

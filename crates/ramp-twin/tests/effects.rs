@@ -1,5 +1,5 @@
-//! Each effect of a world on its own, in the twin, against its formula: the world is `ideal` but for the numbers that a test
-//! names.
+//! Each effect of a world on its own, in the twin, against its formula: the world is `ideal` but for the
+//! numbers that a test names.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -25,7 +25,8 @@ fn twin(changed: &[(&str, f64)]) -> Twin {
     World::new("easy-1").twin_in(&world, 1)
 }
 
-/// Joint 1 turns by `angle` rad at 0.1 rad/s with gentle ends, and is held there for a second. Returns what is seen then.
+/// Joint 1 turns by `angle` rad at 0.1 rad/s with gentle ends, and is held there for a second. Returns what
+/// is seen then.
 fn turn(twin: &mut Twin, angle: f64) -> Observation {
     let start = twin.observe().positions;
     let steps = (angle.abs() / 0.1 * 1e3).ceil() as u32 + 300;
@@ -38,8 +39,8 @@ fn turn(twin: &mut Twin, angle: f64) -> Observation {
     twin.observe()
 }
 
-/// An arm that moves towards its goal stops short of it by friction over stiffness, and the more of the friction its inner loop
-/// compensates, the less.
+/// An arm that moves towards its goal stops short of it by friction over stiffness, and the more of the
+/// friction its inner loop compensates, the less.
 #[test]
 fn a_joint_stops_short_by_friction_over_stiffness() {
     let short = |friction: f64, compensation: f64| {
@@ -91,8 +92,8 @@ fn a_command_comes_after_the_delay() {
     assert_eq!([0.0, 3.0, 17.0].map(|delay| began(delay) - began(0.0)), [0, 3, 17]);
 }
 
-/// Twenty lost commands in a row stop the arm; it stands for the time of its recovery, and goes on with the motion that is
-/// commanded.
+/// Twenty lost commands in a row stop the arm; it stands for the time of its recovery, and continues the
+/// motion that is commanded.
 #[test]
 fn lost_commands_stop_the_arm_for_its_recovery() {
     let mut twin = twin(&[("line.lost", 0.002), ("line.lost_row", 30.0), ("line.recovery", 2.0)]);
@@ -115,7 +116,8 @@ fn lost_commands_stop_the_arm_for_its_recovery() {
     assert!(moved.abs() < 1e-3, "{moved} rad");
 }
 
-/// Fingers begin to move after the gripper's dead time, and their width is told as often as the world says.
+/// Fingers begin to move after the gripper's dead time, and their width is reported as often as the world
+/// says.
 #[test]
 fn fingers_move_after_the_dead_time() {
     let mut twin = twin(&[("gripper.dead_time", 0.6), ("gripper.told_every", 0.001)]);
@@ -135,8 +137,9 @@ fn fingers_move_after_the_dead_time() {
     assert!((0.6..0.62).contains(&began), "{began} s");
 }
 
-/// What the torque sensors are off is in the estimated wrench: the wrench at the wrist that explains it best, by MuJoCo's own
-/// Jacobian. Their error at the start is known as their zero; what it grows by in another pose is not.
+/// Errors of the torque sensors appear in the estimated wrench, as the wrench at the wrist that explains them
+/// best, by MuJoCo's own Jacobian. Their error at the start is removed as their zero; its change in another
+/// pose is not.
 #[test]
 fn errors_of_the_torque_sensors_are_in_the_estimated_wrench() {
     const WAVE: f64 = 0.4;
@@ -164,7 +167,7 @@ fn errors_of_the_torque_sensors_are_in_the_estimated_wrench() {
     }
 }
 
-/// What a wrist sensor is off is in its reading as it is, in the axes of the wrist.
+/// The bias of a wrist sensor appears in its reading, in the axes of the wrist.
 #[test]
 fn a_wrist_sensor_is_off_by_its_bias() {
     let mut ideal = twin(&[]);
@@ -220,7 +223,7 @@ fn unknown_weight_pulls_the_hand_down_by_weight_over_stiffness() {
     assert!((found / expected - 1.0).abs() < 0.1, "{found} and {expected}");
 }
 
-/// Positions that joints tell are off by their offsets, and the arm takes its tip to be where they say.
+/// Reported joint positions have the offsets as errors, and the arm computes its tip from them.
 #[test]
 fn told_positions_are_off() {
     let twin = twin(&[("arm.offset", 2e-3)]);

@@ -1,6 +1,7 @@
-//! What the twin collides is what is printed: points are thrown at every part, and the twin's geoms and the kit's solids
-//! must agree on which are inside, up to 0.1 mm at their surfaces. Cavities, holes and rounded edges are among them, so
-//! no clearance is smaller or larger than it is in plastic.
+//! The twin's collision geometry is that of the printed parts: random points are drawn around every part, and
+//! the twin's geoms and the kit's solids must agree on which are inside, up to 0.1 mm at their surfaces.
+//! Cavities, holes and rounded edges are among them, so no clearance is smaller or larger than it is in
+//! plastic.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -21,12 +22,13 @@ use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_twin::{Disturbance, Setup, Twin};
 
-/// Largest gap between what the twin collides and what is printed, m.
+/// Largest gap between the twin's collision geometry and the printed part, m.
 const GAP: f64 = 0.1e-3;
 /// Points thrown at each part.
 const POINTS: usize = 60_000;
 
-/// Signed distance of a point from a box, m: negative inside (an approximation outside of corners is enough here).
+/// Signed distance of a point from a box, m: negative inside (an approximation outside of corners is enough
+/// here).
 fn from_box(p: &Point3<f64>, cuboid: &Cuboid) -> f64 {
     (0..3).map(|axis| (cuboid.min[axis] - p[axis]).max(p[axis] - cuboid.max[axis])).fold(f64::MIN, f64::max)
 }
@@ -177,8 +179,8 @@ fn pegs_collide_as_they_are_printed() {
     let peg = &kit.pegs[0].name;
     let body = twin.model().name_to_id(MjtObjBase::mjOBJ_BODY, peg).unwrap();
     let geoms = geoms(twin.model(), body);
-    // The cone, with the last 4 mm of the stem above it, is a hull of 24 corners on each of its circles: at most
-    // 0.034 mm inside them.
+    // The cone, with the last 4 mm of the stem above it, is a hull of 24 corners on each of its circles: at
+    // most 0.034 mm inside them.
     let hull = 4.0e-3 - (STEM_LENGTH - STEM_CONE);
     let cone = |p: &Point3<f64>| if p.z < hull { from_peg(p) } else { f64::MAX };
     let around = Cuboid::new([-0.016, 0.016], [-0.016, 0.016], [-0.035, 0.026]);

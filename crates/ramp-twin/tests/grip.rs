@@ -1,8 +1,9 @@
 //! Held parts stay where they are in the hand, as far as the engine lets them.
 //!
-//! The engine leaves the term (dJ/dt) q̇ out of its rows of friction: on turning joints a held part slips, however hard it is
-//! held, by (1/b + h/2) |∫ (dJ/dt) q̇ dt| over a motion, with the damping b of the contact and the time step h. On a single
-//! joint at the distance R that is R ω². A load makes it creep, which iterations against that can take away.
+//! The engine leaves the term (dJ/dt) q̇ out of its rows of friction: on turning joints a held part slips,
+//! however hard it is held, by (1/b + h/2) |∫ (dJ/dt) q̇ dt| over a motion, with the damping b of the contact
+//! and the time step h. On a single joint at the distance R that is R ω². A load makes it creep, which
+//! iterations against that can take away.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -20,8 +21,8 @@ const DAMPING: f64 = 5000.0;
 /// Shortest room that a part has in a peg's hole, m: more slip than this over a carry is seen in a build.
 const ROOM: f64 = 1.75e-3;
 
-/// The lines of a scene that set the engine, and the contacts of parts and of the fingertips, whose contact is `pads` where
-/// that is given.
+/// The lines of a scene that set the engine, and the contacts of parts and of the fingertips, whose contact
+/// is `pads` where that is given.
 fn contacts(twin: &ramp_twin::Twin, pads: Option<&str>) -> [String; 3] {
     let line = |start: &str| twin.scene().lines().find(|line| line.starts_with(start)).unwrap().to_string();
     let (option, part, mut pad) =
@@ -34,8 +35,8 @@ fn contacts(twin: &ramp_twin::Twin, pads: Option<&str>) -> [String; 3] {
     [option, part, pad]
 }
 
-/// How far a part slips along the radius in a hand that turns about one joint with so much speed (m/s) at most, and what
-/// the formula says, m. `pads` is put in place of the fingertips' contact where there is one.
+/// How far a part slips along the radius in a hand that turns about one joint with so much speed (m/s) at
+/// most, and what the formula says, m. `pads` is put in place of the fingertips' contact where there is one.
 fn slip(speed: f64, pads: Option<&str>) -> (f64, f64) {
     let world = World::new("easy-3");
     let twin = world.twin(Track::State, 1);
@@ -64,8 +65,8 @@ fn slip(speed: f64, pads: Option<&str>) -> (f64, f64) {
     carried(&xml, speed, 1.0 / DAMPING + PERIOD / 2.0)
 }
 
-/// The slip of the part of a scene whose hand turns with so much speed (m/s) at most, and the formula's with `delay` (s) in
-/// place of 1/b + h/2, m.
+/// The slip of the part of a scene whose hand turns with so much speed (m/s) at most, and the formula's with
+/// `delay` (s) in place of 1/b + h/2, m.
 fn carried(xml: &str, speed: f64, delay: f64) -> (f64, f64) {
     let model = MjModel::from_xml_string(xml).unwrap();
     let mut data = MjData::new(&model);
@@ -94,8 +95,8 @@ fn carried(xml: &str, speed: f64, delay: f64) -> (f64, f64) {
     (along(&data) - start, predicted)
 }
 
-/// The scene's fingertips slip by what the formula says, and no more: a part carried at the highest speed of the hand still
-/// finds its hole.
+/// The scene's fingertips slip by what the formula says, and no more: a part carried at the highest speed of
+/// the hand still finds its hole.
 #[test]
 fn a_carried_part_slips_by_what_the_engine_leaves_out() {
     for speed in [0.5, 1.0, 1.5] {
@@ -115,7 +116,8 @@ fn it_is_the_damping_of_the_fingertips_that_counts() {
     assert!(slipped > ROOM, "{slipped} m");
 }
 
-/// The scene that shows it in MuJoCo alone. Its integrator is explicit in the rows of friction, which takes half a step off.
+/// The scene that shows it in MuJoCo alone. Its integrator is explicit in the rows of friction, which takes
+/// half a step off.
 #[test]
 fn the_example_for_mujoco_slips_by_the_formula() {
     let xml = include_str!("../../../examples/mujoco/held_part_slip.xml");
@@ -124,8 +126,8 @@ fn the_example_for_mujoco_slips_by_the_formula() {
     assert!((slipped - predicted).abs() < 0.1 * predicted, "{slipped} m for {predicted} m");
 }
 
-/// How fast a part creeps, m/s, that fingers hold which stand still, while 24 N push on it along them and 7 N across at the
-/// tip of a peg. `pads` is put in place of the fingertips' contact where there is one.
+/// How fast a part creeps, m/s, that fingers hold which stand still, while 24 N push on it along them and 7 N
+/// across at the tip of a peg. `pads` is put in place of the fingertips' contact where there is one.
 fn creep(world: &ramp_twin::World, pads: Option<&str>) -> f64 {
     let twin = World::new("easy-3").twin_in(world, 1);
     let [option, part, pad] = contacts(&twin, pads);
@@ -157,8 +159,8 @@ fn creep(world: &ramp_twin::World, pads: Option<&str>) -> f64 {
     (place(&data) - before).norm() / (1000.0 * PERIOD)
 }
 
-/// In every world, what the fingers hold stays where it is for as long as a press takes. `real` has no iterations against
-/// creep: there the damping of the fingertips holds it.
+/// In every world, a held part stays in place during a press. `real` has no
+/// iterations against creep: there the damping of the fingertips holds it.
 #[test]
 fn a_held_part_hardly_creeps_under_a_load() {
     let shipped = |name: &str| ramp_twin::World::shipped(name).unwrap();

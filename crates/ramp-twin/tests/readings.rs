@@ -1,4 +1,4 @@
-//! What each track lets be read of the parts: as noisy as it says, no more and no less, and at its price.
+//! Readings of parts on each track: their noise and their duration are as specified.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -54,7 +54,7 @@ fn noisy_readings_have_the_noise_that_they_say() {
             (square.sqrt() / sigma - 1.0).abs() < 4.0 / (2.0 * count).sqrt(),
             "axis {axis}: {square:.3e}"
         );
-        // Neither the other axes nor the reading before tell anything of this one.
+        // Readings of different axes, and successive readings, are uncorrelated.
         let slack = 4.0 * sigma / count.sqrt();
         for other in 0..axis {
             let product = errors.iter().map(|error| error[axis] * error[other]).sum::<f64>() / count;
@@ -94,6 +94,6 @@ fn a_track_gives_what_it_says_and_nothing_else() {
     }
     let mut tags = world.twin(Track::Tags, 1);
     assert_eq!(tags.read_parts(), Err(refused(Track::Tags, "poses of parts")));
-    // Having asked for it costs nothing: the robot goes on.
+    // The request takes no robot time.
     assert!(noisy.read_parts().is_ok() && tags.observe().time == 0.0);
 }

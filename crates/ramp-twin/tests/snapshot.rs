@@ -23,7 +23,8 @@ fn setup<'a>(cell: &'a World, world: &'a ramp_twin::World, track: Track) -> Setu
     }
 }
 
-/// Swings down onto what stands on the table and up again, with the fingers at work: `period` after the start.
+/// Swings down onto what stands on the table and up again, with the fingers at work: `period` after the
+/// start.
 fn command(home: &Pose, posture: [f64; DOF], period: u32) -> Command {
     let phase = f64::from(period) * 0.7e-3;
     let mut x_wt = *home;
@@ -41,7 +42,7 @@ fn command(home: &Pose, posture: [f64; DOF], period: u32) -> Command {
     Command { arm: ArmCommand::CartesianImpedance(impedance), gripper }
 }
 
-/// Everything that anybody can learn of a twin: after so many periods, with readings and an image.
+/// All outputs of a twin over a number of periods, with readings and images.
 fn go_on(twin: &mut Twin, home: &Pose, from: u32, periods: u32) -> (Vec<Result<Observation, String>>, u64) {
     let posture = twin.observe().positions;
     let mut seen = Vec::new();
@@ -49,14 +50,14 @@ fn go_on(twin: &mut Twin, home: &Pose, from: u32, periods: u32) -> (Vec<Result<O
         let step = twin.step(&command(home, posture, period));
         seen.push(step.map_err(|error| error.to_string()));
         if period.is_multiple_of(700) {
-            let told = match twin.look(Camera::Wrist) {
+            let seen_by_camera = match twin.look(Camera::Wrist) {
                 Ok(image) => {
                     format!("{} {:?}", image.time, image.pixels.iter().map(|it| u64::from(*it)).sum::<u64>())
                 }
                 Err(error) => error.to_string(),
             };
             let parts = twin.read_parts().map(|parts| format!("{parts:?}"));
-            seen.push(Err(format!("{told} {parts:?}")));
+            seen.push(Err(format!("{seen_by_camera} {parts:?}")));
         }
     }
     seen.push(Err(format!("{} {} {:?}", twin.deepest_penetration(), twin.largest_force(), twin.fault())));
@@ -79,7 +80,7 @@ fn what_follows_a_snapshot_is_the_same_to_the_last_bit() {
             let steps = second.0.iter().filter(|it| it.is_ok()).count();
             assert_eq!(steps, 1500, "{name} {track:?}: the arm went on to the end");
             // Back to the middle and to the start, in the twin itself and in another.
-            let mut other = twin.duplicate().unwrap();
+            let mut other = twin.duplicate();
             other.restore(&later).unwrap();
             assert!(go_on(&mut other, &home, 1500, 1500) == second, "{name} {track:?}: duplicate");
             twin.restore(&later).unwrap();

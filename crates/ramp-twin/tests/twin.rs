@@ -1,4 +1,4 @@
-//! The twin as a robot: what it keeps, what it refuses, and that nothing but contact moves a part.
+//! The twin as a robot: limits, refused commands, and that only contact moves a part.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -21,8 +21,8 @@ fn stay(twin: &Twin) -> Command {
     }
 }
 
-/// No weld, no equality, no mocap, no tendon: nothing in the model could hold parts together but contact, and no
-/// actuator acts on a part.
+/// No weld, no equality, no mocap, no tendon: nothing in the model could hold parts together but contact, and
+/// no actuator acts on a part.
 #[test]
 fn the_model_has_nothing_that_could_hold_parts_together() {
     let world = World::new("easy-3");
@@ -41,22 +41,27 @@ fn the_model_has_nothing_that_could_hold_parts_together() {
     }
 }
 
-/// The only writes to MuJoCo's state outside the constructor are the actuators' commands, and what brakes or loads the arm's
-/// own joints.
+/// The only writes to MuJoCo's state outside the constructor are the actuators' commands, and the torques
+/// that brake or load the arm's own joints: `twin.rs` writes in the constructor alone, `period.rs` only
+/// these.
 #[test]
 fn the_code_writes_only_commands_after_the_start() {
-    let source = include_str!("../src/twin.rs");
-    let constructor = source.find("pub fn new(").unwrap()..source.find("/// The scene as MJCF.").unwrap();
-    for (at, _) in source.match_indices("_mut()") {
-        if constructor.contains(&at) {
-            continue;
-        }
-        let call = source[..at].rsplit('.').next().unwrap();
-        let joints_only = call == "qfrc_applied" && source[at..].starts_with("_mut()[..DOF]");
+    let twin = include_str!("../src/twin.rs");
+    let constructor = twin.find("pub fn new(").unwrap()..twin.find("/// The scene as MJCF.").unwrap();
+    for (at, _) in twin.match_indices("_mut()") {
+        let call = twin[..at].rsplit('.').next().unwrap();
+        assert!(constructor.contains(&at), "writes to {call} after the start");
+    }
+    let period = include_str!("../src/period.rs");
+    for (at, _) in period.match_indices("_mut()") {
+        let call = period[..at].rsplit('.').next().unwrap();
+        let joints_only = call == "qfrc_applied" && period[at..].starts_with("_mut()[..DOF]");
         assert!(call == "ctrl" || joints_only, "writes to {call} after the start");
     }
-    for word in ["xfrc_applied", "mocap", "set_state", "reset", "ffi_mut", "unsafe"] {
-        assert!(!source.contains(word), "{word} in twin.rs");
+    for (name, source) in [("twin.rs", twin), ("period.rs", period)] {
+        for word in ["xfrc_applied", "mocap", "set_state", "reset", "ffi_mut", "unsafe"] {
+            assert!(!source.contains(word), "{word} in {name}");
+        }
     }
 }
 
@@ -101,7 +106,7 @@ fn the_code_of_faults_writes_only_forces() {
 fn nothing_else_writes_to_the_physics() {
     for (path, source) in sources("") {
         let fault = path.components().any(|part| part.as_os_str() == "fault");
-        if fault || path.ends_with("src/twin.rs") || path.ends_with("src/view.rs") {
+        if fault || ["src/twin.rs", "src/period.rs", "src/view.rs"].iter().any(|file| path.ends_with(file)) {
             continue;
         }
         for word in ["qpos_mut", "qvel_mut", "ctrl_mut", "_applied", "mocap", "set_state", "ffi_mut"] {
@@ -143,8 +148,8 @@ fn commands_alone_move_the_world() {
     assert!(same, "the twin did something that its commands do not explain");
 }
 
-/// What the twin leaves out of the search for contacts touches nothing: MuJoCo alone, which looks at everything, ends in the
-/// same state to the last bit, also where the hand sweeps through parts that sleep.
+/// Bodies that the twin leaves out of the search for contacts touch nothing: MuJoCo alone, which considers
+/// all bodies, ends in the same state to the last bit, also if the hand sweeps through sleeping parts.
 #[test]
 fn parts_that_are_swept_away_move_as_in_mujoco_alone() {
     let world = World::new("easy-3");
@@ -192,16 +197,16 @@ fn targets_that_no_motion_could_follow_are_refused() {
     let start = world.twin(Track::State, 1).observe();
     let mut positions = start.positions;
     positions[2] += 1e-4;
-    let told = after(ArmCommand::JointPositions(positions));
-    assert!(told.starts_with("the commanded acceleration of joint 3 is 100.000 rad/s²"), "{told}");
+    let message = after(ArmCommand::JointPositions(positions));
+    assert!(message.starts_with("the commanded acceleration of joint 3 is 100.000 rad/s²"), "{message}");
     let mut x_wt = start.x_wt;
     x_wt.translation.z += 0.02;
-    let told = after(ArmCommand::CartesianPose(x_wt));
-    assert!(told.starts_with("the commanded first step of the tip is 0.020 m"), "{told}");
+    let message = after(ArmCommand::CartesianPose(x_wt));
+    assert!(message.starts_with("the commanded first step of the tip is 0.020 m"), "{message}");
 }
 
-/// A target that gains speed takes the tip along on its line: the arm's mass, which is not the same in all directions, does not
-/// push it aside.
+/// A target that gains speed takes the tip along on its line: the arm's mass, which is not the same in all
+/// directions, does not push it aside.
 #[test]
 fn a_target_that_gains_speed_does_not_pull_the_tip_aside() {
     let world = World::new("easy-3");

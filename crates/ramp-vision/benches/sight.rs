@@ -1,9 +1,9 @@
-//! Speed of drawing an image and of finding the parts in it, on one core, beside the reference detector at its defaults
-//! on the same images in the same run.
+//! Speed of drawing an image and of finding the parts in it, on one core, beside the reference detector at
+//! its defaults on the same images in the same run.
 //!
 //! The reference only finds tags: fitting parts to them is on our account.
 
-#![allow(clippy::unwrap_used)] // A benchmark that cannot go on may stop.
+#![allow(clippy::unwrap_used)] // A failed unwrap here is a failed benchmark.
 
 #[path = "../tests/common/mod.rs"]
 mod common;

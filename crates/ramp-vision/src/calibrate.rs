@@ -1,5 +1,5 @@
-//! Where a camera really is, from tags whose places in the world are known: the sheet's own, and those on the clamped
-//! beam.
+//! True pose of a camera, from tags with known poses in the world: those of the sheet, and those on the
+//! clamped beam.
 
 use std::collections::BTreeMap;
 
@@ -37,8 +37,9 @@ impl Calibration {
         self.sights.push((x_wm, p_w, pixel));
     }
 
-    /// Adds a part that was seen while the tip was at `x_wt` and whose pose in the world is known: the clamped beam, or
-    /// the sheet (whose pose is the identity). `places` are the tags of [`crate::PartFinder::places`].
+    /// Adds a part that was seen while the tip was at `x_wt` and whose pose in the world is known: the
+    /// clamped beam, or the sheet (whose pose is the identity). `places` are the tags of
+    /// [`crate::PartFinder::places`].
     pub fn add_part(&mut self, x_wt: &Pose, seen: &SeenPart, x_wp: &Pose, places: &BTreeMap<u32, TagPlace>) {
         let x_cw = self.nominal.x_wc(x_wt).inverse();
         for place in seen.tags.iter().filter_map(|id| places.get(id)) {
@@ -51,7 +52,7 @@ impl Calibration {
         }
     }
 
-    /// How many points there are.
+    /// Number of points.
     pub fn len(&self) -> usize {
         self.sights.len()
     }
@@ -61,8 +62,8 @@ impl Calibration {
         self.sights.is_empty()
     }
 
-    /// The camera where it most likely is, and the covariance of a small shift (m) and turn (rad) of it, in its own
-    /// axes.
+    /// The most likely camera pose, and the covariance of a small translation (m) and rotation (rad) of it,
+    /// in its own axes.
     pub fn solve(&self) -> (CameraModel, Matrix6<f64>) {
         let x_mc = match self.nominal.mount {
             Mount::Tip(x) | Mount::World(x) => x,
@@ -70,7 +71,7 @@ impl Calibration {
         let mut change = Vector6::zeros();
         let mut covariance = Matrix6::zeros();
         for _ in 0..8 {
-            // What is known before anything is seen.
+            // The prior.
             let mut matrix = Matrix6::zeros();
             let mut vector = Vector6::zeros();
             for axis in 0..6 {

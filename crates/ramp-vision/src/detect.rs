@@ -11,9 +11,10 @@ use crate::image::{Grey, SightError};
 pub struct Detection {
     /// Its id.
     pub id: u32,
-    /// Corners of its black square, pixels: upper left, upper right, lower right, lower left as it is printed.
+    /// Corners of its black square, pixels: upper left, upper right, lower right, lower left as it is
+    /// printed.
     pub corners: [[f64; 2]; 4],
-    /// How much brighter its white cells are than its black ones, on average, levels of 255.
+    /// Mean brightness difference between its white and black cells, levels of 255.
     pub margin: f64,
     /// Cells that were read wrongly and corrected.
     pub corrected: usize,
@@ -47,8 +48,8 @@ const CORRECTED: usize = 2;
 /// Least [`Detection::margin`].
 const MARGIN: f64 = 12.0;
 
-/// Least difference of light between black and white nearby, levels of 255: several times the noise, so that plain
-/// surfaces are passed over.
+/// Least difference of light between black and white nearby, levels of 255: several times the noise, so that
+/// plain surfaces are passed over.
 const CONTRAST: u8 = 30;
 
 /// Finds tags of the family tag25h9.
@@ -58,8 +59,8 @@ pub struct TagFinder {
 }
 
 impl TagFinder {
-    /// A finder that looks for candidates in an image made smaller by `decimate`; cells are read and edges measured in
-    /// the full image whatever it is.
+    /// A finder that looks for candidates in an image made smaller by `decimate`; cells are read and edges
+    /// measured in the full image whatever it is.
     ///
     /// # Errors
     /// When the detector does not start.
@@ -71,7 +72,8 @@ impl TagFinder {
         detector.set_decimation(decimate);
         detector.set_thread_number(1);
         detector.set_refine_edges(true);
-        // Its defaults, but for the contrast. The smallest angle at a corner is 10°, which it wants as a cosine too.
+        // Its defaults, but for the contrast. The smallest angle at a corner is 10°, which it wants as a
+        // cosine too.
         let least_angle = 10f64.to_radians();
         detector.set_thresholds(QuadThresholds {
             min_cluster_pixels: 5,
@@ -88,7 +90,7 @@ impl TagFinder {
     /// All tags, in the order of their ids and then from left to right.
     ///
     /// # Errors
-    /// When there is no memory for a copy of the image.
+    /// When memory for a copy of the image cannot be allocated.
     pub fn find(&mut self, grey: &Grey) -> Result<Vec<Detection>, SightError> {
         let fits = |image: &apriltag::Image| image.width() == grey.width && image.height() == grey.height;
         if !self.image.as_ref().is_some_and(fits) {

@@ -1,8 +1,9 @@
 //! The edges of tags' black squares, measured.
 //!
-//! From a pose that is nearly right, places along each edge are thrown into the image; across the edge, the light there
-//! falls from the white of the sticker to the black of the square. Because the light is linear and the blur the same to
-//! both sides, the edge is where the light that is missing on one side equals the light too much on the other.
+//! From a pose that is nearly right, places along each edge are thrown into the image; across the edge, the
+//! light there falls from the white of the sticker to the black of the square. Because the light is linear
+//! and the blur the same to both sides, the edge is where the light that is missing on one side equals the
+//! light too much on the other.
 
 use nalgebra::{Point3, Vector3};
 use ramp_kit::tags::{BLACK_CELLS, TagPlace};
@@ -18,7 +19,7 @@ pub const COUNT: usize = 4 * PLACES;
 const STEPS: f64 = 4.0;
 /// Farthest that is looked to each side of an edge, pixels.
 const REACH: f64 = 3.0;
-/// How far light spreads from an edge through the lens and between pixels, pixels.
+/// Blur radius of an edge by the lens and between pixels, pixels.
 const BLUR: f64 = 1.4;
 /// Least that is looked to each side, pixels.
 const LEAST_REACH: f64 = 0.8;
@@ -32,14 +33,14 @@ pub struct Place {
     pub p_p: Point3<f64>,
     /// Across the edge, away from the tag, of length 1: in the image.
     pub normal: [f64; 2],
-    /// Where it was measured to be along the normal from the origin of the image: `normal · pixel`, pixels.
+    /// Measured distance along the normal from the origin of the image: `normal · pixel`, pixels.
     pub along: f64,
     /// Number of the edge it is on, counted through all tags.
     pub edge: usize,
 }
 
-/// Measures the four edges of a tag. `x_cp` is the pose of its part in the optical frame, as far as it is known, and
-/// `first` the number of its first edge.
+/// Measures the four edges of a tag. `x_cp` is the pose of its part in the optical frame, as far as it is
+/// known, and `first` the number of its first edge.
 pub fn measure(
     grey: &Grey,
     camera: &CameraModel,
@@ -74,7 +75,7 @@ pub fn measure(
             if width < 0.0 {
                 normal = normal.map(|value| -value);
             }
-            // Never into what the next cell's blur reaches.
+            // Never into the blur of the next cell.
             let reach = (width.abs() - BLUR).clamp(LEAST_REACH, REACH);
             if let Some(offset) = across(grey, at, normal, reach) {
                 let along = normal[0] * at[0] + normal[1] * at[1] + offset;
@@ -84,7 +85,7 @@ pub fn measure(
     }
 }
 
-/// How far along the normal the light changes from dark to bright; `None` where it does not.
+/// Distance along the normal at which the light changes from dark to bright; `None` without a change.
 fn across(grey: &Grey, at: [f64; 2], normal: [f64; 2], reach: f64) -> Option<f64> {
     let mut centre = 0.0;
     // The window follows the edge, so that both sides count alike.

@@ -1,5 +1,4 @@
-//! Moves a part until what is seen of it and where it is agree: Gauss and Newton's method on its pose in the optical
-//! frame.
+//! Fits the pose of a part to its measurements: Gauss and Newton's method in the optical frame.
 
 use nalgebra::{
     Matrix2x3, Matrix3, Matrix6, Point3, Rotation3, RowVector6, SMatrix, SVector, Translation3,
@@ -19,8 +18,8 @@ pub const EDGE_ERROR: f64 = 0.05;
 
 /// Something that is measured of a part, to be brought to zero.
 pub trait Terms {
-    /// Calls `take` with each residual, in units of its usual error, and its derivative by a small shift and turn of
-    /// the part (about its origin, axes of the optical frame).
+    /// Calls `take` with each residual, in units of its usual error, and its derivative by a small shift and
+    /// turn of the part (about its origin, axes of the optical frame).
     fn each(&self, x_cp: &Pose, take: &mut dyn FnMut(f64, &RowVector6<f64>));
 }
 
@@ -36,11 +35,11 @@ pub struct Corners<'a> {
 pub struct Edges<'a> {
     /// The camera.
     pub camera: &'a CameraModel,
-    /// What was measured.
+    /// The measurements.
     pub places: &'a [Place],
 }
 
-/// What is known of how a part lies.
+/// Prior of the pose of a part.
 #[derive(Clone, Copy, Debug)]
 pub struct Level {
     /// Turn from the optical frame to the world.
@@ -51,13 +50,13 @@ pub struct Level {
     pub p_p: Point3<f64>,
     /// Height of that point in the world, m, and how sure it is (1 σ).
     pub height: [f64; 2],
-    /// How sure it is that its z axis is vertical (1 σ), rad.
+    /// Uncertainty of its z axis against the vertical (1 σ), rad.
     pub tilt: f64,
     /// Does its z axis point down?
     pub flipped: bool,
 }
 
-/// Where a point of the optical frame is seen, and by how much that changes when it moves.
+/// Image position of a point of the optical frame, and its derivative by the point.
 fn project(camera: &CameraModel, p_c: &Point3<f64>) -> Option<([f64; 2], Matrix2x3<f64>)> {
     let at = camera.project(p_c)?;
     let step = 1e-6 * p_c.z;
@@ -72,7 +71,7 @@ fn project(camera: &CameraModel, p_c: &Point3<f64>) -> Option<([f64; 2], Matrix2
     Some((at, slope))
 }
 
-/// How a point of the part moves in the optical frame under a small shift and turn.
+/// Derivative of a point of the part, in the optical frame, by a small translation and rotation.
 fn motion(x_cp: &Pose, p_p: &Point3<f64>) -> SMatrix<f64, 3, 6> {
     let arm = x_cp.rotation * p_p.coords;
     let mut motion = SMatrix::<f64, 3, 6>::zeros();
@@ -152,10 +151,10 @@ pub struct Fit {
     pub x_cp: Pose,
     /// Sum of the squares of all residuals, each in units of its usual error.
     pub cost: f64,
-    /// How many residuals there were.
+    /// Number of residuals.
     pub count: usize,
-    /// Inverse of the covariance of shift (m) and turn (rad) about the part's origin, axes of the optical frame, for
-    /// residuals of their usual size.
+    /// Inverse of the covariance of shift (m) and turn (rad) about the part's origin, axes of the optical
+    /// frame, for residuals of their usual size.
     pub information: Matrix6<f64>,
 }
 
@@ -212,8 +211,8 @@ pub fn fit(terms: &impl Terms, start: &Pose, steps: usize) -> Option<Fit> {
     (x_cp.translation.z > 0.0).then_some(Fit { x_cp, cost, count, information })
 }
 
-/// The two poses that one tag alone may have: from the map of its plane to the image, and the same with its face
-/// turned to the other side of the line of sight. Pose of the part in the optical frame.
+/// The two poses that one tag alone may have: from the map of its plane to the image, and the same with its
+/// face turned to the other side of the line of sight. Pose of the part in the optical frame.
 pub fn candidates(camera: &CameraModel, tag: &TagPlace, corners: &[[f64; 2]; 4]) -> Option<[Pose; 2]> {
     let half = tag.edge / 2.0;
     // Eight equations for the eight numbers of the map.

@@ -19,7 +19,7 @@ pub enum SightError {
         height: usize,
         /// Bytes of pixels.
         bytes: usize,
-        /// What the camera model says.
+        /// The size in the camera model.
         expected: [usize; 2],
     },
     /// Hardly any light.
@@ -39,7 +39,7 @@ pub enum SightError {
         share: f64,
     },
     /// The detector would not start.
-    #[error("the tag detector does not start: {0}")]
+    #[error("cannot start the tag detector: {0}")]
     Detector(String),
 }
 

@@ -1,19 +1,21 @@
 //! Perception: from an image to where the parts are, with how sure that is.
 //!
-//! Data passes one way: [`image`] checks an image and turns it into linear light; [`detect`] finds tags in it with the
-//! reference detector; [`edges`] measures the edges of their black squares to hundredths of a pixel; [`fit`] moves a
-//! part until the edges of all its tags lie on those; [`find`] does this for every part in view, decides what it
-//! believes, and says what was odd. [`mod@calibrate`] finds out where a camera really is from tags whose places are
-//! known.
+//! Data passes one way: [`image`] checks an image and turns it into linear light; [`detect`] finds tags in it
+//! with the reference detector; [`edges`] measures the edges of their black squares to hundredths of a pixel;
+//! [`fit`] moves a part until the edges of all its tags lie on those; [`find`] does this for every part in
+//! view, rejects implausible poses, and reports unexpected findings. [`mod@calibrate`] estimates the true
+//! pose of a camera from tags with known poses.
 //!
 //! ```no_run
-//! # fn show(kit: &ramp_kit::Kit, robot: &mut dyn ramp_robot::Robot) -> Result<(), Box<dyn std::error::Error>> {
+//! # use ramp_robot::Robot;
+//! # type Outcome = Result<(), Box<dyn std::error::Error>>;
+//! # fn show(kit: &ramp_kit::Kit, robot: &mut dyn Robot) -> Outcome {
 //! use ramp_robot::Camera;
 //! use ramp_vision::{Lying, PartFinder};
 //!
 //! let mut finder = PartFinder::new(kit)?;
 //! let image = robot.look(Camera::Wrist)?;
-//! // What is known to lie as the sheet has it: only while nothing has touched it.
+//! // Priors of the parts that lie at their places on the sheet, as long as nothing has touched them.
 //! let lying = Lying::at_start(kit);
 //! let sighting = finder.find(&image, &robot.camera(Camera::Wrist), &lying)?;
 //! for part in &sighting.parts {

@@ -1,6 +1,6 @@
-//! From parts to a picture and back: what the perception room says must be what was drawn.
+//! From parts to a picture and back: perception must find the parts that were drawn.
 
-#![allow(clippy::unwrap_used)] // A test that cannot go on may stop.
+#![allow(clippy::unwrap_used)] // A failed unwrap here is a failed test.
 
 mod common;
 
@@ -17,7 +17,7 @@ fn wrist() -> CameraModel {
     CameraModel::nominal(Camera::Wrist, TIP)
 }
 
-/// What a person would see from 0.2 m over the sheet.
+/// The parts visible from 0.2 m above the sheet.
 fn look(table: &Table, x_wt: Pose, seed: u64) -> Image {
     let mut renderer = table.renderer(&wrist());
     table.look(&mut renderer, &mut Sensor::new(seed, "wrist"), Camera::Wrist, x_wt)
@@ -37,7 +37,7 @@ fn parts_are_found_where_they_are_drawn() {
         let sighting = finder.find(&look(&table, x_wt, view), &wrist(), &lying).unwrap();
         for part in &sighting.parts {
             let truth = table.truth(&part.part);
-            // Where its tags are: a beam's origin may be half a metre outside the image.
+            // Error at its tags: a beam's origin may be half a metre outside the image.
             let tag = finder.places()[&part.tags[0]].x_pg.translation.vector;
             let error = part.x_wp * Point3::from(tag) - truth * Point3::from(tag);
             let turn = part.x_wp.rotation.angle_to(&truth.rotation).to_degrees();
@@ -127,9 +127,9 @@ fn stickers_that_were_swapped_are_told() {
     let x_wt = tip_above(&wrist(), [0.33, 0.22, 0.5], 0.0, [0.0; 2]);
     let image = look(&table, x_wt, 1);
     let sighting = PartFinder::new(&kit).unwrap().find(&image, &wrist(), &Lying::at_start(&kit)).unwrap();
-    let told =
+    let reported =
         |oddity: &Oddity| matches!(oddity, Oddity::TagsDisagree { part, .. } if part == "b4" || part == "b5");
-    assert!(sighting.oddities.iter().any(told), "{:?}", sighting.oddities);
+    assert!(sighting.oddities.iter().any(reported), "{:?}", sighting.oddities);
     assert!(sighting.parts.iter().all(|part| part.part != "b4" && part.part != "b5"));
 }
 

@@ -1,57 +1,60 @@
-//! What a world holds, group by group, from the joints of the arm outwards to the table.
+//! The quantities of a world in groups, from the joints of the arm outwards to the table.
 
 use crate::quantity::Numbers;
 
 quantities! {
-    /// Friction of the arm's joints between the torque that is commanded and the motion: the model of bristles of Canudas de
-    /// Wit, Olsson, Åström and Lischinsky (1995).
+    /// Friction of the arm's joints between the torque that is commanded and the motion: the model of
+    /// bristles of Canudas de Wit, Olsson, Åström and Lischinsky (1995).
     Friction {
         /// Dry friction of each joint while it moves.
         coulomb: [f64; 7] = "N·m", 0.0, 20.0;
         /// Friction of each joint that grows with its speed.
         viscous: [f64; 7] = "N·m·s/rad", 0.0, 50.0;
-        /// By which share the friction of a joint that begins to move is above that of one that moves.
+        /// Share by which the friction of a joint that begins to move exceeds that of a moving one.
         breakaway: f64 = "", 0.0, 3.0;
-        /// The speed at which most of that has gone (Stribeck).
+        /// The speed at which most of that excess has vanished (Stribeck).
         stribeck: f64 = "rad/s", 0.001, 1.0;
-        /// By which share the friction of each joint is larger forwards than in the mean of both directions.
+        /// Share by which the friction of each joint is larger forwards than in the mean of both directions.
         asymmetry: [f64; 7] = "", -0.9, 0.9;
-        /// How far a joint gives before it breaks away.
+        /// Deflection of a joint before it breaks away.
         presliding: f64 = "rad", 2e-5, 0.01;
-        /// The share of the dry friction that acts past the torque sensor, on the side of the link, and is not measured.
+        /// The share of the dry friction that acts past the torque sensor, on the side of the link, and is
+        /// not measured.
         past_sensor: f64 = "", 0.0, 1.0;
     }
 }
 
 quantities! {
-    /// The arm: inertia of its drives, and what its model of itself is off by.
+    /// The arm: inertia of its drives, and the errors of its model.
     Arm {
         /// Inertia of each drive, at the joint.
         armature: [f64; 7] = "kg·m²", 0.001, 2.0;
-        /// By how much the position that each joint tells is off everywhere: what is left after a calibration.
+        /// Constant error of the position that each joint reports: the remainder after a calibration.
         offset: [f64; 7] = "rad", -0.05, 0.05;
-        /// The same, as a wave over one turn of the joint: its amplitude.
+        /// The same, as a wave over one revolution of the joint: its amplitude.
         wave: [f64; 7] = "rad", -0.05, 0.05;
-        /// Where that wave begins.
+        /// Phase of that wave.
         wave_begin: [f64; 7] = "rad", -3.2, 3.2;
-        /// Mass at the hand that its compensation of gravity does not know.
+        /// Mass at the hand that the gravity compensation does not know.
         unknown_mass: f64 = "kg", -0.5, 0.5;
-        /// Where that mass is, in the hand's frame.
+        /// Position of that mass, in the hand's frame.
         unknown_centre: [f64; 3] = "m", -0.2, 0.2;
     }
 }
 
 quantities! {
-    /// What the arm's controller does on its way from a command to torques, and when it stops the arm.
+    /// The arm's controller from a command to torques, and its conditions for a stop of the arm.
     Controller {
-        /// How fast a commanded torque may change. The inner loops keep to it; commanded torques that do not are refused.
+        /// Largest rate of a commanded torque. The inner loops keep to it; commanded torques that exceed it
+        /// are refused.
         torque_rate: f64 = "N·m/s", 10.0, 1e9;
-        /// The share of the friction before the torque sensor that the inner loop compensates by what it measures.
+        /// The share of the friction before the torque sensor that the inner loop compensates by what it
+        /// measures.
         compensation: f64 = "", 0.0, 1.0;
-        /// How fast that compensation follows.
+        /// Rate at which that compensation follows.
         compensation_rate: f64 = "1/s", 1.0, 500.0;
-        /// By which share the controller's own model of each joint's dry friction is off. The compensation stays within
-        /// twice the model.
+        /// Relative error of the controller's own model of each joint's dry friction. The compensation stays
+        /// within twice the model.
         model_error: [f64; 7] = "", -0.9, 2.0;
         /// The external force at which the arm stops by reflex.
         reflex_force: f64 = "N", 20.0, 1e6;
@@ -63,21 +66,23 @@ quantities! {
 quantities! {
     /// The line between the program and the arm.
     Line {
-        /// How late a command comes, in whole control periods of 1 ms.
+        /// Delay of a command, in whole control periods of 1 ms.
         delay: f64 = "ms", 0.0, 50.0;
-        /// How probable it is in each control period that commands begin to be lost. The last torque is held meanwhile.
+        /// Probability in each control period that commands begin to be lost. The last torque is held
+        /// meanwhile.
         lost: f64 = "", 0.0, 0.1;
-        /// How many commands are lost in a row, in the mean. 20 in a row stop the arm.
+        /// Mean number of commands lost in a row. 20 in a row stop the arm.
         lost_row: f64 = "", 1.0, 50.0;
-        /// How long the arm stands after it has stopped for that.
+        /// Time for which the arm stands after such a stop.
         recovery: f64 = "s", 0.0, 60.0;
     }
 }
 
 quantities! {
-    /// What the arm feels.
+    /// The arm's force and torque sensors.
     Sensing {
-        /// 1: a force sensor is mounted at the wrist. 0: the wrench at the wrist is estimated from the torques of the joints.
+        /// 1: a force sensor is mounted at the wrist. 0: the wrench at the wrist is estimated from the
+        /// torques of the joints.
         wrist_sensor: f64 = "", 0.0, 1.0;
         /// Noise of the wrist sensor's force before its filter (1 σ).
         force_noise: f64 = "N", 0.0, 10.0;
@@ -87,13 +92,13 @@ quantities! {
         force_bias: [f64; 3] = "N", -20.0, 20.0;
         /// The same for its moment.
         moment_bias: [f64; 3] = "N·m", -2.0, 2.0;
-        /// 1: the torques that are told are measured on the links. 0: they are those of the motors.
+        /// 1: the reported torques are measured on the links. 0: they are those of the motors.
         torque_sensors: f64 = "", 0.0, 1.0;
         /// Noise of each joint's torque sensor (1 σ).
         torque_noise: f64 = "N·m", 0.0, 1.0;
         /// Bias of each joint's torque sensor.
         torque_bias: [f64; 7] = "N·m", -5.0, 5.0;
-        /// The same, as a wave over one turn of the joint: its amplitude.
+        /// The same, as a wave over one revolution of the joint: its amplitude.
         torque_wave: [f64; 7] = "N·m", -5.0, 5.0;
         /// Bandwidth of the estimate of the wrench.
         bandwidth: f64 = "Hz", 0.5, 200.0;
@@ -103,10 +108,10 @@ quantities! {
 quantities! {
     /// The gripper.
     Gripper {
-        /// From a command to the motion of the fingers. A gripper with a dead time finishes what it does before it hears
-        /// another command.
+        /// Time from a command to the motion of the fingers. A gripper with a dead time finishes its motion
+        /// before it accepts another command.
         dead_time: f64 = "s", 0.0, 5.0;
-        /// How often it tells its width.
+        /// Interval between two reports of its width.
         told_every: f64 = "s", 0.001, 1.0;
     }
 }
@@ -114,9 +119,9 @@ quantities! {
 quantities! {
     /// The cameras.
     Cameras {
-        /// From the end of an exposure until the image is there.
+        /// Time from the end of an exposure until the image is available.
         latency: f64 = "s", 0.001, 1.0;
-        /// How much later than that an image comes at most, drawn for each.
+        /// Largest additional delay of an image, drawn for each.
         jitter: f64 = "s", 0.0, 1.0;
         /// From the beginning of an exposure until that of the next at the earliest.
         interval: f64 = "s", 0.0, 1.0;
@@ -124,7 +129,7 @@ quantities! {
         position_error: f64 = "m", 0.0, 0.02;
         /// The same about each axis.
         angle_error: f64 = "rad", 0.0, 0.05;
-        /// How much light there is for the exposure that was meant.
+        /// Light, relative to that for the nominal exposure.
         light: f64 = "", 0.2, 3.0;
     }
 }
@@ -138,8 +143,8 @@ quantities! {
         radius: f64 = "m", 0.0, 0.00012;
         /// The largest error of a beam's length; each beam draws its own.
         length: f64 = "m", 0.0, 0.003;
-        /// The largest share of its length by which the middle of a beam stands aside of the line between its ends; each beam
-        /// draws its own.
+        /// The largest lateral displacement of a beam's middle from the line between its ends, as a share of
+        /// its length; each beam draws its own.
         bow: f64 = "", 0.0, 0.003;
         /// Coefficient of friction between printed parts.
         friction: f64 = "", 0.02, 2.0;
@@ -157,22 +162,22 @@ quantities! {
 quantities! {
     /// The table, and the clamp that holds the first beam.
     Table {
-        /// How much higher the table is than where the arm takes it to be.
+        /// Height error of the table: true height above the assumed one.
         height: f64 = "m", -0.01, 0.01;
-        /// How much it leans about the axes of the world, x and y.
+        /// Tilt of the table about the axes of the world, x and y.
         tilt: [f64; 2] = "rad", -0.02, 0.02;
-        /// By how much the clamped beam gives under a force, along each axis.
+        /// Compliance of the clamped beam under a force, along each axis.
         clamp_give: f64 = "m/N", 0.0, 0.0001;
     }
 }
 
 quantities! {
-    /// How the engine computes contacts.
+    /// Options of the engine for contacts.
     Engine {
-        /// Iterations against the creep of contacts that friction holds (MuJoCo's `noslip_iterations`, rounded). Steps without
-        /// them take as little as a quarter of the time.
+        /// Iterations against the creep of contacts that friction holds (MuJoCo's `noslip_iterations`,
+        /// rounded). Steps without them take as little as a quarter of the time.
         noslip: f64 = "", 0.0, 100.0;
-        /// Damping of the contacts of the fingertips. What they hold creeps the less, the larger it is.
+        /// Damping of the contacts of the fingertips. The larger it is, the less a held part creeps.
         grip_damping: f64 = "1/s", 100.0, 1e5;
     }
 }
@@ -191,7 +196,7 @@ macro_rules! groups {
             }
         }
 
-        /// The groups of a world file: name, what it is for, and its quantities.
+        /// The groups of a world file: name, description and quantities.
         pub const GROUPS: &[(&str, &str, &[crate::Field])] =
             &[$((stringify!($name), $group::ABOUT, $group::FIELDS),)+];
     };
@@ -206,7 +211,7 @@ groups! {
     controller: Controller,
     /// The line to it.
     line: Line,
-    /// What it feels.
+    /// Its force and torque sensors.
     sensing: Sensing,
     /// The gripper.
     gripper: Gripper,

@@ -1,8 +1,9 @@
-//! Worlds: what the physics of an episode are, beside its parts and its goal.
+//! Worlds: the physics of an episode, beside its parts and its goal.
 //!
-//! A world is a file: the friction of the arm's joints, its delays, its sensors and their errors, the tolerances of the
-//! parts. [`World`] reads it: each number with its unit, its distribution and its source. [`World::draw`] gives the numbers
-//! of one episode, a [`Physics`], from the episode's seed. [`groups`] declares what a world holds.
+//! A world is a file: the friction of the arm's joints, its delays, its sensors and their errors, the
+//! tolerances of the parts. [`World`] reads it: each number with its unit, its distribution and its source.
+//! [`World::draw`] gives the numbers of one episode, a [`Physics`], from the episode's seed. [`groups`]
+//! declares the quantities of a world.
 
 #[macro_use]
 mod quantity;

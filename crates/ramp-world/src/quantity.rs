@@ -1,17 +1,18 @@
-//! A quantity of a world: its value, how it is spread, and where both come from; and the declaration of a group of them.
+//! A quantity of a world: its value, how it is spread, and where both come from; and the declaration of a
+//! group of them.
 
 use std::collections::BTreeMap;
 
 use ramp_robot::random::Stream;
 
-/// What one quantity is.
+/// Description of one quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Field {
     /// Its name in a world file.
     pub name: &'static str,
     /// Its unit; empty for a plain number.
     pub unit: &'static str,
-    /// What it means.
+    /// Its meaning, in English.
     pub meaning: &'static str,
     /// Its form.
     pub form: Form,
@@ -26,16 +27,16 @@ pub struct Field {
 pub enum Form {
     /// A number.
     Number,
-    /// So many numbers, such as one for each joint.
+    /// A list with this many numbers, such as one for each joint.
     List(usize),
 }
 
-/// How a quantity differs from episode to episode.
+/// Distribution of a quantity over episodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spread {
     /// Not at all.
     Fixed,
-    /// Uniformly, by at most so much, in the unit of the quantity.
+    /// Uniformly, by at most this, in the unit of the quantity.
     Within(f64),
     /// Uniformly, by at most this share of the value.
     Share(f64),
@@ -43,19 +44,20 @@ pub enum Spread {
     Sigma(f64),
 }
 
-/// What a world file says of a quantity.
+/// A quantity in a world file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
     /// The middle of its distribution: one number, or one for each of a list.
     pub value: Vec<f64>,
-    /// How it differs from episode to episode; each number of a list for itself.
+    /// Its distribution over episodes; each number of a list is drawn independently.
     pub spread: Spread,
-    /// Where this is from.
+    /// Source of the numbers.
     pub source: String,
 }
 
 impl Quantity {
-    /// Numbers for one episode. What the distribution puts beyond the limits of the quantity is moved to the limit.
+    /// Numbers for one episode. What the distribution puts beyond the limits of the quantity is moved to the
+    /// limit.
     pub fn draw(&self, field: &Field, stream: &mut Stream) -> Vec<f64> {
         let mut one = |value: f64| {
             let drawn = match self.spread {
@@ -97,7 +99,8 @@ impl<const N: usize> Value for [f64; N] {
     }
 }
 
-/// Declares a group of quantities: each with its type, its unit, the least and the largest value that it may have.
+/// Declares a group of quantities: each with its type, its unit, the least and the largest value that it may
+/// have.
 macro_rules! quantities {
     (
         $(#[doc = $about:literal])+
@@ -119,10 +122,10 @@ macro_rules! quantities {
         }
 
         impl $group {
-            /// What the group belongs to.
+            /// Description of the group.
             pub const ABOUT: &'static str = concat!($($about),+);
 
-            /// What its quantities are.
+            /// Its quantities.
             pub const FIELDS: &'static [$crate::Field] = &[
                 $(
                     $crate::Field {

@@ -1,4 +1,4 @@
-//! Reads a world file, and says what is wrong in it and where.
+//! Reads a world file, and reports the first error in it with its place.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,13 +10,13 @@ use toml::de::{DeTable, DeValue};
 use crate::groups::GROUPS;
 use crate::quantity::{Field, Form, Quantity, Spread};
 
-/// What is wrong in a world file, and where.
+/// An error in a world file, with its place.
 pub type WorldFault = Fault<WorldProblem>;
 
 /// The longest text that a file may hold as a name, about or source, in bytes.
 const LONGEST: usize = 1000;
 
-/// What can be wrong in a world file.
+/// Kinds of errors in a world file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WorldProblem {
@@ -29,32 +29,32 @@ pub enum WorldProblem {
         /// The parser's reason.
         why: String,
     },
-    /// A name that nothing has here.
+    /// An unknown name.
     #[error("{place} has no `{found}`")]
     Unknown {
         /// A world, a group, or a quantity.
         place: String,
-        /// What the file has.
+        /// The text in the file.
         found: String,
         /// The most similar name.
         nearest: Option<String>,
     },
-    /// Something that must be there is not.
+    /// A required name is missing.
     #[error("{place} lacks `{lacking}`")]
     Lacking {
         /// A world, or a quantity.
         place: String,
-        /// What it lacks.
+        /// The missing name.
         lacking: String,
     },
     /// A value of another form, or out of range.
     #[error("found {name} = {found}, expected {expected}")]
     Value {
-        /// What it is of.
+        /// Name of the quantity.
         name: String,
-        /// What the file has.
+        /// The text in the file.
         found: String,
-        /// What it may be.
+        /// The allowed values.
         expected: String,
     },
 }
@@ -65,7 +65,7 @@ impl Problem for WorldProblem {
             WorldProblem::Form(problem) => problem.label(),
             WorldProblem::Toml { .. } => "here".to_string(),
             WorldProblem::Unknown { .. } => "unknown".to_string(),
-            WorldProblem::Lacking { lacking, .. } => format!("`{lacking}` is not there"),
+            WorldProblem::Lacking { lacking, .. } => format!("`{lacking}` is missing"),
             WorldProblem::Value { expected, .. } => format!("expected {expected}"),
         }
     }
@@ -87,42 +87,46 @@ impl Problem for WorldProblem {
 /// The quantities of a world, by group and field.
 pub type Quantities = BTreeMap<(&'static str, &'static str), Quantity>;
 
-/// What a world file says.
+/// Content of a world file.
 #[derive(Clone, Debug)]
-pub struct Told {
+pub struct WorldFile {
     /// The world's name.
     pub name: String,
-    /// What it is.
+    /// Its description.
     pub about: String,
     /// The world whose quantities hold where the file gives none, and where it is named.
     pub based_on: Option<(String, Range<usize>)>,
-    /// What the file gives.
+    /// The quantities that the file gives.
     pub quantities: Quantities,
 }
 
 /// Reads a file.
 ///
 /// # Errors
-/// The first thing that is wrong in it.
-pub fn read(file: &SourceFile) -> Result<Told, WorldFault> {
+/// The first error in the file.
+pub fn read(file: &SourceFile) -> Result<WorldFile, WorldFault> {
     let fault = |problem: WorldProblem, span: Range<usize>| Fault::new(problem, file.place(span));
     let document = DeTable::parse(file.text()).map_err(|error| {
         let why = error.message().trim().replace('\n', ", ");
         fault(WorldProblem::Toml { why }, error.span().unwrap_or(0..0))
     })?;
-    let mut told =
-        Told { name: String::new(), about: String::new(), based_on: None, quantities: Quantities::new() };
+    let mut world = WorldFile {
+        name: String::new(),
+        about: String::new(),
+        based_on: None,
+        quantities: Quantities::new(),
+    };
     for (key, content) in document.get_ref() {
         let found = key.get_ref().as_ref();
         match found {
             "name" => {
-                told.name = text(file, found, content)?;
-                if !is_name(&told.name) {
+                world.name = text(file, found, content)?;
+                if !is_name(&world.name) {
                     return Err(wrong(file, found, content, A_NAME.to_string()));
                 }
             }
-            "about" => told.about = text(file, found, content)?,
-            "based_on" => told.based_on = Some((text(file, found, content)?, content.span())),
+            "about" => world.about = text(file, found, content)?,
+            "based_on" => world.based_on = Some((text(file, found, content)?, content.span())),
             _ => {
                 let Some((group, _, fields)) = GROUPS.iter().find(|(group, _, _)| *group == found) else {
                     let known = ["name", "about", "based_on"];
@@ -136,16 +140,16 @@ pub fn read(file: &SourceFile) -> Result<Told, WorldFault> {
                         let known = fields.iter().map(|field| field.name);
                         return Err(fault(unknown(&format!("[{group}]"), found, known), key.span()));
                     };
-                    told.quantities.insert((group, field.name), quantity(file, field, content)?);
+                    world.quantities.insert((group, field.name), quantity(file, field, content)?);
                 }
             }
         }
     }
-    if told.name.is_empty() {
+    if world.name.is_empty() {
         let problem = WorldProblem::Lacking { place: "the world".to_string(), lacking: "name".to_string() };
         return Err(fault(problem, 0..0));
     }
-    Ok(told)
+    Ok(world)
 }
 
 fn unknown<'a>(place: &str, found: &str, known: impl Iterator<Item = &'a str>) -> WorldProblem {

@@ -23,7 +23,7 @@ const BUILT_IN: [(&str, &str); 3] = [
 pub struct World {
     /// Its name.
     pub name: String,
-    /// What it is.
+    /// Its description.
     pub about: String,
     /// Its file.
     pub text: String,
@@ -61,13 +61,13 @@ impl World {
     /// Reads a world file.
     ///
     /// # Errors
-    /// The first thing that is wrong in it.
+    /// The first error in the file.
     pub fn read(path: &Path) -> Result<World, WorldFault> {
         World::from_source(&SourceFile::read(path)?)
     }
 
-    /// As [`World::read`], for a file that is already in memory. A file that gives not all quantities names the world whose
-    /// quantities hold for the others.
+    /// As [`World::read`], for a file that is already in memory. A file that gives not all quantities names
+    /// the world whose quantities hold for the others.
     ///
     /// ```
     /// use ramp_source::SourceFile;
@@ -86,8 +86,8 @@ impl World {
     /// # Errors
     /// As [`World::read`].
     pub fn from_source(file: &SourceFile) -> Result<World, WorldFault> {
-        let told = read(file)?;
-        let Some((base, span)) = told.based_on else { return World::complete(file) };
+        let content = read(file)?;
+        let Some((base, span)) = content.based_on else { return World::complete(file) };
         let Some(base) = World::shipped(&base) else {
             let problem = WorldProblem::Unknown {
                 place: "the program".to_string(),
@@ -97,16 +97,16 @@ impl World {
             return Err(Fault::new(problem, file.place(span)));
         };
         let mut quantities = base.quantities.clone();
-        quantities.extend(told.quantities);
-        Ok(World { name: told.name, about: told.about, text: file.text().to_string(), quantities })
+        quantities.extend(content.quantities);
+        Ok(World { name: content.name, about: content.about, text: file.text().to_string(), quantities })
     }
 
     /// A world whose file gives all quantities.
     fn complete(file: &SourceFile) -> Result<World, WorldFault> {
-        let told = read(file)?;
+        let content = read(file)?;
         let all =
             GROUPS.iter().flat_map(|(group, _, fields)| fields.iter().map(move |field| (*group, field.name)));
-        let mut lacking = all.filter(|key| !told.quantities.contains_key(key));
+        let mut lacking = all.filter(|key| !content.quantities.contains_key(key));
         if let Some((group, field)) = lacking.next() {
             let problem = WorldProblem::Lacking {
                 place: "the world, which is based on no other,".to_string(),
@@ -115,14 +115,14 @@ impl World {
             return Err(Fault::new(problem, file.place(0..0)));
         }
         Ok(World {
-            name: told.name,
-            about: told.about,
+            name: content.name,
+            about: content.about,
             text: file.text().to_string(),
-            quantities: told.quantities,
+            quantities: content.quantities,
         })
     }
 
-    /// What the world says of each quantity, in the order of [`GROUPS`].
+    /// Each quantity of the world, in the order of [`GROUPS`].
     pub fn quantities(
         &self,
     ) -> impl Iterator<Item = (&'static str, &'static crate::Field, &crate::Quantity)> {
@@ -138,14 +138,15 @@ impl World {
     pub fn numbers(&self, seed: u64) -> Vec<(&'static str, &'static str, Vec<f64>)> {
         self.quantities()
             .map(|(group, field, quantity)| {
-                // Each quantity has its own stream, so that one that is added or changed leaves the others as they were.
+                // Each quantity has its own stream, so that one that is added or changed leaves the others as
+                // they were.
                 let mut stream = Stream::new(seed, &format!("world-{group}-{}", field.name));
                 (group, field.name, quantity.draw(field, &mut stream))
             })
             .collect()
     }
 
-    /// What the physics of the episode with this seed are.
+    /// The physics of the episode with this seed.
     pub fn draw(&self, seed: u64) -> Physics {
         let numbers: Numbers =
             self.numbers(seed).into_iter().map(|(group, field, numbers)| ((group, field), numbers)).collect();
@@ -159,7 +160,7 @@ impl World {
     /// This world with one quantity fixed at a value: all numbers of a list. For sweeps.
     ///
     /// # Errors
-    /// What is wrong with the name or the value, for a person.
+    /// A message about the wrong name or value.
     pub fn with(&self, quantity: &str, value: f64) -> Result<World, String> {
         let known = || self.quantities().map(|(group, field, _)| format!("{group}.{}", field.name));
         let found = self
@@ -271,7 +272,7 @@ mod tests {
         assert_eq!(real.draw(1), real.draw(1));
     }
 
-    /// A quantity that a world changes leaves what is drawn of the others.
+    /// A change of one quantity does not change the numbers drawn for the others.
     #[test]
     fn quantities_are_drawn_apart() {
         let real = World::shipped("real").unwrap();
@@ -286,7 +287,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_told_with_its_place() {
         let given = |line: &str| format!("name = \"mine\"\nbased_on = \"real\"\n[friction]\n{line}\n");
-        for (text, told) in [
+        for (text, expected) in [
             ("name = \"mine\"\n".to_string(), "mine.toml:1:1: the world, which is based on no other, lacks"),
             ("based_on = \"real\"\n".to_string(), "mine.toml:1:1: the world lacks `name`"),
             ("name = \"../x\"\n".to_string(), "mine.toml:1:8: found name = \"../x\", expected"),
@@ -317,7 +318,7 @@ mod tests {
             (given("breakaway = { value = nan, source = \"x\" }"), "mine.toml:4:23: found breakaway = nan"),
         ] {
             let found = fault(&text);
-            assert!(found.starts_with(told), "{text:?}: {found}");
+            assert!(found.starts_with(expected), "{text:?}: {found}");
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::texture::{PLACES, TAG_LIGHT};
 use nalgebra::Vector3;
 use ramp_robot::Pose;
 
-/// By how much nearer than it is a tag counts when it is asked what hides what, m: more than the details that meshes
+/// Distance by which a tag counts as nearer in the depth test, m: more than the details that meshes
 /// leave out.
 const STICKER_LIFT: f32 = 1.0e-3;
 /// A body of which a pixel covers more than this is drawn with less detail, m.
@@ -23,7 +23,7 @@ impl Renderer {
         if !self.in_view(&camera, body.ball) {
             return;
         }
-        // What a pixel covers on it decides how much detail is drawn.
+        // The area that a pixel covers on it decides the level of detail.
         let distance = camera.moved(&body.ball.0)[2] - body.ball.1;
         let far = distance > FAR_PIXEL * self.lens.model.focal[0] as f32;
         let surface = &body.surfaces[usize::from(far)];

@@ -82,7 +82,7 @@ impl Renderer {
     }
 }
 
-/// How many show the same as the first: several at once as long as that is so.
+/// Number of pixels that show the same as the first, compared several at a time.
 #[inline]
 fn run(shown: &[u32]) -> usize {
     const MANY: usize = 8;
@@ -92,13 +92,13 @@ fn run(shown: &[u32]) -> usize {
     whole + shown[whole..].iter().take_while(|next| **next == what).count()
 }
 
-/// How bright a pixel is that looks at a tag along a direction; `steps` lead to the next pixels' directions.
+/// Brightness of a pixel that sees a tag along a direction; `steps` lead to the next pixels' directions.
 #[inline]
 fn tag_pixel(tag: &SeenTag, steps: [[f32; 2]; 2], [dx, dy]: [f32; 2]) -> u16 {
     let [[xx, xy, xz], [yx, yy, yz], [wx, wy, wz]] = tag.rows;
     let one = 1.0 / (wx * dx + wy * dy + wz);
     let at = [(xx * dx + xy * dy + xz) * one, (yx * dx + yy * dy + yz) * one];
-    // How far the next pixels are on the tag.
+    // Distance to the next pixels on the tag.
     let [right, below] = steps.map(|[sx, sy]| {
         let fall = wx * sx + wy * sy;
         [(xx * sx + xy * sy - at[0] * fall) * one, (yx * sx + yy * sy - at[1] * fall) * one]

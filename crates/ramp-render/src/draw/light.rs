@@ -2,14 +2,14 @@
 
 use crate::sensor::FULL;
 
-/// Where the light comes from, in the world: a lamp to the right of the robot, behind whoever looks at it.
+/// Direction to the light, in the world: a lamp to the right of the robot, behind a viewer in front of it.
 pub(super) const LIGHT: [f32; 3] = [0.30, -0.34, 0.89];
 /// Light from everywhere, more of it from above, and light from the lamp.
 const AMBIENT: f32 = 0.42;
 const SKY: f32 = 0.13;
 const LAMP: f32 = 0.55;
 
-/// How bright a surface with this unit normal (world) is; 1 is white in full light.
+/// Brightness of a surface with this unit normal (world); 1 is white in full light.
 pub(super) fn light_on(normal: &[f32; 3]) -> f32 {
     let lamp = normal[0] * LIGHT[0] + normal[1] * LIGHT[1] + normal[2] * LIGHT[2];
     AMBIENT + SKY * normal[2] + LAMP * lamp.max(0.0)
@@ -20,8 +20,8 @@ pub(super) fn linear(value: f32) -> u16 {
     (value * f32::from(FULL)).clamp(0.0, f32::from(FULL)) as u16
 }
 
-/// A colour of which the bytes are red, green and blue, lowest first, in light of which `lit` is 256 times what a
-/// byte's one stands for.
+/// A colour of which the bytes are red, green and blue, lowest first, in light of which `lit` is 256 times
+/// what a byte's one stands for.
 #[inline]
 pub(super) fn shine(colour: u32, lit: u32) -> [u16; 3] {
     [0, 8, 16].map(|shift| ((((colour >> shift & 255) * lit) >> 8) as u16).min(FULL))

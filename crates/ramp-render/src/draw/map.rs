@@ -1,4 +1,4 @@
-//! The map of the table: for each cell what is there, and how much of the lamp's light reaches it.
+//! The map of the table: content of each cell, and its light from the lamp.
 
 use crate::looks::Looks;
 
@@ -6,12 +6,12 @@ use crate::looks::Looks;
 pub(super) const TABLE: [[f32; 2]; 2] = [[-0.4, 1.6], [-0.6, 0.6]];
 /// Cells of the map per metre.
 pub(super) const SHADOW_SCALE: f32 = 200.0;
-/// How much of the light a shadow leaves.
+/// Share of the light in a shadow.
 const SHADOW_LEFT: f32 = 0.55;
 /// Cells over which a shadow's edge is spread.
 pub(super) const WIDE: u16 = 5;
-/// What is at a place: something to be looked at closely, nothing but table, nothing but paper, the floor beside the table,
-/// or, where one does not look down at all, the wall.
+/// Content of a cell: something to be drawn in detail, nothing but table, nothing but paper, the floor beside
+/// the table, or, where one does not look down at all, the wall.
 pub(super) const DETAIL: u8 = 0;
 pub(super) const TABLE_TOP: u8 = 1;
 pub(super) const PAPER: u8 = 2;
@@ -68,7 +68,7 @@ pub(super) fn spread(sums: &mut [u16], marks: &mut [u16], columns: usize) {
     }
 }
 
-/// What each cell of the map shows where no shadow falls, seen from anywhere near it.
+/// The content of each cell of the map without shadows, as seen from nearby.
 pub(super) fn bare(looks: &Looks) -> Vec<u8> {
     let [columns, rows] = shadow_size();
     let kind = |column: i64, row: i64| {
@@ -106,7 +106,7 @@ pub(super) fn on_sheet(looks: &Looks, [x, y]: [f32; 2]) -> bool {
     u > 0.0 && v > 0.0 && u < looks.sheet_size[0] && v < looks.sheet_size[1]
 }
 
-/// What is at a place or near it.
+/// Content of a cell or of its neighbours.
 #[inline]
 pub(super) fn kind(bare: &[u8], [x, y]: [f32; 2]) -> u8 {
     let (column, row) = ((x - TABLE[0][0]) * SHADOW_SCALE, (y - TABLE[1][0]) * SHADOW_SCALE);
@@ -120,13 +120,13 @@ pub(super) fn kind(bare: &[u8], [x, y]: [f32; 2]) -> u8 {
     }
 }
 
-/// How much light reaches a place on the table, of 256.
+/// Light that reaches a place on the table, of 256.
 #[inline]
 pub(super) fn shade_at(soft: &[u32], [x, y]: [f32; 2]) -> u32 {
     shade(soft, (x - TABLE[0][0]) * SHADOW_SCALE, (y - TABLE[1][0]) * SHADOW_SCALE)
 }
 
-/// How much light reaches a place on the shadow map, of 256.
+/// Light that reaches a place on the shadow map, of 256.
 #[inline]
 fn shade(shadow: &[u32], column: f32, row: f32) -> u32 {
     const LOST: u32 = ((1.0 - SHADOW_LEFT) * 256.0) as u32;

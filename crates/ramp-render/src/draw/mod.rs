@@ -1,8 +1,8 @@
-//! From poses and a camera to pixels: a depth buffer says which triangle each pixel shows, then every pixel is
-//! coloured once.
+//! From poses and a camera to pixels: a depth buffer says which triangle each pixel shows, then every pixel
+//! is coloured once.
 //!
-//! `picture` goes through the stages on the buffers of the `renderer`: `bodies` (with `triangles`), `shadow` (on the
-//! `map` of the table), and `expose` (with `table` where no body is seen).
+//! `picture` goes through the stages on the buffers of the `renderer`: `bodies` (with `triangles`), `shadow`
+//! (on the `map` of the table), and `expose` (with `table` where no body is seen).
 
 mod bodies;
 mod expose;

@@ -8,8 +8,8 @@ use ramp_robot::Pose;
 use std::sync::Arc;
 
 impl Renderer {
-    /// Takes a picture: red, green and blue of each pixel, gamma 2.2. `x_wc` is the pose of the optical frame in the
-    /// world.
+    /// Takes a picture: red, green and blue of each pixel, gamma 2.2. `x_wc` is the pose of the optical frame
+    /// in the world.
     pub fn render(&mut self, scene: &Scene, x_wc: &Pose, sensor: &mut Sensor) -> Vec<u8> {
         let mut image = self.image();
         sensor.begin();
@@ -17,8 +17,9 @@ impl Renderer {
         image
     }
 
-    /// As [`Renderer::render`], of what moved while the shutter was open: the light of these moments together, each with the
-    /// scene and the pose of the optical frame. Depth and segmentation are those of the last.
+    /// As [`Renderer::render`], of what moved while the shutter was open: the light of these moments
+    /// together, each with the scene and the pose of the optical frame. Depth and segmentation are those of
+    /// the last.
     pub fn render_moving(&mut self, moments: &[(Scene, Pose)], sensor: &mut Sensor) -> Vec<u8> {
         let mut image = self.image();
         let row = 3 * self.lens.model.width;

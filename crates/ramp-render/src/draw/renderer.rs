@@ -1,4 +1,4 @@
-//! The buffers of one camera, and what they say of the last picture.
+//! The buffers of one camera, and the last picture in them.
 
 use super::map::{bare, shadow_size};
 use super::rigid::Rigid;
@@ -16,9 +16,10 @@ pub const NOTHING: u16 = u16::MAX;
 /// A tag that is in view: how its plane is seen.
 pub(super) struct SeenTag {
     pub(super) sticker: Sticker,
-    /// From the direction (x/z, y/z, 1) of a pixel to the tag's plane: rows of a homography onto (x w, y w, w).
+    /// From the direction (x/z, y/z, 1) of a pixel to the tag's plane: rows of a homography onto (x w, y w,
+    /// w).
     pub(super) rows: [[f32; 3]; 3],
-    /// How bright a pixel is of which that many [`PLACES`] are white.
+    /// Brightness of a pixel of which that many [`PLACES`] are white.
     pub(super) light: [u16; PLACES + 1],
     pub(super) body: u16,
 }
@@ -29,19 +30,19 @@ pub struct Renderer {
     pub(super) lens: Lens,
     /// One over the distance along the optical axis, 1/m; 0 where nothing is.
     pub(super) near: Vec<f32>,
-    /// What is shown: 0 nothing, a colour of the palette, or a tag.
+    /// Content of each pixel: 0 nothing, a colour of the palette, or a tag.
     pub(super) shown: Vec<u32>,
     pub(super) palette: Vec<[u16; 3]>,
     /// The body of each colour of the palette.
     pub(super) owner: Vec<u16>,
     pub(super) tags: Vec<SeenTag>,
-    /// Where the last picture was taken from.
+    /// Camera pose of the last picture.
     pub(super) x_wc: Pose,
     pub(super) screen: Vec<[f32; 3]>,
     pub(super) shadow: Vec<u8>,
     /// Sums while shadows' edges are made soft.
     pub(super) sums: [Vec<u16>; 2],
-    /// For each cell of the map what is there: [`TABLE_TOP`], [`PAPER`] or [`DETAIL`].
+    /// Content of each cell of the map: [`TABLE_TOP`], [`PAPER`] or [`DETAIL`].
     pub(super) bare: Vec<u8>,
     /// For each cell of the map the shadow on it, on its right neighbour, and on the two below, a byte each.
     pub(super) soft: Vec<u32>,
@@ -69,7 +70,7 @@ impl Renderer {
         }
     }
 
-    /// What it draws.
+    /// Meshes and textures that it draws.
     pub fn looks(&self) -> &Looks {
         &self.looks
     }

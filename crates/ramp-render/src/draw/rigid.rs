@@ -2,7 +2,7 @@
 
 use ramp_robot::Pose;
 
-/// A turn and a shift in single precision.
+/// A rotation and a translation in single precision.
 #[derive(Clone, Copy)]
 pub(super) struct Rigid {
     pub(super) turn: [[f32; 3]; 3],

@@ -1,8 +1,8 @@
-//! Where all bodies are.
+//! Poses of all bodies.
 
 use ramp_robot::Pose;
 
-/// Where all bodies are.
+/// Poses of all bodies.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Index of each body that is there ([`Looks::bodies`](crate::Looks::bodies)) and its pose in the world.

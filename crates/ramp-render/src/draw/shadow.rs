@@ -7,11 +7,12 @@ use super::rigid::Rigid;
 use super::scene::Scene;
 use crate::looks::Looks;
 
-/// Shadows are cast up to so far beyond what a camera sees of the table, m: more than their edges are wide.
+/// Distance beyond the visible part of the table up to which shadows are cast, m: more than the width of
+/// their edges.
 const SHADOW_EDGE: f32 = 0.1;
 
 impl Renderer {
-    /// Marks on a map of the table what the lamp does not reach, where `camera` (the world's pose in it) may see it.
+    /// Marks on a map of the table the cells in shadow that `camera` (the world's pose in it) may see.
     pub(super) fn cast_shadows(&mut self, looks: &Looks, scene: &Scene, camera: &Rigid) {
         let [columns, rows] = shadow_size();
         self.shadow.fill(0);

@@ -8,16 +8,16 @@ use crate::sensor::FULL;
 use crate::texture::Level;
 use ramp_robot::{CameraModel, Pose};
 
-/// The colours of the table, of the floor around it, and of what is seen where nothing is.
+/// The colours of the table, of the floor around it, and of the background.
 const TABLE_COLOUR: [f32; 3] = [0.33, 0.31, 0.28];
 const FLOOR_COLOUR: [f32; 3] = [0.13, 0.13, 0.13];
 const WALL_COLOUR: [f32; 3] = [0.55, 0.57, 0.60];
-/// Pixels along a row between two whose places on the table are worked out, from near and from far, and how far apart those
-/// may be, m: twice what is known to be bare around a cell, and less than the width of any shadow.
+/// Pixels along a row between two whose places on the table are worked out, from near and from far, and how
+/// far apart those may be, m: twice the bare area known around a cell, and less than the width of any shadow.
 const STRIDES: [usize; 2] = [16, 8];
 const BARE: f32 = 20.0e-3;
 
-/// How the table is seen.
+/// The view of the table.
 pub(super) struct Table<'a> {
     turn: [[f32; 3]; 3],
     eye: [f32; 3],
@@ -27,7 +27,7 @@ pub(super) struct Table<'a> {
     sheet: Level<'a>,
     /// The sheet's colours by their numbers where no shadow falls.
     ink: [[u16; 3]; 256],
-    /// Colours without shadows by what is there, [`TABLE_TOP`] to [`WALL`].
+    /// Colours without shadows by content, [`TABLE_TOP`] to [`WALL`].
     plain: [[u16; 3]; WALL as usize + 1],
 }
 
@@ -35,11 +35,11 @@ impl<'a> Table<'a> {
     /// The table from a camera.
     pub(super) fn new(looks: &'a Looks, x_wc: &Pose, model: &CameraModel) -> Table<'a> {
         let rigid = Rigid::new(x_wc);
-        // What a pixel covers where the optical axis meets the table, or straight below.
+        // Size of a pixel where the optical axis meets the table, or straight below.
         let down = -rigid.turn[2][2];
         let distance = if down > 0.3 { rigid.shift[2] / down } else { rigid.shift[2] };
         let pixel = distance.max(0.01) / model.focal[0] as f32;
-        // A little room for what is further away than the middle.
+        // A margin for points further away than the middle.
         let [near, far] = STRIDES;
         let stride = if 1.5 * pixel * (near as f32) < BARE { near } else { far };
         let sheet = looks.sheet.on(looks.sheet.level(pixel));
@@ -55,7 +55,7 @@ impl<'a> Table<'a> {
         Table { turn: rigid.turn, eye: rigid.shift, stride, sheet, ink, plain }
     }
 
-    /// Where a pixel looks on the table, m in the world.
+    /// Point on the table that a pixel shows, m in the world.
     #[inline]
     pub(super) fn place(&self, dx: f32, dy: f32) -> [f32; 2] {
         let [tx, ty, tz] = self.turn;
@@ -66,8 +66,9 @@ impl<'a> Table<'a> {
         [(self.eye[0], x), (self.eye[1], y)].map(|(eye, way)| if down { eye + t * way } else { ABOVE })
     }
 
-    /// Colours the pixels from `x` on, which all show the table. `nodes` are the places of each `stride`th pixel of the row
-    /// and of its last: between two that are close to each other, places and shadows go straight.
+    /// Colours the pixels from `x` on, which all show the table. `nodes` are the places of each `stride`th
+    /// pixel of the row and of its last: between two that are close to each other, places and shadows go
+    /// straight.
     pub(super) fn stretch(
         &self,
         looks: &Looks,

@@ -72,7 +72,8 @@ impl Renderer {
             }
         };
         let (dx, dy) = (slope(0), slope(1));
-        // Anticlockwise on the screen: going up the inside lies to the left of an edge, going down to its right.
+        // Anticlockwise on the screen: going up the inside lies to the left of an edge, going down to its
+        // right.
         let (mut rights, mut lefts) =
             ([Edge::new(f32::INFINITY, 0.0); 2], [Edge::new(f32::NEG_INFINITY, 0.0); 2]);
         let (mut right_count, mut left_count) = (0, 0);
@@ -115,8 +116,8 @@ impl Renderer {
     }
 }
 
-/// Where the edge of a triangle crosses the middles of rows, in pixels from the middle of the first: whole numbers of
-/// small parts of pixels, so that a row costs an addition.
+/// Crossings of a triangle's edge with the middles of rows, in pixels from the middle of the first: whole
+/// numbers of small parts of pixels, so that a row costs an addition.
 #[derive(Clone, Copy)]
 struct Edge {
     at: i64,
@@ -142,7 +143,7 @@ impl Edge {
         Edge { at: fixed(at), step: fixed(step) }
     }
 
-    /// Where it is in this row; goes on to the next.
+    /// Position in this row. Advances to the next row.
     #[inline]
     fn next(&mut self) -> i64 {
         let at = self.at;
@@ -151,7 +152,8 @@ impl Edge {
     }
 }
 
-/// The largest whole number that is not larger, for numbers of pixels: without a call to the mathematics library.
+/// The largest whole number that is not larger, for numbers of pixels: without a call to the mathematics
+/// library.
 #[inline]
 fn floor(value: f32) -> i32 {
     const SHIFT: i32 = 4096;

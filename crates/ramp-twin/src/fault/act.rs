@@ -1,4 +1,4 @@
-//! What pushes: forces on a part from outside, with a limited speed and a limited force.
+//! External forces on a part, with limited speed and limited force.
 
 use std::sync::Arc;
 
@@ -11,12 +11,12 @@ use ramp_robot::PERIOD;
 
 type Data = MjData<Arc<MjModel>>;
 
-/// How long a push is at its hardest before it gives up, s.
+/// Time at the largest force after which a push ends, s.
 const HARDEST: f64 = 0.3;
-/// How long a body is left alone before it is measured how far it went, s.
+/// Time without force before the displacement of a body is measured, s.
 const SETTLE: f64 = 0.4;
 
-/// Which way a push goes, in the frame it is told in.
+/// Direction of a push, in the frame of the push.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Motion {
     /// Along a unit vector: force in N, distance in m.
@@ -25,35 +25,35 @@ pub(super) enum Motion {
     Turn(Vector3<f64>),
 }
 
-/// How a push is made: all in N, m, s, or N·m, rad, s.
+/// Parameters of a push, in N, m, s, or N·m, rad, s.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Strength {
-    /// How far.
+    /// Distance to push.
     pub way: f64,
-    /// How fast at most.
+    /// Largest speed.
     pub speed: f64,
     /// The largest force or moment.
     pub most: f64,
-    /// How fast it grows.
+    /// Growth of the force per second.
     pub growth: f64,
-    /// What is left of it in the next period while the body moves too fast.
+    /// Factor on the force in each period in which the body moves too fast.
     pub back_off: f64,
-    /// How long at most, s.
+    /// Longest duration, s.
     pub longest: f64,
 }
 
-/// Something that pushes a body: harder while it moves too slowly, less while it moves too fast, until it has gone far
-/// enough, it takes too long, or the push is as hard as it may be and nothing moves.
+/// A push of a body. The force grows while the body is too slow and shrinks while it is too fast. The push
+/// ends when the body has moved far enough, when it takes too long, or when the largest force moves nothing.
 #[derive(Clone, Debug)]
 pub(super) struct Push {
     body: usize,
-    /// Where, in the body's frame.
+    /// Point of application, in the body's frame, m.
     p_b: Point3<f64>,
     motion: Motion,
     strength: Strength,
     /// Whether the frame is that of the tip, and not the world's.
     in_hand: bool,
-    /// Where the body was in that frame.
+    /// Pose of the body in that frame at the start.
     x_start: Pose,
     force: f64,
     gone: f64,
@@ -64,12 +64,12 @@ pub(super) struct Push {
     rest: Option<f64>,
 }
 
-/// How a push stands.
+/// Progress of a push.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Progress {
     Pushing,
     Settling,
-    /// It is over, and the body has gone so far, m or rad.
+    /// Finished, with the distance that the body has moved, m or rad.
     Over(f64),
 }
 
@@ -99,17 +99,17 @@ impl Push {
         }
     }
 
-    /// How far the body has gone, m or rad.
+    /// Distance that the body has moved, m or rad.
     pub fn gone(&self) -> f64 {
         self.gone
     }
 
-    /// Whether the force is still there.
+    /// Whether the force still acts.
     pub fn pushes(&self) -> bool {
         self.rest.is_none()
     }
 
-    /// How far it is to go, m or rad.
+    /// Distance to push, m or rad.
     pub fn way(&self) -> f64 {
         self.strength.way
     }
@@ -166,22 +166,22 @@ fn press(data: &mut Data, body: usize, p_w: &Point3<f64>, force: &Vector3<f64>) 
     data.xfrc_applied_mut()[body] = [force.x, force.y, force.z, moment.x, moment.y, moment.z];
 }
 
-/// How far a body moves against what is in its way until that gives way, m.
+/// Distance that a body moves against an obstacle until that gives way, m.
 const GIVE: f64 = 1.5e-3;
 
-/// An obstacle in the path of a part: it resists the harder the further the part comes, up to a force at which it gives
-/// way.
+/// An obstacle in the path of a part. Its force grows with the depth of the part, up to a force at which it
+/// gives way.
 #[derive(Clone, Debug)]
 pub(super) struct Obstacle {
     body: usize,
-    /// Where the part met it, in the part's frame and in the world.
+    /// Point of first contact, in the part's frame and in the world.
     p_b: Point3<f64>,
     p_w: Point3<f64>,
     /// The insertion direction, in the world.
     direction: Vector3<f64>,
     /// At which it gives way, N.
     most: f64,
-    /// What is left of its time, s.
+    /// Remaining time, s.
     left: f64,
 }
 

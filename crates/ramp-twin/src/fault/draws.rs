@@ -1,4 +1,4 @@
-//! The numbers of a fault, and what it changes of the start: drawn from the seed before anything moves.
+//! The random numbers of a fault, drawn from the seed before anything moves, and its changes to the start.
 
 use super::kind::FaultKind;
 use super::spec::Fault;
@@ -6,8 +6,8 @@ use crate::setup::Setup;
 use ramp_kit::{Kit, tags};
 use ramp_robot::random::Stream;
 
-/// The numbers of a fault, drawn at the start and all at once, so that none depends on what the agent does: each
-/// uniform in 0 ≤ x < 1, but for the occasion.
+/// The numbers of a fault, drawn at the start and all at once, so that none depends on what the agent does:
+/// each uniform in 0 ≤ x < 1, except the occasion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Draws {
     pub occasion: u32,
@@ -36,14 +36,14 @@ impl Draws {
     }
 }
 
-/// Among how many of the first occasions one is drawn: those that every episode of a goal of `connections` pegs and
-/// `beams` beams beside the clamped one has, three at most where it is the work that makes them.
+/// Number of first occasions among which one is drawn: only those that every episode of the goal has. At most
+/// three if they depend on the progress of the work.
 fn drawn_among(kind: FaultKind, kit: &Kit, setup: &Setup) -> usize {
     let connections = setup.assembly.connections.len();
     let beams = setup.assembly.beams.len().saturating_sub(1);
     match kind {
         FaultKind::PegDropped | FaultKind::PegTilted => connections.min(3),
-        // So that a peg is wanted afterwards.
+        // So that a peg is needed afterwards.
         FaultKind::HolderShifted => connections.saturating_sub(1).min(3),
         FaultKind::BeamSlipped | FaultKind::BeamTurned | FaultKind::BeamBumped => beams.min(3),
         FaultKind::Jam | FaultKind::CameraFrozen | FaultKind::GripperWeak | FaultKind::ForceDrift => {
@@ -54,14 +54,14 @@ fn drawn_among(kind: FaultKind, kit: &Kit, setup: &Setup) -> usize {
     }
 }
 
-/// What a fault changes of the start.
+/// Changes that a fault makes to the start.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Start {
-    /// The peg that is not there.
+    /// The missing peg.
     pub missing: Option<String>,
     /// The tag that is covered, and the beam it is on.
     pub covered: Option<(u32, String)>,
-    /// Whether the holders can be pushed over the table.
+    /// Whether the holders can slide on the table.
     pub loose_holders: bool,
 }
 
@@ -84,8 +84,8 @@ impl Start {
     }
 }
 
-/// The tags of beams of the goal that have another one, by which the beam can still be found; the clamped beam is left
-/// out.
+/// The tags of the goal's beams that can be covered: those of beams with another tag, by which the beam can
+/// still be found. The clamped beam is left out.
 fn coverable_tags(setup: &Setup) -> Vec<(u32, String)> {
     let places = tags::places(&setup.assembly.kit);
     let assembly = setup.assembly;

@@ -1,6 +1,6 @@
 //! The kinds of faults.
 
-/// What may go wrong.
+/// A kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum FaultKind {
     /// The fingers lose their force for 0.3 to 0.6 s, 0.3 to 2.5 s after a peg was lifted: it falls.
@@ -13,17 +13,18 @@ pub enum FaultKind {
     BeamTurned,
     /// A beam that stands in the assembly is pushed sideways by 3 to 15 mm while the hand is away.
     BeamBumped,
-    /// The holder from which a peg was lifted is pushed by 3 to 8 mm; when it is empty, another with pegs in it.
+    /// The holder from which a peg was lifted is pushed by 3 to 8 mm; if it is empty, another one with pegs
+    /// in it.
     HolderShifted,
-    /// What is inserted meets something that gives way only at 25 to 35 N, for 4 to 8 s.
+    /// An inserted part meets an obstacle that gives way only at 25 to 35 N, for 4 to 8 s.
     Jam,
-    /// A peg of the kit is not there.
+    /// A peg of the kit is missing.
     PegMissing,
     /// A tag of a beam of the goal is covered with white for the whole episode.
     TagCovered,
     /// Both cameras repeat their last image for 5 s.
     CameraFrozen,
-    /// The fingers spring back by 2 to 4 mm when they touch what they close on, and stay there until they are opened.
+    /// The fingers spring back by 2 to 4 mm when they touch a part, and stay there until they are opened.
     GripperWeak,
     /// The wrist sensor's force is off by a bias that grows by 0.05 to 0.2 N/s up to 5 to 8 N.
     ForceDrift,
@@ -64,7 +65,7 @@ impl FaultKind {
         }
     }
 
-    /// What its occasions are, of which one is number N.
+    /// Description of its occasions, which are numbered from 1.
     pub fn occasions(self) -> &'static str {
         match self {
             FaultKind::PegDropped | FaultKind::PegTilted | FaultKind::HolderShifted => "the lifts of a peg",
@@ -73,7 +74,7 @@ impl FaultKind {
                 "the times the hand leaves the assembly while a beam stands in it that is not clamped"
             }
             FaultKind::Jam => {
-                "the insertions: what is held moves within 0.5 mm of a beam that stands in the assembly"
+                "the insertions: a held part moves within 0.5 mm of a beam that stands in the assembly"
             }
             FaultKind::PegMissing => "the kit's pegs in their order",
             FaultKind::TagCovered => "the tags of the goal's beams in their order",

@@ -1,10 +1,9 @@
-//! Faults: what goes wrong in an episode on purpose, inside the physics, so that it can be measured who notices and
-//! fixes it.
+//! Faults: injected errors inside the physics of an episode, to measure which agents notice and fix them.
 //!
-//! A [`Fault`] strikes once. `occasion` watches the truth for the moments at which a kind may strike and counts them;
-//! `act` is what then happens: a force on a part, a grip that is weak, an image that repeats, a bias of the wrist
-//! sensor. No part is ever put anywhere, and the agent is told nothing. Sizes, times and, where it is not given, the
-//! occasion come from the stream `fault-KIND` of the episode's seed.
+//! A [`Fault`] strikes once. `occasion` watches the truth for the moments at which a kind may strike and
+//! counts them. The injector then acts: a force on a part, a weak grip, a repeated image, a bias of the wrist
+//! sensor. It never sets the pose of a part, and the agent gets no notice. Sizes, times and, if it is not
+//! given, the occasion come from the stream `fault-KIND` of the episode's seed.
 
 mod act;
 mod draws;

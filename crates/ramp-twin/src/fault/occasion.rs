@@ -1,5 +1,5 @@
-//! The moments at which a fault may strike, seen in the truth: what is gripped, lifted, closed on and inserted, and
-//! when the hand leaves the assembly.
+//! The moments at which a fault may strike, found in the true state: a part is gripped, lifted or inserted,
+//! the fingers close on it, or the hand leaves the assembly.
 
 use std::sync::Arc;
 
@@ -9,25 +9,27 @@ use ramp_kit::Pose;
 
 use super::kind::FaultKind;
 use crate::engine::body_pose;
+use crate::scene::Scene;
 use crate::setup::Setup;
 use ramp_robot::PERIOD;
 
 /// A beam is in its place up to this, m and rad.
 const IN_PLACE: (f64, f64) = (15.0e-3, 6.0 / 180.0 * std::f64::consts::PI);
-/// A held part is lifted when it has risen so far since it was gripped, m.
+/// Height above the place of its grasp at which a held part counts as lifted, m.
 const LIFTED: f64 = 15.0e-3;
-/// A part is gripped when both fingers have touched it for so long, s, and let go when they have not for so long.
+/// Time for which both fingers must touch a part until it counts as gripped, s.
 const GRIPPED: f64 = 0.1;
-/// See [`GRIPPED`].
+/// Time for which they must not until it counts as released, s.
 const LET_GO: f64 = 0.2;
-/// A held part is inserted into a beam from which it is no further than this, m: 0.3 mm lie on each side of a male in a female,
-/// and printed faces are off by up to 0.1 mm each.
+/// Distance to a beam within which a held part counts as inserted, m: the gap between male and female joint
+/// is 0.3 mm on each side, and printed faces are off by up to 0.1 mm each.
 const ENTERED: f64 = 0.5e-3;
-/// Least speed of what is inserted, m/s.
+/// Least speed of a part that counts as inserted, m/s.
 const INSERTING: f64 = 5.0e-3;
 /// The hand works at a beam below this height of the tip, m, and is away above the other.
 const HEIGHTS: [f64; 2] = [0.10, 0.12];
-/// Horizontal distance from the joints of a beam within which the hand works at it, m, and is not away from it.
+/// Horizontal distance from the joints of a beam within which the hand works at it, m, and is not away from
+/// it.
 const NEAR: f64 = 0.10;
 /// Speed at which the fingers are closing, m/s.
 const CLOSING: f64 = 1.0e-3;
@@ -50,16 +52,16 @@ pub(super) struct Placed {
     /// Index into the parts.
     pub part: usize,
     pub clamped: bool,
-    /// Where it belongs in the world.
+    /// Its target pose in the world.
     pub x_wb: Pose,
-    /// Its holes, and the middles of its links, in its own frame.
+    /// Its holes, and the middles of its links, in its own frame, m.
     pub holes: Vec<Point3<f64>>,
     pub links: Vec<Point3<f64>>,
 }
 
-/// What never changes: who is who among MuJoCo's bodies.
+/// The bodies of parts, holders and fingers in MuJoCo's model. They do not change during an episode.
 #[derive(Clone, Debug)]
-pub(super) struct Cell {
+pub(super) struct Bodies {
     pub parts: Vec<Part>,
     pub placed: Vec<Placed>,
     pub holders: Vec<(String, usize)>,
@@ -71,15 +73,13 @@ pub(super) struct Cell {
     solids: Vec<Vec<(usize, f64)>>,
 }
 
-impl Cell {
-    pub fn new(
-        setup: &Setup,
-        model: &MjModel,
-        names: &[(String, usize)],
-        holders: Vec<(String, usize)>,
-        fingers: [usize; 2],
-    ) -> Cell {
-        let parts: Vec<Part> = names
+impl Bodies {
+    /// The bodies of a scene.
+    pub fn new(setup: &Setup, scene: &Scene) -> Bodies {
+        let model = &scene.model;
+        let [_, left, right] = scene.hand_bodies;
+        let parts: Vec<Part> = scene
+            .parts
             .iter()
             .map(|(name, body)| Part {
                 name: name.clone(),
@@ -122,10 +122,18 @@ impl Cell {
                 })
             })
             .collect();
-        Cell { parts, placed, holders, fingers, geom_body, body_part, solids }
+        Bodies {
+            parts,
+            placed,
+            holders: scene.holders.clone(),
+            fingers: [left, right],
+            geom_body,
+            body_part,
+            solids,
+        }
     }
 
-    /// Where a part is.
+    /// Pose of a part in the world.
     pub fn pose(&self, data: &Data, part: usize) -> Pose {
         body_pose(data, self.parts[part].body)
     }
@@ -137,7 +145,8 @@ impl Cell {
             && x_wb.rotation.angle_to(&placed.x_wb.rotation) < IN_PLACE.1
     }
 
-    /// The beams that stand in the assembly and are neither clamped nor held, as indices into [`Cell::placed`].
+    /// The beams that stand in the assembly and are neither clamped nor held, as indices into
+    /// [`Bodies::placed`].
     pub fn standing(&self, data: &Data, held: Option<usize>) -> Vec<usize> {
         (0..self.placed.len())
             .filter(|&index| {
@@ -147,7 +156,8 @@ impl Cell {
             .collect()
     }
 
-    /// Where a part is within [`ENTERED`] of a beam that stands in the assembly, m in the world: between the two.
+    /// The point, m in the world, at which a part is within [`ENTERED`] of a beam that stands in the
+    /// assembly: the middle between the two.
     fn entered(&self, data: &mut Data, part: usize) -> Option<Point3<f64>> {
         for placed in self.placed.iter().filter(|placed| placed.part != part) {
             if !placed.clamped && !self.in_place(data, placed) {
@@ -170,7 +180,7 @@ impl Cell {
         None
     }
 
-    /// How many pegs are in the holes of a beam.
+    /// The holes of a beam that have a peg in them, in its frame, m.
     pub fn pins(&self, data: &Data, placed: &Placed) -> Vec<Point3<f64>> {
         let x_wb = self.pose(data, placed.part);
         let pegs: Vec<Vector3<f64>> = (0..self.parts.len())
@@ -196,13 +206,13 @@ impl Cell {
     }
 }
 
-/// What the fingers hold.
+/// The part between the fingers.
 #[derive(Clone, Debug)]
 struct Grip {
     part: usize,
     /// Height at which it was gripped, m.
     height: f64,
-    /// How long both fingers have touched it, and how long since they have not, s.
+    /// Time for which both fingers have touched it, and time since they last did, s.
     held: f64,
     missed: f64,
     lifted: bool,
@@ -217,7 +227,8 @@ pub(super) enum Occasion {
     Part(usize),
     /// The hand left the assembly, in which beams stand.
     Left,
-    /// A held part moves into a beam: where the two are nearest to each other, m, and the direction of its motion, both in the world.
+    /// A held part moves into a beam: where the two are nearest to each other, m, and the direction of its
+    /// motion, both in the world.
     Inserted { part: usize, p_w: Point3<f64>, direction: Vector3<f64> },
 }
 
@@ -226,7 +237,7 @@ pub(super) enum Occasion {
 pub(super) struct Watch {
     kind: FaultKind,
     grip: Option<Grip>,
-    /// How long no finger has touched a part, s.
+    /// Time since a finger last touched a part, s.
     untouched: f64,
     /// Whether the hand has worked at the assembly since it was last away.
     worked: bool,
@@ -237,7 +248,7 @@ impl Watch {
         Watch { kind, grip: None, untouched: LET_GO, worked: false }
     }
 
-    /// Once in so many periods it is looked: where a moment matters, in each.
+    /// Number of control periods between two checks: one for a kind that needs the exact moment.
     pub fn every(&self) -> u64 {
         if self.kind == FaultKind::GripperWeak { 1 } else { 10 }
     }
@@ -247,34 +258,35 @@ impl Watch {
         self.grip.as_ref().map(|grip| grip.part)
     }
 
-    /// Looks at the world; tells an occasion when there is one. `fingers` is the speed at which they open, m/s.
-    pub fn look(&mut self, cell: &Cell, data: &mut Data, x_wt: &Pose, fingers: f64) -> Option<Occasion> {
+    /// Checks the world; returns an occasion when it has come. `fingers` is the speed at which they open,
+    /// m/s.
+    pub fn look(&mut self, bodies: &Bodies, data: &mut Data, x_wt: &Pose, fingers: f64) -> Option<Occasion> {
         let passed = self.every() as f64 * PERIOD;
-        // Which parts each finger touches.
+        // Parts that each finger touches.
         let mut touched: [Vec<usize>; 2] = [Vec::new(), Vec::new()];
         for contact in data.contact() {
-            let bodies = contact.geom.map(|geom| {
-                usize::try_from(geom).ok().and_then(|geom| cell.geom_body.get(geom)).copied().unwrap_or(0)
+            let touching = contact.geom.map(|geom| {
+                usize::try_from(geom).ok().and_then(|geom| bodies.geom_body.get(geom)).copied().unwrap_or(0)
             });
-            for (one, other) in [(bodies[0], bodies[1]), (bodies[1], bodies[0])] {
-                let Some(part) = cell.body_part.get(other).copied().flatten() else { continue };
-                if let Some(finger) = cell.fingers.iter().position(|finger| *finger == one) {
+            for (one, other) in [(touching[0], touching[1]), (touching[1], touching[0])] {
+                let Some(part) = bodies.body_part.get(other).copied().flatten() else { continue };
+                if let Some(finger) = bodies.fingers.iter().position(|finger| *finger == one) {
                     touched[finger].push(part);
                 }
             }
         }
         let closed = self.closing(&touched, fingers, passed);
-        let gripped = self.grip(cell, data, &touched, passed);
-        let lifted = self.lifted(cell, data);
+        let gripped = self.grip(bodies, data, &touched, passed);
+        let lifted = self.lifted(bodies, data);
         match self.kind {
             FaultKind::PegDropped | FaultKind::PegTilted | FaultKind::HolderShifted => {
-                lifted.filter(|part| cell.parts[*part].is_peg).map(Occasion::Part)
+                lifted.filter(|part| bodies.parts[*part].is_peg).map(Occasion::Part)
             }
             FaultKind::BeamSlipped | FaultKind::BeamTurned => {
-                lifted.filter(|part| !cell.parts[*part].is_peg).map(Occasion::Part)
+                lifted.filter(|part| !bodies.parts[*part].is_peg).map(Occasion::Part)
             }
-            FaultKind::BeamBumped => self.left(cell, data, x_wt).then_some(Occasion::Left),
-            FaultKind::Jam => self.inserted(cell, data, passed),
+            FaultKind::BeamBumped => self.left(bodies, data, x_wt).then_some(Occasion::Left),
+            FaultKind::Jam => self.inserted(bodies, data, passed),
             FaultKind::GripperWeak => closed.map(Occasion::Part),
             FaultKind::CameraFrozen | FaultKind::ForceDrift => gripped.map(Occasion::Part),
             FaultKind::PegMissing | FaultKind::TagCovered => None,
@@ -290,7 +302,13 @@ impl Watch {
     }
 
     /// Follows what both fingers touch; the part in the look in which it counts as gripped.
-    fn grip(&mut self, cell: &Cell, data: &Data, touched: &[Vec<usize>; 2], passed: f64) -> Option<usize> {
+    fn grip(
+        &mut self,
+        bodies: &Bodies,
+        data: &Data,
+        touched: &[Vec<usize>; 2],
+        passed: f64,
+    ) -> Option<usize> {
         let both = |part: usize| touched.iter().all(|one| one.contains(&part));
         let mut gripped = None;
         if let Some(grip) = &mut self.grip {
@@ -306,7 +324,7 @@ impl Watch {
                 }
             }
         } else if let Some(part) = touched[0].iter().copied().find(|part| both(*part)) {
-            let p_w = cell.pose(data, part).translation.vector;
+            let p_w = bodies.pose(data, part).translation.vector;
             self.grip = Some(Grip {
                 part,
                 height: p_w.z,
@@ -321,39 +339,39 @@ impl Watch {
     }
 
     /// The held part in the look in which it counts as lifted.
-    fn lifted(&mut self, cell: &Cell, data: &Data) -> Option<usize> {
+    fn lifted(&mut self, bodies: &Bodies, data: &Data) -> Option<usize> {
         let grip =
             self.grip.as_mut().filter(|grip| grip.held >= GRIPPED && grip.missed == 0.0 && !grip.lifted)?;
-        grip.lifted = cell.pose(data, grip.part).translation.z - grip.height > LIFTED;
+        grip.lifted = bodies.pose(data, grip.part).translation.z - grip.height > LIFTED;
         grip.lifted.then_some(grip.part)
     }
 
     /// The held part in the look in which it first moves into a beam of the assembly.
-    fn inserted(&mut self, cell: &Cell, data: &mut Data, passed: f64) -> Option<Occasion> {
+    fn inserted(&mut self, bodies: &Bodies, data: &mut Data, passed: f64) -> Option<Occasion> {
         let grip = self.grip.as_mut()?;
-        let p_w = cell.pose(data, grip.part).translation.vector;
+        let p_w = bodies.pose(data, grip.part).translation.vector;
         let velocity = (p_w - grip.before) / passed;
         grip.before = p_w;
         let direction = velocity.try_normalize(INSERTING).filter(|_| grip.lifted && !grip.inserted)?;
-        let p_w = cell.entered(data, grip.part)?;
+        let p_w = bodies.entered(data, grip.part)?;
         grip.inserted = true;
         Some(Occasion::Inserted { part: grip.part, p_w, direction })
     }
 
     /// Whether the hand works at a beam.
-    pub fn is_back(&self, cell: &Cell, data: &Data, beam: usize, x_wt: &Pose) -> bool {
+    pub fn is_back(&self, bodies: &Bodies, data: &Data, beam: usize, x_wt: &Pose) -> bool {
         let p_w = x_wt.translation.vector;
-        let placed = cell.placed.iter().find(|placed| placed.part == beam);
-        p_w.z < HEIGHTS[0] && placed.is_some_and(|placed| cell.distance(data, placed, &p_w) < NEAR)
+        let placed = bodies.placed.iter().find(|placed| placed.part == beam);
+        p_w.z < HEIGHTS[0] && placed.is_some_and(|placed| bodies.distance(data, placed, &p_w) < NEAR)
     }
 
     /// Whether the hand has just left an assembly in which beams stand.
-    fn left(&mut self, cell: &Cell, data: &Data, x_wt: &Pose) -> bool {
+    fn left(&mut self, bodies: &Bodies, data: &Data, x_wt: &Pose) -> bool {
         let p_w = x_wt.translation.vector;
-        let standing = cell.standing(data, self.held());
+        let standing = bodies.standing(data, self.held());
         let nearest = standing
             .iter()
-            .map(|&index| cell.distance(data, &cell.placed[index], &p_w))
+            .map(|&index| bodies.distance(data, &bodies.placed[index], &p_w))
             .fold(f64::INFINITY, f64::min);
         if p_w.z < HEIGHTS[0] && nearest < NEAR {
             self.worked = true;

@@ -8,9 +8,10 @@ use std::str::FromStr;
 /// One fault of an episode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// What goes wrong.
+    /// Kind of the fault.
     pub kind: FaultKind,
-    /// At which of its occasions ([`FaultKind::occasions`]), from 1; `None` has it drawn from the seed.
+    /// Number of the occasion ([`FaultKind::occasions`]) at which it strikes, from 1; `None`: drawn from the
+    /// seed.
     pub occasion: Option<u32>,
 }
 
@@ -24,23 +25,23 @@ impl fmt::Display for Fault {
     }
 }
 
-/// What is written where a fault should be.
+/// Error in the text of a fault.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FaultError {
-    /// There is no such kind.
-    #[error("there is no fault `{found}`; {help}")]
+    /// The kind is unknown.
+    #[error("unknown fault `{found}`; {help}")]
     Kind {
-        /// What was found.
+        /// The text found.
         found: String,
-        /// What is near it, or all that there are.
+        /// The most similar kind, or all kinds.
         help: String,
     },
-    /// After the `@` is no number of an occasion.
-    #[error("`{found}` is no occasion of the fault `{kind}`: expected a number from 1 after the @")]
+    /// The text after the `@` is not the number of an occasion.
+    #[error("invalid occasion `{found}` of the fault `{kind}`: expected a number from 1 after the @")]
     Occasion {
         /// The kind.
         kind: &'static str,
-        /// What was found.
+        /// The text found.
         found: String,
     },
 }
@@ -66,7 +67,7 @@ impl FromStr for Fault {
         let Some(kind) = FaultKind::ALL.into_iter().find(|kind| kind.name() == word) else {
             let names = FaultKind::ALL.map(FaultKind::name);
             let help = nearest(word, names).map_or_else(
-                || format!("there are {}", names.join(", ")),
+                || format!("expected one of {}", names.join(", ")),
                 |near| format!("did you mean `{near}`?"),
             );
             return Err(FaultError::Kind { found: shorten(word), help });
@@ -82,19 +83,19 @@ impl FromStr for Fault {
     }
 }
 
-/// What became of a fault: for the result alone.
+/// Report of a fault, for the result only. The agent does not see it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaultReport {
-    /// What went wrong.
+    /// Kind of the fault.
     pub kind: FaultKind,
-    /// At which of its occasions, from 1.
+    /// Number of the occasion at which it strikes, from 1.
     pub occasion: u32,
     /// Robot time at which it struck, s; `None` when the occasion has not come.
     pub at: Option<f64>,
-    /// The part that it struck, where it struck one.
+    /// The part that it struck; `None` if it strikes no part.
     pub part: Option<String>,
-    /// How large it was, in the unit that the text names: m, rad, N, N/s or s; `None` where it has no size.
+    /// Size of the fault, in the unit that the text names: m, rad, N, N/s or s; `None` where it has no size.
     pub size: Option<f64>,
-    /// What happened, for a person.
+    /// Description of the event in English.
     pub text: String,
 }

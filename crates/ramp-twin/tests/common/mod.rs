@@ -1,6 +1,6 @@
-//! A world to put a twin into: the kit, a goal and the arm, as they lie in `data`.
+//! Kit, goal and arm from `data`, for tests of the twin.
 
-#![allow(clippy::unwrap_used)] // A test that cannot go on may stop.
+#![allow(clippy::unwrap_used)] // A failed unwrap here is a failed test.
 
 use std::path::Path;
 

@@ -37,13 +37,13 @@ impl PartFinder {
         Ok(PartFinder { places, order, tags: TagFinder::new(1.0)? })
     }
 
-    /// Where the tags stick.
+    /// Poses of the tags on the parts.
     pub fn places(&self) -> &BTreeMap<u32, TagPlace> {
         &self.places
     }
 
-    /// Finds the parts in an image. `camera` is what the robot tells of the camera, and `lying` what is known of parts
-    /// that nothing has touched.
+    /// Finds the parts in an image. `camera` is the camera model that the robot reports, and `lying` the
+    /// prior of parts that nothing has touched.
     ///
     /// # Errors
     /// When nothing can be seen in the image at all.

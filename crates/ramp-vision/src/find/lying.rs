@@ -1,8 +1,8 @@
-//! What is known of a part that nothing has touched: it lies on the sheet.
+//! Prior of a part that nothing has touched: it lies on the sheet.
 
 use ramp_kit::{Holder, Kit};
 
-/// What is known of how a part lies, for as long as nothing has touched it.
+/// Prior of the pose of a part, valid as long as nothing has touched it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lying {
     /// The part.
@@ -11,12 +11,12 @@ pub struct Lying {
     pub height: f64,
     /// Does its z axis point down?
     pub flipped: bool,
-    /// How sure the height (m) and the level (rad) are, 1 σ. What the camera's calibration leaves open counts too.
+    /// Uncertainty of the height (m) and the tilt (rad), 1 σ. It includes that of the camera's calibration.
     pub sigma: [f64; 2],
 }
 
 impl Lying {
-    /// How sure heights and levels are with the cameras as they come: 1.5 mm and 0.4°.
+    /// Uncertainty of height and tilt with uncalibrated cameras: 1.5 mm and 0.4°.
     pub const SIGMA: [f64; 2] = [1.5e-3, 0.007];
 
     /// All parts as the sheet has them.

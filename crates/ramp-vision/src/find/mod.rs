@@ -1,7 +1,7 @@
-//! Parts in an image: all tags of a part together, what is believed, and what was odd.
+//! Parts in an image: detection from all tags of a part together, and unexpected findings.
 //!
-//! `finder` takes an image apart, `part` finds one part of it, with what is known of it (`lying`) and the points of its
-//! `tags`; `sighting` is what comes out.
+//! `finder` groups the tags of an image by part, `part` estimates the pose of one part from its prior
+//! (`lying`) and the points of its `tags`, and `sighting` is the result.
 
 mod finder;
 mod lying;

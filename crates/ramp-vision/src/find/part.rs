@@ -1,4 +1,4 @@
-//! One part: from its tags in the image to a pose that can be believed, or to what is odd about it.
+//! One part: from its tags in the image to an accepted pose, or to an unexpected finding.
 
 use super::lying::Lying;
 use super::sighting::{Oddity, SHEET, SeenPart};
@@ -15,21 +15,21 @@ use ramp_robot::{CameraModel, Pose};
 const CORNERS_AGREE: f64 = 1.0;
 /// Likewise for places on edges.
 const EDGES_AGREE: f64 = 0.35;
-/// Two poses of one tag are told apart when their costs differ by this much.
+/// Least difference in cost at which two poses of one tag can be distinguished.
 const TOLD_APART: f64 = 30.0;
 /// Two poses that differ by less than this are one, rad.
 const SAME: f64 = 0.02;
 /// Places next to each other on an edge have errors in common: this many count as one.
 const COMMON: f64 = 4.0;
-/// Residuals on edges, in units of the usual one, are taken to be at least this large: there are errors that all places
-/// have in common.
+/// Residuals on edges, in units of the usual one, are taken to be at least this large: there are errors that
+/// all places have in common.
 const LEAST_ERROR: f64 = 0.56;
-/// Largest standard deviation of a place that is believed, m: of a part that nothing is known of, and of one that is
-/// known to lie, whose height is not so well known but cannot be quite wrong.
+/// Largest standard deviation of an accepted position, m: of a part without a prior, and of one that lies on
+/// the sheet, whose height is less certain but bounded.
 const VAGUE: [f64; 2] = [1.25e-3, 1.8e-3];
 /// Heights in which a part's origin can be, m in the world.
 const HEIGHTS: [f64; 2] = [-0.03, 1.2];
-/// Largest sum of squares of what is known of a part, in units of its σ: three numbers, five σ.
+/// Largest sum of squares of the prior's residuals, in units of their σ: three numbers, five σ.
 const KNOWN_AGREES: f64 = 25.0;
 /// Least share of the places on the edges of a tag that must be measurable.
 const MEASURED: f64 = 0.5;
@@ -78,7 +78,7 @@ impl View<'_> {
             oddities.push(Oddity::Small { part: name.to_string(), pixels: width });
             return None;
         }
-        // What is known holds where the tags are: the part's origin may be far away.
+        // The prior holds at the tags: the part's origin may be far away.
         let middle = middle_of(&once);
         let level = lying.map(|lying| Level {
             r_wc: self.x_wc.rotation.to_rotation_matrix(),
@@ -96,7 +96,7 @@ impl View<'_> {
         let mut fits: Vec<Fit> = Vec::new();
         for (place, detection) in &once {
             for start in candidates(self.camera, place, &detection.corners).into_iter().flatten() {
-                // Without what is known first: a part that does not lie must not be pressed flat.
+                // First without the prior: a part that does not lie flat must not be forced flat.
                 let Some(found) = fit(&terms, &start, 30) else { continue };
                 let same = |other: &Fit| other.x_cp.rotation.angle_to(&found.x_cp.rotation) < SAME;
                 match fits.iter_mut().find(|other| same(other)) {
@@ -165,8 +165,8 @@ impl View<'_> {
         Some((first, places))
     }
 
-    /// Decides between the poses that corners allow, for tags too small to measure edges on. Returns the pose, by how
-    /// much its covariance is larger than usual, and the corners' mean residual in pixels.
+    /// Decides between the poses that corners allow, for tags too small to measure edges on. Returns the
+    /// pose, by how much its covariance is larger than usual, and the corners' mean residual in pixels.
     fn settle_corners(
         &self,
         name: &str,
@@ -243,7 +243,7 @@ impl View<'_> {
         }
         // From usual residuals to the ones found, and from the optical frame's axes to the world's.
         let covariance = fit.information.try_inverse()? * scale;
-        // How uncertain the tags' place is: a shift of the origin and a turn about it.
+        // Uncertainty of the tags' position, from translation of the origin and rotation about it.
         let middle = middle_of(once);
         let arm = fit.x_cp.rotation * middle;
         let mut motion = Matrix3x6::zeros();
@@ -283,7 +283,7 @@ fn disagree(name: &str, tags: Vec<u32>, pixels: f64) -> Oddity {
     }
 }
 
-/// What is known of a part and what is seen of it must go together.
+/// Checks that the prior of a part and its measurement agree.
 fn lies(level: Option<&Level>, x_cp: &Pose, name: &str, oddities: &mut Vec<Oddity>) -> Option<()> {
     let mut known = 0.0;
     if let Some(level) = level {

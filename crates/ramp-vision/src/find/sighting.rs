@@ -1,4 +1,4 @@
-//! What is found in an image: parts with poses, and what was odd.
+//! Findings in an image: parts with poses, and unexpected observations.
 
 use crate::detect::Detection;
 use nalgebra::Matrix6;
@@ -11,8 +11,8 @@ pub struct SeenPart {
     pub part: String,
     /// Pose of its frame in the world, as far as the camera is where it is said to be.
     pub x_wp: Pose,
-    /// Covariance of a small shift (m) and then turn (rad) about the part's origin, axes of the world: what noise in
-    /// the image leaves open. The error of the camera's calibration is not in it.
+    /// Covariance of a small translation (m) and then rotation (rad) about the part's origin, axes of the
+    /// world, from image noise. It does not include the error of the camera's calibration.
     pub covariance: Matrix6<f64>,
     /// The tags it was seen by.
     pub tags: Vec<u32>,
@@ -28,7 +28,7 @@ pub struct SeenPart {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Oddity {
     /// A tag that no part of the kit carries.
-    #[error("tag {id} is on no part of the kit")]
+    #[error("tag {id} belongs to no part of the kit")]
     UnknownTag {
         /// Its id.
         id: u32,
@@ -40,7 +40,7 @@ pub enum Oddity {
         id: u32,
         /// The part that should carry it.
         part: String,
-        /// How often.
+        /// Number of times.
         count: usize,
     },
     /// The tags of a part are not where they should be on one and the same part: one sticks on another part.
@@ -54,15 +54,15 @@ pub enum Oddity {
         pixels: f64,
     },
     /// A single tag that could as well be tilted the other way.
-    #[error("{part} could be tilted either way, {degrees:.0} degrees apart")]
+    #[error("ambiguous tilt of {part}: two poses {degrees:.0} degrees apart")]
     Ambiguous {
         /// The part.
         part: String,
         /// Between the two.
         degrees: f64,
     },
-    /// A pose that cannot be.
-    #[error("{part} seems to be {height:.3} m high, which cannot be")]
+    /// An implausible pose.
+    #[error("implausible height of {part}: {height:.3} m")]
     Height {
         /// The part.
         part: String,
@@ -70,7 +70,7 @@ pub enum Oddity {
         height: f64,
     },
     /// Known to lie flat, but seen otherwise.
-    #[error("{part} does not lie as it was left")]
+    #[error("{part} does not lie flat as expected")]
     NotLying {
         /// The part.
         part: String,
@@ -92,7 +92,7 @@ pub enum Oddity {
         pixels: f64,
     },
     /// A pose too uncertain to be of use.
-    #[error("where {part} is remains open: {sigma:.4} m")]
+    #[error("the position of {part} is too uncertain: {sigma:.4} m")]
     Vague {
         /// The part.
         part: String,
@@ -101,19 +101,19 @@ pub enum Oddity {
     },
 }
 
-/// What was seen in one image.
+/// Detections in one image.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sighting {
     /// Robot time of the exposure, s.
     pub time: f64,
     /// Parts, in the order of the kit, beams before pegs.
     pub parts: Vec<SeenPart>,
-    /// The sheet, when its own tag is in view; the pose of its frame is the identity when camera and sheet are where
-    /// they should be.
+    /// The sheet, when its own tag is in view. The pose of its frame is the identity if camera and sheet are
+    /// in their nominal poses.
     pub sheet: Option<SeenPart>,
     /// All tags that were read, believed or not.
     pub detections: Vec<Detection>,
-    /// What was odd.
+    /// Unexpected findings.
     pub oddities: Vec<Oddity>,
 }
 

@@ -1,6 +1,7 @@
-//! The fault of an episode at work: waits for its occasion, strikes once, and keeps what it did.
+//! The fault of an episode: waits for its occasion, strikes once, and keeps a report.
 //!
-//! `state` is what goes on, `strike` begins and moves it, and `step` does so with each step of the physics.
+//! `state` is the current stage, `strike` begins and continues a fault, and `step` does so with each step of
+//! the physics.
 
 mod state;
 mod step;

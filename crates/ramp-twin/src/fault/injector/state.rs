@@ -1,10 +1,11 @@
-//! What a fault is doing now, and what it did.
+//! State of a fault, and its report.
 
 use crate::fault::act::{Motion, Obstacle, Push};
 use crate::fault::draws::{Draws, Start};
 use crate::fault::kind::FaultKind;
-use crate::fault::occasion::{Cell, Watch};
+use crate::fault::occasion::{Bodies, Watch};
 use crate::fault::spec::FaultReport;
+use crate::scene::Scene;
 use crate::setup::Setup;
 use mujoco_rs::prelude::*;
 use nalgebra::Vector3;
@@ -13,25 +14,25 @@ use std::sync::Arc;
 /// The physics.
 pub(super) type Data = MjData<Arc<MjModel>>;
 
-/// What goes on.
+/// The current stage of a fault.
 #[derive(Clone, Debug)]
 pub(super) enum Action {
     Waiting,
-    /// A part was lifted; in so many seconds it is struck.
+    /// A part was lifted. It is struck when `left` seconds have passed.
     Lifted {
         part: usize,
         left: f64,
     },
-    /// The fingers have no force for so many seconds.
+    /// The fingers have no force for another `left` seconds.
     Limp {
         left: f64,
     },
-    /// A part is pushed in the grip; the other way, if it has not been tried.
+    /// A part is pushed in the grip. `other` is the push in the other direction, if it has not been tried.
     InGrip {
         push: Push,
         other: Option<Push>,
     },
-    /// A standing beam is pushed; the sides that are left to push it from.
+    /// A standing beam is pushed. `left` are the remaining directions.
     Bump {
         push: Push,
         part: usize,
@@ -42,7 +43,7 @@ pub(super) enum Action {
     Shift(Push),
     /// An obstacle blocks an insertion.
     Jam(Obstacle),
-    /// The cameras repeat their images for so many seconds.
+    /// The cameras repeat their images for another `left` seconds.
     Frozen {
         left: f64,
     },
@@ -63,7 +64,7 @@ pub(super) enum Action {
 /// The fault of an episode.
 #[derive(Clone, Debug)]
 pub(crate) struct Injector {
-    pub(super) cell: Cell,
+    pub(super) bodies: Arc<Bodies>,
     pub(super) draws: Draws,
     pub(super) watch: Watch,
     /// Occasions so far.
@@ -73,15 +74,8 @@ pub(crate) struct Injector {
 }
 
 impl Injector {
-    /// The fault of `setup`, if it has one. `parts` and `holders` are names and bodies.
-    pub fn new(
-        setup: &Setup,
-        start: &Start,
-        model: &MjModel,
-        parts: &[(String, usize)],
-        holders: Vec<(String, usize)>,
-        fingers: [usize; 2],
-    ) -> Option<Injector> {
+    /// The fault of `setup`, if it has one.
+    pub fn new(setup: &Setup, start: &Start, scene: &Scene) -> Option<Injector> {
         let fault = setup.fault?;
         let draws = Draws::new(fault, setup);
         let mut report = FaultReport {
@@ -95,7 +89,7 @@ impl Injector {
         if let Some(peg) = &start.missing {
             report.at = Some(0.0);
             report.part = Some(peg.clone());
-            report.text = format!("{peg} is not there");
+            report.text = format!("{peg} is missing");
         }
         if let Some((tag, beam)) = &start.covered {
             report.at = Some(0.0);
@@ -104,7 +98,7 @@ impl Injector {
         }
         let at_start = matches!(fault.kind, FaultKind::PegMissing | FaultKind::TagCovered);
         Some(Injector {
-            cell: Cell::new(setup, model, parts, holders, fingers),
+            bodies: Arc::new(Bodies::new(setup, scene)),
             draws,
             watch: Watch::new(fault.kind),
             count: 0,
@@ -113,7 +107,7 @@ impl Injector {
         })
     }
 
-    /// What became of it so far.
+    /// The report so far.
     pub fn report(&self) -> &FaultReport {
         &self.report
     }
@@ -123,7 +117,7 @@ impl Injector {
         matches!(self.action, Action::Frozen { .. })
     }
 
-    /// What is added to the force that the wrist sensor reads, N, in the sensor's frame.
+    /// Bias on the force that the wrist sensor reads, N, in the sensor's frame.
     pub fn bias(&self) -> Vector3<f64> {
         match &self.action {
             Action::Drift { force, direction, .. } => *force * direction,

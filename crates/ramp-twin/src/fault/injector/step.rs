@@ -1,4 +1,4 @@
-//! One step: the occasion is watched for, and what goes on goes on.
+//! One step: watches for the occasion, and continues a fault that has struck.
 
 use super::state::{Action, Data, Injector};
 use crate::fault::act::Progress;
@@ -6,12 +6,12 @@ use ramp_kit::Pose;
 use ramp_robot::GripperCommand;
 use ramp_robot::PERIOD;
 
-/// What is left of the fingers' force while something is moved in the grip.
+/// Share of the fingers' force that remains while a part is moved in the grip.
 const WEAKENED: f64 = 0.15;
 
 impl Injector {
-    /// Before each step of the physics: `fingers` are the width of the hand, m, and the speed at which it opens, m/s.
-    /// Returns what the gripper does with its command.
+    /// Before each step of the physics: `fingers` are the width of the hand, m, and the speed at which it
+    /// opens, m/s. Returns the command that the gripper executes.
     pub fn step(
         &mut self,
         data: &mut Data,
@@ -22,7 +22,7 @@ impl Injector {
     ) -> GripperCommand {
         let time = steps as f64 * PERIOD;
         if steps.is_multiple_of(self.watch.every()) && !matches!(self.action, Action::Over) {
-            let occasion = self.watch.look(&self.cell, data, x_wt, fingers[1]);
+            let occasion = self.watch.look(&self.bodies, data, x_wt, fingers[1]);
             if let Some(occasion) = occasion.filter(|_| matches!(self.action, Action::Waiting)) {
                 self.count += 1;
                 if self.count >= self.draws.occasion {

@@ -1,4 +1,4 @@
-//! How each kind strikes, and how pushes go on where nothing gives way.
+//! How each kind of fault strikes, and what follows when a pushed part does not move.
 
 use nalgebra::{Point3, Vector3};
 use ramp_kit::Pose;
@@ -8,31 +8,32 @@ use crate::fault::act::{Motion, Obstacle, Progress, Push, Strength};
 use crate::fault::kind::FaultKind;
 use crate::fault::occasion::Occasion;
 
-/// From a lift until what was lifted is dropped or moved in the grip, s.
+/// Time from a lift until the lifted part is dropped or moved in the grip, s.
 const DELAY: [f64; 2] = [0.3, 2.5];
-/// How long the fingers have no force, s.
+/// Time without finger force, s.
 const LIMP: [f64; 2] = [0.3, 0.6];
-/// What moves by less than this share of its way does not give way.
+/// A part that moves by less than this share of the intended distance counts as stuck.
 const LEAST_OF_WAY: f64 = 0.3;
-/// How far a peg is turned in the grip, rad.
+/// Rotation of a peg in the grip, rad.
 const TILT: [f64; 2] = [6.0 / 180.0 * std::f64::consts::PI, 15.0 / 180.0 * std::f64::consts::PI];
-/// How far a beam is pushed along its axis in the grip, m.
+/// Displacement of a beam along its axis in the grip, m.
 const SLIP: [f64; 2] = [4.0e-3, 12.0e-3];
-/// How far a beam is turned in the grip, rad.
+/// Rotation of a beam in the grip, rad.
 const TURN: [f64; 2] = [4.0 / 180.0 * std::f64::consts::PI, 10.0 / 180.0 * std::f64::consts::PI];
-/// How far a standing beam is pushed, m.
+/// Displacement of a standing beam, m.
 const BUMP: [f64; 2] = [3.0e-3, 15.0e-3];
-/// A bump that moved a beam by less has not happened, m: it is made again from another side, or on another occasion.
+/// Least displacement of a bump, m. After a smaller one the beam is pushed from another side, or on another
+/// occasion.
 const LEAST_BUMP: f64 = 2.5e-3;
-/// How far a holder is pushed, m.
+/// Displacement of a holder, m.
 const SHIFT: [f64; 2] = [3.0e-3, 8.0e-3];
-/// Force at which the obstacle of an insertion gives way, N, and for how long it is there, s.
+/// Force at which the obstacle of an insertion gives way, N, and its duration, s.
 const JAM: ([f64; 2], [f64; 2]) = ([25.0, 35.0], [4.0, 8.0]);
-/// How long the cameras repeat their images, s.
+/// Time for which the cameras repeat their images, s.
 const FROZEN: f64 = 5.0;
-/// How far the fingers spring back, m.
+/// Distance by which the fingers spring back, m.
 const SHORT: [f64; 2] = [2.0e-3, 4.0e-3];
-/// Growth of the sensor's bias, N/s, and its end, N.
+/// Growth of the sensor's bias, N/s, and its final value, N.
 const DRIFT: ([f64; 2], [f64; 2]) = ([0.05, 0.2], [5.0, 8.0]);
 
 /// Between two ends.
@@ -41,14 +42,14 @@ fn between([from, to]: [f64; 2], share: f64) -> f64 {
 }
 
 impl Injector {
-    /// The occasion has come.
+    /// Begins the fault at its occasion.
     pub(super) fn strike(&mut self, occasion: &Occasion, data: &Data, time: f64, width: f64) {
         let draws = self.draws;
         let part = match occasion {
             Occasion::Part(part) | Occasion::Inserted { part, .. } => Some(*part),
             Occasion::Left => None,
         };
-        let name = part.map(|part| self.cell.parts[part].name.clone()).unwrap_or_default();
+        let name = part.map(|part| self.bodies.parts[part].name.clone()).unwrap_or_default();
         let action = match (self.report.kind, occasion) {
             (FaultKind::HolderShifted, Occasion::Part(peg)) => self.shift(*peg, data, time),
             (FaultKind::BeamBumped, Occasion::Left) => self.begin_bump(data, time),
@@ -60,7 +61,7 @@ impl Injector {
                     Some(force),
                     format!("{name} meets {force:.0} N for {seconds:.1} s"),
                 );
-                let body = self.cell.parts[*part].body;
+                let body = self.bodies.parts[*part].body;
                 Some(Action::Jam(Obstacle::new(data, body, *p_w, *direction, force, seconds)))
             }
             (FaultKind::CameraFrozen, Occasion::Part(_)) => {
@@ -103,18 +104,19 @@ impl Injector {
         self.report.text = text;
     }
 
-    /// One way or the other.
+    /// Direction drawn for the fault, 1 or −1.
     fn side(&self) -> f64 {
         if self.draws.side < 0.5 { -1.0 } else { 1.0 }
     }
 
-    /// What was lifted falls, or is moved in the grip; when it is no longer there, it is waited for the next.
+    /// Drops the lifted part, or moves it in the grip. If it is not held any more, waits for the next
+    /// occasion.
     pub(super) fn strike_in_grip(&mut self, part: usize, data: &Data, x_wt: &Pose, time: f64) -> Action {
         if self.watch.held() != Some(part) {
             return Action::Waiting;
         }
         let kind = self.report.kind;
-        let (name, body) = (self.cell.parts[part].name.clone(), self.cell.parts[part].body);
+        let (name, body) = (self.bodies.parts[part].name.clone(), self.bodies.parts[part].body);
         if kind == FaultKind::PegDropped {
             let left = between(LIMP, self.draws.size);
             self.struck(
@@ -125,7 +127,7 @@ impl Injector {
             );
             return Action::Limp { left };
         }
-        let x_tp = x_wt.inverse() * self.cell.pose(data, part);
+        let x_tp = x_wt.inverse() * self.bodies.pose(data, part);
         // The fingers close along y of the tip: about that axis a part turns most easily.
         let (motion, way, what) = match kind {
             FaultKind::BeamSlipped => {
@@ -142,7 +144,7 @@ impl Injector {
                 Strength { way, speed: 0.03, most: 40.0, growth: 150.0, back_off: 0.9, longest: 2.0 }
             }
             // A peg is so light that it starts with a jerk.
-            Motion::Turn(_) if self.cell.parts[part].is_peg => {
+            Motion::Turn(_) if self.bodies.parts[part].is_peg => {
                 Strength { way, speed: 0.5, most: 3.0, growth: 3.0, back_off: 0.8, longest: 4.0 }
             }
             Motion::Turn(_) => {
@@ -162,8 +164,8 @@ impl Injector {
         Action::InGrip { push: push(motion), other: Some(push(back)) }
     }
 
-    /// A push in the grip goes on; where the part does not give way, because a joint is at the fingers, it is pushed the
-    /// other way.
+    /// Continues a push in the grip. If the part does not move because a joint is at the fingers, pushes it
+    /// the other way.
     pub(super) fn push_in_grip(
         &mut self,
         mut push: Push,
@@ -190,15 +192,15 @@ impl Injector {
 
     /// The holder of a lifted peg, or the first with pegs in it when that is empty, is pushed.
     fn shift(&mut self, peg: usize, data: &Data, time: f64) -> Option<Action> {
-        let own = self.cell.parts[peg].holder.clone();
+        let own = self.bodies.parts[peg].holder.clone();
         let filled = |(name, body): &&(String, usize)| {
             let p_h = Vector3::from(data.xpos()[*body]);
-            self.cell.parts.iter().enumerate().any(|(index, part)| {
-                let p_w = self.cell.pose(data, index).translation.vector;
+            self.bodies.parts.iter().enumerate().any(|(index, part)| {
+                let p_w = self.bodies.pose(data, index).translation.vector;
                 index != peg && part.holder.as_ref() == Some(name) && (p_w - p_h).xy().norm() < 0.05
             })
         };
-        let holders = self.cell.holders.iter();
+        let holders = self.bodies.holders.iter();
         let first = holders.clone().filter(|(name, _)| Some(name) == own.as_ref()).find(filled);
         let (name, body) = first.or_else(|| holders.clone().find(filled))?.clone();
         let way = between(SHIFT, self.draws.size);
@@ -211,17 +213,17 @@ impl Injector {
 
     /// The beams that stand, those with the fewest pegs first, each from its four sides.
     fn begin_bump(&mut self, data: &Data, time: f64) -> Option<Action> {
-        let mut standing = self.cell.standing(data, self.watch.held());
+        let mut standing = self.bodies.standing(data, self.watch.held());
         if standing.is_empty() {
             return None;
         }
         // Among equals the drawn one comes first.
         let turn = ((self.draws.angle * standing.len() as f64) as usize).min(standing.len() - 1);
         standing.rotate_left(turn);
-        standing.sort_by_key(|&index| self.cell.pins(data, &self.cell.placed[index]).len());
+        standing.sort_by_key(|&index| self.bodies.pins(data, &self.bodies.placed[index]).len());
         let mut sides = Vec::new();
         for index in standing {
-            let x_wb = self.cell.pose(data, self.cell.placed[index].part);
+            let x_wb = self.bodies.pose(data, self.bodies.placed[index].part);
             let along =
                 (x_wb.rotation * Vector3::x()).component_mul(&Vector3::new(1.0, 1.0, 0.0)).normalize();
             let across = Vector3::z().cross(&along) * self.side();
@@ -240,19 +242,20 @@ impl Injector {
         left: Vec<(usize, Motion)>,
         data: &Data,
     ) -> Action {
-        let placed = &self.cell.placed[index];
+        let placed = &self.bodies.placed[index];
         // At the link that is furthest from the pegs, where it gives way most.
-        let pins = self.cell.pins(data, placed);
+        let pins = self.bodies.pins(data, placed);
         let far = |p: &Point3<f64>| pins.iter().map(|pin| (p - pin).norm()).fold(f64::INFINITY, f64::min);
         let p_b = placed.links.iter().copied().max_by(|a, b| far(a).total_cmp(&far(b)));
         let way = between(BUMP, self.draws.size);
         let strength = Strength { way, speed: 0.05, most: 40.0, growth: 100.0, back_off: 0.9, longest: 1.5 };
-        let body = self.cell.parts[placed.part].body;
+        let body = self.bodies.parts[placed.part].body;
         let push = Push::new(data, body, p_b.unwrap_or_else(Point3::origin), motion, strength, None);
         Action::Bump { push, part: placed.part, at, left }
     }
 
-    /// A bump goes on; where the beam does not give way, it is made from the next side. It ends when the hand comes back.
+    /// Continues a bump. If the beam does not move, pushes it from the next side. Ends when the hand comes
+    /// back.
     pub(super) fn bump(
         &mut self,
         mut push: Push,
@@ -262,7 +265,7 @@ impl Injector {
         data: &mut Data,
         x_wt: &Pose,
     ) -> Action {
-        let back = self.watch.is_back(&self.cell, data, part, x_wt);
+        let back = self.watch.is_back(&self.bodies, data, part, x_wt);
         if back {
             push.end(data);
             left.clear();
@@ -273,7 +276,7 @@ impl Injector {
             _ => return Action::Bump { push, part, at, left },
         };
         if gone >= LEAST_BUMP {
-            let name = self.cell.parts[part].name.clone();
+            let name = self.bodies.parts[part].name.clone();
             self.struck(at, &name, Some(gone), format!("{name} is pushed by {:.1} mm", gone * 1e3));
             return Action::Over;
         }

@@ -13,8 +13,8 @@ fn hand_box(piece: &ArmBox) -> Cuboid {
     Cuboid { min: piece.min, max: piece.max }
 }
 
-/// A box of a finger in the finger's frame; `tip` is how far the tip is out along that frame's z (m), and the arm
-/// file counts heights from the tip towards the hand.
+/// A box of a finger in the finger's frame; `tip` is how far the tip is out along that frame's z (m), and the
+/// arm file counts heights from the tip towards the hand.
 fn finger_box(piece: &ArmBox, tip: f64) -> Cuboid {
     let [x0, y0, z0] = piece.min;
     let [x1, y1, z1] = piece.max;
@@ -107,7 +107,7 @@ pub(super) fn arm_bodies(xml: &mut String, arm: &ArmModel, look: &str, physics: 
     xml.push_str("</body>\n");
 }
 
-/// What drives the arm and what it senses.
+/// Actuators and sensors of the arm.
 pub(super) fn actuators_and_sensors(xml: &mut String, arm: &ArmModel) {
     // The fingertips' ribs pass each other's plates when the hand is closed on nothing.
     xml.push_str("<contact><exclude body1=\"finger1\" body2=\"finger2\"/></contact>\n<actuator>");

@@ -31,7 +31,8 @@ pub(super) fn nose_mesh() -> String {
     chamfered("nose", &body, [0.0, MALE_CHAMFER])
 }
 
-/// A mesh like that box, but smaller by the chamfer on all four sides at its tip: it goes from the first to the second `x`, m.
+/// A mesh like that box, but smaller by the chamfer on all four sides at its tip: it extends from the first
+/// to the second `x`, m.
 fn chamfered(name: &str, body: &Cuboid, [root, tip]: [f64; 2]) -> String {
     let mut vertices = Vec::new();
     for (x, smaller) in [(root, 0.0), (tip, MALE_CHAMFER)] {
@@ -44,7 +45,8 @@ fn chamfered(name: &str, body: &Cuboid, [root, tip]: [f64; 2]) -> String {
     format!("<mesh name=\"{name}\" vertex=\"{}\"/>\n", numbers(&vertices))
 }
 
-/// The cone at the end of a peg's stem of that radius (m), with a short piece of the stem above it, in the peg's frame.
+/// The cone at the end of a peg's stem of that radius (m), with a short piece of the stem above it, in the
+/// peg's frame.
 pub(super) fn cone_mesh(name: &str, radius: f64) -> String {
     let mut vertices = Vec::new();
     let cone = STEM_LENGTH - STEM_CONE;
@@ -67,7 +69,7 @@ pub(super) fn beam_body(
 ) {
     let beam = &printed.beam(beam);
     let gives = clamp.filter(|give| *give > 0.0);
-    // What the clamp carries does not pull it down any more.
+    // The clamp carries the weight of its beam, so gravity does not act on it.
     let carried = if gives.is_some() { " gravcomp=\"1\"" } else { "" };
     let _ = write!(xml, "<body name=\"{}\" {}{carried}>", beam.name, placed(x_wb));
     if let Some(give) = gives {
@@ -105,7 +107,7 @@ pub(super) fn beam_body(
         shape_geoms(xml, shape, printed);
         xml.push_str("</frame>");
     }
-    // What the clamp holds needs no table below.
+    // The clamped beam needs no table below.
     if gives.is_none() {
         for rest in beam_rests(beam) {
             box_geom(xml, "rest", &rest);
@@ -163,8 +165,8 @@ fn nose_geom(xml: &mut String, [x0, x1]: [f64; 2], bounds: &Cuboid, printed: &mu
     let _ = write!(xml, r#"<geom class="part" type="mesh" mesh="{name}"/>"#);
 }
 
-/// Mass (kg), centre of mass (m, in B) and principal moments (kg·m²) of a beam: printed joints as boxes of their
-/// mass where their sleeves are, extrusions as square rods over their whole length.
+/// Mass (kg), centre of mass (m, in B) and principal moments (kg·m²) of a beam: printed joints as boxes of
+/// their mass where their sleeves are, extrusions as square rods over their whole length.
 fn beam_inertia(beam: &Beam) -> (f64, [f64; 3], [f64; 3]) {
     let mut pieces: Vec<(f64, f64, f64, f64)> = Vec::new(); // mass, centre x, length, width
     for (index, joint) in beam.joints.iter().enumerate() {
@@ -261,8 +263,8 @@ pub(super) fn peg_body(xml: &mut String, name: &str, x_wp: &Pose, printed: &mut 
     xml.push('\n');
 }
 
-/// The head of a peg with its rounded edges: three boxes, each short of the edges in one direction, which keep the flat
-/// sides flat, and a capsule along each edge.
+/// The head of a peg with its rounded edges: three boxes, each short of the edges in one direction, which
+/// keep the flat sides flat, and a capsule along each edge.
 fn head_geoms(xml: &mut String) {
     let Cuboid { min, max } = peg_head();
     let r = HEAD_ROUNDING;

@@ -1,9 +1,11 @@
-//! The scene as MJCF: table, sheet, arm, beams, holders and pegs, all from the kit, the arm file and a layout.
+//! The scene as MJCF: table, sheet, arm, beams, holders and pegs, all from the kit, the arm file and a
+//! layout.
 //!
-//! Every flat of a part is a box, so the clearances of the parts are kept exactly. A peg hole is four boxes and
-//! twelve turned boxes tangent to its circle (a 16-gon around it, at most 0.08 mm outside); the turned ones are a
-//! little thinner than the plate, so that a seated head meets only the four. Parts meet the table through one
-//! invisible box for each joint. What these choices are worth, and which others failed, is in docs/src/explanation/twin.md.
+//! Every flat of a part is a box, so the clearances of the parts are kept exactly. A peg hole is four boxes
+//! and twelve turned boxes tangent to its circle (a 16-gon around it, at most 0.08 mm outside); the turned
+//! ones are a little thinner than the plate, so that a seated head meets only the four. Parts meet the table
+//! through one invisible box for each joint. For a comparison with other choices, see
+//! docs/src/explanation/twin.md.
 
 mod arm;
 mod parts;
@@ -21,14 +23,14 @@ use crate::layout::Layout;
 use ramp_kit::Kit;
 use ramp_robot::arm::ArmModel;
 
-/// What of a scene may be left out or made smaller without a change to its physics.
+/// Options of a scene that do not change its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SceneOptions {
-    /// Whether the scene has the meshes that show the arm in MuJoCo's own pictures. They collide with nothing and have no
-    /// mass; they cost 4 MB of memory and most of the time of the compiler.
+    /// Whether the scene has the meshes that show the arm in MuJoCo's own pictures. They collide with nothing
+    /// and have no mass; they cost 4 MB of memory and most of the time of the compiler.
     pub looks: bool,
-    /// Memory that MuJoCo reserves for contacts and constraints, MiB. An engine that runs out of it reports an error. A
-    /// whole goal uses 3 MiB in ordinary work and more when many parts are piled up.
+    /// Memory that MuJoCo reserves for contacts and constraints, MiB. An engine that runs out of it reports
+    /// an error. A whole goal uses 3 MiB in ordinary work and more when many parts are piled up.
     pub memory: u32,
 }
 
@@ -39,8 +41,8 @@ impl Default for SceneOptions {
     }
 }
 
-/// The MJCF text of a scene, whose parts are as they were `printed`. `base` names the beam that is clamped to the table. Holders are fixed to it, or with
-/// `loose_holders` slide on it when they are pushed hard.
+/// The MJCF text of a scene, whose parts are as they were `printed`. `base` names the beam that is clamped to
+/// the table. Holders are fixed to it, or with `loose_holders` slide on it when they are pushed hard.
 pub fn scene_xml(
     kit: &Kit,
     arm: &ArmModel,
@@ -52,7 +54,7 @@ pub fn scene_xml(
 ) -> String {
     let mut xml = String::with_capacity(512 * 1024);
     let physics = printed.physics;
-    // There are no meshes of an arm without a name.
+    // An arm without a name has no meshes.
     let look = if options.looks { arm.name.as_str() } else { "" };
     let stems = printed.stems(layout.pegs.iter().map(|(name, _)| name.as_str()));
     header(&mut xml, look, options.memory, physics, stems);

@@ -1,6 +1,7 @@
 //! Parts as they come from a printer and a saw: every face a little off, each part in its own way.
 //!
-//! A joint is drawn as several boxes. Faces of them that lie in one plane are one face of the print, and are off by the same.
+//! A joint is drawn as several boxes. Faces of them that lie in one plane are one face of the print, and are
+//! off by the same.
 
 use std::collections::BTreeMap;
 
@@ -10,9 +11,9 @@ use ramp_kit::shape::Cuboid;
 use ramp_robot::random::Stream;
 use ramp_world::Physics;
 
-/// How the parts of an episode were printed.
+/// The printed parts of an episode, with their errors.
 pub struct Printed<'a> {
-    /// What the episode drew from its world.
+    /// The values that the episode drew from its world.
     pub physics: &'a Physics,
     /// The episode's seed.
     pub seed: u64,
@@ -35,7 +36,7 @@ impl Printed<'_> {
         }
     }
 
-    /// Each peg and the radius of its stem, m, where they differ from what is drawn.
+    /// Each peg and the radius of its stem, m, where they differ from the drawing.
     pub(super) fn stems<'n>(&self, pegs: impl Iterator<Item = &'n str>) -> Vec<(&'n str, f64)> {
         if self.physics.parts.radius == 0.0 {
             return Vec::new();
@@ -50,14 +51,14 @@ pub(super) struct PrintedPart {
     stream: Stream,
     /// The joint of a beam whose faces are printed.
     joint: usize,
-    /// By how much planes are off, m: by joint, axis, and place along it in µm.
+    /// Errors of planes, m, by joint, axis, and position along it in µm.
     planes: BTreeMap<(usize, usize, i64), f64>,
-    /// Meshes of what is no box, for the scene's assets.
+    /// Meshes of shapes other than boxes, for the scene's assets.
     pub meshes: String,
     face: f64,
     radius: f64,
     length: f64,
-    /// By what share of its length the middle of a beam stands aside, to +y.
+    /// Lateral displacement of a beam's middle towards +y, as a share of its length.
     bow: f64,
 }
 
@@ -72,7 +73,7 @@ impl PrintedPart {
         if self.radius == 0.0 { radius } else { radius + self.stream.symmetric(self.radius) }
     }
 
-    /// Goes on to the joint of a beam that is nearest to `x`, m in the beam's frame.
+    /// Selects the joint of a beam that is nearest to `x`, m in the beam's frame.
     pub fn go_to(&mut self, beam: &Beam, x: f64) {
         let distance = |index: &usize| (beam.joints[*index].offset - x).abs();
         let nearest = (0..beam.joints.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
@@ -119,8 +120,9 @@ impl PrintedPart {
         sawn
     }
 
-    /// How the piece of a beam at `x` (m, in the beam's frame) is moved by the bow: the pose of the straight beam's frame for
-    /// it, in the frame of the beam, as x and y (m) and the turn about z (rad). `None` for a straight beam.
+    /// Displacement by the bow of the piece of a beam at `x` (m, in the beam's frame): the pose of the
+    /// straight beam's frame for it, in the frame of the beam, as x and y (m) and the turn about z (rad).
+    /// `None` for a straight beam.
     pub fn bent(&self, beam: &Beam, x: f64) -> Option<[f64; 3]> {
         let span = beam.span();
         if self.bow == 0.0 || span <= 0.0 {
@@ -152,7 +154,7 @@ mod tests {
         }
     }
 
-    /// No step where one box of a joint goes on as another: an edge of the other part would catch on it.
+    /// No step where one box of a joint continues as another: an edge of the other part would catch on it.
     #[test]
     fn boxes_with_faces_in_one_plane_are_printed_without_a_step() {
         let mut part = part(1e-4);
@@ -166,8 +168,8 @@ mod tests {
         assert!(other.max[1] != body.max[1]);
     }
 
-    /// Both end holes of a bowed beam stay where they are, its middle stands aside by the share that was drawn, and each piece
-    /// goes on where its neighbour ends.
+    /// Both end holes of a bowed beam stay where they are, its middle stands aside by the share that was
+    /// drawn, and each piece begins where its neighbour ends.
     #[test]
     fn a_bowed_beam_is_an_arc_between_its_end_holes() {
         let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
@@ -175,7 +177,7 @@ mod tests {
         let beam = kit.beams.iter().find(|beam| beam.links.len() > 1).unwrap();
         let (bow, span) = (1e-3, beam.span());
         let part = PrintedPart { bow, ..part(0.0) };
-        // Where the piece about `middle` puts the point at `x` of the axis.
+        // The position to which the piece about `middle` moves the point at `x` of the axis.
         let at = |middle: f64, x: f64| {
             let [dx, dy, turn] = part.bent(beam, middle).unwrap();
             [dx + x * turn.cos(), dy + x * turn.sin()]

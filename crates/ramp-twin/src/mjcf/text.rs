@@ -8,17 +8,18 @@ use std::fmt::Write;
 
 /// Contact stiffness and friction that hold a 27 g peg without walls going soft.
 pub(super) const CONTACT: &str = r#"solref="0.004 1" solimp="0.95 0.999 0.0002 0.5 2""#;
-/// Contact of the fingertips with what they hold: as stiff as the others (at 4 ms and the critical damping of 500/s), and damped
-/// ten times as much or more, with `damping` (1/s). The engine leaves out of its friction what turns the directions of the
-/// joints' motion, so that a part in a hand on turning joints slips by that, times half of the step plus the inverse of this
-/// damping. Under a load a part creeps by as much as the damping lets it.
+/// Contact of the fingertips with held parts: as stiff as the others (at 4 ms and the critical damping of
+/// 500/s), and damped ten times as much or more, with `damping` (1/s). The engine's friction ignores the
+/// rotation of the joints' directions of motion. A part in a hand on rotating joints slips by that, times
+/// half of the step plus the inverse of this damping. Under a load the damping determines how fast a part
+/// creeps.
 pub(super) fn grip(damping: f64) -> String {
     format!(r#"solref="-62500 -{damping}" solimp="0.95 0.999 0.0002 0.5 2""#)
 }
 
 /// Edges of the polygon around a peg hole.
 const HOLE_EDGES: usize = 16;
-/// By how much the turned boxes around a hole stay below the plate's faces, m.
+/// Recess of the rotated boxes around a hole below the plate's faces, m.
 const RING_RECESS: f64 = 0.1e-3;
 /// Radial thickness of those boxes, m.
 const RING_THICKNESS: f64 = 2.0e-3;

@@ -1,0 +1,116 @@
+//! The part of a twin that is built once and never changes: MuJoCo's model, the names and ids of its bodies,
+//! and the physics that the episode drew from its world. Twins that were duplicated share one.
+
+use std::sync::Arc;
+
+use mujoco_rs::prelude::*;
+use mujoco_rs::wrappers::mj_model::MjtObjBase;
+use ramp_render::looks::HOUSING;
+use ramp_render::{Looks, Scene as Picture};
+use ramp_robot::arm::ArmModel;
+use ramp_robot::{DOF, Track};
+use ramp_world::Physics;
+
+use crate::cameras::Cameras;
+use crate::engine::body_pose;
+use crate::fault::Start;
+use crate::joint_friction::JointFriction;
+use crate::layout::Layout;
+use crate::mjcf::{Printed, SceneOptions, scene_xml};
+use crate::setup::{Setup, TwinError};
+
+/// Everything of a twin that does not change during an episode.
+pub(crate) struct Scene {
+    pub model: Arc<MjModel>,
+    /// The model as MJCF.
+    pub xml: String,
+    pub arm: ArmModel,
+    pub track: Track,
+    /// Name and MuJoCo body of each beam and peg.
+    pub parts: Vec<(String, usize)>,
+    /// Name and MuJoCo body of each holder.
+    pub holders: Vec<(String, usize)>,
+    /// For each geom: does it belong to a beam, a peg or a holder?
+    is_part: Vec<bool>,
+    /// Site of the wrist sensor.
+    pub wrist_site: usize,
+    /// Site of the tip.
+    pub tip_site: usize,
+    /// Bodies of the hand and of both fingers. The wrist sensor's reading does not contain their weight.
+    pub hand_bodies: [usize; 3],
+    /// The values that the episode drew from its world.
+    pub physics: Physics,
+    pub friction: JointFriction,
+    /// Whether torques other than those of the motors act on the joints: friction, or a mass that the
+    /// controller does not know.
+    pub loaded: bool,
+    pub cameras: Cameras,
+}
+
+impl Scene {
+    /// Compiles the scene with every part at its place in `layout`, changed by the world's table and the
+    /// fault's `start`.
+    ///
+    /// # Errors
+    /// [`TwinError::Scene`] when MuJoCo refuses it, [`TwinError::Missing`] when a body or site is not in it.
+    pub fn new(
+        setup: &Setup,
+        mut layout: Layout,
+        options: &SceneOptions,
+        start: &Start,
+    ) -> Result<Scene, TwinError> {
+        let physics = setup.world.draw(setup.seed);
+        layout.tilt(&physics.table);
+        layout.pegs.retain(|(name, _)| Some(name) != start.missing.as_ref());
+        let base = &setup.assembly.beams[setup.assembly.base].beam.name;
+        let printed = Printed { physics: &physics, seed: setup.seed };
+        let xml =
+            scene_xml(&setup.assembly.kit, setup.arm, &layout, base, start.loose_holders, &printed, options);
+        let model = MjModel::from_xml_string(&xml).map_err(|error| TwinError::Scene(error.to_string()))?;
+        let find = |kind, name: &str| {
+            model.name_to_id(kind, name).ok_or_else(|| TwinError::Missing(name.to_string()))
+        };
+        let body = |name: &str| find(MjtObjBase::mjOBJ_BODY, name);
+        let named = |name: &String| Ok::<_, TwinError>((name.clone(), body(name)?));
+        let parts = layout.beams.iter().chain(&layout.pegs).map(|(name, _)| named(name));
+        let parts = parts.collect::<Result<Vec<_>, _>>()?;
+        let holders = layout.holders.iter().map(|(name, _)| named(name)).collect::<Result<Vec<_>, _>>()?;
+        let part_bodies: Vec<usize> = parts.iter().chain(&holders).map(|(_, id)| *id).collect();
+        let is_part = model.geom_bodyid().iter().map(|id| part_bodies.contains(&(*id as usize))).collect();
+        let covered = start.covered.as_ref().map(|(tag, _)| *tag);
+        Ok(Scene {
+            xml,
+            arm: setup.arm.clone(),
+            track: setup.track,
+            parts,
+            holders,
+            is_part,
+            wrist_site: find(MjtObjBase::mjOBJ_SITE, "wrist")?,
+            tip_site: find(MjtObjBase::mjOBJ_SITE, "tip")?,
+            hand_bodies: [body("hand")?, body("finger1")?, body("finger2")?],
+            friction: JointFriction::new(&physics.friction, &physics.arm),
+            loaded: physics.friction.coulomb != [0.0; DOF] || physics.arm.unknown_mass != 0.0,
+            cameras: Cameras::new(setup, covered, &physics.cameras),
+            physics,
+            model: Arc::new(model),
+        })
+    }
+
+    /// The poses of all bodies that `looks` can draw. The housing of the wrist camera moves with the hand.
+    pub fn picture(&self, data: &MjData<Arc<MjModel>>, looks: &Looks) -> Picture {
+        let place = |(index, body): (usize, &ramp_render::looks::Body)| {
+            let name = if body.name == HOUSING { "hand" } else { &body.name };
+            Some((index, body_pose(data, self.model.name_to_id(MjtObjBase::mjOBJ_BODY, name)?)))
+        };
+        Picture { bodies: looks.bodies().iter().enumerate().filter_map(place).collect() }
+    }
+
+    /// Deepest penetration between two parts (beams, pegs, holders) now, m; 0 without one.
+    pub fn deepest_penetration(&self, data: &MjData<Arc<MjModel>>) -> f64 {
+        let is_part = |geom: &i32| {
+            usize::try_from(*geom).ok().and_then(|geom| self.is_part.get(geom)).copied() == Some(true)
+        };
+        let of_parts = data.contact().iter().filter(|contact| contact.geom.iter().all(is_part));
+        of_parts.map(|contact| -contact.dist).fold(0.0, f64::max)
+    }
+}
