@@ -4,7 +4,7 @@
 //! motion planning together. Prints the real-time factors and their ratio. Then the steps a second of the twin in the world
 //! `real` over those in `ideal`.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/it/common.rs"]
 mod common;
 
 use std::time::{Duration, Instant};

@@ -6,6 +6,7 @@
 // A failed unwrap here is a failed test; an allocator that counts cannot be written without `unsafe`.
 #![allow(clippy::unwrap_used, unsafe_code)]
 
+#[path = "it/common.rs"]
 mod common;
 
 use std::alloc::{GlobalAlloc, Layout, System};

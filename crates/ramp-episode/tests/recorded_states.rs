@@ -11,6 +11,7 @@
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
 
+#[path = "it/common.rs"]
 mod common;
 
 use common::World;

@@ -5,7 +5,7 @@
 
 #![allow(clippy::unwrap_used)] // A benchmark that cannot go on may stop.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/it/common.rs"]
 mod common;
 
 use std::time::Instant;

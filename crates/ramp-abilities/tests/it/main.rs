@@ -1,0 +1,8 @@
+//! The integration tests of `ramp-abilities`.
+
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
+#[path = "../../../ramp-episode/tests/it/common.rs"]
+mod common;
+mod skills;

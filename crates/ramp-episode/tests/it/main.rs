@@ -1,0 +1,16 @@
+//! The integration tests of `ramp-episode`.
+
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+mod diagnosis;
+mod easy_class;
+mod faults;
+mod logs;
+mod logs_of_cheats;
+mod medium_and_hard;
+mod recovery;
+mod result;
+mod torques;
+mod tracks;
