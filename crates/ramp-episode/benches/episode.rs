@@ -4,19 +4,15 @@
 //! motion planning together. Prints the real-time factors and their ratio. Then the steps a second of the twin in the world
 //! `real` over those in `ideal`.
 
-#[path = "../tests/it/common.rs"]
-mod common;
-
 use std::time::{Duration, Instant};
 
-use common::World;
 use mujoco_rs::prelude::*;
 use ramp_episode::{Label, Progress, run_episode};
 use ramp_result::episode::Software;
 use ramp_robot::{
-    Account, Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError,
+    Account, Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError, Track,
 };
-use ramp_skills::Baseline;
+use ramp_testing::GoalFiles;
 use ramp_twin::Twin;
 
 /// Notes every command's joint torques and finger forces as the twin applied them.
@@ -73,23 +69,24 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // `-- --short` asks whether it still runs to its end.
     let short = std::env::args().any(|argument| argument == "--short");
     let repeats = if short { 1 } else { 3 };
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let label = Label::new(Software { version: "bench".into(), commit: "bench".into() }, 1);
     let mut whole = Vec::new();
     let mut robot_time = 0.0;
     for _ in 0..repeats {
-        let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+        let mut agent = world.baseline(Track::State, 1);
         let begin = Instant::now();
-        let result = run_episode(&world.setup(1), &mut agent, &label, &mut |_: &Progress, _: &Twin| {});
+        let result =
+            run_episode(&world.setup(Track::State, 1), &mut agent, &label, &mut |_: &Progress, _: &Twin| {});
         whole.push(begin.elapsed().as_secs_f64());
         robot_time = result?.time.robot;
     }
     // Once more, noting what MuJoCo was given.
-    let mut twin = Twin::new(&world.setup(1))?;
+    let mut twin = Twin::new(&world.setup(Track::State, 1))?;
     let start = twin.qpos().to_vec();
     let scene = twin.scene().to_string();
     let mut recorder = Recorder::over(&mut twin);
-    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+    let mut agent = world.baseline(Track::State, 1);
     agent.run(&mut recorder)?;
     let _: Account = agent.account();
     let commands = recorder.commands;
@@ -127,13 +124,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// Steps a second of the twin in both worlds, the same agent on the same goal; the fastest of so many episodes counts.
-fn worlds(goal: &World, repeats: usize) -> Result<(), Box<dyn std::error::Error>> {
+fn worlds(goal: &GoalFiles, repeats: usize) -> Result<(), Box<dyn std::error::Error>> {
     let mut fastest = [0.0_f64; 2];
     for _ in 0..repeats {
         for (name, fastest) in ["ideal", "real"].into_iter().zip(&mut fastest) {
             let world = ramp_twin::World::shipped(name).ok_or("the world is not built in")?;
-            let mut twin = Twin::new(&ramp_twin::Setup { world, ..goal.setup(1) })?;
-            let mut agent = Baseline::new(&goal.kit, &goal.assembly, &goal.arm, &goal.domains, 1);
+            let mut twin = Twin::new(&ramp_twin::Setup { world, ..goal.setup(Track::State, 1) })?;
+            let mut agent = goal.baseline(Track::State, 1);
             let mut recorder = Recorder::over(&mut twin);
             agent.run(&mut recorder)?;
             *fastest = fastest.max(recorder.steps_a_second());

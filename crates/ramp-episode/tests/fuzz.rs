@@ -6,19 +6,18 @@
 // A failed unwrap here is a failed test; an allocator that counts cannot be written without `unsafe`.
 #![allow(clippy::unwrap_used, unsafe_code)]
 
-#[path = "it/common.rs"]
-mod common;
-
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use common::{Swing, World, as_log, messages, write_log};
 use ramp_episode::replay;
 use ramp_external_agent::protocol::{Request, parse};
 use ramp_log::Log;
 use ramp_robot::random::Stream;
+use ramp_testing::GoalFiles;
+use ramp_testing::episode::Swing;
+use ramp_testing::log::{as_log, messages, write_log};
 
 /// The largest piece of memory that may be asked for at once, bytes.
 const LARGEST: usize = 64 << 20;
@@ -138,7 +137,7 @@ fn say(stream: &mut Stream) -> bool {
 fn fuzz(seed: u64, most: u64, longest: Duration) -> String {
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("a.mcap");
-    World::new("easy-1").record("easy-1", &mut Swing(400), &path);
+    GoalFiles::new("easy-1").record_noisy(&mut Swing(400), &path);
     let whole = std::fs::read(&path).unwrap();
     let parts = messages(&whole);
     // A file without checksums, so that what is mangled gets as far as the readers.

@@ -11,11 +11,8 @@
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
 
-#[path = "it/common.rs"]
-mod common;
-
-use common::World;
 use ramp_robot::Track;
+use ramp_testing::GoalFiles;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/recorded_states.csv");
 const HEAD: &str = "goal,world,track,seed,state";
@@ -48,7 +45,7 @@ fn record() -> (String, Vec<[String; 5]>) {
 fn state(goal: &str, world: &str, track: &str, seed: &str) -> String {
     let track = Track::ALL.into_iter().find(|it| it.name() == track).unwrap();
     let physics = ramp_twin::World::shipped(world).unwrap();
-    World::new(goal).run_in(physics, track, seed.parse().unwrap()).physics.unwrap().state
+    GoalFiles::new(goal).run_in(physics, track, seed.parse().unwrap()).physics.unwrap().state
 }
 
 fn compare(wanted: impl Fn(&[String; 5]) -> bool) {

@@ -3,6 +3,4 @@
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
 
-#[path = "../../../ramp-episode/tests/it/common.rs"]
-mod common;
 mod skills;

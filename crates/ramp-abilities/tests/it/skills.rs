@@ -1,6 +1,5 @@
 //! Skills against the physics when what they believe is wrong: contact has to do the rest.
 
-use crate::common::World;
 use nalgebra::Translation3;
 use ramp_assembly::Insertion;
 use ramp_motion::{Pace, PathPlanner, TimeLaw};
@@ -10,7 +9,9 @@ use ramp_robot::{
 };
 use ramp_skills::cell::{InsertionPath, Workcell};
 use ramp_skills::skill::{ActionKind, Call, Effect, Skill};
-use ramp_skills::{Baseline, Fault, Parameters, SkillError, SkillTable};
+use ramp_skills::{Fault, Parameters, SkillError, SkillTable};
+use ramp_testing::GoalFiles;
+use ramp_testing::episode::domains;
 use ramp_twin::Twin;
 
 /// The insertion path that the goal's own order of insertions gives a beam.
@@ -58,7 +59,11 @@ impl Robot for Biased<'_> {
     }
 }
 
-fn cell<'a, 'r>(world: &'a World, planner: &'a PathPlanner, robot: &'r mut dyn Robot) -> Workcell<'a, 'r> {
+fn cell<'a, 'r>(
+    world: &'a GoalFiles,
+    planner: &'a PathPlanner,
+    robot: &'r mut dyn Robot,
+) -> Workcell<'a, 'r> {
     let mut cell =
         Workcell::new(&world.kit, &world.assembly, &world.arm, planner, robot, 1, Parameters::baseline());
     cell.paths = world.assembly.insertions.iter().map(path).collect();
@@ -142,12 +147,12 @@ impl Skill for Pretend {
 /// result names the skill.
 #[test]
 fn a_skill_of_ones_own_takes_the_place_of_one_of_the_baseline() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let table = SkillTable::default().with(Pretend);
     let name = |kind: ActionKind| table.get(kind).unwrap().name();
     assert_eq!((name(ActionKind::PickUp), name(ActionKind::PutDown)), ("pretend", "put_down"));
     let planner = PathPlanner::new(&world.arm);
-    let mut twin = Twin::new(&world.setup(1)).unwrap();
+    let mut twin = Twin::new(&world.setup(Track::State, 1)).unwrap();
     let mut cell = cell(&world, &planner, &mut twin);
     let (_, pick_up) = picking("b4", Some("b4l2"));
     let pretended = table.execute(&mut cell, &Call::alone(&pick_up)).unwrap_err();
@@ -157,7 +162,7 @@ fn a_skill_of_ones_own_takes_the_place_of_one_of_the_baseline() {
     let lay_down = table.execute(&mut cell, &Call::alone(&FineAction::LayDown { beam })).unwrap_err();
     assert!(matches!(&lay_down, SkillError::Fault(Fault::NotReady { .. })), "{lay_down}");
     assert_eq!(cell.hand.time(), 0.0);
-    let baseline = || Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+    let baseline = || world.baseline(Track::State, 1);
     assert_eq!(baseline().name().0, "baseline");
     assert_eq!(baseline().with_skills(table).name().0, "baseline+pretend");
 }
@@ -166,12 +171,12 @@ fn a_skill_of_ones_own_takes_the_place_of_one_of_the_baseline() {
 /// and the peg goes home.
 #[test]
 fn the_spiral_finds_a_hole_that_is_not_where_it_is_believed() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let planner = PathPlanner::new(&world.arm);
     let b4 = world.assembly.beam_index("b4").unwrap();
     let connection = world.assembly.connection_index("C1").unwrap();
     for shift in [[2.5e-3, 0.0], [-1.5e-3, 2.0e-3]] {
-        let mut twin = Twin::new(&world.setup(5)).unwrap();
+        let mut twin = Twin::new(&world.setup(Track::State, 5)).unwrap();
         {
             let mut straight = Biased { twin: &mut twin, shift, beams: vec![] };
             let mut cell = cell(&world, &planner, &mut straight);
@@ -205,11 +210,11 @@ fn the_spiral_finds_a_hole_that_is_not_where_it_is_believed() {
 /// A beam that swings on one peg is brought back by a push, from either side.
 #[test]
 fn a_push_brings_a_swinging_beam_back() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let planner = PathPlanner::new(&world.arm);
     let b4 = world.assembly.beam_index("b4").unwrap();
     let c1 = world.assembly.connection_index("C1").unwrap();
-    let mut twin = Twin::new(&world.setup(4)).unwrap();
+    let mut twin = Twin::new(&world.setup(Track::State, 4)).unwrap();
     let mut straight = Biased { twin: &mut twin, shift: [0.0; 2], beams: vec![] };
     let mut cell = cell(&world, &planner, &mut straight);
     pick_up(&mut cell, "b4", Some("b4l2"));
@@ -228,10 +233,10 @@ fn a_push_brings_a_swinging_beam_back() {
 /// or it would hang on one of them and go along.
 #[test]
 fn a_push_brings_a_drooping_beam_back() {
-    let world = World::new("easy-1");
+    let world = GoalFiles::new("easy-1");
     let planner = PathPlanner::new(&world.arm);
     let b1 = world.assembly.beam_index("b1").unwrap();
-    let mut twin = Twin::new(&world.setup(4)).unwrap();
+    let mut twin = Twin::new(&world.setup(Track::State, 4)).unwrap();
     let mut straight = Biased { twin: &mut twin, shift: [0.0; 2], beams: vec![] };
     let mut cell = cell(&world, &planner, &mut straight);
     pick_up(&mut cell, "b1", Some("b1l2"));
@@ -242,7 +247,7 @@ fn a_push_brings_a_drooping_beam_back() {
 }
 
 /// Leads the free end of a beam aside, to either side, and has it pushed back.
-fn swing_and_push(world: &World, cell: &mut Workcell, beam: usize, link: &str) {
+fn swing_and_push(world: &GoalFiles, cell: &mut Workcell, beam: usize, link: &str) {
     let placed = &world.assembly.beams[beam];
     let name = placed.beam.name.clone();
     let free = placed.beam.p_b_hole(placed.beam.joints.len() - 1);
@@ -270,10 +275,10 @@ fn swing_and_push(world: &World, cell: &mut Workcell, beam: usize, link: &str) {
 /// cameras show.
 #[test]
 fn a_beam_is_regrasped_by_another_link_and_inserted() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let planner = PathPlanner::new(&world.arm);
     let b5 = world.assembly.beam_index("b5").unwrap();
-    let mut setup = world.setup(6);
+    let mut setup = world.setup(Track::State, 6);
     setup.track = Track::Tags;
     let mut twin = Twin::new(&setup).unwrap();
     let mut robot = Biased { twin: &mut twin, shift: [0.0; 2], beams: vec![] };
@@ -297,9 +302,9 @@ fn a_beam_is_regrasped_by_another_link_and_inserted() {
 /// Fingers that spring back on a peg as far as they had been open, and close only when they are opened, are opened further.
 #[test]
 fn fingers_that_spring_back_as_far_as_they_open_grip_a_peg_all_the_same() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let planner = PathPlanner::new(&world.arm);
-    let mut setup = world.setup_on(Track::Tags, 8);
+    let mut setup = world.setup(Track::Tags, 8);
     setup.fault = Some("gripper-weak@1".parse().unwrap());
     let mut twin = Twin::new(&setup).unwrap();
     let mut cell = cell(&world, &planner, &mut twin);
@@ -313,13 +318,13 @@ fn fingers_that_spring_back_as_far_as_they_open_grip_a_peg_all_the_same() {
 /// it can: a peg that stands high in its holder may leave room for no other grasp.
 #[test]
 fn a_beam_that_is_held_too_far_out_is_taken_anew() {
-    let world = World::new("hard-2");
+    let world = GoalFiles::new("hard-2");
     let planner = PathPlanner::new(&world.arm);
     let b6 = world.assembly.beam_index("b6").unwrap();
     let state = ramp_planner::State::default();
-    let plan = ramp_planner::plan(&world.assembly, &world.kit, &state, &world.domains).unwrap();
+    let plan = ramp_planner::plan(&world.assembly, &world.kit, &state, domains()).unwrap();
     let entry = plan.entries.iter().find(|entry| entry.beam == "b6").unwrap();
-    let mut twin = Twin::new(&world.setup(4)).unwrap();
+    let mut twin = Twin::new(&world.setup(Track::State, 4)).unwrap();
     let mut cell = cell(&world, &planner, &mut twin);
     let (direction, distance, depth) = (entry.direction.into(), entry.distance, entry.depth);
     cell.paths.insert(b6, InsertionPath { direction, distance, depth });
@@ -339,8 +344,8 @@ fn a_beam_that_is_held_too_far_out_is_taken_anew() {
 }
 
 /// A twin in which the first beam that is lifted turns in the hand.
-fn turning(world: &World, seed: u64) -> Twin {
-    let mut setup = world.setup(seed);
+fn turning(world: &GoalFiles, seed: u64) -> Twin {
+    let mut setup = world.setup(Track::State, seed);
     setup.track = Track::Tags;
     setup.fault = Some("beam-turned@1".parse().unwrap());
     Twin::new(&setup).unwrap()
@@ -348,7 +353,7 @@ fn turning(world: &World, seed: u64) -> Twin {
 
 /// A beam, gripped by a link, has been brought to where its insertion begins.
 fn fetched<'a, 'r>(
-    world: &'a World,
+    world: &'a GoalFiles,
     planner: &'a PathPlanner,
     robot: &'r mut dyn Robot,
     beam: usize,
@@ -366,7 +371,7 @@ fn fetched<'a, 'r>(
 /// A beam that turned in the hand is made level by a hand that leans. Its ribs must not take the beam along when they open.
 #[test]
 fn a_beam_that_turned_in_the_hand_stays_where_it_is_let_go() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let planner = PathPlanner::new(&world.arm);
     let b4 = world.assembly.beam_index("b4").unwrap();
     let mut twin = turning(&world, 5);
@@ -386,13 +391,13 @@ fn a_beam_that_turned_in_the_hand_stays_where_it_is_let_go() {
 /// let go of anew, where it stood.
 #[test]
 fn a_beam_that_hangs_on_a_finger_is_let_go_of_anew() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let planner = PathPlanner::new(&world.arm);
     let b4 = world.assembly.beam_index("b4").unwrap();
     let free = world.assembly.beams[b4].beam.p_b_hole(2);
     let place = world.kit.x_wa() * world.assembly.beams[b4].x_ab * free;
     for (high, lift) in [(0.7e-3, 2.0e-3), (0.9e-3, 2.0e-3), (0.9e-3, 4.0e-3)] {
-        let mut twin = Twin::new(&world.setup(4)).unwrap();
+        let mut twin = Twin::new(&world.setup(Track::State, 4)).unwrap();
         let mut cell = fetched(&world, &planner, &mut twin, b4, "b4l2");
         assemble(&mut cell, b4);
         let mut x_wt = ramp_skills::grasp::beam_grasp(&cell.belief.pose("b4").unwrap(), 226.0e-3, false);
@@ -415,7 +420,7 @@ fn a_beam_that_hangs_on_a_finger_is_let_go_of_anew() {
 /// meet the table. It is laid on the table and taken anew, and nothing is pressed hard.
 #[test]
 fn a_beam_that_is_turned_on_the_way_is_taken_anew_before_it_goes_down() {
-    let world = World::new("hard-2");
+    let world = GoalFiles::new("hard-2");
     let planner = PathPlanner::new(&world.arm);
     let b5 = world.assembly.beam_index("b5").unwrap();
     let mut twin = turning(&world, 6);
@@ -432,9 +437,9 @@ fn a_beam_that_is_turned_on_the_way_is_taken_anew_before_it_goes_down() {
 /// Five degrees about the fingers are two centimetres at the end of a long beam, which is held all the same.
 #[test]
 fn a_long_beam_that_turned_in_the_hand_is_not_lost() {
-    let world = World::new("medium-3");
+    let world = GoalFiles::new("medium-3");
     let planner = PathPlanner::new(&world.arm);
-    let mut setup = world.setup(4);
+    let mut setup = world.setup(Track::State, 4);
     setup.fault = Some("beam-turned@1".parse().unwrap());
     let mut twin = Twin::new(&setup).unwrap();
     let mut cell = cell(&world, &planner, &mut twin);
@@ -451,10 +456,10 @@ fn a_long_beam_that_turned_in_the_hand_is_not_lost() {
 /// yields and can be led away; what breaks grippers is never met.
 #[test]
 fn a_hand_that_meets_the_table_yields() {
-    let world = World::new("easy-1");
+    let world = GoalFiles::new("easy-1");
     let planner = PathPlanner::new(&world.arm);
     for free in [true, false] {
-        let mut twin = Twin::new(&world.setup(3)).unwrap();
+        let mut twin = Twin::new(&world.setup(Track::State, 3)).unwrap();
         {
             let mut cell = cell(&world, &planner, &mut twin);
             let mut over = cell.hand.seen.x_wt;

@@ -1,7 +1,7 @@
 //! Whatever a file holds, it is read or refused: nothing panics, nothing hangs.
 
-use crate::mangle::{Dice, mangled};
 use ramp_action_language::{Domain, SourceFile};
+use ramp_testing::mangle::{Dice, mangled};
 
 /// A domain of the project, as a text to spoil.
 fn text(name: &str) -> String {

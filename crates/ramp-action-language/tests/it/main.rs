@@ -5,5 +5,4 @@
 
 mod errors;
 mod fuzz;
-mod mangle;
 mod states;

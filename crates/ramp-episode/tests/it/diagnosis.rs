@@ -1,19 +1,15 @@
 //! The baseline knows what is happening to it: faults in the physics, seen and felt by the agent alone.
 
-use crate::common::World;
-use ramp_episode::{Label, run_episode};
-use ramp_result::episode::{EpisodeResult, Software};
+use ramp_result::EpisodeResult;
 use ramp_robot::Track;
-use ramp_skills::Baseline;
+use ramp_testing::GoalFiles;
 
 /// The goal is built from a seed although `fault` strikes, and the first diagnosis after that names `cause`.
 fn told(goal: &str, seed: u64, fault: &str, cause: &str) -> EpisodeResult {
-    let world = World::new(goal);
-    let mut setup = world.setup_on(Track::Tags, seed);
+    let world = GoalFiles::new(goal);
+    let mut setup = world.setup(Track::Tags, seed);
     setup.fault = Some(fault.parse().unwrap());
-    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, seed);
-    let software = Software { version: "0".into(), commit: String::new() };
-    let result = run_episode(&setup, &mut agent, &Label::new(software, 1), &mut |_, _| {}).unwrap();
+    let result = world.run_setup(&setup);
     let at = result.fault.as_ref().unwrap().at.unwrap();
     let told = result.events.iter().find(|event| event.kind == "diagnosis" && event.t >= at);
     let told = told.map(|event| event.what.as_str()).unwrap_or("nothing");

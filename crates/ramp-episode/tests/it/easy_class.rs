@@ -2,7 +2,8 @@
 //!
 //! `RAMP_SEEDS="1 2 3"` chooses other seeds than the two that every test run takes.
 
-use crate::common::World;
+use ramp_robot::Track;
+use ramp_testing::GoalFiles;
 
 fn seeds() -> Vec<u64> {
     let text = std::env::var("RAMP_SEEDS").unwrap_or_else(|_| "1 101".to_string());
@@ -10,9 +11,9 @@ fn seeds() -> Vec<u64> {
 }
 
 fn completes(goal: &str) {
-    let world = World::new(goal);
+    let world = GoalFiles::new(goal);
     for seed in seeds() {
-        let result = world.run(seed);
+        let result = world.run(Track::State, seed);
         let faults: Vec<_> = result.events.iter().filter(|event| event.kind == "fault").collect();
         assert_eq!(result.ended.reason, "done", "{goal}, seed {seed}: {faults:?}");
         assert!((result.completion - 1.0).abs() < 1e-12, "{goal}, seed {seed}: {faults:?}");

@@ -3,7 +3,6 @@
 
 use std::path::Path;
 
-use crate::common::{World, data};
 use nalgebra::Vector3;
 use ramp_episode::{Label, record_episode, replay};
 use ramp_log::Log;
@@ -14,6 +13,8 @@ use ramp_robot::{
     Track,
 };
 use ramp_skills::Baseline;
+use ramp_testing::episode::Swing;
+use ramp_testing::{GoalFiles, data};
 use ramp_twin::{Fault, FaultReport, Setup, Twin};
 
 /// Lets an agent work until a fault has struck and so many seconds have passed since.
@@ -85,7 +86,7 @@ impl Outcome {
     }
 
     /// Where the struck beam is, where it belongs, and the beam.
-    fn beam<'w>(&self, world: &'w World) -> (Pose, Pose, &'w ramp_kit::Beam) {
+    fn beam<'w>(&self, world: &'w GoalFiles) -> (Pose, Pose, &'w ramp_kit::Beam) {
         let name = self.report.part.as_ref();
         let placed = world.assembly.beams.iter().find(|it| Some(&it.beam.name) == name).unwrap();
         (self.now(self.part.unwrap().0), world.kit.x_wa() * placed.x_ab, &placed.beam)
@@ -101,14 +102,14 @@ impl Outcome {
     }
 }
 
-fn setup<'w>(world: &'w World, fault: &str) -> Setup<'w> {
+fn setup<'w>(world: &'w GoalFiles, fault: &str) -> Setup<'w> {
     let fault: Fault = fault.parse().unwrap();
-    Setup { fault: Some(fault), ..world.setup(1) }
+    Setup { fault: Some(fault), ..world.setup(Track::State, 1) }
 }
 
-fn strike(world: &World, fault: &str, after: f64) -> Outcome {
+fn strike(world: &GoalFiles, fault: &str, after: f64) -> Outcome {
     let mut twin = Twin::new(&setup(world, fault)).unwrap();
-    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+    let mut agent = world.baseline(Track::State, 1);
     let mut until = Until { twin: &mut twin, after, struck: None, widest: 0.0 };
     assert!(agent.run(&mut until).is_err(), "{fault} did not strike");
     let ((before, seen), widest) = (until.struck.unwrap(), until.widest);
@@ -119,7 +120,7 @@ fn strike(world: &World, fault: &str, after: f64) -> Outcome {
 
 #[test]
 fn parts_are_moved_in_the_grip_and_out_of_it() {
-    let world = World::new("easy-1");
+    let world = GoalFiles::new("easy-1");
     let dropped = strike(&world, "peg-dropped@1", 1.0);
     let (part, _) = dropped.part.unwrap();
     let fallen = dropped.seen.x_wt.translation.z - dropped.now(part).translation.z;
@@ -140,7 +141,7 @@ fn parts_are_moved_in_the_grip_and_out_of_it() {
 
 #[test]
 fn what_stands_is_pushed_and_what_is_inserted_held_up() {
-    let world = World::new("easy-1");
+    let world = GoalFiles::new("easy-1");
     let bumped = strike(&world, "beam-bumped@1", 1.5);
     let size = bumped.report.size.unwrap();
     assert!((2.5e-3..17.0e-3).contains(&size), "pushed by {size} m");
@@ -169,7 +170,7 @@ fn what_stands_is_pushed_and_what_is_inserted_held_up() {
 
 #[test]
 fn fingers_and_sensors_fail() {
-    let world = World::new("easy-1");
+    let world = GoalFiles::new("easy-1");
     let weak = strike(&world, "gripper-weak@1", 0.1);
     let open = weak.widest - weak.seen.width;
     assert!((1.0e-3..5.0e-3).contains(&open), "the fingers spring back by {open} m");
@@ -177,8 +178,8 @@ fn fingers_and_sensors_fail() {
     // The same time without a fault: the arm has done the same, and felt something else.
     let drift = strike(&world, "force-drift@1", 5.0);
     let (at, growth) = (drift.report.at.unwrap(), drift.report.size.unwrap());
-    let mut calm = Twin::new(&world.setup(1)).unwrap();
-    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+    let mut calm = Twin::new(&world.setup(Track::State, 1)).unwrap();
+    let mut agent = world.baseline(Track::State, 1);
     let end = drift.twin.time();
     assert!(agent.run(&mut Stop { twin: &mut calm, end }).is_err());
     let force = |twin: &Twin| -> Vector3<f64> { twin.observe().wrench.fixed_rows::<3>(0).into() };
@@ -224,7 +225,7 @@ impl Robot for Stop<'_> {
 
 #[test]
 fn cameras_repeat_their_images_and_miss_a_tag_and_a_peg() {
-    let world = World::new("easy-1");
+    let world = GoalFiles::new("easy-1");
     let mut frozen = strike(&world, "camera-frozen@1", 0.5).twin;
     let stay = Command {
         arm: ramp_robot::ArmCommand::JointVelocities([0.0; 7]),
@@ -243,7 +244,7 @@ fn cameras_repeat_their_images_and_miss_a_tag_and_a_peg() {
 
     // A tag that is covered changes the image where that tag is, and nowhere else.
     let image = |fault: Option<Fault>| {
-        let setup = Setup { fault, ..world.setup(1) };
+        let setup = Setup { fault, ..world.setup(Track::State, 1) };
         let mut twin = Twin::new(&setup).unwrap();
         let pixels = twin.look(Camera::BirdsEye).unwrap().pixels;
         (pixels, twin)
@@ -302,14 +303,14 @@ impl Agent for Short<'_> {
 
 #[test]
 fn a_replay_has_the_fault_too() {
-    let world = World::new("easy-1");
+    let world = GoalFiles::new("easy-1");
     let read = |name: &str| std::fs::read_to_string(data().join(name)).unwrap();
     let (goal, kit, arm) = (read("goals/easy-1.xml"), read("kit.xml"), read("arms/panda.json"));
     let sources = Sources { goal: &goal, kit: &kit, arm: &arm };
     let software = Software { version: "test".into(), commit: "test".into() };
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("a.mcap");
-    let mut agent = Short(Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1));
+    let mut agent = Short(world.baseline(Track::State, 1));
     let setup = setup(&world, "beam-slipped@1");
     let label = Label::new(software.clone(), 1);
     let result = record_episode(&setup, &sources, &mut agent, &label, &path, &mut |_, _| {}).unwrap().result;
@@ -349,11 +350,11 @@ fn a_replay_has_the_fault_too() {
 /// On every track an episode without a fault has no such field.
 #[test]
 fn an_ordinary_result_says_nothing_of_faults() {
-    let world = World::new("easy-1");
-    let mut twin = Twin::new(&world.setup_on(Track::Noisy, 1)).unwrap();
+    let world = GoalFiles::new("easy-1");
+    let mut twin = Twin::new(&world.setup(Track::Noisy, 1)).unwrap();
     assert_eq!(twin.fault(), None);
     assert!(twin.read_parts().is_ok());
     let folder = tempfile::TempDir::new().unwrap();
-    let result = world.record("easy-1", &mut crate::common::Swing(100), &folder.path().join("a.mcap"));
+    let result = world.record_noisy(&mut Swing(100), &folder.path().join("a.mcap"));
     assert!(!result.to_json().contains("\"fault\":"));
 }

@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use crate::common::{Swing, World, as_log, data, entries, messages, with_entries};
 use ramp_episode::{ReplayError, replay};
 use ramp_log::Log;
 use ramp_log::calls::Entry;
 use ramp_robot::{Account, Agent, ArmCommand, Camera, Command, GripperCommand, Robot, RobotError};
+use ramp_testing::episode::Swing;
+use ramp_testing::log::{as_log, entries, messages, with_entries};
+use ramp_testing::{GoalFiles, data};
 
 fn read(bytes: &[u8]) -> Result<Log, String> {
     Log::from_bytes(Path::new("x.mcap"), bytes).map_err(|error| error.to_string())
@@ -23,8 +25,8 @@ fn with_calls(bytes: &[u8], mut change: impl FnMut(usize, &mut Entry)) -> Vec<u8
 fn a_log_replays_to_the_bit_and_a_changed_one_does_not() {
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("a.mcap");
-    let world = World::new("easy-1");
-    let result = world.record("easy-1", &mut Swing(1500), &path);
+    let world = GoalFiles::new("easy-1");
+    let result = world.record_noisy(&mut Swing(1500), &path);
     let names: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|it| it.unwrap().file_name()).collect();
     assert_eq!(names, ["a.mcap"], "nothing else is left");
 
@@ -75,7 +77,7 @@ fn a_log_replays_to_the_bit_and_a_changed_one_does_not() {
 fn what_is_wrong_with_a_log_is_told() {
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("a.mcap");
-    World::new("easy-1").record("easy-1", &mut Swing(300), &path);
+    GoalFiles::new("easy-1").record_noisy(&mut Swing(300), &path);
     let bytes = std::fs::read(&path).unwrap();
     assert_eq!(read(b"").unwrap_err(), "x.mcap is no whole MCAP file: it ends too early");
     assert!(read(b"{\"schema\": \"ramp-episode-3\"}").unwrap_err().contains("no whole MCAP file"));
@@ -152,13 +154,13 @@ fn a_command_that_ended_the_episode_ends_its_replay() {
     }
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("a.mcap");
-    let world = World::new("easy-1");
+    let world = GoalFiles::new("easy-1");
     for (torque, reason) in [
         (f64::NAN, "the command's joint torques is not a finite, sensible number"),
         (1e12, "the command's joint torque is 1e12, and 1000 N·m is the most there is"),
         (80.0, "joint "),
     ] {
-        let result = world.record("easy-1", &mut Mad(torque), &path);
+        let result = world.record_noisy(&mut Mad(torque), &path);
         assert!(result.ended.reason.starts_with(reason), "{}", result.ended.reason);
         let replayed = replay(&Log::read(&path).unwrap()).unwrap();
         assert!(replayed.is_equal(), "{:?}", replayed.differences);
@@ -170,7 +172,7 @@ fn a_command_that_ended_the_episode_ends_its_replay() {
 fn the_messages_of_a_log_follow_their_schemas() {
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("a.mcap");
-    World::new("easy-1").record("easy-1", &mut Swing(300), &path);
+    GoalFiles::new("easy-1").record_noisy(&mut Swing(300), &path);
     let bytes = std::fs::read(&path).unwrap();
     let mut topics = std::collections::BTreeSet::new();
     for message in mcap::MessageStream::new(&bytes).unwrap() {

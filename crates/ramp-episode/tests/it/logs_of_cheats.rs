@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use crate::common::{Swing, World, as_log, entries, messages, with_entries};
 use ramp_episode::{Breach, Replayed, replay};
 use ramp_log::Log;
 use ramp_log::calls::Entry;
 use ramp_robot::{Account, Agent, ArmCommand, Camera, Command, GripperCommand, Robot, RobotError, Track};
-use ramp_skills::Baseline;
+use ramp_testing::GoalFiles;
+use ramp_testing::episode::Swing;
+use ramp_testing::log::{as_log, entries, messages, with_entries};
 
 /// A log that can be changed.
 struct Forged(Vec<u8>);
@@ -83,8 +84,8 @@ impl Agent for Looker {
 fn another_track_on_the_label_is_caught() {
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("a.mcap");
-    let world = World::new("easy-1");
-    world.record_on(Track::State, 3, "easy-1", &mut Swing(600), &path);
+    let world = GoalFiles::new("easy-1");
+    world.record(&world.setup(Track::State, 3), &mut Swing(600), &path);
     let forged = Forged::read(&path);
     let honest = forged.replay();
     assert!(honest.is_equal() && honest.breach.is_none(), "{:?}", honest.differences);
@@ -115,9 +116,9 @@ fn another_track_on_the_label_is_caught() {
 fn calls_that_were_stripped_spliced_or_reordered_are_caught() {
     let folder = tempfile::TempDir::new().unwrap();
     let path = |name: &str| folder.path().join(name);
-    let world = World::new("easy-1");
-    world.record_on(Track::Tags, 3, "easy-1", &mut Looker, &path("a.mcap"));
-    world.record_on(Track::Tags, 4, "easy-1", &mut Looker, &path("b.mcap"));
+    let world = GoalFiles::new("easy-1");
+    world.record(&world.setup(Track::Tags, 3), &mut Looker, &path("a.mcap"));
+    world.record(&world.setup(Track::Tags, 4), &mut Looker, &path("b.mcap"));
     let (forged, other) = (Forged::read(&path("a.mcap")), Forged::read(&path("b.mcap")));
     let honest = forged.replay();
     assert!(honest.is_equal() && honest.breach.is_none(), "{:?}", honest.differences);
@@ -177,9 +178,9 @@ fn calls_that_were_stripped_spliced_or_reordered_are_caught() {
 fn a_frame_that_was_built_blind_is_caught() {
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("a.mcap");
-    let world = World::new("easy-1");
-    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 3);
-    let result = world.record_on(Track::State, 3, "easy-1", &mut agent, &path);
+    let world = GoalFiles::new("easy-1");
+    let mut agent = world.baseline(Track::State, 3);
+    let result = world.record(&world.setup(Track::State, 3), &mut agent, &path);
     assert!(result.completion > 0.0);
     let forged = Forged::read(&path);
     let mut entries = forged.entries();

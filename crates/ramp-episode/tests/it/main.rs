@@ -3,7 +3,6 @@
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
 
-mod common;
 mod diagnosis;
 mod easy_class;
 mod faults;

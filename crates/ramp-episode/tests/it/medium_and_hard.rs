@@ -3,22 +3,23 @@
 //!
 //! `RAMP_SEEDS="1 2 3"` chooses other seeds than the one that every test run takes.
 
-use crate::common::World;
 use ramp_assembly::{Class, Request, generate_many};
 use ramp_result::EpisodeResult;
+use ramp_robot::Track;
+use ramp_testing::GoalFiles;
 
 /// What arm and parts bear, at the tip, N.
 const LIMIT: f64 = 80.0;
 
 fn completes(goal: &str, seed: u64) -> Vec<EpisodeResult> {
-    builds(&World::new(goal), seed)
+    builds(&GoalFiles::new(goal), seed)
 }
 
-fn builds(world: &World, seed: u64) -> Vec<EpisodeResult> {
+fn builds(world: &GoalFiles, seed: u64) -> Vec<EpisodeResult> {
     let goal = &world.assembly.name;
     let seeds = std::env::var("RAMP_SEEDS").unwrap_or_else(|_| seed.to_string());
     let built = |seed: u64| {
-        let result = world.run(seed);
+        let result = world.run(Track::State, seed);
         let faults: Vec<_> = result.events.iter().filter(|event| event.kind == "fault").collect();
         assert_eq!(result.ended.reason, "done", "{goal}, seed {seed}: {faults:?}");
         assert_eq!(result.counted(), result.pegs.len(), "{goal}, seed {seed}: {faults:?}");
@@ -53,7 +54,7 @@ fn hard_3_is_built() {
 #[test]
 fn generated_goals_are_built() {
     for (beams, class) in [(4, Class::Easy), (5, Class::Medium), (5, Class::Hard)] {
-        let mut world = World::new("easy-1");
+        let mut world = GoalFiles::new("easy-1");
         let request = Request { beams, seed: 202, class: Some(class) };
         let made = generate_many(&world.kit, request, 1).unwrap().remove(0);
         world.assembly = made.assembly;

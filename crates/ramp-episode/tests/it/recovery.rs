@@ -1,12 +1,11 @@
 //! What goes wrong is noticed and repaired: the whole agent in the real physics, with a robot that misbehaves.
 
-use crate::common::World;
 use nalgebra::Translation3;
 use ramp_referee::Referee;
 use ramp_robot::{
-    Agent, Camera, CameraModel, Command, Event, Image, Observation, PartReading, Robot, RobotError,
+    Agent, Camera, CameraModel, Command, Event, Image, Observation, PartReading, Robot, RobotError, Track,
 };
-use ramp_skills::Baseline;
+use ramp_testing::GoalFiles;
 use ramp_twin::Twin;
 
 /// What goes wrong.
@@ -68,9 +67,9 @@ impl Robot for Troubled<'_> {
 
 /// Runs easy-1 from a seed with a trouble; returns how many pegs count and what happened.
 fn run(seed: u64, trouble: Trouble) -> (usize, Vec<Event>, usize) {
-    let world = World::new("easy-1");
-    let mut twin = Twin::new(&world.setup(seed)).unwrap();
-    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, seed);
+    let world = GoalFiles::new("easy-1");
+    let mut twin = Twin::new(&world.setup(Track::State, seed)).unwrap();
+    let mut agent = world.baseline(Track::State, seed);
     let ended = agent.run(&mut Troubled { twin: &mut twin, trouble });
     assert_eq!(ended, Ok(()), "{:?}", agent.account().events);
     let mut referee = Referee::new(&world.kit, &world.assembly, twin.part_names());

@@ -1,10 +1,9 @@
 //! Tracks: what an agent may see. The baseline builds from readings with noise and from images; it gets nothing else.
 
-use crate::common::World;
 use ramp_robot::{
     Agent, Camera, CameraModel, Command, Event, Image, Observation, PartReading, Robot, RobotError, Track,
 };
-use ramp_skills::Baseline;
+use ramp_testing::GoalFiles;
 use ramp_twin::Twin;
 
 /// What goes wrong with the cameras.
@@ -77,9 +76,9 @@ impl Robot for Short<'_> {
 
 /// Runs the beginning of easy-1: what ended it, what happened, and the state in the end.
 fn begin(track: Track, seed: u64, limit: f64, trouble: Trouble) -> (Result<(), RobotError>, Vec<Event>, u64) {
-    let world = World::new("easy-1");
-    let mut twin = Twin::new(&world.setup_on(track, seed)).unwrap();
-    let mut agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, seed);
+    let world = GoalFiles::new("easy-1");
+    let mut twin = Twin::new(&world.setup(track, seed)).unwrap();
+    let mut agent = world.baseline(track, seed);
     let ended = agent.run(&mut Short { twin: &mut twin, limit, trouble, refused: 0 });
     (ended, agent.account().events, twin.state_hash())
 }
@@ -90,7 +89,7 @@ fn has(events: &[Event], kind: &str, what: &str) -> bool {
 
 #[test]
 fn easy_1_is_built_from_readings_with_noise() {
-    let result = World::new("easy-1").run_on(Track::Noisy, 1);
+    let result = GoalFiles::new("easy-1").run(Track::Noisy, 1);
     assert_eq!((result.track.as_str(), result.counted()), ("noisy", 3), "{:?}", result.events);
     assert_eq!(result.ended.reason, "done");
 }
@@ -98,12 +97,12 @@ fn easy_1_is_built_from_readings_with_noise() {
 /// An episode in which it does counts on no board.
 #[test]
 fn the_baseline_asks_for_nothing_that_its_track_does_not_give() {
-    let world = World::new("easy-1");
+    let world = GoalFiles::new("easy-1");
     for track in Track::ALL {
-        let mut twin = Twin::new(&world.setup_on(track, 1)).unwrap();
-        let agent = Baseline::new(&world.kit, &world.assembly, &world.arm, &world.domains, 1);
+        let mut twin = Twin::new(&world.setup(track, 1)).unwrap();
+        let mut agent = world.baseline(track, 1);
         let mut robot = Short { twin: &mut twin, limit: 6.0, trouble: Trouble::None, refused: 0 };
-        assert_eq!(agent.on_track(track).run(&mut robot), Err(RobotError::OutOfTime { limit: 6.0 }));
+        assert_eq!(agent.run(&mut robot), Err(RobotError::OutOfTime { limit: 6.0 }));
         assert_eq!(robot.refused, 0, "{track:?}");
     }
 }

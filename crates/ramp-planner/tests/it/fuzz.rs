@@ -1,8 +1,8 @@
 //! Whatever a plan or an observation from outside says, it is taken or refused: nothing panics, nothing hangs.
 
 use crate::common::{domains, goal, kit};
-use crate::mangle::{Dice, mangled};
 use ramp_planner::{History, Record, State, diagnose, pddl_plan};
+use ramp_testing::mangle::{Dice, mangled};
 
 #[test]
 fn plans_and_observations_are_read_or_refused() {

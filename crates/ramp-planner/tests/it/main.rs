@@ -10,8 +10,6 @@ mod fuzz;
 mod generated;
 #[cfg(target_os = "linux")]
 mod limits;
-#[path = "../../../ramp-action-language/tests/it/mangle.rs"]
-mod mangle;
 mod motion;
 mod pddl;
 mod plans;

@@ -2,13 +2,15 @@
 
 use std::path::Path;
 
-use crate::common::{World, as_log, data};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use ramp_kit::Pose;
 use ramp_kit::joint::FEMALE_HEIGHT;
 use ramp_real_run::poses::Reader;
 use ramp_result::EpisodeResult;
 use ramp_result::episode::Software;
+use ramp_testing::episode::Swing;
+use ramp_testing::log::as_log;
+use ramp_testing::{GoalFiles, data};
 use serde_json::{Value, json};
 
 /// The clock's reading when the goal is handed over, s.
@@ -37,7 +39,7 @@ fn sight(time: f64, parts: &[(&str, Pose)]) -> Value {
 }
 
 /// The beams at their places, and a peg so far (m) above its seat in the connection of that number.
-struct Bench(World);
+struct Bench(GoalFiles);
 
 impl Bench {
     fn beams(&self) -> Vec<(&str, Pose)> {
@@ -82,7 +84,7 @@ impl Bench {
 
 #[test]
 fn the_referee_judges_what_cameras_saw() {
-    let bench = Bench(World::new("easy-1"));
+    let bench = Bench(GoalFiles::new("easy-1"));
     let bytes = bench.bytes(&bench.messages());
     let result = bench.judge(&bytes).unwrap();
     let times: Vec<_> =
@@ -107,7 +109,7 @@ fn the_referee_judges_what_cameras_saw() {
 /// The same run told by the tags on the parts comes to the same result.
 #[test]
 fn tags_tell_where_parts_are() {
-    let bench = Bench(World::new("easy-1"));
+    let bench = Bench(GoalFiles::new("easy-1"));
     let places = ramp_kit::tags::places(&bench.0.kit);
     let mut messages = bench.messages();
     for (topic, message) in &mut messages {
@@ -144,7 +146,7 @@ fn tags_tell_where_parts_are() {
 
 #[test]
 fn what_cannot_have_happened_is_refused_with_its_place() {
-    let bench = Bench(World::new("easy-1"));
+    let bench = Bench(GoalFiles::new("easy-1"));
     let refused = |messages: &[(String, Value)], words: &[&str]| {
         let why = bench.judge(&bench.bytes(messages)).unwrap_err();
         for word in words {
@@ -205,14 +207,14 @@ fn what_cannot_have_happened_is_refused_with_its_place() {
     // The log of an episode in the twin has the same poses, and is none of a real run.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("twin.mcap");
-    bench.0.record("easy-1", &mut crate::common::Swing(50), &path);
+    bench.0.record_noisy(&mut Swing(50), &path);
     let why = bench.judge(&std::fs::read(&path).unwrap()).unwrap_err();
     assert!(why.contains("before the one on /run"), "{why}");
 }
 
 #[test]
 fn whatever_the_bytes_there_is_a_result_or_a_message() {
-    let bench = Bench(World::new("easy-1"));
+    let bench = Bench(GoalFiles::new("easy-1"));
     let bytes = bench.bytes(&bench.messages());
     for end in (0..bytes.len()).step_by(7) {
         assert!(bench.judge(&bytes[..end]).is_err());

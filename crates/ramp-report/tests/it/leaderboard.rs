@@ -1,17 +1,18 @@
 //! What goes on a leaderboard is the result of its log, made with everybody's goal, parts and start.
 
-use crate::common::{Swing, World, data};
 use ramp_log::{Log, SecretSeed};
 use ramp_report::leaderboard::{Goal, Refused, Terms, check_log, check_whole};
 use ramp_result::collection::collect;
 use ramp_result::secret::Secret;
+use ramp_testing::episode::Swing;
+use ramp_testing::{GoalFiles, data};
 use ramp_twin::Disturbance;
 
 #[test]
 fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
     let folder = tempfile::TempDir::new().unwrap();
-    let world = World::new("easy-1");
-    let result = world.record("easy-1", &mut Swing(300), &folder.path().join("it.mcap"));
+    let world = GoalFiles::new("easy-1");
+    let result = world.record_noisy(&mut Swing(300), &folder.path().join("it.mcap"));
     std::fs::write(folder.path().join("it.json"), result.to_json()).unwrap();
     let log = Log::read(&folder.path().join("it.mcap")).unwrap();
     let collection = collect(&[folder.path().to_path_buf()]).unwrap();

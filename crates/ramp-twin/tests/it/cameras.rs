@@ -1,18 +1,18 @@
 //! The twin's cameras: time passes while they expose, the same seed gives the same bits, and they are not quite where
 //! the agent is told.
 
-use crate::common::World;
 use ramp_robot::camera::Mount;
 use ramp_robot::{
     ArmCommand, Camera, Command, GripperCommand, Image, MOST_EXPOSURES, Robot, RobotError, Track,
 };
+use ramp_testing::GoalFiles;
 use ramp_twin::Twin;
 
 const GRIPPER: GripperCommand = GripperCommand { width: 0.04, force: 10.0 };
 
 #[test]
 fn an_image_takes_time_and_is_the_same_for_a_seed() {
-    let world = World::new("easy-1");
+    let world = GoalFiles::new("easy-1");
     let (mut one, mut two) = (world.twin(Track::Tags, 4), world.twin(Track::Tags, 4));
     let tip = one.observe().x_wt;
     let before = one.time();
@@ -36,7 +36,7 @@ fn an_image_takes_time_and_is_the_same_for_a_seed() {
 /// begun if none is.
 #[test]
 fn exposures_go_on_while_the_arm_moves() {
-    let world = World::new("easy-1");
+    let world = GoalFiles::new("easy-1");
     let mut twin = world.twin(Track::Tags, 4);
     let wait = |twin: &mut Twin, periods: usize| {
         let hold = Command { arm: ArmCommand::JointPositions(world.arm.home), gripper: GRIPPER };
@@ -84,7 +84,7 @@ fn exposures_go_on_while_the_arm_moves() {
 /// rest is sharp.
 #[test]
 fn a_moving_hand_blurs_its_image() {
-    let world = World::new("easy-1");
+    let world = GoalFiles::new("easy-1");
     // Pixels in a thousand that differ from their right neighbour as only a sharp edge does: far more than by noise.
     let sharpness = |image: &Image| -> f64 {
         let rows = image.pixels.chunks_exact(3 * image.width);
@@ -116,7 +116,7 @@ fn a_moving_hand_blurs_its_image() {
 
 #[test]
 fn cameras_are_a_little_away_from_where_the_agent_is_told() {
-    let world = World::new("easy-1");
+    let world = GoalFiles::new("easy-1");
     let mut seen = Vec::new();
     for seed in 1..40 {
         let twin = world.twin(Track::State, seed);
@@ -139,7 +139,7 @@ fn cameras_are_a_little_away_from_where_the_agent_is_told() {
 
 #[test]
 fn the_noisy_track_has_no_images_and_goes_on() {
-    let world = World::new("easy-1");
+    let world = GoalFiles::new("easy-1");
     let mut twin = world.twin(Track::Noisy, 1);
     assert!(matches!(twin.look(Camera::Wrist), Err(RobotError::NotOnTrack { track: Track::Noisy, .. })));
     assert!(twin.read_parts().is_ok());

@@ -1,11 +1,11 @@
 //! Each effect of a world on its own, in the twin, against its formula: the world is `ideal` but for the numbers that a test
 //! names.
 
-use crate::common::World;
 use mujoco_rs::prelude::*;
 use mujoco_rs::wrappers::mj_model::MjtObjBase;
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use ramp_robot::{ArmCommand, Command, DOF, GripperCommand, Impedance, Observation, Robot};
+use ramp_testing::GoalFiles;
 use ramp_twin::Twin;
 
 /// Stiffness with which the inner loop holds joint 1, N·m/rad (reference/worlds.md).
@@ -17,7 +17,7 @@ fn twin(changed: &[(&str, f64)]) -> Twin {
     let world = changed.iter().fold(ramp_twin::World::ideal().clone(), |world, (quantity, value)| {
         world.with(quantity, *value).unwrap()
     });
-    World::new("easy-1").twin_in(&world, 1)
+    GoalFiles::new("easy-1").twin_in(&world, 1)
 }
 
 /// Joint 1 turns by `angle` rad at 0.1 rad/s with gentle ends, and is held there for a second. Returns what is seen then.
@@ -223,6 +223,6 @@ fn told_positions_are_off() {
     for joint in 0..DOF {
         assert!((seen.positions[joint] - twin.qpos()[joint] - 2e-3).abs() < 1e-12);
     }
-    let really = World::new("easy-1").twin_in(ramp_twin::World::ideal(), 1).observe();
+    let really = GoalFiles::new("easy-1").twin_in(ramp_twin::World::ideal(), 1).observe();
     assert!((seen.x_wt.translation.vector - really.x_wt.translation.vector).norm() > 0.5e-3);
 }

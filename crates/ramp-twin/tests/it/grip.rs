@@ -4,9 +4,9 @@
 //! held, by (1/b + h/2) |∫ (dJ/dt) q̇ dt| over a motion, with the damping b of the contact and the time step h. On a single
 //! joint at the distance R that is R ω². A load makes it creep, which iterations against that can take away.
 
-use crate::common::World;
 use mujoco_rs::prelude::*;
 use ramp_robot::{PERIOD, Track};
+use ramp_testing::GoalFiles;
 
 /// Distance of the hand from its joint, m.
 const RADIUS: f64 = 0.6;
@@ -32,7 +32,7 @@ fn contacts(twin: &ramp_twin::Twin, pads: Option<&str>) -> [String; 3] {
 /// How far a part slips along the radius in a hand that turns about one joint with so much speed (m/s) at most, and what
 /// the formula says, m. `pads` is put in place of the fingertips' contact where there is one.
 fn slip(speed: f64, pads: Option<&str>) -> (f64, f64) {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let twin = world.twin(Track::State, 1);
     let [option, part, pad] = contacts(&twin, pads);
     let finger = |sign: f64| {
@@ -122,7 +122,7 @@ fn the_example_for_mujoco_slips_by_the_formula() {
 /// How fast a part creeps, m/s, that fingers hold which stand still, while 24 N push on it along them and 7 N across at the
 /// tip of a peg. `pads` is put in place of the fingertips' contact where there is one.
 fn creep(world: &ramp_twin::World, pads: Option<&str>) -> f64 {
-    let twin = World::new("easy-3").twin_in(world, 1);
+    let twin = GoalFiles::new("easy-3").twin_in(world, 1);
     let [option, part, pad] = contacts(&twin, pads);
     let finger = |sign: f64| {
         format!(

@@ -4,7 +4,6 @@
 #![allow(clippy::unwrap_used)]
 
 mod cameras;
-mod common;
 mod effects;
 mod extending;
 mod geometry;

@@ -1,8 +1,8 @@
 //! What each track lets be read of the parts: as noisy as it says, no more and no less, and at its price.
 
-use crate::common::World;
 use nalgebra::Vector6;
 use ramp_robot::{Camera, PartReading, Robot, RobotError, Track};
+use ramp_testing::GoalFiles;
 use ramp_twin::Twin;
 use ramp_twin::twin::{READING_DROPPED, READING_NOISE, READING_STEPS};
 
@@ -17,7 +17,7 @@ fn error(twin: &Twin, reading: &PartReading) -> Vector6<f64> {
 
 #[test]
 fn noisy_readings_have_the_noise_that_they_say() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let mut twin = world.twin(Track::Noisy, 3);
     let parts = twin.part_names().count();
     let rounds = 400;
@@ -62,7 +62,7 @@ fn noisy_readings_have_the_noise_that_they_say() {
 
 #[test]
 fn readings_repeat_for_a_seed_and_for_no_other() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let read = |seed| {
         let mut twin = world.twin(Track::Noisy, seed);
         let readings: Vec<_> = (0..3).flat_map(|_| twin.read_parts().unwrap()).collect();
@@ -74,7 +74,7 @@ fn readings_repeat_for_a_seed_and_for_no_other() {
 
 #[test]
 fn a_track_gives_what_it_says_and_nothing_else() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     // Exact, and at no cost.
     let mut state = world.twin(Track::State, 1);
     for reading in state.read_parts().unwrap() {

@@ -1,12 +1,12 @@
 //! A snapshot that is taken up again is followed by the same bits, and so is a duplicate.
 
-use crate::common::World;
 use nalgebra::Vector6;
 use ramp_robot::arm::DOF;
 use ramp_robot::{ArmCommand, Camera, Command, GripperCommand, Impedance, Observation, Pose, Robot, Track};
+use ramp_testing::GoalFiles;
 use ramp_twin::{Disturbance, Fault, FaultKind, Layout, RestoreError, SceneOptions, Setup, Twin};
 
-fn setup<'a>(cell: &'a World, world: &'a ramp_twin::World, track: Track) -> Setup<'a> {
+fn setup<'a>(cell: &'a GoalFiles, world: &'a ramp_twin::World, track: Track) -> Setup<'a> {
     Setup {
         kit: &cell.kit,
         assembly: &cell.assembly,
@@ -61,7 +61,7 @@ fn go_on(twin: &mut Twin, home: &Pose, from: u32, periods: u32) -> (Vec<Result<O
 
 #[test]
 fn what_follows_a_snapshot_is_the_same_to_the_last_bit() {
-    let cell = World::new("easy-1");
+    let cell = GoalFiles::new("easy-1");
     for name in ["ideal", "real"] {
         let world = ramp_twin::World::shipped(name).unwrap();
         for track in [Track::State, Track::Noisy, Track::Tags] {
@@ -89,7 +89,7 @@ fn what_follows_a_snapshot_is_the_same_to_the_last_bit() {
 
 #[test]
 fn a_snapshot_of_another_twin_is_refused() {
-    let cell = World::new("easy-1");
+    let cell = GoalFiles::new("easy-1");
     let world = ramp_twin::World::ideal();
     let one = cell.twin(Track::State, 7);
     let mut other = Twin::new(&setup(&cell, world, Track::State)).unwrap();
@@ -100,7 +100,7 @@ fn a_snapshot_of_another_twin_is_refused() {
 
 #[test]
 fn a_scene_without_meshes_and_with_little_memory_has_the_same_physics() {
-    let cell = World::new("easy-1");
+    let cell = GoalFiles::new("easy-1");
     let world = ramp_twin::World::ideal();
     let setup = setup(&cell, world, Track::State);
     let layout = Layout::new(setup.kit, setup.assembly, setup.disturbance, setup.seed);

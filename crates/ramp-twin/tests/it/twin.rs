@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::common::World;
 use mujoco_rs::prelude::*;
 use nalgebra::Vector6;
 use ramp_robot::{ArmCommand, Command, GripperCommand, Impedance, Pose, Robot, RobotError, Track};
+use ramp_testing::GoalFiles;
 use ramp_twin::Twin;
 
 fn stay(twin: &Twin) -> Command {
@@ -20,7 +20,7 @@ fn stay(twin: &Twin) -> Command {
 /// actuator acts on a part.
 #[test]
 fn the_model_has_nothing_that_could_hold_parts_together() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let twin = world.twin(Track::State, 1);
     let model = twin.model().ffi();
     assert_eq!(model.neq, 0, "equality constraints");
@@ -116,7 +116,7 @@ fn nothing_else_writes_to_the_physics() {
 /// commands, ends in the same state to the last bit.
 #[test]
 fn commands_alone_move_the_world() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let mut twin = world.twin(Track::State, 3);
     let model = MjModel::from_xml_string(twin.scene()).unwrap();
     let mut data = MjData::new(&model);
@@ -142,7 +142,7 @@ fn commands_alone_move_the_world() {
 /// same state to the last bit, also where the hand sweeps through parts that sleep.
 #[test]
 fn parts_that_are_swept_away_move_as_in_mujoco_alone() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let mut twin = world.twin(Track::State, 3);
     let model = MjModel::from_xml_string(twin.scene()).unwrap();
     let mut data = MjData::new(&model);
@@ -177,7 +177,7 @@ fn parts_that_are_swept_away_move_as_in_mujoco_alone() {
 /// A target that jumps would throw the arm: a real controller refuses it, and says which joint it was.
 #[test]
 fn targets_that_no_motion_could_follow_are_refused() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let gripper = GripperCommand { width: 0.06, force: 20.0 };
     let after = |command: ArmCommand| {
         let mut twin = world.twin(Track::State, 1);
@@ -199,7 +199,7 @@ fn targets_that_no_motion_could_follow_are_refused() {
 /// push it aside.
 #[test]
 fn a_target_that_gains_speed_does_not_pull_the_tip_aside() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let mut twin = world.twin(Track::State, 1);
     let start = twin.observe();
     let (mut way, mut aside) = (0.0, 0.0_f64);
@@ -225,7 +225,7 @@ fn a_target_that_gains_speed_does_not_pull_the_tip_aside() {
 
 #[test]
 fn parts_rest_where_they_start() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let mut twin = world.twin(Track::State, 2);
     let before = twin.truth();
     let command = stay(&twin);
@@ -242,7 +242,7 @@ fn parts_rest_where_they_start() {
 
 #[test]
 fn the_start_is_disturbed_by_the_seed_and_no_more_than_said() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let (one, again, two) = (
         world.twin(Track::State, 1).truth(),
         world.twin(Track::State, 1).truth(),
@@ -267,7 +267,7 @@ fn the_start_is_disturbed_by_the_seed_and_no_more_than_said() {
 /// Pressed on the table the wrench points down; in free air it is zero but for noise.
 #[test]
 fn the_wrist_feels_what_the_hand_does_to_the_world() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let mut twin = world.twin(Track::State, 1);
     let start = twin.observe();
     let mut x_wt = start.x_wt;
@@ -300,7 +300,7 @@ fn the_wrist_feels_what_the_hand_does_to_the_world() {
 
 #[test]
 fn commands_that_are_not_numbers_are_refused_and_nothing_moves() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let gripper = GripperCommand { width: 0.04, force: 20.0 };
     let bad = [
         Command { arm: ArmCommand::JointPositions([f64::NAN; 7]), gripper },
@@ -328,7 +328,7 @@ fn commands_that_are_not_numbers_are_refused_and_nothing_moves() {
 
 #[test]
 fn torques_stay_within_the_arms_and_a_broken_limit_stops_it() {
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let mut twin = world.twin(Track::State, 1);
     let mut stopped = None;
     for _ in 0..3000 {

@@ -3,5 +3,4 @@
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
 
-mod common;
 mod round_trip;

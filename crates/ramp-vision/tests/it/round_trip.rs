@@ -1,12 +1,12 @@
 //! From parts to a picture and back: what the perception room says must be what was drawn.
 
-use crate::common::{TIP, Table, tip_above};
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_kit::Pose;
 use ramp_render::Sensor;
 use ramp_robot::camera::Mount;
 use ramp_robot::random::Stream;
 use ramp_robot::{Camera, CameraModel, Image};
+use ramp_testing::table::{TIP, Table, tip_above};
 use ramp_vision::{Calibration, Lying, Oddity, PartFinder, SightError};
 
 fn wrist() -> CameraModel {

@@ -1,6 +1,6 @@
-//! Texts that are spoilt, always in the same way.
+//! Damaged texts, the same ones in each run.
 
-/// A small generator of numbers; the same ones every time.
+/// A small generator of pseudo-random numbers.
 pub struct Dice(pub u64);
 
 impl Dice {
@@ -12,7 +12,7 @@ impl Dice {
     }
 }
 
-/// The text with some of its pieces dropped, doubled, swapped or replaced.
+/// A copy of the text with some of its pieces dropped, doubled, swapped or replaced.
 pub fn mangled(text: &str, dice: &mut Dice) -> String {
     let scraps = [
         "(",

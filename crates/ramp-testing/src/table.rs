@@ -1,8 +1,5 @@
 //! The parts on their sheet, and pictures of them.
 
-#![allow(dead_code, clippy::unwrap_used)]
-
-use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
@@ -10,20 +7,28 @@ use ramp_kit::{Kit, Pose, read_kit};
 use ramp_render::{Looks, Renderer, Scene, Sensor};
 use ramp_robot::{Camera, CameraModel, Image};
 
+use crate::data;
+
 /// Distance from the hand's frame to the tip's, m.
 pub const TIP: f64 = 0.1134;
 
+/// All parts of the kit where they start.
 pub struct Table {
+    /// The benchmark's kit.
     pub kit: Kit,
+    /// The shapes and colours of its parts.
     pub looks: Arc<Looks>,
-    /// Every part and where it is.
+    /// Every part and its pose in the world.
     pub parts: Vec<(String, Pose)>,
 }
 
 impl Table {
+    /// The kit's parts at their starts; beams without one lie at the assembly frame.
+    #[must_use]
+    #[allow(clippy::new_without_default)]
     pub fn new() -> Table {
         static LOOKS: OnceLock<Arc<Looks>> = OnceLock::new();
-        let kit = read_kit(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/kit.xml")).unwrap();
+        let kit = read_kit(&data().join("kit.xml")).unwrap();
         let looks = Arc::clone(LOOKS.get_or_init(|| Arc::new(Looks::new(&kit, None).unwrap())));
         let mut parts = Vec::new();
         for beam in &kit.beams {
@@ -36,10 +41,14 @@ impl Table {
         Table { kit, looks, parts }
     }
 
+    /// The pose of a part in the world.
+    #[must_use]
     pub fn truth(&self, part: &str) -> Pose {
         self.parts.iter().find(|(name, _)| name == part).unwrap().1
     }
 
+    /// All parts and holders, to be rendered.
+    #[must_use]
     pub fn scene(&self) -> Scene {
         let parts = self.parts.iter().map(|(name, x)| (self.looks.body(name).unwrap(), *x));
         let holder = |holder: &ramp_kit::Holder| {
@@ -49,10 +58,13 @@ impl Table {
         Scene { bodies: parts.chain(self.kit.holders.iter().map(holder)).collect() }
     }
 
+    /// A renderer for a camera.
+    #[must_use]
     pub fn renderer(&self, model: &CameraModel) -> Renderer {
         Renderer::new(Arc::clone(&self.looks), model)
     }
 
+    /// The image of a camera, with the tip at `x_wt`.
     pub fn look(&self, renderer: &mut Renderer, sensor: &mut Sensor, camera: Camera, x_wt: Pose) -> Image {
         let model = CameraModel::nominal(camera, TIP);
         let pixels = renderer.render(&self.scene(), &model.x_wc(&x_wt), sensor);
@@ -61,6 +73,7 @@ impl Table {
 }
 
 /// A tip pose whose camera is at `eye` (m) and looks straight down, turned and tilted by small angles (rad).
+#[must_use]
 pub fn tip_above(model: &CameraModel, eye: [f64; 3], turn: f64, tilt: [f64; 2]) -> Pose {
     let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
     let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn)
