@@ -9,23 +9,23 @@ use std::time::{Duration, Instant};
 use mujoco_rs::prelude::*;
 use ramp_episode::{Label, Progress, run_episode};
 use ramp_result::episode::Software;
-use ramp_robot::{
-    Account, Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError, Track,
-};
+use ramp_robot::{Account, Agent, Command, Observation, RobotError, Track};
 use ramp_testing::GoalFiles;
+use ramp_testing::robot::{Alteration, Altered};
 use ramp_twin::Twin;
 
-/// Notes every command's joint torques and finger forces as the twin applied them.
-struct Recorder<'r> {
-    robot: &'r mut Twin,
+/// The joint torques and finger forces of every command, as the twin applied them.
+#[derive(Default)]
+struct Recorder {
     commands: Vec<[f64; 9]>,
+    begin: Option<Instant>,
     /// The time that the twin's steps took.
     stepping: Duration,
 }
 
-impl Recorder<'_> {
-    fn over(robot: &mut Twin) -> Recorder<'_> {
-        Recorder { robot, commands: Vec::new(), stepping: Duration::ZERO }
+impl Recorder {
+    fn over(robot: &mut Twin) -> Altered<'_, Twin, Recorder> {
+        Altered { robot, alteration: Recorder::default() }
     }
 
     fn steps_a_second(&self) -> f64 {
@@ -33,35 +33,18 @@ impl Recorder<'_> {
     }
 }
 
-impl Robot for Recorder<'_> {
-    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
-        let begin = Instant::now();
-        let result = self.robot.step(command);
-        self.stepping += begin.elapsed();
+impl Alteration<Twin> for Recorder {
+    fn before(&mut self, _twin: &Twin, _command: &mut Command) -> Result<(), RobotError> {
+        self.begin = Some(Instant::now());
+        Ok(())
+    }
+
+    fn after(&mut self, twin: &Twin, _command: &Command, _seen: &Observation) -> Result<(), RobotError> {
+        self.stepping += self.begin.take().map_or(Duration::ZERO, |begin| begin.elapsed());
         let mut applied = [0.0; 9];
-        applied.copy_from_slice(&self.robot.ctrl()[..9]);
+        applied.copy_from_slice(&twin.ctrl()[..9]);
         self.commands.push(applied);
-        result
-    }
-
-    fn observe(&self) -> Observation {
-        self.robot.observe()
-    }
-
-    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
-        self.robot.read_parts()
-    }
-
-    fn expose(&mut self) -> Result<(), RobotError> {
-        self.robot.expose()
-    }
-
-    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
-        self.robot.look(camera)
-    }
-
-    fn camera(&self, camera: Camera) -> CameraModel {
-        self.robot.camera(camera)
+        Ok(())
     }
 }
 
@@ -89,7 +72,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut agent = world.baseline(Track::State, 1);
     agent.run(&mut recorder)?;
     let _: Account = agent.account();
-    let commands = recorder.commands;
+    let commands = recorder.alteration.commands;
     let model = MjModel::from_xml_string(&scene).map_err(|error| format!("{error:?}"))?;
     let mut raw = Vec::new();
     let mut same = true;
@@ -133,7 +116,7 @@ fn worlds(goal: &GoalFiles, repeats: usize) -> Result<(), Box<dyn std::error::Er
             let mut agent = goal.baseline(Track::State, 1);
             let mut recorder = Recorder::over(&mut twin);
             agent.run(&mut recorder)?;
-            *fastest = fastest.max(recorder.steps_a_second());
+            *fastest = fastest.max(recorder.alteration.steps_a_second());
         }
     }
     let [ideal, real] = fastest;

@@ -4,14 +4,13 @@ use nalgebra::Translation3;
 use ramp_assembly::Insertion;
 use ramp_motion::{Pace, PathPlanner, TimeLaw};
 use ramp_planner::{CoarseAction, CoarseStep, FineAction, Grasp, Item, Place, Target};
-use ramp_robot::{
-    Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError, Track,
-};
+use ramp_robot::{Agent, PartReading, Robot, RobotError, Track};
 use ramp_skills::cell::{InsertionPath, Workcell};
 use ramp_skills::skill::{ActionKind, Call, Effect, Skill};
 use ramp_skills::{Fault, Parameters, SkillError, SkillTable};
 use ramp_testing::GoalFiles;
 use ramp_testing::episode::domains;
+use ramp_testing::robot::{Alteration, Altered};
 use ramp_twin::Twin;
 
 /// The insertion path that the goal's own order of insertions gives a beam.
@@ -20,42 +19,23 @@ fn path(insertion: &Insertion) -> (usize, InsertionPath) {
     (insertion.beam, InsertionPath { direction, distance, depth: 0.0 })
 }
 
-/// The twin, but some beams are read as standing a little beside where they are (m, axes of the world).
-struct Biased<'t> {
-    twin: &'t mut Twin,
+/// These beams are read beside where they are: by this shift (m) along x and y of the world.
+struct Biased {
+    beams: [&'static str; 2],
     shift: [f64; 2],
-    beams: Vec<String>,
 }
 
-impl Robot for Biased<'_> {
-    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
-        self.twin.step(command)
-    }
-
-    fn observe(&self) -> Observation {
-        self.twin.observe()
-    }
-
-    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
-        let mut parts = self.twin.read_parts()?;
-        for part in &mut parts {
-            if self.beams.contains(&part.part) {
-                part.x_wp = Translation3::new(self.shift[0], self.shift[1], 0.0) * part.x_wp;
-            }
+impl<R: Robot> Alteration<R> for Biased {
+    fn parts(
+        &mut self,
+        _time: f64,
+        given: Result<Vec<PartReading>, RobotError>,
+    ) -> Result<Vec<PartReading>, RobotError> {
+        let mut parts = given?;
+        for part in parts.iter_mut().filter(|part| self.beams.contains(&part.part.as_str())) {
+            part.x_wp = Translation3::new(self.shift[0], self.shift[1], 0.0) * part.x_wp;
         }
         Ok(parts)
-    }
-
-    fn expose(&mut self) -> Result<(), RobotError> {
-        self.twin.expose()
-    }
-
-    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
-        self.twin.look(camera)
-    }
-
-    fn camera(&self, camera: Camera) -> CameraModel {
-        self.twin.camera(camera)
     }
 }
 
@@ -178,15 +158,14 @@ fn the_spiral_finds_a_hole_that_is_not_where_it_is_believed() {
     for shift in [[2.5e-3, 0.0], [-1.5e-3, 2.0e-3]] {
         let mut twin = Twin::new(&world.setup(Track::State, 5)).unwrap();
         {
-            let mut straight = Biased { twin: &mut twin, shift, beams: vec![] };
-            let mut cell = cell(&world, &planner, &mut straight);
+            let mut cell = cell(&world, &planner, &mut twin);
             pick_up(&mut cell, "b4", Some("b4l2"));
             approach_beam(&mut cell, b4);
             assemble(&mut cell, b4);
             cell.retreat().unwrap();
         }
-        let beams = vec!["b4".to_string(), "b7".to_string()];
-        let mut biased = Biased { twin: &mut twin, shift, beams };
+        let alteration = Biased { beams: ["b4", "b7"], shift };
+        let mut biased = Altered { robot: &mut twin, alteration };
         let mut cell = cell(&world, &planner, &mut biased);
         cell.standing.push(b4);
         pick_up(&mut cell, "p1", None);
@@ -215,8 +194,7 @@ fn a_push_brings_a_swinging_beam_back() {
     let b4 = world.assembly.beam_index("b4").unwrap();
     let c1 = world.assembly.connection_index("C1").unwrap();
     let mut twin = Twin::new(&world.setup(Track::State, 4)).unwrap();
-    let mut straight = Biased { twin: &mut twin, shift: [0.0; 2], beams: vec![] };
-    let mut cell = cell(&world, &planner, &mut straight);
+    let mut cell = cell(&world, &planner, &mut twin);
     pick_up(&mut cell, "b4", Some("b4l2"));
     approach_beam(&mut cell, b4);
     assemble(&mut cell, b4);
@@ -237,8 +215,7 @@ fn a_push_brings_a_drooping_beam_back() {
     let planner = PathPlanner::new(&world.arm);
     let b1 = world.assembly.beam_index("b1").unwrap();
     let mut twin = Twin::new(&world.setup(Track::State, 4)).unwrap();
-    let mut straight = Biased { twin: &mut twin, shift: [0.0; 2], beams: vec![] };
-    let mut cell = cell(&world, &planner, &mut straight);
+    let mut cell = cell(&world, &planner, &mut twin);
     pick_up(&mut cell, "b1", Some("b1l2"));
     approach_beam(&mut cell, b1);
     assemble(&mut cell, b1);
@@ -281,8 +258,7 @@ fn a_beam_is_regrasped_by_another_link_and_inserted() {
     let mut setup = world.setup(Track::State, 6);
     setup.track = Track::Tags;
     let mut twin = Twin::new(&setup).unwrap();
-    let mut robot = Biased { twin: &mut twin, shift: [0.0; 2], beams: vec![] };
-    let mut cell = cell(&world, &planner, &mut robot);
+    let mut cell = cell(&world, &planner, &mut twin);
     pick_up(&mut cell, "b5", Some("b5l1"));
     let held_at = |cell: &Workcell| cell.hand.held.as_ref().unwrap().x_tp.translation.vector.norm();
     let before = held_at(&cell);
@@ -345,8 +321,7 @@ fn a_beam_that_is_held_too_far_out_is_taken_anew() {
 
 /// A twin in which the first beam that is lifted turns in the hand.
 fn turning(world: &GoalFiles, seed: u64) -> Twin {
-    let mut setup = world.setup(Track::State, seed);
-    setup.track = Track::Tags;
+    let mut setup = world.setup(Track::Tags, seed);
     setup.fault = Some("beam-turned@1".parse().unwrap());
     Twin::new(&setup).unwrap()
 }

@@ -8,64 +8,37 @@ use ramp_episode::{Label, record_episode, replay};
 use ramp_log::Log;
 use ramp_log::Sources;
 use ramp_result::episode::Software;
-use ramp_robot::{
-    Account, Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Pose, Robot, RobotError,
-    Track,
-};
+use ramp_robot::{Account, Agent, Camera, Command, Observation, Pose, Robot, RobotError, Track};
 use ramp_skills::Baseline;
 use ramp_testing::episode::Swing;
+use ramp_testing::robot::{Alteration, Altered, StopAt};
 use ramp_testing::{GoalFiles, data};
 use ramp_twin::{Fault, FaultReport, Setup, Twin};
 
-/// Lets an agent work until a fault has struck and so many seconds have passed since.
-struct Until<'t> {
-    twin: &'t mut Twin,
+/// Ends the agent's work a while after a fault has struck.
+struct Until {
+    /// s
     after: f64,
     /// The truth and the tip at the strike.
     struck: Option<(Vec<Pose>, Observation)>,
-    /// The largest distance between the fingers since then, while they are told to close, m.
+    /// The largest distance between the fingers since then, while they are commanded to close, m.
     widest: f64,
 }
 
-impl Until<'_> {
-    fn watch(&mut self, seen: &Observation) -> Result<(), RobotError> {
-        let Some(at) = self.twin.fault().and_then(|fault| fault.at) else { return Ok(()) };
+impl Alteration<Twin> for Until {
+    fn after(&mut self, twin: &Twin, command: &Command, seen: &Observation) -> Result<(), RobotError> {
+        let Some(at) = twin.fault().and_then(|fault| fault.at) else { return Ok(()) };
         if self.struck.is_none() {
-            self.struck = Some((self.twin.truth().x_wp, seen.clone()));
+            self.struck = Some((twin.truth().x_wp, seen.clone()));
         }
         // Any final error ends the agent's work.
-        if seen.time > at + self.after { Err(RobotError::OutOfTime { limit: seen.time }) } else { Ok(()) }
-    }
-}
-
-impl Robot for Until<'_> {
-    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
-        let seen = self.twin.step(command)?;
-        self.watch(&seen)?;
-        if self.struck.is_some() && command.gripper.width < 0.03 {
+        if seen.time > at + self.after {
+            return Err(RobotError::OutOfTime { limit: seen.time });
+        }
+        if command.gripper.width < 0.03 {
             self.widest = self.widest.max(seen.width);
         }
-        Ok(seen)
-    }
-
-    fn observe(&self) -> Observation {
-        self.twin.observe()
-    }
-
-    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
-        self.twin.read_parts()
-    }
-
-    fn expose(&mut self) -> Result<(), RobotError> {
-        self.twin.expose()
-    }
-
-    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
-        self.twin.look(camera)
-    }
-
-    fn camera(&self, camera: Camera) -> CameraModel {
-        self.twin.camera(camera)
+        Ok(())
     }
 }
 
@@ -110,9 +83,10 @@ fn setup<'w>(world: &'w GoalFiles, fault: &str) -> Setup<'w> {
 fn strike(world: &GoalFiles, fault: &str, after: f64) -> Outcome {
     let mut twin = Twin::new(&setup(world, fault)).unwrap();
     let mut agent = world.baseline(Track::State, 1);
-    let mut until = Until { twin: &mut twin, after, struck: None, widest: 0.0 };
+    let alteration = Until { after, struck: None, widest: 0.0 };
+    let mut until = Altered { robot: &mut twin, alteration };
     assert!(agent.run(&mut until).is_err(), "{fault} did not strike");
-    let ((before, seen), widest) = (until.struck.unwrap(), until.widest);
+    let ((before, seen), widest) = (until.alteration.struck.unwrap(), until.alteration.widest);
     let report = twin.fault().unwrap().clone();
     let part = twin.part_names().position(|name| Some(name) == report.part.as_deref());
     Outcome { part: part.map(|part| (part, before[part])), report, twin, before, seen, widest }
@@ -181,46 +155,11 @@ fn fingers_and_sensors_fail() {
     let mut calm = Twin::new(&world.setup(Track::State, 1)).unwrap();
     let mut agent = world.baseline(Track::State, 1);
     let end = drift.twin.time();
-    assert!(agent.run(&mut Stop { twin: &mut calm, end }).is_err());
+    assert!(agent.run(&mut Altered { robot: &mut calm, alteration: StopAt(end) }).is_err());
     let force = |twin: &Twin| -> Vector3<f64> { twin.observe().wrench.fixed_rows::<3>(0).into() };
     let off = (force(&drift.twin) - force(&calm)).norm();
     assert!((off - growth * (end - at)).abs() < 0.02, "off by {off} N, {growth} N/s since {at} s");
     assert_eq!(drift.twin.state_hash(), calm.state_hash(), "a sensor does not move anything");
-}
-
-/// Lets an agent work until a time.
-struct Stop<'t> {
-    twin: &'t mut Twin,
-    end: f64,
-}
-
-impl Robot for Stop<'_> {
-    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
-        if self.twin.time() >= self.end {
-            return Err(RobotError::OutOfTime { limit: self.end });
-        }
-        self.twin.step(command)
-    }
-
-    fn observe(&self) -> Observation {
-        self.twin.observe()
-    }
-
-    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
-        self.twin.read_parts()
-    }
-
-    fn expose(&mut self) -> Result<(), RobotError> {
-        self.twin.expose()
-    }
-
-    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
-        self.twin.look(camera)
-    }
-
-    fn camera(&self, camera: Camera) -> CameraModel {
-        self.twin.camera(camera)
-    }
 }
 
 #[test]
@@ -273,30 +212,8 @@ impl Agent for Short<'_> {
     }
 
     fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {
-        struct Ten<'r>(&'r mut dyn Robot);
-        impl Robot for Ten<'_> {
-            fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
-                let seen = self.0.step(command)?;
-                if seen.time > 10.0 { Err(RobotError::OutOfTime { limit: 10.0 }) } else { Ok(seen) }
-            }
-            fn observe(&self) -> Observation {
-                self.0.observe()
-            }
-            fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
-                self.0.read_parts()
-            }
-            fn expose(&mut self) -> Result<(), RobotError> {
-                self.0.expose()
-            }
-            fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
-                self.0.look(camera)
-            }
-            fn camera(&self, camera: Camera) -> CameraModel {
-                self.0.camera(camera)
-            }
-        }
         // That it was stopped is no error of the robot's.
-        let _ = self.0.run(&mut Ten(robot));
+        let _ = self.0.run(&mut Altered { robot, alteration: StopAt(10.0) });
         Ok(())
     }
 }

@@ -2,10 +2,9 @@
 
 use nalgebra::Translation3;
 use ramp_referee::Referee;
-use ramp_robot::{
-    Agent, Camera, CameraModel, Command, Event, Image, Observation, PartReading, Robot, RobotError, Track,
-};
+use ramp_robot::{Agent, Command, Event, PartReading, RobotError, Track};
 use ramp_testing::GoalFiles;
+use ramp_testing::robot::{Alteration, Altered};
 use ramp_twin::Twin;
 
 /// What goes wrong.
@@ -16,33 +15,26 @@ enum Trouble {
     Misreads { beams: &'static [&'static str], by: f64, from: f64, to: f64 },
 }
 
-struct Troubled<'t> {
-    twin: &'t mut Twin,
-    trouble: Trouble,
-}
-
-impl Robot for Troubled<'_> {
-    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
-        let mut command = command.clone();
-        if let Trouble::Drops { peg, ticks_left } = &mut self.trouble {
-            let index = self.twin.part_names().position(|name| name == *peg).unwrap();
-            let height = self.twin.truth().x_wp[index].translation.z;
+impl Alteration<Twin> for Trouble {
+    fn before(&mut self, twin: &Twin, command: &mut Command) -> Result<(), RobotError> {
+        if let Trouble::Drops { peg, ticks_left } = self {
+            let index = twin.part_names().position(|name| name == *peg).unwrap();
+            let height = twin.truth().x_wp[index].translation.z;
             if *ticks_left > 0 && (height > 0.12 || *ticks_left < 400) {
                 *ticks_left -= 1;
                 command.gripper.width = 0.07;
             }
         }
-        self.twin.step(&command)
+        Ok(())
     }
 
-    fn observe(&self) -> Observation {
-        self.twin.observe()
-    }
-
-    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
-        let time = self.twin.time();
-        let mut parts = self.twin.read_parts()?;
-        if let Trouble::Misreads { beams, by, from, to } = &self.trouble
+    fn parts(
+        &mut self,
+        time: f64,
+        given: Result<Vec<PartReading>, RobotError>,
+    ) -> Result<Vec<PartReading>, RobotError> {
+        let mut parts = given?;
+        if let Trouble::Misreads { beams, by, from, to } = self
             && (*from..*to).contains(&time)
         {
             for part in parts.iter_mut().filter(|part| beams.contains(&part.part.as_str())) {
@@ -51,18 +43,6 @@ impl Robot for Troubled<'_> {
         }
         Ok(parts)
     }
-
-    fn expose(&mut self) -> Result<(), RobotError> {
-        self.twin.expose()
-    }
-
-    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
-        self.twin.look(camera)
-    }
-
-    fn camera(&self, camera: Camera) -> CameraModel {
-        self.twin.camera(camera)
-    }
 }
 
 /// Runs easy-1 from a seed with a trouble; returns how many pegs count and what happened.
@@ -70,7 +50,7 @@ fn run(seed: u64, trouble: Trouble) -> (usize, Vec<Event>, usize) {
     let world = GoalFiles::new("easy-1");
     let mut twin = Twin::new(&world.setup(Track::State, seed)).unwrap();
     let mut agent = world.baseline(Track::State, seed);
-    let ended = agent.run(&mut Troubled { twin: &mut twin, trouble });
+    let ended = agent.run(&mut Altered { robot: &mut twin, alteration: trouble });
     assert_eq!(ended, Ok(()), "{:?}", agent.account().events);
     let mut referee = Referee::new(&world.kit, &world.assembly, twin.part_names());
     referee.watch(&twin.truth(), 0.0);

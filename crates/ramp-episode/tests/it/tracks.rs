@@ -1,9 +1,8 @@
 //! Tracks: what an agent may see. The baseline builds from readings with noise and from images; it gets nothing else.
 
-use ramp_robot::{
-    Agent, Camera, CameraModel, Command, Event, Image, Observation, PartReading, Robot, RobotError, Track,
-};
+use ramp_robot::{Agent, Camera, Command, Event, Image, PartReading, RobotError, Track};
 use ramp_testing::GoalFiles;
+use ramp_testing::robot::{Alteration, Altered};
 use ramp_twin::Twin;
 
 /// What goes wrong with the cameras.
@@ -16,46 +15,40 @@ enum Trouble {
     Dark(f64),
 }
 
-/// The twin, for so many seconds of robot time and no longer.
-struct Short<'t> {
-    twin: &'t mut Twin,
+/// Ends the agent's work at a robot time, with trouble on the way.
+struct Short {
+    /// s
     limit: f64,
     trouble: Trouble,
-    /// How often something was asked for that the track does not give.
+    /// How often the agent asked for something that its track does not give.
     refused: usize,
 }
 
-impl Short<'_> {
+impl Short {
     fn note<T>(&mut self, given: Result<T, RobotError>) -> Result<T, RobotError> {
         self.refused += usize::from(matches!(given, Err(RobotError::NotOnTrack { .. })));
         given
     }
 }
 
-impl Robot for Short<'_> {
-    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
-        if self.twin.time() > self.limit {
-            return Err(RobotError::OutOfTime { limit: self.limit });
-        }
-        self.twin.step(command)
+impl Alteration<Twin> for Short {
+    fn before(&mut self, twin: &Twin, _command: &mut Command) -> Result<(), RobotError> {
+        if twin.time() > self.limit { Err(RobotError::OutOfTime { limit: self.limit }) } else { Ok(()) }
     }
 
-    fn observe(&self) -> Observation {
-        self.twin.observe()
-    }
-
-    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
-        let given = self.twin.read_parts();
+    fn parts(
+        &mut self,
+        _time: f64,
+        given: Result<Vec<PartReading>, RobotError>,
+    ) -> Result<Vec<PartReading>, RobotError> {
         self.note(given)
     }
 
-    fn expose(&mut self) -> Result<(), RobotError> {
-        let given = self.twin.expose();
+    fn exposed(&mut self, given: Result<(), RobotError>) -> Result<(), RobotError> {
         self.note(given)
     }
 
-    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
-        let given = self.twin.look(camera);
+    fn image(&mut self, camera: Camera, given: Result<Image, RobotError>) -> Result<Image, RobotError> {
         let mut image = self.note(given)?;
         match self.trouble {
             Trouble::Stops(stopped, from) if stopped == camera && image.time > from => {
@@ -68,10 +61,6 @@ impl Robot for Short<'_> {
             _ => Ok(image),
         }
     }
-
-    fn camera(&self, camera: Camera) -> CameraModel {
-        self.twin.camera(camera)
-    }
 }
 
 /// Runs the beginning of easy-1: what ended it, what happened, and the state in the end.
@@ -79,7 +68,8 @@ fn begin(track: Track, seed: u64, limit: f64, trouble: Trouble) -> (Result<(), R
     let world = GoalFiles::new("easy-1");
     let mut twin = Twin::new(&world.setup(track, seed)).unwrap();
     let mut agent = world.baseline(track, seed);
-    let ended = agent.run(&mut Short { twin: &mut twin, limit, trouble, refused: 0 });
+    let ended =
+        agent.run(&mut Altered { robot: &mut twin, alteration: Short { limit, trouble, refused: 0 } });
     (ended, agent.account().events, twin.state_hash())
 }
 
@@ -101,9 +91,10 @@ fn the_baseline_asks_for_nothing_that_its_track_does_not_give() {
     for track in Track::ALL {
         let mut twin = Twin::new(&world.setup(track, 1)).unwrap();
         let mut agent = world.baseline(track, 1);
-        let mut robot = Short { twin: &mut twin, limit: 6.0, trouble: Trouble::None, refused: 0 };
+        let alteration = Short { limit: 6.0, trouble: Trouble::None, refused: 0 };
+        let mut robot = Altered { robot: &mut twin, alteration };
         assert_eq!(agent.run(&mut robot), Err(RobotError::OutOfTime { limit: 6.0 }));
-        assert_eq!(robot.refused, 0, "{track:?}");
+        assert_eq!(robot.alteration.refused, 0, "{track:?}");
     }
 }
 
