@@ -1,12 +1,12 @@
 //! `ramp leaderboard` as an organiser has it: entries of strangers, some of them bad, on a site.
 
-// A failed unwrap here is a failed test.
-#![allow(clippy::unwrap_used)]
-
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use ramp_testing::trials::{Trial, check, check_unless};
 use tempfile::TempDir;
+
+use crate::missing;
 
 /// A folder with data of one small class: `easy` is a corner of two beams.
 struct Place(TempDir);
@@ -106,7 +106,6 @@ fn change(path: &Path, from: &str, to: &str) {
 /// The page of the one board here.
 const BOARD: &str = "board-easy-state-real-ramp-rules-2.html";
 
-#[test]
 fn bad_entries_are_told_and_the_others_are_on_the_board() {
     let place = Place::new();
     place.enter("h-good", "good", 1);
@@ -206,7 +205,6 @@ fn bad_entries_are_told_and_the_others_are_on_the_board() {
     assert!(told.contains("is of ramp ") && told.contains("run again, 0 known"), "{told}");
 }
 
-#[test]
 fn a_site_is_written_when_all_are_refused_and_none_into_the_entries() {
     let place = Place::new();
     let output = place.ramp(&["--data", "data", "leaderboard", "entries", "-o", "site"]);
@@ -225,12 +223,7 @@ fn a_site_is_written_when_all_are_refused_and_none_into_the_entries() {
     assert!(place.page("index.html").contains("1 entry was refused"));
 }
 
-#[test]
 fn agents_are_run_again_for_their_times() {
-    if ramp_external_agent::sandbox::open_ends().is_none() {
-        eprintln!("this system has no sandbox, and no agent is run again");
-        return;
-    }
     let place = Place::new();
     place.enter("a-same", "same", 1);
     place.enter("b-other", "other", 2);
@@ -275,10 +268,8 @@ fn agents_are_run_again_for_their_times() {
     assert_eq!(board.matches("<small>timed here").count(), 2 * 3, "planning and compute of three agents");
 }
 
-/// A board of 200 entries of which five are bad: `cargo test --release --workspace --test leaderboard -- --ignored`.
+/// A board of 200 entries of which five are bad: `cargo test --release -p ramp-cli --test sandbox -- --ignored`. It takes minutes.
 /// With `RAMP_SITE=DIR` everything stays there, to be looked at.
-#[test]
-#[ignore = "takes minutes: a thousand episodes"]
 fn a_board_of_two_hundred() {
     let mut place = Place::new();
     let number = |index: usize| format!("entry-{index:03}");
@@ -324,4 +315,20 @@ fn a_board_of_two_hundred() {
         place.0.disable_cleanup(true);
         std::fs::rename(place.0.path(), folder).unwrap();
     }
+}
+
+/// The checks of this file.
+pub fn checks() -> Vec<Trial> {
+    vec![
+        check(
+            "bad_entries_are_told_and_the_others_are_on_the_board",
+            bad_entries_are_told_and_the_others_are_on_the_board,
+        ),
+        check(
+            "a_site_is_written_when_all_are_refused_and_none_into_the_entries",
+            a_site_is_written_when_all_are_refused_and_none_into_the_entries,
+        ),
+        check_unless("agents_are_run_again_for_their_times", missing, agents_are_run_again_for_their_times),
+        check("a_board_of_two_hundred", a_board_of_two_hundred).with_ignored_flag(true),
+    ]
 }

@@ -1,17 +1,17 @@
 //! What an agent can learn and do, plain and in a sandbox; the table of `docs/src/howto/run-a-strangers-agent.md` is what
 //! these tests hold true.
 
-// A failed unwrap here is a failed test.
-#![allow(clippy::unwrap_used)]
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use ramp_external_agent::sandbox::open_ends;
+use ramp_testing::trials::{Trial, check, check_unless};
 use serde_json::Value;
 use tempfile::TempDir;
+
+use crate::missing;
 
 /// A seed that nothing else on a machine holds.
 const SEED: &str = "918273645918";
@@ -64,7 +64,7 @@ fn spied(results: &TempDir, arguments: &[&str]) -> BTreeMap<String, Option<Strin
 }
 
 /// Which doors must be shut; all others must be open, so that the table tells the truth.
-fn check(found: &BTreeMap<String, Option<String>>, shut: &[&str]) {
+fn doors_are_shut(found: &BTreeMap<String, Option<String>>, shut: &[&str]) {
     for (door, behind) in found {
         assert_eq!(behind.is_none(), shut.contains(&door.as_str()), "{door}: {behind:?}");
     }
@@ -101,7 +101,6 @@ const SANDBOXED: [&str; 14] = [
     "shared memory that stays",
 ];
 
-#[test]
 fn a_plain_agent_learns_nothing_of_its_own_episode() {
     let results = TempDir::new().unwrap();
     // A result of an earlier episode, which the plain agent may read.
@@ -112,24 +111,18 @@ fn a_plain_agent_learns_nothing_of_its_own_episode() {
     shut.extend(SANDBOXED.iter().filter(|door| {
         ["passwords of the system", "other name spaces"].contains(*door) && found[**door].is_none()
     }));
-    check(&found, &shut);
+    doors_are_shut(&found, &shut);
     assert_eq!(found["results of other episodes"].as_deref(), Some("seed 123456789 in old.json"));
 }
 
-#[test]
 fn an_agent_in_a_sandbox_gets_nothing() {
-    if open_ends().is_none() {
-        eprintln!("this system has no sandbox, and nothing is tested");
-        return;
-    }
     let results = TempDir::new().unwrap();
     std::fs::write(results.path().join("old.json"), r#"{"seed": 123456789}"#).unwrap();
     let found = spied(&results, &["--sandbox"]);
-    check(&found, &[&SEALED[..], &SANDBOXED[..]].concat());
+    doors_are_shut(&found, &[&SEALED[..], &SANDBOXED[..]].concat());
 }
 
 /// What it must not see must not lie where it may read.
-#[test]
 fn results_in_the_folder_of_the_agent_are_refused() {
     let agents = agents();
     let expected = if open_ends().is_some() { "may read" } else { "Landlock" };
@@ -161,7 +154,6 @@ fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
 }
 
 /// An agent that kills its run leaves nothing behind, and gets no result.
-#[test]
 fn what_an_agent_has_started_ends_even_if_it_kills_its_run() {
     let (agents, results) = (agents(), TempDir::new().unwrap());
     let seconds = format!("8{:08}", std::process::id());
@@ -182,37 +174,70 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 /// A request to end (SIGTERM) leaves nothing that is half done: no file, no process, no folder of an agent.
-#[test]
 fn a_request_to_end_leaves_nothing_behind() {
-    let agents = TempDir::new().unwrap();
-    let agent: PathBuf = agents.path().join("silent.py");
+    let (_folder, agent) = silent();
+    ends_cleanly(&["run", "easy-1", "-o", "out.json", "--video", "film.gif"], None);
+    ends_cleanly(&["run", "easy-1", "-o", "out.json"], Some(&agent));
+    ends_cleanly(&["bench", "easy-1", "-o", "."], Some(&agent));
+}
+
+fn a_request_to_end_leaves_nothing_of_a_sandbox_behind() {
+    let (_folder, agent) = silent();
+    ends_cleanly(&["run", "easy-1", "-o", "out.json", "--sandbox"], Some(&agent));
+}
+
+/// An agent that says nothing, in a folder of its own.
+fn silent() -> (TempDir, PathBuf) {
+    let folder = TempDir::new().unwrap();
+    let agent = folder.path().join("silent.py");
     std::fs::write(&agent, "import time\ntime.sleep(1000)\n").unwrap();
-    let sandboxed = [(&["run", "easy-1", "-o", "out.json", "--sandbox"][..], Some((&agent, true)))];
-    let plain = [
-        (&["run", "easy-1", "-o", "out.json", "--video", "film.gif"][..], None),
-        (&["run", "easy-1", "-o", "out.json"][..], Some((&agent, false))),
-        (&["bench", "easy-1", "-o", "."][..], Some((&agent, false))),
-    ];
-    let sandboxed = sandboxed.into_iter().filter(|_| open_ends().is_some());
-    for (arguments, agent) in plain.into_iter().chain(sandboxed) {
-        let (results, temporary) = (TempDir::new().unwrap(), TempDir::new().unwrap());
-        let mut command = Command::new(env!("CARGO_BIN_EXE_ramp"));
-        command.current_dir(&results).args(arguments).env("TMPDIR", temporary.path());
-        command.stdout(Stdio::null()).stderr(Stdio::null());
-        if let Some((agent, _)) = agent {
-            command.arg("--agent").arg(agent);
-        }
-        let mut run = command.spawn().unwrap();
-        // Long enough that it is at work.
-        std::thread::sleep(Duration::from_secs(3));
-        assert!(run.try_wait().unwrap().is_none(), "{arguments:?} ended by itself");
-        let pid = rustix::process::Pid::from_child(&run);
-        rustix::process::kill_process(pid, rustix::process::Signal::TERM).unwrap();
-        let status = run.wait().unwrap();
-        assert_eq!(status.code(), Some(130), "{arguments:?}");
-        let mut left = names(results.path());
-        left.retain(|name| name != ".lock");
-        assert_eq!(left, Vec::<String>::new(), "{arguments:?}");
-        assert_eq!(names(temporary.path()), Vec::<String>::new(), "{arguments:?}");
+    (folder, agent)
+}
+
+/// The command is asked to end while it is at work. It exits with 130 and leaves no file.
+fn ends_cleanly(arguments: &[&str], agent: Option<&Path>) {
+    let (results, temporary) = (TempDir::new().unwrap(), TempDir::new().unwrap());
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ramp"));
+    command.current_dir(&results).args(arguments).env("TMPDIR", temporary.path());
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    if let Some(agent) = agent {
+        command.arg("--agent").arg(agent);
     }
+    let mut run = command.spawn().unwrap();
+    // Long enough that it is at work.
+    std::thread::sleep(Duration::from_secs(3));
+    assert!(run.try_wait().unwrap().is_none(), "{arguments:?} ended by itself");
+    let pid = rustix::process::Pid::from_child(&run);
+    rustix::process::kill_process(pid, rustix::process::Signal::TERM).unwrap();
+    let status = run.wait().unwrap();
+    assert_eq!(status.code(), Some(130), "{arguments:?}");
+    let mut left = names(results.path());
+    left.retain(|name| name != ".lock");
+    assert_eq!(left, Vec::<String>::new(), "{arguments:?}");
+    assert_eq!(names(temporary.path()), Vec::<String>::new(), "{arguments:?}");
+}
+
+/// The checks of this file.
+pub fn checks() -> Vec<Trial> {
+    vec![
+        check(
+            "a_plain_agent_learns_nothing_of_its_own_episode",
+            a_plain_agent_learns_nothing_of_its_own_episode,
+        ),
+        check_unless("an_agent_in_a_sandbox_gets_nothing", missing, an_agent_in_a_sandbox_gets_nothing),
+        check(
+            "results_in_the_folder_of_the_agent_are_refused",
+            results_in_the_folder_of_the_agent_are_refused,
+        ),
+        check(
+            "what_an_agent_has_started_ends_even_if_it_kills_its_run",
+            what_an_agent_has_started_ends_even_if_it_kills_its_run,
+        ),
+        check("a_request_to_end_leaves_nothing_behind", a_request_to_end_leaves_nothing_behind),
+        check_unless(
+            "a_request_to_end_leaves_nothing_of_a_sandbox_behind",
+            missing,
+            a_request_to_end_leaves_nothing_of_a_sandbox_behind,
+        ),
+    ]
 }
