@@ -13,6 +13,7 @@
 
 use std::process::ExitCode;
 
+use ramp_result::EpisodeResult;
 use ramp_robot::Track;
 use ramp_testing::GoalFiles;
 use ramp_testing::trials::{check, check_unless, run};
@@ -45,10 +46,14 @@ fn record() -> (String, Vec<[String; 5]>) {
     (found, rows.collect())
 }
 
-fn state(goal: &str, world: &str, track: &str, seed: &str) -> String {
+fn episode([goal, world, track, seed, _]: &[String; 5]) -> EpisodeResult {
     let track = Track::ALL.into_iter().find(|it| it.name() == track).unwrap();
     let physics = ramp_twin::World::shipped(world).unwrap();
-    GoalFiles::new(goal).run_in(physics, track, seed.parse().unwrap()).physics.unwrap().state
+    GoalFiles::new(goal).run_in(physics, track, seed.parse().unwrap())
+}
+
+fn state(result: &EpisodeResult) -> String {
+    result.physics.as_ref().unwrap().state.clone()
 }
 
 /// Why nothing can be compared here.
@@ -57,29 +62,36 @@ fn missing() -> Option<String> {
     (probed != probe()).then(|| "the record is of another kind of processor".to_string())
 }
 
-fn compare(wanted: impl Fn(&[String; 5]) -> bool) {
+/// Runs the wanted episodes, and `check`s the results of those that end in the recorded state.
+fn compare(wanted: impl Fn(&[String; 5]) -> bool, check: impl Fn(&EpisodeResult)) {
     let (_, rows) = record();
     for row in rows.iter().filter(|row| wanted(row)) {
         let [goal, world, track, seed, recorded] = row;
-        let found = state(goal, world, track, seed);
+        let result = episode(row);
+        let found = state(&result);
         println!("{goal}, world {world}, track {track}, seed {seed}: {found}");
         assert_eq!(found, *recorded, "{goal}, world {world}, track {track}, seed {seed}");
+        check(&result);
     }
 }
 
 fn easy_3_ends_in_the_recorded_states() {
-    compare(|[goal, world, _, seed, _]| goal == "easy-3" && world == "ideal" && seed == "1");
+    compare(
+        |[goal, world, _, seed, _]| goal == "easy-3" && world == "ideal" && seed == "1",
+        |result| assert_eq!((result.ended.reason.as_str(), result.counted()), ("done", result.pegs.len())),
+    );
 }
 
 fn all_episodes_end_in_the_recorded_states() {
-    compare(|_| true);
+    compare(|_| true, |_| {});
 }
 
 /// Runs all episodes on record and writes their states, with the probe of this processor.
 fn write() {
     let (_, rows) = record();
-    let lines = rows.iter().map(|[goal, world, track, seed, _]| {
-        format!("{goal},{world},{track},{seed},{}\n", state(goal, world, track, seed))
+    let lines = rows.iter().map(|row| {
+        let [goal, world, track, seed, _] = row;
+        format!("{goal},{world},{track},{seed},{}\n", state(&episode(row)))
     });
     let text = format!("probe,{}\n{HEAD}\n{}", probe(), lines.collect::<String>());
     std::fs::write(FILE, text).unwrap();

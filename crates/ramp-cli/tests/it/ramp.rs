@@ -91,21 +91,21 @@ fn plan_prints_coarse_and_fine_actions() {
 
 /// The main job: planned, built and scored, with a result that follows the schema and a curve beside it.
 #[test]
-fn run_builds_easy_1_and_writes_result_and_curve() {
+fn run_builds_easy_1_and_prints_and_writes_what_the_readme_shows() {
     let folder = TempDir::new().unwrap();
-    let output = ramp(
-        &folder,
-        &["run", "easy-1", "--track", "state", "--seed", "12", "-o", "out.json", "--scene", "scene.xml"],
-    );
+    let output =
+        ramp(&folder, &["run", "easy-1", "--track", "state", "--seed", "12", "--scene", "scene.xml"]);
     let (said, told) = (text(&output.stdout), text(&output.stderr));
     assert_eq!(output.status.code(), Some(0), "{said}{told}");
     assert!(said.contains("3 of 3 pegs"), "{said}");
-    for file in ["out.json", "out.svg", "out.mcap"] {
-        assert!(said.contains(file) && folder.path().join(file).exists(), "{said}");
+    crate::docs::has_the_form_of_the_sample(&said);
+    let file = |ending: &str| format!("results/easy-1-12.{ending}");
+    for file in ["json", "svg", "mcap"].map(file) {
+        assert!(said.contains(&file) && folder.path().join(&file).exists(), "{said}");
     }
     assert!(told.contains("fasten C1"), "progress goes to standard error: {told}");
     let result: serde_json::Value =
-        serde_json::from_str(&std::fs::read_to_string(folder.path().join("out.json")).unwrap()).unwrap();
+        serde_json::from_str(&std::fs::read_to_string(folder.path().join(file("json"))).unwrap()).unwrap();
     let schema = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/schema/episode.schema.json");
     let schema: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(schema).unwrap()).unwrap();
     assert!(jsonschema::is_valid(&schema, &result));
@@ -121,7 +121,7 @@ fn run_builds_easy_1_and_writes_result_and_curve() {
     assert!(0.0 < bound && bound < reference && reference < seconds(&result["time"]["robot"]), "{result}");
     let compared = format!("bound {bound:.1} s, reference {reference:.1} s");
     assert!(said.contains(&compared), "{said}");
-    assert!(std::fs::read_to_string(folder.path().join("out.svg")).unwrap().contains("easy-1: 100 %"));
+    assert!(std::fs::read_to_string(folder.path().join(file("svg"))).unwrap().contains("easy-1: 100 %"));
     let scene = std::fs::read_to_string(folder.path().join("scene.xml")).unwrap();
     assert!(scene.contains("<key name=\"start\"") && scene.contains("<key name=\"end\""));
 }

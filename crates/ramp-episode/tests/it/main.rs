@@ -10,6 +10,5 @@ mod logs;
 mod logs_of_cheats;
 mod medium_and_hard;
 mod recovery;
-mod result;
 mod torques;
 mod tracks;

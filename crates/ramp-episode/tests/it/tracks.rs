@@ -98,14 +98,13 @@ fn the_baseline_asks_for_nothing_that_its_track_does_not_give() {
     }
 }
 
-/// With cameras and noise as without: a seed says everything.
+/// Readings with noise and images, too, are those of the seed.
 #[test]
 fn an_episode_is_the_same_to_the_bit_for_a_seed() {
     for (track, limit) in [(Track::Noisy, 20.0), (Track::Tags, 12.0)] {
         let once = begin(track, 7, limit, Trouble::None);
         assert_eq!(once.0, Err(RobotError::OutOfTime { limit }), "{track:?}");
         assert_eq!(once, begin(track, 7, limit, Trouble::None), "{track:?}");
-        assert_ne!(once.2, begin(track, 8, limit, Trouble::None).2, "{track:?}");
     }
 }
 
