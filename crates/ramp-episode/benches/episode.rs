@@ -4,32 +4,28 @@
 //! motion planning together. Prints the real-time factors and their ratio. Then the steps a second of the twin in the world
 //! `real` over those in `ideal`.
 
-#[path = "../tests/common/mod.rs"]
-mod common;
-
 use std::time::{Duration, Instant};
 
-use common::World;
 use mujoco_rs::prelude::*;
 use ramp_episode::{Label, Progress, run_episode};
 use ramp_result::episode::Software;
-use ramp_robot::{
-    Account, Agent, Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError,
-};
-use ramp_skills::Baseline;
+use ramp_robot::{Account, Agent, Command, Observation, RobotError, Track};
+use ramp_testing::GoalFiles;
+use ramp_testing::robot::{Alteration, Altered};
 use ramp_twin::Twin;
 
-/// Notes every command's joint torques and finger forces as the twin applied them.
-struct Recorder<'r> {
-    robot: &'r mut Twin,
+/// The joint torques and finger forces of every command, as the twin applied them.
+#[derive(Default)]
+struct Recorder {
     commands: Vec<[f64; 9]>,
+    begin: Option<Instant>,
     /// The time that the twin's steps took.
     stepping: Duration,
 }
 
-impl Recorder<'_> {
-    fn over(robot: &mut Twin) -> Recorder<'_> {
-        Recorder { robot, commands: Vec::new(), stepping: Duration::ZERO }
+impl Recorder {
+    fn over(robot: &mut Twin) -> Altered<'_, Twin, Recorder> {
+        Altered { robot, alteration: Recorder::default() }
     }
 
     fn steps_a_second(&self) -> f64 {
@@ -37,35 +33,18 @@ impl Recorder<'_> {
     }
 }
 
-impl Robot for Recorder<'_> {
-    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
-        let begin = Instant::now();
-        let result = self.robot.step(command);
-        self.stepping += begin.elapsed();
+impl Alteration<Twin> for Recorder {
+    fn before(&mut self, _twin: &Twin, _command: &mut Command) -> Result<(), RobotError> {
+        self.begin = Some(Instant::now());
+        Ok(())
+    }
+
+    fn after(&mut self, twin: &Twin, _command: &Command, _seen: &Observation) -> Result<(), RobotError> {
+        self.stepping += self.begin.take().map_or(Duration::ZERO, |begin| begin.elapsed());
         let mut applied = [0.0; 9];
-        applied.copy_from_slice(&self.robot.ctrl()[..9]);
+        applied.copy_from_slice(&twin.ctrl()[..9]);
         self.commands.push(applied);
-        result
-    }
-
-    fn observe(&self) -> Observation {
-        self.robot.observe()
-    }
-
-    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
-        self.robot.read_parts()
-    }
-
-    fn expose(&mut self) -> Result<(), RobotError> {
-        self.robot.expose()
-    }
-
-    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
-        self.robot.look(camera)
-    }
-
-    fn camera(&self, camera: Camera) -> CameraModel {
-        self.robot.camera(camera)
+        Ok(())
     }
 }
 
@@ -73,26 +52,27 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // `-- --short` asks whether it still runs to its end.
     let short = std::env::args().any(|argument| argument == "--short");
     let repeats = if short { 1 } else { 3 };
-    let world = World::new("easy-3");
+    let world = GoalFiles::new("easy-3");
     let label = Label::new(Software { version: "bench".into(), commit: "bench".into() }, 1);
     let mut whole = Vec::new();
     let mut robot_time = 0.0;
     for _ in 0..repeats {
-        let mut agent = Baseline::new(&world.assembly, &world.arm, &world.domains, 1);
+        let mut agent = world.baseline(Track::State, 1);
         let begin = Instant::now();
-        let result = run_episode(&world.setup(1), &mut agent, &label, &mut |_: &Progress, _: &Twin| {});
+        let result =
+            run_episode(&world.setup(Track::State, 1), &mut agent, &label, &mut |_: &Progress, _: &Twin| {});
         whole.push(begin.elapsed().as_secs_f64());
         robot_time = result?.time.robot;
     }
     // Once more, noting what MuJoCo was given.
-    let mut twin = Twin::new(&world.setup(1))?;
+    let mut twin = Twin::new(&world.setup(Track::State, 1))?;
     let start = twin.qpos().to_vec();
     let scene = twin.scene().to_string();
     let mut recorder = Recorder::over(&mut twin);
-    let mut agent = Baseline::new(&world.assembly, &world.arm, &world.domains, 1);
+    let mut agent = world.baseline(Track::State, 1);
     agent.run(&mut recorder)?;
     let _: Account = agent.account();
-    let commands = recorder.commands;
+    let commands = recorder.alteration.commands;
     let model = MjModel::from_xml_string(&scene).map_err(|error| format!("{error:?}"))?;
     let mut raw = Vec::new();
     let mut same = true;
@@ -127,16 +107,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// Steps a second of the twin in both worlds, the same agent on the same goal; the fastest of so many episodes counts.
-fn worlds(goal: &World, repeats: usize) -> Result<(), Box<dyn std::error::Error>> {
+fn worlds(goal: &GoalFiles, repeats: usize) -> Result<(), Box<dyn std::error::Error>> {
     let mut fastest = [0.0_f64; 2];
     for _ in 0..repeats {
         for (name, fastest) in ["ideal", "real"].into_iter().zip(&mut fastest) {
             let world = ramp_twin::World::shipped(name).ok_or("the world is not built in")?;
-            let mut twin = Twin::new(&ramp_twin::Setup { world, ..goal.setup(1) })?;
-            let mut agent = Baseline::new(&goal.assembly, &goal.arm, &goal.domains, 1);
+            let mut twin = Twin::new(&ramp_twin::Setup { world, ..goal.setup(Track::State, 1) })?;
+            let mut agent = goal.baseline(Track::State, 1);
             let mut recorder = Recorder::over(&mut twin);
             agent.run(&mut recorder)?;
-            *fastest = fastest.max(recorder.steps_a_second());
+            *fastest = fastest.max(recorder.alteration.steps_a_second());
         }
     }
     let [ideal, real] = fastest;

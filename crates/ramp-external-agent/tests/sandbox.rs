@@ -1,14 +1,16 @@
-//! What becomes of an agent that takes more of the machine than it may.
+//! An agent that takes more of the machine than it may is ended; files that it must not see are kept from it.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
 
+use std::process::ExitCode;
 use std::time::Duration;
 
 use ramp_external_agent::limits::Allowance;
 use ramp_external_agent::process::Process;
 use ramp_external_agent::sandbox::open_ends;
 use ramp_external_agent::{AgentFile, Patience, Sandbox, Silence, adopt_orphans};
+use ramp_testing::trials::{check_unless, run};
 
 /// Each way takes more in several processes or files than it would in one.
 const GREEDY: &str = r#"
@@ -32,12 +34,7 @@ time.sleep(60)
 "#;
 
 /// One after the other: ending an agent ends all children of the process that were not there before.
-#[test]
 fn agents_are_kept_within_their_sandbox() {
-    if open_ends().is_none() {
-        eprintln!("this system has no sandbox, and nothing is tested");
-        return;
-    }
     // As every program does that starts agents: what is forked while its parent is killed is met here.
     adopt_orphans();
     an_agent_that_takes_too_much_is_ended_with_all_that_it_has_started();
@@ -79,4 +76,13 @@ fn what_is_hidden_must_not_lie_where_the_agent_may_read() {
         let error = Sandbox::find(&agent, &[&hidden]).unwrap_err().to_string();
         assert!(error.ends_with("which the agent may read"), "{error}");
     }
+}
+
+fn missing() -> Option<String> {
+    open_ends().is_none().then(|| "this kernel has no Landlock or no seccomp".to_string())
+}
+
+fn main() -> ExitCode {
+    let name = "agents_are_kept_within_their_sandbox";
+    run(vec![check_unless(name, missing, agents_are_kept_within_their_sandbox)])
 }

@@ -5,16 +5,13 @@
 
 #![allow(clippy::unwrap_used)] // A failed unwrap here is a failed benchmark.
 
-#[path = "../tests/common/mod.rs"]
-mod common;
-
 use std::time::Instant;
 
 use apriltag::{DetectorBuilder, Family};
-use common::{TIP, Table, tip_above};
 use ramp_render::Sensor;
 use ramp_robot::random::Stream;
 use ramp_robot::{Camera, CameraModel};
+use ramp_testing::table::{TIP, Table, tip_above};
 use ramp_vision::image::Grey;
 use ramp_vision::{Lying, PartFinder};
 

@@ -1,0 +1,10 @@
+//! The integration tests of `ramp-assembly`.
+
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
+mod bad_goals;
+mod extending;
+mod generated;
+mod goals;
+mod mutations;

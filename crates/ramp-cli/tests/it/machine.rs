@@ -1,0 +1,83 @@
+//! Faults of the machine: nobody's result suffers from them, and what was finished is kept.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// The program in a shell in which no file can be larger than so many blocks of 512 bytes. A write beyond that fails as
+/// it does on a full disk.
+fn with_full_disk(folder: &Path, blocks: u32, arguments: &str) -> Output {
+    let line = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$RAMP\" {arguments}");
+    let mut command = Command::new("sh");
+    command.current_dir(folder).args(["-c", &line]).env("RAMP", env!("CARGO_BIN_EXE_ramp"));
+    command.output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap().flatten();
+    let mut names: Vec<String> = entries.map(|it| it.file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// An agent that moves for some seconds: its log needs more room than its result.
+fn agent(folder: &Path) {
+    let program = r#"
+import json, math, sys
+def tell(message):
+    print(json.dumps(message), flush=True)
+    return json.loads(sys.stdin.readline())
+goal = tell({"hello": {"protocol": 1, "name": "mover", "version": "1"}})["goal"]
+home = goal["arm"]["home"]
+for period in range(3000):
+    arm = [home[0] + 0.1 * (1 - math.cos(period * 1e-3))] + home[1:]
+    tell({"step": {"commands": [{"arm": {"joint_positions": arm}, "gripper": {"width": 0.04, "force": 10.0}}]}})
+tell({"done": {}})
+"#;
+    std::fs::write(folder.join("mover.py"), program).unwrap();
+}
+
+#[test]
+fn a_log_that_cannot_be_written_does_not_cost_the_result() {
+    let folder = TempDir::new().unwrap();
+    agent(folder.path());
+    let output = with_full_disk(folder.path(), 128, "run easy-1 --agent mover.py -o out.json");
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("there is no log"), "{}", text(&output.stderr));
+    assert_eq!(names(folder.path()), ["mover.py", "out.json", "out.svg"]);
+    let result: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("out.json")).unwrap()).unwrap();
+    assert_eq!(result["ended"]["reason"], "done");
+    assert_eq!(result["log"], Value::Null);
+}
+
+#[test]
+fn a_bench_on_a_full_disk_stops_and_counts_nothing() {
+    let folder = TempDir::new().unwrap();
+    agent(folder.path());
+    let bench = "bench easy-1 --repeats 3 --agent mover.py -o results";
+    let output = with_full_disk(folder.path(), 128, bench);
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("full or read-only disk"), "{}", text(&output.stderr));
+    assert_eq!(text(&output.stdout), "", "no sums");
+    assert_eq!(names(&folder.path().join("results")), [".lock"]);
+    // With room again, the same command does all of them.
+    let output = with_full_disk(folder.path(), 1 << 20, bench);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("3/3"), "{}", text(&output.stdout));
+}
+
+#[test]
+fn a_disk_that_was_full_from_the_start_stops_a_bench() {
+    let folder = TempDir::new().unwrap();
+    agent(folder.path());
+    let output = with_full_disk(folder.path(), 0, "bench easy-1 --agent mover.py -o results");
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
+    assert_eq!(text(&output.stdout), "", "no sums");
+}

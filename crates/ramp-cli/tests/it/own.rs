@@ -1,0 +1,107 @@
+//! Plans and skills of somebody else, carried out in the twin.
+
+use std::path::{Path, PathBuf};
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+fn ramp(arguments: &[&str]) -> std::process::Output {
+    Command::new(env!("CARGO_BIN_EXE_ramp")).args(arguments).output().unwrap()
+}
+
+fn example() -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/skills/press.py");
+    path.canonicalize().unwrap().display().to_string()
+}
+
+fn result(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn words(path: PathBuf) -> String {
+    path.display().to_string()
+}
+
+/// The result names whatever is not the baseline's.
+#[test]
+fn a_plan_of_ones_own_is_carried_out_as_it_is_and_a_program_fastens_in_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plan, out) = (words(folder.path().join("plan.json")), words(folder.path().join("out.json")));
+    let made = ramp(&["plan", "easy-1", "--json"]);
+    let mut own: Value = serde_json::from_slice(&made.stdout).unwrap();
+    // As another program would write it: with no word on how the beams get to their places.
+    own["plan"].as_object_mut().unwrap().remove("entries");
+    std::fs::write(&plan, own.to_string()).unwrap();
+    let skill = format!("fasten={}", example());
+    let run = ["run", "easy-1", "--track", "state", "--plan", &plan, "--skill", &skill, "-o", &out];
+    let run = ramp(&run);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let result = result(Path::new(&out));
+    assert_eq!(result["completion"], 1.0);
+    let name = result["agent"]["name"].as_str().unwrap();
+    assert!(name.starts_with("baseline+") && name.contains("+plan-given"), "{name}");
+    assert!(name.contains("+fasten-by-press."), "{name}");
+    assert_eq!(result["plan"]["coarse"], own["plan"]["steps"].as_array().unwrap().len());
+}
+
+#[test]
+fn a_plan_that_cannot_be_is_bad_input() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plan, out) = (words(folder.path().join("plan.json")), words(folder.path().join("out.json")));
+    for (text, expected) in [
+        (
+            r#"{"plan":{"steps":[{"coarse":{"action":"assemble","beam":"b4"},"fine":[]}]}}"#,
+            "refused at step 1",
+        ),
+        (r#"{"plan":{"steps":[{"coarse":{"action":"fly"}}]}}"#, "plan.json:1:"),
+        ("(fly b4)", "plan.json"),
+    ] {
+        std::fs::write(&plan, text).unwrap();
+        let run = ramp(&["run", "easy-1", "--plan", &plan, "-o", &out]);
+        let told = String::from_utf8_lossy(&run.stderr).into_owned();
+        assert_eq!(run.status.code(), Some(2), "{told}");
+        assert!(told.replace("\n  │ ", "").contains(expected), "{told}");
+        assert!(!Path::new(&out).exists());
+    }
+}
+
+#[test]
+fn a_program_is_judged_on_trials_of_its_skill() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = words(folder.path().join("trials"));
+    let trials = ["trials", "fasten-in-f-end", "--track", "state", "--trials", "1", "-o", &out];
+    let run = ramp(&[&trials[..], &["--skill", &example()]].concat());
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let trial = result(&folder.path().join("trials/fasten-in-f-end-state-1.json"));
+    assert_eq!(trial["success"], true);
+    assert!(trial["agent"]["name"].as_str().unwrap().contains("fasten-by-press."));
+    // The folder is of that program: the baseline is not mixed in.
+    let mixed = ramp(&trials);
+    assert_eq!(mixed.status.code(), Some(2));
+    // An agent that does nothing fails, and says nothing.
+    let idle = folder.path().join("idle.py");
+    let say = |message: &str| format!("print('{message}', flush=True); sys.stdin.readline()\n");
+    let hello = say(r#"{"hello": {"protocol": 1, "name": "idle", "version": "1"}}"#);
+    std::fs::write(&idle, format!("import sys\n{hello}{}", say(r#"{"done": {}}"#))).unwrap();
+    let out = words(folder.path().join("idle"));
+    let idle = words(idle);
+    let run = ramp(&["trials", "push", "--track", "state", "--trials", "1", "-o", &out, "--agent", &idle]);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let trial = result(&folder.path().join("idle/push-state-1.json"));
+    assert_eq!(trial["agent"]["name"], "idle");
+}
+
+#[test]
+fn what_is_no_skill_is_bad_input() {
+    for (skill, expected) in [
+        ("fsten=x.py", "there is no action `fsten`"),
+        ("fasten", "expected ACTION=FILE"),
+        ("fasten=nowhere.py", "nowhere.py"),
+        ("pick_up=x.py", "there is no action `pick_up`"),
+    ] {
+        let run = ramp(&["run", "easy-1", "--skill", skill]);
+        let told = String::from_utf8_lossy(&run.stderr).into_owned();
+        assert_eq!(run.status.code(), Some(2), "{told}");
+        assert!(told.contains(expected), "{told}");
+    }
+}

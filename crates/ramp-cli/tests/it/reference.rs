@@ -1,0 +1,67 @@
+//! The pages of the command line and of the worlds are what the program says of itself.
+//!
+//! `RAMP_WRITE=1 cargo test --release -p ramp-cli --test it reference` writes the page anew.
+
+use ramp_world::{Quantity, Spread, World};
+
+const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/reference/cli.md");
+
+#[test]
+fn the_page_of_the_command_line_is_up_to_date() {
+    let options = clap_markdown::MarkdownOptions::new().title("Command line".to_string()).show_footer(false);
+    let page = clap_markdown::help_markdown_command_custom(&ramp_cli::arguments(), &options);
+    let page = format!("{}\n", page.trim_end());
+    if std::env::var_os("RAMP_WRITE").is_some() {
+        std::fs::write(PAGE, &page).unwrap();
+    }
+    let found = std::fs::read_to_string(PAGE).unwrap_or_default();
+    assert!(found == page, "docs/src/reference/cli.md is out of date: write it anew with RAMP_WRITE=1");
+}
+
+/// The page of the worlds has a table of all quantities.
+#[test]
+fn the_table_of_the_worlds_is_up_to_date() {
+    const WORLDS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/reference/worlds.md");
+    let said = |quantity: &Quantity| {
+        let values = &quantity.value;
+        let same = values.iter().all(|it| it == &values[0]);
+        let list = || values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+        let value = if same { values[0].to_string() } else { format!("[{}]", list()) };
+        match quantity.spread {
+            Spread::Fixed => value,
+            Spread::Within(half) => format!("{value} ± {half}"),
+            Spread::Share(share) => format!("{value} ± {} %", (1000.0 * share).round() / 10.0),
+            Spread::Sigma(sigma) => format!("{value}, σ {sigma}"),
+        }
+    };
+    let mut table = String::from(
+        "| quantity | unit | `real` | `hard` | `ideal` | range | meaning |\n|---|---|---|---|---|---|---|\n",
+    );
+    let [real, hard, ideal] =
+        ["real", "hard", "ideal"].map(|name| World::shipped(name).unwrap().quantities().collect::<Vec<_>>());
+    for ((group, field, quantity), (hard, ideal)) in real.iter().zip(hard.iter().zip(&ideal)) {
+        let unit = if field.unit.is_empty() { "–" } else { field.unit };
+        table.push_str(&format!(
+            "| `{group}.{}` | {unit} | {} | {} | {} | {} to {} | {} |\n",
+            field.name,
+            said(quantity),
+            said(hard.2),
+            said(ideal.2),
+            field.least,
+            field.most,
+            field.meaning.trim()
+        ));
+    }
+    let page = std::fs::read_to_string(WORLDS).unwrap();
+    let (head, rest) = page.split_once("<!-- quantities -->\n").unwrap();
+    let (_, tail) = rest.split_once("<!-- /quantities -->").unwrap();
+    let expected = format!("{head}<!-- quantities -->\n{table}<!-- /quantities -->{tail}");
+    if std::env::var_os("RAMP_WRITE").is_some() {
+        std::fs::write(WORLDS, &expected).unwrap();
+    } else {
+        assert!(
+            page == expected,
+            "docs/src/reference/worlds.md is out of date: write it anew with RAMP_WRITE=1"
+        );
+    }
+}

@@ -1,0 +1,59 @@
+//! `ramp see`, as a person calls it.
+
+use assert_cmd::Command;
+
+fn ramp() -> Command {
+    Command::cargo_bin("ramp").unwrap()
+}
+
+#[test]
+fn images_and_a_table_for_a_goal() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("new");
+    let output = ramp().args(["see", "easy-3", "--seed", "2", "-o"]).arg(&path).assert().success();
+    let text = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+    assert!(text.contains("birds-eye: ") && text.contains("\np15 "), "{text}");
+    for name in ["wrist.png", "wrist-found.png", "birds-eye.png", "birds-eye-found.png"] {
+        let bytes = std::fs::read(path.join(name)).unwrap();
+        assert!(bytes.starts_with(b"\x89PNG"), "{name}");
+    }
+}
+
+#[test]
+fn a_data_set_is_the_same_again_and_can_be_judged() {
+    let folder = tempfile::tempdir().unwrap();
+    let make = |name: &str| {
+        let path = folder.path().join(name);
+        ramp().args(["see", "easy-1", "--count", "10", "-o"]).arg(&path).assert().success();
+        path
+    };
+    let (first, second) = (make("first"), make("second"));
+    for name in ["labels.json", "coco.json", "estimates.json", "00003.png", "00009.png"] {
+        assert!(
+            std::fs::read(first.join(name)).unwrap() == std::fs::read(second.join(name)).unwrap(),
+            "{name}"
+        );
+    }
+    let judge = |file: &str| ramp().args(["see", "--judge"]).arg(first.join(file)).arg(&first).assert();
+    let output = judge("estimates.json").success();
+    let text = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+    assert!(text.contains("false poses") && text.contains(": 0 of "), "{text}");
+    // What a bad detector says is found out; what is no detector's is refused.
+    let text = std::fs::read_to_string(first.join("estimates.json")).unwrap();
+    let mut bad: serde_json::Value = serde_json::from_str(&text).unwrap();
+    bad[0]["x_cp"]["position"][0] = 3.0.into();
+    std::fs::write(first.join("bad.json"), bad.to_string()).unwrap();
+    judge("bad.json").code(1);
+    let error = judge("00003.png").code(2);
+    assert!(String::from_utf8_lossy(&error.get_output().stderr).contains("00003.png"));
+}
+
+#[test]
+fn a_film_with_nowhere_to_go_is_refused_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    let error =
+        ramp().args(["run", "easy-1", "--video", "file/film.gif"]).current_dir(&folder).assert().code(2);
+    assert!(String::from_utf8_lossy(&error.get_output().stderr).contains("is no folder"));
+    assert!(!folder.path().join("results").exists());
+}

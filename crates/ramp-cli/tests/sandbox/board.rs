@@ -1,0 +1,334 @@
+//! `ramp leaderboard` as an organiser has it: entries of strangers, some of them bad, on a site.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use ramp_testing::trials::{Trial, check, check_unless};
+use tempfile::TempDir;
+
+use crate::missing;
+
+/// A folder with data of one small class: `easy` is a corner of two beams.
+struct Place(TempDir);
+
+impl Place {
+    fn new() -> Place {
+        let place = Place(TempDir::new().unwrap());
+        place.done(&["data", "export", "data"]);
+        std::fs::remove_dir_all(place.path("data/goals")).unwrap();
+        std::fs::create_dir(place.path("data/goals")).unwrap();
+        let goal = r#"<assembly name="easy-1" class="easy">
+  <component beam="b7" base="True"/>
+  <component beam="b4"/>
+  <connection name="C1">
+    <element component="b4" joint="b4j1"/>
+    <element component="b7" joint="b7j1"/>
+  </connection>
+</assembly>"#;
+        std::fs::write(place.path("data/goals/easy-1.xml"), goal).unwrap();
+        std::fs::create_dir(place.path("entries")).unwrap();
+        place
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn ramp(&self, arguments: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_ramp"));
+        command.current_dir(&self.0).args(arguments).env("PYTHONDONTWRITEBYTECODE", "1").output().unwrap()
+    }
+
+    fn done(&self, arguments: &[&str]) {
+        let output = self.ramp(arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+    }
+
+    /// An entry as its owner makes it: an agent of this name that moves so far, and its results.
+    fn enter(&self, entry: &str, name: &str, shift: usize) {
+        self.enter_on("state", entry, name, shift, |agent| agent);
+    }
+
+    /// The same on some track, with a change of the agent's file.
+    fn enter_on(
+        &self,
+        track: &str,
+        entry: &str,
+        name: &str,
+        shift: usize,
+        change: impl Fn(String) -> String,
+    ) {
+        let folder = self.path("entries").join(entry);
+        std::fs::create_dir(&folder).unwrap();
+        let agent = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/agents/mover.py");
+        let agent = std::fs::read_to_string(agent).unwrap();
+        assert!(agent.contains("\"mover\", 1\n"));
+        let agent = agent.replace("\"mover\", 1\n", &format!("\"{name}\", {shift}\n"));
+        std::fs::write(folder.join("agent.py"), change(agent)).unwrap();
+        let file = format!("entries/{entry}/agent.py");
+        let output = format!("entries/{entry}");
+        let bench = ["--data", "data", "bench", "easy", "--track", track, "--jobs", "2"];
+        self.done(&[&bench[..], &["--agent", &file, "-o", &output]].concat());
+    }
+
+    /// An entry that is a copy of another one.
+    fn copy(&self, entry: &str, of: &str) -> PathBuf {
+        let folder = self.path("entries").join(entry);
+        std::fs::create_dir(&folder).unwrap();
+        for file in std::fs::read_dir(self.path("entries").join(of)).unwrap() {
+            let file = file.unwrap();
+            std::fs::copy(file.path(), folder.join(file.file_name())).unwrap();
+        }
+        folder
+    }
+
+    fn board(&self, more: &[&str]) -> (Option<i32>, String) {
+        let output = self.ramp(&[&["--data", "data", "leaderboard", "entries", "-o", "site"], more].concat());
+        assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+        (output.status.code(), text(&output.stdout))
+    }
+
+    fn page(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path("site").join(name)).unwrap()
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn change(path: &Path, from: &str, to: &str) {
+    let text = std::fs::read_to_string(path).unwrap();
+    assert!(text.contains(from), "{from}: {text}");
+    std::fs::write(path, text.replacen(from, to, 1)).unwrap();
+}
+
+/// The page of the one board here.
+const BOARD: &str = "board-easy-state-real-ramp-rules-2.html";
+
+fn bad_entries_are_told_and_the_others_are_on_the_board() {
+    let place = Place::new();
+    place.enter("h-good", "good", 1);
+    let result =
+        |folder: &Path, seed: u64, ending: &str| folder.join(format!("easy-1-state-{seed}.{ending}"));
+    let folder = place.copy("a-cut", "h-good");
+    let log = std::fs::read(result(&folder, 2, "mcap")).unwrap();
+    std::fs::write(result(&folder, 2, "mcap"), &log[..log.len() / 2]).unwrap();
+    let folder = place.copy("b-faster", "h-good");
+    let path = result(&folder, 3, "json");
+    let mut faster: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    faster["time"]["compute"] = 0.0.into();
+    faster["time"]["planning"] = 0.0.into();
+    faster["time"]["total"] = faster["time"]["robot"].clone();
+    std::fs::write(&path, faster.to_string()).unwrap();
+    let folder = place.copy("c-part", "h-good");
+    for ending in ["json", "log"] {
+        std::fs::remove_file(result(&folder, 4, ending)).unwrap();
+    }
+    let folder = place.copy("d-<b>\u{1b}[31mnot-json", "h-good");
+    std::fs::write(result(&folder, 5, "json"), "<script>alert(1)</script>").unwrap();
+    // Links lead out of the entry, and who opens a pipe waits for ever.
+    let folder = place.copy("e-link", "h-good");
+    std::fs::remove_file(result(&folder, 1, "mcap")).unwrap();
+    std::os::unix::fs::symlink(place.path("entries/h-good/easy-1-state-1.mcap"), result(&folder, 1, "mcap"))
+        .unwrap();
+    std::os::unix::fs::symlink(place.path("entries/h-good"), place.path("entries/f-link")).unwrap();
+    let folder = place.copy("g-pipe", "h-good");
+    std::fs::remove_file(result(&folder, 1, "mcap")).unwrap();
+    assert!(Command::new("mkfifo").arg(result(&folder, 1, "mcap")).status().unwrap().success());
+    // Everybody's class decides on the board, and not what a result says of it.
+    let folder = place.copy("g-class", "h-good");
+    for seed in 1..=5 {
+        change(&result(&folder, seed, "json"), "\"class\": \"easy\"", "\"class\": \"hard\"");
+    }
+    place.copy("i-again", "h-good");
+    place.enter("j-copy", "copy", 1);
+    // It asks for what its track does not give.
+    place.enter_on("tags", "k-asked", "asked", 1, |agent| {
+        let done = "tell({\"done\": {}})";
+        assert!(agent.contains(done));
+        agent.replace(done, &format!("tell({{\"read_parts\": {{}}}})\nhear()\n{done}"))
+    });
+    // It is run on one track, and said to be run on another.
+    let folder = place.copy("l-relabelled", "k-asked");
+    for seed in 1..=5 {
+        let path = folder.join(format!("easy-1-tags-{seed}.json"));
+        change(&path, "\"track\": \"tags\"", "\"track\": \"state\"");
+    }
+
+    let (status, told) = place.board(&[]);
+    assert_eq!(status, Some(1), "{told}");
+    for sentence in [
+        "refused a-cut: easy-1-state-2.mcap is not a complete MCAP file: it ends too early",
+        "refused b-faster: easy-1-state-3.json: the result differs from the one in its log",
+        "refused c-part: good, track state: easy-1 was run with seeds 1, 2, 3, 5",
+        "refused d-<b>\\u{1b}[31mnot-json: easy-1-state-5.json:1:1: expected value",
+        "refused e-link: easy-1-state-1.mcap is a link",
+        "refused f-link: it is no folder",
+        "refused g-pipe: easy-1-state-1.mcap is no ordinary file",
+        "refused g-class: easy-1-state-1.json: the goal differs from this board's goal of the same name",
+        "refused i-again: entry h-good has these episodes of good 1.0 already",
+        "warning j-copy: 5 of its 5 episodes make the same calls, to the last bit, as entry h-good (good 1.0)",
+        "admitted h-good: good 1.0",
+        "refused k-asked: easy-1-tags-1.mcap: at ",
+        "the agent asked for poses of parts, and track `tags` gives none",
+        "refused l-relabelled: easy-1-tags-1.json: the result differs from the one in its log",
+        "2 of 13 entries admitted; ",
+    ] {
+        assert!(told.contains(sentence), "{sentence}: {told}");
+    }
+    let board = place.page(BOARD);
+    assert!(board.contains("good 1.0") && board.contains("copy 1.0") && board.contains("as entry h-good"));
+    assert!(place.page("index.html").contains(&format!("href=\"{BOARD}\"")));
+    let refused = place.page("refused.html");
+    assert!(refused.contains("d-&lt;b&gt;\\u{1b}[31mnot-json") && refused.contains("is a link"), "{refused}");
+    assert!(!refused.contains("<script>alert") && !refused.contains('\u{1b}'));
+    assert!(place.page("agent-1.html").contains("href=\"index.html\""));
+
+    // What was found is remembered, by the hash of the log.
+    let (_, told) = place.board(&[]);
+    assert!(told.contains("; 0 logs run again, "), "{told}");
+    let path = place.path("site/replayed.json");
+    change(&path, "\"equal\"", "{\"refused\": \"it does not replay: so it was\"}");
+    let (_, told) = place.board(&[]);
+    assert!(told.contains(".mcap: it does not replay: so it was"), "{told}");
+    assert!(told.contains("1 of 13 entries admitted"), "{told}");
+    assert!(!place.path("site/agent-2.html").exists(), "a page of an earlier time is left");
+    std::fs::write(&path, "{").unwrap();
+    let (_, told) = place.board(&[]);
+    assert!(
+        told.contains("site/replayed.json is damaged (") && told.contains("run again, 0 known"),
+        "{told}"
+    );
+    change(&path, "\"commit\": \"", "\"commit\": \"other-");
+    let (_, told) = place.board(&[]);
+    assert!(told.contains("is of ramp ") && told.contains("run again, 0 known"), "{told}");
+}
+
+fn a_site_is_written_when_all_are_refused_and_none_into_the_entries() {
+    let place = Place::new();
+    let output = place.ramp(&["--data", "data", "leaderboard", "entries", "-o", "site"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("there is no entry in entries"));
+    std::fs::create_dir(place.path("entries/empty")).unwrap();
+    for site in ["entries/site", "entries", "."] {
+        let output = place.ramp(&["--data", "data", "leaderboard", "entries", "-o", site]);
+        assert_eq!(output.status.code(), Some(2), "{site}");
+        assert!(text(&output.stderr).contains("lie in one another"), "{}", text(&output.stderr));
+    }
+    assert!(!place.path("entries/site").exists());
+    let (status, told) = place.board(&[]);
+    assert_eq!(status, Some(1));
+    assert!(told.contains("refused empty: there is no result in "), "{told}");
+    assert!(place.page("index.html").contains("1 entry was refused"));
+}
+
+fn agents_are_run_again_for_their_times() {
+    let place = Place::new();
+    place.enter("a-same", "same", 1);
+    place.enter("b-other", "other", 2);
+    // Another file than the one that made the results.
+    place.enter("c-changed", "changed", 3);
+    change(&place.path("entries/c-changed/agent.py"), "\"changed\", 3", "\"changed\", 4");
+    place.enter("d-absent", "absent", 4);
+    std::fs::remove_file(place.path("entries/d-absent/agent.py")).unwrap();
+    // An agent that is random, told by the folder that it is run in.
+    let own = |entry: &str| place.path("entries").join(entry);
+    std::fs::create_dir(own("e-random")).unwrap();
+    let agent = std::fs::read_to_string(own("a-same").join("agent.py")).unwrap();
+    let agent = agent.replace("\"same\", 1", "\"random\", 7 if \"entries\" in __file__ else 8");
+    std::fs::write(own("e-random").join("agent.py"), agent).unwrap();
+    place.done(&[
+        "--data",
+        "data",
+        "bench",
+        "easy",
+        "--track",
+        "state",
+        "--agent",
+        "entries/e-random/agent.py",
+        "-o",
+        "entries/e-random",
+    ]);
+
+    let (status, told) = place.board(&[]);
+    assert_eq!(status, Some(0), "{told}");
+    assert!(!place.page(BOARD).contains("<small>timed here"));
+    let (status, told) = place.board(&["--rerun-agents"]);
+    assert_eq!(status, Some(0), "{told}");
+    for sentence in [
+        "warning c-changed: its times are its own: agent.py is not the file that the results name",
+        "warning d-absent: its times are its own: there is no agent.py and no agent in the entry",
+        "warning e-random: run again here, 5 of its 5 episodes made other calls, 0 with other pegs",
+    ] {
+        assert!(told.contains(sentence), "{sentence}: {told}");
+    }
+    assert!(!told.contains("warning a-same") && !told.contains("warning b-other"), "{told}");
+    let board = place.page(BOARD);
+    assert_eq!(board.matches("<small>timed here").count(), 2 * 3, "planning and compute of three agents");
+}
+
+/// A board of 200 entries of which five are bad: `cargo test --release -p ramp-cli --test sandbox -- --ignored`. It takes minutes.
+/// With `RAMP_SITE=DIR` everything stays there, to be looked at.
+fn a_board_of_two_hundred() {
+    let mut place = Place::new();
+    let number = |index: usize| format!("entry-{index:03}");
+    let next = std::sync::atomic::AtomicUsize::new(6);
+    std::thread::scope(|scope| {
+        for _ in 0..3 {
+            scope.spawn(|| {
+                loop {
+                    let index = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                    if index > 200 {
+                        break;
+                    }
+                    place.enter(&number(index), &format!("agent-{index}"), index);
+                }
+            });
+        }
+    });
+    let result = |folder: &Path, ending: &str| folder.join(format!("easy-1-state-1.{ending}"));
+    for bad in 1..=5 {
+        let folder = place.copy(&number(bad), &number(6 + bad));
+        match bad {
+            1 => std::fs::write(result(&folder, "mcap"), "no log").unwrap(),
+            2 => std::fs::write(result(&folder, "json"), "{").unwrap(),
+            3 => std::fs::remove_file(result(&folder, "mcap")).unwrap(),
+            4 => std::fs::write(
+                folder.join("easy-1-state-6.json"),
+                std::fs::read(result(&folder, "json")).unwrap(),
+            )
+            .unwrap(),
+            _ => change(&result(&folder, "json"), "\"planning\": 0.0", "\"planning\": 0.0001"),
+        }
+    }
+    let (status, told) = place.board(&[]);
+    assert_eq!(status, Some(1), "{told}");
+    assert!(told.contains("195 of 200 entries admitted; 975 logs run again"), "{told}");
+    assert_eq!(told.matches("refused ").count(), 5, "{told}");
+    let (_, told) = place.board(&[]);
+    assert!(told.contains("0 logs run again, 975 known from before"), "{told}");
+    for page in ["index.html", BOARD, "board-easy-state-ramp-rules-2-4.html", "refused.html"] {
+        assert!(place.page(page).len() < 1 << 20, "{page}");
+    }
+    if let Some(folder) = std::env::var_os("RAMP_SITE") {
+        place.0.disable_cleanup(true);
+        std::fs::rename(place.0.path(), folder).unwrap();
+    }
+}
+
+/// The checks of this file.
+pub fn checks() -> Vec<Trial> {
+    vec![
+        check(
+            "bad_entries_are_told_and_the_others_are_on_the_board",
+            bad_entries_are_told_and_the_others_are_on_the_board,
+        ),
+        check(
+            "a_site_is_written_when_all_are_refused_and_none_into_the_entries",
+            a_site_is_written_when_all_are_refused_and_none_into_the_entries,
+        ),
+        check_unless("agents_are_run_again_for_their_times", missing, agents_are_run_again_for_their_times),
+        check("a_board_of_two_hundred", a_board_of_two_hundred).with_ignored_flag(true),
+    ]
+}

@@ -1,0 +1,238 @@
+//! What an agent can learn and do, plain and in a sandbox; the table of `docs/src/howto/run-a-strangers-agent.md` is what
+//! these tests hold true.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use ramp_external_agent::sandbox::open_ends;
+use ramp_testing::trials::{Trial, check, check_unless};
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::missing;
+
+/// A seed that nothing else on a machine holds.
+const SEED: &str = "918273645918";
+
+/// A folder with an agent and what it needs, away from the folder of the results.
+fn agents() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    for name in ["common.py", "spy.py", "bad.py"] {
+        let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/agents").join(name);
+        std::fs::copy(from, folder.path().join(name)).unwrap();
+    }
+    folder
+}
+
+fn ramp(results: &TempDir, arguments: &[&str], agent: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ramp"));
+    command.current_dir(results).args(arguments).arg("--agent").arg(agent);
+    command.env("PYTHONDONTWRITEBYTECODE", "1").env("SPY_RESULTS", results.path());
+    command
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn result(folder: &TempDir, name: &str) -> Value {
+    serde_json::from_slice(&std::fs::read(folder.path().join(name)).unwrap()).unwrap()
+}
+
+/// What the spy found: each door, and what was behind it.
+fn spied(results: &TempDir, arguments: &[&str]) -> BTreeMap<String, Option<String>> {
+    let agents = agents();
+    let base = ["run", "easy-1", "--track", "tags", "--seed", SEED, "-o", "out.json"];
+    let output = ramp(results, &[&base, arguments].concat(), &agents.path().join("spy.py")).output().unwrap();
+    let result = result(results, "out.json");
+    assert_eq!(result["ended"]["reason"], "done", "{}", text(&output.stderr));
+    let events = result["events"].as_array().unwrap();
+    let doors = events.iter().map(|event| {
+        let door = event["door"].as_str().unwrap().to_string();
+        let found = event["found"].as_str().map(str::to_string);
+        assert!(!found.as_deref().unwrap_or_default().contains(SEED), "{door}: {found:?}");
+        (door, found)
+    });
+    doors.collect()
+}
+
+/// Which doors must be shut; all others must be open, so that the table tells the truth.
+fn doors_are_shut(found: &BTreeMap<String, Option<String>>, shut: &[&str]) {
+    for (door, behind) in found {
+        assert_eq!(behind.is_none(), shut.contains(&door.as_str()), "{door}: {behind:?}");
+    }
+    for door in shut {
+        assert!(found.contains_key(*door), "{door}");
+    }
+}
+
+/// Doors to what the track hides. They are shut to every agent.
+const SEALED: [&str; 7] = [
+    "command lines",
+    "environment of the run",
+    "open files of the run",
+    "log that is being written",
+    "memory of the run",
+    "memory of the run by system call",
+    "debugger on the run",
+];
+/// Doors that a sandbox shuts as well.
+const SANDBOXED: [&str; 14] = [
+    "list of processes",
+    "signals to the run",
+    "results of other episodes",
+    "files of the user",
+    "passwords of the system",
+    "writing beside the agent",
+    "writing to /tmp",
+    "writing to /dev/shm",
+    "changing modes of files",
+    "network, TCP",
+    "network, UDP",
+    "sockets of the system",
+    "other name spaces",
+    "shared memory that stays",
+];
+
+fn a_plain_agent_learns_nothing_of_its_own_episode() {
+    let results = TempDir::new().unwrap();
+    // A result of an earlier episode, which the plain agent may read.
+    std::fs::write(results.path().join("old.json"), r#"{"seed": 123456789}"#).unwrap();
+    let found = spied(&results, &[]);
+    // Who is not the superuser has more doors shut.
+    let mut shut = SEALED.to_vec();
+    shut.extend(SANDBOXED.iter().filter(|door| {
+        ["passwords of the system", "other name spaces"].contains(*door) && found[**door].is_none()
+    }));
+    doors_are_shut(&found, &shut);
+    assert_eq!(found["results of other episodes"].as_deref(), Some("seed 123456789 in old.json"));
+}
+
+fn an_agent_in_a_sandbox_gets_nothing() {
+    let results = TempDir::new().unwrap();
+    std::fs::write(results.path().join("old.json"), r#"{"seed": 123456789}"#).unwrap();
+    let found = spied(&results, &["--sandbox"]);
+    doors_are_shut(&found, &[&SEALED[..], &SANDBOXED[..]].concat());
+}
+
+/// What it must not see must not lie where it may read.
+fn results_in_the_folder_of_the_agent_are_refused() {
+    let agents = agents();
+    let expected = if open_ends().is_some() { "may read" } else { "Landlock" };
+    for (command, name) in [("run", "results/out.json"), ("bench", "results")] {
+        let output = Command::new(env!("CARGO_BIN_EXE_ramp"))
+            .current_dir(&agents)
+            .args([command, "easy-1", "--sandbox", "--agent", "spy.py", "-o", name])
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+        assert!(text(&output.stderr).contains(expected), "{}", text(&output.stderr));
+        assert!(!agents.path().join("results").exists());
+    }
+}
+
+fn is_sleeping(seconds: &str) -> bool {
+    std::fs::read_dir("/proc").unwrap().flatten().any(|entry| {
+        std::fs::read_to_string(entry.path().join("cmdline"))
+            .is_ok_and(|line| line == format!("sleep\0{seconds}\0"))
+    })
+}
+
+fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
+    let begin = Instant::now();
+    while !holds() {
+        assert!(begin.elapsed() < Duration::from_secs(60), "{what}");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// An agent that kills its run leaves nothing behind, and gets no result.
+fn what_an_agent_has_started_ends_even_if_it_kills_its_run() {
+    let (agents, results) = (agents(), TempDir::new().unwrap());
+    let seconds = format!("8{:08}", std::process::id());
+    let output = ramp(&results, &["run", "easy-1", "-o", "out.json"], &agents.path().join("bad.py"))
+        .env("BAD_WAY", "kills its parent")
+        .env("BAD_SLEEP", &seconds)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("the run was killed by signal 9"), "{}", text(&output.stderr));
+    wait_until("a process is left", || !is_sleeping(&seconds));
+    assert_eq!(names(results.path()), Vec::<String>::new());
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap().flatten();
+    entries.map(|entry| entry.file_name().into_string().unwrap()).collect()
+}
+
+/// A request to end (SIGTERM) leaves nothing that is half done: no file, no process, no folder of an agent.
+fn a_request_to_end_leaves_nothing_behind() {
+    let (_folder, agent) = silent();
+    ends_cleanly(&["run", "easy-1", "-o", "out.json", "--video", "film.gif"], None);
+    ends_cleanly(&["run", "easy-1", "-o", "out.json"], Some(&agent));
+    ends_cleanly(&["bench", "easy-1", "-o", "."], Some(&agent));
+}
+
+fn a_request_to_end_leaves_nothing_of_a_sandbox_behind() {
+    let (_folder, agent) = silent();
+    ends_cleanly(&["run", "easy-1", "-o", "out.json", "--sandbox"], Some(&agent));
+}
+
+/// An agent that says nothing, in a folder of its own.
+fn silent() -> (TempDir, PathBuf) {
+    let folder = TempDir::new().unwrap();
+    let agent = folder.path().join("silent.py");
+    std::fs::write(&agent, "import time\ntime.sleep(1000)\n").unwrap();
+    (folder, agent)
+}
+
+/// The command is asked to end while it is at work. It exits with 130 and leaves no file.
+fn ends_cleanly(arguments: &[&str], agent: Option<&Path>) {
+    let (results, temporary) = (TempDir::new().unwrap(), TempDir::new().unwrap());
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ramp"));
+    command.current_dir(&results).args(arguments).env("TMPDIR", temporary.path());
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    if let Some(agent) = agent {
+        command.arg("--agent").arg(agent);
+    }
+    let mut run = command.spawn().unwrap();
+    // Long enough that it is at work.
+    std::thread::sleep(Duration::from_secs(3));
+    assert!(run.try_wait().unwrap().is_none(), "{arguments:?} ended by itself");
+    let pid = rustix::process::Pid::from_child(&run);
+    rustix::process::kill_process(pid, rustix::process::Signal::TERM).unwrap();
+    let status = run.wait().unwrap();
+    assert_eq!(status.code(), Some(130), "{arguments:?}");
+    let mut left = names(results.path());
+    left.retain(|name| name != ".lock");
+    assert_eq!(left, Vec::<String>::new(), "{arguments:?}");
+    assert_eq!(names(temporary.path()), Vec::<String>::new(), "{arguments:?}");
+}
+
+/// The checks of this file.
+pub fn checks() -> Vec<Trial> {
+    vec![
+        check(
+            "a_plain_agent_learns_nothing_of_its_own_episode",
+            a_plain_agent_learns_nothing_of_its_own_episode,
+        ),
+        check_unless("an_agent_in_a_sandbox_gets_nothing", missing, an_agent_in_a_sandbox_gets_nothing),
+        check(
+            "results_in_the_folder_of_the_agent_are_refused",
+            results_in_the_folder_of_the_agent_are_refused,
+        ),
+        check(
+            "what_an_agent_has_started_ends_even_if_it_kills_its_run",
+            what_an_agent_has_started_ends_even_if_it_kills_its_run,
+        ),
+        check("a_request_to_end_leaves_nothing_behind", a_request_to_end_leaves_nothing_behind),
+        check_unless(
+            "a_request_to_end_leaves_nothing_of_a_sandbox_behind",
+            missing,
+            a_request_to_end_leaves_nothing_of_a_sandbox_behind,
+        ),
+    ]
+}

@@ -1,0 +1,15 @@
+//! The integration tests of `ramp-episode`.
+
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
+mod diagnosis;
+mod easy_class;
+mod events;
+mod faults;
+mod logs;
+mod logs_of_cheats;
+mod medium_and_hard;
+mod recovery;
+mod torques;
+mod tracks;

@@ -1,0 +1,118 @@
+//! What goes wrong is noticed and repaired: the whole agent in the real physics, with a robot that
+//! misbehaves.
+
+use nalgebra::Translation3;
+use ramp_referee::Referee;
+use ramp_robot::{Agent, Command, Event, PartReading, RobotError, Track};
+use ramp_testing::GoalFiles;
+use ramp_testing::robot::{Alteration, Altered};
+use ramp_twin::Twin;
+
+/// What goes wrong.
+enum Trouble {
+    /// The first time this peg is carried over 0.12 m, the gripper opens for 0.4 s.
+    Drops { peg: &'static str, ticks_left: u32 },
+    /// These beams are read beside where they are, so far along x (m), between two robot times (s).
+    Misreads { beams: &'static [&'static str], by: f64, from: f64, to: f64 },
+}
+
+impl Alteration<Twin> for Trouble {
+    fn before(&mut self, twin: &Twin, command: &mut Command) -> Result<(), RobotError> {
+        if let Trouble::Drops { peg, ticks_left } = self {
+            let index = twin.part_names().position(|name| name == *peg).unwrap();
+            let height = twin.truth().x_wp[index].translation.z;
+            if *ticks_left > 0 && (height > 0.12 || *ticks_left < 400) {
+                *ticks_left -= 1;
+                command.gripper.width = 0.07;
+            }
+        }
+        Ok(())
+    }
+
+    fn parts(
+        &mut self,
+        time: f64,
+        given: Result<Vec<PartReading>, RobotError>,
+    ) -> Result<Vec<PartReading>, RobotError> {
+        let mut parts = given?;
+        if let Trouble::Misreads { beams, by, from, to } = self
+            && (*from..*to).contains(&time)
+        {
+            for part in parts.iter_mut().filter(|part| beams.contains(&part.part.as_str())) {
+                part.x_wp = Translation3::new(*by, 0.0, 0.0) * part.x_wp;
+            }
+        }
+        Ok(parts)
+    }
+}
+
+/// Runs easy-1 from a seed with a trouble; returns how many pegs count and what happened.
+fn run(seed: u64, trouble: Trouble) -> (usize, Vec<Event>, usize) {
+    let world = GoalFiles::new("easy-1");
+    let mut twin = Twin::new(&world.setup(Track::State, seed)).unwrap();
+    let mut agent = world.baseline(Track::State, seed);
+    let ended = agent.run(&mut Altered { robot: &mut twin, alteration: trouble });
+    assert_eq!(ended, Ok(()), "{:?}", agent.account().events);
+    let mut referee = Referee::new(&world.assembly, twin.part_names());
+    referee.watch(&twin.truth(), 0.0);
+    let account = agent.account();
+    (referee.verdict().iter().flatten().count(), account.events, account.replans)
+}
+
+#[test]
+fn a_dropped_peg_is_replaced_by_another() {
+    for seed in [2, 3, 4] {
+        let (seated, events, replans) = run(seed, Trouble::Drops { peg: "p1", ticks_left: 400 });
+        assert!(
+            events.iter().any(|event| event.kind.name() == "fault" && event.kind.to_string().contains("p1")),
+            "{events:?}"
+        );
+        assert!(replans >= 1);
+        assert_eq!(seated, 3, "seed {seed}: {events:?}");
+    }
+}
+
+#[test]
+fn a_clamped_beam_that_is_misread_is_believed_where_it_is_clamped() {
+    let (seated, events, replans) =
+        run(2, Trouble::Misreads { beams: &["b7", "b4"], by: 0.012, from: 18.0, to: 40.0 });
+    assert!(events.iter().all(|event| event.kind.name() != "fault"), "{events:?}");
+    assert_eq!((seated, replans), (3, 0), "{events:?}");
+}
+
+#[test]
+fn a_joint_that_is_misread_is_tried_again_after_another_look() {
+    let (seated, events, _) =
+        run(2, Trouble::Misreads { beams: &["b5", "b1"], by: 0.012, from: 20.0, to: 40.0 });
+    assert!(events.iter().any(|event| event.kind.name() == "fault"), "{events:?}");
+    assert_eq!(seated, 3, "{events:?}");
+}
+
+/// How many events of a kind there are that say this.
+fn count(events: &[Event], kind: &str, what: &str) -> usize {
+    events.iter().filter(|event| event.kind.name() == kind && event.kind.to_string().contains(what)).count()
+}
+
+/// b4 seems to be all the way in and is 3.7 mm short: the peg comes to stand on its male, and searches there.
+#[test]
+fn a_peg_that_stands_on_the_male_searches_for_its_hole() {
+    let (seated, events, replans) =
+        run(2, Trouble::Misreads { beams: &["b4"], by: -3.7e-3, from: 4.5, to: 15.0 });
+    assert_eq!(count(&events, "search", "C1: spiral inside"), 1, "{events:?}");
+    assert_eq!((seated, replans), (3, 0), "{events:?}");
+}
+
+/// b4 is 7 mm short, which is more than a search can find. The peg goes back into its holder, b4 is pushed,
+/// and the same peg is fetched again.
+#[test]
+fn a_peg_that_stays_on_the_male_is_put_back_until_the_beam_is_pushed() {
+    let (seated, events, _) = run(2, Trouble::Misreads { beams: &["b4"], by: -7.0e-3, from: 4.5, to: 17.0 });
+    assert!(count(&events, "fault", "p1 is not flush") > 0, "{events:?}");
+    assert_eq!(
+        (count(&events, "fault", "is lost"), count(&events, "retry", "fasten C1")),
+        (0, 0),
+        "{events:?}"
+    );
+    assert_eq!(count(&events, "action_ended", "pick up p1"), 2, "{events:?}");
+    assert_eq!(seated, 3, "{events:?}");
+}

@@ -1,0 +1,173 @@
+//! Environments: the same bits for any number of threads, after a reset, and as in a trial; what they refuse.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use ramp_gym::start::Prepared;
+use ramp_gym::{Batch, Begin, Benchmark, Env, EnvError, Options, SKILLS, Scenario, Step, Weights};
+use ramp_robot::random::Stream;
+use ramp_robot::{Robot, Track};
+use ramp_twin::World;
+
+fn benchmark() -> Arc<Benchmark> {
+    Arc::new(Benchmark::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data")).unwrap())
+}
+
+fn scenario(skill: &str, goals: &[&str], track: Track) -> Scenario {
+    let goals: Vec<String> = goals.iter().map(|it| (*it).to_string()).collect();
+    Scenario::skill(benchmark(), skill, &goals, track, World::ideal().clone(), Begin::Ready).unwrap()
+}
+
+fn fasten() -> Env {
+    let options = Options { starts: (1, 2), weights: Weights::shaped(), ..Options::default() };
+    Env::new(Arc::new(scenario("fasten", &["easy-3"], Track::State)), options).unwrap()
+}
+
+/// Random actions of one environment.
+fn actions(seed: u64, count: usize, width: usize) -> Vec<Vec<f64>> {
+    let mut stream = Stream::new(seed, "actions");
+    (0..count).map(|_| (0..width).map(|_| stream.symmetric(1.0)).collect()).collect()
+}
+
+fn row(env: &Env) -> Vec<f32> {
+    let mut row = vec![0.0; env.width()];
+    env.observe(&mut row);
+    row
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let mut single = fasten();
+    let mut alone = Vec::new();
+    for seed in 5..9 {
+        single.reset(Some(seed)).unwrap();
+        let steps: Vec<Step> =
+            actions(seed, 30, single.actions()).iter().map(|it| single.step(it).unwrap()).collect();
+        alone.push((steps, row(&single), single.twin().unwrap().state_hash()));
+    }
+    for threads in [1, 2, 3, 16] {
+        let mut batch = Batch::new(&single, 4, threads).unwrap();
+        let seeds: Vec<_> = (5..9).map(|seed| Some(Some(seed))).collect();
+        batch.reset(&seeds).unwrap();
+        let rows: Vec<Vec<Vec<f64>>> = (5..9).map(|seed| actions(seed, 30, single.actions())).collect();
+        let mut steps: Vec<Vec<Step>> = vec![Vec::new(); 4];
+        for step in 0..30 {
+            let flat: Vec<f64> = rows.iter().flat_map(|rows| rows[step].clone()).collect();
+            for (index, outcome) in batch.step(&flat, false).unwrap().into_iter().enumerate() {
+                steps[index].push(outcome.step);
+            }
+        }
+        let mut observed = vec![0.0; 4 * single.width()];
+        batch.observe(&mut observed);
+        for (index, (steps_alone, row_alone, hash)) in alone.iter().enumerate() {
+            assert_eq!(&steps[index], steps_alone, "{threads} threads");
+            assert_eq!(&observed[index * single.width()..][..single.width()], row_alone.as_slice());
+            assert_eq!(batch.state_hashes()[index], *hash);
+        }
+    }
+}
+
+#[test]
+fn an_episode_is_the_same_after_others() {
+    let mut env = fasten();
+    let run = |env: &mut Env| {
+        env.reset(Some(3)).unwrap();
+        let first = row(env);
+        let steps: Vec<Step> = actions(3, 20, env.actions()).iter().map(|it| env.step(it).unwrap()).collect();
+        (first, steps, row(env), env.twin().unwrap().state_hash())
+    };
+    let once = run(&mut env);
+    for seed in [8, 9, 10] {
+        env.reset(Some(seed)).unwrap();
+        env.step(&vec![0.3; env.actions()]).unwrap();
+    }
+    assert!(run(&mut env) == once);
+}
+
+/// A random agent: the arm may stop, a part may fall, and each says so; nothing panics and nothing else ends an episode.
+#[test]
+fn random_actions_end_no_episode_without_a_cause() {
+    let mut env = fasten();
+    for seed in 0..3 {
+        env.reset(Some(seed)).unwrap();
+        for action in actions(seed, 250, env.actions()) {
+            let step = env.step(&action).unwrap();
+            assert!(row(&env).iter().all(|it| it.is_finite()));
+            assert_eq!(step.terminated, step.success || step.cause.is_some());
+            if step.terminated || step.truncated {
+                assert!(env.step(&action).unwrap().terminated, "an episode that is over stays so");
+                break;
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_no_action_is_refused_or_ends_the_episode() {
+    let mut env = fasten();
+    assert!(matches!(env.step(&[0.0; 7]), Err(EnvError::NotReset)));
+    env.reset(Some(1)).unwrap();
+    assert!(matches!(env.step(&[0.0; 3]), Err(EnvError::Length { found: 3, expected: 7 })));
+    let mut action = vec![0.0; 7];
+    action[2] = f64::NAN;
+    let step = env.step(&action).unwrap();
+    assert!(step.terminated && step.cause.is_some_and(|cause| cause.contains("finite")));
+}
+
+/// Each skill begins where the baseline starts it: something is to be done, and nothing is done yet.
+#[test]
+fn every_skill_has_a_start() {
+    let benchmark = benchmark();
+    for skill in SKILLS {
+        let world = World::ideal().clone();
+        let scenario =
+            Scenario::skill(Arc::clone(&benchmark), skill, &[], Track::State, world, Begin::Ready).unwrap();
+        let mut env = Env::new(Arc::new(scenario), Options { starts: (1, 1), ..Options::default() }).unwrap();
+        env.reset(Some(1)).unwrap();
+        let step = env.step(&vec![0.0; env.actions()]).unwrap();
+        assert!(!step.terminated, "{skill}: {step:?}");
+        assert!(step.progress.distance() > 1e-4, "{skill}: {step:?}");
+        let start: &Prepared = env.start().unwrap();
+        let known = start.known.as_ref().unwrap();
+        let holds = !matches!(skill, "pick-up-peg" | "push" | "slide");
+        assert_eq!(known.held.is_some(), holds, "{skill}");
+    }
+}
+
+/// With the whole scene and the arm at home, the start is that of a trial to the last bit.
+#[test]
+fn a_start_at_home_is_that_of_a_trial() {
+    let mut scenario = scenario("push", &["medium-1"], Track::State);
+    scenario.begin = Begin::Home;
+    scenario.whole_scene = true;
+    let mut env = Env::new(Arc::new(scenario), Options { starts: (4, 1), ..Options::default() }).unwrap();
+    env.reset(Some(1)).unwrap();
+    let start = env.start().unwrap();
+    let (goal, step) = start.task;
+    let setup = env.scenario().setup(goal, start.seed);
+    let task = &env.scenario().goals[goal].steps[step].task;
+    let trial = ramp_abilities::manipulation::draw(&setup, task, &Default::default()).unwrap();
+    assert_eq!(trial.twin.state_hash(), start.twin.state_hash());
+    assert_eq!(trial.twin.observe(), start.twin.observe());
+}
+
+/// A whole goal: the pegs that count are rewarded, and time ends it.
+#[test]
+fn a_goal_runs_out_of_time() {
+    let benchmark = benchmark();
+    let assembly = benchmark.goal("easy-1").unwrap();
+    let scenario = Scenario::goal(benchmark, assembly, Track::Noisy, World::ideal().clone());
+    let options = Options { limit: 0.5, ..Options::default() };
+    let mut env = Env::new(Arc::new(scenario), options).unwrap();
+    env.reset(Some(1)).unwrap();
+    let mut steps = 0;
+    loop {
+        steps += 1;
+        let step = env.step(&vec![0.0; env.actions()]).unwrap();
+        assert!(!step.terminated && step.completion == 0.0);
+        if step.truncated {
+            break;
+        }
+    }
+    assert_eq!(steps, 10);
+}

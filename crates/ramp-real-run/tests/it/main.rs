@@ -1,0 +1,8 @@
+//! The integration tests of `ramp-real-run`.
+
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
+mod poses;
+mod rules;
+mod stopwatch;

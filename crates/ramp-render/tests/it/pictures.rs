@@ -1,0 +1,71 @@
+//! Geometry of the images: each object is at the pixel that the camera model predicts.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use nalgebra::Point3;
+use ramp_kit::{Pose, read_kit, tags};
+use ramp_render::{Lens, Looks, Renderer, Scene, Sensor};
+use ramp_robot::{Camera, CameraModel};
+
+const TIP: f64 = 0.1134;
+
+#[test]
+fn directions_and_pixels_belong_together() {
+    for camera in Camera::ALL {
+        let model = CameraModel::nominal(camera, TIP);
+        let lens = Lens::new(&model);
+        for y in (0..model.height).step_by(37) {
+            let [xs, ys] = lens.row(y);
+            for x in (0..model.width).step_by(41) {
+                let ray = [f64::from(xs[x]), f64::from(ys[x])];
+                let exact = model.direction([x as f64 + 0.5, y as f64 + 0.5]);
+                let error = (ray[0] - exact[0]).hypot(ray[1] - exact[1]) * model.focal[0];
+                assert!(error < 0.01, "{camera:?} {x} {y}: {error} pixels");
+                let [px, py] = lens.project([xs[x] * 0.3, ys[x] * 0.3, 0.3]);
+                let error = (px - x as f32 - 0.5).hypot(py - y as f32 - 0.5);
+                assert!(error < 0.02, "{camera:?} {x} {y}: {error} pixels");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_sheet_s_tag_is_where_the_kit_has_it() {
+    let kit = read_kit(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/kit.xml")).unwrap();
+    let looks = Arc::new(Looks::new(&kit, None).unwrap());
+    let model = CameraModel::nominal(Camera::BirdsEye, TIP);
+    let mut renderer = Renderer::new(Arc::clone(&looks), &model);
+    let x_wc = model.x_wc(&Pose::identity());
+    let picture = renderer.render(&Scene::default(), &x_wc, &mut Sensor::ideal());
+    let x_cg = x_wc.inverse() * tags::x_wg_sheet(&kit);
+    let cell = kit.sheet.tag_edge / tags::BLACK_CELLS as f64;
+    for (row, line) in tags::cells(tags::SHEET_ID).unwrap().iter().enumerate() {
+        for (column, black) in line.iter().enumerate() {
+            let at = Point3::new((column as f64 - 4.0) * cell, (4.0 - row as f64) * cell, 0.0);
+            let [x, y] = model.project(&(x_cg * at)).unwrap();
+            let green = picture[(y as usize * model.width + x as usize) * 3 + 1];
+            assert_eq!(green < 128, *black, "row {row}, column {column}: {green}");
+        }
+    }
+}
+
+#[test]
+fn what_is_in_front_hides_what_is_behind_and_is_labelled() {
+    let kit = read_kit(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/kit.xml")).unwrap();
+    let looks = Arc::new(Looks::new(&kit, None).unwrap());
+    let model = CameraModel::nominal(Camera::BirdsEye, TIP);
+    let mut renderer = Renderer::new(Arc::clone(&looks), &model);
+    let (low, high) = (looks.body("p1").unwrap(), looks.body("p2").unwrap());
+    let at = |z: f64| Pose::translation(0.6, 0.0, z);
+    // In either order.
+    for bodies in [vec![(low, at(0.04)), (high, at(0.2))], vec![(high, at(0.2)), (low, at(0.04))]] {
+        renderer.render(&Scene { bodies }, &model.x_wc(&Pose::identity()), &mut Sensor::ideal());
+        let middle = model.height / 2 * model.width + model.width / 2;
+        assert_eq!(usize::from(renderer.segmentation()[middle]), high);
+        // The top of a head 24 mm high, 2.5 m below the camera.
+        assert!((f64::from(renderer.depth()[middle]) - (2.5 - 0.224)).abs() < 2e-3);
+        // Beside it, the table.
+        assert!((f64::from(renderer.depth()[middle + 300]) - 2.5).abs() < 1e-3);
+    }
+}

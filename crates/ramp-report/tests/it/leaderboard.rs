@@ -1,0 +1,79 @@
+//! A leaderboard admits results that match their log, made with the organiser's goal, parts and
+//! start.
+
+use ramp_log::{Log, SecretSeed};
+use ramp_report::leaderboard::{Goal, Refused, Terms, check_log, check_whole};
+use ramp_result::collection::collect;
+use ramp_result::secret::Secret;
+use ramp_testing::episode::Swing;
+use ramp_testing::{GoalFiles, data};
+use ramp_twin::Disturbance;
+
+#[test]
+fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let world = GoalFiles::new("easy-1");
+    let result = world.record_noisy(&mut Swing(300), &folder.path().join("it.mcap"));
+    std::fs::write(folder.path().join("it.json"), result.to_json()).unwrap();
+    let log = Log::read(&folder.path().join("it.mcap")).unwrap();
+    let collection = collect(&[folder.path().to_path_buf()]).unwrap();
+    let read = |name: &str| std::fs::read_to_string(data().join(name)).unwrap();
+    let Disturbance { position, angle } = Disturbance::default();
+    let goal =
+        Goal { name: "easy-1".into(), class: Some("easy".into()), pegs: 3, xml: read("goals/easy-1.xml") };
+    let terms = Terms {
+        goals: vec![goal],
+        kit: read("kit.xml"),
+        arm: read("arms/panda.json"),
+        disturbance: [position, angle],
+        secret: None,
+    };
+    let file = &collection.entrants[0].files[0];
+    assert_eq!(check_log(file, &log, &terms), Ok(()));
+
+    // Seeds of another secret, of none, or not derived from the secret.
+    let secret = Secret::new([7; 32]);
+    let sealed = Terms { secret: Some(secret.clone()), ..terms.clone() };
+    assert!(matches!(check_log(file, &log, &sealed), Err(Refused::Seed { .. })));
+    let mut with_secret = log.clone();
+    let mut file_with_secret = file.clone();
+    let seed = secret.seed(&log.header.goal.name, &log.header.track, log.header.seed);
+    with_secret.header.secret = Some(SecretSeed { commitment: secret.commitment(), seed });
+    with_secret.result.secret = Some(secret.commitment());
+    file_with_secret.result.secret = Some(secret.commitment());
+    assert_eq!(check_log(&file_with_secret, &with_secret, &sealed), Ok(()));
+    assert!(matches!(check_log(&file_with_secret, &with_secret, &terms), Err(Refused::Seed { .. })));
+    let other = Terms { secret: Some(Secret::new([8; 32])), ..terms.clone() };
+    assert!(matches!(check_log(&file_with_secret, &with_secret, &other), Err(Refused::Seed { .. })));
+    with_secret.header.secret = Some(SecretSeed { commitment: secret.commitment(), seed: seed + 1 });
+    let error = check_log(&file_with_secret, &with_secret, &sealed).unwrap_err();
+    assert!(matches!(error, Refused::Other { what: "seed of the world", .. }), "{error}");
+    // One episode is not a class.
+    assert!(matches!(check_whole(&collection, &terms), Err(Refused::Part { .. })));
+
+    // Wrong class, or fewer pegs to count.
+    let mut elsewhere = collection.clone();
+    elsewhere.entrants[0].files[0].result.class = Some("hard".into());
+    assert!(matches!(check_whole(&elsewhere, &terms), Err(Refused::Goal { .. })));
+    let mut fewer = collection.clone();
+    fewer.entrants[0].files[0].result.pegs.pop();
+    assert!(matches!(check_whole(&fewer, &terms), Err(Refused::Goal { .. })));
+
+    // Better than in the log, by one digit.
+    let mut better = file.clone();
+    better.result.time.planning -= 1e-9;
+    assert!(matches!(check_log(&better, &log, &terms), Err(Refused::NotOfLog { .. })));
+    // A different goal with that name, and an unknown goal.
+    let mut other = terms.clone();
+    other.goals[0].xml.push('\n');
+    assert!(matches!(check_log(file, &log, &other), Err(Refused::Goal { .. })));
+    other.goals.clear();
+    assert!(matches!(check_log(file, &log, &other), Err(Refused::Goal { .. })));
+    assert!(matches!(check_whole(&collection, &other), Err(Refused::Goal { .. })));
+    // Another kit, and an undisturbed start.
+    let mut other = terms.clone();
+    other.kit = other.kit.replacen("joint", "Joint", 1);
+    assert!(matches!(check_log(file, &log, &other), Err(Refused::Other { what: "kit", .. })));
+    let other = Terms { disturbance: [0.0, 0.0], ..terms };
+    assert!(matches!(check_log(file, &log, &other), Err(Refused::Other { .. })));
+}

@@ -1,0 +1,7 @@
+//! The integration tests of `ramp-skills`.
+
+// A failed unwrap here is a failed test.
+#![allow(clippy::unwrap_used)]
+
+mod general;
+mod rehearsal;
