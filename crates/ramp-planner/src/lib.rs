@@ -24,6 +24,7 @@ mod motion;
 mod pddl;
 mod pegs;
 pub mod plan;
+mod plan_file;
 mod planner;
 mod quicker;
 mod replay;
@@ -41,6 +42,7 @@ pub use pddl::{pddl, pddl_plan};
 pub use plan::{
     Area, CoarseAction, CoarseStep, Entry, FineAction, Grasp, Item, Place, Plan, State, Statistics, Target,
 };
+pub use plan_file::{PlanFileError, read_plan};
 pub use planner::{Options, asp, plan, plan_with};
 pub use quicker::quicker;
 pub use ramp_action_language as language;

@@ -3,7 +3,8 @@
 //! Data passes one way: whoever judges makes an [`EpisodeResult`], or the verdict of a single ability ([`planning`],
 //! [`perception`], [`manipulation`]); each is one JSON file of a schema in `data/schema`, written by [`write_whole`].
 //! [`collection`] reads folders of such files, from anybody, and [`published`] means that others have given.
-//! A [`secret`] makes seeds that nobody knows before. [`summary`], [`activity`] and [`statistics`] add up what was read. Nothing here links a physics engine.
+//! [`resume`] is the rule by which a result
+//! counts as an episode that is wanted. A [`secret`] makes seeds that nobody knows before. [`summary`], [`activity`] and [`statistics`] add up what was read. Nothing here links a physics engine.
 
 pub mod activity;
 pub mod collection;
@@ -13,6 +14,7 @@ pub mod manipulation;
 pub mod perception;
 pub mod planning;
 pub mod published;
+pub mod resume;
 pub mod secret;
 pub mod statistics;
 pub mod summary;

@@ -29,7 +29,7 @@ pub struct PerceptionVerdict {
     /// With what it was judged.
     pub software: Software,
     /// By camera, distance and angle.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<ViewRange>,
     /// Poses given.
     pub poses: usize,
     /// Those that are wrong.
@@ -39,7 +39,7 @@ pub struct PerceptionVerdict {
 /// Parts that one camera sees from about one distance and angle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Cell {
+pub struct ViewRange {
     /// `wrist` or `birds-eye`.
     pub camera: String,
     /// Distances of tags, m; the last one may have no end.

@@ -36,6 +36,14 @@ pub enum Fault {
         /// mm.
         offset_mm: f64,
     },
+    /// A beam of the assembly that does not reach its place.
+    #[error("{part} stands {offset_mm:.2} mm off its place")]
+    OffPlace {
+        /// The beam.
+        part: String,
+        /// mm.
+        offset_mm: f64,
+    },
     /// The search for a hole ended without finding it.
     #[error("{peg} finds no hole at {connection}")]
     HoleNotFound {

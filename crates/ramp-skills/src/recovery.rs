@@ -50,7 +50,7 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
         let mut stuck = false;
         for beam in &beams {
             match align(skills, cell, *beam) {
-                Err(SkillError::Fault(fault @ Fault::Misaligned { .. })) => {
+                Err(SkillError::Fault(fault @ (Fault::Misaligned { .. } | Fault::OffPlace { .. }))) => {
                     cell.note("fault", fault.to_string());
                     stuck = true;
                 }
@@ -75,7 +75,9 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
 fn realign(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
     for beam in cell.displaced()? {
         match align(skills, cell, beam) {
-            Err(SkillError::Fault(fault @ Fault::Misaligned { .. })) => cell.note("fault", fault.to_string()),
+            Err(SkillError::Fault(fault @ (Fault::Misaligned { .. } | Fault::OffPlace { .. }))) => {
+                cell.note("fault", fault.to_string())
+            }
             done => done?,
         }
         cell.remember_standing(&[beam]);
