@@ -7,8 +7,8 @@ use miette::{IntoDiagnostic, Report};
 use ramp_planner::{Diagnosis, History, State};
 use serde_json::json;
 
+use super::problem::{Arguments, Problem, read_json};
 use super::text::json;
-use super::{Arguments, Problem, read_json};
 use crate::output::print;
 use crate::status::DONE;
 

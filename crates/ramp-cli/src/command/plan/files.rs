@@ -5,7 +5,7 @@ use std::path::Path;
 
 use miette::{IntoDiagnostic, Report};
 
-use super::{Level, Problem};
+use super::problem::{Level, Problem};
 use crate::output::{print, write_file};
 use crate::status::DONE;
 

@@ -10,8 +10,8 @@ use ramp_planner::{CoarseStep, PlanError, Replayer};
 use ramp_result::planning::{self, PlanVerdict};
 use serde_json::json;
 
+use super::problem::{Arguments, LARGEST, Problem};
 use super::text::{json, write_steps};
-use super::{Arguments, LARGEST, Problem};
 use crate::output::{check_place, print, write_file};
 use crate::software::software;
 use crate::status::{DONE, INCOMPLETE};

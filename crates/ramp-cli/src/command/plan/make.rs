@@ -10,8 +10,9 @@ use ramp_skills::ReferenceTimes;
 use ramp_skills::rehearsal::{plan_for_arm, quicker_for_arm};
 use serde_json::json;
 
+use super::explain;
+use super::problem::{Arguments, Least, Problem};
 use super::text::{json, write_steps};
-use super::{Arguments, Least, Problem, explain};
 use crate::output::print;
 use crate::status::{DONE, INCOMPLETE};
 
