@@ -1,7 +1,4 @@
-//! Links libmujoco, notes the commit that the program is built from, and builds in the data folder.
-
-use std::fmt::Write;
-use std::path::{Path, PathBuf};
+//! Links libmujoco, and notes the commit that the program is built from.
 
 #[path = "../../tools/commit.rs"]
 mod commit;
@@ -11,35 +8,4 @@ mod link_mujoco;
 fn main() {
     link_mujoco::main();
     commit::main();
-    build_in(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data"));
-}
-
-/// Writes `built_in.rs`: the path and the text of every file of the data folder.
-fn build_in(data: &Path) {
-    let mut files = Vec::new();
-    list(data, &mut files);
-    files.sort();
-    let mut text = "const BUILT_IN: &[(&str, &str)] = &[\n".to_string();
-    for file in &files {
-        let name = file.strip_prefix(data).unwrap_or(file).display().to_string();
-        let _ = writeln!(text, "    ({name:?}, include_str!({:?})),", file.display().to_string());
-    }
-    text.push_str("];\n");
-    let out = PathBuf::from(std::env::var_os("OUT_DIR").unwrap_or_default()).join("built_in.rs");
-    if let Err(error) = std::fs::write(&out, text) {
-        println!("cargo::error={} cannot be written: {error}", out.display());
-    }
-}
-
-/// Adds the files of a folder and those in it.
-fn list(folder: &Path, files: &mut Vec<PathBuf>) {
-    println!("cargo::rerun-if-changed={}", folder.display());
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            list(&path, files);
-        } else {
-            files.push(path);
-        }
-    }
 }

@@ -255,6 +255,7 @@ def run(
     parameters: str | None = None,
     fault: str | None = None,
     record: str | None = None,
+    output: str | None = None,
     repeat: int = 1,
     progress: Callable[[float, int, int], None] | None = None,
 ) -> str:

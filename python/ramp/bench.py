@@ -33,6 +33,7 @@ def run(
     parameters: str | os.PathLike[str] | None = None,
     fault: str | None = None,
     record: str | os.PathLike[str] | None = None,
+    output: str | os.PathLike[str] | None = None,
     repeat: int = 1,
     progress: Progress | None = None,
 ) -> Result:
@@ -47,9 +48,11 @@ def run(
         world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
         track: What the agent may see: ``state``, ``noisy`` or ``tags``.
         seed: All randomness of the episode flows from it.
-        parameters: A file of numbers of the baseline's skills, as ``ramp run --skills``.
+        parameters: A file of numbers of the baseline's skills, as ``ramp run --parameters``.
         fault: What goes wrong on purpose, as ``ramp run --fault``.
         record: File for the log of everything (``.mcap``).
+        output: File for the result (``.json``). If it already has a result of this episode, with the same world, track,
+            seed, agent and version of the program, that result is returned and nothing is run.
         repeat: Which of several runs in a row this is.
         progress: Called now and then with robot time (s), pegs that count, and pegs of the goal.
 
@@ -86,6 +89,7 @@ def run(
             parameters=None if parameters is None else os.fspath(parameters),
             fault=fault,
             record=None if record is None else os.fspath(record),
+            output=None if output is None else os.fspath(output),
             repeat=repeat,
             progress=progress,
         )
@@ -177,7 +181,8 @@ def bench(
         repeats: Episodes of each goal.
         first_seed: Seed of the first episode of each goal.
         jobs: Episodes at a time. An agent in Python holds Python's lock while it thinks.
-        output: Folder for the result files, for ``ramp report``; an episode whose file is there is not run again.
+        output: Folder for the result files, for ``ramp report``. Results of these episodes that it already has are not run
+            again, by the same rule as ``ramp bench``. A folder is of one world, agent and version.
         show: Whether to show progress on standard error.
         options: Passed to :func:`run`: world, track, domain and so on.
 
@@ -194,22 +199,16 @@ def bench(
         folder.mkdir(parents=True, exist_ok=True)
 
     def one(goal: Goal, seed: int, repeat: int) -> Result:
-        file = None if folder is None else folder / f"{goal.name}-{seed}.json"
-        if file is not None and file.is_file():
-            return Result.from_json(file.read_text(encoding="utf-8"))
-        result = run(
+        file = None if folder is None else folder / f"{goal.name}-{options.get('track', 'tags')}-{seed}.json"
+        return run(
             goal,
             agent=None if agent is None else agent(),
             skills=() if skills is None else skills(),
             seed=seed,
             repeat=repeat,
+            output=file,
             **options,
         )
-        if file is not None:
-            part = file.with_suffix(".part")
-            result.save(part)
-            part.replace(file)
-        return result
 
     done: list[Result] = []
     bar = _Bar(len(wanted)) if show else None

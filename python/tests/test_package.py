@@ -1,6 +1,7 @@
 """Goals, plans, episodes and the twin, as a user has them."""
 
 import copy
+import json
 import os
 import pathlib
 import pickle
@@ -83,6 +84,47 @@ def test_a_bench_goes_on_where_it_stopped(tmp_path, capsys):
     ]
     assert time.perf_counter() - begin < 60
     assert results.rows()[0]["counted"] == 3 and "<table>" in results._repr_html_()
+
+
+def test_a_bench_takes_no_result_of_another_world_track_seed_or_agent(tmp_path):
+    options = {"track": "state", "world": "ideal", "output": tmp_path, "show": False}
+    (first,) = ramp.bench(["easy-1"], agent=Idle, repeats=1, **options)
+    (file,) = tmp_path.glob("*.json")
+    written = file.read_bytes()
+    # The same episode is not run again.
+    Idle.runs = 0
+    (again,) = ramp.bench(["easy-1"], agent=Idle, repeats=1, **options)
+    assert again == first and Idle.runs == 0
+    # Another seed or track has a file of its own.
+    ramp.bench(["easy-1"], agent=Idle, repeats=1, first_seed=2, **options)
+    ramp.bench(["easy-1"], agent=Idle, repeats=1, **(options | {"track": "noisy"}))
+    assert Idle.runs == 2 and len(list(tmp_path.glob("*.json"))) == 3
+    with pytest.raises(ramp.InputError, match="of the world ideal"):
+        ramp.bench(["easy-1"], agent=Idle, repeats=1, **(options | {"world": "real"}))
+    with pytest.raises(ramp.InputError, match="of the agent idle 0.1"):
+        ramp.bench(["easy-1"], agent=Stays, repeats=1, **options)
+    text = json.loads(written)
+    text["software"]["version"] = "0.0.1"
+    file.write_text(json.dumps(text))
+    with pytest.raises(ramp.InputError, match="made by ramp 0.0.1"):
+        ramp.bench(["easy-1"], agent=Idle, repeats=1, **options)
+    # A file of this episode's name that holds another seed's result, or none, is replaced.
+    text = json.loads(written)
+    text["seed"] = 7
+    for damaged in (json.dumps(text), "{"):
+        file.write_text(damaged)
+        (again,) = ramp.bench(["easy-1"], agent=Idle, repeats=1, **options)
+        assert again.seed == 1 and json.loads(file.read_text())["seed"] == 1
+    assert Idle.runs == 4
+
+
+class Idle(ramp.Agent):
+    name = "idle"
+    version = "0.1"
+    runs = 0
+
+    def run(self, robot, goal):
+        Idle.runs += 1
 
 
 class Stays(ramp.Agent):

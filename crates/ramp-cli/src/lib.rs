@@ -5,13 +5,14 @@
 //! 130 stopped by Ctrl-C or a request to end.
 
 mod command;
-mod data;
 mod ending;
 mod film;
 mod options;
 mod output;
 mod pictures;
+mod pool;
 mod recording;
+mod rules;
 mod seal;
 mod site;
 mod software;
@@ -23,8 +24,8 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use miette::Report;
+use ramp_data::Data;
 
-use crate::data::Data;
 use crate::seal::Seal;
 use crate::status::{BAD_INPUT, MACHINE, MachineFault};
 
@@ -35,10 +36,10 @@ use crate::status::{BAD_INPUT, MACHINE, MachineFault};
     about = "RAMP: a benchmark of robotic assembly, manipulation and planning."
 )]
 struct Arguments {
-    /// Folder with kit.xml, goals, domains and arms, in place of what is built in
+    /// Folder with kit.xml, goals, domains and arms that replaces the built-in data
     #[arg(long, global = true, env = "RAMP_DATA", value_name = "DIR")]
     data: Option<PathBuf>,
-    /// Kit file in place of kit.xml of the data
+    /// Kit file that replaces kit.xml of the data
     #[arg(long, global = true, value_name = "FILE")]
     kit: Option<PathBuf>,
     #[command(subcommand)]
@@ -52,9 +53,9 @@ pub fn arguments() -> clap::Command {
 
 #[derive(Subcommand)]
 enum Command {
-    /// List the goals it knows, or make new ones
+    /// List the goals, or generate new ones
     Goals(command::goals::Arguments),
-    /// Check a goal: structure, geometry, buildability
+    /// Check that a goal can be built: structure, geometry, order of insertions
     Check(command::check::Arguments),
     /// Draw a goal from above
     Show(command::show::Arguments),
@@ -62,35 +63,35 @@ enum Command {
     Plan(command::plan::Arguments),
     /// Build a goal in the digital twin, and score it
     Run(command::run::Arguments),
-    /// Run goals and classes by the protocol, and sum up
+    /// Run goals or classes several times, as the protocol asks, and summarise the results
     Bench(command::bench::Arguments),
-    /// Try single skills from randomised starts, and count how often they succeed
+    /// Run single skills from randomised starts, and count successes
     Trials(command::trials::Arguments),
-    /// Run goals with every fault, and count which were noticed and repaired
+    /// Run goals with each injected fault, and count which were detected and repaired
     Faults(command::faults::Arguments),
-    /// Run goals in worlds that differ in one number, and draw success and time against it
+    /// Run goals in worlds that differ in one quantity, and plot success and time against it
     Sweep(command::sweep::Arguments),
-    /// Run an episode again from its log, and compare bit by bit
+    /// Repeat an episode from its log, and compare all bits
     Replay(command::replay::Arguments),
     /// Make a report of results: tables, curves, comparisons
     Report(command::report::Arguments),
-    /// Make a site of the results of many, each run again from its log
+    /// Build a leaderboard site from results, each checked by repeating its log
     Leaderboard(command::leaderboard::Arguments),
-    /// Score a real robot's run from a stopwatch log or from poses, or print the form for it
+    /// Score a run of a real robot from a stopwatch log or from recorded poses, or write the form for it
     Score(command::score::Arguments),
-    /// Print the worlds, and what an episode draws from one
+    /// List the worlds, or print one with the values that an episode draws
     World(command::world::Arguments),
-    /// Make a secret for the seeds of a bench, and check one
+    /// Make a secret for the seeds of a bench, or check one
     Seeds(command::seeds::Arguments),
-    /// See a goal through the cameras: images, what is found in them, data sets
+    /// Take camera images of a goal and detect its parts, make data sets, or judge a detector
     See(command::see::Arguments),
-    /// Make the parts: print, saw, lay out
+    /// Write the files to print, saw and lay out the parts
     Kit(command::kit::Arguments),
     /// Print the skills of the baseline, and their parameters
     Skills(command::skills::Arguments),
-    /// Look into the digital twin
+    /// Export the digital twin
     Twin(command::twin::Arguments),
-    /// Write out the built-in kit, goals, domains and arms, to be changed
+    /// Export the built-in kit, goals, domains and arms, as a start for your own
     Data(command::data::Arguments),
     /// Print completions for a shell
     Completions(command::completions::Arguments),
@@ -147,7 +148,9 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
         }
     }
     // A closed pipe (`ramp goals | head -1`) ends the program quietly, as it does any other.
-    let result = Data::find(arguments.data, arguments.kit).and_then(|data| match arguments.command {
+    let data = arguments.data.map_or_else(|| Ok(Data::built_in()), |folder| Data::folder(&folder));
+    let data = data.map(|data| data.with_kit(arguments.kit)).map_err(Report::from);
+    let result = data.and_then(|data| match arguments.command {
         Command::Goals(arguments) => command::goals::run(&data, &arguments),
         Command::Check(arguments) => command::check::run(&data, &arguments),
         Command::Show(arguments) => command::show::run(&data, &arguments),

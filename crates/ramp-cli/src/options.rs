@@ -3,15 +3,14 @@
 use std::ffi::OsString;
 
 use miette::Report;
+use ramp_data::Data;
 use ramp_robot::Track;
 use ramp_world::World;
-
-use crate::data::Data;
 
 /// The world, as on the command line.
 #[derive(clap::Args)]
 pub struct WorldOption {
-    /// What the physics are drawn from: ideal, real, hard, or a world file
+    /// World that the physics are drawn from: ideal, real, hard, or a world file
     #[arg(long, value_name = "NAME|FILE", default_value = "ideal")]
     world: String,
 }
@@ -22,7 +21,7 @@ pub const RESULTS_WORLD: &str = "real";
 impl WorldOption {
     /// The world.
     pub fn read(&self, data: &Data) -> Result<World, Report> {
-        data.world(&self.world)
+        Ok(data.world(&self.world)?)
     }
 
     /// As on the command line.

@@ -13,10 +13,10 @@ use crate::recording::Recording;
 /// What is to be made.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Also make a film of the work, as GIF or with ffmpeg as MP4, eight times as fast
+    /// Also write a film at eightfold speed: a GIF, or with ffmpeg an MP4
     #[arg(long, value_name = "FILE")]
     video: Option<PathBuf>,
-    /// Whose eyes the film is seen through
+    /// Camera of the film
     #[arg(long, value_enum, default_value_t = film::From::Free, requires = "video")]
     video_from: film::From,
     /// Also record scene, forces and actions for the Rerun viewer (.rrd); needs a program built with the feature `rerun`

@@ -90,7 +90,7 @@ pub enum ReplayError {
 }
 
 /// The files of a log, read.
-pub struct World {
+pub struct LoggedSetup {
     /// The goal.
     pub assembly: Assembly,
     /// The arm.
@@ -102,12 +102,12 @@ pub struct World {
     fault: Option<Fault>,
 }
 
-impl World {
+impl LoggedSetup {
     /// What a log's episode was made from.
     ///
     /// # Errors
     /// When the log holds something that no episode can be made from, or contradicts itself.
-    pub fn of(log: &Log) -> Result<World, ReplayError> {
+    pub fn of(log: &Log) -> Result<LoggedSetup, ReplayError> {
         let header = &log.header;
         if header.rules != RULES {
             return Err(ReplayError::Rules { found: short(&header.rules) });
@@ -144,7 +144,7 @@ impl World {
             None => None,
         };
         let seed = header.secret.as_ref().map_or(header.seed, |secret| secret.seed);
-        Ok(World { assembly, arm, world, track, seed, disturbance, fault })
+        Ok(LoggedSetup { assembly, arm, world, track, seed, disturbance, fault })
     }
 
     /// As the twin is made from it.
@@ -168,14 +168,18 @@ impl World {
 /// # Errors
 /// When the log holds something that no episode can be made from, or contradicts itself.
 pub fn replay(log: &Log) -> Result<Replayed, ReplayError> {
-    replay_watched(log, &World::of(log)?, &mut |_, _| {})
+    replay_watched(log, &LoggedSetup::of(log)?, &mut |_, _| {})
 }
 
 /// As [`replay`], with somebody who looks on.
 ///
 /// # Errors
 /// As [`replay`].
-pub fn replay_watched(log: &Log, world: &World, watcher: &mut Watcher) -> Result<Replayed, ReplayError> {
+pub fn replay_watched(
+    log: &Log,
+    world: &LoggedSetup,
+    watcher: &mut Watcher,
+) -> Result<Replayed, ReplayError> {
     let setup = world.setup();
     let mut twin = Twin::new(&setup)?;
     let mut judged = Judged::new(&mut twin, &setup, None, watcher);

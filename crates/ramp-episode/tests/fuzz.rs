@@ -101,7 +101,7 @@ fn mangle(bytes: &mut Vec<u8>, stream: &mut Stream) {
 fn read(bytes: &[u8]) -> bool {
     let Ok(log) = Log::from_bytes(Path::new("x.mcap"), bytes) else { return false };
     let calls = log.calls().take_while(Result::is_ok).count();
-    replay::World::of(&log).is_ok() && calls > 0
+    replay::LoggedSetup::of(&log).is_ok() && calls > 0
 }
 
 const LINES: [&str; 12] = [

@@ -4,7 +4,7 @@ use ramp_control::Smoother;
 use ramp_robot::{Account, Agent, Command, Event, EventKind, MOST_EVENTS, Observation, Robot, RobotError};
 
 use crate::file::{AgentFile, AgentFileError};
-use crate::goal::Goal;
+use crate::goal::GoalMessage;
 use crate::limits::{MOST_IDLE, Patience};
 use crate::process::Process;
 use crate::protocol::{self, Answer, Request};
@@ -15,7 +15,7 @@ pub struct ExternalAgent<'a> {
     process: Process,
     /// Its sandbox, whose folder must exist for as long as the process.
     _sandbox: Option<Sandbox>,
-    goal: Goal<'a>,
+    goal: GoalMessage<'a>,
     name: String,
     version: String,
     sha256: String,
@@ -63,7 +63,7 @@ impl<'a> ExternalAgent<'a> {
     pub fn start(
         file: &AgentFile,
         command: &[std::ffi::OsString],
-        goal: Goal<'a>,
+        goal: GoalMessage<'a>,
         patience: Patience,
         sandbox: Option<Sandbox>,
     ) -> Result<ExternalAgent<'a>, AgentFileError> {

@@ -11,7 +11,7 @@ use crate::protocol::{PROTOCOL, pose};
 use ramp_log::Sources;
 
 /// What an agent is told of its goal.
-pub struct Goal<'a> {
+pub struct GoalMessage<'a> {
     assembly: &'a Assembly,
     arm: &'a ArmModel,
     track: Track,
@@ -20,15 +20,20 @@ pub struct Goal<'a> {
     task: Option<Value>,
 }
 
-impl<'a> Goal<'a> {
+impl<'a> GoalMessage<'a> {
     /// A goal, with the texts of its files.
-    pub fn new(assembly: &'a Assembly, arm: &'a ArmModel, track: Track, texts: Sources<'a>) -> Goal<'a> {
-        Goal { assembly, arm, track, texts, task: None }
+    pub fn new(
+        assembly: &'a Assembly,
+        arm: &'a ArmModel,
+        track: Track,
+        texts: Sources<'a>,
+    ) -> GoalMessage<'a> {
+        GoalMessage { assembly, arm, track, texts, task: None }
     }
 
     /// With a task: a step of it that is to be done alone.
     #[must_use]
-    pub fn with_task(mut self, task: Value) -> Goal<'a> {
+    pub fn with_task(mut self, task: Value) -> GoalMessage<'a> {
         self.task = Some(task);
         self
     }
@@ -42,8 +47,65 @@ impl<'a> Goal<'a> {
     pub fn to_json(&self, robot: &dyn Robot) -> Value {
         let assembly = self.assembly;
         let kit = &assembly.kit;
+        let pegs: Vec<Value> = kit
+            .pegs
+            .iter()
+            .map(|peg| json!({"name": peg.name, "x_wp_sheet": kit.x_wp_start(peg).as_ref().map(pose)}))
+            .collect();
+        let tags: Vec<Value> = tags::places(kit)
+            .iter()
+            .map(|it| json!({"id": it.id, "part": it.part, "x_pg": pose(&it.x_pg), "edge": it.edge}))
+            .collect();
+        let hand = &self.arm.hand;
+        let mut goal = json!({
+            "protocol": PROTOCOL,
+            "name": assembly.name,
+            "class": assembly.class.map(|class| class.name()),
+            "track": self.track.name(),
+            "period": ramp_robot::PERIOD,
+            "time_limit": ramp_robot::TIME_LIMIT,
+            "beams": self.beams(),
+            "pegs": pegs,
+            "dimensions": {
+                "female_height": joint::FEMALE_HEIGHT,
+                "hole_radius": joint::HOLE_RADIUS,
+                "peg_head_width": joint::HEAD_WIDTH,
+                "peg_head_height": joint::HEAD_HEIGHT,
+                "peg_stem_length": joint::STEM_LENGTH,
+                "peg_stem_radius": joint::STEM_RADIUS,
+            },
+            "connections": self.connections(),
+            "insertions": self.insertions(),
+            "arm": {
+                "name": self.arm.name,
+                "joints": self.joints(),
+                "hand": {"position": hand.position, "quat_wxyz": hand.quat_wxyz, "tip": hand.tip},
+                "home": self.arm.home,
+            },
+            "cameras": {
+                Camera::Wrist.name(): camera(&robot.camera(Camera::Wrist)),
+                Camera::BirdsEye.name(): camera(&robot.camera(Camera::BirdsEye)),
+            },
+            "tags": tags,
+            "sheet_tag": {
+                "id": tags::SHEET_ID,
+                "x_wg": pose(&tags::x_wg_sheet(kit)),
+                "edge": kit.sheet.tag_edge,
+            },
+            "files": {"goal": self.texts.goal, "kit": self.texts.kit},
+        });
+        if let Some(task) = &self.task {
+            goal["task"] = task.clone();
+        }
+        goal
+    }
+
+    /// The beams with their joints and links, at the goal and on the sheet.
+    fn beams(&self) -> Vec<Value> {
+        let assembly = self.assembly;
+        let kit = &assembly.kit;
         let x_wa = kit.x_wa();
-        let beams: Vec<Value> = assembly
+        assembly
             .beams
             .iter()
             .map(|placed| {
@@ -77,13 +139,13 @@ impl<'a> Goal<'a> {
                     "links": links,
                 })
             })
-            .collect();
-        let pegs: Vec<Value> = kit
-            .pegs
-            .iter()
-            .map(|peg| json!({"name": peg.name, "x_wp_sheet": kit.x_wp_start(peg).as_ref().map(pose)}))
-            .collect();
-        let connections: Vec<Value> = assembly
+            .collect()
+    }
+
+    /// The connections by the names of their joints.
+    fn connections(&self) -> Vec<Value> {
+        let assembly = self.assembly;
+        assembly
             .connections
             .iter()
             .map(|it| {
@@ -93,8 +155,14 @@ impl<'a> Goal<'a> {
                     "male": assembly.joint_name(it.male),
                 })
             })
-            .collect();
-        let insertions: Vec<Value> = assembly
+            .collect()
+    }
+
+    /// The straight motions that insert the beams, in their order.
+    fn insertions(&self) -> Vec<Value> {
+        let assembly = self.assembly;
+        let x_wa = assembly.kit.x_wa();
+        assembly
             .insertions
             .iter()
             .map(|it| {
@@ -105,13 +173,12 @@ impl<'a> Goal<'a> {
                     "distance": it.distance,
                 })
             })
-            .collect();
-        let tags: Vec<Value> = tags::places(kit)
-            .iter()
-            .map(|it| json!({"id": it.id, "part": it.part, "x_pg": pose(&it.x_pg), "edge": it.edge}))
-            .collect();
-        let joints: Vec<Value> = self
-            .arm
+            .collect()
+    }
+
+    /// The joints of the arm with their limits.
+    fn joints(&self) -> Vec<Value> {
+        self.arm
             .joints
             .iter()
             .map(|joint| {
@@ -125,49 +192,7 @@ impl<'a> Goal<'a> {
                     "torque": joint.torque,
                 })
             })
-            .collect();
-        let hand = &self.arm.hand;
-        let mut goal = json!({
-            "protocol": PROTOCOL,
-            "name": assembly.name,
-            "class": assembly.class.map(|class| class.name()),
-            "track": self.track.name(),
-            "period": ramp_robot::PERIOD,
-            "time_limit": ramp_robot::TIME_LIMIT,
-            "beams": beams,
-            "pegs": pegs,
-            "dimensions": {
-                "female_height": joint::FEMALE_HEIGHT,
-                "hole_radius": joint::HOLE_RADIUS,
-                "peg_head_width": joint::HEAD_WIDTH,
-                "peg_head_height": joint::HEAD_HEIGHT,
-                "peg_stem_length": joint::STEM_LENGTH,
-                "peg_stem_radius": joint::STEM_RADIUS,
-            },
-            "connections": connections,
-            "insertions": insertions,
-            "arm": {
-                "name": self.arm.name,
-                "joints": joints,
-                "hand": {"position": hand.position, "quat_wxyz": hand.quat_wxyz, "tip": hand.tip},
-                "home": self.arm.home,
-            },
-            "cameras": {
-                Camera::Wrist.name(): camera(&robot.camera(Camera::Wrist)),
-                Camera::BirdsEye.name(): camera(&robot.camera(Camera::BirdsEye)),
-            },
-            "tags": tags,
-            "sheet_tag": {
-                "id": tags::SHEET_ID,
-                "x_wg": pose(&tags::x_wg_sheet(kit)),
-                "edge": kit.sheet.tag_edge,
-            },
-            "files": {"goal": self.texts.goal, "kit": self.texts.kit},
-        });
-        if let Some(task) = &self.task {
-            goal["task"] = task.clone();
-        }
-        goal
+            .collect()
     }
 }
 

@@ -5,7 +5,7 @@
 //! ends its own episode, which is scored, with a reason that says so.
 //!
 //! Data passes one way: an [`AgentFile`] is started as a [`process`], in a [`sandbox`] if its author is a stranger, told
-//! its [`Goal`], and heard through [`protocol`]; [`ExternalAgent`] is what an episode sees of it.
+//! its [`GoalMessage`], and heard through [`protocol`]; [`ExternalAgent`] is what an episode sees of it.
 
 mod agent;
 mod become_agent;
@@ -21,7 +21,7 @@ pub use agent::ExternalAgent;
 pub use become_agent::{become_agent, hide};
 pub use family::{adopt_orphans, end_orphans};
 pub use file::{AgentFile, AgentFileError};
-pub use goal::Goal;
+pub use goal::GoalMessage;
 pub use limits::Patience;
 pub use process::Silence;
 pub use sandbox::{Sandbox, SandboxError};

@@ -14,7 +14,7 @@ use ramp_twin::{RestoreError, Twin};
 use crate::action::{ActionKind, Driver};
 use crate::observe::{Field, Row, error, fields};
 use crate::pictures::{Painter, View};
-use crate::reward::{Outcome, Terms, Weights};
+use crate::reward::{Outcome, RewardTerms, Weights};
 use crate::scenario::{Mission, Scenario};
 use crate::start::{BeginError, Pool, Prepared};
 
@@ -99,7 +99,7 @@ impl From<LooksError> for EnvError {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Step {
     /// The terms of the reward.
-    pub terms: Terms,
+    pub terms: RewardTerms,
     /// The task is done, as its judge sees it.
     pub success: bool,
     /// The episode is over: done, or lost, or the arm has stopped.

@@ -33,7 +33,7 @@ impl Weights {
 
 /// The terms of the reward of one step; their sum is the reward.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Terms {
+pub struct RewardTerms {
     /// For being near.
     pub progress: f64,
     /// For success, with what haste adds.
@@ -44,7 +44,7 @@ pub struct Terms {
     pub force: f64,
 }
 
-impl Terms {
+impl RewardTerms {
     /// The reward.
     pub fn sum(&self) -> f64 {
         self.progress + self.success + self.lost + self.force
@@ -64,9 +64,9 @@ pub(crate) struct Outcome {
 }
 
 impl Weights {
-    pub(crate) fn terms(&self, outcome: &Outcome) -> Terms {
+    pub(crate) fn terms(&self, outcome: &Outcome) -> RewardTerms {
         let near = (1.0 - outcome.progress.distance() / self.scale).clamp(0.0, 1.0);
-        Terms {
+        RewardTerms {
             progress: self.progress * near * outcome.took,
             success: if outcome.success { self.success + self.haste * outcome.left } else { 0.0 },
             lost: if outcome.lost { -self.lost } else { 0.0 },

@@ -4,18 +4,27 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use ramp_assembly::Assembly;
+use ramp_kit::source::{nearest, shorten};
 use ramp_robot::Track;
 use ramp_twin::{Disturbance, Setup, World};
 
-use crate::benchmark::{Benchmark, DataError, unknown};
-use crate::tasks::Goal;
+use crate::benchmark::{Benchmark, BenchmarkError};
+use crate::tasks::PlannedGoal;
 
 /// Why an environment cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ScenarioError {
     /// Something is wrong with a file or a name.
     #[error(transparent)]
-    Data(#[from] DataError),
+    Data(#[from] BenchmarkError),
+    /// A skill's name.
+    #[error("there is no skill `{skill}`; {help}")]
+    UnknownSkill {
+        /// The name.
+        skill: String,
+        /// The most similar name, or the names of all skills.
+        help: String,
+    },
     /// The goals that were chosen have no step of the skill.
     #[error("none of the goals {goals} has a step of the skill `{skill}`")]
     NoStep {
@@ -55,7 +64,7 @@ pub struct Scenario {
     /// The files.
     pub benchmark: Arc<Benchmark>,
     /// The goals that are built, or whose steps are tried.
-    pub goals: Vec<Arc<Goal>>,
+    pub goals: Vec<Arc<PlannedGoal>>,
     /// What is to be done.
     pub mission: Mission,
     /// What the agent may see of the parts.
@@ -71,7 +80,7 @@ pub struct Scenario {
 impl Scenario {
     /// A whole goal.
     pub fn goal(benchmark: Arc<Benchmark>, assembly: Assembly, track: Track, world: World) -> Scenario {
-        let goals = vec![Arc::new(Goal { assembly, steps: Vec::new() })];
+        let goals = vec![Arc::new(PlannedGoal { assembly, steps: Vec::new() })];
         Scenario {
             benchmark,
             goals,
@@ -110,7 +119,11 @@ impl Scenario {
                 let goals: Vec<&str> = goals.iter().map(|it| it.assembly.name.as_str()).collect();
                 return Err(ScenarioError::NoStep { goals: goals.join(", "), skill: name.to_string() });
             }
-            return Err(unknown("skill", name, SKILLS.iter().copied()).into());
+            let help = match nearest(name, SKILLS.iter().copied()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("the skills are {}", SKILLS.join(", ")),
+            };
+            return Err(ScenarioError::UnknownSkill { skill: shorten(name), help });
         }
         let mission = Mission::Skill { name: name.to_string(), steps };
         Ok(Scenario { benchmark, goals, mission, track, world, begin, whole_scene: false })
@@ -153,13 +166,13 @@ pub const SKILLS: [&str; 12] = [
 ///
 /// # Errors
 /// When a goal cannot be read or planned.
-pub fn read_goals(benchmark: &Benchmark, names: &[String]) -> Result<Vec<Arc<Goal>>, DataError> {
+pub fn read_goals(benchmark: &Benchmark, names: &[String]) -> Result<Vec<Arc<PlannedGoal>>, BenchmarkError> {
     let all = if names.is_empty() { benchmark.goal_names()? } else { names.to_vec() };
     all.iter().map(|name| benchmark.planned(name)).collect()
 }
 
 /// The skills of some goals, each with its steps as indices of a goal and of a step of it.
-pub fn skills(goals: &[Arc<Goal>]) -> BTreeMap<String, Vec<(usize, usize)>> {
+pub fn skills(goals: &[Arc<PlannedGoal>]) -> BTreeMap<String, Vec<(usize, usize)>> {
     let mut steps: BTreeMap<String, Vec<(usize, usize)>> = BTreeMap::new();
     for (index, goal) in goals.iter().enumerate() {
         for (step, it) in goal.steps.iter().enumerate() {

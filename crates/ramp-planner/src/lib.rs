@@ -28,6 +28,7 @@ mod pddl;
 mod pegs;
 mod place;
 pub mod plan;
+mod plan_file;
 mod planner;
 mod quicker;
 mod replay;
@@ -46,6 +47,7 @@ pub use plan::{
     ActionKind, Area, CoarseAction, CoarseStep, Entry, FineAction, Grasp, Item, Place, Plan, State,
     Statistics, Target,
 };
+pub use plan_file::{PlanFileError, read_plan};
 pub use planner::{Options, asp, plan, plan_with};
 pub use quicker::quicker;
 pub use ramp_action_language as language;

@@ -1,18 +1,21 @@
 //! Whole episodes: the baseline, an agent or a skill in Python, judged by the referee.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use ramp_episode::{EpisodeError, Label, Progress, Recorded, record_episode, run_episode};
+use ramp_data::Texts;
+use ramp_episode::{EpisodeError, Label, Progress, Recorded, Watcher, record_episode, run_episode};
 use ramp_gym::outline::read_outline;
 use ramp_gym::own::{Body, BodyError, Moment, OwnSkill, kind};
-use ramp_log::Sources;
+use ramp_kit::source::read_text;
 use ramp_report::curve::completion_svg;
 use ramp_result::EpisodeResult;
-use ramp_result::episode::{RobotTime, Software};
+use ramp_result::collection::LARGEST;
+use ramp_result::episode::{RobotTime, Software, WorldLabel};
+use ramp_result::resume::{Identity, Shared, Wanted};
 use ramp_robot::{
     Account, Agent, Camera, CameraModel, Command, Event, Image, MOST_EVENT, MOST_EVENTS, Observation,
     PartReading, Robot as Seam, RobotError, TIME_LIMIT,
@@ -346,10 +349,11 @@ type Own = (Py<PyAny>, String, String, Py<PyAny>);
 /// A skill in Python: what it carries out, its name, and the object.
 type OwnPart = (String, String, Py<PyAny>);
 
-/// Runs an episode; the result as JSON.
+/// Runs an episode; the result as JSON. With `output`, the result is written to that file; a result of this very episode that
+/// the file already has is returned instead.
 #[pyfunction]
 #[pyo3(signature = (benchmark, goal, *, track, world, seed, agent=None, skills=Vec::new(), plan=None, domain=None,
-    parameters=None, fault=None, record=None, repeat=1, progress=None))]
+    parameters=None, fault=None, record=None, output=None, repeat=1, progress=None))]
 #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn run(
     py: Python<'_>,
@@ -365,12 +369,13 @@ pub fn run(
     parameters: Option<&str>,
     fault: Option<&str>,
     record: Option<PathBuf>,
+    output: Option<PathBuf>,
     repeat: u32,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let files = benchmark.get();
     let inner = Arc::clone(&files.inner);
-    let assembly = inner.goal(goal).map_err(data)?;
+    let (assembly, texts) = inner.data.goal_with_texts(goal).map_err(data)?;
     let world = inner.world(world).map_err(data)?;
     let (track, fault) = (self::track(track)?, self::fault(fault)?);
     let domains = files.domains(domain)?;
@@ -389,13 +394,7 @@ pub fn run(
     for (name, label, object) in skills {
         table.replace(own_skill(&name, &label, object, &raised)?);
     }
-    let text = |path: PathBuf| {
-        std::fs::read_to_string(&path).map_err(|error| input(format!("{}: {error}", path.display())))
-    };
-    let goal_text = text(inner.goal_file(goal).map_err(data)?)?;
-    let kit_text = text(inner.folder.join("kit.xml"))?;
-    let arm_text = text(inner.folder.join("arms/panda.json"))?;
-    let kept = raised.clone();
+    let stopped = raised.clone();
     let work = move || {
         let setup = Setup {
             assembly: &assembly,
@@ -423,6 +422,12 @@ pub fn run(
             }
         };
         let mut worker = Stoppable { agent: worker, looks: python, raised: raised.clone() };
+        let software = software();
+        if let Some(path) = &output
+            && let Some(result) = kept(path, &setup, &worker, &software)?
+        {
+            return Ok(result.to_json());
+        }
         let mut told = Interrupts::new();
         let mut watcher = |now: &Progress, _: &Twin| {
             let Some(progress) = progress.as_ref().filter(|_| !raised.is_there()) else { return };
@@ -434,28 +439,73 @@ pub fn run(
         };
         let times = reference_times_of_goal(&assembly, &inner.arm, &inner.domains);
         let robot_time = times.ok().map(|ReferenceTimes { bound, reference }| RobotTime { bound, reference });
-        let label = Label { robot_time, ..Label::new(software(), repeat) };
+        let label = Label { robot_time, ..Label::new(software, repeat) };
         let result = match &record {
-            Some(path) => {
-                let sources = Sources { goal: &goal_text, kit: &kit_text, arm: &arm_text };
-                let recorded = record_episode(&setup, &sources, &mut worker, &label, path, &mut watcher);
-                let Recorded { result, unlogged } = recorded.map_err(|error| match error {
-                    EpisodeError::Log(error) => input(error),
-                    EpisodeError::Twin(error) => input(error),
-                })?;
-                if let Some(error) = unlogged {
-                    return Err(input(format!("there is no log: {error}")));
-                }
-                result
-            }
+            Some(path) => recorded(&setup, &texts, &mut worker, &label, path, &mut watcher)?,
             None => run_episode(&setup, &mut worker, &label, &mut watcher).map_err(input)?,
         };
-        match raised.take() {
-            Some(error) => Err(error),
-            None => Ok(result.to_json()),
+        if let Some(error) = raised.take() {
+            return Err(error);
         }
+        let text = result.to_json();
+        if let Some(path) = &output {
+            ramp_result::write_whole(path, &text).map_err(input)?;
+        }
+        Ok(text)
     };
-    if python { detached(py, work) } else { aside(py, &kept, work) }
+    if python { detached(py, work) } else { aside(py, &stopped, work) }
+}
+
+/// Runs an episode and leaves its log at `path`.
+fn recorded(
+    setup: &Setup,
+    texts: &Texts,
+    agent: &mut dyn Agent,
+    label: &Label,
+    path: &Path,
+    watcher: &mut Watcher,
+) -> PyResult<EpisodeResult> {
+    let recorded = record_episode(setup, &texts.sources(), agent, label, path, watcher);
+    let Recorded { result, unlogged } = recorded.map_err(|error| match error {
+        EpisodeError::Log(error) => input(error),
+        EpisodeError::Twin(error) => input(error),
+    })?;
+    match unlogged {
+        Some(error) => Err(input(format!("there is no log: {error}"))),
+        None => Ok(result),
+    }
+}
+
+/// The result of this very episode in a file, if there is one.
+///
+/// # Errors
+/// If the file has a result of another version, world or agent.
+fn kept(
+    path: &Path,
+    setup: &Setup,
+    agent: &dyn Agent,
+    software: &Software,
+) -> PyResult<Option<EpisodeResult>> {
+    let Ok(text) = read_text(path, LARGEST) else { return Ok(None) };
+    let world = WorldLabel::of(setup.world).sha256;
+    let shared = Shared {
+        worlds: vec![&world],
+        secret: None,
+        software,
+        agent: Identity { name: Some(agent.name()), sha256: agent.file_hash() },
+    };
+    let wanted = Wanted {
+        goal: &setup.assembly.name,
+        pegs: setup.assembly.connections.len(),
+        track: setup.track.name(),
+        world: &world,
+        seed: setup.seed,
+        fault: setup.fault.map(|fault| fault.kind.name()),
+    };
+    shared.find(&wanted, &text).map_err(|foreign| {
+        let file = path.display();
+        input(format!("{file} is a result {foreign}: name another folder, or move this file away"))
+    })
 }
 
 /// Runs something that takes long on a thread of its own. Ctrl-C leaves it behind at once: its robot stops at the next call.

@@ -3,10 +3,11 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
+use miette::Diagnostic;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-use ramp_gym::{DataError, EnvError, ScenarioError};
+use ramp_gym::{BenchmarkError, EnvError, ScenarioError};
 use ramp_robot::RobotError;
 
 create_exception!(
@@ -43,11 +44,14 @@ pub fn robot(error: &RobotError) -> PyErr {
     }
 }
 
-/// What a file is wrong in.
-pub fn data(error: DataError) -> PyErr {
-    match error {
-        DataError::Plan { .. } => PlanningError::new_err(error.to_string()),
-        _ => input(error),
+/// A problem of the benchmark's files, after its file, line and column.
+pub fn data(error: impl Into<BenchmarkError>) -> PyErr {
+    match error.into() {
+        error @ BenchmarkError::Plan { .. } => PlanningError::new_err(error.to_string()),
+        BenchmarkError::Data(error) => match error.help() {
+            Some(help) => input(format!("{error:#}; {help}")),
+            None => input(format!("{error:#}")),
+        },
     }
 }
 
@@ -55,7 +59,7 @@ pub fn data(error: DataError) -> PyErr {
 pub fn scenario(error: ScenarioError) -> PyErr {
     match error {
         ScenarioError::Data(error) => data(error),
-        ScenarioError::NoStep { .. } => input(error),
+        _ => input(error),
     }
 }
 

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use ramp_assembly::Assembly;
-use ramp_gym::{Benchmark as Inner, SKILLS, read_plan};
-use ramp_planner::{Domains, Options, Plan, State};
+use ramp_gym::{Benchmark as Inner, SKILLS};
+use ramp_planner::{Domains, Options, Plan, State, read_plan};
 use serde_json::json;
 
 use crate::errors::{PlanningError, data, detached, input};
@@ -42,14 +42,14 @@ impl Benchmark {
                 })
             })
             .collect();
-        let file = self.inner.goal_file(name).map_err(data)?;
+        let file = self.inner.data.goal_file_name(name).map_err(data)?;
         let value = json!({
             "name": goal.name,
             "class": goal.class.map(|class| class.name()),
             "beams": goal.beams.iter().map(|it| it.beam.name.as_str()).collect::<Vec<_>>(),
             "base": goal.beams[goal.base].beam.name,
             "connections": connections,
-            "file": file.display().to_string(),
+            "file": file,
         });
         Ok(value.to_string())
     }

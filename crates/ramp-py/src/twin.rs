@@ -33,7 +33,7 @@ impl Snapshot {
 }
 
 /// A twin with its referee.
-struct Cell {
+struct RefereedTwin {
     twin: Inner,
     referee: Referee,
 }
@@ -44,7 +44,7 @@ pub struct Twin {
     benchmark: Arc<ramp_gym::Benchmark>,
     /// The names of the goal's connections.
     connections: Vec<String>,
-    cell: Mutex<Cell>,
+    cell: Mutex<RefereedTwin>,
 }
 
 /// The track of that name.
@@ -59,7 +59,7 @@ pub fn fault(text: Option<&str>) -> PyResult<Option<Fault>> {
 }
 
 impl Twin {
-    fn cell(&self) -> PyResult<MutexGuard<'_, Cell>> {
+    fn cell(&self) -> PyResult<MutexGuard<'_, RefereedTwin>> {
         self.cell.try_lock().map_err(|_| PyRuntimeError::new_err("the twin is at work on another thread"))
     }
 }
@@ -94,7 +94,7 @@ impl Twin {
             };
             let twin = Inner::new(&setup).map_err(input)?;
             let referee = Referee::new(&assembly, twin.part_names());
-            Ok(Cell { twin, referee })
+            Ok(RefereedTwin { twin, referee })
         })?;
         Ok(Twin { benchmark, connections, cell: Mutex::new(cell) })
     }

@@ -79,7 +79,7 @@ type Read<T> = Result<T, Fault<LogProblem>>;
 
 /// Text of a cell with its place.
 #[derive(Clone, Debug)]
-struct Cell {
+struct CsvCell {
     text: String,
     span: Range<usize>,
 }
@@ -99,7 +99,7 @@ pub struct Reader<'a> {
 /// The lines above the table.
 #[derive(Default)]
 struct Head {
-    entries: Vec<(Cell, Cell)>,
+    entries: Vec<(CsvCell, CsvCell)>,
     end: usize,
 }
 
@@ -110,7 +110,7 @@ impl Reader<'_> {
     /// The first invalid entry, with its place.
     pub fn read(&self) -> Read<Log> {
         let rows = self.rows()?;
-        let is_table = |row: &Vec<Cell>| {
+        let is_table = |row: &Vec<CsvCell>| {
             [COLUMNS[0], MEAN_COLUMNS[0]]
                 .iter()
                 .any(|name| row.first().is_some_and(|cell| cell.text == *name))
@@ -143,7 +143,7 @@ impl Reader<'_> {
         }
     }
 
-    fn means(&self, head: &Head, table: &[Vec<Cell>]) -> Read<Vec<Published>> {
+    fn means(&self, head: &Head, table: &[Vec<CsvCell>]) -> Read<Vec<Published>> {
         let (name, track) = (self.text(head, "agent")?, self.track(head)?);
         let (robot, source) = (self.text(head, "robot")?, self.text(head, "source")?);
         let mut means = Vec::new();
@@ -169,7 +169,7 @@ impl Reader<'_> {
         Ok(means)
     }
 
-    fn episodes(&self, head: &Head, table: &[Vec<Cell>]) -> Read<Vec<EpisodeResult>> {
+    fn episodes(&self, head: &Head, table: &[Vec<CsvCell>]) -> Read<Vec<EpisodeResult>> {
         let agent =
             AgentInfo { name: self.name(head, "agent")?, version: self.name(head, "version")?, sha256: None };
         let track = self.track(head)?;
@@ -201,7 +201,7 @@ impl Reader<'_> {
     }
 
     /// Adds one line of the table to its episode.
-    fn happened<'a>(&'a self, row: &[Cell], runs: &mut Vec<Run<'a>>) -> Read<()> {
+    fn happened<'a>(&'a self, row: &[CsvCell], runs: &mut Vec<Run<'a>>) -> Read<()> {
         let [goal, repeat, what, time, peg, note] = std::array::from_fn(|column| self.cell(row, column));
         let Some(assembly) = self.goals.iter().find(|it| it.name == goal.text) else {
             let names: Vec<&str> = self.goals.iter().map(|it| it.name.as_str()).collect();
@@ -257,7 +257,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn enter(&self, run: &mut Run, what: &Cell, seconds: f64, peg: &Cell, note: &Cell) -> Read<()> {
+    fn enter(&self, run: &mut Run, what: &CsvCell, seconds: f64, peg: &CsvCell, note: &CsvCell) -> Read<()> {
         let seats_none =
             |word: &str| ["planning", "end", "touch", "fault"].contains(&word) || word.starts_with("out ");
         if seats_none(&what.text) && !peg.text.is_empty() {
@@ -310,7 +310,7 @@ impl Reader<'_> {
     }
 
     /// Finds a connection by its name, or by its two joints in either order.
-    fn connection(&self, goal: &Assembly, name: &str, what: &Cell) -> Read<usize> {
+    fn connection(&self, goal: &Assembly, name: &str, what: &CsvCell) -> Read<usize> {
         let joints = |index: usize| {
             let connection = &goal.connections[index];
             [connection.female, connection.male].map(|joint| goal.joint_name(joint))
@@ -337,7 +337,7 @@ impl Reader<'_> {
         ))
     }
 
-    fn check_peg(&self, run: &Run, peg: &Cell) -> Read<()> {
+    fn check_peg(&self, run: &Run, peg: &CsvCell) -> Read<()> {
         if peg.text.is_empty() {
             return Ok(());
         }

@@ -11,4 +11,4 @@ pub mod terms;
 pub use boards::{Boards, Key, Standing, standings};
 pub use copies::{Copy, Stream, Streams};
 pub use pages::Refusal;
-pub use terms::{Goal, Refused, Terms, agent, check_log, check_whole, one_agent};
+pub use terms::{BoardGoal, BoardTerms, Refused, agent, check_log, check_whole, one_agent};

@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use serde::Serialize;
 
 use ramp_result::activity::{self, Activity};
-use ramp_result::collection::{Collection, Entrant, Goal};
+use ramp_result::collection::{Collection, Entrant, GoalInfo};
 use ramp_result::episode::EpisodeResult;
 use ramp_result::statistics::{Interval, bootstrap, completion_interval, sign_flip, wilson};
 use ramp_result::summary::{Entry, Spread, Summary, cause};
@@ -21,7 +21,7 @@ pub enum Scope {
 
 impl Scope {
     /// Whether it includes this goal.
-    pub fn holds(&self, goal: &Goal) -> bool {
+    pub fn holds(&self, goal: &GoalInfo) -> bool {
         match self {
             Scope::Goal(name) => *name == goal.name,
             Scope::Class(class) => *class == goal.class,

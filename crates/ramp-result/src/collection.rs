@@ -69,7 +69,7 @@ pub struct Entrant {
 
 /// A goal with at least one result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Goal {
+pub struct GoalInfo {
     /// Its name.
     pub name: String,
     /// Its class.
@@ -84,7 +84,7 @@ pub struct Collection {
     /// By track, in the order in which the caller gave their folders.
     pub entrants: Vec<Entrant>,
     /// By class and name.
-    pub goals: Vec<Goal>,
+    pub goals: Vec<GoalInfo>,
     /// Published means of others.
     pub published: Vec<Published>,
     /// Verdicts on plans alone, by goal and planner.
@@ -218,18 +218,19 @@ fn list(folder: &Path) -> Result<Vec<PathBuf>, CollectError> {
 }
 
 /// The goals of some results, each once.
-fn goals(files: &[ResultFile]) -> Result<Vec<Goal>, CollectError> {
-    let mut known: BTreeMap<String, (&ResultFile, Goal)> = BTreeMap::new();
+fn goals(files: &[ResultFile]) -> Result<Vec<GoalInfo>, CollectError> {
+    let mut known: BTreeMap<String, (&ResultFile, GoalInfo)> = BTreeMap::new();
     for file in files {
         let result = &file.result;
-        let goal = Goal { name: result.goal.clone(), class: result.class.clone(), pegs: result.pegs.len() };
+        let goal =
+            GoalInfo { name: result.goal.clone(), class: result.class.clone(), pegs: result.pegs.len() };
         match known.get(&goal.name) {
             None => {
                 known.insert(goal.name.clone(), (file, goal));
             }
             Some((_, same)) if *same == goal => {}
             Some((first, other)) => {
-                let say = |goal: &Goal| {
+                let say = |goal: &GoalInfo| {
                     format!("{} pegs, class {}", goal.pegs, goal.class.as_deref().unwrap_or("none"))
                 };
                 return Err(CollectError::TwoGoals {
@@ -241,7 +242,7 @@ fn goals(files: &[ResultFile]) -> Result<Vec<Goal>, CollectError> {
             }
         }
     }
-    let mut goals: Vec<Goal> = known.into_values().map(|(_, goal)| goal).collect();
+    let mut goals: Vec<GoalInfo> = known.into_values().map(|(_, goal)| goal).collect();
     goals.sort_by_cached_key(|goal| {
         let digits = goal.name.len() - goal.name.bytes().rev().take_while(u8::is_ascii_digit).count();
         let number: u64 = goal.name[digits..].parse().unwrap_or(0);

@@ -3,7 +3,8 @@
 //! Data passes one way: whoever judges makes an [`EpisodeResult`], or the verdict of a single ability
 //! ([`planning`], [`perception`], [`manipulation`]); each is one JSON file of a schema in `data/schema`,
 //! written by [`write_whole`]. [`collection`] reads folders of such files, from anybody, and [`published`]
-//! means that others have given. A [`secret`] makes seeds that nobody knows before. [`summary`], [`activity`]
+//! means that others have given. [`resume`] decides whether a result on disk is that of a wanted episode. A
+//! [`secret`] makes seeds that nobody knows before. [`summary`], [`activity`]
 //! and [`statistics`] add up what was read. Nothing here links a physics engine.
 
 pub mod activity;
@@ -15,6 +16,7 @@ mod older;
 pub mod perception;
 pub mod planning;
 pub mod published;
+pub mod resume;
 pub mod secret;
 pub mod statistics;
 pub mod summary;

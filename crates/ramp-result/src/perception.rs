@@ -29,7 +29,7 @@ pub struct PerceptionVerdict {
     /// The program that judged it.
     pub software: Software,
     /// By camera, distance and angle.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<ViewRange>,
     /// Number of poses reported.
     pub poses: usize,
     /// The false ones among them.
@@ -39,7 +39,7 @@ pub struct PerceptionVerdict {
 /// Parts seen by one camera from about the same distance and angle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Cell {
+pub struct ViewRange {
     /// `wrist` or `birds-eye`.
     pub camera: String,
     /// Range of distances of the tags, m; the last range may be open.

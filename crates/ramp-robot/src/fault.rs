@@ -38,6 +38,14 @@ pub enum Fault {
         /// m.
         offset: f64,
     },
+    /// A beam of the assembly does not reach its place.
+    #[error("{part} stands {:.2} mm off its place", .offset * 1e3)]
+    OffPlace {
+        /// The beam.
+        part: String,
+        /// m.
+        offset: f64,
+    },
     /// The search for a hole ended without finding it.
     #[error("{peg} finds no hole at {connection}")]
     HoleNotFound {

@@ -54,7 +54,7 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
         let mut stuck = false;
         for beam in &beams {
             match align(skills, cell, *beam) {
-                Err(SkillError::Fault(fault @ Fault::Misaligned { .. })) => {
+                Err(SkillError::Fault(fault @ (Fault::Misaligned { .. } | Fault::OffPlace { .. }))) => {
                     cell.record(fault);
                     stuck = true;
                 }
@@ -79,7 +79,9 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
 fn realign(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
     for beam in cell.belief.displaced()? {
         match align(skills, cell, beam) {
-            Err(SkillError::Fault(fault @ Fault::Misaligned { .. })) => cell.record(fault),
+            Err(SkillError::Fault(fault @ (Fault::Misaligned { .. } | Fault::OffPlace { .. }))) => {
+                cell.record(fault)
+            }
             done => done?,
         }
         cell.remember_standing(&[beam]);

@@ -9,7 +9,7 @@ use ramp_twin::{Setup, Twin};
 
 use super::judge::LIFTED;
 use super::task::{Aim, Task};
-use super::world::{World, far_end, open_joints};
+use super::world::{NamedTruth, far_end, open_joints};
 
 /// How far a task is from done.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,7 +44,7 @@ pub fn progress(
     peg: Option<&str>,
     twin: &Twin,
 ) -> Progress {
-    let world = World::of(setup, twin);
+    let world = NamedTruth::of(setup, twin);
     match &task.aim {
         Aim::Held { peg } => {
             let now = world.part(peg);

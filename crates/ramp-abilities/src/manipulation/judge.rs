@@ -8,7 +8,7 @@ use ramp_robot::Robot;
 use ramp_twin::{Setup, Twin};
 
 use super::task::{Aim, Task};
-use super::world::{World, far_end, open_joints, pegs_in};
+use super::world::{NamedTruth, far_end, open_joints, pegs_in};
 
 /// Holes that are to be pinned are no further apart along the table, m: the cone of a peg still pulls them together.
 pub const PEGGABLE: f64 = 1.6e-3;
@@ -25,7 +25,7 @@ pub(super) const LIFTED: [f64; 2] = [30.0e-3, 30.0e-3];
 /// What the truth lacks of a task that was to be done; `None` when it is done and nothing was spoilt. `places` is where all
 /// parts were at the start.
 pub fn missing(setup: &Setup, task: &Task, places: &[(String, Pose)], twin: &Twin) -> Option<String> {
-    let world = World::of(setup, twin);
+    let world = NamedTruth::of(setup, twin);
     let seated = pegs_in(setup, twin);
     let out = task.build.pinned.iter().find(|(connection, peg)| seated[*connection].as_deref() != Some(peg));
     if let Some((connection, peg)) = out {
@@ -91,7 +91,7 @@ pub fn missing(setup: &Setup, task: &Task, places: &[(String, Pose)], twin: &Twi
 
 /// What is wrong with two holes that a peg is to pin.
 fn apart(
-    world: &World,
+    world: &NamedTruth,
     mine: JointRef,
     hole: &Point3<f64>,
     theirs: JointRef,

@@ -17,7 +17,7 @@ use ramp_twin::{Layout, SceneOptions, Setup, Twin, TwinError};
 use ramp_result::manipulation::StartInfo;
 
 use super::task::{Aim, Task};
-use super::world::{World, far_end, pegs_in};
+use super::world::{NamedTruth, far_end, pegs_in};
 
 /// So many starts are drawn before a trial is given up.
 const DRAWS: usize = 50;
@@ -203,7 +203,7 @@ fn fit(setup: &Setup, task: &Task, layout: &Layout, twin: &Twin, last: Vec<Pose>
         return Err(format!("parts are {:.2} mm in each other", twin.deepest_penetration() * 1e3));
     }
     let moved = |a: &Pose, b: &Pose| (a.translation.vector - b.translation.vector).norm();
-    let world = World::of(setup, twin);
+    let world = NamedTruth::of(setup, twin);
     let parts = || twin.part_names().zip(twin.truth().x_wp);
     for ((name, x_wp), before) in parts().zip(last) {
         if moved(&x_wp, &before) > STILL {

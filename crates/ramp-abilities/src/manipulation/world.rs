@@ -9,16 +9,16 @@ use ramp_twin::{Setup, Twin};
 use super::task::Task;
 
 /// The truth with names.
-pub(super) struct World<'t> {
+pub(super) struct NamedTruth<'t> {
     pub assembly: &'t Assembly,
     pub x_wa: Pose,
     names: Vec<&'t str>,
     truth: Truth,
 }
 
-impl<'t> World<'t> {
-    pub(super) fn of(setup: &Setup<'t>, twin: &'t Twin) -> World<'t> {
-        World {
+impl<'t> NamedTruth<'t> {
+    pub(super) fn of(setup: &Setup<'t>, twin: &'t Twin) -> NamedTruth<'t> {
+        NamedTruth {
             assembly: setup.assembly,
             x_wa: setup.assembly.kit.x_wa(),
             names: twin.part_names().collect(),
@@ -50,7 +50,7 @@ impl<'t> World<'t> {
 }
 
 /// The joints of a beam that meet those of beams that stand at their places, and that no peg pins, each with the other.
-pub(super) fn open_joints(task: &Task, world: &World, beam: usize) -> Vec<(JointRef, JointRef)> {
+pub(super) fn open_joints(task: &Task, world: &NamedTruth, beam: usize) -> Vec<(JointRef, JointRef)> {
     let build = &task.build;
     let assembly = world.assembly;
     let connections = assembly.connections.iter().enumerate();

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Point3;
 use ramp_result::episode::Software;
-use ramp_result::perception::{Cell, FALSE, FalsePose, PerceptionVerdict, SCHEMA};
+use ramp_result::perception::{FALSE, FalsePose, PerceptionVerdict, SCHEMA, ViewRange};
 use ramp_robot::{Camera, Pose};
 
 use super::labels::{Estimate, Labels};
@@ -51,7 +51,7 @@ impl Verdict {
         software: &Software,
     ) -> PerceptionVerdict {
         let end = |edge: f64| edge.is_finite().then_some(edge);
-        let cell = |line: &Line| Cell {
+        let cell = |line: &Line| ViewRange {
             camera: line.camera.clone(),
             distance: line.distance.map(end),
             angle: line.angle.map(end),

@@ -41,8 +41,7 @@ use std::path::Path;
 /// The first defect of the goal, with line and column: in the file itself, the names in it, holes
 /// that do not meet, beams that overlap, or no order that builds it.
 pub fn read_goal(path: &Path, kit: &Kit) -> Result<Assembly> {
-    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    read(&SourceFile::read(path)?, &stem, kit)
+    read_goal_file(&SourceFile::read(path)?, kit)
 }
 
 /// Reads a goal from text; `name` is its name in messages.
@@ -73,9 +72,16 @@ pub fn read_goal(path: &Path, kit: &Kit) -> Result<Assembly> {
 /// # Errors
 /// As [`read_goal`].
 pub fn read_goal_str(name: &str, text: &str, kit: &Kit) -> Result<Assembly> {
-    let stem =
-        Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    read(&SourceFile::new(name, text), &stem, kit)
+    read_goal_file(&SourceFile::new(name, text), kit)
+}
+
+/// Reads a goal from a file whose text is in memory already.
+///
+/// # Errors
+/// As [`read_goal`].
+pub fn read_goal_file(file: &SourceFile, kit: &Kit) -> Result<Assembly> {
+    let stem = Path::new(file.name()).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    read(file, &stem.unwrap_or_default(), kit)
 }
 
 fn read(file: &SourceFile, stem: &str, kit: &Kit) -> Result<Assembly> {

@@ -8,8 +8,11 @@ use std::time::{Duration, Instant};
 
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
+use ramp_data::Texts;
 use ramp_external_agent::sandbox::{Inside, open_ends};
-use ramp_external_agent::{AgentFile, ExternalAgent, Goal, Patience, Sandbox, SandboxError, adopt_orphans};
+use ramp_external_agent::{
+    AgentFile, ExternalAgent, GoalMessage, Patience, Sandbox, SandboxError, adopt_orphans,
+};
 use ramp_planner::{Domains, Plan};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Agent, Event, Track};
@@ -17,18 +20,17 @@ use ramp_skills::skill::ActionKind;
 use ramp_skills::{Baseline, Parameters};
 
 use crate::command::{own_skill, skills};
-use crate::data::Texts;
 
 /// What `ramp run` and `ramp bench` are told of the agent.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// An agent of your own instead of the baseline: an executable, or a Python file
+    /// Run this agent instead of the baseline: an executable, or a Python file
     #[arg(long, value_name = "FILE", conflicts_with = "path")]
     pub agent: Option<PathBuf>,
-    /// Longest time that your agent may take for a message, after which its episode ends
+    /// Time limit for each message of the agent; if it is exceeded, the episode ends
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
     pub agent_limit: f64,
-    /// Keep your agent away from your files, the network and other processes: for agents whose authors you do not know
+    /// Run the agent in a sandbox, without access to your files, the network and other processes
     #[arg(long, requires = "agent")]
     pub sandbox: bool,
     #[command(flatten)]
@@ -74,7 +76,7 @@ pub fn tell_open_ends() {
 }
 
 /// What an agent is made from.
-pub struct World<'a> {
+pub struct AgentSetup<'a> {
     pub assembly: &'a Assembly,
     pub arm: &'a ArmModel,
     pub domains: &'a Domains,
@@ -91,20 +93,20 @@ pub struct World<'a> {
 
 /// Starts the agent. It tells `listener` what it does.
 pub fn start<'a>(
-    world: &World<'a>,
+    world: &AgentSetup<'a>,
     file: Option<&AgentFile>,
     sandbox: Option<Sandbox>,
     limit: f64,
     end: Option<Instant>,
     listener: impl FnMut(&Event) + 'a,
 ) -> Result<Box<dyn Agent + 'a>, Report> {
-    let World { assembly, arm, domains, texts, track, seed, parameters, skills, ref plan } = *world;
+    let AgentSetup { assembly, arm, domains, texts, track, seed, parameters, skills, ref plan } = *world;
     let Some(file) = file else {
         let mut baseline =
             Baseline::new(assembly, arm, domains, seed).on_track(track).with_parameters(parameters.clone());
         if !skills.is_empty() {
             adopt_orphans();
-            let cell = own_skill::Cell::new(assembly, arm, track, texts, limit);
+            let cell = own_skill::SkillHost::new(assembly, arm, track, texts, limit);
             let mut table = ramp_skills::table::baseline(parameters);
             for (kind, file) in skills {
                 table.replace(own_skill::skill(*kind, file, &cell)?);
@@ -117,7 +119,7 @@ pub fn start<'a>(
         return Ok(Box::new(baseline.with_listener(listener)));
     };
     adopt_orphans();
-    let goal = Goal::new(assembly, arm, track, texts.sources());
+    let goal = GoalMessage::new(assembly, arm, track, texts.sources());
     let patience = Patience { answer: Duration::from_secs_f64(limit), end };
     let mut command: Vec<OsString> = vec![
         std::env::current_exe().into_diagnostic()?.into(),

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 
 use miette::{IntoDiagnostic, Report};
 use ramp_assembly::Class;
+use ramp_data::Data;
 use ramp_result::secret::Secret;
 use ramp_result::summary::{Entry, Summary, shortfall};
 use serde_json::{Value, json};
 
 use super::episodes::{self, Batch, Episode, Outcome};
 use super::seeds;
-use crate::data::Data;
 use crate::options::RESULTS_WORLD;
 use crate::output::print;
 use crate::status::{DONE, INCOMPLETE, STOPPED};
@@ -27,10 +27,10 @@ pub struct Arguments {
     /// Episodes of each goal, with seeds in a row
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     repeats: u32,
-    /// Secret to be mixed into the seeds, as `ramp seeds commit` makes it
+    /// Secret that is mixed into the seeds, from `ramp seeds commit`
     #[arg(long, value_name = "FILE")]
     secret: Option<PathBuf>,
-    /// Folder for the results; made if it is not there, continued if it is
+    /// Folder for the results; results that it already has are not run again
     #[arg(short, long, value_name = "DIR", default_value = "results/bench")]
     output: PathBuf,
 }

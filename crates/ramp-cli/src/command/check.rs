@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use miette::{IntoDiagnostic, Report};
+use ramp_data::Data;
 use serde_json::json;
 
-use crate::data::Data;
 use crate::output::print;
 use crate::status::{DONE, INCOMPLETE};
 
@@ -19,8 +19,7 @@ pub struct Arguments {
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
-    let kit = data.kit()?;
-    let goal = data.goal(&arguments.goal, &kit)?;
+    let goal = data.goal(&arguments.goal)?;
     let report = ramp_assembly::report(&goal);
     let beam = |index: usize| goal.beams[index].beam.name.as_str();
     let good = report.overlaps.is_empty() && report.insertions.is_some();

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use miette::{Report, miette};
+use ramp_data::built_in;
 use ramp_kit::source::read_text;
 
-use crate::data::built_in;
 use crate::output::{print, write_file};
 use crate::status::DONE;
 
@@ -19,9 +19,9 @@ pub struct Arguments {
 enum Command {
     /// Write the files to a folder, which `--data` or RAMP_DATA then names
     Export {
-        /// Folder to write them to; made if it is not there
+        /// Folder to write to
         folder: PathBuf,
-        /// Overwrite files that are there and differ
+        /// Overwrite existing files that differ
         #[arg(long)]
         force: bool,
     },

@@ -5,13 +5,13 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use miette::{IntoDiagnostic, Report};
+use ramp_data::Data;
 use ramp_episode::faults::{Share, Tally, judge};
 use ramp_result::episode::EpisodeResult;
 use ramp_twin::{Fault, FaultKind};
 use serde_json::{Value, json};
 
 use super::episodes::{self, Batch, Episode, Outcome};
-use crate::data::Data;
 use crate::output::print;
 use crate::status::{DONE, INCOMPLETE, STOPPED};
 
@@ -20,7 +20,7 @@ pub struct Arguments {
     /// Goals, classes (easy, medium, hard) or `all`
     #[arg(value_name = "CLASS|GOAL", default_values = ["easy-3", "medium-3", "hard-2"])]
     goals: Vec<String>,
-    /// Only these faults, each at its Nth occasion or one drawn from the seed [default: every kind]
+    /// Inject these faults only, each at its Nth occasion, or at one drawn from the seed [default: all kinds]
     #[arg(long = "fault", value_name = "KIND[@N]")]
     faults: Vec<Fault>,
     #[command(flatten)]
@@ -28,7 +28,7 @@ pub struct Arguments {
     /// Episodes of each goal under each fault, and without any for comparison, with seeds in a row
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     seeds: u32,
-    /// Folder for the results; made if it is not there, continued if it is
+    /// Folder for the results; results that it already has are not run again
     #[arg(short, long, value_name = "DIR", default_value = "results/faults")]
     output: PathBuf,
 }

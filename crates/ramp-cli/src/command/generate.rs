@@ -5,30 +5,31 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use miette::{Report, miette};
 use ramp_assembly::{Generated, Request, generate_many};
+use ramp_data::Data;
 use ramp_kit::source::read_text;
 
-use crate::data::Data;
 use crate::output::{print, write_file};
 use crate::status::DONE;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Beams in each goal, the clamped one included; more than the kit has make a frame and a kit for it
+    /// Beams in each goal, with the clamped one; if the kit has fewer, the goal is a frame with a kit of its
+    /// own
     #[arg(long, default_value_t = 5, value_name = "N")]
     beams: usize,
     /// Seed of the first goal; the next goals have the next seeds
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Only goals of this class
+    /// Generate goals of this class only
     #[arg(long)]
     class: Option<Class>,
-    /// How many goals, all different
+    /// Number of goals, all different
     #[arg(long, default_value_t = 1, value_name = "N")]
     count: usize,
     /// Folder to write the files to; without it a single goal goes to standard output
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Overwrite files that are there
+    /// Overwrite existing files
     #[arg(long)]
     force: bool,
 }
@@ -57,7 +58,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         seed: arguments.seed,
         class: arguments.class.map(ramp_assembly::Class::from),
     };
-    let made = generate_many(&kit, request, arguments.count)?;
+    let made = generate_many(kit, request, arguments.count)?;
     let Some(folder) = &arguments.output else {
         let [goal] = made.as_slice() else {
             return Err(miette!(help = "name a folder with -o", "more than one goal needs a folder"));

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use miette::{IntoDiagnostic, Report};
+use ramp_data::Data;
 use serde_json::json;
 
-use crate::data::Data;
 use crate::output::print;
 use crate::status::DONE;
 
@@ -21,11 +21,11 @@ pub struct Arguments {
 
 #[derive(clap::Subcommand)]
 enum Command {
-    /// Make new goals, each checked; the same seed gives the same file
+    /// Generate new goals, and check that each can be built; the same seed gives the same file
     Generate(super::generate::Arguments),
-    /// Promise goals that are kept back: commitments to publish now, and the goals to publish later
+    /// Commit to goals without showing them: one file to publish now, one with the goals to publish later
     Commit(super::held_out::CommitArguments),
-    /// Check that revealed goals are those that were promised
+    /// Check revealed goals against their commitments
     Verify(super::held_out::VerifyArguments),
 }
 
@@ -36,10 +36,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         Some(Command::Verify(arguments)) => return super::held_out::check(arguments),
         None => {}
     }
-    let kit = data.kit()?;
     let mut rows = Vec::new();
     for name in data.goal_names()? {
-        rows.push(data.goal(&name, &kit)?);
+        rows.push(data.goal(&name)?);
     }
     let mut text = String::new();
     if arguments.json {

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use miette::{Report, miette};
+use ramp_data::Data;
 use ramp_report::held_out::{Commitments, Reveal, SALT, promise, verify};
 
-use crate::data::Data;
 use crate::output::{print, read_json, refuse_existing, write_json};
 use crate::status::{DONE, INCOMPLETE};
 
@@ -28,24 +28,23 @@ pub struct CommitArguments {
 
 #[derive(clap::Args)]
 pub struct VerifyArguments {
-    /// What was published before
+    /// The commitments, as published before
     commitments: PathBuf,
-    /// What was published after
+    /// The file that was published later
     reveal: PathBuf,
 }
 
 pub fn commit(data: &Data, arguments: &CommitArguments) -> Result<u8, Report> {
-    let kit = data.kit()?;
     let mut goals: Vec<(String, [u8; SALT], String)> = Vec::new();
     for file in &arguments.goals {
         // A goal that nobody can read or build must not be promised.
-        let goal = data.goal(file, &kit)?;
+        let (goal, texts) = data.goal_with_texts(file)?;
         if goals.iter().any(|(name, _, _)| *name == goal.name) {
             return Err(miette!(help = "rename one of the files", "two goals are called `{}`", goal.name));
         }
         let mut salt = [0; SALT];
         getrandom::fill(&mut salt).map_err(|error| miette!("the system gives no random numbers: {error}"))?;
-        goals.push((goal.name.clone(), salt, data.texts(file)?.sources().goal.to_string()));
+        goals.push((goal.name.clone(), salt, texts.sources().goal.to_string()));
     }
     let [commitments, reveal] = [COMMITMENTS, REVEAL].map(|name| arguments.output.join(name));
     refuse_existing([&commitments, &reveal])?;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use miette::Report;
+use ramp_data::Data;
 
-use crate::data::Data;
 use crate::output::print;
 use crate::status::{BAD_INPUT, DONE};
 
@@ -18,7 +18,7 @@ pub struct Arguments {
 enum Command {
     /// Write STL, 3MF, plates, bill of parts, start sheet, tags and assembly guide
     Export {
-        /// Folder to write them to; made if it is not there
+        /// Folder to write to
         #[arg(required_unless_present = "output", value_name = "DIR")]
         folder: Option<PathBuf>,
         /// The same, as an option
@@ -33,7 +33,7 @@ enum Command {
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let Command::Export { folder, output, force } = &arguments.command;
     let Some(folder) = folder.as_ref().or(output.as_ref()) else { return Ok(BAD_INPUT) };
-    let written = ramp_kit::export::export(&data.kit()?, folder, *force)?;
+    let written = ramp_kit::export::export(data.kit()?, folder, *force)?;
     let list: String = written.iter().map(|file| format!("{}\n", file.display())).collect();
     print(&list)?;
     Ok(DONE)

@@ -8,7 +8,8 @@ mod verdicts;
 use std::path::{Path, PathBuf};
 
 use miette::{Report as Failure, miette};
-use ramp_report::leaderboard::{Boards, Goal, Refusal, Streams, Terms, pages, standings};
+use ramp_data::Data;
+use ramp_report::leaderboard::{BoardGoal, BoardTerms, Boards, Refusal, Streams, pages, standings};
 use ramp_report::{Report, page};
 use ramp_result::secret::Secret;
 use ramp_twin::Disturbance;
@@ -16,7 +17,6 @@ use ramp_twin::Disturbance;
 use self::entry::{Entry, Known};
 use self::verdicts::Verdicts;
 use super::seeds;
-use crate::data::Data;
 use crate::output::print;
 use crate::site::Site;
 use crate::status::{DONE, INCOMPLETE};
@@ -27,10 +27,10 @@ pub use self::judge::{Arguments as JudgeArguments, judge};
 pub struct Arguments {
     /// Folder of entries: each folder in it holds the results of one agent, with their logs
     entries: PathBuf,
-    /// Folder for the site and for what is remembered of the replays; made if it is not there
+    /// Folder for the site and the verdicts on the logs
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// The secret that was mixed into the seeds of all entries, as `ramp seeds commit` makes it
+    /// Secret that was mixed into the seeds of all entries, from `ramp seeds commit`
     #[arg(long, value_name = "FILE")]
     secret: Option<PathBuf>,
     /// Run the agents again for their planning and compute times, in a sandbox: each entry's `agent.py` or `agent`, or
@@ -101,7 +101,7 @@ impl Board {
         &mut self,
         data: &Data,
         entry: &Entry,
-        terms: &Terms,
+        terms: &BoardTerms,
         rerun_agents: bool,
         secret: Option<&Path>,
     ) -> Result<Result<(), String>, Failure> {
@@ -185,22 +185,20 @@ fn check_apart(entries: &Path, site: &Path) -> Result<(), Failure> {
     }
 }
 
-fn terms(data: &Data, secret: Option<Secret>) -> Result<Terms, Failure> {
-    let kit = data.kit()?;
+fn terms(data: &Data, secret: Option<Secret>) -> Result<BoardTerms, Failure> {
     let mut goals = Vec::new();
     let mut files = None;
     for name in data.goal_names()? {
-        let goal = data.goal(&name, &kit)?;
-        let texts = data.texts(&name)?;
+        let (goal, texts) = data.goal_with_texts(&name)?;
         let sources = texts.sources();
         files = Some((sources.kit.to_string(), sources.arm.to_string()));
         let class = goal.class.map(|class| class.name().to_string());
         let pegs = goal.connections.len();
-        goals.push(Goal { name: goal.name, class, pegs, xml: sources.goal.to_string() });
+        goals.push(BoardGoal { name: goal.name, class, pegs, xml: sources.goal.to_string() });
     }
     let Some((kit, arm)) = files else {
         return Err(miette!("there is no goal in {}", data.goals()));
     };
     let Disturbance { position, angle } = Disturbance::default();
-    Ok(Terms { goals, kit, arm, disturbance: [position, angle], secret })
+    Ok(BoardTerms { goals, kit, arm, disturbance: [position, angle], secret })
 }

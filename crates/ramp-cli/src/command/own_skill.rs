@@ -9,7 +9,8 @@ use std::time::Duration;
 
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
-use ramp_external_agent::{AgentFile, ExternalAgent, Goal, Patience, protocol};
+use ramp_data::Texts;
+use ramp_external_agent::{AgentFile, ExternalAgent, GoalMessage, Patience, protocol};
 use ramp_gym::known::Known;
 use ramp_gym::outline::read_outline;
 use ramp_gym::own::{Body, BodyError, Moment, OwnSkill, kind, kinds};
@@ -20,8 +21,6 @@ use ramp_robot::{Agent, EventKind, Robot, Track};
 use ramp_skills::rehearsal::Outline;
 use ramp_skills::skill::ActionKind;
 use serde_json::{Value, json};
-
-use crate::data::Texts;
 
 /// So much of a file's name stands in the name of its agent, characters.
 const LONGEST_STEM: usize = 24;
@@ -48,7 +47,7 @@ impl std::str::FromStr for Replacement {
 
 /// What a program is told of, and how long it is waited for.
 #[derive(Clone)]
-pub struct Cell {
+pub struct SkillHost {
     assembly: Assembly,
     arm: ArmModel,
     track: Track,
@@ -58,11 +57,11 @@ pub struct Cell {
     patience: Duration,
 }
 
-impl Cell {
+impl SkillHost {
     /// Of an episode; the program may take so many seconds for a message.
-    pub fn new(assembly: &Assembly, arm: &ArmModel, track: Track, texts: &Texts, limit: f64) -> Cell {
+    pub fn new(assembly: &Assembly, arm: &ArmModel, track: Track, texts: &Texts, limit: f64) -> SkillHost {
         let Sources { goal, kit: kit_text, arm: arm_text } = texts.sources();
-        Cell {
+        SkillHost {
             assembly: assembly.clone(),
             arm: arm.clone(),
             track,
@@ -79,7 +78,7 @@ impl Cell {
     /// When the system does not start it.
     pub fn start(&self, file: &AgentFile, task: Value) -> Result<ExternalAgent<'_>, Report> {
         let texts = Sources { goal: &self.goal, kit: &self.kit_text, arm: &self.arm_text };
-        let goal = Goal::new(&self.assembly, &self.arm, self.track, texts).with_task(task);
+        let goal = GoalMessage::new(&self.assembly, &self.arm, self.track, texts).with_task(task);
         let patience = Patience { answer: self.patience, end: None };
         ExternalAgent::start(file, &command(file)?, goal, patience, None).into_diagnostic()
     }
@@ -100,7 +99,7 @@ fn command(file: &AgentFile) -> Result<Vec<OsString>, Report> {
 /// A program that carries out an action.
 struct Program {
     file: AgentFile,
-    cell: Cell,
+    cell: SkillHost,
 }
 
 impl Body for Program {
@@ -149,7 +148,7 @@ fn task(moment: &Moment) -> Value {
 }
 
 /// The skill for an action. Its name in results has the file's name, and the begin of its hash.
-pub fn skill(kind: ActionKind, file: &AgentFile, cell: &Cell) -> Result<OwnSkill, Report> {
+pub fn skill(kind: ActionKind, file: &AgentFile, cell: &SkillHost) -> Result<OwnSkill, Report> {
     if !kind.is_assembling() {
         return Err(miette!("no skill of one's own can carry out `{}`", kind.name().replace('_', "-")));
     }

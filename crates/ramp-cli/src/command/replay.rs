@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Report};
 use ramp_episode::Progress;
-use ramp_episode::replay::{Replayed, World, replay_watched};
+use ramp_episode::replay::{LoggedSetup, Replayed, replay_watched};
 use ramp_log::Log;
 use ramp_robot::{Event, EventKind};
 use ramp_twin::Twin;
@@ -32,7 +32,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<u8, Report> {
     let log = Log::read(&arguments.log).into_diagnostic()?;
-    let world = World::of(&log).into_diagnostic()?;
+    let world = LoggedSetup::of(&log).into_diagnostic()?;
     end_on_request()?;
     let mut pictures = Pictures::new(&arguments.pictures, &world.setup())?;
     let bar = std::io::stderr().is_terminal().then(|| {

@@ -16,7 +16,7 @@ pub struct Arguments {
     /// Folders of results, of one or several agents
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
-    /// The page to write; of more than ten agents, each has a page of its own in a folder beside it
+    /// Page to write; with more than ten agents, each gets a page in a folder beside it
     #[arg(short, long, value_name = "FILE", default_value = "report.html")]
     output: PathBuf,
     /// Also write a LaTeX table, for the package booktabs

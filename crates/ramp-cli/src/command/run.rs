@@ -8,9 +8,11 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Report, miette};
+use ramp_assembly::Assembly;
+use ramp_data::Data;
 use ramp_episode::{EpisodeError, Label, Progress, Recorded, record_episode};
-use ramp_gym::{PlanFileError, read_plan};
 use ramp_kit::source::read_text;
+use ramp_planner::{Domains, Plan, PlanFileError, read_plan};
 use ramp_report::curve::completion_svg;
 use ramp_result::episode::{EpisodeResult, RobotTime};
 use ramp_robot::{Event, EventKind};
@@ -19,11 +21,11 @@ use ramp_twin::{Disturbance, Fault, Setup, Twin};
 
 use crate::command::agent;
 use crate::command::own_skill::Replacement;
-use crate::data::Data;
 use crate::ending::end_on_request;
 use crate::options::{RESULTS_WORLD, TrackName, WorldOption};
 use crate::output::{check_place, make_folder_of, print, write_file};
 use crate::pictures::{self, Pictures};
+use crate::rules::domains;
 use crate::software::software;
 use crate::status::{DONE, INCOMPLETE, MachineFault};
 
@@ -37,31 +39,31 @@ const RESULTS: &str = "results";
 pub struct Arguments {
     /// Name of a goal, or a goal file
     goal: String,
-    /// What the agent may see of the parts
+    /// Knowledge that the agent has of the parts' poses
     #[arg(long, value_enum, default_value_t = TrackName::Tags)]
     track: TrackName,
     #[command(flatten)]
     world: WorldOption,
-    /// All randomness of the episode flows from this number
+    /// Seed of all random numbers of the episode
     #[arg(long, default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
     agent: agent::Arguments,
-    /// A program of your own, in any language, in place of one of the baseline's skills: fasten=my.py
+    /// Replace a skill of the baseline by a program in any language, such as fasten=my.py
     #[arg(long, value_name = "ACTION=FILE", conflicts_with = "agent")]
     skill: Vec<Replacement>,
-    /// A plan of your own for the baseline: JSON as `ramp plan GOAL --json` prints it, or another planner's plan for what
-    /// --pddl wrote
+    /// Let the baseline carry out this plan: the output of `ramp plan GOAL --json`, or another planner's plan
+    /// for the files of `ramp plan GOAL --pddl DIR`
     #[arg(long, value_name = "FILE", conflicts_with = "agent")]
     plan: Option<PathBuf>,
-    /// Rules for the planner in place of the file of their kind: a coarse or fine domain (.al), or the order (.lp)
+    /// Replace the rule file of the same kind: a coarse or fine domain (.al), or the order of the beams (.lp)
     #[arg(long, value_name = "FILE", conflicts_with = "agent")]
     domain: Option<PathBuf>,
-    /// What goes wrong on purpose, at its Nth occasion or one drawn from the seed: peg-dropped, peg-tilted, beam-slipped,
+    /// Inject a fault at its Nth occasion, or at one drawn from the seed: peg-dropped, peg-tilted, beam-slipped,
     /// beam-turned, beam-bumped, holder-shifted, jam, peg-missing, tag-covered, camera-frozen, gripper-weak, force-drift
     #[arg(long, value_name = "KIND[@N]")]
     fault: Option<Fault>,
-    /// Show the twin in a window while it works
+    /// Show the twin in a window during the episode
     #[arg(long)]
     view: bool,
     /// Print the result as JSON
@@ -75,7 +77,7 @@ pub struct Arguments {
     /// File for the result [default: results/GOAL-SEED.json]; the curve goes beside it as .svg, the log as .mcap
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// File for the log of everything, to be looked at or replayed [default: beside the result]
+    /// File for the log of the episode, for viewers and `ramp replay` [default: beside the result]
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
     /// Which of several runs in a row this is
@@ -101,44 +103,24 @@ impl Arguments {
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let end = arguments.end_after.and_then(|after| Instant::now().checked_add(Duration::from_secs(after)));
-    let kit = data.kit()?;
-    let assembly = data.goal(&arguments.goal, &kit)?;
+    let (assembly, texts) = data.goal_with_texts(&arguments.goal)?;
     let arm = data.arm()?;
     let physics = arguments.world.read(data)?;
-    let domains = data.domains(arguments.domain.as_deref())?;
+    let domains = domains(data, arguments.domain.as_deref())?;
     let agent_file = arguments.agent.file()?;
     let parameters = arguments.agent.skills.read(data)?;
     let skills = arguments.skill.iter().map(Replacement::read).collect::<Result<Vec<_>, Report>>()?;
     let plan = match &arguments.plan {
-        Some(path) => {
-            let text = read_text(path, LARGEST_PLAN)?;
-            let plan = read_plan(&text, &assembly, &domains);
-            Some(plan.map_err(|error| match error {
-                PlanFileError::Form { .. } => miette!("{}:{error}", path.display()),
-                error => miette!("{}: {error}", path.display()),
-            })?)
-        }
+        Some(path) => Some(plan_from(path, &assembly, &domains)?),
         None => None,
     };
-    let texts = data.texts(&arguments.goal)?;
     let output = match &arguments.output {
         Some(path) => path.clone(),
         None => Path::new(RESULTS).join(format!("{}-{}.json", assembly.name, arguments.seed)),
     };
     let curve = output.with_extension("svg");
     let log = arguments.record.clone().unwrap_or_else(|| output.with_extension(ramp_log::ENDING));
-    for (other, what) in [(&curve, "curve"), (&log, "log")] {
-        if *other == output {
-            return Err(miette!(
-                help = "end the file's name in .json",
-                "{} is where the {what} goes",
-                output.display()
-            ));
-        }
-    }
-    for path in [Some(&output), Some(&curve), Some(&log), arguments.scene.as_ref()].into_iter().flatten() {
-        check_place(path)?;
-    }
+    check_places(&output, &curve, &log, arguments.scene.as_deref())?;
     let sandbox = arguments.agent.sandbox(agent_file.as_ref(), &[&output, &log])?;
     if sandbox.is_some() {
         agent::tell_open_ends();
@@ -157,7 +139,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
     make_folder_of(&log)?;
     let display = Display::new(assembly.connections.len());
-    let world = agent::World {
+    let world = agent::AgentSetup {
         assembly: &assembly,
         arm: &arm,
         domains: &domains,
@@ -214,10 +196,35 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     }
 }
 
-/// What robot time is to be compared with, where the baseline has a plan for the goal.
+/// Reads the plan in a file for the baseline.
+fn plan_from(path: &Path, assembly: &Assembly, domains: &Domains) -> Result<Plan, Report> {
+    let text = read_text(path, LARGEST_PLAN)?;
+    read_plan(&text, assembly, domains).map_err(|error| match error {
+        PlanFileError::Form { .. } => miette!("{}:{error}", path.display()),
+        error => miette!("{}: {error}", path.display()),
+    })
+}
+
+/// Checks that all files of a run can be written, and that the result does not take the place of another.
+fn check_places(output: &Path, curve: &Path, log: &Path, scene: Option<&Path>) -> Result<(), Report> {
+    for (other, what) in [(curve, "curve"), (log, "log")] {
+        if other == output {
+            return Err(miette!(
+                help = "end the file's name in .json",
+                "{} is where the {what} goes",
+                output.display()
+            ));
+        }
+    }
+    for path in [Some(output), Some(curve), Some(log), scene].into_iter().flatten() {
+        check_place(path)?;
+    }
+    Ok(())
+}
+
+/// Bound and reference of the robot time, if the baseline has a plan for the goal.
 fn robot_time(data: &Data, setup: &Setup) -> Result<Option<RobotTime>, Report> {
-    let domains = data.domains(None)?;
-    let times = reference_times_of_goal(setup.assembly, setup.arm, &domains);
+    let times = reference_times_of_goal(setup.assembly, setup.arm, &domains(data, None)?);
     Ok(times.ok().map(|ReferenceTimes { bound, reference }| RobotTime { bound, reference }))
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
+use ramp_data::Data;
 use ramp_kit::drawing::pdf;
 use ramp_log::ENDING;
 use ramp_real_run::form::form;
@@ -13,28 +13,26 @@ use ramp_real_run::poses;
 use ramp_real_run::stopwatch::{Log, read_log};
 use ramp_result::write_whole;
 
-use crate::data::Data;
 use crate::output::{check_place, print, write_file};
 use crate::software::software;
 use crate::status::DONE;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The log: a stopwatch's as CSV, or poses that cameras saw as MCAP
+    /// Log of the run: stopwatch times (CSV), or poses from cameras (MCAP)
     #[arg(required_unless_present = "form")]
     log: Option<PathBuf>,
-    /// Write the form for the person with the stopwatch, to be printed on A4
+    /// Write the form for the timekeeper, to be printed on A4
     #[arg(long, value_name = "GOAL", conflicts_with = "log", requires = "output")]
     form: Option<String>,
-    /// Folder for the results, made if it is not there [default: results/score]; with --form, the PDF to write
+    /// Folder for the results [default: results/score]; with --form, the PDF to write
     #[arg(short, long, value_name = "DIR|FILE")]
     output: Option<PathBuf>,
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
-    let kit = data.kit()?;
     if let (Some(goal), Some(path)) = (&arguments.form, &arguments.output) {
-        return write_form(data, &kit, goal, path);
+        return write_form(data, goal, path);
     }
     let Some(path) = &arguments.log else { return Err(miette!("name a log")) };
     let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results/score"));
@@ -42,14 +40,14 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         return Err(miette!(help = "name a folder with -o", "{} is not a folder", folder.display()));
     }
     let names = data.goal_names()?;
-    let goals: Vec<Assembly> =
-        names.iter().map(|name| data.goal(name, &kit)).collect::<Result<_, Report>>()?;
+    let goals: Vec<Assembly> = names.iter().map(|name| data.goal(name)).collect::<Result<_, _>>()?;
+    let kit = data.kit()?;
     let software = software();
     let log = if path.extension().is_some_and(|ending| ending == ENDING) {
-        let reader = poses::Reader { kit: &kit, goals: &goals, software: &software };
+        let reader = poses::Reader { kit, goals: &goals, software: &software };
         Log::Episodes(vec![reader.read(path).into_diagnostic()?])
     } else {
-        read_log(path, &kit, &goals, &software)?
+        read_log(path, kit, &goals, &software)?
     };
     let mut text = String::new();
     let mut files = Vec::new();
@@ -99,12 +97,12 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     Ok(DONE)
 }
 
-fn write_form(data: &Data, kit: &Kit, goal: &str, path: &Path) -> Result<u8, Report> {
+fn write_form(data: &Data, goal: &str, path: &Path) -> Result<u8, Report> {
     check_place(path)?;
     if path.extension().is_none_or(|ending| ending != "pdf") {
         return Err(miette!(help = "end the file's name in .pdf", "{} is no PDF file", path.display()));
     }
-    let goal = data.goal(goal, kit)?;
+    let goal = data.goal(goal)?;
     let page = form(&goal).into_diagnostic()?;
     write_file(path, pdf(&page.title, std::slice::from_ref(&page)))?;
     print(&format!("form: {}\n", path.display()))?;

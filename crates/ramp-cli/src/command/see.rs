@@ -8,6 +8,7 @@ use miette::{IntoDiagnostic, Report, miette};
 use ramp_abilities::perception::{
     Estimate, Labels, Photographer, PoseLabel, SCHEMA, Verdict, areas, coco, judge,
 };
+use ramp_data::Data;
 use ramp_kit::source::{A_NAME, MAX_SENTENCE, is_name, plain, read_bytes, shorten, to_name};
 use ramp_kit::strokes::{self, Align};
 use ramp_result::perception::FALSE;
@@ -18,7 +19,6 @@ use ramp_vision::{Lying, PartFinder, Sighting};
 use ramp_world::World;
 use resvg::{tiny_skia, usvg};
 
-use crate::data::Data;
 use crate::output::{check_place, print, write_file};
 use crate::software::software;
 use crate::status::{DONE, INCOMPLETE};
@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Folder to write to, made if it is not there; with --judge, the file for the verdict, for `ramp report`
     #[arg(short, long, value_name = "DIR|FILE", required_unless_present = "judge")]
     output: Option<PathBuf>,
-    /// Write a data set of so many images with labels, and what the baseline makes of them
+    /// Write a data set of N images with labels and the baseline's detections
     #[arg(long, value_name = "N")]
     count: Option<u32>,
     /// Judge a detector's poses (a file like estimates.json) on the labels of a data set (its folder)
@@ -77,13 +77,12 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let (Some(goal), Some(folder)) = (&arguments.goal, &arguments.output) else {
         return Err(miette!("name a goal, and a folder with -o"));
     };
-    let kit = data.kit()?;
-    let assembly = data.goal(goal, &kit)?;
+    let assembly = data.goal(goal)?;
     let arm = data.arm()?;
     std::fs::create_dir_all(folder).into_diagnostic()?;
     if let Some(count) = arguments.count {
         let photographer = Photographer::new(&assembly, &arm).into_diagnostic()?;
-        return data_set(photographer, &kit, arguments, folder, count);
+        return data_set(photographer, &assembly.kit, arguments, folder, count);
     }
     let setup = Setup {
         assembly: &assembly,
@@ -95,8 +94,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         fault: None,
     };
     let mut twin = Twin::new(&setup).into_diagnostic()?;
-    let mut finder = PartFinder::new(&kit).into_diagnostic()?;
-    let lying = Lying::at_start(&kit);
+    let mut finder = PartFinder::new(&assembly.kit).into_diagnostic()?;
+    let lying = Lying::at_start(&assembly.kit);
     let mut text = String::new();
     for camera in Camera::ALL {
         let image = twin.look(camera).into_diagnostic()?;

@@ -25,7 +25,7 @@ pub struct Arguments {
 enum Command {
     /// Make a secret for `ramp bench --secret`, and a commitment to it
     Commit(CommitArguments),
-    /// Check that a secret is the one that was promised
+    /// Check a secret against its commitment
     Verify(VerifyArguments),
 }
 
@@ -38,9 +38,9 @@ struct CommitArguments {
 
 #[derive(clap::Args)]
 struct VerifyArguments {
-    /// What was published before
+    /// The commitments, as published before
     commitment: PathBuf,
-    /// What was published after
+    /// The file that was published later
     secret: PathBuf,
 }
 

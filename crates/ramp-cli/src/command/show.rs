@@ -4,8 +4,8 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use miette::{IntoDiagnostic, Report, miette};
+use ramp_data::Data;
 
-use crate::data::Data;
 use crate::output::{check_place, print, write_file};
 use crate::status::DONE;
 
@@ -20,18 +20,17 @@ pub struct Arguments {
     /// All goals of the data folder on one sheet
     #[arg(long, conflicts_with = "goal")]
     all: bool,
-    /// File to write, .svg or .png; without it SVG goes to standard output, if that is no terminal
+    /// File to write, .svg or .png [default: SVG to standard output, unless that is a terminal]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
-    let kit = data.kit()?;
     let names = match &arguments.goal {
         Some(goal) => vec![goal.clone()],
         None => data.goal_names()?,
     };
-    let goals = names.iter().map(|name| data.goal(name, &kit)).collect::<Result<Vec<_>, _>>()?;
+    let goals = names.iter().map(|name| data.goal(name)).collect::<Result<Vec<_>, _>>()?;
     let svg = match goals.as_slice() {
         [goal] if !arguments.all => ramp_assembly::draw_svg(goal),
         goals => ramp_assembly::draw_all_svg(goals),

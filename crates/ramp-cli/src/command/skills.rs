@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use miette::{Diagnostic, IntoDiagnostic, Report};
+use ramp_data::Data;
 use ramp_kit::source::{nearest, shorten};
 use ramp_skills::parameters::Group;
 use ramp_skills::parameters::group::Form;
@@ -12,7 +13,6 @@ use ramp_skills::skill::Skill;
 use ramp_skills::{Parameters, table};
 use serde_json::{Value, json};
 
-use crate::data::Data;
 use crate::output::print;
 use crate::status::DONE;
 
@@ -28,11 +28,11 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Where the numbers of the skills come from.
+/// The file of the skills' parameters.
 #[derive(clap::Args)]
 pub struct File {
-    /// A TOML file with numbers of the skills in place of the baseline's; `ramp skills` prints all of them
-    #[arg(long = "skills", value_name = "FILE")]
+    /// Replace parameters of the baseline's skills by those in this TOML file; `ramp skills` prints all of them
+    #[arg(long = "parameters", alias = "skills", value_name = "FILE")]
     pub path: Option<PathBuf>,
 }
 

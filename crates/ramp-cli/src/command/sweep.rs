@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use miette::{Diagnostic, IntoDiagnostic, Report};
+use ramp_data::Data;
 use ramp_kit::source::{A_NAME, is_name, shorten};
 use ramp_report::sweep::{Curve, Point, Sweep};
 use ramp_result::episode::WorldLabel;
 use ramp_world::World;
 
 use super::episodes::{self, Batch, BatchWorld, Episode, Outcome};
-use crate::data::Data;
 use crate::options::RESULTS_WORLD;
 use crate::output::{print, write_file};
 use crate::status::{DONE, INCOMPLETE, STOPPED};
@@ -23,13 +23,13 @@ pub struct Arguments {
     /// Goals, classes (easy, medium, hard) or `all`
     #[arg(required = true, value_name = "CLASS|GOAL")]
     goals: Vec<String>,
-    /// The number of the world that is varied, such as friction.coulomb=0..1.5
+    /// Quantity of the world that is varied, such as friction.coulomb=0..1.5
     #[arg(long, value_name = "QUANTITY=FROM..TO")]
     vary: String,
-    /// How many values it takes, with the same distance between them
+    /// Number of values, evenly spaced
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(2..=1000))]
     steps: u32,
-    /// One curve for each of some values of another number, such as controller.compensation=0,1
+    /// Draw one curve for each of these values of another quantity, such as controller.compensation=0,1
     #[arg(long, value_name = "QUANTITY=VALUE,…")]
     curves: Option<String>,
     #[command(flatten)]
@@ -37,7 +37,7 @@ pub struct Arguments {
     /// Episodes of each goal at each value, with seeds in a row
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     repeats: u32,
-    /// Folder for results, worlds, table and figure; made if it is not there, continued if it is
+    /// Folder for results, worlds, table and figure; results that it already has are not run again
     #[arg(short, long, value_name = "DIR", default_value = "results/sweep")]
     output: PathBuf,
 }

@@ -3,15 +3,17 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::io::IsTerminal;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Diagnostic, IntoDiagnostic, Report, miette};
 use ramp_abilities::manipulation::{Aim, run_trial};
+use ramp_data::{Data, Texts};
 use ramp_external_agent::{AgentFile, adopt_orphans};
-use ramp_gym::tasks::{self, Goal, Step};
+use ramp_gym::tasks::{self, PlannedGoal, Step};
 use ramp_kit::source::{nearest, read_text, shorten};
 use ramp_planner::Domains;
 use ramp_result::collection::LARGEST;
@@ -25,16 +27,17 @@ use ramp_skills::{Baseline, Parameters, Piece};
 use ramp_twin::{Disturbance, Setup};
 use ramp_world::World;
 
-use crate::command::own_skill::{self, Cell};
-use crate::data::Data;
+use crate::command::own_skill::{self, SkillHost};
 use crate::options::{TrackName, WorldOption};
 use crate::output::print;
+use crate::pool;
+use crate::rules::domains;
 use crate::software::software;
 use crate::status::DONE;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Skills to try [default: all that the nine goals need]
+    /// Skills to run [default: all that the nine goals need]
     #[arg(value_name = "SKILL")]
     skills: Vec<String>,
     /// Trials of each skill, with seeds in a row
@@ -43,26 +46,26 @@ pub struct Arguments {
     /// Seed of the first trial of each skill
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     first_seed: u64,
-    /// What the agent may see of the parts
+    /// Knowledge that the agent has of the parts' poses
     #[arg(long, value_enum, default_value_t = TrackName::Tags)]
     track: TrackName,
     #[command(flatten)]
     world: WorldOption,
-    /// Trials at a time
+    /// Number of parallel trials
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     jobs: u32,
     #[command(flatten)]
     file: super::skills::File,
-    /// A program of your own, in any language, that carries out the contact action; the baseline does the rest
+    /// Let this program, in any language, carry out the contact action; the baseline does the rest
     #[arg(long, value_name = "FILE", conflicts_with = "agent")]
     skill: Option<PathBuf>,
-    /// A program of your own that does the whole trial
+    /// Let this program carry out the whole trial
     #[arg(long, value_name = "FILE")]
     agent: Option<PathBuf>,
-    /// Longest time that your program may take for a message
+    /// Time limit for each message of the program
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     agent_limit: f64,
-    /// Folder for the results; made if it is not there, continued if it is
+    /// Folder for the results; results that it already has are not run again
     #[arg(short, long, value_name = "DIR", default_value = "results/trials")]
     output: PathBuf,
 }
@@ -91,7 +94,7 @@ enum TrialsError {
     #[diagnostic(help("a folder is of one agent: name another one with -o"))]
     OtherAgent { file: String, theirs: String, ours: String },
     #[error("{file} was made with other numbers of the skills")]
-    #[diagnostic(help("name another folder with -o, or give the same file with --skills"))]
+    #[diagnostic(help("name another folder with -o, or give the same file with --parameters"))]
     OtherSkills { file: String },
 }
 
@@ -99,7 +102,9 @@ enum TrialsError {
 struct Trials<'a> {
     arm: ArmModel,
     domains: Domains,
-    goals: Vec<Goal>,
+    goals: Vec<PlannedGoal>,
+    /// The files of each goal.
+    texts: Vec<Texts>,
     /// The steps of each skill, as indices of a goal and of a step of it.
     steps: BTreeMap<String, Vec<(usize, usize)>>,
     track: Track,
@@ -110,7 +115,6 @@ struct Trials<'a> {
     skill: Option<AgentFile>,
     agent: Option<AgentFile>,
     agent_limit: f64,
-    data: &'a Data,
     folder: &'a Path,
 }
 
@@ -122,13 +126,13 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     if folder.exists() && !folder.is_dir() {
         return Err(miette!(help = "name a folder with -o", "{} is not a folder", folder.display()));
     }
-    let kit = data.kit()?;
-    let domains = data.domains(None)?;
-    let names = data.goal_names()?;
-    let goals: Vec<Goal> = names
-        .iter()
-        .map(|name| Goal::new(data.goal(name, &kit)?, &domains).into_diagnostic())
-        .collect::<Result<_, Report>>()?;
+    let domains = domains(data, None)?;
+    let (mut goals, mut texts) = (Vec::new(), Vec::new());
+    for name in data.goal_names()? {
+        let (goal, files) = data.goal_with_texts(&name)?;
+        goals.push(PlannedGoal::new(goal, &domains).into_diagnostic()?);
+        texts.push(files);
+    }
     let mut steps: BTreeMap<String, Vec<(usize, usize)>> = BTreeMap::new();
     for (index, goal) in goals.iter().enumerate() {
         for (step, Step { task, .. }) in goal.steps.iter().enumerate() {
@@ -140,6 +144,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         arm: data.arm()?,
         domains,
         goals,
+        texts,
         steps,
         track: arguments.track.into(),
         world: arguments.world.read(data)?,
@@ -148,7 +153,6 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         skill: arguments.skill.as_deref().map(own_skill::file).transpose()?,
         agent: arguments.agent.as_deref().map(own_skill::file).transpose()?,
         agent_limit: arguments.agent_limit,
-        data,
         folder,
     };
     if !(0.01..=1e6).contains(&trials.agent_limit) {
@@ -264,38 +268,22 @@ impl Trials<'_> {
     ) -> Result<Vec<Trial>, Report> {
         let open: Vec<usize> = (0..wanted.len()).filter(|index| before[*index].is_none()).collect();
         let display = Display::new(open.len(), wanted.len());
-        let next = AtomicUsize::new(0);
-        let ended: Mutex<(Vec<Option<Trial>>, Option<Report>)> = Mutex::new((before, None));
-        let lock = || ended.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        std::thread::scope(|scope| {
-            for _ in 0..jobs.min(open.len()) {
-                scope.spawn(|| {
-                    while let Some(&index) = open.get(next.fetch_add(1, Ordering::Relaxed)) {
-                        let (skill, seed) = wanted[index];
-                        let result = self.trial(skill, seed);
-                        let mut ended = lock();
-                        match result {
-                            Ok(trial) => {
-                                display.ended(&trial);
-                                ended.0[index] = Some(trial);
-                            }
-                            Err(error) => {
-                                ended.1.get_or_insert(error);
-                            }
-                        }
-                        if ended.1.is_some() {
-                            return;
-                        }
-                    }
-                });
+        let outcomes = pool::work(open.len(), jobs, |item| {
+            let (skill, seed) = wanted[open[item]];
+            match self.trial(skill, seed) {
+                Ok(trial) => {
+                    display.ended(&trial);
+                    ControlFlow::Continue(Ok(trial))
+                }
+                Err(error) => ControlFlow::Break(Err(error)),
             }
         });
         display.finish();
-        let (trials, failure) = ended.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-        match failure {
-            Some(error) => Err(error),
-            None => Ok(trials.into_iter().flatten().collect()),
+        let mut trials = before;
+        for (index, outcome) in open.into_iter().zip(outcomes) {
+            trials[index] = outcome.transpose()?;
         }
+        Ok(trials.into_iter().flatten().collect())
     }
 
     /// One trial, written to its file.
@@ -303,7 +291,7 @@ impl Trials<'_> {
         let none = || miette!("no goal has a step of the skill `{skill}`");
         let steps = self.steps.get(skill).ok_or_else(none)?;
         let (goal, step) = tasks::draw(steps, seed).ok_or_else(none)?;
-        let goal = &self.goals[goal];
+        let (goal, texts) = (&self.goals[goal], &self.texts[goal]);
         let step = &goal.steps[step];
         let setup = Setup {
             assembly: &goal.assembly,
@@ -318,8 +306,7 @@ impl Trials<'_> {
             .on_track(self.track)
             .with_parameters(self.parameters.clone());
         if self.skill.is_some() || self.agent.is_some() {
-            let texts = self.data.texts(&goal.assembly.name)?;
-            let cell = Cell::new(&goal.assembly, &self.arm, self.track, &texts, self.agent_limit);
+            let cell = SkillHost::new(&goal.assembly, &self.arm, self.track, texts, self.agent_limit);
             if let Some(file) = &self.agent {
                 let told = serde_json::json!({
                     "skill": step.task.skill,

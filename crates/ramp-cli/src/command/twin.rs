@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use miette::{IntoDiagnostic, Report};
+use ramp_data::Data;
 use ramp_robot::Track;
 use ramp_twin::{Disturbance, Setup, Twin};
 
-use crate::data::Data;
 use crate::options::WorldOption;
 use crate::output::{check_place, print, write_file};
 use crate::status::DONE;
@@ -36,8 +36,7 @@ enum Command {
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let Command::Export { goal, seed, world, output } = &arguments.command;
-    let kit = data.kit()?;
-    let assembly = data.goal(goal, &kit)?;
+    let assembly = data.goal(goal)?;
     let arm = data.arm()?;
     let world = world.read(data)?;
     if let Some(path) = output {

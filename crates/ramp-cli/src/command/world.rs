@@ -3,12 +3,12 @@
 use std::fmt::Write;
 
 use miette::{IntoDiagnostic, Report};
+use ramp_data::Data;
 use ramp_result::sha256;
 use ramp_world::groups::GROUPS;
 use ramp_world::{Field, Form, Quantity, Spread, World};
 use serde_json::{Value, json};
 
-use crate::data::Data;
 use crate::output::print;
 use crate::status::DONE;
 
@@ -22,15 +22,15 @@ pub struct Arguments {
 enum Command {
     /// List the worlds that are part of the program
     List,
-    /// Print what a world holds, or what an episode draws from it
+    /// Print the quantities of a world, or the values that an episode draws
     Show {
         /// Name of a world, or a world file
         #[arg(default_value = "real")]
         name: String,
-        /// Print the numbers that the episode with this seed draws
+        /// Print the values that the episode with this seed draws
         #[arg(long)]
         seed: Option<u64>,
-        /// Print the world as a file that gives all quantities, to be changed
+        /// Print the world as a file with all quantities, as a start for your own
         #[arg(long, conflicts_with_all = ["seed", "json"])]
         file: bool,
         /// Print JSON

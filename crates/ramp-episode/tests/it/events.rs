@@ -32,13 +32,14 @@ fn every_kind_of_event_follows_the_schemas() {
 }
 
 /// An event of each kind, without its time.
-const EVENTS: [&str; 34] = [
+const EVENTS: [&str; 35] = [
     r#""kind": "action_begun", "action": "pick_up", "item": {"beam": "b4"}, "grasp": {"link": "b4l1"}"#,
     r#""kind": "action_ended", "action": "assemble_cap", "beam": "b4", "joints": ["b4j1", "b4j2"]"#,
     r#""kind": "fault", "fault": "not_held", "part": "b4""#,
     r#""kind": "fault", "fault": "jammed", "part": "b4", "remaining": 0.003, "force": 25.0"#,
     r#""kind": "fault", "fault": "overload", "force": 51.0"#,
     r#""kind": "fault", "fault": "misaligned", "connection": "C1", "offset": 0.002"#,
+    r#""kind": "fault", "fault": "off_place", "part": "b4", "offset": 0.004"#,
     r#""kind": "fault", "fault": "hole_not_found", "peg": "p1", "connection": "C1""#,
     r#""kind": "fault", "fault": "not_seated", "peg": "p1", "connection": "C1", "gap": 0.001"#,
     r#""kind": "fault", "fault": "unseen", "part": "b4""#,

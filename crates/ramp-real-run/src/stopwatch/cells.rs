@@ -5,11 +5,11 @@ use std::ops::Range;
 use ramp_kit::source::{A_NAME, Fault, MAX_TITLE, is_name, is_text, nearest, shorten};
 use ramp_robot::Track;
 
-use super::{Cell, Head, LONGEST, LogProblem, Read, Reader};
+use super::{CsvCell, Head, LONGEST, LogProblem, Read, Reader};
 
 impl Reader<'_> {
     /// All non-empty rows, without empty cells at their ends.
-    pub(super) fn rows(&self) -> Read<Vec<Vec<Cell>>> {
+    pub(super) fn rows(&self) -> Read<Vec<Vec<CsvCell>>> {
         let text = self.file.text();
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
@@ -24,11 +24,11 @@ impl Reader<'_> {
                 self.fault(at..at, "this is not CSV".to_string(), "here", Some(error.to_string()))
             })?;
             let mut from = record.position().map_or(0, |it| it.byte() as usize);
-            let mut row: Vec<Cell> = Vec::new();
+            let mut row: Vec<CsvCell> = Vec::new();
             for field in &record {
                 // A quoted cell that contains quotes is not found literally; its row is.
                 let at = text.get(from..).and_then(|rest| rest.find(field)).map_or(from, |at| from + at);
-                let cell = Cell { text: field.to_string(), span: at..at + field.len() };
+                let cell = CsvCell { text: field.to_string(), span: at..at + field.len() };
                 if !is_text(field, MAX_TITLE) {
                     let words = format!("found `{}`", shorten(field));
                     let expected =
@@ -60,7 +60,7 @@ impl Reader<'_> {
     }
 
     /// The head's value of `name`.
-    pub(super) fn entry<'h>(&self, head: &'h Head, name: &str) -> Read<&'h Cell> {
+    pub(super) fn entry<'h>(&self, head: &'h Head, name: &str) -> Read<&'h CsvCell> {
         match head.entries.iter().find(|(known, _)| known.text == name) {
             Some((_, value)) => Ok(value),
             None => {
@@ -102,9 +102,9 @@ impl Reader<'_> {
     /// The first row of the table must name its columns.
     pub(super) fn check_columns<'t>(
         &self,
-        table: &'t [Vec<Cell>],
+        table: &'t [Vec<CsvCell>],
         columns: &[&str],
-    ) -> Read<&'t [Vec<Cell>]> {
+    ) -> Read<&'t [Vec<CsvCell>]> {
         let end = self.file.text().len();
         let Some((first, rows)) = table.split_first() else {
             let words = "there is no table".to_string();
@@ -132,12 +132,12 @@ impl Reader<'_> {
     }
 
     /// A cell of a row; empty if the row is too short.
-    pub(super) fn cell(&self, row: &[Cell], column: usize) -> Cell {
+    pub(super) fn cell(&self, row: &[CsvCell], column: usize) -> CsvCell {
         let end = row.last().map_or(0, |cell| cell.span.end);
-        row.get(column).cloned().unwrap_or(Cell { text: String::new(), span: end..end })
+        row.get(column).cloned().unwrap_or(CsvCell { text: String::new(), span: end..end })
     }
 
-    pub(super) fn number(&self, cell: &Cell, name: &str, low: f64, high: f64) -> Read<f64> {
+    pub(super) fn number(&self, cell: &CsvCell, name: &str, low: f64, high: f64) -> Read<f64> {
         let value: Option<f64> = cell.text.parse().ok();
         match value {
             Some(value) if (low..=high).contains(&value) => Ok(value),
@@ -150,7 +150,7 @@ impl Reader<'_> {
         }
     }
 
-    pub(super) fn count(&self, cell: &Cell, name: &str, highest: u32) -> Read<u32> {
+    pub(super) fn count(&self, cell: &CsvCell, name: &str, highest: u32) -> Read<u32> {
         match cell.text.parse() {
             Ok(value) if (1..=highest).contains(&value) => Ok(value),
             _ => Err(self.fault(
@@ -163,7 +163,7 @@ impl Reader<'_> {
     }
 
     /// Seconds, `m:ss` or `h:mm:ss`.
-    pub(super) fn seconds(&self, cell: &Cell) -> Read<f64> {
+    pub(super) fn seconds(&self, cell: &CsvCell) -> Read<f64> {
         let bad = |help: &str| {
             let words = format!("the time is `{}`", shorten(&cell.text));
             Err(self.fault(

@@ -8,7 +8,7 @@ use ramp_result::secret::Secret;
 
 /// A goal of the organiser.
 #[derive(Clone, Debug)]
-pub struct Goal {
+pub struct BoardGoal {
     /// Its name.
     pub name: String,
     /// Its class.
@@ -21,9 +21,9 @@ pub struct Goal {
 
 /// Inputs that results must have been made with.
 #[derive(Clone, Debug)]
-pub struct Terms {
+pub struct BoardTerms {
     /// The goals.
-    pub goals: Vec<Goal>,
+    pub goals: Vec<BoardGoal>,
     /// The kit file.
     pub kit: String,
     /// The arm file.
@@ -115,7 +115,7 @@ pub fn agent(identity: &Identity) -> String {
 ///
 /// # Errors
 /// The first goal that is not the organiser's, lacks a seed, or has one too many.
-pub fn check_whole(collection: &Collection, terms: &Terms) -> Result<(), Refused> {
+pub fn check_whole(collection: &Collection, terms: &BoardTerms) -> Result<(), Refused> {
     for entrant in &collection.entrants {
         let of = |goal: &str| {
             let files = entrant.files.iter().filter(|file| file.result.goal == goal);
@@ -156,7 +156,7 @@ pub fn check_whole(collection: &Collection, terms: &Terms) -> Result<(), Refused
 ///
 /// # Errors
 /// The difference.
-pub fn check_log(file: &ResultFile, log: &Log, terms: &Terms) -> Result<(), Refused> {
+pub fn check_log(file: &ResultFile, log: &Log, terms: &BoardTerms) -> Result<(), Refused> {
     let name = || file.path.display().to_string();
     let header = &log.header;
     let goal = terms.goals.iter().find(|goal| goal.name == file.result.goal);

@@ -2,7 +2,7 @@
 //! start.
 
 use ramp_log::{Log, SecretSeed};
-use ramp_report::leaderboard::{Goal, Refused, Terms, check_log, check_whole};
+use ramp_report::leaderboard::{BoardGoal, BoardTerms, Refused, check_log, check_whole};
 use ramp_result::collection::collect;
 use ramp_result::secret::Secret;
 use ramp_testing::episode::Swing;
@@ -19,9 +19,13 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
     let collection = collect(&[folder.path().to_path_buf()]).unwrap();
     let read = |name: &str| std::fs::read_to_string(data().join(name)).unwrap();
     let Disturbance { position, angle } = Disturbance::default();
-    let goal =
-        Goal { name: "easy-1".into(), class: Some("easy".into()), pegs: 3, xml: read("goals/easy-1.xml") };
-    let terms = Terms {
+    let goal = BoardGoal {
+        name: "easy-1".into(),
+        class: Some("easy".into()),
+        pegs: 3,
+        xml: read("goals/easy-1.xml"),
+    };
+    let terms = BoardTerms {
         goals: vec![goal],
         kit: read("kit.xml"),
         arm: read("arms/panda.json"),
@@ -33,7 +37,7 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
 
     // Seeds of another secret, of none, or not derived from the secret.
     let secret = Secret::new([7; 32]);
-    let sealed = Terms { secret: Some(secret.clone()), ..terms.clone() };
+    let sealed = BoardTerms { secret: Some(secret.clone()), ..terms.clone() };
     assert!(matches!(check_log(file, &log, &sealed), Err(Refused::Seed { .. })));
     let mut with_secret = log.clone();
     let mut file_with_secret = file.clone();
@@ -43,7 +47,7 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
     file_with_secret.result.secret = Some(secret.commitment());
     assert_eq!(check_log(&file_with_secret, &with_secret, &sealed), Ok(()));
     assert!(matches!(check_log(&file_with_secret, &with_secret, &terms), Err(Refused::Seed { .. })));
-    let other = Terms { secret: Some(Secret::new([8; 32])), ..terms.clone() };
+    let other = BoardTerms { secret: Some(Secret::new([8; 32])), ..terms.clone() };
     assert!(matches!(check_log(&file_with_secret, &with_secret, &other), Err(Refused::Seed { .. })));
     with_secret.header.secret = Some(SecretSeed { commitment: secret.commitment(), seed: seed + 1 });
     let error = check_log(&file_with_secret, &with_secret, &sealed).unwrap_err();
@@ -74,6 +78,6 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
     let mut other = terms.clone();
     other.kit = other.kit.replacen("joint", "Joint", 1);
     assert!(matches!(check_log(file, &log, &other), Err(Refused::Other { what: "kit", .. })));
-    let other = Terms { disturbance: [0.0, 0.0], ..terms };
+    let other = BoardTerms { disturbance: [0.0, 0.0], ..terms };
     assert!(matches!(check_log(file, &log, &other), Err(Refused::Other { .. })));
 }

@@ -74,7 +74,7 @@ impl Push {
     /// Aligns a standing beam, holding it by `link`, and lets go.
     ///
     /// # Errors
-    /// [`Fault::Misaligned`] when it will not stay, or what stopped the motion.
+    /// [`Fault::OffPlace`] if it does not stay in place, or what stopped the motion.
     fn push(&self, cell: &mut Workcell, beam: usize, link: &str) -> Result<(), SkillError> {
         let placed = &cell.assembly.beams[beam];
         let name = placed.beam.name.clone();
@@ -146,6 +146,6 @@ impl Push {
         if off < cell.parameters.alignment.peggable {
             return Ok(());
         }
-        Err(Fault::Misaligned { connection: name, offset: off }.into())
+        Err(Fault::OffPlace { part: name, offset: off }.into())
     }
 }

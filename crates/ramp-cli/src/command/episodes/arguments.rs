@@ -4,19 +4,19 @@ use std::path::Path;
 use std::time::Duration;
 
 use miette::Report;
+use ramp_data::Data;
 use ramp_robot::Track;
 
 use super::batch::{Batch, BatchWorld};
-use super::goals::{BatchError, Goal};
+use super::goals::{BatchError, BatchGoal};
 use crate::command::agent;
-use crate::data::Data;
 use crate::options::{TrackName, WorldOption};
 use crate::software::software;
 
 /// What commands that run many episodes are told alike.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// What the agent may see of the parts
+    /// Knowledge that the agent has of the parts' poses
     #[arg(long, value_enum, default_value_t = TrackName::Tags)]
     track: TrackName,
     #[command(flatten)]
@@ -26,10 +26,10 @@ pub struct Arguments {
     /// Seed of the first episode of each goal
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     first_seed: u64,
-    /// Episodes at a time; more than one makes the agent's own time longer
+    /// Number of parallel episodes; with more than one, planning and compute times are longer
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     jobs: u32,
-    /// Time on the wall after which an episode is lost
+    /// Wall-clock limit of an episode; if it is exceeded, the episode counts as lost
     #[arg(long, value_name = "SECONDS", default_value_t = 1800, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     limit: u64,
     /// Print the table as JSON
@@ -52,7 +52,7 @@ impl Arguments {
         &self,
         data: &'a Data,
         folder: &'a Path,
-        goals: Vec<Goal>,
+        goals: Vec<BatchGoal>,
         count: u32,
         option: &'static str,
         hidden: Option<&Path>,

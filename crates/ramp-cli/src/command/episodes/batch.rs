@@ -1,28 +1,29 @@
 //! Many episodes at work: each in a process of its own, a few at a time, and what was finished before is kept.
 
-use std::collections::VecDeque;
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::fs::{File, TryLockError};
-use std::ops::RangeInclusive;
+use std::ops::{ControlFlow, RangeInclusive};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use miette::{IntoDiagnostic, Report, miette};
+use ramp_data::Data;
 use ramp_external_agent::{AgentFile, adopt_orphans, end_orphans};
 use ramp_log::ENDING;
-use ramp_result::episode::{EpisodeResult, SCHEMA, Software, WorldLabel};
+use ramp_result::episode::{EpisodeResult, Software, WorldLabel};
+use ramp_result::resume::{Identity, Shared, Wanted};
 use ramp_result::secret::Secret;
 use ramp_world::World;
-use serde_json::Value;
 
 use super::display::Display;
 use super::episode::{Episode, Outcome};
-use super::goals::{BatchError, Goal};
-use crate::data::Data;
+use super::goals::{BatchError, BatchGoal};
 use crate::ending::end_of;
+use crate::pool;
 use crate::seal;
 use crate::status::{DONE, INCOMPLETE, MACHINE, MachineFault};
 
@@ -37,11 +38,25 @@ const LAST_WORDS: usize = 400;
 /// How often it is looked after the episodes.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// An episode at work.
+/// The process of an episode.
 struct Worker {
-    episode: usize,
     child: Child,
     since: Instant,
+}
+
+/// The state that the threads of the pool share.
+struct State<'e> {
+    episodes: &'e mut [Episode],
+    display: Display,
+    /// Process ids of the running episodes, by episode.
+    at_work: BTreeMap<usize, u32>,
+}
+
+impl State<'_> {
+    /// Shows which episodes run.
+    fn show(&self) {
+        self.display.at_work(self.at_work.keys().map(|&index| self.episodes[index].stem.as_str()));
+    }
 }
 
 /// A world of some episodes.
@@ -82,7 +97,7 @@ pub struct Batch<'a> {
     pub skills: Option<PathBuf>,
     /// The hash of the file of these numbers, if it is not the baseline's own.
     pub skills_hash: Option<String>,
-    pub goals: Vec<Goal>,
+    pub goals: Vec<BatchGoal>,
     /// How many episodes of each goal.
     pub count: u32,
     /// Their seeds.
@@ -109,7 +124,7 @@ impl Batch<'_> {
         if self.agent.is_some() {
             adopt_orphans();
         }
-        self.refuse_other_versions()?;
+        self.refuse_foreign()?;
         std::fs::create_dir_all(folder)
             .map_err(|error| miette!("cannot make the folder {}: {error}", folder.display()))?;
         let lock = File::create(folder.join(LOCK))
@@ -145,76 +160,50 @@ impl Batch<'_> {
         Ok(whole)
     }
 
-    /// A folder is of one version of the software and one agent.
-    fn refuse_other_versions(&self) -> Result<(), Report> {
+    /// Conditions that all results of the folder share.
+    fn shared(&self) -> Shared<'_> {
+        Shared {
+            worlds: self.worlds.iter().map(|world| world.hash.as_str()).collect(),
+            secret: self.commitment(),
+            software: &self.software,
+            agent: Identity { name: None, sha256: self.agent_hash() },
+        }
+    }
+
+    /// Refuses a folder with results of another version, world, secret or agent.
+    fn refuse_foreign(&self) -> Result<(), Report> {
         let Ok(entries) = std::fs::read_dir(self.folder) else { return Ok(()) };
         let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
         paths.sort();
+        let shared = self.shared();
         for path in paths.iter().filter(|path| path.extension().is_some_and(|ending| ending == "json")) {
             let Ok(text) = std::fs::read_to_string(path) else { continue };
-            let Ok(value) = serde_json::from_str::<Value>(&text) else { continue };
-            let Some(schema) = value["schema"].as_str().filter(|it| it.starts_with("ramp-episode-")) else {
-                continue;
-            };
-            let theirs = &value["software"];
-            if schema != SCHEMA
-                || theirs["version"] != self.software.version.as_str()
-                || theirs["commit"] != self.software.commit.as_str()
-            {
-                let part = |name: &str| theirs[name].as_str().unwrap_or("unknown");
-                return Err(BatchError::OtherVersion {
-                    file: path.display().to_string(),
-                    theirs: format!("ramp {} ({}, {schema})", part("version"), part("commit")),
-                    ours: format!("ramp {} ({}, {SCHEMA})", self.software.version, self.software.commit),
-                }
-                .into());
-            }
-            let hash = value["world"]["sha256"].as_str();
-            if !self.worlds.iter().any(|world| hash == Some(world.hash.as_str())) {
-                let theirs = value["world"]["name"].as_str().unwrap_or("none").to_string();
-                let file = path.display().to_string();
-                return Err(BatchError::OtherWorld { file, theirs }.into());
-            }
-            if value["secret"].as_str() != self.commitment().as_deref() {
-                return Err(BatchError::OtherSecret { file: path.display().to_string() }.into());
-            }
-            let agent = &value["agent"];
-            if agent["sha256"].as_str() != self.agent_hash() {
-                let part = |name: &str| agent[name].as_str().unwrap_or("unknown");
-                return Err(BatchError::OtherAgent {
-                    file: path.display().to_string(),
-                    theirs: format!("{} {}", part("name"), part("version")),
-                }
-                .into());
-            }
+            shared.check(&text).map_err(|foreign| BatchError::foreign(path, foreign))?;
         }
         Ok(())
     }
 
-    /// The result in a file, if it is one of this very episode and this software.
+    /// The result in a file, if it is the one of this episode.
     fn read(&self, path: &Path, episode: &Episode) -> Option<EpisodeResult> {
         let text = std::fs::read_to_string(path).ok()?;
-        let result = EpisodeResult::from_json(text.as_bytes()).ok()?;
         let goal = &self.goals[episode.goal];
-        let fits = result.schema == SCHEMA
-            && result.goal == goal.name
-            && result.pegs.len() == goal.pegs
-            && result.track == self.track
-            && result.world.as_ref().is_some_and(|world| world.sha256 == self.worlds[episode.world].hash)
-            && result.seed == episode.seed
-            && result.secret == self.commitment()
-            && result.software == self.software
-            && result.fault.as_ref().map(|it| it.kind.as_str()) == episode.fault.map(|it| it.kind.name())
-            && result.agent.sha256.as_deref() == self.agent_hash();
-        fits.then_some(result)
+        let wanted = Wanted {
+            goal: &goal.name,
+            pegs: goal.pegs,
+            track: self.track,
+            world: &self.worlds[episode.world].hash,
+            seed: episode.seed,
+            fault: episode.fault.map(|it| it.kind.name()),
+        };
+        self.shared().find(&wanted, &text).ok().flatten()
     }
 
-    /// Runs what is open; false when it was stopped.
+    /// Runs the open episodes; false if it was stopped.
     fn work(&self, episodes: &mut [Episode], stop: &AtomicBool) -> Result<bool, Report> {
-        let mut open: VecDeque<usize> =
+        let open: Vec<usize> =
             (0..episodes.len()).filter(|&it| matches!(episodes[it].outcome, Outcome::Open)).collect();
         let running = self.folder.join(RUNNING);
-        // What a bench that was killed has left behind.
+        // A bench that was killed leaves its folder behind.
         if running.exists() {
             std::fs::remove_dir_all(&running).into_diagnostic()?;
         }
@@ -222,60 +211,77 @@ impl Batch<'_> {
             return Ok(true);
         }
         std::fs::create_dir_all(&running).map_err(MachineFault::of)?;
-        // What an episode leaves behind when it is killed is in there.
+        // A killed episode leaves its temporary files in here.
         let temporary = tempfile::tempdir().map_err(MachineFault::of)?;
         let display = Display::new(open.len(), episodes.len() - open.len(), self.jobs);
-        let mut workers: Vec<Worker> = Vec::new();
-        let mut failure = None;
-        while failure.is_none() && !(open.is_empty() && workers.is_empty()) {
-            if stop.load(Ordering::Relaxed) {
-                break;
+        let state = Mutex::new(State { episodes, display, at_work: BTreeMap::new() });
+        let halt = AtomicBool::new(false);
+        let outcomes = pool::work(open.len(), self.jobs, |item| {
+            let stopped = || stop.load(Ordering::Relaxed) || halt.load(Ordering::Relaxed);
+            let outcome = self.episode(open[item], &state, (&running, temporary.path()), &stopped);
+            if outcome.is_err() {
+                halt.store(true, Ordering::Relaxed);
             }
-            while workers.len() < self.jobs
-                && let Some(episode) = open.pop_front()
-            {
-                match self.start(&running, temporary.path(), &episodes[episode]) {
-                    Ok(child) => workers.push(Worker { episode, child, since: Instant::now() }),
-                    Err(error) => {
-                        let what = format!("{} is not started: {error}", episodes[episode].stem);
-                        failure = Some(MachineFault { what }.into());
-                        break;
-                    }
-                }
-            }
-            let mut index = 0;
-            while index < workers.len() {
-                match self.look_after(&running, &mut workers[index], episodes) {
-                    Ok(None) => index += 1,
-                    Ok(Some(outcome)) => {
-                        let worker = workers.swap_remove(index);
-                        if self.agent.is_some() {
-                            let at_work = workers.iter().filter_map(|it| i32::try_from(it.child.id()).ok());
-                            end_orphans(&at_work.collect::<Vec<_>>());
-                        }
-                        let episode = &mut episodes[worker.episode];
-                        episode.outcome = outcome;
-                        display.ended(episode, worker.since.elapsed());
-                    }
-                    Err(error) => {
-                        failure = Some(error);
-                        break;
-                    }
-                }
-            }
-            display.at_work(workers.iter().map(|worker| episodes[worker.episode].stem.as_str()));
-            std::thread::sleep(LOOK);
-        }
-        let whole = open.is_empty() && workers.is_empty();
-        for worker in &mut workers {
-            let _ = worker.child.kill();
-            let _ = worker.child.wait();
-        }
+            if stopped() { ControlFlow::Break(outcome) } else { ControlFlow::Continue(outcome) }
+        });
+        let State { episodes, display, .. } = state.into_inner().unwrap_or_else(PoisonError::into_inner);
         display.finish();
         let _ = std::fs::remove_dir_all(&running);
-        match failure {
-            Some(error) => Err(error),
-            None => Ok(whole),
+        outcomes.into_iter().flatten().collect::<Result<(), Report>>()?;
+        Ok(!episodes.iter().any(|episode| matches!(episode.outcome, Outcome::Open)))
+    }
+
+    /// Runs one episode in a process of its own until it ends or `stopped` says so.
+    ///
+    /// # Errors
+    /// If the process cannot be started, or its result cannot be kept.
+    fn episode(
+        &self,
+        index: usize,
+        state: &Mutex<State>,
+        (running, temporary): (&Path, &Path),
+        stopped: &dyn Fn() -> bool,
+    ) -> Result<(), Report> {
+        let lock = || state.lock().unwrap_or_else(PoisonError::into_inner);
+        if stopped() {
+            return Ok(());
+        }
+        let mut worker = {
+            // The lock is held until the process is known, so that nobody takes it for an orphan.
+            let mut state = lock();
+            let stem = state.episodes[index].stem.clone();
+            let child = self
+                .start(running, temporary, &state.episodes[index])
+                .map_err(|error| MachineFault { what: format!("{stem} is not started: {error}") })?;
+            state.at_work.insert(index, child.id());
+            state.show();
+            Worker { child, since: Instant::now() }
+        };
+        loop {
+            let mut state = lock();
+            let looked = self.look_after(running, &mut worker, &state.episodes[index]);
+            if let Ok(None) = looked
+                && !stopped()
+            {
+                drop(state);
+                std::thread::sleep(LOOK);
+                continue;
+            }
+            state.at_work.remove(&index);
+            if !matches!(looked, Ok(Some(_))) {
+                let _ = worker.child.kill();
+                let _ = worker.child.wait();
+            }
+            if let Some(outcome) = looked? {
+                if self.agent.is_some() {
+                    let pids = state.at_work.values().filter_map(|&id| i32::try_from(id).ok());
+                    end_orphans(&pids.collect::<Vec<_>>());
+                }
+                state.episodes[index].outcome = outcome;
+                state.display.ended(&state.episodes[index], worker.since.elapsed());
+                state.show();
+            }
+            return Ok(());
         }
     }
 
@@ -315,7 +321,7 @@ impl Batch<'_> {
     fn agent_arguments(&self) -> Vec<OsString> {
         let Some(agent) = &self.agent else {
             let skills = self.skills.iter();
-            return skills.flat_map(|path| ["--skills".into(), path.clone().into_os_string()]).collect();
+            return skills.flat_map(|path| ["--parameters".into(), path.clone().into_os_string()]).collect();
         };
         let end_after = self.limit.saturating_sub(SCORING.min(self.limit / 2)).as_secs();
         let words = [
@@ -337,9 +343,8 @@ impl Batch<'_> {
         &self,
         running: &Path,
         worker: &mut Worker,
-        episodes: &[Episode],
+        episode: &Episode,
     ) -> Result<Option<Outcome>, Report> {
-        let episode = &episodes[worker.episode];
         let status = match worker.child.try_wait().into_diagnostic()? {
             Some(status) => Some(status),
             None if worker.since.elapsed() < self.limit => return Ok(None),

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use miette::{Diagnostic, Report};
 use ramp_assembly::Class;
+use ramp_data::Data;
 use ramp_kit::source::{nearest, shorten};
-
-use crate::data::Data;
+use ramp_result::resume::Foreign;
 
 /// The name that stands for every goal.
 const ALL: &str = "all";
@@ -49,8 +49,21 @@ pub enum BatchError {
     Busy { folder: String },
 }
 
+impl BatchError {
+    /// The file of a result that does not belong into its folder.
+    pub fn foreign(path: &Path, foreign: Foreign) -> BatchError {
+        let file = path.display().to_string();
+        match foreign {
+            Foreign::Version { theirs, ours } => BatchError::OtherVersion { file, theirs, ours },
+            Foreign::World { theirs } => BatchError::OtherWorld { file, theirs },
+            Foreign::Secret => BatchError::OtherSecret { file },
+            Foreign::Agent { theirs } => BatchError::OtherAgent { file, theirs },
+        }
+    }
+}
+
 /// A goal to be run.
-pub struct Goal {
+pub struct BatchGoal {
     pub name: String,
     /// As `ramp run` is told it.
     pub argument: String,
@@ -59,10 +72,9 @@ pub struct Goal {
 }
 
 /// The goals that are meant, each once, in the order they were named.
-pub fn find(data: &Data, words: &[String]) -> Result<Vec<Goal>, Report> {
-    let kit = data.kit()?;
+pub fn find(data: &Data, words: &[String]) -> Result<Vec<BatchGoal>, Report> {
     let names = data.goal_names()?;
-    let mut goals: Vec<Goal> = Vec::new();
+    let mut goals: Vec<BatchGoal> = Vec::new();
     for word in words {
         let class = Class::ALL.into_iter().find(|class| class.name() == word);
         let is_file = word.ends_with(".xml") || Path::new(word).components().count() > 1;
@@ -83,13 +95,13 @@ pub fn find(data: &Data, words: &[String]) -> Result<Vec<Goal>, Report> {
         };
         let mut found = false;
         for argument in meant {
-            let assembly = data.goal(argument, &kit)?;
+            let assembly = data.goal(argument)?;
             if class.is_some() && assembly.class != class {
                 continue;
             }
             found = true;
             match goals.iter().find(|goal| goal.name == assembly.name) {
-                None => goals.push(Goal {
+                None => goals.push(BatchGoal {
                     name: assembly.name.clone(),
                     argument: argument.to_string(),
                     class: assembly.class,

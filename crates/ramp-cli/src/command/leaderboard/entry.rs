@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use miette::{IntoDiagnostic, Report as Failure, miette};
 use ramp_kit::source::plain;
 use ramp_log::{ENDING, Log};
-use ramp_report::leaderboard::{Stream, Terms, agent, check_log, check_whole, one_agent};
+use ramp_report::leaderboard::{BoardTerms, Stream, agent, check_log, check_whole, one_agent};
 use ramp_result::collection::{Collection, Identity, ResultFile, collect};
 
 use super::judge::LogFile;
@@ -106,7 +106,7 @@ impl Entry {
     ///
     /// # Errors
     /// The first reason why it is not.
-    pub fn read(&self, terms: &Terms, known: &Known) -> Result<Checked, Failure> {
+    pub fn read(&self, terms: &BoardTerms, known: &Known) -> Result<Checked, Failure> {
         self.check_files()?;
         let collection = collect(std::slice::from_ref(&self.folder))?;
         let agent = plain(&agent(one_agent(&collection).into_diagnostic()?), LONGEST_NAME);

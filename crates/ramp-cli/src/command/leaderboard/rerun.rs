@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use miette::{IntoDiagnostic, Report as Failure, miette};
+use ramp_data::Data;
 use ramp_external_agent::AgentFile;
 use ramp_log::{ENDING, Log};
 use ramp_report::leaderboard::Stream;
@@ -13,7 +14,6 @@ use ramp_result::collection::{Entrant, collect};
 use ramp_result::episode::{EpisodeResult, WorldInfo};
 
 use super::entry::Entry;
-use crate::data::Data;
 
 /// What the file of an entry's agent is called: a Python file, or an executable.
 const NAMES: [&str; 2] = ["agent.py", "agent"];

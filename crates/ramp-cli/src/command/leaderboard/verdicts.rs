@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 use std::io::Read;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use miette::{IntoDiagnostic, Report as Failure};
 use ramp_result::episode::Software;
@@ -13,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::judge::{LogFile, Verdict, replay};
 use crate::output::print;
+use crate::pool;
 use crate::software::software;
 
 /// The file in the site's folder.
@@ -131,28 +131,11 @@ fn read(path: &Path) -> Result<Option<Remembered>, String> {
     Ok(Some(found))
 }
 
-/// Runs logs again, as many at a time as there are cores. After the first that is not equal no other is begun: `None`.
+/// Runs logs again, as many at a time as there are cores. No log is begun after the first that is not equal: `None`.
 fn replay_all(logs: &[&LogFile]) -> Vec<Option<Result<Verdict, String>>> {
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let next = AtomicUsize::new(0);
-    let found = Mutex::new(vec![None; logs.len()]);
-    std::thread::scope(|scope| {
-        for _ in 0..cores.min(logs.len()) {
-            scope.spawn(|| {
-                while let Some((index, log)) = {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    logs.get(index).map(|log| (index, *log))
-                } {
-                    let verdict = replay(log);
-                    if verdict != Ok(Verdict::Equal) {
-                        next.store(logs.len(), Ordering::Relaxed);
-                    }
-                    if let Ok(mut found) = found.lock() {
-                        found[index] = Some(verdict);
-                    }
-                }
-            });
-        }
-    });
-    found.into_inner().unwrap_or_default()
+    pool::work(logs.len(), cores, |index| match replay(logs[index]) {
+        Ok(Verdict::Equal) => ControlFlow::Continue(Ok(Verdict::Equal)),
+        other => ControlFlow::Break(other),
+    })
 }

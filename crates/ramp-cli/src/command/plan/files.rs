@@ -1,0 +1,30 @@
+//! The planning problem as files for other solvers: an answer set program, or PDDL.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use miette::{IntoDiagnostic, Report};
+
+use super::problem::{Level, Problem};
+use crate::output::{print, write_file};
+use crate::status::DONE;
+
+/// Prints a domain with the goal as an answer set program.
+pub(super) fn asp(problem: &Problem, level: Level) -> Result<u8, Report> {
+    let fine = matches!(level, Level::Fine);
+    print(&ramp_planner::asp(&problem.goal, &problem.domains, fine))?;
+    Ok(DONE)
+}
+
+/// Writes the coarse domain and the goal as PDDL, and prints the names of the files.
+pub(super) fn pddl(problem: &Problem, folder: &Path) -> Result<u8, Report> {
+    let written = ramp_planner::pddl(&problem.goal, &problem.state, &problem.domains).into_diagnostic()?;
+    let mut text = String::new();
+    for (name, content) in [("domain.pddl", &written.domain), ("problem.pddl", &written.problem)] {
+        let path = folder.join(name);
+        write_file(&path, content)?;
+        let _ = writeln!(text, "{}", path.display());
+    }
+    print(&text)?;
+    Ok(DONE)
+}
