@@ -36,6 +36,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         Some(Command::Verify(arguments)) => return super::held_out::check(arguments),
         None => {}
     }
+    // A faulty kit is reported before a missing folder of goals.
+    data.kit()?;
     let mut rows = Vec::new();
     for name in data.goal_names()? {
         rows.push(data.goal(&name)?);

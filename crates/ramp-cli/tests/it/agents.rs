@@ -44,7 +44,7 @@ fn an_agent_in_python_gets_what_its_track_gives() {
         assert_eq!(result["agent"]["sha256"].as_str().unwrap().len(), 64);
         assert_eq!(result["plan"]["fine"], 5);
         let events = result["events"].as_array().unwrap();
-        assert_eq!((events.len(), &events[0]["action"]), (15, &serde_json::json!("stay_a_while")));
+        assert_eq!((events.len(), &events[0]["action"]), (16, &serde_json::json!("stay_a_while")));
         assert_eq!(events[1]["item"]["beam"], "b4");
         assert_eq!((&events[3]["fault"], &events[3]["force"]), (&"jammed".into(), &25.0.into()));
         let schema = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/schema/episode.schema.json");

@@ -35,9 +35,11 @@ fn send(signal: &str, process: u32) {
 
 /// The episodes that a bench has at work now, as process numbers.
 fn episodes_of(bench: &Child) -> Vec<u32> {
-    let path = format!("/proc/{0}/task/{0}/children", bench.id());
-    let list = std::fs::read_to_string(path).unwrap_or_default();
-    list.split_whitespace().map(|word| word.parse().unwrap()).collect()
+    // Each thread of the bench starts its own episodes.
+    let threads = std::fs::read_dir(format!("/proc/{}/task", bench.id())).into_iter().flatten().flatten();
+    let lists = threads.map(|it| std::fs::read_to_string(it.path().join("children")).unwrap_or_default());
+    let lists = lists.collect::<Vec<String>>().join(" ");
+    lists.split_whitespace().map(|word| word.parse().unwrap()).collect()
 }
 
 fn wait_for(what: &str, mut there: impl FnMut() -> bool) {
