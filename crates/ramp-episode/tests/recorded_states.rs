@@ -1,12 +1,12 @@
-//! Episodes end in the state that is on record, to the last bit: what is meant to change no result changes none.
+//! Episodes end in the state that is on record, to the last bit: what is meant to change no result changes
+//! none.
 //!
 //! `cargo test` runs easy-3. All eighteen episodes on record, of the worlds `ideal` and `real`, take some
-//! minutes:
-//! `cargo test --release --workspace --test recorded_states -- --ignored`. A change that is meant to change results
-//! writes the record anew: `RAMP_WRITE=1` before that command.
+//! minutes: `cargo test --release --workspace --test recorded_states -- --ignored`. A change that is meant to
+//! change results writes the record anew: `RAMP_WRITE=1` before that command.
 //!
-//! Processors differ in the last bits of sines and roots, so the record holds for one kind of them. Its first line is a
-//! probe of these functions; where the probe differs, nothing is compared.
+//! Processors differ in the last bits of sines and roots, so the record holds for one kind of them. Its first
+//! line is a probe of these functions; where the probe differs, nothing is compared.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]

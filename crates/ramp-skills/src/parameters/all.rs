@@ -158,8 +158,8 @@ impl Parameters {
     /// The baseline's values, except those that a file gives.
     ///
     /// # Errors
-    /// A [`ParameterFault`] when the file cannot be read, is not TOML, has a table or a parameter that is not known, or a
-    /// value of another form or out of range.
+    /// A [`ParameterFault`] when the file cannot be read, is not TOML, has a table or a parameter that is not
+    /// known, or a value of another form or out of range.
     pub fn read(path: &Path) -> Result<Arc<Parameters>, ParameterFault> {
         Parameters::from_source(&SourceFile::read(path)?)
     }

@@ -1,4 +1,5 @@
-//! A group of parameters: a struct whose fields a parameter file can set, declared with their units and limits.
+//! A group of parameters: a struct whose fields a parameter file can set, declared with their units and
+//! limits.
 
 use std::collections::BTreeMap;
 
@@ -97,8 +98,8 @@ pub struct Group {
     pub values: Vec<Vec<f64>>,
 }
 
-/// The numbers of a parameter in SI units, from those of the file in `unit`. Angles in degrees become radians; all other units of
-/// parameter files are SI.
+/// The numbers of a parameter in SI units, from those of the file in `unit`. Angles in degrees become
+/// radians; all other units of parameter files are SI.
 pub fn to_si(numbers: &[f64], unit: &str) -> Vec<f64> {
     if unit == DEGREES {
         numbers.iter().map(|number| number.to_radians()).collect()
@@ -127,7 +128,8 @@ macro_rules! si_unit {
     };
 }
 
-/// Declares a struct of parameters: each field with its type, its unit, the least and the largest value that it may have.
+/// Declares a struct of parameters: each field with its type, its unit, the least and the largest value that
+/// it may have.
 macro_rules! parameters {
     (
         $(#[doc = $about:literal])+

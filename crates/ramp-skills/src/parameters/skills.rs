@@ -7,7 +7,8 @@ parameters! {
         replans: usize = "", 0.0, 100.0;
         /// How well two holes must be known to tell whether a peg goes in, 1 σ.
         holes_known: f64 = "m", 1e-5, 0.1;
-        /// A peg further than this from its place in the holder is not fetched any more. In its hole it can be 3 mm off.
+        /// A peg further than this from its place in the holder is not fetched any more. In its hole it can
+        /// be 3 mm off.
         peg_strayed: f64 = "m", 1e-4, 0.1;
     }
 }
@@ -31,8 +32,8 @@ parameters! {
 parameters! {
     /// Moves the hand, and what it holds, from place to place.
     MoveToParameters {
-        /// How well the joints that a beam is to meet must be known before it is fetched, 1 σ. Where a beam is to go is easier
-        /// to see before it is in the hand.
+        /// How well the joints that a beam is to meet must be known before it is fetched, 1 σ. Where a beam
+        /// is to go is easier to see before it is in the hand.
         known: f64 = "m", 1e-5, 0.1;
         /// How much higher than for its descent a peg is brought over its hole. Chosen.
         above: f64 = "m", 0.0, 0.1;
@@ -54,7 +55,8 @@ parameters! {
 parameters! {
     /// Puts the held part back where it was picked up.
     PutDownParameters {
-        /// Height over its place from which a part is lowered. A peg's stem is then above its holder, a beam above the table.
+        /// Height over its place from which a part is lowered. A peg's stem is then above its holder, a beam
+        /// above the table.
         above: f64 = "m", 1e-3, 0.3;
         /// Speed with which it is lowered. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
@@ -140,7 +142,8 @@ parameters! {
         tries: usize = "", 1.0, 20.0;
         /// A beam that is off by less is not pushed: well within what a peg or a cap takes. Chosen.
         near: f64 = "m", 0.0, 0.01;
-        /// A beam that is still off by more than this share of what it was before is not pushed again. Chosen.
+        /// A beam that is still off by more than this share of what it was before is not pushed again.
+        /// Chosen.
         no_nearer: f64 = "", 0.0, 1.0;
         /// Motions of one push at most: friction on the table stops each of them a little short.
         motions: usize = "", 1.0, 50.0;
@@ -154,7 +157,8 @@ parameters! {
         known: f64 = "m", 1e-5, 0.1;
         /// Angle by which the peg may be off upright when it is lowered.
         upright: f64 = "rad", 1e-4, 0.5;
-        /// How long a hole is searched near where it was seen, before the peg is thought to be tilted: up to 4 mm around.
+        /// How long a hole is searched near where it was seen, before the peg is thought to be tilted: up to
+        /// 4 mm around.
         near_time: f64 = "s", 0.0, 600.0;
         /// Longest search further around. Chosen.
         search_time: f64 = "s", 0.0, 600.0;
