@@ -9,14 +9,14 @@ const DEGREES: &str = "°";
 /// The values of a parameter file, in its units: by table and field, a single number as a list of one.
 pub type Values = BTreeMap<(String, String), Vec<f64>>;
 
-/// What one parameter is.
+/// Description of one parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Field {
     /// Its name in the parameter file.
     pub name: &'static str,
     /// Its unit in the file; empty for a plain number.
     pub unit: &'static str,
-    /// What it means, and how it was found.
+    /// Its meaning and the source of its value.
     pub meaning: &'static str,
     /// Its form.
     pub form: Form,
@@ -33,7 +33,7 @@ pub enum Form {
     Number,
     /// A whole number.
     Count,
-    /// So many numbers.
+    /// A list of this many numbers.
     List(usize),
 }
 
@@ -90,7 +90,7 @@ impl<const N: usize> Value for [f64; N] {
 pub struct Group {
     /// The name of the table.
     pub table: &'static str,
-    /// What it belongs to.
+    /// The subject of the table.
     pub about: &'static str,
     /// Its parameters.
     pub fields: &'static [Field],
@@ -151,10 +151,10 @@ macro_rules! parameters {
         }
 
         impl $group {
-            /// What the group belongs to.
+            /// The subject of the group.
             pub const ABOUT: &'static str = concat!($($about),+);
 
-            /// What its parameters are.
+            /// The descriptions of its parameters.
             pub const FIELDS: &'static [$crate::parameters::group::Field] = &[
                 $(
                     $crate::parameters::group::Field {

@@ -26,8 +26,7 @@ parameters! {
         guard: f64 = "N", 5.0, 200.0;
         /// Duration of the compliant retreat after that. Chosen.
         yield_time: f64 = "s", 0.0, 5.0;
-        /// How long the hand waits until a motion has faded. The filter of the wrist sensor has a time
-        /// constant of 20 ms.
+        /// Time for a motion to settle. The filter of the wrist sensor has a time constant of 20 ms.
         rest: f64 = "s", 0.0, 10.0;
         /// Joint speed below which the arm is at rest. Chosen: 0.1 mm in the duration of a look.
         at_rest: f64 = "rad/s", 1e-5, 0.1;
@@ -50,7 +49,7 @@ parameters! {
 parameters! {
     /// The trim of a straight motion that must keep its line.
     TrimParameters {
-        /// Time in which the tip comes back to its line. Chosen: several times that of the hand's impedance.
+        /// Time in which the tip returns to its line. Chosen: several times that of the hand's impedance.
         time: f64 = "s", 0.02, 10.0;
         /// Acceleration of such a motion. Chosen: the tip returns to its line within the first millimetres.
         acceleration: f64 = "m/s²", 0.01, 10.0;
