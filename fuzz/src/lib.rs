@@ -1,7 +1,8 @@
-//! What the fuzz targets share: seeds, the project's own data, files made of mutated parts, and what must hold of errors.
+//! What the fuzz targets share: seeds, the project's own data, files made of mutated parts, and what must
+//! hold of errors.
 //!
-//! Each target in `src/bin` hands mutated bytes to one public reader. A panic, an assertion that fails, too much memory and
-//! too much time are findings. `tools/fuzz` builds and runs all of them.
+//! Each target in `src/bin` hands mutated bytes to one public reader. A panic, an assertion that fails, too
+//! much memory and too much time are findings. `tools/fuzz` builds and runs all of them.
 
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -20,7 +21,8 @@ const LONGEST_ERROR: usize = 4000;
 /// The longest error with the line that it points at, bytes.
 const LONGEST_REPORT: usize = 20_000;
 
-/// A target: its seeds, and what is done with an input. The seeds go to the folder that `RAMP_FUZZ_SEEDS` names.
+/// A target: its seeds, and what is done with an input. The seeds go to the folder that `RAMP_FUZZ_SEEDS`
+/// names.
 #[macro_export]
 macro_rules! target {
     ($seeds:expr, $check:expr) => {
@@ -97,7 +99,8 @@ pub fn header() -> Header {
     }
 }
 
-/// An MCAP file of these messages, each with its topic, without checksums: what is mutated gets as far as the readers.
+/// An MCAP file of these messages, each with its topic, without checksums: what is mutated gets as far as the
+/// readers.
 pub fn mcap_file(messages: &[(&str, &[u8])], compression: Option<mcap::Compression>) -> Vec<u8> {
     write_mcap(messages, compression).unwrap_or_else(|error| panic!("{error}"))
 }

@@ -1,8 +1,9 @@
-//! Speed of a whole easy-3 episode on one core, beside raw MuJoCo stepping the same scene with the same commands.
+//! Speed of a whole easy-3 episode on one core, beside raw MuJoCo stepping the same scene with the same
+//! commands.
 //!
-//! Raw stepping is the lower bound: what is above it is the controller, the sensors, the referee, planning and
-//! motion planning together. Prints the real-time factors and their ratio. Then the steps a second of the twin in the world
-//! `real` over those in `ideal`.
+//! Raw stepping is the lower bound: what is above it is the controller, the sensors, the referee, planning
+//! and motion planning together. Prints the real-time factors and their ratio. Then the steps a second of the
+//! twin in the world `real` over those in `ideal`.
 
 use std::time::{Duration, Instant};
 
@@ -106,7 +107,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     worlds(&world, repeats)
 }
 
-/// Steps a second of the twin in both worlds, the same agent on the same goal; the fastest of so many episodes counts.
+/// Steps a second of the twin in both worlds, the same agent on the same goal; the fastest of the
+/// repeats counts.
 fn worlds(goal: &GoalFiles, repeats: usize) -> Result<(), Box<dyn std::error::Error>> {
     let mut fastest = [0.0_f64; 2];
     for _ in 0..repeats {

@@ -1,5 +1,5 @@
-//! The calls of a log, made once more: each must be answered as it was, and the physics must be the same ten times a
-//! second.
+//! The calls of a log, made once more: each must be answered as it was, and the physics must be the same ten
+//! times a second.
 
 use std::iter::Peekable;
 

@@ -17,8 +17,8 @@ pub struct Difference {
     pub replayed: String,
 }
 
-/// Everything in which the result of a log and that of its replay differ. `stopped` is what stopped the robot for good,
-/// `time` the end in robot time, s.
+/// Everything in which the result of a log and that of its replay differ. `stopped` is what stopped the robot
+/// for good, `time` the end in robot time, s.
 pub(crate) fn compare(
     logged: &EpisodeResult,
     replayed: &EpisodeResult,

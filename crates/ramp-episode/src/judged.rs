@@ -27,8 +27,8 @@ pub struct Progress {
 /// Called now and then with the progress and the twin, to be looked at.
 pub type Watcher<'a> = dyn FnMut(&Progress, &Twin) + 'a;
 
-/// What stands between agent and twin: forwards every call, lets the referee look, keeps the log and the agent's
-/// clock. An agent gets it as `&mut dyn Robot` and has no way past it.
+/// What stands between agent and twin: forwards every call, lets the referee look, keeps the log and the
+/// agent's clock. An agent gets it as `&mut dyn Robot` and has no way past it.
 pub(crate) struct Judged<'a, 'w> {
     pub(crate) twin: &'a mut Twin,
     referee: Referee,
@@ -86,7 +86,8 @@ impl<'a, 'w> Judged<'a, 'w> {
         }
     }
 
-    /// The log keeps what is given, and that something is refused. What stops the robot for good is no answer.
+    /// The log keeps what is given, and that something is refused. What stops the robot for good is no
+    /// answer.
     fn record_answer<T>(&mut self, result: &Result<T, RobotError>, hash: impl Fn(&T) -> u64) {
         if let Some(recorder) = self.recorder() {
             match result {

@@ -1,9 +1,10 @@
-//! One episode (section III-D of the paper): an agent works in the twin, the referee watches the truth, the log keeps it.
+//! One episode (section III-D of the paper): an agent works in the twin, the referee watches the truth, the
+//! log keeps it.
 //!
-//! Data passes one way: [`episode`] lets an agent work through `judged`, which stands between agent and twin, and hands
-//! on an [`EpisodeResult`](ramp_result::EpisodeResult) and a log. [`mod@replay`] runs the same episode again from its log,
-//! tells each [`Difference`], and whether the agent kept to its track ([`Breach`]).
-//! [`faults`] judges episodes in which something went wrong on purpose.
+//! Data passes one way: [`episode`] lets an agent work through `judged`, which stands between agent and twin,
+//! and hands on an [`EpisodeResult`](ramp_result::EpisodeResult) and a log. [`mod@replay`] runs the same
+//! episode again from its log, tells each [`Difference`], and whether the agent kept to its track
+//! ([`Breach`]). [`faults`] judges episodes in which something went wrong on purpose.
 
 mod again;
 mod answer;

@@ -1,5 +1,5 @@
-//! An episode again, from its log alone: the same world from the seed, the same commands, the same referee, and a
-//! comparison of every bit that the log tells.
+//! An episode again, from its log alone: the same world from the seed, the same commands, the same referee,
+//! and a comparison of every bit that the log tells.
 
 use std::path::Path;
 
@@ -26,8 +26,8 @@ const LARGEST_DISTURBANCE: f64 = 0.1;
 /// What came out of running an episode again.
 #[derive(Clone, Debug)]
 pub struct Replayed {
-    /// The log's result with what the replay found in place of what the log says of it: pegs, completion, robot time
-    /// and physics.
+    /// The log's result with what the replay found in place of what the log says of it: pegs, completion,
+    /// robot time and physics.
     pub result: EpisodeResult,
     /// What differs; empty when all is equal.
     pub differences: Vec<Difference>,
@@ -163,7 +163,8 @@ impl LoggedSetup {
 
 /// Runs a log's episode again and compares. It takes as long as the episode's physics and images.
 ///
-/// The software that made the log is not compared: another version may find differences where there is no fraud.
+/// The software that made the log is not compared: another version may find differences where there is no
+/// fraud.
 ///
 /// # Errors
 /// When the log holds something that no episode can be made from, or contradicts itself.

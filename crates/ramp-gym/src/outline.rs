@@ -87,7 +87,8 @@ fn pose(text: &PoseText) -> Result<Pose, String> {
     let [w, x, y, z] = text.quat_wxyz;
     let q = Quaternion::new(w, x, y, z);
     let length = q.norm();
-    if !((length - 1.0).abs() <= QUATERNION) {
+    let is_unit = (1.0 - QUATERNION..=1.0 + QUATERNION).contains(&length);
+    if !is_unit {
         return Err(format!("found a quaternion of length {length:.4} in a rehearsal, expected 1"));
     }
     Ok(Pose::from_parts(Translation3::from(text.position), UnitQuaternion::from_quaternion(q)))

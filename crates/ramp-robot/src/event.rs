@@ -303,11 +303,7 @@ impl EventKind {
 
 fn make_plain(value: &mut Value) {
     match value {
-        Value::String(text) => {
-            if !is_text(text, MAX_SENTENCE) {
-                *text = plain(text, MAX_SENTENCE - 1);
-            }
-        }
+        Value::String(text) if !is_text(text, MAX_SENTENCE) => *text = plain(text, MAX_SENTENCE - 1),
         Value::Array(list) => list.iter_mut().for_each(make_plain),
         Value::Object(fields) => fields.values_mut().for_each(make_plain),
         _ => {}

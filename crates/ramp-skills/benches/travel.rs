@@ -1,17 +1,18 @@
 //! Speed of motion planning on the motions that the nine goals ask for, and how long those motions take.
 //!
-//! The rehearsal goes through the plan of every goal, with the parts and the arm a little off their nominal places by one
-//! seed after another. Its motions through free space are the queries: with and without a part in the hand, among all
-//! parts and what is built so far. All are planned with the full limits of the arm's velocities and accelerations.
+//! The rehearsal goes through the plan of every goal, with the parts and the arm a little off their nominal
+//! places by one seed after another. Its motions through free space are the queries: with and without a part
+//! in the hand, among all parts and what is built so far. All are planned with the full limits of the arm's
+//! velocities and accelerations.
 //!
-//! Printed: how many queries are solved, of those that have a free end at all; median and 99th percentile of the planning
-//! time; and the time of the motions over that of a double integrator, which goes straight in joint space at the arm's
-//! limits through everything: to the same end, and to whichever free end posture is nearest. A motion that has to go up,
-//! across and down is longer than that.
+//! Printed: how many queries are solved, of those that have a free end at all; median and 99th percentile of
+//! the planning time; and the time of the motions over that of a double integrator, which goes straight in
+//! joint space at the arm's limits through everything: to the same end, and to whichever free end posture is
+//! nearest. A motion that has to go up, across and down is longer than that.
 //!
-//! In the same run, with the same collision checks and the same law of time, the same queries go to RRT-Connect as this
-//! software has it for a last resort (with shortcuts) and as the crate `oxmpl` has it (without). Neither keeps a held beam
-//! level.
+//! In the same run, with the same collision checks and the same law of time, the same queries go to
+//! RRT-Connect as this software has it for a last resort (with shortcuts) and as the crate `oxmpl` has it
+//! (without). Neither keeps a held beam level.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -44,8 +45,8 @@ const AWAY: f64 = 0.1;
 const RANGE_MARGIN: f64 = 0.05;
 /// Time after which `oxmpl` gives up.
 const LONGEST: Duration = Duration::from_millis(500);
-/// Largest step of its trees, rad, and the share of samples that are the goal; samples on an edge are as far from each other as
-/// in this software's search.
+/// Largest step of its trees, rad, and the share of samples that are the goal; samples on an edge are as far
+/// from each other as in this software's search.
 const OXMPL: (f64, f64) = (0.5, 0.05);
 /// Distance of those samples, rad.
 const EDGE_SAMPLE: f64 = 0.05;
@@ -191,8 +192,8 @@ impl<'a> Bench<'a> {
         Ok(Bench { arm, planner, analytic, law, parameters: Parameters::baseline() })
     }
 
-    /// Why there is no answer: the error of the planner, or `None` when the start or every end touches something or is
-    /// out of reach.
+    /// Why there is no answer: the error of the planner, or `None` when the start or every end touches
+    /// something or is out of reach.
     fn ask(&self, number: usize, query: &Leg) -> Result<Answer, Option<MotionError>> {
         let travel = &self.parameters.travel;
         let checker = Checker::new(self.arm, query.open, query.held.clone(), &query.around, travel.margin);
@@ -214,7 +215,8 @@ impl<'a> Bench<'a> {
         Ok(Answer { own, tree, oxmpl, same, best })
     }
 
-    /// Time of every joint straight from rest to rest at its largest velocity and acceleration, s; the largest of all joints.
+    /// Time of every joint straight from rest to rest at its largest velocity and acceleration, s; the
+    /// largest of all joints.
     fn double_integrator(&self, from: &Joints, to: &Joints) -> f64 {
         let joint = |joint: usize| {
             let (way, limits) = ((to[joint] - from[joint]).abs(), &self.arm.joints[joint]);

@@ -47,9 +47,9 @@ impl Grasp {
     }
 }
 
-/// The grasps of a link of the beam at `x_wb` (world): for each point of the link, the one nearest to the middle of the beam
-/// first, both senses of the hand, the better one first. The hand turns with the beam, so its way leads by `goal` (world) as
-/// well; `way` measures a way of the tip.
+/// The grasps of a link of the beam at `x_wb` (world): for each point of the link, the one nearest to the
+/// middle of the beam first, both senses of the hand, the better one first. The hand turns with the beam, so
+/// its way leads by `goal` (world) as well; `way` measures a way of the tip.
 pub fn beam_grasps(
     beam: &Beam,
     link: &Link,
@@ -63,7 +63,8 @@ pub fn beam_grasps(
     points.map(|s| senses(s, x_wb, goal, grip, travel, &way)).collect()
 }
 
-/// The two grasps of the beam at `x_wb` (world) at `s` metres from its j1 hole, the better one first: see [`beam_grasps`].
+/// The two grasps of the beam at `x_wb` (world) at `s` metres from its j1 hole, the better one first: see
+/// [`beam_grasps`].
 pub fn senses(
     s: f64,
     x_wb: &Pose,
@@ -81,7 +82,8 @@ pub fn senses(
     senses
 }
 
-/// The grasps of the peg at `x_wp` (world) in its holder. Pegs stand close together along x: the hand closes across it.
+/// The grasps of the peg at `x_wp` (world) in its holder. Pegs stand close together along x: the hand closes
+/// across it.
 pub fn peg_grasps(x_wp: &Pose, grip: &GripParameters) -> [Grasp; 2] {
     [0, 2].map(|quarter| {
         let x_wt = peg_grasp(x_wp, quarter);
@@ -89,15 +91,15 @@ pub fn peg_grasps(x_wp: &Pose, grip: &GripParameters) -> [Grasp; 2] {
     })
 }
 
-/// The rotations in which a hand can bring a peg over its hole, with its x axis at `yaw` (rad) now, the nearest first: any
-/// turn of the square head fits.
+/// The rotations in which a hand can bring a peg over its hole, with its x axis at `yaw` (rad) now, the
+/// nearest first: any turn of the square head fits.
 pub fn peg_rotations(yaw: f64) -> [UnitQuaternion<f64>; 12] {
     [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0, 5.0, -5.0, 6.0]
         .map(|step| hand_down(yaw + step * std::f64::consts::TAU / 12.0))
 }
 
-/// The poses of the tip (world) with a peg over the mouth of a hole at `p_wm`, and with the peg seated in it. The peg's tip is
-/// the sum of `heights` (m) over the mouth.
+/// The poses of the tip (world) with a peg over the mouth of a hole at `p_wm`, and with the peg seated in it.
+/// The peg's tip is the sum of `heights` (m) over the mouth.
 pub fn peg_over_hole(p_wm: &Vector3<f64>, heights: [f64; 2], rotation: UnitQuaternion<f64>) -> [Pose; 2] {
     let over = p_wm.z + heights[0] + heights[1] + joint::STEM_LENGTH + PEG_HEIGHT;
     [over, p_wm.z + PEG_HEIGHT].map(|z| Pose::from_parts(Translation3::new(p_wm.x, p_wm.y, z), rotation))
@@ -109,7 +111,8 @@ pub fn hand_down(yaw: f64) -> UnitQuaternion<f64> {
         * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
 }
 
-/// The direction of a frame's +x (a beam's, a peg's, the tip's) in the world, as an angle about the vertical, rad.
+/// The direction of a frame's +x (a beam's, a peg's, the tip's) in the world, as an angle about the vertical,
+/// rad.
 pub fn yaw_of(x_wf: &Pose) -> f64 {
     let x = x_wf.rotation * Vector3::x();
     x.y.atan2(x.x)
@@ -126,7 +129,8 @@ pub fn point_on(link: &Link, wanted: f64, grip: &GripParameters) -> f64 {
     if from > to { (from + to) / 2.0 } else { wanted.clamp(from, to) }
 }
 
-/// Points of a link's stretch, the nearest to `wanted` first, then one for each step along it; all in metres from the j1 hole.
+/// Points of a link's stretch, the nearest to `wanted` first, then one for each step along it; all in metres
+/// from the j1 hole.
 pub fn points_on(link: &Link, wanted: f64, grip: &GripParameters) -> Vec<f64> {
     let nearest = point_on(link, wanted, grip);
     let [from, to] = span(link, grip);
@@ -137,8 +141,8 @@ pub fn points_on(link: &Link, wanted: f64, grip: &GripParameters) -> Vec<f64> {
     points
 }
 
-/// The pose of the tip that grips the beam at `x_wb` (world) at `s` metres from its j1 hole; `reverse` turns the
-/// hand by 180°.
+/// The pose of the tip that grips the beam at `x_wb` (world) at `s` metres from its j1 hole; `reverse` turns
+/// the hand by 180°.
 pub fn beam_grasp(x_wb: &Pose, s: f64, reverse: bool) -> Pose {
     let p = x_wb * Point3::new(s, 0.0, 0.0);
     let yaw = yaw_of(x_wb) + if reverse { std::f64::consts::PI } else { 0.0 };

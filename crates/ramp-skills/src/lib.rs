@@ -1,10 +1,11 @@
 //! Action execution (section IV-B of the paper): the baseline agent and its skills.
 //!
-//! Data flows one way. The [`agent`] asks the planner for a plan and executes it action by action. For each fine action
-//! a [`table`] names the [`skill`] that carries it out. Skills are made of [`primitive`]s, which move the [`hand`]; only
-//! the hand talks to the robot. What a skill knows of the parts is a [`belief`], which sightings correct. [`piece`] is
-//! the same agent on a single piece of a plan, in a build that others have begun. [`rehearsal`] goes through a plan without
-//! moving anything, and [`reference_times`](mod@reference_times) says what its robot time is to be compared with.
+//! Data flows one way. The [`agent`] asks the planner for a plan and executes it action by action. For each
+//! fine action a [`table`] names the [`skill`] that carries it out. Skills are made of [`primitive`]s, which
+//! move the [`hand`]; only the hand talks to the robot. What a skill knows of the parts is a [`belief`],
+//! which sightings correct. [`piece`] is the same agent on a single piece of a plan, in a build that others
+//! have begun. [`rehearsal`] goes through a plan without moving anything, and
+//! [`reference_times`](mod@reference_times) says what its robot time is to be compared with.
 
 pub mod agent;
 pub mod belief;

@@ -1,7 +1,7 @@
 //! The baseline at a single piece of a plan, in a build that others have begun: for judging single skills.
 //!
-//! What stands is told to it as it is to the planner: which beams, and which connections are pinned. Where all of it
-//! really is, it has to see.
+//! What stands is told to it as it is to the planner: which beams, and which connections are pinned. Where
+//! all of it really is, it has to see.
 
 use nalgebra::Translation3;
 use ramp_kit::joint::FEMALE_HEIGHT;
@@ -27,9 +27,10 @@ pub struct Piece<'a> {
 }
 
 impl<'a> Piece<'a> {
-    /// `state` is what stands when the work begins, with nothing in the hand; `plan` has the steps that are to be carried
-    /// out, and the paths of all beams, those that stand included; `next` are the connections (indices into
-    /// [`ramp_assembly::Assembly::connections`]) that pegs are to pin afterwards as they are then.
+    /// `state` is what stands when the work begins, with nothing in the hand; `plan` has the steps that are
+    /// to be carried out, and the paths of all beams, those that stand included; `next` are the connections
+    /// (indices into [`ramp_assembly::Assembly::connections`]) that pegs are to pin afterwards as they are
+    /// then.
     pub fn new(baseline: Baseline<'a>, state: State, plan: Plan, next: Vec<usize>) -> Piece<'a> {
         Piece { baseline, state, plan, next, failure: None }
     }
@@ -40,8 +41,8 @@ impl<'a> Piece<'a> {
         cell.belief.parts.update(&mut cell.hand)?;
         cell.calibrate()?;
         self.baseline.run_plan(cell, &self.plan)?;
-        // What a build does before it fetches each of the next pegs, which is no longer part of the piece. To push for one
-        // may spoil another.
+        // What a build does before it fetches each of the next pegs, which is no longer part of the piece. To
+        // push for one may spoil another.
         for _ in 0..cell.parameters.piece.rounds {
             for &connection in &self.next {
                 check_holes(&self.baseline.skills, cell, connection)?;

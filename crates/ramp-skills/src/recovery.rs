@@ -18,8 +18,8 @@ fn align(skills: &SkillTable, cell: &mut Workcell, beam: usize) -> Result<(), Sk
     cell.retreat()
 }
 
-/// Before a peg is fetched: looks at the holes of a connection, and pushes its beams until a peg would go in. A peg pulls
-/// two holes together that are up to 1.7 mm apart, and jams on the male beyond that.
+/// Before a peg is fetched: looks at the holes of a connection, and pushes its beams until a peg would go in.
+/// A peg pulls two holes together that are up to 1.7 mm apart, and jams on the male beyond that.
 ///
 /// # Errors
 /// [`Fault::Misaligned`] when the holes stay too far apart, or what stopped a push.
@@ -30,7 +30,8 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
     cell.see(&holes, cell.parameters.agent.holes_known)?;
     cell.diagnose_standing();
     let offset = cell.belief.parts.offset(cell.assembly, connection)?;
-    // A peg has told that they are further apart than they seem: then they are pushed nearer, as far as that goes.
+    // A peg has told that they are further apart than they seem: then they are pushed nearer, as far as that
+    // goes.
     let told = cell
         .belief
         .apart
@@ -44,13 +45,14 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
     }
     let misaligned = |offset: f64| Fault::Misaligned { connection: connection.name.clone(), offset };
     cell.record(misaligned(offset));
-    // Beams that have swung about their only peg drag along what is joined to them: they are aligned first, then the two
-    // beams themselves.
+    // Beams that have swung about their only peg drag along what is joined to them: they are aligned first,
+    // then the two beams themselves.
     let mut beams = cell.belief.swung()?;
     let sides = [connection.female.beam, connection.male.beam];
     beams.extend(sides.into_iter().filter(|beam| *beam != cell.assembly.base));
     for _ in 0..cell.parameters.alignment.rounds {
-        // One that does not follow may hang on another: it is pushed again once that one stands where it should.
+        // One that does not follow may hang on another: it is pushed again once that one stands where it
+        // should.
         let mut stuck = false;
         for beam in &beams {
             match align(skills, cell, *beam) {
@@ -74,8 +76,8 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
     if offset <= peggable { Ok(()) } else { Err(misaligned(offset).into()) }
 }
 
-/// Pushes beams that lie loose in the assembly and were displaced back to their places. The planner knows beams by what
-/// they meet, and such a beam meets nothing yet. One that does not follow is left for the next.
+/// Pushes beams that lie loose in the assembly and were displaced back to their places. The planner knows
+/// beams by what they meet, and such a beam meets nothing yet. One that does not follow is left for the next.
 fn realign(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
     for beam in cell.belief.displaced()? {
         match align(skills, cell, beam) {
@@ -108,9 +110,9 @@ fn note_fault(cell: &mut Workcell, result: Result<(), SkillError>) -> Result<boo
     }
 }
 
-/// After a fault: puts back what is held, or lets it go where it is, retreats, realigns what lies loose, and seats
-/// pegs that fell into holes. Adds to `lost` the pegs that no hand can fetch any more; `refused` is one that could not be
-/// gripped.
+/// After a fault: puts back what is held, or lets it go where it is, retreats, realigns what lies loose, and
+/// seats pegs that fell into holes. Adds to `lost` the pegs that no hand can fetch any more; `refused` is one
+/// that could not be gripped.
 ///
 /// # Errors
 /// The robot's.

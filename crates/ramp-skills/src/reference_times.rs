@@ -1,7 +1,9 @@
-//! What robot times are to be compared with: a bound that no arm can beat, and a reference that one could reach.
+//! What robot times are to be compared with: a bound that no arm can beat, and a reference that one could
+//! reach.
 //!
-//! Both come from the plan and the arm's model alone, the same for every agent, track and seed. The [`Rehearsal`] goes through
-//! the plan with every part where it nominally is; what the arm and the hand do there is summed up in two ways.
+//! Both come from the plan and the arm's model alone, the same for every agent, track and seed. The
+//! [`Rehearsal`] goes through the plan with every part where it nominally is; what the arm and the hand do
+//! there is summed up in two ways.
 
 use ramp_assembly::Assembly;
 use ramp_motion::{Joints, Pace, PathPlanner, TimeLaw, least_time_over};
@@ -18,11 +20,11 @@ const FINGERS: f64 = 0.1;
 /// Times to compare a robot time with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReferenceTimes {
-    /// No arm with these limits rests at all grasps and places of the plan in less time, s. Each joint is a double integrator
-    /// between two rests; nothing is in the way; neither contact nor gripper takes time.
+    /// No arm with these limits rests at all grasps and places of the plan in less time, s. Each joint is a
+    /// double integrator between two rests; nothing is in the way; neither contact nor gripper takes time.
     pub bound: f64,
-    /// What the plan takes with motions at the arm's limits on paths that keep clear of everything, contact at 0.1 m/s and
-    /// fingers at 0.1 m/s, s. Without looks, searches, waits and tries. It is no bound.
+    /// What the plan takes with motions at the arm's limits on paths that keep clear of everything, contact
+    /// at 0.1 m/s and fingers at 0.1 m/s, s. Without looks, searches, waits and tries. It is no bound.
     pub reference: f64,
 }
 

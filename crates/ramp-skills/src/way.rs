@@ -1,5 +1,5 @@
-//! How far and how long the arm moves to bring the tip to some poses: the measure by which skills choose among grasps, turns
-//! and places to look from.
+//! How far and how long the arm moves to bring the tip to some poses: the measure by which skills choose
+//! among grasps, turns and places to look from.
 
 use std::cmp::Ordering;
 
@@ -11,7 +11,8 @@ use crate::parameters::motion::TravelParameters;
 /// The effort to bring the tip to some poses, one after another.
 #[derive(Clone, Copy, Debug)]
 pub struct Way {
-    /// Least distance of the joints from the ends of their ranges at these poses, rad; negative when one is out of reach.
+    /// Least distance of the joints from the ends of their ranges at these poses, rad; negative when one is
+    /// out of reach.
     pub margin: f64,
     /// Least time for all of it, straight in joint space, s.
     pub time: f64,
@@ -31,8 +32,9 @@ impl Way {
         way
     }
 
-    /// Compares two ways; the greater is better. First comes a way that leaves the joints room. Then counts the distance from
-    /// the ends of their ranges, up to the distance that is good enough, less the cost of the time.
+    /// Compares two ways; the greater is better. First comes a way that leaves the joints room. Then counts
+    /// the distance from the ends of their ranges, up to the distance that is good enough, less the cost of
+    /// the time.
     pub fn compare(&self, other: &Way, travel: &TravelParameters) -> Ordering {
         let has_room = |way: &Way| way.margin >= travel.least_margin;
         let score = |way: &Way| way.margin.min(travel.good_margin) - travel.time_cost * way.time;

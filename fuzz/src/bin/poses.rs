@@ -1,4 +1,5 @@
-//! Poses that cameras saw of a real robot: the first line is the message on `/run`, each further one is on `/parts`.
+//! Poses that cameras saw of a real robot: the first line is the message on `/run`, each further one is on
+//! `/parts`.
 #![no_main]
 
 use std::path::Path;

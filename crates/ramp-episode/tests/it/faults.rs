@@ -1,5 +1,5 @@
-//! Faults on purpose, in the real physics with the baseline at work: each does what its page says, and a replay does it
-//! again.
+//! Faults on purpose, in the real physics with the baseline at work: each does what its page says, and a
+//! replay does it again.
 
 use std::path::Path;
 

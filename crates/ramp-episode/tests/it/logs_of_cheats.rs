@@ -173,7 +173,8 @@ fn calls_that_were_stripped_spliced_or_reordered_are_caught() {
     assert_eq!([what.as_str(), logged.as_str()], ["final state of the physics", "missing"]);
 }
 
-/// The frame was built with exact poses; then every reading was taken out of the log, and it was called `tags`.
+/// The frame was built with exact poses; then every reading was taken out of the log, and it was called
+/// `tags`.
 #[test]
 fn a_frame_that_was_built_blind_is_caught() {
     let folder = tempfile::TempDir::new().unwrap();

@@ -116,7 +116,7 @@ fn a_camera_that_stops_is_told_and_the_run_goes_on() {
         let (ended, events, _) = begin(Track::Tags, 1, 25.0, Trouble::Stops(camera, 4.0));
         assert_eq!(ended, Err(RobotError::OutOfTime { limit: 25.0 }), "{events:?}");
         assert!(has(&events, "fault", &format!("`{}` gives no image", camera.name())), "{events:?}");
-        assert!(has(&events, "done", "pick up b4"), "{events:?}");
+        assert!(has(&events, "action_ended", "pick up b4"), "{events:?}");
     }
 }
 

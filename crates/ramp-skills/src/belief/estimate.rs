@@ -1,9 +1,9 @@
 //! A pose that is known only so well: its mean, its covariance, and how a new measurement changes them.
 //!
-//! The error of an estimate is six numbers on the axes of the frame in which the pose is given: a shift δp (m) and a
-//! rotation vector δθ (rad), so that the true position is p + δp and the true rotation exp(δθ)·R. Since a
-//! measurement is a pose as well, the Kalman filter's measurement matrix is the identity, and nothing has to be made
-//! linear but the rotation, whose errors are a few degrees at most.
+//! The error of an estimate is six numbers on the axes of the frame in which the pose is given: a shift δp
+//! (m) and a rotation vector δθ (rad), so that the true position is p + δp and the true rotation exp(δθ)·R.
+//! Since a measurement is a pose as well, the Kalman filter's measurement matrix is the identity, and nothing
+//! has to be made linear but the rotation, whose errors are a few degrees at most.
 
 use nalgebra::{Cholesky, Matrix3, Matrix6, Point3, SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
 
@@ -18,8 +18,8 @@ pub struct Estimate {
     pub covariance: Matrix6<f64>,
 }
 
-/// A diagonal covariance from the standard deviations of the position (m, each axis) and of the rotation (rad, each
-/// axis).
+/// A diagonal covariance from the standard deviations of the position (m, each axis) and of the rotation
+/// (rad, each axis).
 pub fn covariance(position: [f64; 3], rotation: [f64; 3]) -> Matrix6<f64> {
     let [x, y, z] = position;
     let [a, b, c] = rotation;
@@ -34,8 +34,8 @@ impl Estimate {
         Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
     }
 
-    /// Normalised innovation squared of a measurement: around 6 when measurement and estimate are what they say they
-    /// are, and infinite when a covariance is none.
+    /// Normalised innovation squared of a measurement: around 6 when measurement and estimate are what they
+    /// say they are, and infinite when a covariance is none.
     pub fn surprise(&self, measured: &Estimate) -> f64 {
         let error = self.error(&measured.x);
         match Cholesky::new(self.covariance + measured.covariance) {
@@ -44,8 +44,8 @@ impl Estimate {
         }
     }
 
-    /// The innovation of a measurement, whitened (six independent numbers of unit variance), and the root of its
-    /// covariance, which makes an error of white numbers again.
+    /// The innovation of a measurement, whitened (six independent numbers of unit variance), and the root of
+    /// its covariance, which makes an error of white numbers again.
     pub fn whitened(&self, measured: &Estimate) -> Option<(Vector6<f64>, Matrix6<f64>)> {
         let root = Cholesky::new(self.covariance + measured.covariance)?.l();
         Some((root.solve_lower_triangular(&self.error(&measured.x))?, root))
@@ -54,7 +54,8 @@ impl Estimate {
     /// Takes a measurement in.
     pub fn fuse(&mut self, measured: &Estimate) {
         let Some(factor) = Cholesky::new(self.covariance + measured.covariance) else { return };
-        // With P the covariance before and R that of the measurement: gain K = P (P + R)⁻¹, covariance after K R.
+        // With P the covariance before and R that of the measurement: gain K = P (P + R)⁻¹, covariance after
+        // K R.
         let gain = factor.solve(&self.covariance).transpose();
         let step = gain * self.error(&measured.x);
         let after = gain * measured.covariance;
@@ -87,8 +88,8 @@ impl Estimate {
         self.covariance += covariance(position, rotation);
     }
 
-    /// Forgets how far the part is turned about an axis (a unit vector) through the origin of the frame in which the pose is
-    /// given, to `sigma` rad: far from there, its position goes along.
+    /// Forgets how far the part is turned about an axis (a unit vector) through the origin of the frame in
+    /// which the pose is given, to `sigma` rad: far from there, its position goes along.
     pub fn spread_turn(&mut self, axis: &Vector3<f64>, sigma: f64) {
         let shift = axis.cross(&self.x.translation.vector);
         let error = sigma * Vector6::new(shift.x, shift.y, shift.z, axis.x, axis.y, axis.z);
@@ -105,8 +106,8 @@ impl Estimate {
         Estimate { x: x_ab * self.x, covariance: axes * self.covariance * axes.transpose() }
     }
 
-    /// Covariance of where a point of the part is, m²: the point is given in the part's frame, the covariance on the
-    /// axes of the estimate.
+    /// Covariance of where a point of the part is, m²: the point is given in the part's frame, the covariance
+    /// on the axes of the estimate.
     pub fn point_covariance(&self, p: &Point3<f64>) -> Matrix3<f64> {
         let lever = self.x.rotation * p.coords;
         let mut jacobian = SMatrix::<f64, 3, 6>::identity();
@@ -137,8 +138,8 @@ mod tests {
         estimate.x
     }
 
-    /// A part that may have turned about an axis is as well known on the axis as before, and a pose turned about it is no
-    /// surprise far from there either.
+    /// A part that may have turned about an axis is as well known on the axis as before, and a pose turned
+    /// about it is no surprise far from there either.
     #[test]
     fn a_turn_is_forgotten_with_what_goes_along() {
         let x = Pose::new(Vector3::new(0.2, 0.0, 0.01), Vector3::new(0.0, 0.0, 0.3));
@@ -155,8 +156,8 @@ mod tests {
         assert!((before - after).norm() < 1.0e-12, "{before} {after}");
     }
 
-    /// What the filter says of its own error is true: over many series of readings, the normalised square of its
-    /// innovations and of its error against the truth both have six degrees of freedom.
+    /// What the filter says of its own error is true: over many series of readings, the normalised square of
+    /// its innovations and of its error against the truth both have six degrees of freedom.
     #[test]
     fn the_covariance_is_that_of_the_error() {
         let mut stream = Stream::new(1, "filter");

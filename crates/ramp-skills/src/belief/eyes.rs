@@ -1,8 +1,8 @@
 //! The eyes: whatever a track gives to find the parts by, readings of poses or camera images, as sightings.
 //!
-//! A track that gives no poses gives images. Both cameras are then asked; what is found in an image is only as good as
-//! the camera's place is known, and the agent estimates that while it works, from the tags of the clamped beam
-//! and of the sheet, whose places are known.
+//! A track that gives no poses gives images. Both cameras are then asked; what is found in an image is only
+//! as good as the camera's place is known, and the agent estimates that while it works, from the tags of the
+//! clamped beam and of the sheet, whose places are known.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -79,7 +79,8 @@ pub struct Eyes {
     told: BTreeSet<String>,
     /// Parts that were seen not to lie as they were believed to.
     upset: Vec<String>,
-    /// By tag: in how many images it was found, and in how many it was not where it should have been in sight.
+    /// By tag: in how many images it was found, and in how many it was not where it should have been in
+    /// sight.
     tags: BTreeMap<u32, (usize, usize)>,
 }
 
@@ -150,11 +151,12 @@ impl Eyes {
         middles.min_by(|a, b| (a - p).norm().total_cmp(&(b - p).norm()))
     }
 
-    /// Looks once; an agent whose cameras all show nothing looks again after a pause, and does nothing else until one shows
-    /// something or all count as broken. `lying` is what is known of how parts lie.
+    /// Looks once; an agent whose cameras all show nothing looks again after a pause, and does nothing else
+    /// until one shows something or all count as broken. `lying` is what is known of how parts lie.
     ///
     /// # Errors
-    /// The robot's; [`RobotError::CameraStopped`] when no camera gives an image in which something could be seen.
+    /// The robot's; [`RobotError::CameraStopped`] when no camera gives an image in which something could be
+    /// seen.
     pub fn look(&mut self, hand: &mut Hand, lying: &[Lying]) -> Result<Vec<Sighting>, RobotError> {
         let begin = hand.time();
         let sightings = match self.read_poses(hand)? {
@@ -233,8 +235,8 @@ impl Eyes {
         }
     }
 
-    /// A new image. Noise makes any two of them differ: a camera that repeats its last one, of a hand that may have gone
-    /// on, is waited for.
+    /// A new image. Noise makes any two of them differ: a camera that repeats its last one, of a hand that
+    /// may have gone on, is waited for.
     fn fresh(&mut self, index: usize, hand: &mut Hand) -> Result<Image, RobotError> {
         let camera = self.eyes[index].camera;
         let begin = hand.time();

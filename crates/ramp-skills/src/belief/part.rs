@@ -34,8 +34,8 @@ pub struct Part {
 }
 
 impl Part {
-    /// Readings that are each within reason but all on one side say that the part has moved: the estimate then
-    /// forgets as much as they differ from it.
+    /// Readings that are each within reason but all on one side say that the part has moved: the estimate
+    /// then forgets as much as they differ from it.
     pub fn watch(&mut self, seen: &Estimate, parameters: &BeliefParameters) {
         let Some((white, root)) = self.estimate.whitened(seen) else { return };
         let drift = parameters.drift;

@@ -1,8 +1,8 @@
 //! Where the agent believes the parts to be, and how well it knows: all that skills get to know of them.
 //!
-//! For each part there is one estimate. Sight corrects it, time and contact blur it. A part between the fingers is
-//! known in the frame of the tip and moves with it; one that stands or lies is known in the world. The same code
-//! runs on every track: where readings are exact, covariances are next to nothing.
+//! For each part there is one estimate. Sight corrects it, time and contact blur it. A part between the
+//! fingers is known in the frame of the tip and moves with it; one that stands or lies is known in the world.
+//! The same code runs on every track: where readings are exact, covariances are next to nothing.
 
 use std::collections::BTreeMap;
 
@@ -149,8 +149,8 @@ impl Belief {
         self.parts.iter().filter_map(lying).collect()
     }
 
-    /// Lets the time pass that the robot's clock shows: what is held moves with the tip, and everything is known a
-    /// little less well.
+    /// Lets the time pass that the robot's clock shows: what is held moves with the tip, and everything is
+    /// known a little less well.
     pub fn follow(&mut self, hand: &Hand) {
         let share = (hand.time() - self.time).max(0.0).sqrt();
         let way = hand.seen.x_wt.translation.vector - self.x_wt.translation.vector;
@@ -210,9 +210,9 @@ impl Belief {
         std::mem::take(&mut self.astray)
     }
 
-    /// The fingers have closed on a part: it moves with the tip from now on. They centre it, and turn it square to
-    /// themselves: its x axis lies along or against the tip's, that of a peg (`square`) along the nearest of the
-    /// tip's axes.
+    /// The fingers have closed on a part: it moves with the tip from now on. They centre it, and turn it
+    /// square to themselves: its x axis lies along or against the tip's, that of a peg (`square`) along the
+    /// nearest of the tip's axes.
     pub fn gripped(&mut self, part: &str, square: bool) {
         let own = &self.parameters;
         let x_wt = self.x_wt;
@@ -235,7 +235,8 @@ impl Belief {
         part.rebase(Frame::Tip, estimate);
     }
 
-    /// Others have put a part at `x_wp` in the world, to within so much (m, rad); where it really is, sight will tell.
+    /// Others have put a part at `x_wp` in the world, to within so much (m, rad); where it really is, sight
+    /// will tell.
     pub fn expect(&mut self, part: &str, x_wp: Pose, (position, rotation): ([f64; 3], [f64; 3])) {
         if let Some(part) = self.parts.get_mut(part).filter(|part| part.frame != Frame::Clamped) {
             part.rebase(Frame::World, Estimate { x: x_wp, covariance: covariance(position, rotation) });
@@ -282,7 +283,8 @@ impl Belief {
         part.rebase(Frame::World, estimate);
     }
 
-    /// A point of a part (m, in its frame) is at a height (m) that is known to a standard deviation of `sigma`, m.
+    /// A point of a part (m, in its frame) is at a height (m) that is known to a standard deviation of
+    /// `sigma`, m.
     pub fn stands_at(&mut self, part: &str, p: &Point3<f64>, height: f64, sigma: f64) {
         let x_wt = self.x_wt;
         let Some(part) = self.parts.get_mut(part).filter(|part| part.frame != Frame::Clamped) else { return };
@@ -320,8 +322,9 @@ impl Belief {
         })
     }
 
-    /// How well the place of a point of a part (m, in the part's frame) is known: the standard deviation in the
-    /// direction of the table in which it is largest, and that of its height, m. Infinite for a part never seen.
+    /// How well the place of a point of a part (m, in the part's frame) is known: the standard deviation in
+    /// the direction of the table in which it is largest, and that of its height, m. Infinite for a part
+    /// never seen.
     pub fn deviation(&self, part: &str, p: &Point3<f64>) -> [f64; 2] {
         let Some(part) = self.parts.get(part).filter(|part| part.seen && part.odd.is_none()) else {
             return [f64::INFINITY; 2];
@@ -450,7 +453,8 @@ mod tests {
         assert_eq!(belief.astray().len(), 1);
     }
 
-    /// The clamped beam cannot be far from its place, however often it is seen there; but its table may be high.
+    /// The clamped beam cannot be far from its place, however often it is seen there; but its table may be
+    /// high.
     #[test]
     fn a_clamped_beam_is_not_far_away() {
         let mut belief = belief();
@@ -551,7 +555,8 @@ mod tests {
         assert!(off(&belief, "b4", &carried) < 1e-12);
     }
 
-    /// A held beam that lies flat on the table is known in height and tilt in the hand, and stays so as the hand moves.
+    /// A held beam that lies flat on the table is known in height and tilt in the hand, and stays so as the
+    /// hand moves.
     #[test]
     fn a_touch_of_the_table_tells_the_height_in_the_hand() {
         let mut belief = belief();

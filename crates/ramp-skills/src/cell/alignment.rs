@@ -51,9 +51,9 @@ impl AssemblyBelief<'_> {
         }
     }
 
-    /// Where a standing beam should be, in the world, and how far its far end is from there now, m. A pinned beam
-    /// is turned about its peg so that the hole of its next peg comes to the other beam's, or else its far end to its
-    /// nominal place; any other goes to its target.
+    /// Where a standing beam should be, in the world, and how far its far end is from there now, m. A pinned
+    /// beam is turned about its peg so that the hole of its next peg comes to the other beam's, or else its
+    /// far end to its nominal place; any other goes to its target.
     pub fn straightened(&self, beam: usize) -> Result<(Pose, f64), SkillError> {
         let placed = &self.assembly.beams[beam];
         let x_wb = self.parts.pose(&placed.beam.name)?;
@@ -95,8 +95,8 @@ impl AssemblyBelief<'_> {
         anchor(self.assembly, self.pinned.iter().map(|(index, _)| *index), beam)
     }
 
-    /// The joint of a pinned beam that is furthest from its peg among those that meet a standing beam and have no peg
-    /// yet, and what it meets.
+    /// The joint of a pinned beam that is furthest from its peg among those that meet a standing beam and
+    /// have no peg yet, and what it meets.
     fn open_joint(&self, beam: usize, anchor: JointRef) -> Option<(JointRef, JointRef)> {
         let offset = |joint: JointRef| self.assembly.beams[beam].beam.joints[joint.joint].offset;
         let lever = |joint: JointRef| (offset(joint) - offset(anchor)).abs();
@@ -119,8 +119,8 @@ impl AssemblyBelief<'_> {
         distance_at(self.far_end(beam), x_wb, goal)
     }
 
-    /// The same for its other end: a beam that no peg holds can be right at one end, and where a peg would not go in at the
-    /// other.
+    /// The same for its other end: a beam that no peg holds can be right at one end, and where a peg would
+    /// not go in at the other.
     pub fn near_off(&self, beam: usize, x_wb: &Pose, goal: &Pose) -> f64 {
         distance_at(self.assembly.beams[beam].beam.span() - self.far_end(beam), x_wb, goal)
     }
@@ -130,7 +130,8 @@ impl AssemblyBelief<'_> {
         far_end(self.assembly, self.pinned.iter().map(|(index, _)| *index), beam)
     }
 
-    /// How far a beam still is from its place along `direction`, m: that of its joints which is furthest from it.
+    /// How far a beam still is from its place along `direction`, m: that of its joints which is furthest from
+    /// it.
     pub fn remaining(&self, part: &str, goal: &Pose, direction: &Vector3<f64>) -> Result<f64, SkillError> {
         let x_wp = self.parts.pose(part)?;
         let short = |p: Point3<f64>| (goal * p - x_wp * p).dot(direction);
@@ -140,8 +141,8 @@ impl AssemblyBelief<'_> {
     }
 }
 
-/// Distance along the table between where a point on a beam's axis, `x` metres from its j1 hole, is with the beam at one
-/// pose and at the other, m.
+/// Distance along the table between where a point on a beam's axis, `x` metres from its j1 hole, is with the
+/// beam at one pose and at the other, m.
 fn distance_at(x: f64, x_wb: &Pose, other: &Pose) -> f64 {
     let p = Point3::new(x, 0.0, 0.0);
     ((x_wb * p).xy() - (other * p).xy()).norm()
@@ -152,7 +153,8 @@ pub fn anchor(assembly: &Assembly, mut pinned: impl Iterator<Item = usize>, beam
     pinned.find_map(|index| assembly.sides(&assembly.connections[index], beam).map(|(mine, _)| mine))
 }
 
-/// Distance from j1, m, of the end of a beam that is further from its pinned joint. `pinned`: connections, by index.
+/// Distance from j1, m, of the end of a beam that is further from its pinned joint. `pinned`: connections, by
+/// index.
 pub fn far_end(assembly: &Assembly, pinned: impl Iterator<Item = usize>, beam: usize) -> f64 {
     assembly.beams[beam].beam.far_end(anchor(assembly, pinned, beam).map_or(0, |joint| joint.joint))
 }

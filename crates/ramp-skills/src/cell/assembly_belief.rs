@@ -1,5 +1,6 @@
-//! The assembly as the agent believes it: poses of the parts, standing beams, pinned connections. What follows from them by
-//! geometry alone is in the files beside this one: targets, alignment, drooping beams, holes and pegs.
+//! The assembly as the agent believes it: poses of the parts, standing beams, pinned connections. What
+//! follows from them by geometry alone is in the files beside this one: targets, alignment, drooping beams,
+//! holes and pegs.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -26,7 +27,8 @@ pub struct AssemblyBelief<'a> {
     pub deep: Vec<usize>,
     /// Pinned connections, by index, each with its peg.
     pub pinned: Vec<(usize, String)>,
-    /// Connections whose peg has come to stand on the male, by index: their holes are further apart than they seem.
+    /// Connections whose peg has come to stand on the male, by index: their holes are further apart than they
+    /// seem.
     pub apart: Vec<usize>,
     /// Insertion paths of the plan, by index of the beam.
     pub paths: BTreeMap<usize, InsertionPath>,

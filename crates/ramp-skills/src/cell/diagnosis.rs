@@ -1,7 +1,7 @@
 //! Names the cause of what skills measure and see.
 //!
-//! A skill continues when it can. Each cause becomes an event of the kind `diagnosis` with the part and the evidence, for
-//! people and for the campaigns that judge diagnoses.
+//! A skill continues when it can. Each cause becomes an event of the kind `diagnosis` with the part and the
+//! evidence, for people and for the campaigns that judge diagnoses.
 
 use nalgebra::{Point3, Vector3};
 use ramp_robot::{Cause, RobotError};
@@ -26,8 +26,8 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// Keeps in mind how the beams of the assembly stand, after the hand has worked on those given and on what they meet:
-    /// of the others what was known before stays.
+    /// Keeps in mind how the beams of the assembly stand, after the hand has worked on those given and on
+    /// what they meet: of the others what was known before stays.
     pub fn remember_standing(&mut self, touched: &[usize]) {
         let meets = |beam: usize| {
             touched.contains(&beam)
@@ -129,9 +129,10 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// In free space, compares the force at the wrist with the weight of what is held. What the wrist measures before anything
-    /// is grasped is how far off an arm in order may be: an estimated wrench is off by another newton in each pose. Measures
-    /// again at rest, since the hand's own mass acts on the sensor while the hand stops. Notes the cause once.
+    /// In free space, compares the force at the wrist with the weight of what is held. What the wrist
+    /// measures before anything is grasped is how far off an arm in order may be: an estimated wrench is off
+    /// by another newton in each pose. Measures again at rest, since the hand's own mass acts on the sensor
+    /// while the hand stops. Notes the cause once.
     ///
     /// # Errors
     /// The robot's.

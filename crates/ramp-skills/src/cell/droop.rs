@@ -8,8 +8,8 @@ use super::assembly_belief::AssemblyBelief;
 use crate::Pose;
 
 impl AssemblyBelief<'_> {
-    /// How a beam hangs that only one female holds, turned about the joint in it: its other end lies on the table.
-    /// `None` for a beam that stands level.
+    /// How a beam hangs that only one female holds, turned about the joint in it: its other end lies on the
+    /// table. `None` for a beam that stands level.
     fn drooping(&self, beam: usize) -> Option<(JointRef, f64)> {
         let placed = &self.assembly.beams[beam].beam;
         if placed.stands_at_assembled_height() {
@@ -30,7 +30,8 @@ impl AssemblyBelief<'_> {
         Some((joint, (drop / reach).asin() * (far - pivot).signum()))
     }
 
-    /// Where a beam at `x_wb` comes to lie when it droops about the joint that holds it; `None` when it stands level.
+    /// Where a beam at `x_wb` comes to lie when it droops about the joint that holds it; `None` when it
+    /// stands level.
     pub fn drooped(&self, beam: usize, x_wb: &Pose) -> Option<Pose> {
         let (joint, angle) = self.drooping(beam)?;
         let pivot = Translation3::from((x_wb * self.assembly.beams[beam].beam.p_b_hole(joint.joint)).coords);
@@ -41,9 +42,9 @@ impl AssemblyBelief<'_> {
         Some(pivot * turn * level * pivot.inverse() * x_wb)
     }
 
-    /// What is known of the heights of a beam that has been let go of in the assembly: on females or feet it stands level
-    /// on the table; otherwise its males hang in their females, as low as the clearance lets them, and what only one
-    /// female holds lies on the table with its other end.
+    /// What is known of the heights of a beam that has been let go of in the assembly: on females or feet it
+    /// stands level on the table; otherwise its males hang in their females, as low as the clearance lets
+    /// them, and what only one female holds lies on the table with its other end.
     pub fn reckon_heights(&mut self, beam: usize) {
         let placed = &self.assembly.beams[beam];
         let nominal = self.x_wa() * placed.x_ab;

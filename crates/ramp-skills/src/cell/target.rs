@@ -1,4 +1,5 @@
-//! Where a beam is to stand and how it gets there: the plan's insertion path, aimed at where the joints that it meets are seen.
+//! Where a beam is to stand and how it gets there: the plan's insertion path, aimed at where the joints that
+//! it meets are seen.
 
 use nalgebra::{Point2, Translation3, UnitQuaternion, Vector2, Vector3};
 use ramp_assembly::{Assembly, JointRef};
@@ -9,15 +10,15 @@ use crate::fault::{Fault, SkillError};
 use crate::insertion_path::InsertionPath;
 
 impl AssemblyBelief<'_> {
-    /// The frame of the assembly in the world: where the clamped beam is believed to be, with the height and the tilt of the
-    /// table under it.
+    /// The frame of the assembly in the world: where the clamped beam is believed to be, with the height and
+    /// the tilt of the table under it.
     pub fn x_wa(&self) -> Pose {
         let base = &self.assembly.beams[self.assembly.base];
         self.parts.pose(&base.beam.name).map_or(self.assembly.kit.x_wa(), |x_wb| x_wb * base.x_ab.inverse())
     }
 
-    /// Where a beam of the assembly is to stand, in the world: its nominal place, moved to where the joints it
-    /// meets really are.
+    /// Where a beam of the assembly is to stand, in the world: its nominal place, moved to where the joints
+    /// it meets really are.
     ///
     /// # Errors
     /// [`Fault::Unseen`].
@@ -71,8 +72,8 @@ impl AssemblyBelief<'_> {
         self.paths.get(&beam).ok_or_else(|| Fault::NoPath { part: name() }.into())
     }
 
-    /// The direction in which a beam is put in so that it ends at `goal`: the nominal one, turned as the goal is
-    /// turned from the nominal place. Axes of the world.
+    /// The direction in which a beam is put in so that it ends at `goal`: the nominal one, turned as the goal
+    /// is turned from the nominal place. Axes of the world.
     pub fn insertion_direction(&self, beam: usize, goal: &Pose) -> Result<Vector3<f64>, SkillError> {
         let x_wa = self.x_wa();
         let nominal = x_wa * self.assembly.beams[beam].x_ab;
@@ -88,8 +89,8 @@ impl AssemblyBelief<'_> {
         Ok(Translation3::new(back.x, back.y, back.z + height) * goal)
     }
 
-    /// The beams, by name, that this beam passes through, that lie on the table, and that at most `pegs` hold: a beam
-    /// that was inserted is held by its joint as well.
+    /// The beams, by name, that this beam passes through, that lie on the table, and that at most `pegs`
+    /// hold: a beam that was inserted is held by its joint as well.
     pub fn loose_sleeves(&self, beam: usize, pegs: usize) -> Vec<String> {
         let pins = |beam: usize| {
             let pinned = self.pinned.iter().map(|(index, _)| &self.assembly.connections[*index]);
@@ -121,7 +122,8 @@ impl AssemblyBelief<'_> {
     }
 }
 
-/// Distance from j1, m, of the end of a deep beam that is to go into the other joint: the one that leads on the way out.
+/// Distance from j1, m, of the end of a deep beam that is to go into the other joint: the one that leads on
+/// the way out.
 pub fn free_end(assembly: &Assembly, path: Option<&InsertionPath>, beam: usize) -> f64 {
     let placed = &assembly.beams[beam];
     let along = placed.x_ab.rotation * Vector3::x();

@@ -105,7 +105,8 @@ impl<'r> Hand<'r> {
         readings
     }
 
-    /// Opens the shutters of the cameras while the arm moves: [`Hand::look`] gives the images later, the oldest first.
+    /// Opens the shutters of the cameras while the arm moves: [`Hand::look`] gives the images later, the
+    /// oldest first.
     ///
     /// # Errors
     /// The robot's.
@@ -133,7 +134,8 @@ impl<'r> Hand<'r> {
         Joints::from(self.seen.positions)
     }
 
-    /// Joint positions from which a motion of the joints begins, rad: the last commanded ones, or else the measured ones.
+    /// Joint positions from which a motion of the joints begins, rad: the last commanded ones, or else the
+    /// measured ones.
     pub fn start(&self) -> Joints {
         match &self.last {
             Some(Command { arm: ArmCommand::JointPositions(positions), .. }) => Joints::from(*positions),

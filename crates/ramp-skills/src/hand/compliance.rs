@@ -24,8 +24,9 @@ impl Hand<'_> {
         self.guard()
     }
 
-    /// Stops a motion at a force larger than any skill needs: the setpoint becomes the present pose. The guard acts once, until
-    /// the force has fallen to half of the limit, so that a skill can move the hand away.
+    /// Stops a motion at a force larger than any skill needs: the setpoint becomes the present pose. The
+    /// guard acts once, until the force has fallen to half of the limit, so that a skill can move the hand
+    /// away.
     pub(super) fn guard(&mut self) -> Result<(), SkillError> {
         let force = self.seen.wrench.fixed_rows::<3>(0).norm();
         if force < 0.5 * self.parameters.guard {
@@ -73,8 +74,8 @@ impl Hand<'_> {
         Ok(())
     }
 
-    /// Waits under impedance until the arm is still. A hand that is still before it reaches its setpoint may only be stuck by
-    /// friction for a moment.
+    /// Waits under impedance until the arm is still. A hand that is still before it reaches its setpoint may
+    /// only be stuck by friction for a moment.
     ///
     /// # Errors
     /// [`Fault::Overload`], and the robot's.

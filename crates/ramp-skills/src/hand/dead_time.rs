@@ -4,10 +4,11 @@ use ramp_robot::Observation;
 
 /// Change of the width at which fingers have begun to move, m. Chosen: above the give of a held part.
 const MOVED: f64 = 0.5e-3;
-/// Least speed of the width as the fingers begin to move, m/s: half the speed of the two fingers of a Franka hand.
+/// Least speed of the width as the fingers begin to move, m/s: half the speed of the two fingers of a Franka
+/// hand.
 const SLOWEST_FINGERS: f64 = 0.05;
-/// The dead time of a gripper after a command, from the widths that it reports: never overestimated, and 0 until one was
-/// measured.
+/// The dead time of a gripper after a command, from the widths that it reports: never overestimated, and 0
+/// until one was measured.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct DeadTime {
     /// s.

@@ -7,8 +7,8 @@ use super::access::Hand;
 use crate::fault::SkillError;
 use crate::parameters::hand::RiseParameters;
 
-/// Rise of the force in one direction over its running mean. It detects an obstacle whatever bias and friction the measured
-/// force has, since friction is constant at constant speed.
+/// Rise of the force in one direction over its running mean. It detects an obstacle whatever bias and
+/// friction the measured force has, since friction is constant at constant speed.
 pub struct Rise {
     direction: Vector3<f64>,
     /// The running mean (N) and how long it has been taken, s.
@@ -74,8 +74,8 @@ mod tests {
     use super::*;
     use crate::parameters::Parameters;
 
-    /// The force of a push into a loose sleeve has a bias, a step of friction at the start, a slow drift, and then an edge.
-    /// Only the edge is detected, and soon.
+    /// The force of a push into a loose sleeve has a bias, a step of friction at the start, a slow drift, and
+    /// then an edge. Only the edge is detected, and soon.
     #[test]
     fn an_edge_is_told_apart_from_bias_and_friction() {
         let parameters = Parameters::baseline();

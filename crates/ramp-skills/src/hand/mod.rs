@@ -1,5 +1,6 @@
-//! The hand: the only room that talks to the robot. It follows trajectories, moves in straight lines under impedance, opens
-//! and closes the gripper, and measures forces. Every motion is guarded: at a force larger than any skill needs it stops.
+//! The hand: the only room that talks to the robot. It follows trajectories, moves in straight lines under
+//! impedance, opens and closes the gripper, and measures forces. Every motion is guarded: at a force larger
+//! than any skill needs it stops.
 
 pub mod access;
 mod compliance;

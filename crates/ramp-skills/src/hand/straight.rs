@@ -11,9 +11,9 @@ use crate::Pose;
 use crate::fault::SkillError;
 
 impl Hand<'_> {
-    /// Moves the setpoint in a straight line to `x_wt` (world), until it arrives or `stop` returns true. Trapezoidal speed
-    /// profile with `speed` (m/s) as the largest speed, slowed when a joint nears its velocity limit. Returns true if it was
-    /// stopped; the setpoint then stays where it was.
+    /// Moves the setpoint in a straight line to `x_wt` (world), until it arrives or `stop` returns true.
+    /// Trapezoidal speed profile with `speed` (m/s) as the largest speed, slowed when a joint nears its
+    /// velocity limit. Returns true if it was stopped; the setpoint then stays where it was.
     ///
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
@@ -26,9 +26,10 @@ impl Hand<'_> {
         self.drive_trimmed(x_wt, speed, None, stop)
     }
 
-    /// The same along a line that the tip must keep. Friction moves the tip off its line; the setpoint is corrected until the tip
-    /// is on the line again, within the bounds of the trim. The line ends where the tip `arrives` (world), in the orientation of
-    /// that pose throughout. Without that pose, it is the line on which the tip keeps its distance from the setpoint.
+    /// The same along a line that the tip must keep. Friction moves the tip off its line; the setpoint is
+    /// corrected until the tip is on the line again, within the bounds of the trim. The line ends where the
+    /// tip `arrives` (world), in the orientation of that pose throughout. Without that pose, it is the line
+    /// on which the tip keeps its distance from the setpoint.
     ///
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
@@ -78,7 +79,8 @@ impl Hand<'_> {
         Ok(false)
     }
 
-    /// The share of its speed at which a straight motion continues: less than 1 where a joint nears its velocity limit.
+    /// The share of its speed at which a straight motion continues: less than 1 where a joint nears its
+    /// velocity limit.
     fn pace(&self) -> f64 {
         const CREEP: f64 = 0.05;
         let [slower, creep] = self.parameters.hurry;
@@ -94,8 +96,8 @@ impl Hand<'_> {
         self.drive(x_wt, speed, |_| false).map(|_| ())
     }
 
-    /// Moves the setpoint at `speed` (m/s) so that the held part, now at `x_wp`, comes to `x_wp_goal` (both in the world). The
-    /// setpoint keeps its lead over the tip.
+    /// Moves the setpoint at `speed` (m/s) so that the held part, now at `x_wp`, comes to `x_wp_goal` (both
+    /// in the world). The setpoint keeps its lead over the tip.
     ///
     /// # Errors
     /// [`Fault::Overload`], and the robot's.

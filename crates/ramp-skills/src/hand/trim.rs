@@ -23,8 +23,8 @@ pub(super) struct Trim {
 }
 
 impl Trim {
-    /// For a motion of the hand to `x_wt`, where the tip `arrives` at a pose, or keeps the distance from the setpoint that it
-    /// has at the beginning.
+    /// For a motion of the hand to `x_wt`, where the tip `arrives` at a pose, or keeps the distance from the
+    /// setpoint that it has at the beginning.
     pub(super) fn new(hand: &Hand, x_wt: &Pose, arrives: Option<&Pose>) -> Trim {
         let way = x_wt.translation.vector - hand.setpoint.translation.vector;
         let (setpoint, tip) = arrives.map_or((hand.setpoint, hand.seen.x_wt), |arrives| (*x_wt, *arrives));
@@ -62,8 +62,9 @@ mod tests {
     use super::*;
     use crate::parameters::Parameters;
 
-    /// Joint friction holds the tip a third of a millimetre and 3 mrad off its line: the setpoint goes the other way until the
-    /// tip is back, along the motion it stays as it was, and it goes no further than its bounds.
+    /// Joint friction holds the tip a third of a millimetre and 3 mrad off its line: the setpoint goes the
+    /// other way until the tip is back, along the motion it stays as it was, and it goes no further than its
+    /// bounds.
     #[test]
     fn the_trim_brings_the_tip_back_to_its_line() {
         let parameters = Parameters::baseline().trim.clone();
@@ -92,8 +93,8 @@ mod tests {
         assert!((setpoint.translation.z - parameters.most).abs() < 1e-9, "{setpoint}");
     }
 
-    /// A hand that stands beside its line when the motion begins, turned by 2 mrad, is on it before it has gone 30 mm: the end of
-    /// a long beam would else meet its joint a millimetre too high.
+    /// A hand that stands beside its line when the motion begins, turned by 2 mrad, is on it before it has
+    /// gone 30 mm: the end of a long beam would else meet its joint a millimetre too high.
     #[test]
     fn the_trim_brings_the_tip_onto_the_line_on_which_it_arrives() {
         let setpoint = Pose::translation(45.0e-3, 0.0, 0.0);

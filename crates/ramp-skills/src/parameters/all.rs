@@ -24,7 +24,7 @@ use super::skills::{
 
 /// The values of the baseline, `data/skills/baseline.toml`, as the program was built with.
 pub const BASELINE: &str = include_str!("../../../../data/skills/baseline.toml");
-/// What messages call that file.
+/// Name of that file in messages.
 const NAME: &str = "data/skills/baseline.toml";
 
 macro_rules! groups {
@@ -74,7 +74,7 @@ groups! {
     pick_up: PickUpParameters,
     /// The skill `put_down`.
     put_down: PutDownParameters,
-    /// What `assemble`, `cap`, `lay_down` and `move_to` share.
+    /// Common parameters of `assemble`, `cap`, `lay_down` and `move_to`.
     insertion: InsertionParameters,
     /// The skill `assemble`.
     assemble: AssembleParameters,
@@ -98,15 +98,15 @@ groups! {
     grip: GripParameters,
     /// Carrying.
     carry: CarryParameters,
-    /// Letting go.
+    /// Releasing.
     release: ReleaseParameters,
-    /// Touches that tell heights.
+    /// Height measurement by contact.
     touch: TouchParameters,
     /// The compliant search.
     search: SearchParameters,
-    /// Its motion through sleeves that are held well.
+    /// Its motion through firmly held sleeves.
     search_sleeve: ComplianceParameters,
-    /// Its motion through sleeves that little holds.
+    /// Its motion through loosely held sleeves.
     search_loose: ComplianceParameters,
     /// Its motion with a cap.
     search_cap: ComplianceParameters,
@@ -114,9 +114,9 @@ groups! {
     peg_search: PegSearchParameters,
     /// Pressing a peg until it is seated.
     press: PressParameters,
-    /// How far beams stand from where they should.
+    /// Alignment of the beams.
     alignment: AlignmentParameters,
-    /// Causes of faults.
+    /// Diagnosis of faults.
     diagnosis: DiagnosisParameters,
     /// The hand.
     hand: HandParameters,
@@ -126,7 +126,7 @@ groups! {
     rise: RiseParameters,
     /// The belief.
     belief: BeliefParameters,
-    /// The eyes.
+    /// The cameras.
     eyes: EyesParameters,
 }
 
@@ -158,8 +158,8 @@ impl Parameters {
     /// The baseline's values, except those that a file gives.
     ///
     /// # Errors
-    /// A [`ParameterFault`] when the file cannot be read, is not TOML, has a table or a parameter that is not known, or a
-    /// value of another form or out of range.
+    /// A [`ParameterFault`] when the file cannot be read, is not TOML, has a table or a parameter that is not
+    /// known, or a value of another form or out of range.
     pub fn read(path: &Path) -> Result<Arc<Parameters>, ParameterFault> {
         Parameters::from_source(&SourceFile::read(path)?)
     }

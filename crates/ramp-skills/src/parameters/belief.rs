@@ -1,61 +1,64 @@
-//! Parameters of the belief, of the eyes that correct it, and of what it says about faults.
+//! Parameters of the belief, the cameras that correct it, and the diagnosis of faults.
 
 parameters! {
-    /// The belief: how well parts are known, and what makes them less well known. All are standard deviations.
+    /// The belief: uncertainty of part poses, and how it grows. All are standard deviations.
     BeliefParameters {
-        /// Position of a part before it is seen: it lies on the outlines of the sheet.
+        /// Position of a part before it is detected: it lies on its outline on the sheet.
         on_sheet: [f64; 3] = "m", 1e-7, 1.0;
-        /// Rotation of a part before it is seen: it lies flat.
+        /// Rotation of a part before it is detected: it lies flat.
         on_sheet_turn: [f64; 3] = "°", 1e-4, 90.0;
         /// Position of the clamped beam, each axis.
         clamped: f64 = "m", 1e-7, 0.1;
         /// Rotation of the clamped beam, each axis.
         clamped_turn: f64 = "°", 1e-4, 90.0;
-        /// It may be this far off its place, more than a table's height and lean: what is seen further away was misread.
+        /// Largest position error of the clamped beam, above a table's error in height and tilt. A detection
+        /// further away is a misreading.
         clamped_most: f64 = "m", 0.0, 0.1;
-        /// What a second adds to the position of any part, each axis.
+        /// Growth of the position uncertainty of any part per second, each axis.
         resting: f64 = "m", 0.0, 0.1;
-        /// What a second adds to its rotation.
+        /// Growth of the rotation uncertainty per second.
         resting_turn: f64 = "°", 0.0, 90.0;
-        /// What a metre of travel adds to the position of a part between the fingers, axes of the tip. As the hand speeds up and
-        /// slows down, it creeps along the fingers' faces, by 1.5 mm on a long way.
+        /// Growth of the position uncertainty of a held part per metre of travel, axes of the tip. As the
+        /// hand accelerates and decelerates, the part creeps along the fingers' faces, by 1.5 mm on a long
+        /// path.
         carried: [f64; 3] = "m", 0.0, 0.1;
-        /// What it adds to the rotation.
+        /// Growth of the rotation uncertainty of a held part per metre of travel.
         carried_turn: f64 = "°", 0.0, 90.0;
-        /// How far the fingers may shift a part as they close on it: across the closing direction, along it, along the hand.
+        /// Shift of a part as the fingers close on it: across the closing direction, along it, along the
+        /// hand.
         gripped: [f64; 3] = "m", 0.0, 0.1;
-        /// How far they may turn it about the same axes.
+        /// Rotation of a part as the fingers close on it, about the same axes.
         gripped_turn: [f64; 3] = "°", 0.0, 90.0;
-        /// How well the fingers, once closed, centre a part.
+        /// Position uncertainty of a part that the closed fingers have centred.
         centred: f64 = "m", 1e-7, 0.1;
-        /// How well they turn it square to themselves.
+        /// Rotation uncertainty of a part that the closed fingers have squared.
         centred_turn: f64 = "°", 1e-4, 90.0;
-        /// How far a part may move as the fingers let go of it, each axis.
+        /// Shift of a part when the fingers release it, each axis.
         released: f64 = "m", 0.0, 0.1;
         /// How far it may turn.
         released_turn: [f64; 3] = "°", 0.0, 90.0;
-        /// How far a part that is pushed may move between the fingers, axes of the tip.
+        /// Shift of a held part that is pushed, axes of the tip.
         pushed: [f64; 3] = "m", 0.0, 0.1;
         /// How far it may turn.
         pushed_turn: [f64; 3] = "°", 0.0, 90.0;
-        /// How far it may turn about the line from one finger to the other.
+        /// Rotation of a held part that is pushed, about the line from one finger to the other.
         pushed_roll: f64 = "°", 0.0, 90.0;
-        /// A reading with a greater normalised innovation squared is not believed before the next one confirms it. With six
-        /// degrees of freedom, chance alone exceeds it once in two million.
+        /// A reading with a larger normalised innovation squared is rejected until the next one confirms it.
+        /// With six degrees of freedom, noise alone exceeds it once in two million.
         gate: f64 = "", 1.0, 1000.0;
-        /// Share of a new reading in the running mean of innovations that tells of a part that has moved a little.
+        /// Share of a new reading in the running mean of innovations that detects small motions of a part.
         drift: f64 = "", 0.001, 1.0;
-        /// So many images in a row that show a part lying otherwise, and it is believed that it does.
+        /// Number of consecutive images with a different pose of a part after which the new pose is accepted.
         doubts: usize = "", 1.0, 100.0;
-        /// Position of a part that lies otherwise than was believed, each axis.
+        /// Position of a part whose pose was found to differ from the belief, each axis.
         doubted: f64 = "m", 1e-7, 1.0;
         /// Its rotation.
         doubted_turn: f64 = "°", 1e-4, 90.0;
-        /// The same in the hand, where it may have tilted, but not gone far.
+        /// Position of such a part in the hand, where it may have tilted but not moved far.
         doubted_held: f64 = "m", 1e-7, 1.0;
         /// Its rotation in the hand.
         doubted_held_turn: f64 = "°", 1e-4, 90.0;
-        /// Position of a part that slipped out of the fingers: it may be anywhere below.
+        /// Position of a part that slipped out of the fingers: it may lie anywhere below.
         lost: f64 = "m", 1e-7, 1.0;
         /// Its rotation.
         lost_turn: f64 = "°", 1e-4, 90.0;
@@ -63,76 +66,77 @@ parameters! {
         reckoned: f64 = "m", 1e-7, 0.1;
         /// Its rotation.
         reckoned_turn: f64 = "°", 1e-4, 90.0;
-        /// A part counts as level when the z component of its z axis is this large: within 0.25°. A beam that one female alone
-        /// holds hangs by more.
+        /// A part counts as level when the z component of its z axis is this large: within 0.25°. A beam that
+        /// one female alone holds hangs by more.
         level: f64 = "", 0.5, 1.0;
-        /// Beyond this, nothing is known of how a part lies.
+        /// Rotation uncertainty beyond which the orientation of a part counts as unknown.
         tilted: f64 = "°", 1e-4, 90.0;
-        /// A part whose place is known no better than this is no obstacle.
+        /// Position uncertainty from which a part no longer counts as an obstacle.
         anywhere: f64 = "m", 1e-4, 1.0;
-        /// A part found further than this from where it was believed is worth an event.
+        /// A part found further than this from its believed position is reported as an event.
         astray: f64 = "m", 1e-5, 1.0;
     }
 }
 
 parameters! {
-    /// The eyes: cameras, their calibration, and what images are trusted for.
+    /// The cameras: their calibration, and the trust in their images.
     EyesParameters {
-        /// How far a camera may be from where the robot says it is, 1 σ: the benchmark's error of calibration.
+        /// Position error of a camera's calibration, 1 σ, as the benchmark disturbs it.
         calibration: f64 = "m", 1e-7, 0.1;
-        /// How far it may be turned.
+        /// Rotation error, 1 σ.
         calibration_turn: f64 = "°", 1e-4, 45.0;
-        /// What remains of that at best.
+        /// Smallest position error that calibration leaves.
         remains: f64 = "m", 1e-9, 0.1;
-        /// What remains of the turn.
+        /// Smallest rotation error that calibration leaves.
         remains_turn: f64 = "°", 1e-5, 45.0;
-        /// Known points that are enough to calibrate a camera by.
+        /// Number of known points needed to calibrate a camera.
         enough: usize = "", 4.0, 100000.0;
-        /// How much larger than the finder says the covariance of a part in an image is taken to be: images taken from one place
-        /// have errors in common.
+        /// Factor on the covariance that the pose estimator gives: errors of images taken from one place are
+        /// correlated.
         common: f64 = "", 1.0, 1000.0;
-        /// A tag that was never found in so many images in which it should have been in sight is covered or gone.
+        /// Number of images without a tag that should have been visible, after which the tag counts as
+        /// covered or missing.
         missed: usize = "", 1.0, 10000.0;
-        /// A tag is in sight this far from the border of the image.
+        /// Least distance of a visible tag from the border of the image.
         border: f64 = "pixels", 0.0, 1000.0;
-        /// A tag is in sight when its edges are this long.
+        /// Least edge length of a visible tag.
         legible: f64 = "pixels", 0.0, 1000.0;
-        /// A tag is in sight when it faces the camera this much: the cosine of the angle.
+        /// Least cosine of the angle between the normal of a visible tag and the line of sight.
         facing: f64 = "", 0.0, 1.0;
-        /// An image that was exposed this long before it is asked for tells of another moment, and another one is taken. Chosen:
-        /// above what eight exposures in a row and their way take.
+        /// Largest age of an image when it is requested. An older one is outdated, and another one is taken.
+        /// Chosen: longer than eight exposures in a row and their transfer.
         stale: f64 = "s", 0.01, 60.0;
-        /// How long the agent waits for a camera that repeats its image.
+        /// Time limit for waiting on a camera that repeats its image.
         patience: f64 = "s", 0.0, 600.0;
-        /// How often it asks the camera meanwhile, and how long it waits when no camera shows anything.
+        /// Interval between requests meanwhile, and the wait when no camera shows anything.
         pause: f64 = "s", 0.001, 60.0;
-        /// So many images in a row that show nothing at all, and a camera counts as broken.
+        /// Number of consecutive empty images after which a camera counts as broken.
         broken: usize = "", 1.0, 1000.0;
     }
 }
 
 parameters! {
-    /// The causes of faults: what counts as moved, slipped, off.
+    /// Diagnosis of faults: thresholds for a moved, slipped or biased state.
     DiagnosisParameters {
-        /// A peg is this far from its outline at most when nobody has touched its holder: the start is disturbed by 1 mm and 1°
-        /// about the holder's middle, and a peg has a millimetre of room in its hole.
+        /// Largest distance of a peg from its outline in an undisturbed holder. The start is disturbed by 1
+        /// mm and 1° about the holder's middle, and a peg has 1 mm of clearance in its hole.
         in_place: f64 = "m", 1e-5, 0.1;
-        /// When pegs of one holder are on average this far off, the holder has moved.
+        /// Mean offset of the pegs of one holder from which the holder counts as moved.
         holder_off: f64 = "m", 1e-5, 0.1;
-        /// A part that moves in the hand by more has slipped.
+        /// Shift of a part in the hand from which it counts as slipped.
         slip: f64 = "m", 1e-5, 0.1;
-        /// A part that turns in the hand by more has slipped.
+        /// Rotation of a part in the hand from which it counts as slipped.
         slip_turn: f64 = "°", 0.01, 90.0;
-        /// A beam that stands has moved when one of its ends is further from where it was.
+        /// Displacement of one end from which a beam of the assembly counts as moved.
         moved: f64 = "m", 1e-5, 0.1;
-        /// So many standard deviations are no chance.
+        /// Number of standard deviations from which a deviation is significant.
         sure: f64 = "", 0.1, 100.0;
-        /// A force in free space that is further from what the held part weighs tells of a sensor that is off: twelve times the
-        /// noise of its filtered reading.
+        /// Deviation of the force in free space from the weight of the held part that indicates a sensor
+        /// bias: twelve times the noise of the filtered reading.
         biased: f64 = "N", 0.01, 100.0;
-        /// So many times the force that was measured before anything was grasped is added to that. Chosen.
+        /// Multiple of the force measured before the first grasp that is added to that threshold. Chosen.
         usual: f64 = "", 0.0, 10.0;
-        /// How long the hand's own mass acts on the wrist sensor after the hand stops.
+        /// Time for which the inertia of the hand acts on the wrist sensor after the hand stops.
         rest: f64 = "s", 0.0, 10.0;
     }
 }

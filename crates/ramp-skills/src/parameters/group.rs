@@ -1,4 +1,5 @@
-//! A group of parameters: a struct whose fields a parameter file can set, declared with their units and limits.
+//! A group of parameters: a struct whose fields a parameter file can set, declared with their units and
+//! limits.
 
 use std::collections::BTreeMap;
 
@@ -8,14 +9,14 @@ const DEGREES: &str = "°";
 /// The values of a parameter file, in its units: by table and field, a single number as a list of one.
 pub type Values = BTreeMap<(String, String), Vec<f64>>;
 
-/// What one parameter is.
+/// Description of one parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Field {
     /// Its name in the parameter file.
     pub name: &'static str,
     /// Its unit in the file; empty for a plain number.
     pub unit: &'static str,
-    /// What it means, and how it was found.
+    /// Its meaning and the source of its value.
     pub meaning: &'static str,
     /// Its form.
     pub form: Form,
@@ -32,7 +33,7 @@ pub enum Form {
     Number,
     /// A whole number.
     Count,
-    /// So many numbers.
+    /// A list of this many numbers.
     List(usize),
 }
 
@@ -89,7 +90,7 @@ impl<const N: usize> Value for [f64; N] {
 pub struct Group {
     /// The name of the table.
     pub table: &'static str,
-    /// What it belongs to.
+    /// The subject of the table.
     pub about: &'static str,
     /// Its parameters.
     pub fields: &'static [Field],
@@ -97,8 +98,8 @@ pub struct Group {
     pub values: Vec<Vec<f64>>,
 }
 
-/// The numbers of a parameter in SI units, from those of the file in `unit`. Angles in degrees become radians; all other units of
-/// parameter files are SI.
+/// The numbers of a parameter in SI units, from those of the file in `unit`. Angles in degrees become
+/// radians; all other units of parameter files are SI.
 pub fn to_si(numbers: &[f64], unit: &str) -> Vec<f64> {
     if unit == DEGREES {
         numbers.iter().map(|number| number.to_radians()).collect()
@@ -127,7 +128,8 @@ macro_rules! si_unit {
     };
 }
 
-/// Declares a struct of parameters: each field with its type, its unit, the least and the largest value that it may have.
+/// Declares a struct of parameters: each field with its type, its unit, the least and the largest value that
+/// it may have.
 macro_rules! parameters {
     (
         $(#[doc = $about:literal])+
@@ -149,10 +151,10 @@ macro_rules! parameters {
         }
 
         impl $group {
-            /// What the group belongs to.
+            /// The subject of the group.
             pub const ABOUT: &'static str = concat!($($about),+);
 
-            /// What its parameters are.
+            /// The descriptions of its parameters.
             pub const FIELDS: &'static [$crate::parameters::group::Field] = &[
                 $(
                     $crate::parameters::group::Field {

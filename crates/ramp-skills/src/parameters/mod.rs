@@ -1,4 +1,4 @@
-//! The numbers of the skills: what each means, its unit and its limits. Their values are in one file.
+//! The parameters of the skills: meaning, unit and limits of each. Their values are in one file.
 
 #[macro_use]
 pub mod group;

@@ -1,84 +1,91 @@
-//! Parameters of motions through free space, of looks, and of what counts as aligned.
+//! Parameters of free-space motions, of looks, and of alignment.
 
 parameters! {
     /// Motions through free space.
     TravelParameters {
-        /// Height of the tip while it travels. A held beam then clears the pegs that stand in the holders.
+        /// Height of the tip during travel. A held beam then clears the pegs that stand in the holders.
         height: f64 = "m", 0.02, 0.6;
         /// Distance that motions keep from everything. Chosen.
         margin: f64 = "m", 0.0, 0.05;
-        /// Share of the limits of the joints' velocities that motions of the empty hand use. Chosen: the rest is for the
-        /// controller.
+        /// Fraction of the joint velocity limits that motions of the empty hand use. Chosen: the rest is for
+        /// the controller.
         velocity: f64 = "", 0.01, 1.0;
-        /// The same of their accelerations. With 0.8 the hand rings at stops, and its inertia comes near to the guard's force.
+        /// The same for the accelerations. With 0.8 the hand oscillates at stops, and its inertial force
+        /// comes close to the guard's force.
         acceleration: f64 = "", 0.01, 1.0;
-        /// The same of their velocities with a part in the hand.
+        /// The same for the velocities with a part in the hand.
         held_velocity: f64 = "", 0.01, 1.0;
-        /// The same of their accelerations with a part in the hand: what it weighs more counts as a push.
+        /// The same for the accelerations with a part in the hand: its inertial force counts as a push.
         held_acceleration: f64 = "", 0.01, 1.0;
-        /// Share of the limits of the joints' jerks that all motions use. Chosen.
+        /// Fraction of the joint jerk limits that all motions use. Chosen.
         jerk: f64 = "", 0.01, 1.0;
-        /// Time in which the acceleration may change between its extremes. The arm's controller swings when it changes faster.
+        /// Time in which the acceleration may change between its extremes. The arm's controller oscillates
+        /// when it changes faster.
         ramp: f64 = "s", 0.0, 0.5;
-        /// A place that brings a joint nearer to an end of its range is used only where there is no other: what is done there in
-        /// contact needs room. Chosen.
+        /// Least distance of the joints from their limits. A pose with less is used only if there is no
+        /// other, since contact motions need room. Chosen.
         least_margin: f64 = "rad", 0.0, 3.0;
-        /// Distance from the ends of the joints' ranges beyond which more is no better. Chosen.
+        /// Distance from the joint limits above which more gives no advantage. Chosen.
         good_margin: f64 = "rad", 0.0, 3.0;
-        /// What a second of the way to a grasp, and on from there, counts against a radian of that distance. Chosen.
+        /// Cost of a second of motion to a grasp and onward, relative to a radian of that distance. Chosen.
         time_cost: f64 = "rad/s", 0.0, 10.0;
-        /// Speed with which the hand retreats to travelling height. Chosen.
+        /// Speed of the hand's retreat to travelling height. Chosen.
         retreat_speed: f64 = "m/s", 0.001, 1.0;
-        /// How far beside the hand a free place is looked for, when it stands where no motion can begin. Chosen.
+        /// Distances beside the hand at which a free pose is searched for, when no motion can start from the
+        /// current one. Chosen.
         back_out: [f64; 4] = "m", 0.001, 0.5;
-        /// Speed with which it goes there: it may touch something. Chosen.
+        /// Speed of the motion there: it may touch something. Chosen.
         back_out_speed: f64 = "m/s", 0.001, 1.0;
     }
 }
 
 parameters! {
-    /// Looks: how often, and how well a thing must be known.
+    /// Looks: their number, and the accuracy required.
     LookParameters {
-        /// Longest series of looks. What is not known well enough by then has to be found by contact.
+        /// Longest series of looks. A part that is still too uncertain afterwards has to be found by contact.
         longest: f64 = "s", 0.0, 600.0;
-        /// How long before the hand arrives at a place to look from the cameras are exposed: it is nearly at rest by then. Chosen.
+        /// Time of the exposure before the hand arrives at a viewpoint: the hand is nearly at rest then.
+        /// Chosen.
         ahead: f64 = "s", 0.0, 1.0;
-        /// How often a camera looks again from where it is before it goes to another place. Chosen: a look takes a tenth of the time
-        /// that a way does.
+        /// Number of looks from one viewpoint before the camera moves to another. Chosen: a look takes a
+        /// tenth of the time of a motion.
         again: usize = "", 1.0, 100.0;
-        /// How often a camera looks at the tag of the sheet to find out where it is. Chosen.
+        /// Number of looks at the tag of the sheet to calibrate a camera. Chosen.
         calibrating: usize = "", 0.0, 100.0;
-        /// How well a part must be known along the table before it is grasped, 1 σ. The fingers centre it, so that half a
-        /// millimetre is enough.
+        /// Largest horizontal uncertainty of a part before it is grasped, 1 σ. The fingers centre it, so that
+        /// half a millimetre is enough.
         graspable: f64 = "m", 1e-5, 0.1;
-        /// How well its height must be known, 1 σ. The ribs of the fingers have 1 mm of room in a beam's slots.
+        /// Largest uncertainty of its height, 1 σ. The ribs of the fingers have 1 mm of clearance in a beam's
+        /// slots.
         graspable_height: f64 = "m", 1e-5, 0.1;
-        /// How well the heights of a peg and its hole must be known to tell whether the peg is seated, 1 σ. The referee asks
-        /// for 0.5 mm.
+        /// Largest uncertainty of the heights of a peg and its hole for judging whether the peg is seated, 1
+        /// σ. The referee requires 0.5 mm.
         seated_known: f64 = "m", 1e-5, 0.1;
-        /// How well the ends of a beam must be known to tell whether it is aligned, 1 σ.
+        /// Largest uncertainty of the ends of a beam for judging whether it is aligned, 1 σ.
         ends_known: f64 = "m", 1e-5, 0.1;
     }
 }
 
 parameters! {
-    /// How far the beams and pegs of the assembly stand from where they should.
+    /// Alignment: deviation of the beams and pegs of the assembly from their places.
     AlignmentParameters {
-        /// A beam this near to its place is left alone. Well below what a peg or the chamfers of a cap take.
+        /// Deviation up to which a beam is left alone, well below what a peg or the chamfers of a cap
+        /// tolerate.
         good: f64 = "m", 1e-5, 0.05;
-        /// Horizontal distance between two holes that a peg still pulls together: its cone takes 1.7 mm.
+        /// Horizontal distance between two holes that a peg still pulls together: its cone tolerates 1.7 mm.
         peggable: f64 = "m", 1e-5, 0.05;
-        /// The same for holes that a peg could not pass, though they seemed near enough.
+        /// The same for holes that a peg could not pass although they seemed close enough.
         told_apart: f64 = "m", 1e-5, 0.05;
-        /// How often the beams of a connection are pushed, one after another, while one of them does not follow. Chosen.
+        /// Number of rounds in which the beams of a connection are pushed in turn while one of them does not
+        /// follow. Chosen.
         rounds: usize = "", 1.0, 10.0;
-        /// A hole this near to a peg tells nothing of how its beam is turned.
+        /// Distance of a hole from a peg below which it does not determine the rotation of its beam.
         short: f64 = "m", 0.0, 1.0;
-        /// A beam that lies loose may be this far off its place: another one goes through it all the same.
+        /// Tolerated deviation of a loose beam: another one can still be inserted through it.
         displaced: f64 = "m", 1e-5, 0.1;
-        /// How well the height of a beam that stands is known, 1 σ.
+        /// Height uncertainty of a standing beam, 1 σ.
         level: f64 = "m", 1e-6, 0.1;
-        /// An upright peg this near to a hole, along the table, stands in it.
+        /// Horizontal distance up to which an upright peg stands in a hole.
         fallen: f64 = "m", 1e-5, 0.1;
     }
 }

@@ -1,4 +1,4 @@
-//! Reads a parameter file, and says what is wrong in it and where.
+//! Reads a parameter file and reports errors with their location.
 
 use std::ops::Range;
 
@@ -8,10 +8,10 @@ use toml::de::{DeTable, DeValue};
 
 use super::group::{Field, Form, Values};
 
-/// What is wrong in a parameter file, and where.
+/// An error in a parameter file, with its location.
 pub type ParameterFault = Fault<ParameterProblem>;
 
-/// What can be wrong in a parameter file.
+/// Kinds of errors in a parameter file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParameterProblem {
@@ -27,7 +27,7 @@ pub enum ParameterProblem {
     /// A table that no group of parameters has.
     #[error("there is no table [{found}]")]
     Table {
-        /// What the file has.
+        /// The value found in the file.
         found: String,
         /// The most similar table.
         nearest: Option<String>,
@@ -35,7 +35,7 @@ pub enum ParameterProblem {
     /// A value where a table must be.
     #[error("found {found} for {table}, expected a table")]
     NoTable {
-        /// What the file has.
+        /// The value found in the file.
         found: String,
         /// The table.
         table: String,
@@ -43,7 +43,7 @@ pub enum ParameterProblem {
     /// A parameter that the table does not have.
     #[error("[{table}] has no parameter `{found}`")]
     Parameter {
-        /// What the file has.
+        /// The value found in the file.
         found: String,
         /// The table.
         table: String,
@@ -55,9 +55,9 @@ pub enum ParameterProblem {
     Value {
         /// The parameter.
         parameter: String,
-        /// What the file has.
+        /// The value found in the file.
         found: String,
-        /// What it may be.
+        /// The expected value.
         expected: String,
     },
 }
@@ -92,7 +92,7 @@ impl Problem for ParameterProblem {
 /// Adds the values of a file to `values`, in place of those that are there.
 ///
 /// # Errors
-/// The first thing that is wrong in the file.
+/// The first error in the file.
 pub fn read_values(
     file: &SourceFile,
     tables: &[(&str, &[Field])],
@@ -163,7 +163,7 @@ fn number(value: &DeValue) -> Option<f64> {
     }
 }
 
-/// What a field may be.
+/// The permitted values of a field.
 fn expected(field: &Field) -> String {
     let Field { least, most, unit, .. } = field;
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };

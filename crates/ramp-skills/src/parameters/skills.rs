@@ -1,40 +1,41 @@
 //! Parameters of the agent and of the skills that insert nothing.
 
 parameters! {
-    /// The agent: what it does beside its plan.
+    /// The agent: replanning and checks.
     AgentParameters {
-        /// How often it re-plans before it gives up. Chosen.
+        /// Number of new plans before the agent gives up. Chosen.
         replans: usize = "", 0.0, 100.0;
-        /// How well two holes must be known to tell whether a peg goes in, 1 σ.
+        /// Largest uncertainty of two holes for judging whether a peg goes in, 1 σ.
         holes_known: f64 = "m", 1e-5, 0.1;
-        /// A peg further than this from its place in the holder is not fetched any more. In its hole it can be 3 mm off.
+        /// Distance from its place in the holder above which a peg is no longer fetched. In its hole it can
+        /// be 3 mm off.
         peg_strayed: f64 = "m", 1e-4, 0.1;
     }
 }
 
 parameters! {
-    /// The agent on a piece of a plan, in a build that others have begun.
+    /// The agent on a piece of a plan, in an assembly begun by another agent.
     PieceParameters {
-        /// How far a beam that others have inserted may be from its place, 1 σ, axes of the world.
+        /// Position uncertainty of a beam that another agent inserted, 1 σ, axes of the world.
         beam_position: [f64; 3] = "m", 1e-6, 0.1;
-        /// How far it may be turned.
+        /// Rotation uncertainty of such a beam.
         beam_rotation: [f64; 3] = "rad", 1e-6, 3.2;
-        /// How far a peg that others have pressed in may be from its place, 1 σ, axes of the world.
+        /// Position uncertainty of a peg that another agent pressed in, 1 σ, axes of the world.
         peg_position: [f64; 3] = "m", 1e-6, 0.1;
-        /// How far it may be turned. Its turn in its hole is anyone's guess.
+        /// Rotation uncertainty of such a peg. Its rotation about its own axis is unknown.
         peg_rotation: [f64; 3] = "rad", 1e-6, 3.2;
-        /// How often all holes that are to be pinned next are looked at, and beams pushed. Chosen.
+        /// Number of rounds in which the holes to be pinned next are looked at and beams pushed. Chosen.
         rounds: usize = "", 0.0, 20.0;
     }
 }
 
 parameters! {
-    /// Moves the hand, and what it holds, from place to place.
+    /// Moves the hand and the held part from place to place.
     MoveToParameters {
-        /// How well the joints that a beam is to meet must be known before it is fetched, 1 σ. Where a beam is to go is easier
-        /// to see before it is in the hand.
+        /// Largest uncertainty of the joints that a beam is to meet before it is fetched, 1 σ. Its place is
+        /// easier to see before the beam is in the hand.
         known: f64 = "m", 1e-5, 0.1;
-        /// How much higher than for its descent a peg is brought over its hole. Chosen.
+        /// Additional height at which a peg is brought over its hole, above the start of its descent. Chosen.
         above: f64 = "m", 0.0, 0.1;
     }
 }
@@ -42,9 +43,9 @@ parameters! {
 parameters! {
     /// Grasps a part where it stands, and lifts it.
     PickUpParameters {
-        /// How far a beam is lifted: off the table.
+        /// Height by which a beam is lifted off the table.
         lift: f64 = "m", 1e-3, 0.3;
-        /// How far a peg is lifted: out of its holder altogether.
+        /// Height by which a peg is lifted, fully out of its holder.
         peg_lift: f64 = "m", 1e-3, 0.3;
         /// Speed of the lift. Chosen.
         speed: f64 = "m/s", 1e-3, 1.0;
@@ -54,13 +55,14 @@ parameters! {
 parameters! {
     /// Puts the held part back where it was picked up.
     PutDownParameters {
-        /// Height over its place from which a part is lowered. A peg's stem is then above its holder, a beam above the table.
+        /// Height over its place from which a part is lowered. A peg's stem is then above its holder, a beam
+        /// above the table.
         above: f64 = "m", 1e-3, 0.3;
-        /// Speed with which it is lowered. Chosen.
+        /// Speed at which it is lowered. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
         /// Force on the table or the holder at which a part is put down.
         limit: f64 = "N", 0.5, 100.0;
-        /// How long the tip of a peg that stands beside the hole of its holder searches for it. Chosen.
+        /// Longest search for the hole of the holder with the tip of a peg. Chosen.
         search_time: f64 = "s", 0.0, 600.0;
     }
 }
@@ -68,7 +70,7 @@ parameters! {
 parameters! {
     /// Lays the held beam on the table at its place.
     LayDownParameters {
-        /// Speed with which it is lowered. Chosen.
+        /// Speed at which it is lowered. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
     }
 }
@@ -78,23 +80,23 @@ parameters! {
     SlideParameters {
         /// Speed. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
-        /// Speed with which the beam is brought to its place at the end. Chosen.
+        /// Speed at which the beam is finally brought to its place. Chosen.
         seat_speed: f64 = "m/s", 1e-3, 0.5;
-        /// How long the hand waits after the motion before it looks. Chosen.
+        /// Wait between the motion and the look. Chosen.
         rest: f64 = "s", 0.0, 10.0;
         /// Force at which lifting stops.
         lift_limit: f64 = "N", 0.5, 100.0;
         /// Force against the motion at which sliding stops.
         limit: f64 = "N", 0.5, 100.0;
-        /// Distance from its place at which the beam is seated. A peg pulls twice as much together.
+        /// Distance from its place at which the beam is seated. A peg closes twice that gap.
         seated: f64 = "m", 1e-5, 0.02;
-        /// How well the joints that are to meet must be known, 1 σ.
+        /// Largest uncertainty of the joints that are to meet, 1 σ.
         known: f64 = "m", 1e-5, 0.1;
-        /// Steps aside, in turn, when the end meets an edge.
+        /// Lateral steps that are tried in turn when the end meets an edge.
         aside: [f64; 5] = "m", -0.02, 0.02;
-        /// How far the slide may move the beams that it joins. Measured: 0.9 mm.
+        /// Shift of the beams that the slide joins. Measured: 0.9 mm.
         dragged: f64 = "m", 0.0, 0.05;
-        /// How far it may turn them. Chosen.
+        /// Rotation of those beams. Chosen.
         dragged_turn: f64 = "°", 0.0, 45.0;
     }
 }
@@ -102,23 +104,23 @@ parameters! {
 parameters! {
     /// Changes the grasp of the held beam to another link.
     RegraspParameters {
-        /// Where places are tried on the table, along x of the world.
+        /// Range of the places tried on the table, along x of the world.
         table_x: [f64; 2] = "m", -1.0, 1.0;
         /// The same along y.
         table_y: [f64; 2] = "m", -1.0, 1.0;
-        /// How far apart the places are.
+        /// Distance between these places.
         step: f64 = "m", 0.005, 0.5;
-        /// Height over the table at which a held beam's place is checked.
+        /// Height over the table at which the place of a held beam is checked.
         over: f64 = "m", 0.0, 0.1;
         /// Height from which it is lowered slowly. Chosen.
         drop: f64 = "m", 0.0, 0.2;
         /// Force on the table at which it lies.
         limit: f64 = "N", 0.5, 100.0;
-        /// Speed with which it is lowered. Chosen.
+        /// Speed at which it is lowered. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
-        /// Speed with which the hand goes down to where it lowers the beam slowly. Chosen.
+        /// Speed of the hand down to where it lowers the beam slowly. Chosen.
         down_speed: f64 = "m/s", 1e-3, 0.5;
-        /// How far the joints must stay from the ends of their ranges.
+        /// Least distance of the joints from their limits.
         room: f64 = "rad", 0.0, 1.0;
     }
 }
@@ -130,19 +132,19 @@ parameters! {
         speed: f64 = "m/s", 1e-3, 0.5;
         /// Force at which a push stops.
         limit: f64 = "N", 0.5, 100.0;
-        /// A beam that stands this far short of its place is inserted further instead.
+        /// Distance short of its place from which a beam is inserted further instead.
         short_of: f64 = "m", 1e-4, 0.1;
-        /// How far a push may move the beams that are joined with the one that is pushed.
+        /// Shift of the beams that are joined to a pushed beam.
         dragged: f64 = "m", 0.0, 0.05;
-        /// How far it may turn them.
+        /// Rotation of those beams.
         dragged_turn: f64 = "°", 0.0, 45.0;
-        /// How often a beam is pushed. Chosen.
+        /// Number of pushes of one beam. Chosen.
         tries: usize = "", 1.0, 20.0;
-        /// A beam that is off by less is not pushed: well within what a peg or a cap takes. Chosen.
+        /// Deviation below which a beam is not pushed: well within the tolerance of a peg or a cap. Chosen.
         near: f64 = "m", 0.0, 0.01;
-        /// A beam that is still off by more than this share of what it was before is not pushed again. Chosen.
+        /// Remaining fraction of the deviation above which a beam is not pushed again. Chosen.
         no_nearer: f64 = "", 0.0, 1.0;
-        /// Motions of one push at most: friction on the table stops each of them a little short.
+        /// Largest number of motions in one push: friction on the table stops each of them a little short.
         motions: usize = "", 1.0, 50.0;
     }
 }
@@ -150,21 +152,22 @@ parameters! {
 parameters! {
     /// Pins two joints with the held peg.
     FastenParameters {
-        /// How well the peg must be known before it is lowered, 1 σ.
+        /// Largest uncertainty of the peg before it is lowered, 1 σ.
         known: f64 = "m", 1e-5, 0.1;
-        /// Angle by which the peg may be off upright when it is lowered.
+        /// Largest tilt of the peg when it is lowered.
         upright: f64 = "rad", 1e-4, 0.5;
-        /// How long a hole is searched near where it was seen, before the peg is thought to be tilted: up to 4 mm around.
+        /// Duration of the search up to 4 mm around the detected hole, before the peg is assumed to be
+        /// tilted.
         near_time: f64 = "s", 0.0, 600.0;
         /// Longest search further around. Chosen.
         search_time: f64 = "s", 0.0, 600.0;
-        /// Speed with which a peg is drawn out of its hole for another try. Chosen.
+        /// Speed at which a peg is drawn out of its hole for another attempt. Chosen.
         back_speed: f64 = "m/s", 1e-3, 0.5;
-        /// How far pressing a peg in may move the two beams.
+        /// Shift of the two beams by pressing a peg in.
         bump: f64 = "m", 0.0, 0.05;
-        /// How far it may turn them.
+        /// Rotation of those beams.
         bump_turn: f64 = "°", 0.0, 45.0;
-        /// How often it is tried. Chosen.
+        /// Number of attempts. Chosen.
         tries: usize = "", 1.0, 20.0;
     }
 }

@@ -5,11 +5,13 @@ use crate::cell::Workcell;
 use crate::fault::SkillError;
 
 impl Workcell<'_, '_> {
-    /// Carries the held part above a place, where the tip is at `down` (world), with the tip at a height that follows from
-    /// that at the place, m. Gives the pose of the tip at the place, which is another one when the part moved in the hand.
+    /// Carries the held part above a place, where the tip is at `down` (world), with the tip at a height that
+    /// follows from that at the place, m. Gives the pose of the tip at the place, which is another one when
+    /// the part moved in the hand.
     ///
     /// # Errors
-    /// [`Fault::NotHeld`](crate::Fault::NotHeld) when it left the hand meanwhile; [`SkillError::Motion`] when no motion is found; the robot's.
+    /// [`Fault::NotHeld`](crate::Fault::NotHeld) when it left the hand meanwhile; [`SkillError::Motion`] when
+    /// no motion is found; the robot's.
     pub fn carry_above(&mut self, mut down: Pose, height: impl Fn(f64) -> f64) -> Result<Pose, SkillError> {
         for attempt in 1.. {
             let mut above = down;
@@ -49,8 +51,8 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Brings the held part, which is free and now at `x_wp`, to `x_wp_goal`, a little way off: by the joints' positions, which
-    /// friction turns aside by less than the hand's springs.
+    /// Brings the held part, which is free and now at `x_wp`, to `x_wp_goal`, a little way off: by the
+    /// joints' positions, which friction turns aside by less than the hand's springs.
     ///
     /// # Errors
     /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.

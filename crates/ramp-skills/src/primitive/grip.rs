@@ -51,8 +51,8 @@ impl Workcell<'_, '_> {
         Ok(nearest.ok_or_else(no_grasp)?)
     }
 
-    /// Grips a part where it stands: the hand comes from above, closes and checks that it holds something of the
-    /// right width.
+    /// Grips a part where it stands: the hand comes from above, closes and checks that it holds something of
+    /// the right width.
     ///
     /// # Errors
     /// [`Fault::NotHeld`], or what stopped the motion.
@@ -117,8 +117,8 @@ impl Workcell<'_, '_> {
     /// Looks whether the part is still in the hand, and where in it.
     ///
     /// # Errors
-    /// [`Fault::NotHeld`] when the fingers have closed on nothing, or the part is not where it was in the hand; the
-    /// hand then counts as empty.
+    /// [`Fault::NotHeld`] when the fingers have closed on nothing, or the part is not where it was in the
+    /// hand; the hand then counts as empty.
     pub fn check_grip(&mut self, part: &str) -> Result<(), SkillError> {
         let pushed = std::mem::take(&mut self.hand.pushed);
         if pushed {
@@ -196,7 +196,8 @@ impl Workcell<'_, '_> {
     }
 }
 
-/// The motions of each of some grasps of a part: over it, straight down around it, the fingers close, and straight up.
+/// The motions of each of some grasps of a part: over it, straight down around it, the fingers close, and
+/// straight up.
 pub fn rehearse_grasps(scene: &Scene, part: &str, grasps: Vec<Grasp>) -> Outline {
     let Some(x_wp) = scene.x_wp(part) else { return Outline::nothing() };
     let motions = |grasp: Grasp| {

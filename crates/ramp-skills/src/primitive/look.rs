@@ -14,9 +14,9 @@ use crate::fault::{Fault, SkillError};
 use crate::grasp::hand_down;
 
 impl Workcell<'_, '_> {
-    /// Looks once, and on until the place of each of these points on the table is known to a standard deviation of
-    /// `within`, m: again and again where noise is what limits it, and from near by, while the hand is empty, where
-    /// it sees by cameras.
+    /// Looks once, and on until the place of each of these points on the table is known to a standard
+    /// deviation of `within`, m: again and again where noise is what limits it, and from near by, while the
+    /// hand is empty, where it sees by cameras.
     ///
     /// # Errors
     /// The robot's.
@@ -24,8 +24,9 @@ impl Workcell<'_, '_> {
         self.see_until(points, [within, f64::INFINITY])
     }
 
-    /// As [`Workcell::see`], for a part that is to be gripped. The fingers centre it, so that half a millimetre is
-    /// well enough along the table; but their ribs have only 1 mm of room above and below in a beam's slots.
+    /// As [`Workcell::see`], for a part that is to be gripped. The fingers centre it, so that half a
+    /// millimetre is well enough along the table; but their ribs have only 1 mm of room above and below in a
+    /// beam's slots.
     ///
     /// # Errors
     /// The robot's.
@@ -65,8 +66,8 @@ impl Workcell<'_, '_> {
                 .filter(|worst| excess(&self.belief.parts, worst) > 1.0);
             let Some(worst) = worst else { return Ok(()) };
             if self.belief.parts.eyes.images() {
-                // Images from one place have their errors in common: after some of them only another place helps, and there is
-                // none for a hand that holds something.
+                // Images from one place have their errors in common: after some of them only another place
+                // helps, and there is none for a hand that holds something.
                 let again = if self.hand.held.is_some() { 1 } else { self.parameters.look.again };
                 self.look_again(again)?;
                 if excess(&self.belief.parts, worst) <= 1.0 {
@@ -86,8 +87,8 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// Looks so many times in a row. Where the cameras give images, the shutters open for all of them before the first image
-    /// is there.
+    /// Looks so many times in a row. Where the cameras give images, the shutters open for all of them before
+    /// the first image is there.
     ///
     /// # Errors
     /// The robot's.
@@ -122,8 +123,9 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// Shows the camera on the empty hand the tag of the sheet, which tells where that camera is. A build shows it tags
-    /// whose places are known as it moves, over the sheet and over the assembly; a piece of one begins without.
+    /// Shows the camera on the empty hand the tag of the sheet, which tells where that camera is. A build
+    /// shows it tags whose places are known as it moves, over the sheet and over the assembly; a piece of one
+    /// begins without.
     ///
     /// # Errors
     /// The robot's.

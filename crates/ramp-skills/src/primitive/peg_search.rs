@@ -1,4 +1,5 @@
-//! Searches with the tip of a held peg for the hole below it: a spiral, and a line for a peg that is tilted in the hand.
+//! Searches with the tip of a held peg for the hole below it: a spiral, and a line for a peg that is tilted
+//! in the hand.
 
 use std::f64::consts::TAU;
 
@@ -15,7 +16,8 @@ use crate::parameters::contact::PegSearchParameters;
 use ramp_robot::PERIOD;
 
 impl PegSearchParameters {
-    /// Distance of the spiral from its centre (m) after it has turned by an angle: outward, inward, and outward again.
+    /// Distance of the spiral from its centre (m) after it has turned by an angle: outward, inward, and
+    /// outward again.
     fn radius(&self, angle: f64) -> f64 {
         let path = self.pitch * angle / TAU % (2.0 * self.widest);
         path.min(2.0 * self.widest - path)
@@ -34,10 +36,10 @@ impl Workcell<'_, '_> {
         tip.is_some_and(|tip| tip < -depth)
     }
 
-    /// Lets the held peg down by `height` (m) and a little further, until it touches the plate (m, in the world) or is in.
-    /// Returns how far off the moment at its tip was on the way, where nothing touches it, N·m: what the wrist measures of
-    /// where the tip presses is no better than that. A sensor's noise is little; what an arm estimates is off by the friction
-    /// in its joints.
+    /// Lets the held peg down by `height` (m) and a little further, until it touches the plate (m, in the
+    /// world) or is in. Returns how far off the moment at its tip was on the way, where nothing touches it,
+    /// N·m: what the wrist measures of where the tip presses is no better than that. A sensor's noise is
+    /// little; what an arm estimates is off by the friction in its joints.
     pub fn lower(&mut self, plate: f64, height: f64) -> Result<f64, SkillError> {
         let mut down = self.hand.setpoint;
         down.translation.z -= height + 2.0 * self.parameters.peg_search.found;
@@ -54,17 +56,18 @@ impl Workcell<'_, '_> {
         Ok(off)
     }
 
-    /// How far beside the hand (m) the tip of an upright peg may seem to press with that force (N), when the moment is off by
-    /// so much (N·m).
+    /// How far beside the hand (m) the tip of an upright peg may seem to press with that force (N), when the
+    /// moment is off by so much (N·m).
     fn seems_beside(&self, off: f64, force: f64) -> f64 {
         let search = &self.parameters.peg_search;
         search.tilted_least + search.moment_spread * off / force
     }
 
-    /// Searches for the hole along an Archimedean spiral with constant light force down, until the tip drops in, for so many
-    /// seconds at most; where the spiral is wide enough, it goes back inward. A `wary` search, which is told how far off the
-    /// moment is (N·m), begins slowly, and ends when what the wrist measures
-    /// cannot be the tip of an upright peg, which would come off the plate before it came to the hole.
+    /// Searches for the hole along an Archimedean spiral with constant light force down, until the tip drops
+    /// in, for so many seconds at most; where the spiral is wide enough, it goes back inward. A `wary`
+    /// search, which is told how far off the moment is (N·m), begins slowly, and ends when what the wrist
+    /// measures cannot be the tip of an upright peg, which would come off the plate before it came to the
+    /// hole.
     pub fn spiral(&mut self, plate: f64, longest: f64, wary: Option<f64>) -> Result<(), SkillError> {
         let centre = self.hand.seen.x_wt.translation.vector;
         let begin = self.hand.time();
@@ -72,7 +75,8 @@ impl Workcell<'_, '_> {
         let force = self.parameters.peg_search.force;
         while self.hand.time() - begin < longest {
             let radius = self.parameters.peg_search.radius(angle);
-            // The tip of a tilted peg is near the edge of the plate: slowly, until it is known where it presses.
+            // The tip of a tilted peg is near the edge of the plate: slowly, until it is known where it
+            // presses.
             let slow = wary.is_some() && period < self.parameters.peg_search.periods;
             let search = &self.parameters.peg_search;
             let speed = if slow { search.tilted_speed } else { search.speed };
@@ -97,8 +101,9 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// One control period of sliding over the plate, to a place (m in the world), with constant force down (N). A tip that falls
-    /// into the hole goes down with the speed of lowering, and does not gain speed until its head meets the plate.
+    /// One control period of sliding over the plate, to a place (m in the world), with constant force down
+    /// (N). A tip that falls into the hole goes down with the speed of lowering, and does not gain speed
+    /// until its head meets the plate.
     fn slide_to(&mut self, x: f64, y: f64, force: f64) -> Result<(), SkillError> {
         let z = self.hand.seen.x_wt.translation.z - force / self.hand.stiffness.z;
         let fall = self.parameters.peg_search.lower_speed * PERIOD;
@@ -110,10 +115,10 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// A hole that is not where it was seen: the peg may have turned between the fingers, about the axis on which they
-    /// close, where no camera sees it. Its tip is then beside the hand, along the fingers' other axis, and presses on the
-    /// plate there, which the wrist measures: takes the tip to the hole, and turns the hand until the peg stands upright.
-    /// Returns whether it did.
+    /// A hole that is not where it was seen: the peg may have turned between the fingers, about the axis on
+    /// which they close, where no camera sees it. Its tip is then beside the hand, along the fingers' other
+    /// axis, and presses on the plate there, which the wrist measures: takes the tip to the hole, and turns
+    /// the hand until the peg stands upright. Returns whether it did.
     pub fn search_tilted(&mut self, connection: usize, peg: &str, plate: f64) -> Result<bool, SkillError> {
         let mouth = self.belief.mouth(connection)?;
         // What turned the peg may have pressed on it while zero was taken.
@@ -165,8 +170,8 @@ impl Workcell<'_, '_> {
         Ok(false)
     }
 
-    /// Where the tip of the held peg, which is pressed on the plate at a height (m), is beside the hand: along the table,
-    /// m in the world. From force and moment at the wrist, taken over some time.
+    /// Where the tip of the held peg, which is pressed on the plate at a height (m), is beside the hand:
+    /// along the table, m in the world. From force and moment at the wrist, taken over some time.
     fn measure_tip(&mut self, plate: f64) -> Result<Vector3<f64>, SkillError> {
         let here = self.hand.setpoint.translation.vector;
         let mut measured = Vector6::zeros();
@@ -179,8 +184,8 @@ impl Workcell<'_, '_> {
         Ok(self.tip_beside(&measured, plate))
     }
 
-    /// The tip of a peg is in the hole at `mouth` (m, in the world) while the hand is beside it: turns the hand about the
-    /// hole until the peg is upright.
+    /// The tip of a peg is in the hole at `mouth` (m, in the world) while the hand is beside it: turns the
+    /// hand about the hole until the peg is upright.
     fn set_upright(&mut self, peg: &str, mouth: &Vector3<f64>) -> Result<(), SkillError> {
         let off = self.hand.seen.x_wt.translation.vector - mouth;
         let lean = Vector3::new(off.x, off.y, STEM_LENGTH + HEAD_HEIGHT / 2.0);

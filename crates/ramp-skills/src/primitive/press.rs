@@ -38,8 +38,8 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Presses the peg down with growing force and a small circle, until it is seated, or sinks no further: soon where its
-    /// head seems to be at the plate, and after a while where it stands on the joint below.
+    /// Presses the peg down with growing force and a small circle, until it is seated, or sinks no further:
+    /// soon where its head seems to be at the plate, and after a while where it stands on the joint below.
     pub fn press(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
         let begin = self.hand.time();
         let plate = self.belief.mouth(connection)?.z;
@@ -47,7 +47,8 @@ impl Workcell<'_, '_> {
         let mut force: f64 = 0.0;
         let (mut ticks, mut measured) = (0u32, Vector6::zeros());
         let (mut lowest_seen, mut sunk_at) = (f64::INFINITY, 0.0);
-        // What the fingers hold creeps in them under the load: a peg that stands seems to sink a little all the time.
+        // What the fingers hold creeps in them under the load: a peg that stands seems to sink a little all
+        // the time.
         let (mut stands_at, mut pressed_at) = (f64::INFINITY, 0.0);
         self.hand.setpoint.translation = self.hand.seen.x_wt.translation;
         while self.hand.time() - begin < self.parameters.press.time {

@@ -49,7 +49,8 @@ impl Workcell<'_, '_> {
             let low = self.hand.setpoint;
             let last = attempt == self.parameters.release.again;
             let limit = if last { f64::INFINITY } else { self.parameters.release.beside_limit };
-            // A beam that hangs on a finger comes along, and meets the upper edge of its joint: slowly at first.
+            // A beam that hangs on a finger comes along, and meets the upper edge of its joint: slowly at
+            // first.
             let slow = (self.parameters.release.leaving, self.parameters.release.leaving_speed);
             let follows = !last && self.follows_a_finger(held)?;
             if !follows && self.lift_off(&[slow, fast], limit)? {
@@ -69,8 +70,9 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Does the beam still lie at one finger of the open hand that has gone to the middle of it? It is there if it follows a rib.
-    /// Where only cameras tell, a look would cost time, and the force on the way up tells it.
+    /// Does the beam still lie at one finger of the open hand that has gone to the middle of it? It is there
+    /// if it follows a rib. Where only cameras tell, a look would cost time, and the force on the way up
+    /// tells it.
     fn follows_a_finger(&mut self, held: &Held) -> Result<bool, SkillError> {
         if self.belief.parts.eyes.images() {
             return Ok(false);
@@ -83,8 +85,9 @@ impl Workcell<'_, '_> {
         Ok(off > self.parameters.release.followed * at_a_finger)
     }
 
-    /// Turns a hand that leans straight down again: it leans when the beam in it has turned and was made level, and then its
-    /// ribs are tilted in the beam's slots, which follow a finger that opens. A resistance stops the turn: the fingers open anyway.
+    /// Turns a hand that leans straight down again: it leans when the beam in it has turned and was made
+    /// level, and then its ribs are tilted in the beam's slots, which follow a finger that opens. A
+    /// resistance stops the turn: the fingers open anyway.
     fn straighten(&mut self) -> Result<(), SkillError> {
         let lean = |x_wt: &Pose| (x_wt.rotation * Vector3::z()).angle(&-Vector3::z());
         if lean(&self.hand.setpoint) < self.parameters.carry.tilted {
@@ -94,7 +97,8 @@ impl Workcell<'_, '_> {
         let x_wp = self.belief.parts.pose(&held.part)?;
         // A beam that is held firmly turns along with the hand.
         self.hand.grip(BEAM_WIDTH - self.parameters.grip.squeeze, self.parameters.release.loose_grip)?;
-        // What is left holds against it: turned further until the hand is straight, not only where it is told to be.
+        // What is left holds against it: turned further until the hand is straight, not only where it is told
+        // to be.
         for _ in 0..self.parameters.release.straightenings {
             let seen = self.hand.seen.x_wt;
             if lean(&seen) < self.parameters.release.straight {
@@ -122,8 +126,8 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Lifts the hand off what it let go of, while it meets no more than `limit` (N). Returns whether it is off.
-    /// `stages` are heights (m) and the speeds up to them (m/s).
+    /// Lifts the hand off what it let go of, while it meets no more than `limit` (N). Returns whether it is
+    /// off. `stages` are heights (m) and the speeds up to them (m/s).
     fn lift_off(&mut self, stages: &[(f64, f64)], limit: f64) -> Result<bool, SkillError> {
         let from = self.hand.setpoint;
         let before = self.hand.force();
@@ -142,8 +146,9 @@ impl Workcell<'_, '_> {
         Ok(true)
     }
 
-    /// Closes on the beam between the fingers, loosely, and brings their ribs to the middle of its slots: on one that presses
-    /// against the upper edge of its slot the beam hangs by friction, and follows that finger however far it opens.
+    /// Closes on the beam between the fingers, loosely, and brings their ribs to the middle of its slots: on
+    /// one that presses against the upper edge of its slot the beam hangs by friction, and follows that
+    /// finger however far it opens.
     fn centre_ribs(&mut self) -> Result<(), SkillError> {
         self.hand.grip(BEAM_WIDTH - self.parameters.grip.squeeze, self.parameters.release.loose_grip)?;
         let mut down = self.hand.setpoint;
@@ -165,8 +170,8 @@ impl Workcell<'_, '_> {
         self.hand.go(&middle, self.parameters.release.slot_speed)
     }
 
-    /// Lets the free end of a held beam down on the table before the fingers open: one that fell would hang on them,
-    /// and follow them.
+    /// Lets the free end of a held beam down on the table before the fingers open: one that fell would hang
+    /// on them, and follow them.
     pub fn settle(&mut self, beam: usize) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
         let x_wb = self.belief.parts.pose(&name)?;

@@ -1,7 +1,7 @@
 //! Compliant search: what an insertion does when it stalls on an edge.
 //!
-//! The arm pushes the beam softly along its insertion path. While the beam stands still, the arm sweeps it across that path
-//! with growing amplitude, until it slips off the edge.
+//! The arm pushes the beam softly along its insertion path. While the beam stands still, the arm sweeps it
+//! across that path with growing amplitude, until it slips off the edge.
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_robot::Search;
@@ -18,9 +18,10 @@ impl Workcell<'_, '_> {
         if loose { loosely.clone() } else { firmly.clone() }
     }
 
-    /// Searches compliantly with a stalled beam: a light push along the insertion path, and a slow swing of growing size
-    /// across it, up and down, and about both, until the beam slips off the edge. An unchamfered edge (thru-m) stops dead
-    /// unless it meets its female within 0.3 mm. Returns the longest time for which the beam stood still, s.
+    /// Searches compliantly with a stalled beam: a light push along the insertion path, and a slow swing of
+    /// growing size across it, up and down, and about both, until the beam slips off the edge. An unchamfered
+    /// edge (thru-m) stops dead unless it meets its female within 0.3 mm. Returns the longest time for which
+    /// the beam stood still, s.
     pub fn compliant_search(
         &mut self,
         part: &str,

@@ -11,8 +11,9 @@ use crate::fault::SkillError;
 use crate::hand::Rise;
 
 impl Workcell<'_, '_> {
-    /// Presses a held beam, a little over the table, flat on it: then its height and its tilt in the hand are known, however
-    /// the cameras and the arm are off. A beam whose height is known well enough is left as it is.
+    /// Presses a held beam, a little over the table, flat on it: then its height and its tilt in the hand are
+    /// known, however the cameras and the arm are off. A beam whose height is known well enough is left as it
+    /// is.
     ///
     /// # Errors
     /// [`Fault::Unseen`](crate::Fault::Unseen), [`Fault::Overload`](crate::Fault::Overload), and the robot's.
@@ -55,8 +56,8 @@ impl Workcell<'_, '_> {
         self.hand.go(&before, self.parameters.touch.back_speed)
     }
 
-    /// How much higher than believed a beam is to go through a sleeve, m: backs off from the edge that it stands on,
-    /// lowers the beam on the sleeve's floor, and compares. 0 when that tells nothing.
+    /// How much higher than believed a beam is to go through a sleeve, m: backs off from the edge that it
+    /// stands on, lowers the beam on the sleeve's floor, and compares. 0 when that tells nothing.
     pub fn touch_floor(
         &mut self,
         part: &str,

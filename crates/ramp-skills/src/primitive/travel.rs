@@ -12,8 +12,8 @@ use crate::hand::Arrival;
 use crate::way::Way;
 
 impl Workcell<'_, '_> {
-    /// Moves the tip through free space to `x_wt`, keeping clear of everything but the held part. A hand that stands too near
-    /// to something to begin is raised first.
+    /// Moves the tip through free space to `x_wt`, keeping clear of everything but the held part. A hand that
+    /// stands too near to something to begin is raised first.
     ///
     /// # Errors
     /// When no motion is found or the robot stops.
@@ -21,8 +21,8 @@ impl Workcell<'_, '_> {
         self.travel_and(x_wt, &Arrival::default())
     }
 
-    /// The same, to a place from which something is looked at: the cameras are exposed as the hand arrives, so that their images
-    /// are on the way while it comes to rest.
+    /// The same, to a place from which something is looked at: the cameras are exposed as the hand arrives,
+    /// so that their images are on the way while it comes to rest.
     ///
     /// # Errors
     /// As [`Workcell::travel`].
@@ -44,8 +44,8 @@ impl Workcell<'_, '_> {
         self.hand.follow_and(&planned?, arrival)
     }
 
-    /// Moves a hand that stands where nothing can begin to the nearest place beside it that is free, upwards first. False when
-    /// there is none.
+    /// Moves a hand that stands where nothing can begin to the nearest place beside it that is free, upwards
+    /// first. False when there is none.
     ///
     /// # Errors
     /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
@@ -85,12 +85,12 @@ impl Workcell<'_, '_> {
         self.planner.plan(&self.hand.start(), x_wt, &terms, &mut self.stream)
     }
 
-    /// Moves the tip in a straight line through free space to `x_wt`, keeping clear of everything but the held part and
-    /// `part`.
+    /// Moves the tip in a straight line through free space to `x_wt`, keeping clear of everything but the
+    /// held part and `part`.
     ///
     /// # Errors
-    /// When the arm cannot follow the line, or something is in its way; [`Fault::Overload`](crate::Fault::Overload), and the
-    /// robot's.
+    /// When the arm cannot follow the line, or something is in its way;
+    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
     pub fn travel_straight(&mut self, x_wt: &Pose, part: Option<&str>) -> Result<(), SkillError> {
         self.travel_and_grip(x_wt, part, None)
     }
@@ -124,7 +124,8 @@ impl Workcell<'_, '_> {
         TimeLaw::new(self.arm, &Pace { velocity, acceleration, jerk: travel.jerk, ramp: travel.ramp })
     }
 
-    /// Moves the open hand from above down to `x_wt`, around `part`, and tells a slow gripper `closing` on the way.
+    /// Moves the open hand from above down to `x_wt`, around `part`, and tells a slow gripper `closing` on
+    /// the way.
     pub fn descend(&mut self, x_wt: &Pose, part: &str, closing: GripperCommand) -> Result<(), SkillError> {
         let mut above = *x_wt;
         above.translation.z = above.translation.z.max(self.parameters.travel.height);
@@ -206,8 +207,8 @@ impl Workcell<'_, '_> {
         Way::along(stops, &self.hand.joints(), self.planner, &self.law())
     }
 
-    /// The best of several candidates, each with the way of the tip to it and on, by [`Way::compare`]. `None` where all are out
-    /// of reach.
+    /// The best of several candidates, each with the way of the tip to it and on, by [`Way::compare`]. `None`
+    /// where all are out of reach.
     pub fn choose<T: Copy>(&self, candidates: &[(T, Way)]) -> Option<T> {
         candidates
             .iter()

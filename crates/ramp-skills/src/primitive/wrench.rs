@@ -6,14 +6,14 @@ use crate::cell::Workcell;
 use crate::hand::Hand;
 
 impl Workcell<'_, '_> {
-    /// Where something presses on the plate at a height (m) beside the hand, by a wrench at the wrist, or the sum of many:
-    /// along the table, m in the world.
+    /// Where something presses on the plate at a height (m) beside the hand, by a wrench at the wrist, or the
+    /// sum of many: along the table, m in the world.
     pub fn tip_beside(&self, measured: &Vector6<f64>, plate: f64) -> Vector3<f64> {
         moment_below(&self.hand, self.arm.hand.tip, measured, plate) / measured.z
     }
 
-    /// The direction in which the tip of a peg that turned between the fingers is beside the hand: across the axis on which
-    /// they close, along the table. Axes of the world.
+    /// The direction in which the tip of a peg that turned between the fingers is beside the hand: across the
+    /// axis on which they close, along the table. Axes of the world.
     pub fn across(&self) -> Vector3<f64> {
         across(&self.hand)
     }
@@ -25,8 +25,9 @@ pub fn across(hand: &Hand) -> Vector3<f64> {
     Vector3::new(x.x, x.y, 0.0).normalize()
 }
 
-/// What a wrench at the wrist (N, N·m), `tip` (m) behind the fingers' tip, is about the point below the hand on the plate at
-/// a height (m): the force down times how far beside the hand it presses along the table, N·m, axes of the world.
+/// What a wrench at the wrist (N, N·m), `tip` (m) behind the fingers' tip, is about the point below the hand
+/// on the plate at a height (m): the force down times how far beside the hand it presses along the table,
+/// N·m, axes of the world.
 pub fn moment_below(hand: &Hand, tip: f64, measured: &Vector6<f64>, plate: f64) -> Vector3<f64> {
     let x_wt = hand.seen.x_wt;
     let wrist = x_wt * Point3::new(0.0, 0.0, -tip);

@@ -1,10 +1,11 @@
-//! Goes through a plan with the arm's model before anything moves, and reports what the arm or the hand cannot do.
+//! Goes through a plan with the arm's model before anything moves, and reports what the arm or the hand
+//! cannot do.
 //!
-//! Each skill rehearses itself: it outlines the motions that it will ask for, and the alternatives among which it chooses
-//! ([`outline`]). A [`Rehearsal`] carries them out one after another in a [`scene`], with the kinematics and the motion planner
-//! alone ([`walk`]). It begins with the parts where they are believed to be. An action that is impossible becomes a
-//! [`MotionFact`](ramp_planner::MotionFact) for the planner ([`blame`]). [`plan_with_motion`] plans and rehearses in turns
-//! until a plan passes.
+//! Each skill rehearses itself: it outlines the motions that it will ask for, and the alternatives among
+//! which it chooses ([`outline`]). A [`Rehearsal`] carries them out one after another in a [`scene`], with
+//! the kinematics and the motion planner alone ([`walk`]). It begins with the parts where they are believed
+//! to be. An action that is impossible becomes a [`MotionFact`](ramp_planner::MotionFact) for the planner
+//! ([`blame`]). [`plan_with_motion`] plans and rehearses in turns until a plan passes.
 
 pub mod blame;
 pub mod outline;

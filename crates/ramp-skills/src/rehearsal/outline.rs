@@ -5,7 +5,8 @@ use ramp_motion::Joints;
 use crate::Pose;
 use crate::grasp::{BeamGrasp, Grasp};
 
-/// The stages of a motion that brings a part to its place. The refusal of a later stage says more about a plan.
+/// The stages of a motion that brings a part to its place. The refusal of a later stage says more about a
+/// plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
     /// To the part, around it, and up again.

@@ -12,7 +12,8 @@ use super::search::{Findings, Rehearsal, UnusualGrasp};
 use crate::Pose;
 use crate::grasp::{beam_grasp, peg_grasp};
 
-/// The most facts that plan and rehearsal exchange before they give up: each takes away one grasp, path or order.
+/// The most facts that plan and rehearsal exchange before they give up: each takes away one grasp, path or
+/// order.
 const MOST_FACTS: usize = 60;
 
 /// A plan that the arm can carry out, and what was learned on the way to it.
@@ -20,7 +21,8 @@ const MOST_FACTS: usize = 60;
 pub struct Rehearsed {
     /// The plan.
     pub plan: Plan,
-    /// Motions that the arm cannot do, in the order in which they were found; those of the given state come first.
+    /// Motions that the arm cannot do, in the order in which they were found; those of the given state come
+    /// first.
     pub facts: Vec<MotionFact>,
     /// Grasps of beams for which the usual one would not do, by name.
     pub grasps: BTreeMap<String, UnusualGrasp>,
@@ -53,9 +55,9 @@ pub struct Quicker {
     pub before: f64,
 }
 
-/// Makes a plan quicker that the arm can carry out: parts are where they nominally are in `state`, the ways of the hand
-/// between them are timed by the motion planner, and [`ramp_planner::quicker`] exchanges pegs and fastenings. The plan stays
-/// as it is where the rehearsal finds the other one slower or impossible.
+/// Makes a plan quicker that the arm can carry out: parts are where they nominally are in `state`, the ways
+/// of the hand between them are timed by the motion planner, and [`ramp_planner::quicker`] exchanges pegs and
+/// fastenings. The plan stays as it is where the rehearsal finds the other one slower or impossible.
 ///
 /// # Errors
 /// When the state cannot be, or the arm cannot carry out the plan.
@@ -85,8 +87,8 @@ pub fn quicker_for_arm(
     })
 }
 
-/// Plans, and goes through the plan with the arm's model; what the arm cannot do becomes a fact, and the planner plans
-/// again, until a plan passes. `rehearsal` gives the world at the beginning.
+/// Plans, and goes through the plan with the arm's model; what the arm cannot do becomes a fact, and the
+/// planner plans again, until a plan passes. `rehearsal` gives the world at the beginning.
 ///
 /// # Errors
 /// The planner's, when no plan is left; it then says what the arm cannot do.
@@ -117,8 +119,8 @@ pub fn plan_with_motion<'a>(
     }
 }
 
-/// Time of the hand's motion from one place to another if nothing is in the way, s; `None` where the arm does not reach one of
-/// them.
+/// Time of the hand's motion from one place to another if nothing is in the way, s; `None` where the arm does
+/// not reach one of them.
 fn time_between(rehearsal: &mut Rehearsal, from: &Place, to: &Place) -> Option<f64> {
     let Rehearsal { scene, walk, .. } = rehearsal;
     walk.time_between(scene, &x_wt_at(scene, from)?, &x_wt_at(scene, to)?)

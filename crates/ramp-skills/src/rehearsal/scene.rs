@@ -1,4 +1,5 @@
-//! The scene of a rehearsal: parts, arm and hand as the plan has brought them so far. Skills read it to outline their motions.
+//! The scene of a rehearsal: parts, arm and hand as the plan has brought them so far. Skills read it to
+//! outline their motions.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -158,8 +159,8 @@ impl<'a> Scene<'a> {
         up
     }
 
-    /// The grasps of a part, a beam by a link, in the order in which the skills try them. None for a part that was never seen
-    /// and for a link that the beam does not have.
+    /// The grasps of a part, a beam by a link, in the order in which the skills try them. None for a part
+    /// that was never seen and for a link that the beam does not have.
     pub fn grasps(&self, part: &str, link: Option<&str>) -> Vec<Grasp> {
         let Some(x_wp) = self.x_wp(part) else { return Vec::new() };
         let Parameters { grip, travel, .. } = &*self.parameters;
@@ -171,8 +172,9 @@ impl<'a> Scene<'a> {
         grasps.unwrap_or_default().into_iter().flatten().map(|(grasp, _)| grasp).collect()
     }
 
-    /// The grasps of a standing beam at the point of a link that is nearest to `wanted` (m from its j1 hole), the better sense
-    /// of the hand first. None for a beam that was never seen and for a link that it does not have.
+    /// The grasps of a standing beam at the point of a link that is nearest to `wanted` (m from its j1 hole),
+    /// the better sense of the hand first. None for a beam that was never seen and for a link that it does
+    /// not have.
     pub fn standing_grasps(&self, part: &str, link: Option<&str>, wanted: f64) -> Vec<Grasp> {
         let (Some(x_wb), Some(beam)) = (self.x_wp(part), self.kit.beam(part)) else { return Vec::new() };
         let Some(link) = link.and_then(|name| beam.links.iter().find(|link| link.name == name)) else {

@@ -1,8 +1,9 @@
 //! Searches the alternatives of a plan's skills for motions that carry the plan out.
 //!
-//! An action that takes a part into the hand opens a choice that is settled only when the part has left the hand, or is
-//! grasped anew: a grasp that is free at the start may be impossible at the place. Within such a hold the search goes depth
-//! first, each skill's preferred alternative first. The refusal that got furthest explains a failure.
+//! An action that takes a part into the hand opens a choice that is settled only when the part has left the
+//! hand, or is grasped anew: a grasp that is free at the start may be impossible at the place. Within such a
+//! hold the search goes depth first, each skill's preferred alternative first. The refusal that got furthest
+//! explains a failure.
 
 use std::collections::BTreeMap;
 
@@ -93,8 +94,8 @@ impl<'a> Rehearsal<'a> {
         Rehearsal::new(scene, SkillTable::default())
     }
 
-    /// With the parts where they are believed to be (poses in the world, by name), and the arm at `q` (rad); other parts stay
-    /// at their nominal poses. The motion planner draws from the episode's `seed`.
+    /// With the parts where they are believed to be (poses in the world, by name), and the arm at `q` (rad);
+    /// other parts stay at their nominal poses. The motion planner draws from the episode's `seed`.
     #[must_use]
     pub fn from_here(
         mut self,
@@ -117,8 +118,8 @@ impl<'a> Rehearsal<'a> {
         Ok(Findings { grasps: self.grasps, not_rehearsed: self.unknown })
     }
 
-    /// Time of the motions of a plan through free space and straight to parts and places, by the motion planner, s. Looks,
-    /// presses, searches and the gripper are not in it.
+    /// Time of the motions of a plan through free space and straight to parts and places, by the motion
+    /// planner, s. Looks, presses, searches and the gripper are not in it.
     ///
     /// # Errors
     /// As [`Rehearsal::check`].
@@ -128,8 +129,8 @@ impl<'a> Rehearsal<'a> {
         Ok(self.scene.now.done.iter().map(seconds).sum())
     }
 
-    /// All motions of arm and hand in a plan, timed by `law`. Those of actions that only align a beam are left out: a beam that
-    /// stands at its place needs none.
+    /// All motions of arm and hand in a plan, timed by `law`. Those of actions that only align a beam are
+    /// left out: a beam that stands at its place needs none.
     ///
     /// # Errors
     /// As [`Rehearsal::check`].
@@ -139,8 +140,8 @@ impl<'a> Rehearsal<'a> {
         Ok(self.scene.now.done)
     }
 
-    /// All motions through free space that a plan asks for, as far as the arm can carry it out, those among them that do not
-    /// exist.
+    /// All motions through free space that a plan asks for, as far as the arm can carry it out, those among
+    /// them that do not exist.
     pub fn legs(mut self, plan: &Plan) -> Vec<Leg> {
         self.walk.legs = Some(Vec::new());
         // The motions end where the arm cannot go on.
@@ -197,8 +198,8 @@ impl<'a> Rehearsal<'a> {
         script.actions.len()
     }
 
-    /// Carries out a range of actions, with the first alternatives that lead to its end. False when none does: `furthest` is
-    /// then the refusal that got furthest.
+    /// Carries out a range of actions, with the first alternatives that lead to its end. False when none
+    /// does: `furthest` is then the refusal that got furthest.
     fn search(
         &mut self,
         script: &Script,

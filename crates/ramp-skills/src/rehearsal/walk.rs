@@ -20,7 +20,8 @@ impl Walk {
     /// Carries out a series of motions.
     ///
     /// # Errors
-    /// The refusal of the first motion that does not exist. The scene is then left in the middle of the series.
+    /// The refusal of the first motion that does not exist. The scene is then left in the middle of the
+    /// series.
     pub fn series(&mut self, scene: &mut Scene, motions: &[Motion]) -> Result<(), Refusal> {
         for motion in motions {
             match motion {
@@ -70,7 +71,8 @@ impl Walk {
         }
     }
 
-    /// Time of the motion of the tip from one pose to another, by way of travelling height, s; `None` where there is none.
+    /// Time of the motion of the tip from one pose to another, by way of travelling height, s; `None` where
+    /// there is none.
     pub fn time_between(&mut self, scene: &Scene, from: &Pose, to: &Pose) -> Option<f64> {
         let q = scene.planner.posture(&scene.raised(from));
         let travel = &scene.parameters.travel;
@@ -96,8 +98,8 @@ fn refusal(scene: &Scene, error: &MotionError, x_wt: &Pose, checker: &Checker, s
     }
 }
 
-/// Straight to a pose of the tip. Where the arm cannot follow from the posture in which it arrived, it takes another one
-/// first, as the skills do.
+/// Straight to a pose of the tip. Where the arm cannot follow from the posture in which it arrived, it takes
+/// another one first, as the skills do.
 fn straight(
     scene: &mut Scene,
     x_wt: &Pose,

@@ -14,8 +14,8 @@ use crate::parameters::insertions::AssembleParameters;
 use crate::rehearsal::outline::Outline;
 use crate::rehearsal::scene::Scene;
 
-/// Inserts a male of the held beam into the assembly, along the beam's insertion path: square, at an angle, through
-/// sleeves, or deeper than its place.
+/// Inserts a male of the held beam into the assembly, along the beam's insertion path: square, at an angle,
+/// through sleeves, or deeper than its place.
 #[derive(Clone)]
 pub struct Assemble {
     parameters: AssembleParameters,
@@ -118,8 +118,9 @@ impl Assemble {
         self.seat(cell, beam, &aim.goal, height, limit, loose)
     }
 
-    /// Goes on with a beam that has stopped in a sleeve that little holds: aims again at where the sleeve is by now, and pushes.
-    /// Where a push gains nothing, the next one comes from a little back, and a little higher or lower.
+    /// Goes on with a beam that has stopped in a sleeve that little holds: aims again at where the sleeve is
+    /// by now, and pushes. Where a push gains nothing, the next one comes from a little back, and a little
+    /// higher or lower.
     fn push_on(
         &self,
         cell: &mut Workcell,
@@ -163,8 +164,8 @@ impl Assemble {
         Ok(())
     }
 
-    /// Brings a held beam that is in its joints all the way to `goal`, as sight says: what remains is mostly a fraction
-    /// of a millimetre, and otherwise a case for the compliant search.
+    /// Brings a held beam that is in its joints all the way to `goal`, as sight says: what remains is mostly
+    /// a fraction of a millimetre, and otherwise a case for the compliant search.
     fn seat(
         &self,
         cell: &mut Workcell,
@@ -176,7 +177,8 @@ impl Assemble {
     ) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         let direction = cell.belief.insertion_direction(beam, goal)?;
-        // What the cone of a peg draws together: worth another push, and no search, which swings the beam at its far end.
+        // What the cone of a peg draws together: worth another push, and no search, which swings the beam at
+        // its far end.
         let enough = 2.0 * cell.parameters.search.seated;
         let mut before = f64::INFINITY;
         for _ in 0..cell.parameters.insertion.tries {

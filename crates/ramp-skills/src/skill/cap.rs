@@ -14,8 +14,8 @@ use crate::parameters::insertions::CapParameters;
 use crate::rehearsal::outline::Outline;
 use crate::rehearsal::scene::Scene;
 
-/// Puts the held beam as a cap over males of the assembly: pressed on the table a little, pulled past its goal so that
-/// each end seats on its stop wall, and swept to and fro at the end.
+/// Puts the held beam as a cap over males of the assembly: pressed on the table a little, pulled past its
+/// goal so that each end seats on its stop wall, and swept to and fro at the end.
 #[derive(Clone)]
 pub struct Cap {
     parameters: CapParameters,
@@ -98,8 +98,9 @@ impl Cap {
         )
     }
 
-    /// Brings a cap, from where its insertion begins, with its lower plate under the ends that come at an angle: pressed on
-    /// the table first, and with its nose down until they are past the plate's edge. Stops where it is blocked.
+    /// Brings a cap, from where its insertion begins, with its lower plate under the ends that come at an
+    /// angle: pressed on the table first, and with its nose down until they are past the plate's edge. Stops
+    /// where it is blocked.
     fn pass_under(
         &self,
         cell: &mut Workcell,
@@ -128,8 +129,9 @@ impl Cap {
         Ok(())
     }
 
-    /// Ends a cap that has been pushed as far as it went, at `goal` if all is well: searches compliantly for an end that is
-    /// blocked, then sweeps both ends to their stop walls. An end that is still short after that is searched for once more.
+    /// Ends a cap that has been pushed as far as it went, at `goal` if all is well: searches compliantly for
+    /// an end that is blocked, then sweeps both ends to their stop walls. An end that is still short after
+    /// that is searched for once more.
     fn finish(&self, cell: &mut Workcell, beam: usize, goal: &Pose, force: f64) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         let direction = cell.belief.insertion_direction(beam, goal)?;
@@ -174,7 +176,8 @@ impl Cap {
         Ok(())
     }
 
-    /// Turns a capped beam to and fro about its grasp while it is pressed on, so that both ends find their walls.
+    /// Turns a capped beam to and fro about its grasp while it is pressed on, so that both ends find their
+    /// walls.
     fn sweep(&self, cell: &mut Workcell) -> Result<(), SkillError> {
         let centre = cell.hand.setpoint;
         let sweep = self.parameters.sweep;

@@ -1,4 +1,5 @@
-//! What a skill is: the fine actions that it serves, what must hold before, what it does, and what holds after.
+//! What a skill is: the fine actions that it serves, what must hold before, what it does, and what holds
+//! after.
 
 use std::fmt;
 
@@ -55,8 +56,9 @@ impl<'p> Call<'p> {
         connection.and_then(|name| assembly.connection_index(name)).ok_or_else(|| self.no_skill())
     }
 
-    /// The link by which the hand holds the beam of the action, according to the plan: the one that the action names, the
-    /// one of the pick-up that follows for [`Place::Input`], and otherwise the one of the last grasp before.
+    /// The link by which the hand holds the beam of the action, according to the plan: the one that the
+    /// action names, the one of the pick-up that follows for [`Place::Input`], and otherwise the one of the
+    /// last grasp before.
     pub fn link(&self) -> Option<&'p str> {
         if let Some(link) = self.action.link() {
             return Some(link);
@@ -71,11 +73,12 @@ impl<'p> Call<'p> {
         let fine = |steps: &'p [CoarseStep]| steps.iter().flat_map(|step| &step.fine);
         match self.action {
             FineAction::Move { to: Place::Input(_) } => fine(self.plan.get(self.step..)?).find_map(grasped),
-            _ => fine(self.plan.get(..=self.step)?).filter_map(grasped).last(),
+            _ => fine(self.plan.get(..=self.step)?).rev().find_map(grasped),
         }
     }
 
-    /// The fact that the hand cannot hold the beam of the action by its link ([`Call::link`]) at one of its two places.
+    /// The fact that the hand cannot hold the beam of the action by its link ([`Call::link`]) at one of its
+    /// two places.
     pub fn cannot_grasp(&self, at: End) -> Option<Impossible> {
         let (beam, link) = (self.part()?.to_string(), self.link()?.to_string());
         Some(Impossible::Grasp { beam, link, at })
@@ -218,8 +221,8 @@ fn holds_part(cell: &Workcell, call: &Call) -> bool {
 
 /// Carries out fine actions of some kinds. A table ([`crate::SkillTable`]) has one for each kind.
 ///
-/// The executor calls [`Skill::ready`], [`Skill::run`], applies what the skill [`expects`](Skill::expects), and then
-/// calls [`Skill::let_go`].
+/// The executor calls [`Skill::ready`], [`Skill::run`], applies what the skill [`expects`](Skill::expects),
+/// and then calls [`Skill::let_go`].
 pub trait Skill: Send + Sync {
     /// Its name, as in the result of a run in which it replaces one of the baseline's.
     fn name(&self) -> &str;
@@ -240,13 +243,14 @@ pub trait Skill: Send + Sync {
         &[]
     }
 
-    /// The motions that [`Skill::run`] will ask for, with the alternatives among which it chooses, in the order in which it
-    /// prefers them. [`Outline::Unknown`] for a skill that cannot say: its actions then
+    /// The motions that [`Skill::run`] will ask for, with the alternatives among which it chooses, in the
+    /// order in which it prefers them. [`Outline::Unknown`] for a skill that cannot say: its actions then
     /// count as possible, and an event says so.
     fn rehearse(&self, scene: &Scene, call: &Call) -> Outline;
 
-    /// The fact for the planner that follows when the arm cannot carry out the action. `None` where the failure says nothing
-    /// by itself: a rehearsal then asks the actions that follow with the same part in the hand.
+    /// The fact for the planner that follows when the arm cannot carry out the action. `None` where the
+    /// failure says nothing by itself: a rehearsal then asks the actions that follow with the same part in
+    /// the hand.
     fn blame(&self, _call: &Call) -> Option<Impossible> {
         None
     }

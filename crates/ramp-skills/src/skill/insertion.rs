@@ -78,8 +78,8 @@ impl Insertion {
         last.map_or(Ok(()), |fault| Err(fault.into()))
     }
 
-    /// Looks at the joints that are to meet, and brings the held beam to where its insertion begins, `height` (m) over
-    /// its insertion path and at least a little.
+    /// Looks at the joints that are to meet, and brings the held beam to where its insertion begins, `height`
+    /// (m) over its insertion path and at least a little.
     ///
     /// # Errors
     /// [`Fault::NotHeld`], [`Fault::NoPath`], [`Fault::Unseen`], or what stopped the motion.
@@ -113,8 +113,8 @@ impl Insertion {
         Ok(Aim { goal, direction, loose })
     }
 
-    /// Moves the tip fast towards `target` (world) up to where the males come to the mouths of their joints. A beam that
-    /// passes through a sleeve is in it from the start, and would drag it along.
+    /// Moves the tip fast towards `target` (world) up to where the males come to the mouths of their joints.
+    /// A beam that passes through a sleeve is in it from the start, and would drag it along.
     ///
     /// # Errors
     /// What stopped the motion, or the robot's error.
@@ -178,8 +178,9 @@ impl Insertion {
         Ok(Pushed { stopped, force })
     }
 
-    /// Backs a jammed beam out to where its insertion began, free of the joint. A beam that catches on an edge on its way out,
-    /// or of which one end stays behind in a joint, searches compliantly for the way, as on its way in.
+    /// Backs a jammed beam out to where its insertion began, free of the joint. A beam that catches on an
+    /// edge on its way out, or of which one end stays behind in a joint, searches compliantly for the way, as
+    /// on its way in.
     ///
     /// # Errors
     /// Always: [`Fault::Jammed`], or what stopped the motion.
@@ -220,8 +221,9 @@ impl Insertion {
     }
 }
 
-/// The motions of an insertion, from where it begins: the held beam goes straight to its place, the fingers open, and the hand
-/// retreats. Joints that go into each other overlap as boxes, so the check is one of arm and hand alone.
+/// The motions of an insertion, from where it begins: the held beam goes straight to its place, the fingers
+/// open, and the hand retreats. Joints that go into each other overlap as boxes, so the check is one of arm
+/// and hand alone.
 pub fn rehearse_insertion(scene: &Scene, call: &Call) -> Outline {
     let Ok(beam) = call.beam(scene.assembly) else { return Outline::nothing() };
     let name = &scene.assembly.beams[beam].beam.name;

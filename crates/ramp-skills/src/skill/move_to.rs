@@ -115,7 +115,8 @@ impl MoveTo {
         MoveTo { parameters: parameters.move_to.clone(), regrasp: Regrasp::new(parameters) }
     }
 
-    /// The height over a hole to which a peg is carried: the height from which it is lowered, and more above it, m.
+    /// The height over a hole to which a peg is carried: the height from which it is lowered, and more above
+    /// it, m.
     fn heights(&self, parameters: &Parameters) -> [f64; 2] {
         [parameters.peg_search.over, self.parameters.above]
     }
@@ -149,11 +150,12 @@ impl MoveTo {
         Ok(())
     }
 
-    /// Carries the held beam to where its insertion begins, a little above its insertion path. A beam that the hand
-    /// holds too far out for that is laid on a free place of the table and grasped again.
+    /// Carries the held beam to where its insertion begins, a little above its insertion path. A beam that
+    /// the hand holds too far out for that is laid on a free place of the table and grasped again.
     ///
     /// # Errors
-    /// [`SkillError::Motion`] when no motion is found; [`Fault::NotHeld`], [`Fault::Overload`], and the robot's.
+    /// [`SkillError::Motion`] when no motion is found; [`Fault::NotHeld`], [`Fault::Overload`], and the
+    /// robot's.
     fn approach_beam(&self, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         cell.check_grip(&name)?;
@@ -175,8 +177,8 @@ impl MoveTo {
         self.carry(cell, beam, &start)
     }
 
-    /// Carries the held beam through free space to a pose. If something pushed it, the agent looks at it before
-    /// it lowers it: a beam that turned in the hand would meet the table with an end.
+    /// Carries the held beam through free space to a pose. If something pushed it, the agent looks at it
+    /// before it lowers it: a beam that turned in the hand would meet the table with an end.
     fn carry(&self, cell: &mut Workcell, beam: usize, x_wb_goal: &Pose) -> Result<(), SkillError> {
         let part = &cell.assembly.beams[beam].beam.name;
         for attempt in 1.. {
@@ -197,7 +199,8 @@ impl MoveTo {
     /// Carries the held peg over the hole of a connection.
     ///
     /// # Errors
-    /// [`SkillError::Motion`] when no motion is found; [`Fault::NotHeld`], [`Fault::Overload`], and the robot's.
+    /// [`SkillError::Motion`] when no motion is found; [`Fault::NotHeld`], [`Fault::Overload`], and the
+    /// robot's.
     fn approach_hole(&self, cell: &mut Workcell, connection: usize) -> Result<(), SkillError> {
         cell.see(
             &[cell.belief.hole(cell.assembly.connections[connection].female)],
@@ -212,8 +215,8 @@ impl MoveTo {
         let q = cell.hand.joints();
         let heights = self.heights(&cell.parameters);
         let rotations = peg_rotations(yaw_of(&cell.hand.seen.x_wt));
-        // Of the rotations that fit, the one that leaves the joints most room while the peg goes in, in the posture in which
-        // the arm arrives there.
+        // Of the rotations that fit, the one that leaves the joints most room while the peg goes in, in the
+        // posture in which the arm arrives there.
         let candidates = rotations.map(|rotation| {
             let [over, seated] = peg_over_hole(&mouth, heights, rotation);
             let arrival = cell.planner.solve(&over, &q);
@@ -223,7 +226,8 @@ impl MoveTo {
         if let Some(x_wt) = cell.choose(&candidates) {
             return cell.travel_to_look(&x_wt);
         }
-        // On no level path does the arm arrive so that the peg can go in: it takes another posture over the hole.
+        // On no level path does the arm arrive so that the peg can go in: it takes another posture over the
+        // hole.
         for rotation in rotations {
             let [over, down] = peg_over_hole(&mouth, heights, rotation);
             let Some(arrival) = cell.planner.posture_for(&over, &down) else { continue };

@@ -17,8 +17,8 @@ use crate::rehearsal::scene::Scene;
 
 /// Grasps a beam in the assembly, and moves it to its nominal place.
 ///
-/// A beam that a single peg holds swings by 4° to 5°: its free end must be put where the next beam expects it,
-/// since a cap that meets a tip beside its opening jams whatever is done to it afterwards.
+/// A beam that a single peg holds swings by 4° to 5°: its free end must be put where the next beam expects
+/// it, since a cap that meets a tip beside its opening jams whatever is done to it afterwards.
 #[derive(Clone)]
 pub struct Push {
     parameters: PushParameters,
@@ -98,7 +98,8 @@ impl Push {
                 return Ok(());
             }
             if worst > self.parameters.no_nearer * before {
-                // Friction takes it back each time, and what comes next takes this much; or it hangs on something.
+                // Friction takes it back each time, and what comes next takes this much; or it hangs on
+                // something.
                 if worst < cell.parameters.alignment.peggable {
                     return Ok(());
                 }

@@ -53,7 +53,8 @@ impl PutDown {
     /// Puts the held part back where it was picked up, and lets go of it.
     ///
     /// # Errors
-    /// [`Fault::NotHeld`](crate::Fault::NotHeld) when there is nothing in the hand any more, or what stopped the motion.
+    /// [`Fault::NotHeld`](crate::Fault::NotHeld) when there is nothing in the hand any more, or what stopped
+    /// the motion.
     fn put_back(&self, cell: &mut Workcell) -> Result<(), SkillError> {
         let Some(part) = cell.hand.held.as_ref().map(|held| held.part.clone()) else { return Ok(()) };
         cell.retreat()?;

@@ -16,7 +16,8 @@ use crate::parameters::skills::RegraspParameters;
 use crate::rehearsal::outline::{InHand, Motion, Outline};
 use crate::rehearsal::scene::Scene;
 
-/// Changes the grasp of the held beam to another link: lays it on a free place of the table, and picks it up again.
+/// Changes the grasp of the held beam to another link: lays it on a free place of the table, and picks it up
+/// again.
 #[derive(Clone)]
 pub struct Regrasp {
     parameters: RegraspParameters,
@@ -44,7 +45,8 @@ impl Skill for Regrasp {
         &[Effect::HoldsPart]
     }
 
-    /// The beam lies on a free place of the table when the hand takes it again: any grasp of the link will do there.
+    /// The beam lies on a free place of the table when the hand takes it again: any grasp of the link will do
+    /// there.
     fn rehearse(&self, scene: &Scene, call: &Call) -> Outline {
         let Some(part) = call.part().filter(|part| scene.holds(part).is_some()) else {
             return Outline::nothing();
@@ -119,8 +121,9 @@ impl Regrasp {
         self.regrasp(cell, beam, &link)
     }
 
-    /// The pose of the tip at which the held beam lies on the table beside everything else, with room for the hand now
-    /// and when it takes the beam by `link`; the nearest one. The hand leans when the beam is tilted in it.
+    /// The pose of the tip at which the held beam lies on the table beside everything else, with room for the
+    /// hand now and when it takes the beam by `link`; the nearest one. The hand leans when the beam is tilted
+    /// in it.
     fn free_place(&self, cell: &Workcell, beam: usize, link: &str) -> Result<Pose, SkillError> {
         let beam = &cell.assembly.beams[beam].beam;
         let no_grasp = || Fault::NoGrasp { part: beam.name.clone() };

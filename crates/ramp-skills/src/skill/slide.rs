@@ -17,9 +17,9 @@ use crate::rehearsal::scene::Scene;
 
 /// Slides a beam that stands deeper than its place forward to its place.
 ///
-/// A beam whose ends are all male droops while one female alone holds it, and no other beam can be put over an end
-/// that hangs on the table. So it is inserted deeper than its place, the other beam is brought, and then this one is
-/// lifted level and slid forward.
+/// A beam whose ends are all male droops while one female alone holds it, and no other beam can be put over
+/// an end that hangs on the table. So it is inserted deeper than its place, the other beam is brought, and
+/// then this one is lifted level and slid forward.
 #[derive(Clone)]
 pub struct Slide {
     parameters: SlideParameters,

@@ -59,8 +59,8 @@ fn the_nine_goals_need_no_other_plan() {
     }
 }
 
-/// The motions that a goal asks of the Panda, between the beams and pegs of that goal, with what they carry: an arm of another
-/// maker finds them, too, and none of them leads it into itself.
+/// The motions that a goal asks of the Panda, between the beams and pegs of that goal, with what they carry:
+/// an arm of another maker finds them, too, and none of them leads it into itself.
 #[test]
 fn a_ur5e_finds_its_way_among_the_beams_of_a_goal() {
     let data = data();
@@ -90,7 +90,8 @@ fn a_ur5e_finds_its_way_among_the_beams_of_a_goal() {
     }
 }
 
-/// Of the plans with as few actions, one is taken whose motions are shorter; and never one whose motions are longer.
+/// Of the plans with as few actions, one is taken whose motions are shorter; and never one whose motions are
+/// longer.
 #[test]
 fn pegs_are_exchanged_for_shorter_motions() {
     let (data, state) = (data(), State::default());
