@@ -353,8 +353,10 @@ impl fmt::Display for EventKind {
                 match past {
                     Some(Argument::Named(past)) => {
                         for (where_, beam) in past {
-                            let stands = if where_ == "stands" { "stands" } else { "is where it starts" };
-                            write!(f, " while {beam} {stands}")?;
+                            match where_.as_str() {
+                                "stands" => write!(f, " once {beam} is placed")?,
+                                _ => write!(f, " while {beam} is at its start pose")?,
+                            }
                         }
                     }
                     Some(past) => write!(f, " while {past} is in the way")?,
@@ -394,8 +396,8 @@ fn cannot_in_words(cannot: &Argument, f: &mut fmt::Formatter) -> fmt::Result {
         };
         match what.as_str() {
             "grasp" => {
-                let place = if field("at") == "start" { "where it starts" } else { "at its place" };
-                write!(f, "{} cannot be held by {} {place}", field("beam"), field("link"))?;
+                let place = if field("at") == "start" { "in its start pose" } else { "in its goal pose" };
+                write!(f, "{} cannot be grasped at {} {place}", field("beam"), field("link"))?;
             }
             "insert" => {
                 write!(f, "{} cannot be inserted along the path {}", field("beam"), field("path"))?;

@@ -99,7 +99,7 @@ fn what_hides_a_hole_is_placed_after_its_peg() {
     let stood = State { in_assembly: ["b4", "b9", "b5", "b1"].map(str::to_string).to_vec(), ..state };
     let error = ramp_planner::plan(&assembly, &stood, domains()).unwrap_err().to_string();
     assert!(
-        error.contains("C7 cannot be fastened while b1 stands: the arm would touch something"),
+        error.contains("C7 cannot be fastened once b1 is placed: the arm would touch something"),
         "{error}"
     );
 }

@@ -58,7 +58,7 @@ fn a_line_that_is_no_action_is_told_with_its_number() {
     for (line, words) in [
         ("move input", "expected `(action object …)`"),
         ("(jump b4)", "no action `jump`"),
-        ("(push b77)", "`b77` is no beam"),
+        ("(push b77)", "`b77` is not of the sort `beam`"),
         ("(push b4 b5)", "`push` has 1 arguments"),
         ("(push)", "`push` has 1 arguments"),
     ] {

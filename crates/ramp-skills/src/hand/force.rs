@@ -50,7 +50,7 @@ impl Hand<'_> {
     /// Takes the present reading of the wrist as zero.
     ///
     /// # Errors
-    /// [`Fault::Overload`], and the robot's.
+    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
     pub fn zero(&mut self) -> Result<(), SkillError> {
         // The sensor's filter has a time constant of 20 ms: let the last motion fade out of it.
         self.wait(self.parameters.rest)?;

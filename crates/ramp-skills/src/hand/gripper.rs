@@ -11,7 +11,7 @@ impl Hand<'_> {
     /// Opens or closes to `width` (m) with at most `force` (N) and waits until the fingers are still.
     ///
     /// # Errors
-    /// [`Fault::Overload`], and the robot's.
+    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
     pub fn grip(&mut self, width: f64, force: f64) -> Result<(), SkillError> {
         self.gripper = GripperCommand { width, force };
         let opens = width > self.seen.width;

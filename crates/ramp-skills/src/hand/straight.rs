@@ -16,7 +16,7 @@ impl Hand<'_> {
     /// velocity limit. Returns true if it was stopped; the setpoint then stays where it was.
     ///
     /// # Errors
-    /// [`Fault::Overload`], and the robot's.
+    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
     pub fn drive(
         &mut self,
         x_wt: &Pose,
@@ -32,7 +32,7 @@ impl Hand<'_> {
     /// on which the tip keeps its distance from the setpoint.
     ///
     /// # Errors
-    /// [`Fault::Overload`], and the robot's.
+    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
     pub fn drive_in_line(
         &mut self,
         x_wt: &Pose,
@@ -91,7 +91,7 @@ impl Hand<'_> {
     /// Moves without a condition to stop.
     ///
     /// # Errors
-    /// [`Fault::Overload`], and the robot's.
+    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
     pub fn go(&mut self, x_wt: &Pose, speed: f64) -> Result<(), SkillError> {
         self.drive(x_wt, speed, |_| false).map(|_| ())
     }
@@ -100,7 +100,7 @@ impl Hand<'_> {
     /// in the world). The setpoint keeps its lead over the tip.
     ///
     /// # Errors
-    /// [`Fault::Overload`], and the robot's.
+    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
     pub fn correct(&mut self, x_wp: &Pose, x_wp_goal: &Pose, speed: f64) -> Result<(), SkillError> {
         let target = self.corrected(x_wp, x_wp_goal);
         self.go(&target, speed)

@@ -10,7 +10,7 @@ impl Hand<'_> {
     /// Runs a timed joint path and waits until the arm has come to rest at its end.
     ///
     /// # Errors
-    /// [`Fault::Overload`], and the robot's.
+    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
     pub fn follow(&mut self, trajectory: &Trajectory) -> Result<(), SkillError> {
         self.follow_and(trajectory, &Arrival::default())
     }
@@ -18,7 +18,7 @@ impl Hand<'_> {
     /// The same, with actions shortly before the end.
     ///
     /// # Errors
-    /// [`Fault::Overload`], and the robot's.
+    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
     pub fn follow_and(&mut self, trajectory: &Trajectory, arrival: &Arrival) -> Result<(), SkillError> {
         let measured = |seen: &Observation| {
             (seen.wrench.fixed_rows::<3>(0).norm(), seen.wrench.fixed_rows::<3>(3).norm())
