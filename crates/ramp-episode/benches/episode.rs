@@ -127,7 +127,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     worlds(&world, repeats)
 }
 
-/// Steps a second of the twin in both worlds, the same agent on the same goal; the fastest of so many
+/// Steps a second of the twin in both worlds, the same agent on the same goal; the fastest of several
 /// episodes counts.
 fn worlds(goal: &World, repeats: usize) -> Result<(), Box<dyn std::error::Error>> {
     let mut fastest = [0.0_f64; 2];

@@ -1,4 +1,4 @@
-//! What differs between an episode and its replay.
+//! Differences between an episode and its replay.
 
 use ramp_result::EpisodeResult;
 use ramp_result::episode::PegResult;
@@ -9,11 +9,11 @@ use ramp_robot::RobotError;
 pub struct Difference {
     /// Robot time at which it was found, s.
     pub time: f64,
-    /// What it is.
+    /// The quantity that differs.
     pub what: String,
-    /// What the log says.
+    /// The value in the log.
     pub logged: String,
-    /// What the replay found.
+    /// The value in the replay.
     pub replayed: String,
 }
 

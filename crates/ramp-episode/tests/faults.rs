@@ -21,13 +21,13 @@ use ramp_robot::{
 use ramp_skills::Baseline;
 use ramp_twin::{Fault, FaultReport, Setup, Twin};
 
-/// Lets an agent work until a fault has struck and so many seconds have passed since.
+/// Lets an agent work until a fault has been triggered and a given time (s) has passed since.
 struct Until<'t> {
     twin: &'t mut Twin,
     after: f64,
     /// The truth and the tip at the strike.
     struck: Option<(Vec<Pose>, Observation)>,
-    /// The largest distance between the fingers since then, while they are told to close, m.
+    /// The largest distance between the fingers since then, while commanded to close, m.
     widest: f64,
 }
 
@@ -73,7 +73,7 @@ impl Robot for Until<'_> {
     }
 }
 
-/// What came of a fault, so many seconds after it struck.
+/// The outcome of a fault, a given time (s) after its trigger.
 struct Outcome {
     report: FaultReport,
     twin: Twin,
@@ -89,14 +89,14 @@ impl Outcome {
         self.twin.truth().x_wp[part]
     }
 
-    /// Where the struck beam is, where it belongs, and the beam.
+    /// The pose of the affected beam, its target pose, and the beam.
     fn beam<'w>(&self, world: &'w World) -> (Pose, Pose, &'w ramp_kit::Beam) {
         let name = self.report.part.as_ref();
         let placed = world.assembly.beams.iter().find(|it| Some(&it.beam.name) == name).unwrap();
         (self.now(self.part.unwrap().0), world.assembly.kit.x_wa() * placed.x_ab, &placed.beam)
     }
 
-    /// How the struck part has moved in the hand: m, rad.
+    /// The motion of the affected part in the hand: m, rad.
     fn moved_in_hand(&self) -> (f64, f64) {
         let (part, before) = self.part.unwrap();
         let before = self.seen.x_wt.inverse() * before;
@@ -179,7 +179,7 @@ fn fingers_and_sensors_fail() {
     let open = weak.widest - weak.seen.width;
     assert!((1.0e-3..5.0e-3).contains(&open), "the fingers spring back by {open} m");
 
-    // The same time without a fault: the arm has done the same, and felt something else.
+    // The same time without a fault: the arm has made the same motions, and measured another wrench.
     let drift = strike(&world, "force-drift@1", 5.0);
     let (at, growth) = (drift.report.at.unwrap(), drift.report.size.unwrap());
     let mut calm = Twin::new(&world.setup(1)).unwrap();
@@ -299,7 +299,7 @@ impl Agent for Short<'_> {
                 self.0.camera(camera)
             }
         }
-        // That it was stopped is no error of the robot's.
+        // Being stopped does not count as an error of the robot.
         let _ = self.0.run(&mut Ten(robot));
         Ok(())
     }
@@ -326,7 +326,7 @@ fn a_replay_has_the_fault_too() {
     let replayed = replay(&log).unwrap();
     assert!(replayed.is_equal(), "{:?}", replayed.differences);
 
-    // What is said of a fault must be so.
+    // The report about a fault must be true.
     let mut other = log.clone();
     other.result.fault = None;
     assert!(replay(&other).unwrap_err().to_string().contains("fault"));

@@ -13,7 +13,7 @@ use ramp_assembly::{Class, Request, generate_many};
 use ramp_result::EpisodeResult;
 use ramp_robot::EventKind;
 
-/// What arm and parts bear, at the tip, N.
+/// Load limit of arm and parts at the tip, N.
 const LIMIT: f64 = 80.0;
 
 fn completes(goal: &str, seed: u64) -> Vec<EpisodeResult> {

@@ -30,7 +30,7 @@ fn the_same_seed_gives_the_same_result_and_it_follows_the_schema() {
         .map(|error| error.to_string())
         .collect();
     assert!(errors.is_empty(), "{errors:?}");
-    // What is written can be read back.
+    // A written result can be read back.
     let back: EpisodeResult = serde_json::from_str(&one.to_json()).unwrap();
     assert_eq!(back.pegs, one.pegs);
 }

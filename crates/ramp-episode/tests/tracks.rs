@@ -13,7 +13,7 @@ use ramp_robot::{
 use ramp_skills::Baseline;
 use ramp_twin::Twin;
 
-/// What goes wrong with the cameras.
+/// The fault of the cameras.
 #[derive(Clone, Copy)]
 enum Trouble {
     None,
@@ -23,12 +23,12 @@ enum Trouble {
     Dark(f64),
 }
 
-/// The twin, for so many seconds of robot time and no longer.
+/// The twin, limited to a given robot time (s).
 struct Short<'t> {
     twin: &'t mut Twin,
     limit: f64,
     trouble: Trouble,
-    /// How often something was asked for that the track does not give.
+    /// Number of requests that the track does not allow.
     refused: usize,
 }
 
@@ -125,7 +125,7 @@ fn an_episode_is_the_same_to_the_bit_for_a_seed() {
     }
 }
 
-/// One camera less is told, and the work goes on with the other.
+/// A broken camera is reported, and the work continues with the other one.
 #[test]
 fn a_camera_that_stops_is_told_and_the_run_goes_on() {
     for camera in Camera::ALL {
@@ -136,7 +136,7 @@ fn a_camera_that_stops_is_told_and_the_run_goes_on() {
     }
 }
 
-/// Without any sight the run ends, and says why; it does not go on by what it believed.
+/// Without any working camera the run ends with a reason; it does not continue from the old belief.
 #[test]
 fn a_robot_in_the_dark_ends_with_a_reason() {
     let (ended, events, _) = begin(Track::Tags, 1, 60.0, Trouble::Dark(4.0));
@@ -145,8 +145,8 @@ fn a_robot_in_the_dark_ends_with_a_reason() {
     assert!(!has(&events, "done", "insert"), "{events:?}");
 }
 
-/// What decides and acts is built without the twin and without whoever judges: there is no path to the truth
-/// but the trait. The crates that an agent is made of use one another and no other crate of ours.
+/// The agent's crates are built without the twin and without the referee: there is no path to the truth but
+/// the trait. The crates that an agent is made of use one another and no other crate of ours.
 #[test]
 fn nothing_that_an_agent_is_made_of_knows_the_twin() {
     const AGENT: [&str; 9] =

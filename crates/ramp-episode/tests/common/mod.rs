@@ -1,4 +1,4 @@
-//! What the tests of whole episodes share.
+//! Common helpers of the tests of whole episodes.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -74,7 +74,7 @@ impl World {
     }
 }
 
-/// An agent that swings a joint and reads the parts, for so many periods.
+/// An agent that swings a joint and reads the parts, for a number of periods.
 #[allow(dead_code)]
 pub struct Swing(pub u32);
 
