@@ -15,12 +15,12 @@ use crate::judged::Judged;
 /// The most entries in a row that let no robot time pass: more than any agent has use for.
 const MOST_IDLE: u32 = 1_000_000;
 
-/// Why calls cannot be made once more.
+/// Reasons for which calls cannot be repeated.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum AgainError {
     #[error(transparent)]
     Calls(#[from] CallsError),
-    #[error("more than {MOST_IDLE} in a row let no robot time pass")]
+    #[error("more than {MOST_IDLE} calls in a row without robot time")]
     Idle,
 }
 
@@ -90,11 +90,11 @@ pub(crate) fn call_again(judged: &mut Judged, calls: Decoder) -> Result<Again, A
                 Ok(())
             }
             Entry::State(_) => {
-                again.differ(judged, "state of the physics", "told".into(), "not due".into());
+                again.differ(judged, "state of the physics", "present".into(), "not due".into());
                 Ok(())
             }
             Entry::Answered(_) | Entry::Refused => {
-                again.differ(judged, "answer to the agent", "told".into(), "nothing was asked".into());
+                again.differ(judged, "answer to the agent", "present".into(), "no request".into());
                 Ok(())
             }
         };

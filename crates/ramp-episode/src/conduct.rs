@@ -7,7 +7,7 @@ use ramp_robot::{RobotError, Track};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Breach {
     /// It asked for what its track does not give. The robot refused it.
-    #[error("at {time:.3} s the agent asked for {what}, and track `{}` gives none", track.name())]
+    #[error("at {time:.3} s the agent requested {what}, not available on track `{}`", track.name())]
     Forbidden {
         /// The track.
         track: Track,

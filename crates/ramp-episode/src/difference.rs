@@ -42,7 +42,7 @@ pub(crate) fn compare(
     }
     differ("completion".into(), logged.completion.to_string(), replayed.completion.to_string());
     differ("robot time".into(), logged.time.robot.to_string(), replayed.time.robot.to_string());
-    let told = |told: bool| if told { "told" } else { "missing" }.to_string();
+    let told = |told: bool| if told { "present" } else { "missing" }.to_string();
     differ("physics".into(), told(logged.physics.is_some()), told(replayed.physics.is_some()));
     if let (Some(logged), Some(replayed)) = (&logged.physics, &replayed.physics) {
         differ(

@@ -17,7 +17,7 @@ use ramp_twin::{Setup, Twin, TwinError};
 
 use crate::judged::{Judged, Watcher};
 
-/// Why an episode has no result.
+/// Reasons for which an episode has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum EpisodeError {
     /// The twin cannot be made.

@@ -42,7 +42,7 @@ impl Replayed {
     }
 }
 
-/// Why a log cannot be replayed.
+/// Reasons for which a log cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
     /// Its calls are invalid.
@@ -64,7 +64,7 @@ pub enum ReplayError {
     #[error("no twin can be made from the log")]
     Twin(#[from] TwinError),
     /// It was judged by other rules.
-    #[error("the log is of the rules `{found}`, and this program judges by `{RULES}`")]
+    #[error("the log uses rules `{found}`, but this program judges by `{RULES}`")]
     Rules {
         /// The value in the log.
         found: String,
@@ -79,8 +79,8 @@ pub enum ReplayError {
         /// In the result, or in the goal file.
         result: String,
     },
-    /// The header holds what cannot be.
-    #[error("the log holds what cannot be as its {what}: {found}")]
+    /// The header has an invalid value.
+    #[error("invalid {what} in the log: {found}")]
     Impossible {
         /// The item.
         what: &'static str,

@@ -112,7 +112,7 @@ fn another_track_on_the_label_is_caught() {
     assert!(replayed.is_equal(), "{:?}", replayed.differences);
     let breach = replayed.breach.unwrap();
     assert!(matches!(breach, Breach::Forbidden { track: Track::Tags, .. }), "{breach}");
-    let what = "at 0.251 s the agent asked for poses of parts, and track `tags` gives none";
+    let what = "at 0.251 s the agent requested poses of parts, not available on track `tags`";
     assert_eq!(breach.to_string(), what);
 }
 
@@ -172,7 +172,7 @@ fn calls_that_were_stripped_spliced_or_reordered_are_caught() {
     let mut longer = entries.clone();
     longer.insert(longer.len() - 1, Entry::State(0));
     let [what, logged, replayed] = forged.with_entries(&longer).first();
-    assert_eq!([what, logged, replayed], ["state of the physics", "told", "not due"]);
+    assert_eq!([what, logged, replayed], ["state of the physics", "present", "not due"]);
     let [what, logged, _] = forged.with_entries(&entries[..entries.len() - 1]).first();
     assert_eq!([what.as_str(), logged.as_str()], ["final state of the physics", "missing"]);
 }

@@ -259,7 +259,7 @@ impl<'a> Baseline<'a> {
                     given = true;
                     Ok(plan)
                 }
-                None if given => Err(format!("the plan that was given failed: {last}")),
+                None if given => Err(format!("the given plan failed: {last}")),
                 None => self.state(cell, &lost).map_err(|error| error.to_string()).and_then(|state| {
                     self.make_plan(cell, state).map_err(|error| format!("no plan: {error}"))
                 }),

@@ -220,12 +220,12 @@ impl Eyes {
             };
             let eye = &mut self.eyes[index];
             eye.bad += 1;
-            // Told at the first and at the last of them.
+            // Reported at the first and the last of them.
             if eye.bad == 1 {
                 self.complaints.push(why);
             } else if eye.broken(&self.parameters) {
                 self.complaints.push(format!(
-                    "{why}, {} times in a row: not looked through any more",
+                    "{why}, {} times in a row: this camera is no longer used",
                     self.parameters.broken
                 ));
             }
@@ -285,7 +285,7 @@ impl Eyes {
                     *missed += 1;
                     if *found == 0 && *missed == self.parameters.missed {
                         let part = &part.part;
-                        self.complaints.push(format!("tag {} of {part} is not to be seen", place.id));
+                        self.complaints.push(format!("tag {} of {part} is not visible", place.id));
                     }
                 }
             }
