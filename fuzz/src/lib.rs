@@ -1,5 +1,5 @@
-//! What the fuzz targets share: seeds, the project's own data, files made of mutated parts, and what must
-//! hold of errors.
+//! Common parts of the fuzz targets: seeds, the project's own data, files made of mutated parts, and the
+//! invariants of errors.
 //!
 //! Each target in `src/bin` hands mutated bytes to one public reader. A panic, an assertion that fails, too
 //! much memory and too much time are findings. `tools/fuzz` builds and runs all of them.
@@ -75,7 +75,7 @@ pub static GOALS: LazyLock<Vec<Assembly>> = LazyLock::new(|| {
     vec![goal.unwrap_or_else(|error| panic!("{error:#}"))]
 });
 
-/// What results say they were made with.
+/// The provenance field of results.
 pub fn software() -> Software {
     Software { version: "1".into(), commit: "fuzz".into() }
 }
@@ -153,12 +153,12 @@ pub fn points<P: Problem>(fault: &Fault<P>, text: &str) {
     assert!(line >= 1 && column >= 1 && line <= text.lines().count() + 1, "{fault:#}");
     let mut out = String::new();
     assert!(miette::NarratableReportHandler::new().render_report(&mut out, fault).is_ok());
-    // What does not show itself is written out, with up to eight characters in place of one.
+    // Non-printing characters are escaped, with up to eight characters in place of one.
     assert!(out.len() < LONGEST_REPORT + 8 * text.len(), "a report of {} bytes", out.len());
     assert!(!out.contains('\u{1b}'), "{out:?}");
 }
 
-/// What is written reads back as the same.
+/// A written value reads back unchanged.
 pub fn keeps<T>(value: &T)
 where
     T: serde::Serialize + serde::de::DeserializeOwned + PartialEq + std::fmt::Debug,

@@ -15,20 +15,20 @@ use crate::judged::Judged;
 /// The most entries in a row that let no robot time pass: more than any agent has use for.
 const MOST_IDLE: u32 = 1_000_000;
 
-/// Why calls cannot be made once more.
+/// Reasons for which calls cannot be repeated.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum AgainError {
     #[error(transparent)]
     Calls(#[from] CallsError),
-    #[error("more than {MOST_IDLE} in a row let no robot time pass")]
+    #[error("more than {MOST_IDLE} calls in a row without robot time")]
     Idle,
 }
 
-/// What came out of the calls.
+/// The result of the calls.
 pub(crate) struct Again {
-    /// What the agent asked for.
+    /// The agent's requests.
     pub(crate) conduct: Conduct,
-    /// What stopped the robot for good.
+    /// The fatal error of the robot.
     pub(crate) stopped: Option<RobotError>,
     /// The first answer or state that differs: once one does, all that follow do.
     pub(crate) difference: Option<Difference>,
@@ -39,7 +39,7 @@ pub(crate) struct Again {
 /// Makes the calls of a log.
 ///
 /// # Errors
-/// When they are no calls, or let no time pass for ever.
+/// If the calls are invalid, or never let time pass.
 pub(crate) fn call_again(judged: &mut Judged, calls: Decoder) -> Result<Again, AgainError> {
     let mut again = Again { conduct: Conduct::default(), stopped: None, difference: None, period: 0 };
     let mut entries = calls.peekable();
@@ -90,11 +90,11 @@ pub(crate) fn call_again(judged: &mut Judged, calls: Decoder) -> Result<Again, A
                 Ok(())
             }
             Entry::State(_) => {
-                again.differ(judged, "state of the physics", "told".into(), "not due".into());
+                again.differ(judged, "state of the physics", "present".into(), "not due".into());
                 Ok(())
             }
             Entry::Answered(_) | Entry::Refused => {
-                again.differ(judged, "answer to the agent", "told".into(), "nothing was asked".into());
+                again.differ(judged, "answer to the agent", "present".into(), "no request".into());
                 Ok(())
             }
         };
@@ -133,7 +133,7 @@ impl Again {
         self.differ(judged, "end of the calls", "more calls".into(), "the robot has stopped".into());
     }
 
-    /// Whether a log has the hash of the state at this point.
+    /// True if a log has the hash of the state at this point.
     fn is_due(&mut self, judged: &Judged) -> bool {
         let period = periods(judged.twin.time());
         let due = period / STATE_EVERY > self.period / STATE_EVERY;
@@ -158,7 +158,7 @@ impl Again {
         }
     }
 
-    /// The answer to a question must be the one that the log tells.
+    /// The answer to a request must be the one in the log.
     fn answer(
         &mut self,
         judged: &Judged,

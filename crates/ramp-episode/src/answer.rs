@@ -1,5 +1,5 @@
-//! Hashes of what an agent was given: the log keeps them, so that a replay can tell whether it gives the
-//! same.
+//! Hashes of the answers that an agent received. The log keeps them, so that a replay can check that its
+//! answers are the same.
 
 use ramp_result::sha256;
 use ramp_robot::{Image, PartReading, Pose};

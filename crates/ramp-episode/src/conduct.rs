@@ -1,17 +1,17 @@
-//! Whether an agent kept to its track: what it asked for, and whether it saw before it built.
+//! Checks that an agent kept to its track: its requests, and that it saw before it built.
 
 use ramp_result::episode::PegResult;
 use ramp_robot::{RobotError, Track};
 
-/// What an agent did that its track does not allow, or cannot have done on its track.
+/// A violation of the track: an action that it does not allow or does not make possible.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Breach {
     /// It asked for what its track does not give. The robot refused it.
-    #[error("at {time:.3} s the agent asked for {what}, and track `{}` gives none", track.name())]
+    #[error("at {time:.3} s the agent requested {what}, not available on track `{}`", track.name())]
     Forbidden {
         /// The track.
         track: Track,
-        /// What was asked for.
+        /// The request.
         what: &'static str,
         /// Robot time, s.
         time: f64,
@@ -25,14 +25,14 @@ pub enum Breach {
     NeverLooked {
         /// The track.
         track: Track,
-        /// What it should have asked for.
+        /// The missing request.
         what: &'static str,
         /// Robot time since which the first peg counts, s.
         time: f64,
     },
 }
 
-/// What an agent has asked for so far.
+/// The requests of an agent up to now.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Conduct {
     /// The first thing that was refused because of the track, and when.
@@ -76,7 +76,7 @@ impl Conduct {
         }
     }
 
-    /// What of it does not go with the track and with the pegs that count.
+    /// The violations, given the track and the pegs that count.
     pub(crate) fn breach(&self, track: Track, pegs: &[Option<PegResult>]) -> Option<Breach> {
         if let Some((time, what)) = self.forbidden {
             return Some(Breach::Forbidden { track, what, time });

@@ -1,4 +1,4 @@
-//! What differs between an episode and its replay.
+//! Differences between an episode and its replay.
 
 use ramp_result::EpisodeResult;
 use ramp_result::episode::PegResult;
@@ -9,11 +9,11 @@ use ramp_robot::RobotError;
 pub struct Difference {
     /// Robot time at which it was found, s.
     pub time: f64,
-    /// What it is.
+    /// The quantity that differs.
     pub what: String,
-    /// What the log says.
+    /// The value in the log.
     pub logged: String,
-    /// What the replay found.
+    /// The value in the replay.
     pub replayed: String,
 }
 
@@ -42,7 +42,7 @@ pub(crate) fn compare(
     }
     differ("completion".into(), logged.completion.to_string(), replayed.completion.to_string());
     differ("robot time".into(), logged.time.robot.to_string(), replayed.time.robot.to_string());
-    let told = |told: bool| if told { "told" } else { "missing" }.to_string();
+    let told = |told: bool| if told { "present" } else { "missing" }.to_string();
     differ("physics".into(), told(logged.physics.is_some()), told(replayed.physics.is_some()));
     if let (Some(logged), Some(replayed)) = (&logged.physics, &replayed.physics) {
         differ(

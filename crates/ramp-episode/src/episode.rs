@@ -17,7 +17,7 @@ use ramp_twin::{Setup, Twin, TwinError};
 
 use crate::judged::{Judged, Watcher};
 
-/// Why an episode has no result.
+/// Reasons for which an episode has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum EpisodeError {
     /// The twin cannot be made.
@@ -33,7 +33,7 @@ pub enum EpisodeError {
 pub struct Label {
     /// With what it is run.
     pub software: Software,
-    /// Which of several runs in a row this is, from 1.
+    /// Number of this run in a series, from 1.
     pub repeat: u32,
     /// With a secret that was mixed into the seed: the number that stands for the seed, and the secret's
     /// commitment. The seed of the setup is the one that came of both.
@@ -78,7 +78,7 @@ pub fn run_episode(
 pub struct Recorded {
     /// Its result; it names the log, if there is one.
     pub result: EpisodeResult,
-    /// Why there is no log, if it could not be written.
+    /// The reason for a missing log, if it could not be written.
     pub unlogged: Option<LogError>,
 }
 

@@ -1,5 +1,4 @@
-//! Episodes in which something went wrong on purpose: did the agent tell what, and did it build the goal all
-//! the same?
+//! Episodes with an injected fault: checks whether the agent diagnosed it and still built the goal.
 //!
 //! An agent names the cause by an event of the kind `diagnosis`. The right causes of each fault are in
 //! [`accepted`].
@@ -15,8 +14,8 @@ use serde_json::Value;
 use ramp_result::episode::EpisodeResult;
 use ramp_result::statistics::{Interval, wilson};
 
-/// The causes that are right for a fault: the one that it is, and those that nobody could tell from it by
-/// what a robot senses.
+/// The causes that are correct for a fault: its own, and those that cannot be distinguished from it by what a
+/// robot senses.
 pub fn accepted(kind: FaultKind) -> &'static [Cause] {
     match kind {
         FaultKind::PegDropped => &[Cause::PartLost],
@@ -50,11 +49,11 @@ fn gist(event: &Event) -> Value {
 pub struct Judgement {
     /// The cause in the first diagnosis after the strike that is not in the control as well.
     pub told: Option<Cause>,
-    /// Whether that is right.
+    /// True if that is correct.
     pub diagnosed: bool,
     /// All pegs of the goal count at the end.
     pub recovered: bool,
-    /// Whether the agent reported a fault after the strike, or planned again, and did not so in the control.
+    /// True if the agent reported a fault or re-planned after the injection, but not in the control episode.
     pub repaired: bool,
 }
 
@@ -94,7 +93,7 @@ pub fn judge(result: &EpisodeResult, control: Option<&EpisodeResult>) -> Option<
 /// A share with its interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// How many.
+    /// The number of episodes.
     pub hits: usize,
     /// Of how many.
     pub count: usize,
@@ -113,11 +112,11 @@ impl Share {
 pub struct Tally {
     /// Episodes asked for.
     pub episodes: usize,
-    /// Those without a result.
+    /// Episodes without a result.
     pub lost: usize,
-    /// Those in which the fault struck.
+    /// Episodes in which the fault was triggered.
     pub struck: usize,
-    /// Those of them in which nothing was diagnosed and nothing had to be repaired.
+    /// Of these, the episodes without a diagnosis or a repair.
     pub harmless: usize,
     /// Diagnosed rightly, of those struck that were not harmless.
     pub diagnosed: Share,

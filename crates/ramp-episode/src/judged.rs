@@ -1,4 +1,4 @@
-//! What stands between agent and twin: every call passes through here, the referee looks, the log is kept.
+//! The layer between agent and twin: forwards every call, runs the referee, writes the log.
 
 use std::time::Instant;
 
@@ -10,10 +10,10 @@ use ramp_twin::{FaultReport, Setup, Twin};
 
 use crate::answer;
 
-/// The referee looks once in so many steps (10 ms).
+/// Number of steps between two checks of the referee (10 ms).
 const WATCH_EVERY: u64 = 10;
 
-/// What a display may want to know while an episode runs.
+/// State of a running episode, for a display.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Progress {
     /// Robot time, s.
@@ -27,17 +27,17 @@ pub struct Progress {
 /// Called now and then with the progress and the twin, to be looked at.
 pub type Watcher<'a> = dyn FnMut(&Progress, &Twin) + 'a;
 
-/// What stands between agent and twin: forwards every call, lets the referee look, keeps the log and the
-/// agent's clock. An agent gets it as `&mut dyn Robot` and has no way past it.
+/// The layer between agent and twin: forwards every call, runs the referee, keeps the log and the agent's
+/// clock. An agent gets it as `&mut dyn Robot` and has no way past it.
 pub(crate) struct Judged<'a, 'w> {
     pub(crate) twin: &'a mut Twin,
     referee: Referee,
-    /// The agent's own time so far, s.
+    /// The agent's own time up to now, s.
     pub(crate) thought: f64,
     /// When the agent got the last answer.
     pub(crate) answered: Instant,
     steps: u64,
-    /// What stopped the robot for good.
+    /// The fatal error of the robot.
     stopped: Option<RobotError>,
     pub(crate) recorder: Option<Recorder>,
     watcher: &'a mut Watcher<'w>,
@@ -86,8 +86,7 @@ impl<'a, 'w> Judged<'a, 'w> {
         }
     }
 
-    /// The log keeps what is given, and that something is refused. What stops the robot for good is no
-    /// answer.
+    /// The log keeps answers and refusals. A fatal error of the robot is not an answer.
     fn record_answer<T>(&mut self, result: &Result<T, RobotError>, hash: impl Fn(&T) -> u64) {
         if let Some(recorder) = self.recorder() {
             match result {
@@ -147,7 +146,7 @@ impl<'a, 'w> Judged<'a, 'w> {
             .collect()
     }
 
-    /// What became of the episode's fault.
+    /// The outcome of the episode's fault.
     pub(crate) fn fault(&self) -> Option<FaultInfo> {
         self.twin.fault().map(fault_info)
     }
@@ -193,7 +192,7 @@ impl Robot for Judged<'_, '_> {
             None => self.twin.read_parts(),
         };
         self.record_answer(&result, |parts| answer::of_readings(parts));
-        // Where a reading takes time, the world has moved on.
+        // If a reading takes time, the world has advanced.
         if self.twin.time() > before {
             self.judge();
         }
@@ -209,7 +208,7 @@ impl Robot for Judged<'_, '_> {
             Some(error) => Err(error.clone()),
             None => self.twin.expose(),
         };
-        // What it gives are images, later.
+        // Its answers are images, later.
         if result.is_err() {
             self.record_answer(&result, |()| 0);
         }
@@ -235,7 +234,7 @@ impl Robot for Judged<'_, '_> {
     }
 }
 
-/// What a result says of a fault.
+/// A result's entry about a fault.
 fn fault_info(report: &FaultReport) -> FaultInfo {
     let FaultReport { kind, occasion, at, part, size, text } = report.clone();
     FaultInfo { kind: kind.name().to_string(), occasion, at, part, size, text }

@@ -3,8 +3,8 @@
 //!
 //! Data passes one way: [`episode`] lets an agent work through `judged`, which stands between agent and twin,
 //! and hands on an [`EpisodeResult`](ramp_result::EpisodeResult) and a log. [`mod@replay`] runs the same
-//! episode again from its log, tells each [`Difference`], and whether the agent kept to its track
-//! ([`Breach`]). [`faults`] judges episodes in which something went wrong on purpose.
+//! episode again from its log, reports each [`Difference`], and each violation of the track ([`Breach`]).
+//! [`faults`] judges episodes in which something went wrong on purpose.
 
 mod again;
 mod answer;

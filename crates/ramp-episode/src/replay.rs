@@ -1,5 +1,5 @@
 //! An episode again, from its log alone: the same world from the seed, the same commands, the same referee,
-//! and a comparison of every bit that the log tells.
+//! and a comparison of every bit in the log.
 
 use std::path::Path;
 
@@ -23,50 +23,50 @@ use ramp_result::episode::{EpisodeResult, RULES};
 /// The largest disturbance of the start that is believed, m or rad.
 const LARGEST_DISTURBANCE: f64 = 0.1;
 
-/// What came out of running an episode again.
+/// The result of a replay.
 #[derive(Clone, Debug)]
 pub struct Replayed {
     /// The log's result with what the replay found in place of what the log says of it: pegs, completion,
     /// robot time and physics.
     pub result: EpisodeResult,
-    /// What differs; empty when all is equal.
+    /// The differences; empty when all is equal.
     pub differences: Vec<Difference>,
-    /// What the agent did that its track does not allow. An episode with a breach counts on no board.
+    /// The agent's violations of its track. An episode with a breach counts on no leaderboard.
     pub breach: Option<Breach>,
 }
 
 impl Replayed {
-    /// Whether the replay found what the log says, to the last bit.
+    /// True if the replay matches the log to the last bit.
     pub fn is_equal(&self) -> bool {
         self.differences.is_empty()
     }
 }
 
-/// Why a log cannot be replayed.
+/// Reasons for which a log cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// Its calls are no calls.
+    /// Its calls are invalid.
     #[error("the log's calls cannot be read")]
     Calls(#[from] CallsError),
-    /// Its kit is no kit.
+    /// Its kit is invalid.
     #[error("the log's kit cannot be read")]
     Kit(#[from] KitError),
-    /// Its goal is no goal.
+    /// Its goal is invalid.
     #[error("the log's goal cannot be read")]
     Goal(#[from] Box<GoalError>),
-    /// Its arm is no arm.
+    /// Its arm is invalid.
     #[error("the log's arm cannot be read")]
     Arm(#[from] ArmError),
-    /// Its world is no world.
+    /// Its world is invalid.
     #[error("the log's world cannot be read")]
     World(#[from] WorldFault),
     /// No twin can be made from it.
     #[error("no twin can be made from the log")]
     Twin(#[from] TwinError),
     /// It was judged by other rules.
-    #[error("the log is of the rules `{found}`, and this program judges by `{RULES}`")]
+    #[error("the log uses rules `{found}`, but this program judges by `{RULES}`")]
     Rules {
-        /// What it says.
+        /// The value in the log.
         found: String,
     },
     /// Its parts do not fit each other.
@@ -79,12 +79,12 @@ pub enum ReplayError {
         /// In the result, or in the goal file.
         result: String,
     },
-    /// The header holds what cannot be.
-    #[error("the log holds what cannot be as its {what}: {found}")]
+    /// The header has an invalid value.
+    #[error("invalid {what} in the log: {found}")]
     Impossible {
-        /// What.
+        /// The item.
         what: &'static str,
-        /// What was found.
+        /// The value found.
         found: String,
     },
 }
@@ -103,7 +103,7 @@ pub struct LoggedSetup {
 }
 
 impl LoggedSetup {
-    /// What a log's episode was made from.
+    /// The inputs of a logged episode.
     ///
     /// # Errors
     /// When the log holds something that no episode can be made from, or contradicts itself.
@@ -163,8 +163,7 @@ impl LoggedSetup {
 
 /// Runs a log's episode again and compares. It takes as long as the episode's physics and images.
 ///
-/// The software that made the log is not compared: another version may find differences where there is no
-/// fraud.
+/// The software that made the log is not compared: another version may find differences without fraud.
 ///
 /// # Errors
 /// When the log holds something that no episode can be made from, or contradicts itself.
@@ -172,7 +171,7 @@ pub fn replay(log: &Log) -> Result<Replayed, ReplayError> {
     replay_watched(log, &LoggedSetup::of(log)?, &mut |_, _| {})
 }
 
-/// As [`replay`], with somebody who looks on.
+/// As [`replay`], with an observer.
 ///
 /// # Errors
 /// As [`replay`].
@@ -209,7 +208,7 @@ pub fn replay_watched(
     Ok(Replayed { result, differences, breach })
 }
 
-/// What the start of the log and its result must both say.
+/// Fields that the start of the log and its result must share.
 fn check_agreement(header: &Header, result: &EpisodeResult) -> Result<(), ReplayError> {
     // In the header with its occasion, if one was asked for.
     let kind = |fault: Option<&str>| match fault {

@@ -1,4 +1,4 @@
-//! Logs and messages that nobody meant: no panic, and no more memory than the bytes deserve.
+//! Malformed logs and messages: no panic, and memory bounded by the input's size.
 //!
 //! `cargo test` tries a few thousand. For an hour of it:
 //! `RAMP_FUZZ_SECONDS=3600 cargo test --release -p ramp-episode --test fuzz -- --ignored --nocapture`

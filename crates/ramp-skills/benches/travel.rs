@@ -2,7 +2,7 @@
 //!
 //! The rehearsal goes through the plan of every goal, with the parts and the arm a little off their nominal
 //! places by one seed after another. Its motions through free space are the queries: with and without a part
-//! in the hand, among all parts and what is built so far. All are planned with the full limits of the arm's
+//! in the hand, among all parts and the current assembly. All are planned with the full limits of the arm's
 //! velocities and accelerations.
 //!
 //! Printed: how many queries are solved, of those that have a free end at all; median and 99th percentile of
@@ -35,11 +35,11 @@ use ramp_robot::random::Stream;
 use ramp_skills::rehearsal::{Leg, Rehearsal};
 use ramp_skills::{Parameters, Pose};
 
-/// How often each query is planned; the fastest counts, since other programs share the processor.
+/// Number of times each query is planned; the fastest counts, since other programs share the processor.
 const REPEATS: usize = 3;
-/// How far parts are from their places, m and rad.
+/// Offset of the parts from their places, m and rad.
 const OFF: (f64, f64) = (2e-3, 0.03);
-/// How far the arm is from its home pose, rad.
+/// Offset of the arm from its home pose, rad.
 const AWAY: f64 = 0.1;
 /// Distance of end postures from the ends of the joints' ranges, rad.
 const RANGE_MARGIN: f64 = 0.05;
@@ -106,7 +106,7 @@ struct Found {
     motion: f64,
 }
 
-/// What came of a query.
+/// The outcome of a query.
 struct Answer {
     own: Found,
     tree: Option<Found>,
@@ -176,7 +176,7 @@ fn queries(data: &Path, arm: &ArmModel, seeds: u64) -> Result<Vec<Leg>, Box<dyn 
     Ok(legs)
 }
 
-/// What all queries are asked with.
+/// The inputs that all queries share.
 struct Bench<'a> {
     arm: &'a ArmModel,
     planner: PathPlanner,
@@ -192,7 +192,7 @@ impl<'a> Bench<'a> {
         Ok(Bench { arm, planner, analytic, law, parameters: Parameters::baseline() })
     }
 
-    /// Why there is no answer: the error of the planner, or `None` when the start or every end touches
+    /// The reason for a missing answer: the planner's error, or `None` when the start or every end touches
     /// something or is out of reach.
     fn ask(&self, number: usize, query: &Leg) -> Result<Answer, Option<MotionError>> {
         let travel = &self.parameters.travel;
@@ -298,7 +298,7 @@ impl GoalSampleableRegion<RealVectorState> for End {
     }
 }
 
-/// Whether the arm is free at joint positions.
+/// True if the arm is collision-free at the joint positions.
 struct Valid {
     kinematics: Kinematics,
     checker: Checker,

@@ -1,5 +1,5 @@
-//! The baseline agent: plans, executes the plan action by action, notices what goes wrong and re-plans from
-//! what it then believes.
+//! The baseline agent: plans, executes the plan action by action, detects faults and re-plans from its
+//! updated belief.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -39,17 +39,17 @@ pub struct Baseline<'a> {
     version: String,
     account: Account,
     plan: Option<Plan>,
-    /// The plan of somebody else that it carries out.
+    /// A given plan that it executes.
     fixed: Option<Plan>,
-    /// What skills have found that the arm cannot do.
+    /// Limits of the arm that skills have found.
     learned: Vec<MotionFact>,
-    /// What an event has told that the arm cannot do.
+    /// Limits of the arm that events have reported.
     told: Vec<MotionFact>,
     /// Skills that an event has reported as not rehearsed, by name.
     not_rehearsed: Vec<String>,
     /// The peg that is being fetched: one that cannot be gripped is not tried again.
     fetching: Option<String>,
-    /// Why it gave up.
+    /// The reason for giving up.
     failure: Option<String>,
     on_event: Box<dyn FnMut(&Event) + 'a>,
 }
@@ -107,7 +107,7 @@ impl<'a> Baseline<'a> {
         self
     }
 
-    /// Takes the skills from another table. The agent's name in results tells which skills are not the
+    /// Takes the skills from another table. The agent's name in results lists the skills that are not the
     /// baseline's.
     ///
     /// ```
@@ -130,8 +130,8 @@ impl<'a> Baseline<'a> {
         self
     }
 
-    /// Carries out this plan of somebody else, with a check of the holes before each peg as always, and no
-    /// other: where it fails, the agent gives up. The agent's name in results tells so. Call it after
+    /// Executes this given plan and no other, with the usual check of the holes before each peg. If the plan
+    /// fails, the agent gives up. The agent's name in results shows it. Call it after
     /// [`Baseline::with_skills`].
     #[must_use]
     pub fn with_plan(mut self, plan: Plan) -> Baseline<'a> {
@@ -145,8 +145,8 @@ impl<'a> Baseline<'a> {
         self.plan.as_ref()
     }
 
-    /// Plans from a state with what the arm cannot do from here. Where no such plan is left, the goal is
-    /// built as far as it goes without.
+    /// Plans from a state, given the limits of the arm there. If no such plan is left, the goal is built as
+    /// far as possible without them.
     fn make_plan(&mut self, cell: &mut Workcell, mut state: State) -> Result<Plan, PlanError> {
         let begin = Instant::now();
         state.motion.clone_from(&self.learned);
@@ -198,10 +198,10 @@ impl<'a> Baseline<'a> {
         plan
     }
 
-    /// Takes over from the error of an action what the arm cannot do.
+    /// Records the arm's limit that the error of an action shows.
     fn learn(&mut self, cell: &mut Workcell, call: &Call, error: &SkillError) {
         let unable = match error {
-            // How the arm gets away from where it stands says nothing of the plan.
+            // The first motion away from the current pose does not affect the plan's feasibility.
             SkillError::Motion(error) => *error != MotionError::Blocked("start"),
             SkillError::Fault(fault) => matches!(fault, Fault::NoGrasp { .. }),
             SkillError::Robot(_) => false,
@@ -259,7 +259,7 @@ impl<'a> Baseline<'a> {
                     given = true;
                     Ok(plan)
                 }
-                None if given => Err(format!("the plan that was given failed: {last}")),
+                None if given => Err(format!("the given plan failed: {last}")),
                 None => self.state(cell, &lost).map_err(|error| error.to_string()).and_then(|state| {
                     self.make_plan(cell, state).map_err(|error| format!("no plan: {error}"))
                 }),
@@ -306,7 +306,7 @@ impl<'a> Baseline<'a> {
         }
     }
 
-    /// What the planner is told about the world.
+    /// The planner's input about the world.
     fn state(&self, cell: &Workcell, lost: &[String]) -> Result<State, SkillError> {
         let name = |beam: usize| self.assembly.beams[beam].beam.name.clone();
         let base = self.assembly.base;

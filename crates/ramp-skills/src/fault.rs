@@ -1,10 +1,10 @@
-//! Why a skill ends early.
+//! Reasons for which a skill ends early.
 
 use ramp_motion::MotionError;
 pub use ramp_robot::Fault;
 use ramp_robot::RobotError;
 
-/// Why a skill ended early.
+/// The reason for which a skill ended early.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SkillError {
     /// The robot stopped; nothing more can be done.

@@ -1,4 +1,4 @@
-//! Where and how a hand grips: beams by the slots of a link, pegs by the sides of the head.
+//! Grasps: beams by the slots of a link, pegs by the sides of the head.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_kit::{Beam, Link, joint};
@@ -17,7 +17,7 @@ pub const BEAM_WIDTH: f64 = 22.0e-3;
 /// Distance between the fingers when they hold a peg's head, m.
 pub const PEG_WIDTH: f64 = 49.0e-3;
 
-/// How a beam is gripped: distance of the tip from its j1 hole, m, and whether the hand is turned by 180°.
+/// Grasp of a beam: distance of the tip from its j1 hole, m, and a flag for a hand rotated by 180°.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamGrasp {
     /// m.

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use ramp_planner::Entry;
 
-/// How a beam gets to its place: a straight motion.
+/// Insertion path of a beam: a straight motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InsertionPath {
     /// Its direction in the assembly frame, a unit vector.

@@ -2,10 +2,10 @@
 //!
 //! Data flows one way. The [`agent`] asks the planner for a plan and executes it action by action. For each
 //! fine action a [`table`] names the [`skill`] that carries it out. Skills are made of [`primitive`]s, which
-//! move the [`hand`]; only the hand talks to the robot. What a skill knows of the parts is a [`belief`],
-//! which sightings correct. [`piece`] is the same agent on a single piece of a plan, in a build that others
-//! have begun. [`rehearsal`] goes through a plan without moving anything, and
-//! [`reference_times`](mod@reference_times) says what its robot time is to be compared with.
+//! move the [`hand`]; only the hand talks to the robot. A skill knows the parts only through a [`belief`],
+//! which detections correct. [`piece`] is the same agent on a single piece of a plan, in an assembly begun by
+//! another agent. [`rehearsal`] simulates a plan without moving anything, and
+//! [`reference_times`](mod@reference_times) gives reference values for its robot time.
 
 pub mod agent;
 pub mod belief;

@@ -1,7 +1,7 @@
 //! The baseline at a single piece of a plan, in a build that others have begun: for judging single skills.
 //!
-//! What stands is told to it as it is to the planner: which beams, and which connections are pinned. Where
-//! all of it really is, it has to see.
+//! Its input about the assembly is that of the planner: the inserted beams and the pinned connections. It has
+//! to detect their actual poses.
 
 use nalgebra::Translation3;
 use ramp_kit::joint::FEMALE_HEIGHT;
@@ -16,21 +16,20 @@ use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
 use crate::recovery::check_holes;
 
-/// The baseline, told to carry out a piece of a plan.
+/// The baseline that executes a piece of a plan.
 pub struct Piece<'a> {
     baseline: Baseline<'a>,
     state: State,
     plan: Plan,
     next: Vec<usize>,
-    /// Why it gave up.
+    /// The reason for giving up.
     failure: Option<String>,
 }
 
 impl<'a> Piece<'a> {
-    /// `state` is what stands when the work begins, with nothing in the hand; `plan` has the steps that are
-    /// to be carried out, and the paths of all beams, those that stand included; `next` are the connections
-    /// (indices into [`ramp_assembly::Assembly::connections`]) that pegs are to pin afterwards as they are
-    /// then.
+    /// `state` is the assembly at the start, with an empty hand; `plan` has the steps that are to be carried
+    /// out, and the paths of all beams, those that stand included; `next` are the connections (indices into
+    /// [`ramp_assembly::Assembly::connections`]) that pegs are to pin afterwards as they are then.
     pub fn new(baseline: Baseline<'a>, state: State, plan: Plan, next: Vec<usize>) -> Piece<'a> {
         Piece { baseline, state, plan, next, failure: None }
     }
@@ -41,8 +40,8 @@ impl<'a> Piece<'a> {
         cell.belief.parts.update(&mut cell.hand)?;
         cell.calibrate()?;
         self.baseline.run_plan(cell, &self.plan)?;
-        // What a build does before it fetches each of the next pegs, which is no longer part of the piece. To
-        // push for one may spoil another.
+        // The checks of a build before it fetches each of the next pegs, which are not part of the piece. A
+        // push for one hole may misalign another.
         for _ in 0..cell.parameters.piece.rounds {
             for &connection in &self.next {
                 check_holes(&self.baseline.skills, cell, connection)?;
@@ -95,7 +94,7 @@ impl Agent for Piece<'_> {
     }
 }
 
-/// Takes over what stands, without having seen it.
+/// Records the given assembly without a detection.
 fn take_over(cell: &mut Workcell, state: &State) -> Result<(), SkillError> {
     let unknown = |name: &str| Fault::Unseen { part: name.to_string() };
     let assembly = cell.assembly;

@@ -1,4 +1,4 @@
-//! What the agent does beside its plan: it aligns beams, and puts the work cell in order after a fault.
+//! Actions outside the plan: aligns beams, and restores the work cell after a fault.
 
 use nalgebra::Vector3;
 use ramp_planner::{FineAction, Item};
@@ -22,7 +22,7 @@ fn align(skills: &SkillTable, cell: &mut Workcell, beam: usize) -> Result<(), Sk
 /// A peg pulls two holes together that are up to 1.7 mm apart, and jams on the male beyond that.
 ///
 /// # Errors
-/// [`Fault::Misaligned`] when the holes stay too far apart, or what stopped a push.
+/// [`Fault::Misaligned`] when the holes stay too far apart, or the fault that stopped a push.
 pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) -> Result<(), SkillError> {
     let index = connection;
     let connection = &cell.assembly.connections[index];
@@ -30,8 +30,8 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
     cell.see(&holes, cell.parameters.agent.holes_known)?;
     cell.diagnose_standing();
     let offset = cell.belief.parts.offset(cell.assembly, connection)?;
-    // A peg has told that they are further apart than they seem: then they are pushed nearer, as far as that
-    // goes.
+    // A failed peg has shown that the holes are further apart than they seem: they are pushed as close as
+    // possible.
     let told = cell
         .belief
         .apart
@@ -45,8 +45,8 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
     }
     let misaligned = |offset: f64| Fault::Misaligned { connection: connection.name.clone(), offset };
     cell.record(misaligned(offset));
-    // Beams that have swung about their only peg drag along what is joined to them: they are aligned first,
-    // then the two beams themselves.
+    // Beams that have swung about their only peg drag the parts joined to them: they are aligned first, then
+    // the two beams themselves.
     let mut beams = cell.belief.swung()?;
     let sides = [connection.female.beam, connection.male.beam];
     beams.extend(sides.into_iter().filter(|beam| *beam != cell.assembly.base));
@@ -91,14 +91,14 @@ fn realign(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
     Ok(())
 }
 
-/// Puts back what the hand holds, if it holds anything.
+/// Puts back the held part, if any.
 fn put_down(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
     let Some(part) = cell.hand.held.as_ref().map(|held| held.part.clone()) else { return Ok(()) };
     let item = if cell.kit.beam(&part).is_some() { Item::Beam(part) } else { Item::Peg(part) };
     skills.perform(cell, &Call::alone(&FineAction::PutDown { item }))
 }
 
-/// Notes a fault and goes on; only the robot's own error ends the work.
+/// Records a fault and continues; only an error of the robot ends the work.
 fn note_fault(cell: &mut Workcell, result: Result<(), SkillError>) -> Result<bool, RobotError> {
     match result {
         Err(SkillError::Robot(error)) => Err(error),
@@ -110,9 +110,9 @@ fn note_fault(cell: &mut Workcell, result: Result<(), SkillError>) -> Result<boo
     }
 }
 
-/// After a fault: puts back what is held, or lets it go where it is, retreats, realigns what lies loose, and
-/// seats pegs that fell into holes. Adds to `lost` the pegs that no hand can fetch any more; `refused` is one
-/// that could not be gripped.
+/// After a fault: puts back the held part or releases it in place, retreats, realigns loose beams, and seats
+/// pegs that fell into holes. Adds to `lost` the pegs that can no longer be fetched; `refused` is one that
+/// could not be gripped.
 ///
 /// # Errors
 /// The robot's.

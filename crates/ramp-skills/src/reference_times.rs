@@ -1,9 +1,8 @@
-//! What robot times are to be compared with: a bound that no arm can beat, and a reference that one could
-//! reach.
+//! Reference values for robot times: a lower bound for any arm, and an attainable reference.
 //!
 //! Both come from the plan and the arm's model alone, the same for every agent, track and seed. The
-//! [`Rehearsal`] goes through the plan with every part where it nominally is; what the arm and the hand do
-//! there is summed up in two ways.
+//! [`Rehearsal`] simulates the plan with every part at its nominal pose. The motions of arm and hand are
+//! summed in two ways.
 
 use ramp_assembly::Assembly;
 use ramp_motion::{Joints, Pace, PathPlanner, TimeLaw, least_time_over};
@@ -23,15 +22,15 @@ pub struct ReferenceTimes {
     /// No arm with these limits rests at all grasps and places of the plan in less time, s. Each joint is a
     /// double integrator between two rests; nothing is in the way; neither contact nor gripper takes time.
     pub bound: f64,
-    /// What the plan takes with motions at the arm's limits on paths that keep clear of everything, contact
-    /// at 0.1 m/s and fingers at 0.1 m/s, s. Without looks, searches, waits and tries. It is no bound.
+    /// Duration of the plan with motions at the arm's limits on paths that keep clear of everything, contact
+    /// at 0.1 m/s and fingers at 0.1 m/s, s. Excludes looks, searches, waits and retries. It is not a bound.
     pub reference: f64,
 }
 
-/// The times of the baseline's plan for a goal from nothing, around what the arm cannot do.
+/// The times of the baseline's plan for a goal from an empty assembly, within the limits of the arm.
 ///
 /// # Errors
-/// When there is no plan that the arm can carry out, or as [`reference_times`].
+/// If there is no plan that the arm can execute, or as [`reference_times`].
 pub fn reference_times_of_goal(
     assembly: &Assembly,
     arm: &ArmModel,

@@ -148,11 +148,12 @@ impl SkillTable {
         self.perform(cell, call)
     }
 
-    /// Carries out an action, with the hand where the skill needs it, and takes over what the skill expects.
+    /// Executes an action, with the hand where the skill needs it, and applies the effects that the skill
+    /// expects.
     ///
     /// # Errors
     /// [`Fault::NoSkill`](crate::Fault::NoSkill), [`Fault::NotReady`](crate::Fault::NotReady),
-    /// [`Fault::Unmet`](crate::Fault::Unmet), and what the skill ends with.
+    /// [`Fault::Unmet`](crate::Fault::Unmet), and the skill's own fault.
     pub fn perform(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
         let skill = self.get(call.kind()).ok_or_else(|| call.no_skill())?;
         skill.ready(cell, call)?;

@@ -1,5 +1,5 @@
-//! How far and how long the arm moves to bring the tip to some poses: the measure by which skills choose
-//! among grasps, turns and places to look from.
+//! Distance and duration of the arm's motion to some poses of the tip: the measure by which skills choose
+//! among grasps, rotations and viewpoints.
 
 use std::cmp::Ordering;
 

@@ -19,7 +19,7 @@ fn check(bytes: &[u8]) {
     if entries.iter().map(steps).sum::<u64>() > 10_000 {
         return;
     }
-    // What was read and is written again reads the same, command by command.
+    // Calls that are read, written and read again are the same, command by command.
     for entry in &entries {
         match entry {
             Entry::Step(command, count) => (0..*count).for_each(|_| encoder.step(command)),

@@ -1,4 +1,4 @@
-//! What logs say in JSON: the first line is the message on `/episode`, the second the one on `/result`.
+//! JSON messages of logs: the first line is the message on `/episode`, the second the one on `/result`.
 #![no_main]
 
 use std::path::Path;

@@ -18,7 +18,7 @@ fn check(bytes: &[u8]) {
     let file = mcap_file(&messages, None);
     match (Reader { kit: &KIT, goals: &GOALS, software: &software() }).from_bytes(Path::new("x.mcap"), &file)
     {
-        // What a log gives, a report takes.
+        // A report accepts every value from a log.
         Ok(result) => {
             let parsed = parse("it", result.to_json().as_bytes());
             assert!(matches!(parsed, Ok(Some(_))), "{parsed:?}");

@@ -10,7 +10,7 @@ fn check(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let file = SourceFile::new("log.csv", &text);
     match (Reader { file: &file, kit: &KIT, goals: &GOALS, software: &software() }).read() {
-        // What a log gives, a report takes.
+        // A report accepts every value from a log.
         Ok(Log::Episodes(results)) => {
             for result in results {
                 let parsed = parse("it", result.to_json().as_bytes());

@@ -171,7 +171,7 @@ fn bad_entries_are_told_and_the_others_are_on_the_board() {
         "warning j-copy: 5 of its 5 episodes make the same calls, to the last bit, as entry h-good (good 1.0)",
         "admitted h-good: good 1.0",
         "refused k-asked: easy-1-tags-1.mcap: at ",
-        "the agent asked for poses of parts, and track `tags` gives none",
+        "the agent requested poses of parts, not available on track `tags`",
         "refused l-relabelled: easy-1-tags-1.json: the result differs from the one in its log",
         "2 of 13 entries admitted; ",
     ] {

@@ -1,10 +1,10 @@
-//! The baseline knows what is happening to it: faults in the physics, seen and felt by the agent alone.
+//! The baseline diagnoses faults in the physics from its own sensors.
 
 use ramp_result::EpisodeResult;
 use ramp_robot::{EventKind, Track};
 use ramp_testing::GoalFiles;
 
-/// The goal is built from a seed although `fault` strikes, and the first diagnosis after that names `cause`.
+/// The goal is built from a seed despite `fault`, and the first diagnosis after its trigger names `cause`.
 fn told(goal: &str, seed: u64, fault: &str, cause: &str) -> EpisodeResult {
     let world = GoalFiles::new(goal);
     let mut setup = world.setup(Track::Tags, seed);
@@ -19,14 +19,15 @@ fn told(goal: &str, seed: u64, fault: &str, cause: &str) -> EpisodeResult {
     result
 }
 
-/// No camera sees how a peg stands in the hand; its tip tells when it meets the plate beside the hole.
+/// No camera sees how a peg stands in the hand; the contact of its tip with the plate beside the hole shows
+/// it.
 #[test]
 fn a_peg_that_stands_aslant_is_set_upright() {
     told("easy-1", 3, "peg-tilted@1", "grip-moved: ");
 }
 
-/// One whose tip caught the rim of its hole does not go in, however it is pressed: where it presses tells
-/// that it is tilted.
+/// A peg whose tip caught the rim of its hole cannot be pressed in: its contact point shows that it is
+/// tilted.
 #[test]
 fn a_peg_that_is_pressed_aslant_is_no_jam() {
     let result = told("easy-1", 9, "peg-tilted@3", "grip-moved: p3 ");

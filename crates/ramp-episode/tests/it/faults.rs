@@ -42,7 +42,7 @@ impl Alteration<Twin> for Until {
     }
 }
 
-/// What came of a fault, so many seconds after it struck.
+/// The outcome of a fault, a given time (s) after its trigger.
 struct Outcome {
     report: FaultReport,
     twin: Twin,
@@ -65,7 +65,7 @@ impl Outcome {
         (self.now(self.part.unwrap().0), world.assembly.kit.x_wa() * placed.x_ab, &placed.beam)
     }
 
-    /// How the struck part has moved in the hand: m, rad.
+    /// The motion of the affected part in the hand: m, rad.
     fn moved_in_hand(&self) -> (f64, f64) {
         let (part, before) = self.part.unwrap();
         let before = self.seen.x_wt.inverse() * before;
@@ -149,7 +149,7 @@ fn fingers_and_sensors_fail() {
     let open = weak.widest - weak.seen.width;
     assert!((1.0e-3..5.0e-3).contains(&open), "the fingers spring back by {open} m");
 
-    // The same time without a fault: the arm has done the same, and felt something else.
+    // The same time without a fault: the arm has made the same motions, and measured another wrench.
     let drift = strike(&world, "force-drift@1", 5.0);
     let (at, growth) = (drift.report.at.unwrap(), drift.report.size.unwrap());
     let mut calm = Twin::new(&world.setup(Track::State, 1)).unwrap();
@@ -239,7 +239,7 @@ fn a_replay_has_the_fault_too() {
     let replayed = replay(&log).unwrap();
     assert!(replayed.is_equal(), "{:?}", replayed.differences);
 
-    // What is said of a fault must be so.
+    // The report about a fault must be true.
     let mut other = log.clone();
     other.result.fault = None;
     assert!(replay(&other).unwrap_err().to_string().contains("fault"));

@@ -1,4 +1,4 @@
-//! Logs: a run is in them to the last bit, and what is wrong with one is told.
+//! Logs: they record a run to the last bit, and errors in a log are reported.
 
 use std::path::Path;
 
@@ -57,7 +57,7 @@ fn a_log_replays_to_the_bit_and_a_changed_one_does_not() {
     let replayed = replay(&read(&bent).unwrap()).unwrap();
     let first = &replayed.differences[0];
     assert_eq!(first.what, "state of the physics");
-    // The state is compared every 0.1 s, and after the reading that was on the way then.
+    // The state is compared every 0.1 s, and after the reading that was pending then.
     assert!((0.69..=0.85).contains(&first.time), "{first:?}");
 
     // A peg that was never seated, in the result alone.
@@ -109,7 +109,7 @@ fn what_is_wrong_with_a_log_is_told() {
     let error = replay(&read(&with("/calls", &[77])).unwrap()).unwrap_err();
     assert!(matches!(error, ReplayError::Calls(_)), "{error}");
 
-    // What does not fit: the kit and its hash, the start and the end.
+    // Mismatches: the kit and its hash, the start and the end.
     let change = |topic: &str, change: &dyn Fn(&mut serde_json::Value)| {
         let mut messages = messages(&bytes);
         for (_, data) in messages.iter_mut().filter(|it| it.0 == topic) {
@@ -133,7 +133,7 @@ fn what_is_wrong_with_a_log_is_told() {
     assert!(matches!(error, ReplayError::Impossible { what: "disturbance", .. }), "{error}");
 }
 
-/// What the robot refuses is in the log, and refused again.
+/// A refusal by the robot is in the log, and is repeated in the replay.
 #[test]
 fn a_command_that_ended_the_episode_ends_its_replay() {
     struct Mad(f64);
@@ -145,7 +145,7 @@ fn a_command_that_ended_the_episode_ends_its_replay() {
             Account::default()
         }
         fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {
-            // What the track does not give is no end.
+            // A request outside the track does not end the episode.
             assert!(robot.look(Camera::Wrist).is_err());
             let arm = ArmCommand::JointTorques([self.0; 7]);
             let command = Command { arm, gripper: GripperCommand { width: 0.04, force: 10.0 } };

@@ -43,7 +43,7 @@ impl Forged {
         replay(&Log::from_bytes(Path::new("x.mcap"), &self.0).unwrap()).unwrap()
     }
 
-    /// What differs first.
+    /// The first difference.
     fn first(&self) -> [String; 3] {
         let replayed = self.replay();
         let first = replayed.differences.first().expect("a difference");
@@ -98,7 +98,7 @@ fn another_track_on_the_label_is_caught() {
     let [what, _, _] = forged.relabelled(Track::Noisy).first();
     assert_eq!(what, "answer to the agent");
 
-    // Whoever writes that they were refused, tells of an agent that asked for them.
+    // A log that contains their refusal shows an agent that asked for them.
     let entries: Vec<Entry> = forged
         .entries()
         .into_iter()
@@ -108,7 +108,7 @@ fn another_track_on_the_label_is_caught() {
     assert!(replayed.is_equal(), "{:?}", replayed.differences);
     let breach = replayed.breach.unwrap();
     assert!(matches!(breach, Breach::Forbidden { track: Track::Tags, .. }), "{breach}");
-    let what = "at 0.251 s the agent asked for poses of parts, and track `tags` gives none";
+    let what = "at 0.251 s the agent requested poses of parts, not available on track `tags`";
     assert_eq!(breach.to_string(), what);
 }
 
@@ -129,7 +129,7 @@ fn calls_that_were_stripped_spliced_or_reordered_are_caught() {
         forged.with_entries(&kept).first()
     };
 
-    // Stripped of images, with and without their answers; of answers; of the states on the way.
+    // Stripped of images, with and without their answers; of answers; of the intermediate states.
     let [what, ..] = keep(&|entry| !matches!(entry, Entry::Look(_)));
     assert_eq!(what, "answer to the agent");
     let [what, ..] = keep(&|entry| !matches!(entry, Entry::Look(_) | Entry::Answered(_)));
@@ -164,11 +164,11 @@ fn calls_that_were_stripped_spliced_or_reordered_are_caught() {
     let [what, ..] = forged.with_entries(&reordered).first();
     assert_eq!(what, "answer to the agent");
 
-    // What comes after the end, and an end that is missing.
+    // Data after the end, and a missing end.
     let mut longer = entries.clone();
     longer.insert(longer.len() - 1, Entry::State(0));
     let [what, logged, replayed] = forged.with_entries(&longer).first();
-    assert_eq!([what, logged, replayed], ["state of the physics", "told", "not due"]);
+    assert_eq!([what, logged, replayed], ["state of the physics", "present", "not due"]);
     let [what, logged, _] = forged.with_entries(&entries[..entries.len() - 1]).first();
     assert_eq!([what.as_str(), logged.as_str()], ["final state of the physics", "missing"]);
 }

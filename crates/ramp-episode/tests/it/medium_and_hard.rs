@@ -8,7 +8,7 @@ use ramp_result::EpisodeResult;
 use ramp_robot::{EventKind, Track};
 use ramp_testing::GoalFiles;
 
-/// What arm and parts bear, at the tip, N.
+/// Load limit of arm and parts at the tip, N.
 const LIMIT: f64 = 80.0;
 
 fn completes(goal: &str, seed: u64) -> Vec<EpisodeResult> {

@@ -1,5 +1,4 @@
-//! What goes wrong is noticed and repaired: the whole agent in the real physics, with a robot that
-//! misbehaves.
+//! Faults are detected and repaired: the whole agent in the real physics, with a robot that misbehaves.
 
 use nalgebra::Translation3;
 use ramp_referee::Referee;
@@ -8,11 +7,11 @@ use ramp_testing::GoalFiles;
 use ramp_testing::robot::{Alteration, Altered};
 use ramp_twin::Twin;
 
-/// What goes wrong.
+/// The fault.
 enum Trouble {
     /// The first time this peg is carried over 0.12 m, the gripper opens for 0.4 s.
     Drops { peg: &'static str, ticks_left: u32 },
-    /// These beams are read beside where they are, so far along x (m), between two robot times (s).
+    /// The readings of these beams are offset along x (m) between two robot times (s).
     Misreads { beams: &'static [&'static str], by: f64, from: f64, to: f64 },
 }
 
@@ -88,7 +87,7 @@ fn a_joint_that_is_misread_is_tried_again_after_another_look() {
     assert_eq!(seated, 3, "{events:?}");
 }
 
-/// How many events of a kind there are that say this.
+/// Number of events of a kind with this text.
 fn count(events: &[Event], kind: &str, what: &str) -> usize {
     events.iter().filter(|event| event.kind.name() == kind && event.kind.to_string().contains(what)).count()
 }

@@ -6,7 +6,7 @@ use ramp_testing::GoalFiles;
 use ramp_testing::robot::{Alteration, Altered};
 use ramp_twin::Twin;
 
-/// What goes wrong with the cameras.
+/// The fault of the cameras.
 #[derive(Clone, Copy)]
 enum Trouble {
     None,
@@ -109,7 +109,7 @@ fn an_episode_is_the_same_to_the_bit_for_a_seed() {
     }
 }
 
-/// One camera less is told, and the work goes on with the other.
+/// A broken camera is reported, and the work continues with the other one.
 #[test]
 fn a_camera_that_stops_is_told_and_the_run_goes_on() {
     for camera in Camera::ALL {
@@ -120,7 +120,7 @@ fn a_camera_that_stops_is_told_and_the_run_goes_on() {
     }
 }
 
-/// Without any sight the run ends, and says why; it does not go on by what it believed.
+/// Without any working camera the run ends with a reason; it does not continue from the old belief.
 #[test]
 fn a_robot_in_the_dark_ends_with_a_reason() {
     let (ended, events, _) = begin(Track::Tags, 1, 60.0, Trouble::Dark(4.0));
@@ -129,8 +129,8 @@ fn a_robot_in_the_dark_ends_with_a_reason() {
     assert!(!has(&events, "done", "insert"), "{events:?}");
 }
 
-/// What decides and acts is built without the twin and without whoever judges: there is no path to the truth
-/// but the trait. The crates that an agent is made of use one another and no other crate of ours.
+/// The agent's crates are built without the twin and without the referee: there is no path to the truth but
+/// the trait. The crates that an agent is made of use one another and no other crate of ours.
 #[test]
 fn nothing_that_an_agent_is_made_of_knows_the_twin() {
     const AGENT: [&str; 9] =

@@ -27,15 +27,15 @@ pub fn covariance(position: [f64; 3], rotation: [f64; 3]) -> Matrix6<f64> {
 }
 
 impl Estimate {
-    /// How far another pose lies from the mean, as an error of the estimate.
+    /// Difference of another pose from the mean, as an error of the estimate.
     pub fn error(&self, x: &Pose) -> Vector6<f64> {
         let shift = x.translation.vector - self.x.translation.vector;
         let turn = (x.rotation * self.x.rotation.inverse()).scaled_axis();
         Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
     }
 
-    /// Normalised innovation squared of a measurement: around 6 when measurement and estimate are what they
-    /// say they are, and infinite when a covariance is none.
+    /// Normalised innovation squared of a measurement: around 6 when both covariances are correct, and
+    /// infinite when one is not a valid covariance.
     pub fn surprise(&self, measured: &Estimate) -> f64 {
         let error = self.error(&measured.x);
         match Cholesky::new(self.covariance + measured.covariance) {
@@ -138,8 +138,8 @@ mod tests {
         estimate.x
     }
 
-    /// A part that may have turned about an axis is as well known on the axis as before, and a pose turned
-    /// about it is no surprise far from there either.
+    /// A part that may have turned about an axis is as well known on the axis as before, and a pose rotated
+    /// about it has a small innovation far from there too.
     #[test]
     fn a_turn_is_forgotten_with_what_goes_along() {
         let x = Pose::new(Vector3::new(0.2, 0.0, 0.01), Vector3::new(0.0, 0.0, 0.3));
@@ -156,8 +156,8 @@ mod tests {
         assert!((before - after).norm() < 1.0e-12, "{before} {after}");
     }
 
-    /// What the filter says of its own error is true: over many series of readings, the normalised square of
-    /// its innovations and of its error against the truth both have six degrees of freedom.
+    /// The filter's covariance is consistent: over many series of readings, the normalised square of its
+    /// innovations and of its error against the truth both have six degrees of freedom.
     #[test]
     fn the_covariance_is_that_of_the_error() {
         let mut stream = Stream::new(1, "filter");

@@ -1,8 +1,8 @@
 //! The eyes: whatever a track gives to find the parts by, readings of poses or camera images, as sightings.
 //!
-//! A track that gives no poses gives images. Both cameras are then asked; what is found in an image is only
-//! as good as the camera's place is known, and the agent estimates that while it works, from the tags of the
-//! clamped beam and of the sheet, whose places are known.
+//! A track that gives no poses gives images. Both cameras are then read. A detection is only as accurate as
+//! the camera's pose. The agent estimates that pose during its work, from the tags of the clamped beam and of
+//! the sheet, whose poses are known.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,7 +18,7 @@ use crate::Pose;
 use crate::hand::Hand;
 use crate::parameters::belief::EyesParameters;
 
-/// Standard deviation of an exact reading, m and rad: nothing is known better than a double can tell.
+/// Standard deviation of an exact reading, m and rad: the resolution of a double.
 const EXACT: f64 = 1.0e-9;
 
 /// A part as it was seen.
@@ -57,12 +57,12 @@ impl Eye {
     }
 }
 
-/// How far a camera may be from where the robot says it is, 1 σ, m and rad.
+/// Pose error of a camera's calibration, 1 σ, m and rad.
 fn calibration(parameters: &EyesParameters) -> [f64; 2] {
     [parameters.calibration, parameters.calibration_turn]
 }
 
-/// What finds the parts.
+/// The pose estimator.
 pub struct Eyes {
     parameters: EyesParameters,
     kit: Kit,
@@ -75,12 +75,12 @@ pub struct Eyes {
     /// Robot time that the last look took, s.
     cost: f64,
     complaints: Vec<String>,
-    /// Oddities that have been told, and tags of no part that were read once.
+    /// Oddities already reported, and unknown tags that were read once.
     told: BTreeSet<String>,
     /// Parts that were seen not to lie as they were believed to.
     upset: Vec<String>,
-    /// By tag: in how many images it was found, and in how many it was not where it should have been in
-    /// sight.
+    /// By tag: the number of images in which it was found, and of those in which it should have been visible
+    /// but was not.
     tags: BTreeMap<u32, (usize, usize)>,
 }
 
@@ -112,12 +112,12 @@ impl Eyes {
         self.images = track == Track::Tags;
     }
 
-    /// Does the track give images instead of poses? Known when it was told, or after the first look.
+    /// True if the track gives images instead of poses. Known if configured, or after the first look.
     pub fn images(&self) -> bool {
         self.images
     }
 
-    /// What was wrong with images since this was last asked, for a person.
+    /// Problems with images since the last call, as text.
     pub fn complaints(&mut self) -> Vec<String> {
         std::mem::take(&mut self.complaints)
     }
@@ -127,11 +127,11 @@ impl Eyes {
         std::mem::take(&mut self.upset)
     }
 
-    /// Tells what is wrong with tags, each thing once; what is only hidden or far away is nobody's fault.
+    /// Reports each problem with a tag once. A tag that is only hidden or far away is not reported.
     fn tell(&mut self, oddity: Oddity) {
         let told = match oddity {
             Oddity::NotLying { part } => return self.upset.push(part),
-            // What was read once may have been misread; a tag that is there is read again.
+            // A single reading may be a misreading; a real tag is read again.
             Oddity::UnknownTag { id } if self.told.insert(format!("once unknown {id}")) => return,
             Oddity::UnknownTag { id } => format!("unknown {id}"),
             Oddity::SameTagTwice { id, .. } if self.told.insert(format!("once twice {id}")) => return,
@@ -152,7 +152,8 @@ impl Eyes {
     }
 
     /// Looks once; an agent whose cameras all show nothing looks again after a pause, and does nothing else
-    /// until one shows something or all count as broken. `lying` is what is known of how parts lie.
+    /// until one shows something or all count as broken. `lying` holds the known constraints on resting
+    /// parts.
     ///
     /// # Errors
     /// The robot's; [`RobotError::CameraStopped`] when no camera gives an image in which something could be
@@ -172,7 +173,7 @@ impl Eyes {
         Ok(sightings)
     }
 
-    /// The poses that the robot tells; `None` on a track that gives images.
+    /// The poses that the robot reports; `None` on a track that gives images.
     fn read_poses(&mut self, hand: &mut Hand) -> Result<Option<Vec<Sighting>>, RobotError> {
         if self.images {
             return Ok(None);
@@ -193,7 +194,7 @@ impl Eyes {
         Ok(Some(readings.into_iter().map(sighting).collect()))
     }
 
-    /// What both cameras show; `None` when no image was of use.
+    /// The detections of both cameras; `None` without a usable image.
     fn look_through_cameras(
         &mut self,
         hand: &mut Hand,
@@ -219,12 +220,12 @@ impl Eyes {
             };
             let eye = &mut self.eyes[index];
             eye.bad += 1;
-            // Told at the first and at the last of them.
+            // Reported at the first and the last of them.
             if eye.bad == 1 {
                 self.complaints.push(why);
             } else if eye.broken(&self.parameters) {
                 self.complaints.push(format!(
-                    "{why}, {} times in a row: not looked through any more",
+                    "{why}, {} times in a row: this camera is no longer used",
                     self.parameters.broken
                 ));
             }
@@ -284,13 +285,13 @@ impl Eyes {
                     *missed += 1;
                     if *found == 0 && *missed == self.parameters.missed {
                         let part = &part.part;
-                        self.complaints.push(format!("tag {} of {part} is not to be seen", place.id));
+                        self.complaints.push(format!("tag {} of {part} is not visible", place.id));
                     }
                 }
             }
         }
         let x_wc_before = model.x_wc(&image.x_wt);
-        // What is known to be where it is tells where the camera is.
+        // Tags with known poses determine the camera's pose.
         let calibration =
             eye.calibration.get_or_insert_with(|| Calibration::new(&nominal, calibration(&self.parameters)));
         if calibration.len() < self.parameters.enough {
@@ -299,8 +300,8 @@ impl Eyes {
             let known: Vec<(&SeenPart, Pose)> =
                 base.chain(seen.sheet.as_ref().map(|sheet| (sheet, Pose::identity()))).collect();
             for (part, x_wp) in &known {
-                // The pixels are those of the image, whatever the camera was believed to be: seen through the
-                // nominal one they are what they are.
+                // The pixels are those of the image, independent of the believed camera, so they are kept as
+                // seen through the nominal one.
                 let x_wp_nominal = nominal.x_wc(&image.x_wt) * model.x_wc(&image.x_wt).inverse() * part.x_wp;
                 let part = SeenPart { x_wp: x_wp_nominal, ..(*part).clone() };
                 calibration.add_part(&image.x_wt, &part, x_wp, finder.places());

@@ -1,4 +1,4 @@
-//! What the agent believes of the parts, and the eyes that correct it.
+//! The agent's belief about the parts, and the cameras that correct it.
 
 pub mod estimate;
 pub mod eyes;

@@ -1,11 +1,11 @@
-//! What is known of one part, and how a reading that differs is noticed.
+//! The belief about one part, and the detection of deviating readings.
 
 use nalgebra::Vector6;
 
 use super::estimate::Estimate;
 use crate::parameters::belief::BeliefParameters;
 
-/// Where a part is known.
+/// Where a part is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Frame {
     /// In the world, where nothing moves it.
@@ -16,14 +16,14 @@ pub enum Frame {
     Tip,
 }
 
-/// What is known of one part.
+/// The belief about one part.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// Its pose in that frame.
     pub estimate: Estimate,
     /// The frame in which it is known.
     pub frame: Frame,
-    /// It was seen, or what put it there is known.
+    /// It was detected, or placed by a known action.
     pub seen: bool,
     /// The last reading, in the same frame, if it was too far off to be believed.
     pub odd: Option<Estimate>,

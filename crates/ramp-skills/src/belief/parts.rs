@@ -1,4 +1,4 @@
-//! Where the agent believes the parts to be, and how well it knows: all that skills get to know of them.
+//! The believed poses of the parts and their uncertainty: the only information that skills have about parts.
 //!
 //! For each part there is one estimate. Sight corrects it, time and contact blur it. A part between the
 //! fingers is known in the frame of the tip and moves with it; one that stands or lies is known in the world.
@@ -26,7 +26,7 @@ use crate::parameters::belief::BeliefParameters;
 /// Part poses with their covariances, by name, and the eyes that correct them.
 pub struct Belief {
     parameters: BeliefParameters,
-    /// What finds the parts.
+    /// The pose estimator.
     pub eyes: Eyes,
     parts: BTreeMap<String, Part>,
     time: f64,
@@ -37,7 +37,7 @@ pub struct Belief {
 }
 
 impl Belief {
-    /// What is known before anything is seen.
+    /// The prior belief, before any detection.
     pub fn new(assembly: &Assembly, parameters: &Parameters) -> Belief {
         let kit = &assembly.kit;
         let own = &parameters.belief;
@@ -133,7 +133,7 @@ impl Belief {
         }
     }
 
-    /// What is known of how parts lie: those that are level, and how high they are.
+    /// Constraints on resting parts: which are level, and their heights.
     fn lying(&self) -> Vec<Lying> {
         let lying = |(name, part): (&String, &Part)| {
             let x_wp = self.find(name).unwrap_or(part.estimate.x);
@@ -149,8 +149,8 @@ impl Belief {
         self.parts.iter().filter_map(lying).collect()
     }
 
-    /// Lets the time pass that the robot's clock shows: what is held moves with the tip, and everything is
-    /// known a little less well.
+    /// Advances the belief to the robot's clock: the held part moves with the tip, and all uncertainties
+    /// grow.
     pub fn follow(&mut self, hand: &Hand) {
         let share = (hand.time() - self.time).max(0.0).sqrt();
         let way = hand.seen.x_wt.translation.vector - self.x_wt.translation.vector;
@@ -166,7 +166,7 @@ impl Belief {
         }
     }
 
-    /// Takes in what was seen of one part; tells whether it was too odd to be believed.
+    /// Fuses a detection of one part. Returns true if the reading was rejected as an outlier.
     fn take(&mut self, sighting: &Sighting) -> bool {
         let Some(part) = self.parts.get_mut(&sighting.part) else { return false };
         part.doubts = 0;
@@ -235,8 +235,8 @@ impl Belief {
         part.rebase(Frame::Tip, estimate);
     }
 
-    /// Others have put a part at `x_wp` in the world, to within so much (m, rad); where it really is, sight
-    /// will tell.
+    /// Another agent has put a part at `x_wp` in the world, with the given uncertainty (m, rad). Detections
+    /// will correct it.
     pub fn expect(&mut self, part: &str, x_wp: Pose, (position, rotation): ([f64; 3], [f64; 3])) {
         if let Some(part) = self.parts.get_mut(part).filter(|part| part.frame != Frame::Clamped) {
             part.rebase(Frame::World, Estimate { x: x_wp, covariance: covariance(position, rotation) });
@@ -254,7 +254,7 @@ impl Belief {
         part.rebase(Frame::Tip, Estimate { x: x_wt.inverse() * x_wp, covariance });
     }
 
-    /// Something has pushed a part between the fingers: sight will tell how it lies in them now.
+    /// Something has pushed a held part. Detections will correct its pose between the fingers.
     pub fn pushed(&mut self, part: &str) {
         let own = &self.parameters;
         if let Some(part) = self.parts.get_mut(part).filter(|part| part.frame == Frame::Tip) {
@@ -298,7 +298,8 @@ impl Belief {
         part.estimate = if held { estimate.seen_from(&x_wt.inverse()) } else { estimate };
     }
 
-    /// A part may have been pushed by so much (m, rad), in a way that nothing tells: mostly along the table.
+    /// A part may have been pushed by up to the given amounts (m, rad) in an unknown direction, mostly along
+    /// the table.
     pub fn bumped(&mut self, part: &str, (position, rotation): (f64, f64)) {
         if let Some(part) = self.parts.get_mut(part).filter(|part| part.frame != Frame::Clamped) {
             let (height, tilt) = (position / 4.0, rotation / 4.0);
@@ -322,9 +323,9 @@ impl Belief {
         })
     }
 
-    /// How well the place of a point of a part (m, in the part's frame) is known: the standard deviation in
-    /// the direction of the table in which it is largest, and that of its height, m. Infinite for a part
-    /// never seen.
+    /// Uncertainty of a point of a part (m, in the part's frame): the standard deviation in the direction of
+    /// the table in which it is largest, and that of its height, m. Infinite for a part that was never
+    /// detected.
     pub fn deviation(&self, part: &str, p: &Point3<f64>) -> [f64; 2] {
         let Some(part) = self.parts.get(part).filter(|part| part.seen && part.odd.is_none()) else {
             return [f64::INFINITY; 2];
@@ -338,7 +339,7 @@ impl Belief {
         [largest, covariance[(2, 2)]].map(|variance| variance.max(0.0).sqrt())
     }
 
-    /// Where the hole of a joint is: on the beam's axis, in the world.
+    /// The hole of a joint: its point on the beam's axis, in the world.
     ///
     /// # Errors
     /// [`Fault::Unseen`].
@@ -360,7 +361,7 @@ impl Belief {
     /// Everything that stands around, as boxes in the world, without the parts named in `without`.
     pub fn obstacles(&self, kit: &Kit, without: &[&str]) -> Vec<Obstacle> {
         let mut obstacles = Vec::new();
-        // What was lost may be anywhere but where it was.
+        // A lost part may be anywhere except at its old place.
         let lost = |name: &str| {
             self.parts
                 .get(name)
@@ -428,7 +429,8 @@ mod tests {
         assert!(belief.pose("b4").is_ok());
     }
 
-    /// One wild reading moves nothing; a part that really is elsewhere is believed at the second, and told.
+    /// A single outlier changes nothing. A part that has really moved is accepted at the second reading and
+    /// reported.
     #[test]
     fn a_wild_reading_needs_another_that_confirms_it() {
         let mut belief = belief();
@@ -492,7 +494,7 @@ mod tests {
         assert!(off(&belief, "b5", &pushed) < 0.6 * MM, "{:.2} mm", off(&belief, "b5", &pushed) / MM);
     }
 
-    /// A part that images show to be tilted is not held to be flat for ever: the finder is no longer told so.
+    /// A part that images show to be tilted loses its constraint to lie flat in the pose estimator.
     #[test]
     fn a_part_that_is_seen_upset_is_doubted() {
         let mut belief = belief();

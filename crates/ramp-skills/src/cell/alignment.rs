@@ -1,4 +1,4 @@
-//! How far the beams of the assembly stand from where they should.
+//! Alignment: deviation of the beams of the assembly from their targets.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::{Assembly, JointRef};
@@ -41,7 +41,7 @@ impl AssemblyBelief<'_> {
         Ok(off)
     }
 
-    /// A standing beam was moved: what it is joined with may have come along, by so much (m, rad).
+    /// A standing beam was moved: the parts joined to it may have moved by up to the given amounts (m, rad).
     pub fn drag(&mut self, beam: usize, bump: (f64, f64)) {
         let sides = self.assembly.connections.iter();
         let joined = sides.filter_map(|connection| Some(self.assembly.sides(connection, beam)?.1.beam));
@@ -51,9 +51,9 @@ impl AssemblyBelief<'_> {
         }
     }
 
-    /// Where a standing beam should be, in the world, and how far its far end is from there now, m. A pinned
-    /// beam is turned about its peg so that the hole of its next peg comes to the other beam's, or else its
-    /// far end to its nominal place; any other goes to its target.
+    /// Target pose of a standing beam in the world, and the distance of its far end from it, m. A pinned beam
+    /// is rotated about its peg so that the hole of its next peg comes to the other beam's, or else its far
+    /// end to its nominal place; any other goes to its target.
     pub fn straightened(&self, beam: usize) -> Result<(Pose, f64), SkillError> {
         let placed = &self.assembly.beams[beam];
         let x_wb = self.parts.pose(&placed.beam.name)?;
@@ -64,7 +64,7 @@ impl AssemblyBelief<'_> {
             return Ok((goal, self.off(beam, &x_wb, &goal)));
         };
         let pivot = x_wb * placed.beam.p_b_hole(anchor.joint);
-        // Where it is to be pinned next to a beam that stands, that hole is what counts; else its far end.
+        // If it is to be pinned next to a standing beam, that hole counts; else its far end.
         let open = self.open_joint(beam, anchor);
         let (now, wanted) = match open {
             Some((mine, theirs)) => {
@@ -80,7 +80,7 @@ impl AssemblyBelief<'_> {
         Ok((goal, angle.abs() * now.norm()))
     }
 
-    /// How far a standing beam is short of its place along its insertion path, m.
+    /// Remaining distance of a standing beam to its place along its insertion path, m.
     pub fn short(&self, beam: usize) -> Result<f64, SkillError> {
         if !self.paths.contains_key(&beam) {
             return Ok(0.0);
@@ -114,7 +114,7 @@ impl AssemblyBelief<'_> {
         open.max_by(|(a, _), (b, _)| lever(*a).total_cmp(&lever(*b)))
     }
 
-    /// How far along the table the far end of a beam at `x_wb` is from where it is at `goal`, m.
+    /// Horizontal distance between the far ends of a beam at `x_wb` and at `goal`, m.
     pub fn off(&self, beam: usize, x_wb: &Pose, goal: &Pose) -> f64 {
         distance_at(self.far_end(beam), x_wb, goal)
     }
@@ -130,8 +130,7 @@ impl AssemblyBelief<'_> {
         far_end(self.assembly, self.pinned.iter().map(|(index, _)| *index), beam)
     }
 
-    /// How far a beam still is from its place along `direction`, m: that of its joints which is furthest from
-    /// it.
+    /// Remaining distance of a beam to its place along `direction`, m: the largest over its joints.
     pub fn remaining(&self, part: &str, goal: &Pose, direction: &Vector3<f64>) -> Result<f64, SkillError> {
         let x_wp = self.parts.pose(part)?;
         let short = |p: Point3<f64>| (goal * p - x_wp * p).dot(direction);

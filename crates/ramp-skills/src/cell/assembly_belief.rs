@@ -23,7 +23,7 @@ pub struct AssemblyBelief<'a> {
     pub parts: Belief,
     /// Beams that stand in the assembly, by index, the base among them.
     pub standing: Vec<usize>,
-    /// Those of them that stand deeper than their place, by index, until they are slid forward.
+    /// The beams that stand deeper than their place, by index, until they are slid forward.
     pub deep: Vec<usize>,
     /// Pinned connections, by index, each with its peg.
     pub pinned: Vec<(usize, String)>,

@@ -1,4 +1,4 @@
-//! Names the cause of what skills measure and see.
+//! Diagnoses the cause of deviations that skills measure and detect.
 //!
 //! A skill continues when it can. Each cause becomes an event of the kind `diagnosis` with the part and the
 //! evidence, for people and for the campaigns that judge diagnoses.
@@ -26,8 +26,8 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// Keeps in mind how the beams of the assembly stand, after the hand has worked on those given and on
-    /// what they meet: of the others what was known before stays.
+    /// Stores the poses of the beams of the assembly after the hand has worked on the given beams and on
+    /// those they meet. The stored poses of the others stay.
     pub fn remember_standing(&mut self, touched: &[usize]) {
         let meets = |beam: usize| {
             touched.contains(&beam)
@@ -99,7 +99,7 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// How far a peg that stands upright is from its outline, along the table, m.
+    /// Horizontal distance of an upright peg from its outline, m.
     fn off_outline(&self, peg: &str) -> Option<Vector3<f64>> {
         let start = self.kit.x_wp_start(self.kit.peg(peg)?)?;
         let x_wp = self.belief.parts.pose(peg).ok()?;
@@ -129,9 +129,9 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// In free space, compares the force at the wrist with the weight of what is held. What the wrist
-    /// measures before anything is grasped is how far off an arm in order may be: an estimated wrench is off
-    /// by another newton in each pose. Measures again at rest, since the hand's own mass acts on the sensor
+    /// In free space, compares the force at the wrist with the weight of the held part. The wrist force
+    /// before the first grasp gives the normal error of an intact arm: the error of an estimated wrench
+    /// varies by a newton between poses. Measures again at rest, since the hand's own mass acts on the sensor
     /// while the hand stops. Notes the cause once.
     ///
     /// # Errors

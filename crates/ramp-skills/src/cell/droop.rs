@@ -1,4 +1,4 @@
-//! How a beam hangs that only one female holds, and what follows for the heights of a beam that stands.
+//! Droop of a beam that only one female holds, and the resulting heights of a standing beam.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::JointRef;
@@ -8,8 +8,8 @@ use super::assembly_belief::AssemblyBelief;
 use crate::Pose;
 
 impl AssemblyBelief<'_> {
-    /// How a beam hangs that only one female holds, turned about the joint in it: its other end lies on the
-    /// table. `None` for a beam that stands level.
+    /// Pose of a drooping beam that only one female holds, rotated about the joint in it: its other end lies
+    /// on the table. `None` for a beam that stands level.
     fn drooping(&self, beam: usize) -> Option<(JointRef, f64)> {
         let placed = &self.assembly.beams[beam].beam;
         if placed.stands_at_assembled_height() {
@@ -30,8 +30,8 @@ impl AssemblyBelief<'_> {
         Some((joint, (drop / reach).asin() * (far - pivot).signum()))
     }
 
-    /// Where a beam at `x_wb` comes to lie when it droops about the joint that holds it; `None` when it
-    /// stands level.
+    /// Resting pose of a beam at `x_wb` that droops about the joint that holds it; `None` when it stands
+    /// level.
     pub fn drooped(&self, beam: usize, x_wb: &Pose) -> Option<Pose> {
         let (joint, angle) = self.drooping(beam)?;
         let pivot = Translation3::from((x_wb * self.assembly.beams[beam].beam.p_b_hole(joint.joint)).coords);
@@ -42,9 +42,9 @@ impl AssemblyBelief<'_> {
         Some(pivot * turn * level * pivot.inverse() * x_wb)
     }
 
-    /// What is known of the heights of a beam that has been let go of in the assembly: on females or feet it
-    /// stands level on the table; otherwise its males hang in their females, as low as the clearance lets
-    /// them, and what only one female holds lies on the table with its other end.
+    /// Known heights of a beam released in the assembly: on females or feet it stands level on the table;
+    /// otherwise its males hang in their females, as low as the clearance lets them, and a beam that only one
+    /// female holds lies on the table with its other end.
     pub fn reckon_heights(&mut self, beam: usize) {
         let placed = &self.assembly.beams[beam];
         let nominal = self.x_wa() * placed.x_ab;
@@ -59,7 +59,7 @@ impl AssemblyBelief<'_> {
             met.map(|(mine, _)| mine.joint).collect()
         };
         let hang = if stands { 0.0 } else { joint::CLEARANCE };
-        // A deep beam lies in its female with what is as far behind its hole.
+        // A deep beam rests in its female with the section equally far behind its hole.
         let depth =
             self.paths.get(&beam).filter(|_| self.deep.contains(&beam)).map_or(0.0, |path| path.depth);
         let behind = if self.free_end(beam) > 0.0 { depth } else { -depth };

@@ -1,5 +1,5 @@
-//! The work cell that all skills share: the believed assembly with what follows from it by geometry, the
-//! hand, the journal.
+//! The work cell that all skills share: the believed assembly with the geometry derived from it, the hand,
+//! the journal.
 
 pub mod alignment;
 pub mod assembly_belief;

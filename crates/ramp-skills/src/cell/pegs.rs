@@ -1,4 +1,4 @@
-//! Where the holes are, and how high a peg stands in one.
+//! Positions of the holes, and the height of a peg in one.
 
 use nalgebra::Vector3;
 use ramp_kit::joint::{FEMALE_HEIGHT, STEM_LENGTH};
@@ -13,7 +13,7 @@ impl AssemblyBelief<'_> {
         Ok(Vector3::new(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0))
     }
 
-    /// The connection, if any, in whose hole a peg stands that nobody put there: one that fell.
+    /// The connection, if any, whose hole contains a peg that fell into it.
     ///
     /// # Errors
     /// [`Fault::Unseen`](crate::Fault::Unseen).

@@ -1,5 +1,5 @@
-//! Where a beam is to stand and how it gets there: the plan's insertion path, aimed at where the joints that
-//! it meets are seen.
+//! Target pose and insertion path of a beam: the plan's path, aimed at the detected joints that the beam
+//! meets.
 
 use nalgebra::{Point2, Translation3, UnitQuaternion, Vector2, Vector3};
 use ramp_assembly::{Assembly, JointRef};
@@ -17,8 +17,8 @@ impl AssemblyBelief<'_> {
         self.parts.pose(&base.beam.name).map_or(self.assembly.kit.x_wa(), |x_wb| x_wb * base.x_ab.inverse())
     }
 
-    /// Where a beam of the assembly is to stand, in the world: its nominal place, moved to where the joints
-    /// it meets really are.
+    /// Target pose of a beam of the assembly in the world: its nominal pose, shifted to the actual joints it
+    /// meets.
     ///
     /// # Errors
     /// [`Fault::Unseen`].
@@ -27,7 +27,7 @@ impl AssemblyBelief<'_> {
         let nominal = self.x_wa() * placed.x_ab;
         // Pairs of horizontal hole positions: nominal on this beam, real on the standing one.
         let mut pairs: Vec<(Point2<f64>, Point2<f64>)> = Vec::new();
-        // A sleeve that nothing holds comes along; what counts is what does not.
+        // A free sleeve moves along; only fixed ones count.
         let loose = self.loose_sleeves(beam, 0);
         let loose =
             if self.meeting(beam).iter().all(|(met, _)| loose.contains(met) || *met == placed.beam.name) {
@@ -66,7 +66,7 @@ impl AssemblyBelief<'_> {
         theirs.beam != beam && self.standing.contains(&theirs.beam) && !self.deep.contains(&theirs.beam)
     }
 
-    /// How this beam is put in.
+    /// The insertion of this beam.
     pub fn path(&self, beam: usize) -> Result<&InsertionPath, SkillError> {
         let name = || self.assembly.beams[beam].beam.name.clone();
         self.paths.get(&beam).ok_or_else(|| Fault::NoPath { part: name() }.into())
@@ -132,7 +132,7 @@ pub fn free_end(assembly: &Assembly, path: Option<&InsertionPath>, beam: usize) 
 }
 
 /// The pose moved in the plane so that points of it fall on given points as well as they can: by their mean
-/// shift, and by the turn that fits best where they are far enough apart to tell.
+/// shift, and by the best rotation if they are far enough apart to determine it.
 fn moved_onto(nominal: &Pose, pairs: &[(Point2<f64>, Point2<f64>)]) -> Pose {
     if pairs.is_empty() {
         return *nominal;

@@ -1,4 +1,4 @@
-//! Brings what is held above a place, and to a pose in free space.
+//! Brings the held part above a place, and to a pose in free space.
 
 use crate::Pose;
 use crate::cell::Workcell;

@@ -55,7 +55,7 @@ impl Workcell<'_, '_> {
     /// the right width.
     ///
     /// # Errors
-    /// [`Fault::NotHeld`], or what stopped the motion.
+    /// [`Fault::NotHeld`], or the fault that stopped the motion.
     pub fn grasp(&mut self, part: &str, grasp: &Grasp) -> Result<(), SkillError> {
         let Grasp { x_wt, open, width, .. } = *grasp;
         self.hand.gripper.width = open;
@@ -122,7 +122,7 @@ impl Workcell<'_, '_> {
     pub fn check_grip(&mut self, part: &str) -> Result<(), SkillError> {
         let pushed = std::mem::take(&mut self.hand.pushed);
         if pushed {
-            // How the fingers took it says nothing any more.
+            // The pose at the grasp is no longer valid.
             self.belief.parts.pushed(part);
             self.look_again(self.parameters.grip.looks)?;
         }
@@ -136,7 +136,7 @@ impl Workcell<'_, '_> {
             let moved = x_tp.translation.vector - held.x_tp.translation.vector;
             let turned = x_tp.rotation.angle_to(&held.x_tp.rotation);
             slip = Some((moved.norm(), turned));
-            // What was between the fingers: far from there, a part that has turned in them is off by more.
+            // The point between the fingers: far from it, a part that has rotated in them deviates by more.
             let gripped = held.x_tp.inverse() * Point3::origin();
             let moved = (x_tp * gripped).coords;
             held.x_tp = x_tp;

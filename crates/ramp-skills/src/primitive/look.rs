@@ -1,4 +1,4 @@
-//! Looks as often as it takes to know well enough what the next step needs.
+//! Looks until the parts are known accurately enough for the next step.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -14,9 +14,9 @@ use crate::fault::{Fault, SkillError};
 use crate::grasp::hand_down;
 
 impl Workcell<'_, '_> {
-    /// Looks once, and on until the place of each of these points on the table is known to a standard
-    /// deviation of `within`, m: again and again where noise is what limits it, and from near by, while the
-    /// hand is empty, where it sees by cameras.
+    /// Looks until the position of each of these points on the table is known to a standard deviation of
+    /// `within`, m, at least once. It repeats the look if noise is the limit. With cameras and an empty hand,
+    /// it takes close-up images.
     ///
     /// # Errors
     /// The robot's.
@@ -52,7 +52,7 @@ impl Workcell<'_, '_> {
             let deviation = belief.deviation(part, p);
             (deviation[0] / within[0]).max(deviation[1] / within[1])
         };
-        // What was seen just now and is known is not looked at again.
+        // A part that was just detected and is known well enough is not looked at again.
         if self.belief.parts.is_fresh(&self.hand)
             && points.iter().all(|point| excess(&self.belief.parts, point) <= 1.0)
         {
@@ -87,8 +87,8 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// Looks so many times in a row. Where the cameras give images, the shutters open for all of them before
-    /// the first image is there.
+    /// Takes this many looks in a row. With cameras, all exposures are requested before the first image
+    /// arrives.
     ///
     /// # Errors
     /// The robot's.
@@ -123,9 +123,9 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// Shows the camera on the empty hand the tag of the sheet, which tells where that camera is. A build
-    /// shows it tags whose places are known as it moves, over the sheet and over the assembly; a piece of one
-    /// begins without.
+    /// Shows the camera on the empty hand the tag of the sheet, which calibrates that camera. During a build,
+    /// the camera sees tags with known poses over the sheet and the assembly; a piece of a build starts
+    /// without.
     ///
     /// # Errors
     /// The robot's.
@@ -170,7 +170,7 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// Looks where that costs no time, and otherwise reckons on from what is known: for use within a motion.
+    /// Looks if that costs no time, and otherwise predicts from the belief: for use within a motion.
     ///
     /// # Errors
     /// The robot's.

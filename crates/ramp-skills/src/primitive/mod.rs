@@ -1,4 +1,4 @@
-//! What all skills need: motions, looks, grips, searches.
+//! Primitives that all skills share: motions, looks, grips, searches.
 
 pub mod carry;
 pub mod grip;

@@ -25,7 +25,7 @@ impl PegSearchParameters {
 }
 
 impl Workcell<'_, '_> {
-    /// Is the tip of the held peg so far below the plate (m, in the world) that it must be in the hole?
+    /// True if the tip of the held peg is far enough below the plate (m, in the world) to be in the hole.
     pub fn is_in(&self, plate: f64) -> bool {
         self.is_deeper(plate, self.parameters.peg_search.found)
     }
@@ -37,9 +37,9 @@ impl Workcell<'_, '_> {
     }
 
     /// Lets the held peg down by `height` (m) and a little further, until it touches the plate (m, in the
-    /// world) or is in. Returns how far off the moment at its tip was on the way, where nothing touches it,
-    /// N·m: what the wrist measures of where the tip presses is no better than that. A sensor's noise is
-    /// little; what an arm estimates is off by the friction in its joints.
+    /// world) or is in. Returns the error of the moment at its tip during the free descent, N·m. It limits
+    /// the accuracy of the measured contact point. A sensor has little noise; an arm's estimate is off by the
+    /// friction in its joints.
     pub fn lower(&mut self, plate: f64, height: f64) -> Result<f64, SkillError> {
         let mut down = self.hand.setpoint;
         down.translation.z -= height + 2.0 * self.parameters.peg_search.found;
@@ -56,18 +56,17 @@ impl Workcell<'_, '_> {
         Ok(off)
     }
 
-    /// How far beside the hand (m) the tip of an upright peg may seem to press with that force (N), when the
-    /// moment is off by so much (N·m).
+    /// Apparent distance beside the hand (m) of the contact point of an upright peg that presses with this
+    /// force (N), for a given error of the moment (N·m).
     fn seems_beside(&self, off: f64, force: f64) -> f64 {
         let search = &self.parameters.peg_search;
         search.tilted_least + search.moment_spread * off / force
     }
 
     /// Searches for the hole along an Archimedean spiral with constant light force down, until the tip drops
-    /// in, for so many seconds at most; where the spiral is wide enough, it goes back inward. A `wary`
-    /// search, which is told how far off the moment is (N·m), begins slowly, and ends when what the wrist
-    /// measures cannot be the tip of an upright peg, which would come off the plate before it came to the
-    /// hole.
+    /// in or the time limit (s) is reached. At its widest radius the spiral turns back inward. A `wary`
+    /// search gets the error of the moment (N·m), begins slowly, and ends when the measured contact point
+    /// cannot be the tip of an upright peg, which would come off the plate before it came to the hole.
     pub fn spiral(&mut self, plate: f64, longest: f64, wary: Option<f64>) -> Result<(), SkillError> {
         let centre = self.hand.seen.x_wt.translation.vector;
         let begin = self.hand.time();
@@ -121,7 +120,7 @@ impl Workcell<'_, '_> {
     /// the hand until the peg stands upright. Returns whether it did.
     pub fn search_tilted(&mut self, connection: usize, peg: &str, plate: f64) -> Result<bool, SkillError> {
         let mouth = self.belief.mouth(connection)?;
-        // What turned the peg may have pressed on it while zero was taken.
+        // The cause of the peg's rotation may have pressed on it while the sensor was zeroed.
         let mut up = self.hand.setpoint;
         up.translation.z = self.hand.seen.x_wt.translation.z + self.parameters.peg_search.lift_off;
         self.hand.go(&up, self.parameters.peg_search.lower_speed)?;
@@ -170,8 +169,8 @@ impl Workcell<'_, '_> {
         Ok(false)
     }
 
-    /// Where the tip of the held peg, which is pressed on the plate at a height (m), is beside the hand:
-    /// along the table, m in the world. From force and moment at the wrist, taken over some time.
+    /// Horizontal offset from the hand of the tip of the held peg, pressed on the plate at a height (m); m in
+    /// the world. Computed from force and moment at the wrist over some time.
     fn measure_tip(&mut self, plate: f64) -> Result<Vector3<f64>, SkillError> {
         let here = self.hand.setpoint.translation.vector;
         let mut measured = Vector6::zeros();

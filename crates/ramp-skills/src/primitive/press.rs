@@ -47,8 +47,7 @@ impl Workcell<'_, '_> {
         let mut force: f64 = 0.0;
         let (mut ticks, mut measured) = (0u32, Vector6::zeros());
         let (mut lowest_seen, mut sunk_at) = (f64::INFINITY, 0.0);
-        // What the fingers hold creeps in them under the load: a peg that stands seems to sink a little all
-        // the time.
+        // A held peg creeps in the fingers under load: a blocked peg seems to sink slowly.
         let (mut stands_at, mut pressed_at) = (f64::INFINITY, 0.0);
         self.hand.setpoint.translation = self.hand.seen.x_wt.translation;
         while self.hand.time() - begin < self.parameters.press.time {

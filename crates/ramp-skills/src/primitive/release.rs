@@ -1,4 +1,4 @@
-//! Lets go of what is held, so that it stays where it is.
+//! Releases the held part without moving it.
 
 use nalgebra::{Point3, Translation3, Vector3};
 use ramp_robot::Retry;
@@ -10,7 +10,7 @@ use crate::grasp::{BEAM_WIDTH, hand_down};
 use crate::hand::Held;
 
 impl Workcell<'_, '_> {
-    /// Lets go of what is held and retreats straight up.
+    /// Releases the held part and retreats straight up.
     ///
     /// # Errors
     /// [`Fault::Overload`], and the robot's.
@@ -70,9 +70,8 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Does the beam still lie at one finger of the open hand that has gone to the middle of it? It is there
-    /// if it follows a rib. Where only cameras tell, a look would cost time, and the force on the way up
-    /// tells it.
+    /// True if the beam still touches one finger of the open hand after the hand has moved to its middle: the
+    /// beam follows a rib. With cameras a look would cost time; there the force during the rise shows it.
     fn follows_a_finger(&mut self, held: &Held) -> Result<bool, SkillError> {
         if self.belief.parts.eyes.images() {
             return Ok(false);
@@ -97,8 +96,8 @@ impl Workcell<'_, '_> {
         let x_wp = self.belief.parts.pose(&held.part)?;
         // A beam that is held firmly turns along with the hand.
         self.hand.grip(BEAM_WIDTH - self.parameters.grip.squeeze, self.parameters.release.loose_grip)?;
-        // What is left holds against it: turned further until the hand is straight, not only where it is told
-        // to be.
+        // The released part resists the rotation: it continues until the hand itself is upright, not only its
+        // setpoint.
         for _ in 0..self.parameters.release.straightenings {
             let seen = self.hand.seen.x_wt;
             if lean(&seen) < self.parameters.release.straight {
@@ -126,15 +125,15 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Lifts the hand off what it let go of, while it meets no more than `limit` (N). Returns whether it is
-    /// off. `stages` are heights (m) and the speeds up to them (m/s).
+    /// Lifts the hand off the released part, while the force is at most `limit` (N). Returns true if the hand
+    /// is off. `stages` are heights (m) and the speeds up to them (m/s).
     fn lift_off(&mut self, stages: &[(f64, f64)], limit: f64) -> Result<bool, SkillError> {
         let from = self.hand.setpoint;
         let before = self.hand.force();
         for &(height, speed) in stages {
             let up = Translation3::new(0.0, 0.0, height) * from;
             let stopped = match self.hand.drive(&up, speed, |hand| (hand.force() - before).norm() > limit) {
-                // An estimated wrench tells of the limit only when more than it is there.
+                // An estimated wrench shows the limit only when the real force exceeds it.
                 Err(SkillError::Fault(Fault::Overload { .. })) if limit.is_finite() => true,
                 stopped => stopped?,
             };

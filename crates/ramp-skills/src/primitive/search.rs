@@ -1,4 +1,4 @@
-//! Compliant search: what an insertion does when it stalls on an edge.
+//! Compliant search of an insertion that stalls on an edge.
 //!
 //! The arm pushes the beam softly along its insertion path. While the beam stands still, the arm sweeps it
 //! across that path with growing amplitude, until it slips off the edge.
@@ -63,7 +63,7 @@ impl Workcell<'_, '_> {
                     best = remaining;
                     stalled_since = self.hand.time();
                 }
-                // Where the tip would be with the part on the line, as far along as it is now.
+                // The pose of the tip with the part on the line, at its current advance.
                 let on_line = Translation3::from(direction * -remaining) * goal;
                 line = on_line * x_wp.inverse() * self.hand.seen.x_wt;
             }

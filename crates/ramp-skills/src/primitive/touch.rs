@@ -1,4 +1,4 @@
-//! Touches that tell heights: a held beam is put down on what it must not brush along later.
+//! Height measurement by contact: a held beam touches the surface that it must not rub against later.
 
 use nalgebra::{Point3, Vector3};
 use ramp_assembly::JointRef;
@@ -56,8 +56,8 @@ impl Workcell<'_, '_> {
         self.hand.go(&before, self.parameters.touch.back_speed)
     }
 
-    /// How much higher than believed a beam is to go through a sleeve, m: backs off from the edge that it
-    /// stands on, lowers the beam on the sleeve's floor, and compares. 0 when that tells nothing.
+    /// Height correction for a beam that goes through a sleeve, m: backs off from the edge that blocks it,
+    /// lowers the beam onto the sleeve's floor, and compares. 0 when the measurement is inconclusive.
     pub fn touch_floor(
         &mut self,
         part: &str,

@@ -95,7 +95,7 @@ impl Workcell<'_, '_> {
         self.travel_and_grip(x_wt, part, None)
     }
 
-    /// The same, with what a slow gripper is told before the end.
+    /// The same, with a command to a slow gripper before the end.
     fn travel_and_grip(
         &mut self,
         x_wt: &Pose,
@@ -114,7 +114,7 @@ impl Workcell<'_, '_> {
         self.hand.follow_and(&trajectory, &Arrival { closing, look: None })
     }
 
-    /// How fast the arm goes through free space with what it holds.
+    /// Speed limits of free-space motions for the current load.
     pub fn law(&self) -> TimeLaw {
         let travel = &self.parameters.travel;
         let (velocity, acceleration) = match self.hand.held {
@@ -124,14 +124,14 @@ impl Workcell<'_, '_> {
         TimeLaw::new(self.arm, &Pace { velocity, acceleration, jerk: travel.jerk, ramp: travel.ramp })
     }
 
-    /// Moves the open hand from above down to `x_wt`, around `part`, and tells a slow gripper `closing` on
-    /// the way.
+    /// Moves the open hand from above down to `x_wt`, around `part`, and sends a slow gripper the command
+    /// `closing` during the motion.
     pub fn descend(&mut self, x_wt: &Pose, part: &str, closing: GripperCommand) -> Result<(), SkillError> {
         let mut above = *x_wt;
         above.translation.z = above.translation.z.max(self.parameters.travel.height);
         self.travel(&above)?;
         let down = match self.travel_and_grip(x_wt, Some(part), Some(closing)) {
-            // Where there is no room for fingers that are still closing from a wider grasp, they close first.
+            // If there is no room for fingers that are still closing from a wider grasp, they close first.
             Err(SkillError::Motion(MotionError::Blocked("end")))
                 if self.hand.seen.width > self.hand.gripper.width + self.parameters.grip.width_tolerance =>
             {
@@ -165,7 +165,7 @@ impl Workcell<'_, '_> {
         self.hand.follow(&trajectory)
     }
 
-    /// What the arm must keep clear of now: everything but what it holds and `without`.
+    /// Current obstacles of the arm: all parts except the held one and `without`.
     pub fn checker(&self, without: Option<&str>) -> Checker {
         let mut left_out: Vec<&str> = without.into_iter().collect();
         let mut boxes = Vec::new();
@@ -174,7 +174,7 @@ impl Workcell<'_, '_> {
             boxes = held_boxes(self.kit, &held.part, &held.x_tp);
         }
         let around = self.belief.parts.obstacles(self.kit, &left_out);
-        // The fingers may still be opening: check with the wider of what they are and what they will be.
+        // The fingers may still be opening: check with the larger of the current and the commanded width.
         let width = self.hand.gripper.width.max(self.hand.seen.width);
         Checker::new(self.arm, width, boxes, &around, self.parameters.travel.margin)
     }
@@ -202,7 +202,7 @@ impl Workcell<'_, '_> {
             .is_ok_and(|q| checker.is_free(&self.planner.kinematics.frames(&q)))
     }
 
-    /// What it takes to bring the tip to `stops`, one after another.
+    /// Cost of moving the tip to `stops`, one after another.
     pub fn way(&self, stops: &[Pose]) -> Way {
         Way::along(stops, &self.hand.joints(), self.planner, &self.law())
     }
@@ -217,7 +217,7 @@ impl Workcell<'_, '_> {
             .map(|(candidate, _)| *candidate)
     }
 
-    /// How far the joints stay from their ends at a pose, rad; negative when it is out of reach.
+    /// Distance of the joints from their limits at a pose, rad; negative when it is out of reach.
     pub fn reach(&self, x_wt: &Pose, q: &Joints) -> f64 {
         self.planner.solve(x_wt, q).map_or(-1.0, |q| self.planner.kinematics.range_margin(&q))
     }

@@ -1,4 +1,4 @@
-//! Where something presses on the hand, from force and moment at the wrist.
+//! Contact point computed from force and moment at the wrist.
 
 use nalgebra::{Point3, Vector3, Vector6};
 
@@ -6,8 +6,8 @@ use crate::cell::Workcell;
 use crate::hand::Hand;
 
 impl Workcell<'_, '_> {
-    /// Where something presses on the plate at a height (m) beside the hand, by a wrench at the wrist, or the
-    /// sum of many: along the table, m in the world.
+    /// Horizontal offset from the hand of the contact point on the plate at a height (m), from a wrench at
+    /// the wrist or the sum of many; m in the world.
     pub fn tip_beside(&self, measured: &Vector6<f64>, plate: f64) -> Vector3<f64> {
         moment_below(&self.hand, self.arm.hand.tip, measured, plate) / measured.z
     }
@@ -25,8 +25,8 @@ pub fn across(hand: &Hand) -> Vector3<f64> {
     Vector3::new(x.x, x.y, 0.0).normalize()
 }
 
-/// What a wrench at the wrist (N, N·m), `tip` (m) behind the fingers' tip, is about the point below the hand
-/// on the plate at a height (m): the force down times how far beside the hand it presses along the table,
+/// Moment of a wrench at the wrist (N, N·m), `tip` (m) behind the fingers' tip, about the point below the
+/// hand on the plate at a height (m): the downward force times the horizontal offset of the contact point,
 /// N·m, axes of the world.
 pub fn moment_below(hand: &Hand, tip: f64, measured: &Vector6<f64>, plate: f64) -> Vector3<f64> {
     let x_wt = hand.seen.x_wt;

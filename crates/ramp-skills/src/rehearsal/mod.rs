@@ -1,5 +1,5 @@
-//! Goes through a plan with the arm's model before anything moves, and reports what the arm or the hand
-//! cannot do.
+//! Simulates a plan with the arm's model before anything moves, and reports what the arm or the hand cannot
+//! do.
 //!
 //! Each skill rehearses itself: it outlines the motions that it will ask for, and the alternatives among
 //! which it chooses ([`outline`]). A [`Rehearsal`] carries them out one after another in a [`scene`], with

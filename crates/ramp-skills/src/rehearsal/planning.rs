@@ -16,7 +16,7 @@ use crate::grasp::{beam_grasp, peg_grasp};
 /// order.
 const MOST_FACTS: usize = 60;
 
-/// A plan that the arm can carry out, and what was learned on the way to it.
+/// A plan that the arm can execute, and the facts learned while finding it.
 #[derive(Clone, Debug)]
 pub struct Rehearsed {
     /// The plan.
@@ -49,9 +49,9 @@ pub fn plan_for_arm(
 pub struct Quicker {
     /// The plan.
     pub plan: Plan,
-    /// How long its motions take, as [`Rehearsal::seconds`] tells, s.
+    /// Duration of its motions by [`Rehearsal::seconds`], s.
     pub seconds: f64,
-    /// How long those of the plan took that it was made from, s.
+    /// Duration of the motions of the plan from which it was made, s.
     pub before: f64,
 }
 

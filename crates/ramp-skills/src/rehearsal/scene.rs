@@ -1,5 +1,5 @@
-//! The scene of a rehearsal: parts, arm and hand as the plan has brought them so far. Skills read it to
-//! outline their motions.
+//! The scene of a rehearsal: parts, arm and hand at the current step of the plan. Skills read it to outline
+//! their motions.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use crate::insertion_path::InsertionPath;
 use crate::parameters::Parameters;
 use crate::way::Way;
 
-/// The scene of a rehearsal: what was built once, and what each motion changes.
+/// The scene of a rehearsal: the fixed scene, and the state that each motion changes.
 pub struct Scene<'a> {
     /// The parts.
     pub kit: &'a Kit,
@@ -53,7 +53,7 @@ pub struct Now {
     pub q: Joints,
     /// The held part.
     pub held: Option<InHand>,
-    /// The motions so far.
+    /// The motions up to the current step.
     pub done: Vec<Done>,
 }
 

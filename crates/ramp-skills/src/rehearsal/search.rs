@@ -1,7 +1,7 @@
 //! Searches the alternatives of a plan's skills for motions that carry the plan out.
 //!
 //! An action that takes a part into the hand opens a choice that is settled only when the part has left the
-//! hand, or is grasped anew: a grasp that is free at the start may be impossible at the place. Within such a
+//! hand, or is regrasped: a grasp that is free at the start may be impossible at the place. Within such a
 //! hold the search goes depth first, each skill's preferred alternative first. The refusal that got furthest
 //! explains a failure.
 
@@ -42,7 +42,7 @@ pub struct Rehearsal<'a> {
     unknown: Vec<String>,
 }
 
-/// What a plan asks of the arm, once it was gone through.
+/// A plan's demands on the arm, after the rehearsal.
 #[derive(Clone, Debug, Default)]
 pub struct Findings {
     /// Grasps of beams for which the usual one would not do, by name.
@@ -144,7 +144,7 @@ impl<'a> Rehearsal<'a> {
     /// them that do not exist.
     pub fn legs(mut self, plan: &Plan) -> Vec<Leg> {
         self.walk.legs = Some(Vec::new());
-        // The motions end where the arm cannot go on.
+        // The motions end where the arm is blocked.
         let _ = self.go_through(plan);
         self.walk.legs.unwrap_or_default()
     }
@@ -245,7 +245,7 @@ impl<'a> Rehearsal<'a> {
         false
     }
 
-    /// Takes over what some actions leave behind, without a motion.
+    /// Applies the effects of some actions without a motion.
     fn count_as_possible(&mut self, script: &Script, range: std::ops::Range<usize>) {
         for index in range {
             let (call, before) = (script.call(index), self.scene.now.clone());
@@ -262,7 +262,7 @@ impl<'a> Rehearsal<'a> {
         }
     }
 
-    /// Takes over what an action leaves behind, as its skill expects.
+    /// Applies the effects of an action that its skill expects.
     fn take_effect(&mut self, call: &Call, before: &Now) {
         let effects = self.skills.get(call.kind()).map(|skill| skill.expects().to_vec()).unwrap_or_default();
         let assembly = self.scene.assembly;
@@ -284,7 +284,7 @@ impl<'a> Rehearsal<'a> {
                     self.scene.now.pinned.insert(connection);
                 }
                 Effect::HandEmpty => self.scene.now.held = None,
-                // Where the beam stands at its place, nothing has to move.
+                // If the beam is at its place, nothing has to move.
                 Effect::BeamAligned => self.scene.now.done.clone_from(&before.done),
                 Effect::HoldsPart => {}
             }

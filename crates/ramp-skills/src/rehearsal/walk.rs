@@ -62,7 +62,7 @@ impl Walk {
                 scene.now.done.push(Done::Free(trajectory.duration()));
                 Ok(())
             }
-            // How the arm leaves the place where it stands says nothing about the plan.
+            // The motion away from the current pose does not affect the plan's feasibility.
             Err(MotionError::Blocked("start")) => {
                 scene.now.q = scene.planner.solve(x_wt, &scene.now.q).unwrap_or(scene.now.q);
                 Ok(())

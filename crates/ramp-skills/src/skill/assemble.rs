@@ -85,7 +85,7 @@ impl Assemble {
         let target = cell.hand.corrected(&cell.belief.parts.pose(&name)?, &raised);
         self.insertion.approach_mouths(cell, beam, &aim, &target)?;
         cell.glance()?;
-        // What a loose sleeve lets in finds its own way through it.
+        // A beam that has entered a loose sleeve aligns itself in it.
         let arrive = (!loose).then_some(&raised);
         let mut pushed = self.insertion.push_in(cell, beam, &aim, &target, arrive, limit)?;
         if loose {
@@ -164,8 +164,8 @@ impl Assemble {
         Ok(())
     }
 
-    /// Brings a held beam that is in its joints all the way to `goal`, as sight says: what remains is mostly
-    /// a fraction of a millimetre, and otherwise a case for the compliant search.
+    /// Brings a held beam that is in its joints to `goal` by detections. The remaining distance is mostly a
+    /// fraction of a millimetre; a larger one needs the compliant search.
     fn seat(
         &self,
         cell: &mut Workcell,
@@ -177,8 +177,8 @@ impl Assemble {
     ) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         let direction = cell.belief.insertion_direction(beam, goal)?;
-        // What the cone of a peg draws together: worth another push, and no search, which swings the beam at
-        // its far end.
+        // A gap that the cone of a peg closes: another push is worthwhile, but not a search, which swings the
+        // beam at its far end.
         let enough = 2.0 * cell.parameters.search.seated;
         let mut before = f64::INFINITY;
         for _ in 0..cell.parameters.insertion.tries {
@@ -210,7 +210,7 @@ impl Assemble {
     /// Grasps a beam that stands short of its place on its insertion path, and moves it there.
     ///
     /// # Errors
-    /// [`Fault::Jammed`], or what stopped the motion.
+    /// [`Fault::Jammed`], or the fault that stopped the motion.
     pub fn reinsert(&self, cell: &mut Workcell, beam: usize, s: f64) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         cell.grasp_standing(beam, s)?;

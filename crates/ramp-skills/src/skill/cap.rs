@@ -151,7 +151,7 @@ impl Cap {
     /// Searches compliantly for an end that is blocked, and presses the cap on.
     ///
     /// # Errors
-    /// [`Fault::Jammed`](crate::Fault::Jammed) with the cap backed out, or what stopped the motion.
+    /// [`Fault::Jammed`](crate::Fault::Jammed) with the cap backed out, or the fault that stopped the motion.
     fn free(&self, cell: &mut Workcell, beam: usize, goal: &Pose, force: f64) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         let direction = cell.belief.insertion_direction(beam, goal)?;

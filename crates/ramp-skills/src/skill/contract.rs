@@ -1,5 +1,4 @@
-//! What a skill is: the fine actions that it serves, what must hold before, what it does, and what holds
-//! after.
+//! The contract of a skill: its fine actions, preconditions, execution and effects.
 
 use std::fmt;
 
@@ -90,7 +89,7 @@ impl<'p> Call<'p> {
     }
 }
 
-/// What must hold before a skill runs.
+/// Preconditions of a skill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
     /// The tip is at travelling height. The executor raises it, so that this always holds.
@@ -131,7 +130,7 @@ impl fmt::Display for Need {
     }
 }
 
-/// What holds after a skill, as the agent then believes.
+/// Effects of a skill, by the agent's belief.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     /// The hand holds the action's part.
@@ -142,17 +141,19 @@ pub enum Effect {
     BeamStands,
     /// The beam, which stood deeper, stands at its place.
     BeamAtPlace,
-    /// The ends of the beam are where the next part expects them. Sight tells; the belief changes nothing.
+    /// The ends of the beam are where the next part expects them. Only a detection can confirm this, so the
+    /// belief is not changed.
     BeamAligned,
     /// The peg pins its connection.
     PegSeated,
 }
 
 impl Effect {
-    /// Writes down what stands and what is pinned, once the skill has run and before it lets go.
+    /// Records the inserted beams and pinned connections after the skill has run and before it releases the
+    /// part.
     ///
     /// # Errors
-    /// [`Fault::NoSkill`] when the goal does not have what the action names.
+    /// [`Fault::NoSkill`] if the goal lacks a part that the action names.
     pub fn apply(self, cell: &mut Workcell, call: &Call) -> Result<(), Fault> {
         match self {
             Effect::BeamStands => {
@@ -179,7 +180,7 @@ impl Effect {
         Ok(())
     }
 
-    /// Takes over what follows once the hand has let go, and compares with the hand.
+    /// Applies the effects after the release, and compares them with the hand.
     ///
     /// # Errors
     /// [`Fault::Unmet`] when the hand holds something else than the effect says.
@@ -230,12 +231,12 @@ pub trait Skill: Send + Sync {
     /// The kinds of actions that it carries out.
     fn serves(&self) -> &[ActionKind];
 
-    /// What must hold before.
+    /// Preconditions.
     fn needs(&self) -> &[Need] {
         &[]
     }
 
-    /// What holds after, as the agent then believes.
+    /// Effects, by the agent's belief.
     fn expects(&self) -> &[Effect];
 
     /// The tables of the parameter file that have its numbers: its own first, then those that it shares.
@@ -275,7 +276,7 @@ pub trait Skill: Send + Sync {
     /// Lets go of the part, for a skill whose effect must be believed before the hand opens.
     ///
     /// # Errors
-    /// What stopped the motion, or the robot's error.
+    /// The fault that stopped the motion, or the robot's error.
     fn let_go(&self, _cell: &mut Workcell, _call: &Call) -> Result<(), SkillError> {
         Ok(())
     }

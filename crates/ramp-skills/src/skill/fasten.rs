@@ -199,8 +199,8 @@ impl Fasten {
             let (beam, _) = cell.belief.hole(joint);
             cell.belief.parts.bumped(&beam, (self.parameters.bump, self.parameters.bump_turn));
         }
-        // The look when the hand is off tells more, and then the peg is pressed again by its head should it
-        // stand too high.
+        // The look after the hand is off is more accurate. If the peg is too high, it is then pressed again
+        // by its head.
         if cell.belief.gap(connection, peg)? < cell.parameters.press.nearly {
             return Ok(());
         }

@@ -1,4 +1,4 @@
-//! What all insertions of a held beam share: the tries, the start, the push, the retreat.
+//! Common steps of all insertions of a held beam: attempts, start, push, retreat.
 
 use nalgebra::{Translation3, Vector3};
 use ramp_robot::Retry;
@@ -14,7 +14,7 @@ use crate::parameters::insertions::InsertionParameters;
 use crate::rehearsal::outline::{Motion, Outline, Stage};
 use crate::rehearsal::scene::Scene;
 
-/// What all insertions share.
+/// Common parameters of all insertions.
 #[derive(Clone)]
 pub struct Insertion {
     parameters: InsertionParameters,
@@ -22,7 +22,7 @@ pub struct Insertion {
 
 /// An insertion that is to be pushed in.
 pub struct Aim {
-    /// Where the beam is to end, in the world.
+    /// Final pose of the beam in the world.
     pub goal: Pose,
     /// The direction of the insertion: a unit vector, axes of the world.
     pub direction: Vector3<f64>,
@@ -30,7 +30,7 @@ pub struct Aim {
     pub loose: Vec<String>,
 }
 
-/// How a push ended.
+/// Outcome of a push.
 pub struct Pushed {
     /// It met more force than its limit.
     pub stopped: bool,
@@ -70,7 +70,7 @@ impl Insertion {
                     break;
                 }
             }
-            // What was displaced, or has swung about its peg, must be realigned first.
+            // Beams that were displaced or have swung about their peg must be realigned first.
             if !cell.belief.displaced()?.is_empty() || !cell.belief.swung()?.is_empty() {
                 break;
             }
@@ -82,7 +82,7 @@ impl Insertion {
     /// (m) over its insertion path and at least a little.
     ///
     /// # Errors
-    /// [`Fault::NotHeld`], [`Fault::NoPath`], [`Fault::Unseen`], or what stopped the motion.
+    /// [`Fault::NotHeld`], [`Fault::NoPath`], [`Fault::Unseen`], or the fault that stopped the motion.
     pub fn begin(
         &self,
         cell: &mut Workcell,
@@ -117,7 +117,7 @@ impl Insertion {
     /// A beam that passes through a sleeve is in it from the start, and would drag it along.
     ///
     /// # Errors
-    /// What stopped the motion, or the robot's error.
+    /// The fault that stopped the motion, or the robot's error.
     pub fn approach_mouths(
         &self,
         cell: &mut Workcell,
@@ -134,12 +134,12 @@ impl Insertion {
         Ok(())
     }
 
-    /// Pushes the tip to `target` (world) until the beam meets more than `limit` (N, through a sleeve
-    /// that little holds a rise of the force), and takes into account what the
-    /// push may have moved. A beam that is to `arrive` at a pose (world) is brought on its line on the way.
+    /// Pushes the tip to `target` (world) until the beam meets more than `limit` (N, through a loosely held
+    /// sleeve a rise of the force), and adds the shifts that the push may have caused to the belief. A beam
+    /// with a pose to `arrive` at (world) is brought onto its line during the motion.
     ///
     /// # Errors
-    /// What stopped the motion, or the robot's error.
+    /// The fault that stopped the motion, or the robot's error.
     pub fn push_in(
         &self,
         cell: &mut Workcell,
@@ -161,7 +161,7 @@ impl Insertion {
         })?;
         let force = cell.hand.force().dot(&direction);
         cell.hand.wait(self.parameters.rest)?;
-        // What meets an edge carries the sleeve along: it may turn about two pegs that are near each other.
+        // A beam that meets an edge moves the sleeve: it may rotate about two pegs that are close together.
         let sleeves =
             cell.belief.sleeves(beam).map(|sleeve| cell.assembly.beams[sleeve.beam].beam.name.clone());
         let sleeves: Vec<String> = sleeves.collect();
@@ -183,7 +183,7 @@ impl Insertion {
     /// on its way in.
     ///
     /// # Errors
-    /// Always: [`Fault::Jammed`], or what stopped the motion.
+    /// Always: [`Fault::Jammed`], or the fault that stopped the motion.
     pub fn back_out(
         &self,
         cell: &mut Workcell,
@@ -214,7 +214,7 @@ impl Insertion {
     /// Lowers the free end of the inserted beam onto the table, and lets go.
     ///
     /// # Errors
-    /// What stopped the motion, or the robot's error.
+    /// The fault that stopped the motion, or the robot's error.
     pub fn let_go(&self, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
         cell.settle(beam)?;
         cell.release()

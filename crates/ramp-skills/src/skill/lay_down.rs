@@ -66,7 +66,7 @@ impl LayDown {
     /// Lays the held beam, which is over its place, on the table.
     ///
     /// # Errors
-    /// [`Fault::NotHeld`](crate::Fault::NotHeld), or what stopped the motion.
+    /// [`Fault::NotHeld`](crate::Fault::NotHeld), or the fault that stopped the motion.
     fn lay_down(&self, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         cell.hand.relax();

@@ -1,4 +1,4 @@
-//! Moves the hand, and what it holds, from place to place.
+//! Moves the hand and the held part from place to place.
 
 use nalgebra::{Translation3, Vector3};
 use ramp_motion::MotionError;
@@ -17,7 +17,7 @@ use crate::rehearsal::outline::{Motion, Outline, Stage};
 use crate::rehearsal::scene::Scene;
 use crate::way::Way;
 
-/// Moves the hand, and what it holds, from place to place.
+/// Moves the hand and the held part from place to place.
 #[derive(Clone)]
 pub struct MoveTo {
     parameters: MoveToParameters,
@@ -126,7 +126,7 @@ impl MoveTo {
     /// # Errors
     /// When the part is unseen or out of reach, or the robot stops.
     fn hover(&self, cell: &mut Workcell, part: &str, link: Option<&str>) -> Result<(), SkillError> {
-        // Where a beam is to go is easier to see before it is in the hand.
+        // The place of a beam is easier to see before the beam is in the hand.
         if let Some(beam) = cell.assembly.beam_index(part) {
             let mut meeting = cell.belief.meeting(beam);
             meeting.retain(|(other, _)| other != part);

@@ -98,8 +98,8 @@ impl Push {
                 return Ok(());
             }
             if worst > self.parameters.no_nearer * before {
-                // Friction takes it back each time, and what comes next takes this much; or it hangs on
-                // something.
+                // Friction takes it back each time, and the next part tolerates this much; or the beam is
+                // caught on something.
                 if worst < cell.parameters.alignment.peggable {
                     return Ok(());
                 }
@@ -143,7 +143,7 @@ impl Push {
         }
         cell.see_ends(beam)?;
         let (_, off) = cell.belief.straightened(beam)?;
-        // What comes next, a peg or the chamfers of a cap, takes this much.
+        // The next part, a peg or the chamfers of a cap, tolerates this much.
         if off < cell.parameters.alignment.peggable {
             return Ok(());
         }

@@ -34,7 +34,7 @@ impl Skill for PutDown {
         &[Effect::HandEmpty]
     }
 
-    /// The place is the one from which the part was taken: what reached it then reaches it again.
+    /// The place is the one from which the part was taken: the arm that reached it then can reach it again.
     fn rehearse(&self, _: &Scene, _: &Call) -> Outline {
         Outline::nothing()
     }
@@ -53,8 +53,7 @@ impl PutDown {
     /// Puts the held part back where it was picked up, and lets go of it.
     ///
     /// # Errors
-    /// [`Fault::NotHeld`](crate::Fault::NotHeld) when there is nothing in the hand any more, or what stopped
-    /// the motion.
+    /// [`Fault::NotHeld`](crate::Fault::NotHeld) if the hand is empty, or the fault that stopped the motion.
     fn put_back(&self, cell: &mut Workcell) -> Result<(), SkillError> {
         let Some(part) = cell.hand.held.as_ref().map(|held| held.part.clone()) else { return Ok(()) };
         cell.retreat()?;

@@ -74,7 +74,7 @@ impl Regrasp {
     /// Changes the hold of the beam in the hand to `link`.
     ///
     /// # Errors
-    /// [`Fault::NoGrasp`] when there is no free place for it, or what stopped the motion.
+    /// [`Fault::NoGrasp`] when there is no free place for it, or the fault that stopped the motion.
     pub fn regrasp(&self, cell: &mut Workcell, beam: usize, link: &str) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         cell.retreat()?;
@@ -111,7 +111,7 @@ impl Regrasp {
     /// As [`Regrasp::regrasp`].
     pub fn grasp_again(&self, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
         let Some(held) = &cell.hand.held else { return Ok(()) };
-        // Where the hand holds it now.
+        // The current grasp.
         let s = held.x_tp.inverse_transform_point(&nalgebra::Point3::origin()).x;
         let links = &cell.assembly.beams[beam].beam.links;
         let off = |link: &ramp_kit::Link| (s - s.clamp(link.grasp[0], link.grasp[1])).abs();

@@ -80,7 +80,7 @@ impl Slide {
     /// Slides a deep beam forward to its place, holding it by `link`.
     ///
     /// # Errors
-    /// [`Fault::Jammed`] when it does not get there, or what stopped the motion.
+    /// [`Fault::Jammed`] when it does not get there, or the fault that stopped the motion.
     fn slide(&self, cell: &mut Workcell, beam: usize, link: &str) -> Result<(), SkillError> {
         let placed = &cell.assembly.beams[beam];
         let name = placed.beam.name.clone();
@@ -89,7 +89,8 @@ impl Slide {
         let s = grasp::point_on(link, cell.belief.free_end(beam), &cell.parameters.grip);
         cell.see(&cell.belief.meeting(beam), self.parameters.known)?;
         cell.see_to_grip(&name)?;
-        // How it hangs is known better than seen: 0.2° lower, and its end would go under the joint.
+        // Its droop is known better from the model than from detections: 0.2° lower, and its end would go
+        // under the joint.
         cell.belief.reckon_heights(beam);
         cell.grasp_standing(beam, s)?;
         cell.hand.zero()?;
