@@ -18,12 +18,12 @@ pub const STOPPED: u8 = 130;
     "this is a fault of the machine, such as a full or read-only disk: mend it, and give the same command"
 ))]
 pub struct MachineFault {
-    /// What could not be done, and what the system said.
+    /// The failed operation, and the system's error message.
     pub what: String,
 }
 
 impl MachineFault {
-    /// From the error of something that only a machine can fail at.
+    /// From the error of an operation that only a fault of the machine can make fail.
     pub fn of(error: impl std::fmt::Display) -> MachineFault {
         MachineFault { what: error.to_string() }
     }

@@ -123,8 +123,8 @@ fn whatever_an_agent_does_is_scored_with_its_reason() {
     }
 }
 
-/// A target that the arm cannot follow ends the episode, unless the agent asks for a motion in its place; the log then holds
-/// that motion.
+/// A target that the arm cannot follow ends the episode, unless the agent asks for a motion in its place; the
+/// log then holds that motion.
 #[test]
 fn a_target_that_jumps_is_refused_or_clipped() {
     let folder = TempDir::new().unwrap();

@@ -1,7 +1,7 @@
 //! Every command of the documentation is one that the program takes, and those marked to be run do run.
 //!
-//! Blocks of `sh` are run, a page in one temporary folder, one block after the other. Of blocks of `sh,norun`, which would
-//! take too long, and of commands of `cargo run`, the arguments are parsed.
+//! Blocks of `sh` are run, a page in one temporary folder, one block after the other. Of blocks of
+//! `sh,norun`, which would take too long, and of commands of `cargo run`, the arguments are parsed.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

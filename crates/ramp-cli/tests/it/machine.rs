@@ -6,8 +6,8 @@ use std::process::{Command, Output};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// The program in a shell in which no file can be larger than so many blocks of 512 bytes. A write beyond that fails as
-/// it does on a full disk.
+/// The program in a shell in which no file can be larger than so many blocks of 512 bytes. A write beyond
+/// that fails as it does on a full disk.
 fn with_full_disk(folder: &Path, blocks: u32, arguments: &str) -> Output {
     let line = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$RAMP\" {arguments}");
     let mut command = Command::new("sh");

@@ -1,5 +1,5 @@
-//! Names that would lead out of a folder, hide a line or run in a spreadsheet: refused where they are read, and nothing is
-//! written anywhere.
+//! Names that would lead out of a folder, hide a line or run in a spreadsheet: refused where they are read,
+//! and nothing is written anywhere.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

@@ -34,8 +34,8 @@ fn refused(output: &Output, sentence: &str) {
     assert!(output.stdout.is_empty());
 }
 
-/// Two agents by stopwatch, one with words that a spreadsheet would run, and the published means, with a title that would
-/// be markup.
+/// Two agents by stopwatch, one with words that a spreadsheet would run, and the published means, with a
+/// title that would be markup.
 fn results() -> TempDir {
     let folder = TempDir::new().unwrap();
     let log = std::fs::read_to_string(data("examples/stopwatch.csv")).unwrap();

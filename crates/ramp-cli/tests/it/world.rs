@@ -37,7 +37,8 @@ fn worlds_are_listed_and_shown() {
     assert_eq!(show(&["again.toml", "--seed", "1"]), show(&["real", "--seed", "1"]));
 }
 
-/// A world of one's own runs, the result says which it was and what was drawn, and a replay finds the same physics.
+/// A world of one's own runs, the result says which it was and what was drawn, and a replay finds the same
+/// physics.
 #[test]
 fn a_world_of_ones_own_is_run_and_replayed() {
     let folder = tempfile::tempdir().unwrap();

@@ -268,8 +268,8 @@ fn agents_are_run_again_for_their_times() {
     assert_eq!(board.matches("<small>timed here").count(), 2 * 3, "planning and compute of three agents");
 }
 
-/// A board of 200 entries of which five are bad: `cargo test --release -p ramp-cli --test sandbox -- --ignored`. It takes minutes.
-/// With `RAMP_SITE=DIR` everything stays there, to be looked at.
+/// A board of 200 entries of which five are bad: `cargo test --release -p ramp-cli --test sandbox --
+/// --ignored`. It takes minutes. With `RAMP_SITE=DIR` everything stays there, to be looked at.
 fn a_board_of_two_hundred() {
     let mut place = Place::new();
     let number = |index: usize| format!("entry-{index:03}");

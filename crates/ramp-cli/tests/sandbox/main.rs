@@ -1,4 +1,5 @@
-//! Tests of agents in a sandbox and of boards, which run agents again in one. A kernel without Landlock skips some.
+//! Tests of agents in a sandbox and of boards, which run agents again in one. A kernel without Landlock skips
+//! some.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]

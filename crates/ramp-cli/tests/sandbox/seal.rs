@@ -1,5 +1,5 @@
-//! What an agent can learn and do, plain and in a sandbox; the table of `docs/src/howto/run-a-strangers-agent.md` is what
-//! these tests hold true.
+//! What an agent can learn and do, plain and in a sandbox; the table of
+//! `docs/src/howto/run-a-strangers-agent.md` is what these tests hold true.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
