@@ -14,9 +14,7 @@ pub const STOPPED: u8 = 130;
 /// The machine failed.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{what}")]
-#[diagnostic(help(
-    "this is a fault of the machine, such as a full or read-only disk: mend it, and give the same command"
-))]
+#[diagnostic(help("The machine failed (disk full or read-only?). Fix it and run the same command again."))]
 pub struct MachineFault {
     /// The failed operation, and the system's error message.
     pub what: String,

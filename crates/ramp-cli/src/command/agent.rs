@@ -150,7 +150,7 @@ pub struct ProcessArguments {
     /// Largest file that it may write there, bytes
     #[arg(long)]
     largest_file: Option<u64>,
-    /// What else it may read there
+    /// Other paths that it may read
     #[arg(long)]
     readable: Vec<PathBuf>,
     /// The agent's program and its arguments

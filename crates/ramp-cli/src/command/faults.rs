@@ -111,7 +111,7 @@ fn rows<'a>(batch: &'a Batch, faults: &[Fault], episodes: &[Episode]) -> Vec<Row
     rows
 }
 
-/// Each failed episode: its name, its result, and the reason.
+/// Each episode that was lost, not run, or not diagnosed and completed, with the reason.
 fn shortfalls(episodes: &[Episode]) -> impl Iterator<Item = (&Episode, String)> {
     episodes.iter().filter_map(|episode| {
         let why = match &episode.outcome {

@@ -205,7 +205,7 @@ fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<(T, String), Repo
     Ok((value, sha256(&bytes)))
 }
 
-/// Returns true if all names are valid.
+/// Checks that all names are valid.
 fn check_names<'a>(path: &Path, mut names: impl Iterator<Item = &'a String>) -> Result<(), Report> {
     match names.find(|name| !is_name(name)) {
         None => Ok(()),

@@ -1,5 +1,4 @@
-//! What is judged alone, as a user has it: plans, detectors and single skills, their files and the report of
-//! them.
+//! Plans, detectors and single skills, each judged separately: their files and their report.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

@@ -23,7 +23,7 @@ fn coarse_rules() -> String {
     std::fs::read_to_string(file).unwrap()
 }
 
-/// What the tutorial in docs/src/tutorials/your-planner.md promises.
+/// The commands and results of the tutorial docs/src/tutorials/your-planner.md.
 #[test]
 fn a_changed_rule_changes_the_plan() {
     let folder = TempDir::new().unwrap();

@@ -12,7 +12,7 @@ use ramp_testing::trials::run;
 mod board;
 mod seal;
 
-/// Why nothing can run in a sandbox here.
+/// The reason why no sandbox is available on this system.
 fn missing() -> Option<String> {
     open_ends().is_none().then(|| "this kernel has no Landlock or no seccomp".to_string())
 }

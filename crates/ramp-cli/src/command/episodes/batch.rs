@@ -154,7 +154,7 @@ impl Batch<'_> {
         if !whole {
             let finished = episodes.iter().filter(|it| matches!(it.outcome, Outcome::Finished(_))).count();
             eprintln!(
-                "stopped: {finished} of {} episodes are finished; the same command goes on from there",
+                "stopped: {finished} of {} episodes are finished; run the same command to resume",
                 episodes.len()
             );
         }

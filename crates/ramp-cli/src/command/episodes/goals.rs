@@ -21,7 +21,7 @@ pub enum BatchError {
         help: String,
     },
     #[error("{first} and {second} are two goals of the name `{name}`")]
-    #[diagnostic(help("rename one of the files: results are told apart by the goal's name"))]
+    #[diagnostic(help("rename one of the files: results are identified by the goal's name"))]
     SameName { name: String, first: String, second: String },
     #[error("none of {place} is of the class `{class}`")]
     EmptyClass { class: String, place: String },
