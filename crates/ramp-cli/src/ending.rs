@@ -1,4 +1,4 @@
-//! How a process ended, and how this one ends when it is asked to.
+//! Describes how a process ended, and ends this one on request.
 
 use std::os::unix::process::CommandExt;
 use std::process::{Command, ExitStatus, Stdio};
@@ -10,13 +10,13 @@ use ramp_planner::Exceeded;
 
 use crate::status::STOPPED;
 
-/// The only argument of a program that has nothing to do but to end with the status of bad input.
+/// Only argument of a process that ends at once with the status of bad input.
 pub const ENDED: &str = "ended";
 
-/// From now on, Ctrl-C and a request to end (SIGTERM) take away what is not whole before the program ends.
+/// Installs a handler that removes unfinished files on Ctrl-C and SIGTERM before the program ends.
 ///
 /// # Errors
-/// When the system does not let it.
+/// If the handler cannot be installed.
 pub fn end_on_request() -> Result<(), Report> {
     ctrlc::set_handler(|| {
         remove_unfinished();
@@ -25,7 +25,7 @@ pub fn end_on_request() -> Result<(), Report> {
     .into_diagnostic()
 }
 
-/// How a process ended, in words.
+/// Describes in words how a process ended.
 pub fn end_of(status: ExitStatus) -> String {
     if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
         return format!("killed by signal {signal}");
@@ -36,15 +36,16 @@ pub fn end_of(status: ExitStatus) -> String {
     }
 }
 
-/// Ends this program while rules are at work on another thread. That thread cannot be asked to stop, and must not be at
-/// work while the program takes itself apart: so another program takes its place, which knows nothing of it.
+/// Ends this program while another thread still solves rules. That thread cannot be stopped, and must not run
+/// during the exit handlers of the process. Therefore `exec` replaces the process by a new one that ends at
+/// once.
 pub fn end_planning(exceeded: &Exceeded) {
     static ENDING: Once = Once::new();
     ENDING.call_once(|| {
         eprintln!("{:?}", Report::new(exceeded.clone()));
         remove_unfinished();
         if let Ok(program) = std::env::current_exe() {
-            // Returns only when that cannot be done.
+            // `exec` returns only if it fails.
             let _ = Command::new(program).arg(ENDED).stdin(Stdio::null()).exec();
         }
         std::process::abort();

@@ -1,5 +1,5 @@
-//! Films of an episode, drawn by the renderer of the cameras, with a caption of the action and the clock: as GIF, or as
-//! MP4 where there is ffmpeg.
+//! Films of an episode, drawn by the cameras' renderer, with a caption of the action and the clock. The
+//! format is GIF, or MP4 if ffmpeg is installed.
 
 mod form;
 mod gif;
@@ -21,19 +21,19 @@ use resvg::{tiny_skia, usvg};
 use crate::output::make_folder_of;
 use form::SIZE;
 
-/// It is drawn so many times larger, so that edges are smooth.
+/// Supersampling factor, for smooth edges.
 const FINER: usize = 2;
-/// How many times as fast as the work the film is.
+/// Playback speed relative to robot time.
 const SPEED: f64 = 8.0;
-/// From what the free camera looks at to the camera, m, and its focal length in widths of the image.
+/// Offset from the free camera's target to the camera, m, and its focal length in image widths.
 const OFFSET: [f64; 3] = [0.68, -0.80, 0.66];
 const FOCAL: f64 = 1.05;
-/// Height of what it looks at, m.
+/// Height of the target, m.
 const LOOKED_AT: f64 = 0.14;
-/// The free camera moves on when the tip is further than this from the middle, in halves of the image.
+/// The free camera follows when the tip is further than this from the centre, in half image widths.
 const AWAY: f64 = 0.7;
 
-/// Whose eyes the film is seen through.
+/// Camera that the film is taken with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum From {
     /// A free camera that follows the work
@@ -44,7 +44,7 @@ pub enum From {
     BirdsEye,
 }
 
-/// A film that is being made.
+/// A film in progress.
 pub struct Film {
     from: From,
     looks: Arc<Looks>,
@@ -53,13 +53,13 @@ pub struct Film {
     sensor: Sensor,
     writer: Writer,
     next: f64,
-    /// What the free camera looks at, m.
+    /// Target of the free camera, m.
     target: Option<Point3<f64>>,
     title: String,
     caption: String,
 }
 
-/// What becomes of the frames.
+/// Encoder of the frames.
 enum Writer {
     Gif(gif::Gif),
     Mp4(mp4::Mp4),
@@ -84,7 +84,7 @@ impl Writer {
         }
     }
 
-    /// How long a frame is shown, s.
+    /// Display time of a frame, s.
     fn shown(&self) -> f64 {
         match self {
             Writer::Gif(_) => gif::SHOWN,
@@ -94,10 +94,10 @@ impl Writer {
 }
 
 impl Film {
-    /// A film of an episode of this setup.
+    /// Starts a film of an episode of this setup.
     ///
     /// # Errors
-    /// A file that cannot be written or parts that cannot be drawn.
+    /// If the file cannot be written or the parts cannot be drawn.
     pub fn new(path: &Path, setup: &Setup, from: From) -> Result<Film, Report> {
         let looks = Looks::shared(&setup.assembly.kit, setup.arm).into_diagnostic()?;
         let [width, height] = SIZE;
@@ -132,10 +132,10 @@ impl Film {
         })
     }
 
-    /// Adds a frame when it is time for one.
+    /// Adds a frame if one is due.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn show(&mut self, twin: &Twin, action: &str) -> Result<(), Report> {
         action.clone_into(&mut self.caption);
         if twin.time() < self.next {
@@ -149,10 +149,10 @@ impl Film {
         }
     }
 
-    /// Lets the last frame stand for a while.
+    /// Holds the last frame.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn end(self) -> Result<(), Report> {
         match self.writer {
             Writer::Gif(gif) => gif.end(),
@@ -189,7 +189,7 @@ impl Film {
         Ok(pixmap)
     }
 
-    /// Where the free camera stands: it looks at one place until the tip has gone too far from it.
+    /// Pose of the free camera. Its target stays fixed until the tip has moved too far from it.
     fn follow(&mut self, x_wt: &Pose) -> Pose {
         let tip = x_wt.translation.vector;
         let view = |target: &Point3<f64>| {
@@ -247,7 +247,7 @@ impl Film {
     }
 }
 
-/// The same camera with another width in pixels; its height follows the film's form.
+/// The same camera with another width in pixels. The height follows from the film's aspect ratio.
 fn scaled(model: CameraModel, width: usize) -> CameraModel {
     let scale = width as f64 / model.width as f64;
     CameraModel {

@@ -1,8 +1,8 @@
 //! The `ramp` command: goals, checks, pictures, plans and runs.
 //!
-//! Results go to standard output, everything else to standard error. Exit status: 0 done; 1 the run ended without
-//! completing the goal, or a check failed; 2 bad usage or bad input; 3 the machine failed, so that nothing of it counts;
-//! 130 stopped by Ctrl-C or a request to end.
+//! Results go to standard output, everything else to standard error. Exit status: 0 done; 1 the run ended
+//! without completing the goal, or a check failed; 2 bad usage or bad input; 3 the machine failed, so that
+//! nothing of it counts; 130 stopped by Ctrl-C or a request to end.
 
 mod command;
 mod ending;
@@ -46,7 +46,7 @@ struct Arguments {
     command: Command,
 }
 
-/// The program's arguments, for completions, the manual page and the reference.
+/// Definition of the command line, for completions, the manual pages and the reference.
 pub fn arguments() -> clap::Command {
     Arguments::command()
 }
@@ -106,7 +106,7 @@ enum Command {
 }
 
 impl Command {
-    /// Whether a program of somebody else will be at work.
+    /// Returns true if an external program will run.
     fn starts_an_agent(&self) -> bool {
         match self {
             Command::Run(arguments) => arguments.has_agent(),
@@ -133,7 +133,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Does what the arguments say; their first word is the program's name.
+/// Runs the command that the arguments name. The first word is the program's name.
 fn work(words: &[OsString], seal: Seal) -> ExitCode {
     let arguments = Arguments::parse_from(words);
     if let Command::AgentProcess(arguments) = &arguments.command {
@@ -147,7 +147,7 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
             return end(seal::guard(&words[1..]));
         }
     }
-    // A closed pipe (`ramp goals | head -1`) ends the program quietly, as it does any other.
+    // A closed pipe (`ramp goals | head -1`) ends the program without a message, as usual.
     let data = arguments.data.map_or_else(|| Ok(Data::built_in()), |folder| Data::folder(&folder));
     let data = data.map(|data| data.with_kit(arguments.kit)).map_err(Report::from);
     let result = data.and_then(|data| match arguments.command {
@@ -179,7 +179,7 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
     end(result)
 }
 
-/// The exit status, and the error for a person.
+/// Prints an error, and returns the exit status.
 fn end(result: Result<u8, Report>) -> ExitCode {
     match result {
         Ok(status) => ExitCode::from(status),

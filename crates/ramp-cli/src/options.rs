@@ -1,4 +1,4 @@
-//! Options that several commands share.
+//! Options shared by several commands.
 
 use std::ffi::OsString;
 
@@ -15,7 +15,7 @@ pub struct WorldOption {
     world: String,
 }
 
-/// The world where results are made that others are to believe, when none is named.
+/// The default world of published results.
 pub const RESULTS_WORLD: &str = "real";
 
 impl WorldOption {
@@ -24,13 +24,13 @@ impl WorldOption {
         Ok(data.world(&self.world)?)
     }
 
-    /// As on the command line.
+    /// The world's argument on the command line.
     pub fn argument(&self) -> OsString {
         OsString::from(&self.world)
     }
 }
 
-/// What the agent may see, as on the command line.
+/// Information that the agent receives.
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub enum TrackName {
     /// Exact poses from the simulator

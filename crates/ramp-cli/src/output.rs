@@ -1,4 +1,4 @@
-//! Where results go: standard output, and files that a user has named.
+//! Writes results to standard output and to files that the user names.
 
 use std::io::Write;
 use std::path::Path;
@@ -6,10 +6,10 @@ use std::path::Path;
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_kit::source::{MAX_SENTENCE, plain, read_text, write_whole};
 
-/// The largest file of an organiser, bytes.
+/// Largest size of an organiser's file, bytes.
 const LARGEST: usize = 16 << 20;
 
-/// Prints to standard output; whoever closed it early has seen enough.
+/// Prints to standard output. A closed pipe is not an error.
 pub fn print(text: &str) -> Result<(), Report> {
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
@@ -17,12 +17,12 @@ pub fn print(text: &str) -> Result<(), Report> {
     }
 }
 
-/// Refuses a path that no file can have, before any work is done. Makes nothing: [`write_file`] does.
+/// Rejects a path that cannot be written, before any work starts. Creates nothing: [`write_file`] does.
 pub fn check_place(path: &Path) -> Result<(), Report> {
     if path.is_dir() {
         return Err(miette!("cannot write {}: it is a folder", path.display()));
     }
-    // A file takes the place of what is there: that of a device must stay.
+    // Writing replaces the existing file, so a device must be rejected.
     if path.exists() && !path.is_file() {
         return Err(miette!("cannot write {}: it is no ordinary file", path.display()));
     }
@@ -33,7 +33,7 @@ pub fn check_place(path: &Path) -> Result<(), Report> {
     }
 }
 
-/// Makes the folder of a file that is about to be written.
+/// Creates the parent folder of a file.
 pub fn make_folder_of(path: &Path) -> Result<(), Report> {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => std::fs::create_dir_all(folder)
@@ -42,13 +42,13 @@ pub fn make_folder_of(path: &Path) -> Result<(), Report> {
     }
 }
 
-/// Writes a file, whole or not at all, in a folder that is made if it is not there.
+/// Writes a file atomically. Creates its folder if it is missing.
 pub fn write_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Report> {
     make_folder_of(path)?;
     Ok(write_whole(path, bytes)?)
 }
 
-/// Writes an organiser's file as JSON, whole or not at all.
+/// Writes an organiser's file as JSON, atomically.
 pub fn write_json<T: serde::Serialize>(path: &Path, value: &T) -> Result<(), Report> {
     let text = serde_json::to_string_pretty(value).into_diagnostic()?;
     write_file(path, text + "\n")
@@ -69,7 +69,7 @@ pub fn read_json<T: serde::de::DeserializeOwned>(path: &Path, writer: &str) -> R
     })
 }
 
-/// Refuses to write over what was promised.
+/// Rejects a path that would overwrite a commitment.
 pub fn refuse_existing(paths: [&Path; 2]) -> Result<(), Report> {
     match paths.into_iter().find(|path| path.exists()) {
         Some(path) => Err(miette!(

@@ -1,4 +1,4 @@
-//! What a run or a replay is also shown as: a film, a recording for the Rerun viewer.
+//! Optional films and Rerun recordings of a run or a replay.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use crate::film::{self, Film};
 use crate::output::check_place;
 use crate::recording::Recording;
 
-/// What is to be made.
+/// Options for films and recordings.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Also write a film at eightfold speed: a GIF, or with ffmpeg an MP4
@@ -19,12 +19,13 @@ pub struct Arguments {
     /// Camera of the film
     #[arg(long, value_enum, default_value_t = film::From::Free, requires = "video")]
     video_from: film::From,
-    /// Also record scene, forces and actions for the Rerun viewer (.rrd); needs a program built with the feature `rerun`
+    /// Also record scene, forces and actions for the Rerun viewer (.rrd); needs a program built with the
+    /// feature `rerun`
     #[arg(long, value_name = "FILE")]
     rerun: Option<PathBuf>,
 }
 
-/// What is being made.
+/// Films and recordings in progress.
 pub struct Pictures {
     film: Option<Film>,
     recording: Option<Recording>,
@@ -32,10 +33,10 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// Begins the files.
+    /// Starts the files.
     ///
     /// # Errors
-    /// Files that cannot be written, and what cannot be drawn.
+    /// If a file cannot be written, or a part cannot be drawn.
     pub fn new(arguments: &Arguments, setup: &Setup) -> Result<Pictures, Report> {
         for path in [&arguments.video, &arguments.rerun].into_iter().flatten() {
             check_place(path)?;
@@ -45,7 +46,7 @@ impl Pictures {
         Ok(Pictures { film: film.transpose()?, recording: recording.transpose()?, error: None })
     }
 
-    /// Shows a moment. What goes wrong is told at the end, and the work goes on.
+    /// Adds the current state. An error does not stop the episode; it is reported at the end.
     pub fn show(&mut self, twin: &Twin, action: &str, progress: &Progress) {
         if self.error.is_none() {
             self.error = self.try_to_show(twin, action, progress).err();
@@ -62,10 +63,10 @@ impl Pictures {
         Ok(())
     }
 
-    /// Ends the files.
+    /// Finishes the files.
     ///
     /// # Errors
-    /// The first thing that went wrong.
+    /// The first error.
     pub fn end(self) -> Result<(), Report> {
         if let Some(error) = self.error {
             return Err(error);

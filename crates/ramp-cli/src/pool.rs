@@ -1,4 +1,5 @@
-//! The pool of threads that works through the episodes of a bench, the trials of skills and the logs of a leaderboard.
+//! The pool of threads that works through the episodes of a bench, the trials of skills and the logs of a
+//! leaderboard.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -6,7 +7,8 @@ use std::sync::{Mutex, PoisonError};
 
 /// Works through the items 0 to `count` on at most `jobs` threads, and returns the outcomes by item.
 ///
-/// An item that returns [`ControlFlow::Break`] is the last to be begun: the outcome of an item that was not begun is `None`.
+/// After an item returns [`ControlFlow::Break`], no further item starts. The outcome of an item that did not
+/// start is `None`.
 pub fn work<T: Send>(
     count: usize,
     jobs: usize,

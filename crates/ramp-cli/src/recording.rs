@@ -1,23 +1,23 @@
-//! Recordings of an episode for the Rerun viewer (`.rrd`): the scene in 3D as it moves, what the robot feels, and what
-//! it does, on one time line. Only where the program was built with the feature `rerun`; otherwise asking for one is an
-//! error that says so.
+//! Recordings of an episode for the Rerun viewer (`.rrd`): the moving scene in 3D, the wrist force and the
+//! actions, on one time line. They need a program built with the feature `rerun`; without it, a recording is
+//! an error that says so.
 
 use std::path::Path;
 
 use miette::{Report, miette};
 use ramp_twin::{Setup, Twin};
 
-/// A recording that is being made.
+/// A recording in progress.
 pub struct Recording {
     #[cfg(feature = "rerun")]
     inner: inner::Recording,
 }
 
 impl Recording {
-    /// A recording of an episode of this setup.
+    /// Starts a recording of an episode of this setup.
     ///
     /// # Errors
-    /// A file that cannot be written, parts that cannot be drawn, or a program that was built without.
+    /// If the file cannot be written, the parts cannot be drawn, or the program was built without `rerun`.
     #[cfg(feature = "rerun")]
     pub fn new(path: &Path, setup: &Setup) -> Result<Recording, Report> {
         if path.extension().is_none_or(|ending| ending != "rrd") {
@@ -34,10 +34,11 @@ impl Recording {
         ))
     }
 
-    /// Records the moment when it is time for one; `action` is what the agent does, `seated` how many pegs are home.
+    /// Records a sample if one is due. `action` is the agent's current action, `seated` the number of seated
+    /// pegs.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     #[cfg_attr(
         not(feature = "rerun"),
         allow(clippy::unused_self, clippy::unnecessary_wraps, unused_variables)
@@ -48,10 +49,10 @@ impl Recording {
         Ok(())
     }
 
-    /// Writes what is left.
+    /// Writes the remaining samples.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     #[cfg_attr(not(feature = "rerun"), allow(clippy::unused_self, clippy::unnecessary_wraps))]
     pub fn end(self) -> Result<(), Report> {
         #[cfg(feature = "rerun")]
@@ -72,12 +73,12 @@ mod inner {
     use ramp_twin::{Setup, Twin};
     use rerun::{RecordingStream, RecordingStreamBuilder};
 
-    /// Time between two moments that are recorded, s.
+    /// Sampling interval, s.
     const SHOWN: f64 = 0.04;
-    /// Edge of the table that is shown, and how thick it is, m.
+    /// Edge length and thickness of the drawn table, m.
     const TABLE: [f32; 2] = [1.2, 0.01];
-    /// Shade of linear light at which a screen's curve turns from a line into a power, and that power: sRGB,
-    /// IEC 61966-2-1.
+    /// Linear intensity at which the sRGB transfer function turns from linear to a power law, and its
+    /// exponent (IEC 61966-2-1).
     const SRGB: (f32, f32) = (0.003_130_8, 2.4);
 
     pub struct Recording {
@@ -91,7 +92,7 @@ mod inner {
         pub fn new(path: &Path, setup: &Setup) -> Result<Recording, Report> {
             crate::output::make_folder_of(path)?;
             let looks = Looks::shared(&setup.assembly.kit, setup.arm).into_diagnostic()?;
-            // The name of the recording comes from what it shows: the same episode gives the same one.
+            // Derive the recording's id from its content, so that the same episode gives the same id.
             let title = format!("{}, track {}, seed {}", setup.assembly.name, setup.track.name(), setup.seed);
             let stream = RecordingStreamBuilder::new("ramp")
                 .recording_id(title.clone())
@@ -103,7 +104,7 @@ mod inner {
             Ok(recording)
         }
 
-        /// What does not change: the table, and what each body looks like in its own frame.
+        /// Logs the static scene: the table, and the shape of each body in its own frame.
         fn scenery(&self) -> Result<(), Report> {
             let stream = &self.stream;
             stream.log_static("world", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP()).into_diagnostic()?;
@@ -168,7 +169,7 @@ mod inner {
         rerun::Transform3D::from_translation_rotation([x_, y, z], rerun::Quaternion::from_xyzw(turn))
     }
 
-    /// A surface whose triangles keep their own colours and normals: each has its own three corners.
+    /// A mesh with separate vertices per triangle, so that each triangle keeps its own colour and normal.
     fn mesh(surface: &Surface) -> rerun::Mesh3D {
         let mesh = &surface.mesh;
         let corners = || mesh.triangles.iter().flatten();
@@ -184,7 +185,7 @@ mod inner {
             .with_vertex_colors(colours)
     }
 
-    /// Linear light as a screen's shade.
+    /// Converts linear intensity to sRGB.
     fn shade(light: f32) -> u8 {
         let (knee, power) = SRGB;
         let light = light.clamp(0.0, 1.0);

@@ -1,4 +1,4 @@
-//! The planning rules, read within limits.
+//! Reads the planning rules within limits.
 
 use std::path::Path;
 
@@ -8,8 +8,8 @@ use ramp_planner::{Domains, Limits};
 
 use crate::ending::end_planning;
 
-/// The planning rules of the data, with `other` in place of the file of its kind. Rules that exceed their limits end the
-/// program.
+/// The planning rules of the data, with `other` replacing the file of its kind. Rules that exceed their
+/// limits end the program.
 ///
 /// # Errors
 /// The first problem in the rules.

@@ -1,9 +1,10 @@
-//! How a run hides from an agent what the agent must not know.
+//! Hides the arguments of a run, such as its seed, from the agent.
 //!
-//! An agent is a process of the same user. It may read the command line of every other one, and with it the seed. A
-//! program that works with such an agent therefore gets its arguments through standard input: [`seal`] starts this
-//! program anew in its own place, and [`arguments`] takes them in. [`child`] starts another one in the same way, and
-//! [`guard`] a child of which nothing is left when it ends, however that happens.
+//! An agent is a process of the same user. It can read the command line of every other process of that user,
+//! and with it the seed. A program that runs such an agent therefore gets its arguments through standard
+//! input: [`seal`] restarts this program in the same process, and [`arguments`] reads them. [`child`] starts
+//! a child process in the same way. [`guard`] starts a child and cleans up all that remains of it, however it
+//! ends.
 
 use std::ffi::{OsStr, OsString};
 use std::io::{Read, Seek, Write};
@@ -20,30 +21,31 @@ use ramp_external_agent::{adopt_orphans, end_orphans, hide};
 use crate::ending::end_of;
 use crate::status::{INCOMPLETE, MachineFault, STOPPED};
 
-/// The only argument of a program that gets the others through standard input.
+/// Only argument of a program that reads its other arguments from standard input.
 const SEALED: &str = "sealed";
-/// The same, of a program that ends when its standard input does: whoever started it is gone.
+/// The same for a program that ends when its standard input closes, because its parent has ended.
 const LEASHED: &str = "leashed";
-/// All arguments together, bytes; a system allows no more either.
+/// Largest total size of the arguments, bytes. The system's own limit is no larger.
 const MOST: usize = 2 << 20;
-/// How often it is looked after a child.
+/// Polling interval for a child.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Who may see the arguments of this program.
+/// Visibility of this program's arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seal {
-    /// Every process of the user.
+    /// Visible to every process of the user.
     Open,
-    /// Nobody.
+    /// Visible to no other process.
     Sealed,
-    /// Nobody, and this program ends with the one that started it.
+    /// Visible to no other process, and this program ends with its parent.
     Leashed,
 }
 
-/// The arguments of this program, its own name first. From then on a sealed program cannot be looked into.
+/// The arguments of this program, its own name first. After this call, other processes cannot inspect a
+/// sealed program.
 ///
 /// # Errors
-/// When standard input holds no arguments.
+/// If standard input holds no arguments.
 pub fn arguments() -> std::io::Result<(Vec<OsString>, Seal)> {
     let mut words: Vec<OsString> = std::env::args_os().collect();
     let seal = match words.get(1) {
@@ -55,7 +57,7 @@ pub fn arguments() -> std::io::Result<(Vec<OsString>, Seal)> {
     words.truncate(1);
     let mut input = std::io::stdin().lock();
     let mut word = Vec::new();
-    // One byte at a time: what follows the arguments is left where it is.
+    // Read one byte at a time, so that input after the arguments stays unread.
     let mut byte = [0];
     for _ in 0..MOST {
         input.read_exact(&mut byte)?;
@@ -73,7 +75,7 @@ pub fn arguments() -> std::io::Result<(Vec<OsString>, Seal)> {
     Err(std::io::Error::other("the sealed arguments have no end"))
 }
 
-/// Ends this program when its standard input does.
+/// Ends this program when its standard input closes.
 fn hold_leash() {
     std::thread::spawn(|| {
         let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
@@ -81,20 +83,21 @@ fn hold_leash() {
     });
 }
 
-/// The byte of a word that ends the arguments; no argument is this byte alone, for a terminal cannot send it.
+/// Word of one byte that ends the arguments. No argument consists of this byte alone, since a terminal cannot
+/// send it.
 const END: u8 = 4;
 
-/// Arguments as they go through standard input: each ends with a zero, and the last one is [`END`].
+/// Encodes arguments for standard input: each ends with a zero byte, and the last one is [`END`].
 fn bytes_of(words: &[OsString]) -> Vec<u8> {
     let end = OsStr::from_bytes(&[END]);
     let words = words.iter().map(OsString::as_os_str).chain([end]);
     words.flat_map(|word| [word.as_bytes(), &[0]].concat()).collect()
 }
 
-/// Starts this program anew in its own place, with its arguments sealed.
+/// Restarts this program in the same process, with sealed arguments.
 ///
 /// # Errors
-/// Returns only when that cannot be done.
+/// Returns only if that fails.
 pub fn seal(words: &[OsString]) -> Report {
     let start = || -> std::io::Result<std::io::Error> {
         let mut file = tempfile::tempfile()?;
@@ -106,15 +109,15 @@ pub fn seal(words: &[OsString]) -> Report {
     MachineFault { what: format!("this program cannot be started anew: {error}") }.into()
 }
 
-/// Starts this program as a child with sealed arguments. The pipe to its standard input is its leash: it closes when
+/// Starts this program as a child with sealed arguments. The pipe to the child's standard input closes when
 /// this process ends, however that happens, and then the child ends as well.
 ///
 /// # Errors
-/// When the system does not start it.
+/// If the system cannot start it.
 pub fn child(words: &[OsString], prepare: impl FnOnce(&mut Command)) -> std::io::Result<Child> {
     let mut command = Command::new(std::env::current_exe()?);
     command.arg(LEASHED).stdin(Stdio::piped());
-    // Ctrl-C on a terminal is for this process alone, which then ends the child.
+    // Ctrl-C on a terminal reaches only this process, which then ends the child.
     command.process_group(0);
     prepare(&mut command);
     let mut child = command.spawn()?;
@@ -124,17 +127,17 @@ pub fn child(words: &[OsString], prepare: impl FnOnce(&mut Command)) -> std::io:
     Ok(child)
 }
 
-/// Runs this program as a child, and ends all that is left of it: also when an agent has killed the child, or when this
-/// process is asked to end.
+/// Runs this program as a child, and ends all its remaining processes, even if an agent killed the child or
+/// this process receives a request to end.
 ///
 /// # Errors
-/// When the system does not start it.
+/// If the system cannot start it.
 pub fn guard(words: &[OsString]) -> Result<u8, Report> {
     adopt_orphans();
     let stop = Arc::new(AtomicBool::new(false));
     let handler = stop.clone();
     ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).into_diagnostic()?;
-    // What the child leaves behind when it is killed is in there, and goes with this process.
+    // Temporary files of a killed child lie in this folder, which this process removes.
     let folder = tempfile::tempdir().map_err(MachineFault::of)?;
     let mut child = child(words, |command| {
         command.env("TMPDIR", folder.path());

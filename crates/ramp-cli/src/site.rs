@@ -1,4 +1,4 @@
-//! A folder of pages that belong together: those of an earlier time that are not written again are removed.
+//! A folder of generated pages. Old pages that are not written again are removed.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -13,21 +13,21 @@ pub struct Site {
 }
 
 impl Site {
-    /// Makes the folder if it is not there.
+    /// Creates the folder if it is missing.
     pub fn open(folder: &Path) -> Result<Site, Report> {
         std::fs::create_dir_all(folder)
             .map_err(|error| miette!("cannot make the folder {}: {error}", folder.display()))?;
         Ok(Site { folder: folder.to_path_buf(), written: HashSet::new() })
     }
 
-    /// Writes a page, whole or not at all.
+    /// Writes a page atomically.
     pub fn write(&mut self, name: &str, text: &str) -> Result<(), Report> {
         write_whole(&self.folder.join(name), text)?;
         self.written.insert(name.to_string());
         Ok(())
     }
 
-    /// Removes the pages whose names begin with one of `stems` and that were not written.
+    /// Removes the pages that were not written and whose names begin with one of `stems`.
     pub fn remove_others(&self, stems: &[&str]) -> Result<(), Report> {
         let fail = |error| miette!("{} cannot be cleared: {error}", self.folder.display());
         for entry in std::fs::read_dir(&self.folder).map_err(fail)? {

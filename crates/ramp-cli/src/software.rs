@@ -1,4 +1,4 @@
-//! What results say of this program.
+//! Version of this program, as written to results.
 
 use ramp_result::episode::Software;
 

@@ -14,16 +14,14 @@ pub const STOPPED: u8 = 130;
 /// The machine failed.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{what}")]
-#[diagnostic(help(
-    "this is a fault of the machine, such as a full or read-only disk: mend it, and give the same command"
-))]
+#[diagnostic(help("The machine failed (disk full or read-only?). Fix it and run the same command again."))]
 pub struct MachineFault {
-    /// What could not be done, and what the system said.
+    /// The failed operation, and the system's error message.
     pub what: String,
 }
 
 impl MachineFault {
-    /// From the error of something that only a machine can fail at.
+    /// From the error of an operation that only a fault of the machine can make fail.
     pub fn of(error: impl std::fmt::Display) -> MachineFault {
         MachineFault { what: error.to_string() }
     }

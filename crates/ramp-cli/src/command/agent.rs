@@ -1,4 +1,4 @@
-//! Who works: the baseline, or a program of one's own.
+//! The agent of an episode: the baseline or an external program.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ use ramp_skills::{Baseline, Parameters};
 
 use crate::command::{own_skill, skills};
 
-/// What `ramp run` and `ramp bench` are told of the agent.
+/// Agent options of `ramp run` and `ramp bench`.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Run this agent instead of the baseline: an executable, or a Python file
@@ -50,10 +50,10 @@ impl Arguments {
         self.agent.as_deref().map(AgentFile::find).transpose().into_diagnostic()
     }
 
-    /// What surrounds the agent, where it is asked for. `hidden` are files and folders that it must not see.
+    /// The agent's sandbox, if requested. `hidden` lists files and folders that the agent must not see.
     ///
     /// # Errors
-    /// When this system has no sandbox, or the agent's own folder holds what it must not see.
+    /// If this system has no sandbox, or if the agent's own folder contains a hidden file.
     pub fn sandbox(&self, file: Option<&AgentFile>, hidden: &[&Path]) -> Result<Option<Sandbox>, Report> {
         let Some(file) = file.filter(|_| self.sandbox) else { return Ok(None) };
         Sandbox::find(file, hidden).map(Some).map_err(|error| match error {
@@ -69,13 +69,13 @@ impl Arguments {
     }
 }
 
-/// Tells a person what a sandbox does not keep out here.
+/// Prints a warning about what the sandbox does not block on this system.
 pub fn tell_open_ends() {
     let ends = open_ends().unwrap_or_default();
     eprintln!("the sandbox does not hide: {}", ends.join("; "));
 }
 
-/// What an agent is made from.
+/// Inputs from which an agent is built.
 pub struct AgentSetup<'a> {
     pub assembly: &'a Assembly,
     pub arm: &'a ArmModel,
@@ -83,15 +83,15 @@ pub struct AgentSetup<'a> {
     pub texts: &'a Texts,
     pub track: Track,
     pub seed: u64,
-    /// The numbers of the baseline's skills.
+    /// Parameters of the baseline's skills.
     pub parameters: &'a Arc<Parameters>,
-    /// Programs that carry out actions in place of the baseline's skills.
+    /// Programs that replace skills of the baseline.
     pub skills: &'a [(ActionKind, AgentFile)],
-    /// A plan that the baseline carries out in place of its own.
+    /// Plan that the baseline executes instead of its own.
     pub plan: Option<Plan>,
 }
 
-/// Starts the agent. It tells `listener` what it does.
+/// Starts the agent. It reports its actions to `listener`.
 pub fn start<'a>(
     world: &AgentSetup<'a>,
     file: Option<&AgentFile>,
@@ -139,7 +139,7 @@ pub fn start<'a>(
     Ok(Box::new(agent.with_listener(listener)))
 }
 
-/// How a run becomes the parent of an agent that cannot outlive it.
+/// Arguments of the internal command that starts an agent which ends with its run.
 #[derive(clap::Args)]
 pub struct ProcessArguments {
     /// Number of the run's process
@@ -150,7 +150,7 @@ pub struct ProcessArguments {
     /// Largest file that it may write there, bytes
     #[arg(long)]
     largest_file: Option<u64>,
-    /// What else it may read there
+    /// Other paths that it may read
     #[arg(long)]
     readable: Vec<PathBuf>,
     /// The agent's program and its arguments
@@ -158,7 +158,7 @@ pub struct ProcessArguments {
     command: Vec<OsString>,
 }
 
-/// The arguments for [`ProcessArguments`] that put up the walls of a sandbox.
+/// The arguments for [`ProcessArguments`] that set up a sandbox.
 fn words_of(inside: &Inside) -> Vec<OsString> {
     let Inside { readable, folder, largest_file } = inside;
     let mut words: Vec<OsString> = vec!["--folder".into(), folder.into()];
@@ -167,7 +167,7 @@ fn words_of(inside: &Inside) -> Vec<OsString> {
     words
 }
 
-/// Replaces this program by the agent's.
+/// Replaces this process by the agent's program (`exec`).
 pub fn become_agent(arguments: &ProcessArguments) -> ExitCode {
     let ProcessArguments { parent, folder, largest_file, readable, command } = arguments;
     let inside = folder.clone().zip(*largest_file).map(|(folder, largest_file)| Inside {

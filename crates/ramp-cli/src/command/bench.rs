@@ -1,4 +1,4 @@
-//! `ramp bench`: goals and whole classes by the protocol, and the sums.
+//! `ramp bench`: runs goals and classes by the protocol, and summarises the results.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -39,7 +39,7 @@ pub struct Arguments {
 struct Bench<'a>(Batch<'a>);
 
 impl Arguments {
-    /// Whether a program of somebody else works.
+    /// Returns true if an external agent program runs.
     pub fn has_agent(&self) -> bool {
         self.shared.has_agent()
     }
@@ -62,7 +62,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
 }
 
 impl Bench<'_> {
-    /// All episodes that are asked for.
+    /// All requested episodes.
     fn episodes(&self) -> Vec<Episode> {
         let mut episodes = Vec::new();
         for (goal, it) in self.0.goals.iter().enumerate() {
@@ -82,7 +82,7 @@ impl Bench<'_> {
         episodes
     }
 
-    /// The sums of each goal, and of each class that has goals here.
+    /// The summary of each goal, and of each class that has goals in this bench.
     fn sums(&self, episodes: &[Episode]) -> (Vec<Summary>, Vec<(Class, usize, Summary)>) {
         let entries: Vec<(usize, Entry)> = episodes
             .iter()
@@ -105,7 +105,7 @@ impl Bench<'_> {
         (goals, classes)
     }
 
-    /// Each episode that is not complete: which, pegs that count, whether it has a result, and why.
+    /// Each incomplete episode: its name, counted pegs, whether it has a result, and the reason.
     fn failures<'e>(
         &'e self,
         episodes: &'e [Episode],

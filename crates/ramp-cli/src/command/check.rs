@@ -1,4 +1,4 @@
-//! `ramp check`: structure, geometry, buildability.
+//! `ramp check`: checks structure, geometry and buildability.
 
 use std::fmt::Write;
 

@@ -1,4 +1,4 @@
-//! `ramp completions`: what a shell needs to complete commands and options.
+//! `ramp completions`: the script with which a shell completes commands and options.
 
 use clap_complete::Shell;
 use miette::Report;

@@ -30,7 +30,7 @@ enum Command {
 pub fn run(arguments: &Arguments) -> Result<u8, Report> {
     let Command::Export { folder, force } = &arguments.command;
     let files = || built_in().iter().map(|(name, text)| (folder.join(name), *text));
-    // All or nothing: first see whether anything is in the way.
+    // Check for existing files first, so that either all files are written or none.
     let differs = |(file, text): &(PathBuf, &str)| {
         file.exists() && read_text(file, text.len()).ok().as_deref() != Some(*text)
     };

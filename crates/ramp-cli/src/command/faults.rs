@@ -1,5 +1,5 @@
-//! `ramp faults`: goals under every fault, from many seeds: how often the agent tells what went wrong, and how often it
-//! builds the goal all the same.
+//! `ramp faults`: runs goals with every fault and many seeds. It counts how often the agent detects the
+//! fault, and how often it still completes the goal.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -33,7 +33,7 @@ pub struct Arguments {
     output: PathBuf,
 }
 
-/// In the names of the files of controls, where those of others have their fault.
+/// Part of a control's file name that stands in place of the fault.
 const CONTROL: &str = "no-fault";
 
 /// One line of the table: a fault and a goal, or all goals.
@@ -44,7 +44,7 @@ struct Row<'a> {
 }
 
 impl Arguments {
-    /// Whether a program of somebody else works.
+    /// Returns true if an external agent program runs.
     pub fn has_agent(&self) -> bool {
         self.shared.has_agent()
     }
@@ -71,8 +71,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     Ok(if lost { INCOMPLETE } else { DONE })
 }
 
-/// All episodes that are asked for, and their controls: every fault and goal from the first seed before the second, so
-/// that a suite that is stopped has seen something of each.
+/// All requested episodes and their controls. Each seed runs with every fault and goal before the next seed,
+/// so that an interrupted suite has samples of each.
 fn plan(batch: &Batch, faults: &[Fault]) -> Vec<Episode> {
     let mut episodes = Vec::new();
     for (repeat, seed) in batch.repeats() {
@@ -111,7 +111,7 @@ fn rows<'a>(batch: &'a Batch, faults: &[Fault], episodes: &[Episode]) -> Vec<Row
     rows
 }
 
-/// Each episode that fell short: which, what is known of it, and why.
+/// Each episode that was lost, not run, or not diagnosed and completed, with the reason.
 fn shortfalls(episodes: &[Episode]) -> impl Iterator<Item = (&Episode, String)> {
     episodes.iter().filter_map(|episode| {
         let why = match &episode.outcome {
@@ -166,7 +166,7 @@ fn as_text(batch: &Batch, rows: &[Row], episodes: &[Episode]) -> String {
     text
 }
 
-/// Hits of all, per cent, and the interval.
+/// Success rate in per cent, with its interval.
 fn share(share: &Share) -> String {
     if share.count == 0 {
         return "-".to_string();

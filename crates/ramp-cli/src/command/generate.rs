@@ -1,4 +1,4 @@
-//! `ramp goals generate`: new goals, each checked.
+//! `ramp goals generate`: generates new goals and checks each.
 
 use std::path::{Path, PathBuf};
 
@@ -74,7 +74,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         return Ok(DONE);
     };
     let files: Vec<(PathBuf, &str)> = made.iter().flat_map(|goal| files(folder, goal)).collect();
-    // All or nothing: first see whether anything is in the way.
+    // Check for existing files first, so that either all files are written or none.
     if let Some((file, _)) = files.iter().find(|(file, text)| !arguments.force && differs(file, text)) {
         return Err(miette!(
             help = "--force overwrites it",
@@ -97,7 +97,7 @@ fn files<'a>(folder: &Path, made: &'a Generated) -> Vec<(PathBuf, &'a str)> {
     std::iter::once(goal).chain(kit).collect()
 }
 
-/// Is there a file already with something else in it?
+/// Returns true if the file exists with other content.
 fn differs(file: &Path, text: &str) -> bool {
     file.exists() && read_text(file, text.len()).ok().as_deref() != Some(text)
 }

@@ -1,4 +1,4 @@
-//! `ramp goals`: the goals it knows, and new ones.
+//! `ramp goals`: lists the known goals and generates new ones.
 
 use std::fmt::Write;
 

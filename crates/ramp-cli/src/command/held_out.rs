@@ -1,4 +1,4 @@
-//! `ramp goals commit` and `ramp goals verify`: goals that an organiser keeps back.
+//! `ramp goals commit` and `ramp goals verify`: an organiser's held-out goals.
 
 use std::path::PathBuf;
 
@@ -9,11 +9,11 @@ use ramp_report::held_out::{Commitments, Reveal, SALT, promise, verify};
 use crate::output::{print, read_json, refuse_existing, write_json};
 use crate::status::{DONE, INCOMPLETE};
 
-/// Published before.
+/// File that is published in advance.
 const COMMITMENTS: &str = "commitments.json";
-/// Kept back until after.
+/// File that is kept secret until later.
 const REVEAL: &str = "reveal.json";
-/// Who wrote both files.
+/// Command that writes both files.
 const WRITER: &str = "ramp goals commit";
 
 #[derive(clap::Args)]
@@ -21,7 +21,8 @@ pub struct CommitArguments {
     /// Goal files
     #[arg(required = true, value_name = "FILE")]
     goals: Vec<String>,
-    /// Folder for commitments.json, to be published now, and reveal.json, to be kept back; made if it is not there
+    /// Folder for commitments.json, to be published now, and reveal.json, to be kept back; made if it is not
+    /// there
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 }
@@ -37,7 +38,7 @@ pub struct VerifyArguments {
 pub fn commit(data: &Data, arguments: &CommitArguments) -> Result<u8, Report> {
     let mut goals: Vec<(String, [u8; SALT], String)> = Vec::new();
     for file in &arguments.goals {
-        // A goal that nobody can read or build must not be promised.
+        // Do not commit to a goal that cannot be read or built.
         let (goal, texts) = data.goal_with_texts(file)?;
         if goals.iter().any(|(name, _, _)| *name == goal.name) {
             return Err(miette!(help = "rename one of the files", "two goals are called `{}`", goal.name));

@@ -1,4 +1,4 @@
-//! `ramp kit export`: everything that a lab needs to make the parts.
+//! `ramp kit export`: the files with which a lab makes the parts.
 
 use std::path::PathBuf;
 

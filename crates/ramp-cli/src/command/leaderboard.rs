@@ -1,4 +1,4 @@
-//! `ramp leaderboard`: entries of many as a static site, each run again from its logs before it goes on it.
+//! `ramp leaderboard`: a static site of many entries. Each entry's logs are replayed before it is listed.
 
 mod entry;
 mod judge;
@@ -33,13 +33,13 @@ pub struct Arguments {
     /// Secret that was mixed into the seeds of all entries, from `ramp seeds commit`
     #[arg(long, value_name = "FILE")]
     secret: Option<PathBuf>,
-    /// Run the agents again for their planning and compute times, in a sandbox: each entry's `agent.py` or `agent`, or
-    /// the baseline
+    /// Run the agents again for their planning and compute times, in a sandbox: each entry's `agent.py` or
+    /// `agent`, or the baseline
     #[arg(long)]
     rerun_agents: bool,
 }
 
-/// All that one leaderboard is made with.
+/// Inputs and state of one leaderboard.
 struct Board {
     boards: Boards,
     refused: Vec<Refusal>,
@@ -47,7 +47,7 @@ struct Board {
     streams: Streams,
     verdicts: Verdicts,
     site: Site,
-    /// Pages of agents so far.
+    /// Agent pages written so far.
     agents: usize,
 }
 
@@ -69,7 +69,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Failure> {
     let mut admitted = 0;
     for folder in &folders {
         let entry = Entry { name: entry::name(folder), folder: folder.clone() };
-        // One entry that is wrong is left out, and the others go on the board all the same.
+        // An invalid entry is left out; the others are still listed.
         match board.admit(data, &entry, &terms, arguments.rerun_agents, secret)? {
             Ok(()) => admitted += 1,
             Err(reason) => {
@@ -78,7 +78,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Failure> {
             }
         }
     }
-    // Last: who sees the front page finds what it leads to.
+    // Write the front page last, so that all its links exist.
     for (name, text) in pages::pages(&board.boards, &board.refused) {
         board.site.write(&name, &text)?;
     }
@@ -93,10 +93,10 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Failure> {
 }
 
 impl Board {
-    /// May an entry go on the boards? Then it does; else the reason. Every reason to refuse is found here.
+    /// Lists a valid entry on the boards, or returns the reason for rejecting it. All checks are made here.
     ///
     /// # Errors
-    /// When the site cannot be written: then no entry could be shown.
+    /// If the site cannot be written.
     fn admit(
         &mut self,
         data: &Data,
@@ -161,12 +161,13 @@ impl Board {
     }
 }
 
-/// The entries and the site are apart: entrants must not write into the site, and the site is no entry.
+/// Checks that the entries and the site are separate folders: entrants must not write into the site, and the
+/// site is not an entry.
 fn check_apart(entries: &Path, site: &Path) -> Result<(), Failure> {
     if site.exists() && !site.is_dir() {
         return Err(miette!("cannot write to {}: it is not a folder", site.display()));
     }
-    // The nearest folder above that is there: what is not there yet has no links in it.
+    // Resolve links in the nearest existing ancestor; a path that does not exist yet contains none.
     let whole = |path: &Path| {
         let path = std::path::absolute(path).ok()?;
         let there = path.ancestors().find(|it| it.exists())?;

@@ -1,4 +1,4 @@
-//! `ramp man`: the manual pages, one for each command.
+//! `ramp man`: writes the manual pages, one for each command.
 
 use std::path::PathBuf;
 

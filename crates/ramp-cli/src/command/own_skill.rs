@@ -1,7 +1,8 @@
-//! Skills of one's own, as programs in any language: inside the baseline, in place of one of its skills.
+//! Custom skills: programs in any language, each replacing one skill inside the baseline.
 //!
-//! The program speaks the agents' protocol. It is started when its action begins, and its goal has a `task`: the action, and
-//! what is known. It drives the robot until it says `done`; an event of the kind `fault` before says that it gives up.
+//! The program uses the agent protocol. It starts when its action begins. Its goal message has a `task` with
+//! the action and the current knowledge. It drives the robot until it sends `done`. It reports a failure by
+//! an event of the kind `fault` before `done`.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -22,7 +23,7 @@ use ramp_skills::rehearsal::Outline;
 use ramp_skills::skill::ActionKind;
 use serde_json::{Value, json};
 
-/// So much of a file's name stands in the name of its agent, characters.
+/// Largest length of the file name within the agent's name, characters.
 const LONGEST_STEM: usize = 24;
 
 /// `ACTION=FILE`, as on the command line.
@@ -45,7 +46,7 @@ impl std::str::FromStr for Replacement {
     }
 }
 
-/// What a program is told of, and how long it is waited for.
+/// Context that skill programs receive, and the time limit for their messages.
 #[derive(Clone)]
 pub struct SkillHost {
     assembly: Assembly,
@@ -58,7 +59,7 @@ pub struct SkillHost {
 }
 
 impl SkillHost {
-    /// Of an episode; the program may take so many seconds for a message.
+    /// The host of one episode, with the program's time limit for a message in seconds.
     pub fn new(assembly: &Assembly, arm: &ArmModel, track: Track, texts: &Texts, limit: f64) -> SkillHost {
         let Sources { goal, kit: kit_text, arm: arm_text } = texts.sources();
         SkillHost {
@@ -72,10 +73,10 @@ impl SkillHost {
         }
     }
 
-    /// Starts a program of somebody with this task.
+    /// Starts an external program with this task.
     ///
     /// # Errors
-    /// When the system does not start it.
+    /// If the system cannot start it.
     pub fn start(&self, file: &AgentFile, task: Value) -> Result<ExternalAgent<'_>, Report> {
         let texts = Sources { goal: &self.goal, kit: &self.kit_text, arm: &self.arm_text };
         let goal = GoalMessage::new(&self.assembly, &self.arm, self.track, texts).with_task(task);
@@ -84,7 +85,7 @@ impl SkillHost {
     }
 }
 
-/// What starts a program so that it does not outlive this one.
+/// The command line that starts a program which ends with this process.
 fn command(file: &AgentFile) -> Result<Vec<OsString>, Report> {
     let mut command: Vec<OsString> = vec![
         std::env::current_exe().into_diagnostic()?.into(),
@@ -96,7 +97,7 @@ fn command(file: &AgentFile) -> Result<Vec<OsString>, Report> {
     Ok(command)
 }
 
-/// A program that carries out an action.
+/// A program that executes an action.
 struct Program {
     file: AgentFile,
     cell: SkillHost,
@@ -124,7 +125,7 @@ impl Body for Program {
     }
 }
 
-/// What a program is told of its task.
+/// The task message for a program.
 fn task(moment: &Moment) -> Value {
     let Known { held, part, x_wp, x_goal, gripper, posture } = &moment.known;
     let held = held.as_ref().map(|held| {
@@ -147,7 +148,7 @@ fn task(moment: &Moment) -> Value {
     })
 }
 
-/// The skill for an action. Its name in results has the file's name, and the begin of its hash.
+/// The skill for an action. Its name in results consists of the file's name and the start of its hash.
 pub fn skill(kind: ActionKind, file: &AgentFile, cell: &SkillHost) -> Result<OwnSkill, Report> {
     if !kind.is_assembling() {
         return Err(miette!("no skill of one's own can carry out `{}`", kind.name().replace('_', "-")));

@@ -1,4 +1,4 @@
-//! `ramp replay`: an episode run again from its log, and compared bit by bit.
+//! `ramp replay`: repeats an episode from its log, and compares it bit by bit.
 
 use std::fmt::Write;
 use std::io::IsTerminal;

@@ -57,7 +57,8 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     Ok(DONE)
 }
 
-/// The report of many agents: a front page, and a page for each agent in a folder beside it, which is returned.
+/// Writes the report of many agents: a front page, and a page for each agent in a folder beside it. Returns
+/// the folder.
 fn write_many(report: &Report, output: &Path) -> Result<String, Failure> {
     let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let folder = format!("{}-agents", name(&output.with_extension("")));
@@ -69,7 +70,7 @@ fn write_many(report: &Report, output: &Path) -> Result<String, Failure> {
         site.write(&page::agent_page(entrant), &text)?;
     }
     site.remove_others(&["agent-"])?;
-    // Last: who sees the front page finds what it leads to.
+    // Write the front page last, so that all its links exist.
     write(output, &page::front(report, &folder))?;
     Ok(place.display().to_string())
 }

@@ -1,4 +1,4 @@
-//! `ramp run`: a goal is planned, assembled in the twin, and scored.
+//! `ramp run`: plans a goal, assembles it in the twin, and scores it.
 
 use std::cell::RefCell;
 use std::fmt::Write;
@@ -29,9 +29,9 @@ use crate::rules::domains;
 use crate::software::software;
 use crate::status::{DONE, INCOMPLETE, MachineFault};
 
-/// The largest plan, bytes.
+/// Largest size of a plan file, bytes.
 const LARGEST_PLAN: usize = 16 << 20;
-/// Folder for results that are given no name.
+/// Default folder for results.
 const RESULTS: &str = "results";
 
 #[derive(clap::Args)]
@@ -59,8 +59,9 @@ pub struct Arguments {
     /// Replace the rule file of the same kind: a coarse or fine domain (.al), or the order of the beams (.lp)
     #[arg(long, value_name = "FILE", conflicts_with = "agent")]
     domain: Option<PathBuf>,
-    /// Inject a fault at its Nth occasion, or at one drawn from the seed: peg-dropped, peg-tilted, beam-slipped,
-    /// beam-turned, beam-bumped, holder-shifted, jam, peg-missing, tag-covered, camera-frozen, gripper-weak, force-drift
+    /// Inject a fault at its Nth occasion, or at one drawn from the seed: peg-dropped, peg-tilted,
+    /// beam-slipped, beam-turned, beam-bumped, holder-shifted, jam, peg-missing, tag-covered, camera-frozen,
+    /// gripper-weak, force-drift
     #[arg(long, value_name = "KIND[@N]")]
     fault: Option<Fault>,
     /// Show the twin in a window during the episode
@@ -74,7 +75,8 @@ pub struct Arguments {
     scene: Option<PathBuf>,
     #[command(flatten)]
     pictures: pictures::Arguments,
-    /// File for the result [default: results/GOAL-SEED.json]; the curve goes beside it as .svg, the log as .mcap
+    /// File for the result [default: results/GOAL-SEED.json]; the curve goes beside it as .svg, the log as
+    /// .mcap
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// File for the log of the episode, for viewers and `ramp replay` [default: beside the result]
@@ -95,7 +97,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// Whether a program of somebody else works.
+    /// Returns true if an external agent program runs.
     pub fn has_agent(&self) -> bool {
         self.agent.agent.is_some() || !self.skill.is_empty()
     }
@@ -179,7 +181,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         EpisodeError::Log(error) => MachineFault::of(error).into(),
         EpisodeError::Twin(error) => Report::msg(error),
     })?;
-    // What the work has brought is kept first.
+    // Write the result first.
     write_file(&output, result.to_json()).map_err(MachineFault::of)?;
     write_file(&curve, completion_svg(&result)).map_err(MachineFault::of)?;
     pictures.end()?;
@@ -205,7 +207,7 @@ fn plan_from(path: &Path, assembly: &Assembly, domains: &Domains) -> Result<Plan
     })
 }
 
-/// Checks that all files of a run can be written, and that the result does not take the place of another.
+/// Checks that all files of a run can be written, and that the result does not overwrite another file.
 fn check_places(output: &Path, curve: &Path, log: &Path, scene: Option<&Path>) -> Result<(), Report> {
     for (other, what) in [(curve, "curve"), (log, "log")] {
         if other == output {
@@ -228,7 +230,7 @@ fn robot_time(data: &Data, setup: &Setup) -> Result<Option<RobotTime>, Report> {
     Ok(times.ok().map(|ReferenceTimes { bound, reference }| RobotTime { bound, reference }))
 }
 
-/// The result for a person.
+/// The result as text.
 fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
     let mut text = format!(
         "{}, world {}, track {}, seed {}: {} of {} pegs\n",
@@ -288,7 +290,7 @@ struct Display {
 }
 
 impl Display {
-    /// `pegs` is how many pegs the goal has.
+    /// `pegs` is the number of pegs in the goal.
     fn new(pegs: usize) -> Display {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::new(pegs as u64);
@@ -301,7 +303,7 @@ impl Display {
         Display { bar, action: RefCell::new("planning".to_string()) }
     }
 
-    /// What the agent does now.
+    /// The agent's current action.
     fn action(&self) -> String {
         self.action.borrow().clone()
     }
@@ -334,7 +336,7 @@ impl Display {
 #[cfg(feature = "view")]
 use ramp_twin::view::Window as TwinWindow;
 
-/// The live window, where the program was built with one.
+/// The live window, if the program was built with it.
 struct Window {
     #[cfg(feature = "view")]
     inner: TwinWindow,

@@ -1,4 +1,4 @@
-//! `ramp score`: the log of a real robot's run as results, and the form that such a log is written on.
+//! `ramp score`: converts the log of a real robot's run to results, and writes the form for such a log.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! `ramp see`: what the cameras see of a goal, what perception makes of it, and how good that is.
+//! `ramp see`: camera images of a goal, the detected poses, and their errors.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -40,8 +40,8 @@ pub struct Arguments {
     /// Judge a detector's poses (a file like estimates.json) on the labels of a data set (its folder)
     #[arg(long, num_args = 2, value_names = ["FILE", "DIR"], conflicts_with_all = ["goal", "count"])]
     judge: Option<Vec<PathBuf>>,
-    /// Also write the depth of each image of a data set: 16 bits, tenths of a millimetre along the optical axis, 0 beyond
-    /// 6.5 m
+    /// Also write the depth of each image of a data set: 16 bits, tenths of a millimetre along the optical
+    /// axis, 0 beyond 6.5 m
     #[arg(long, requires = "count")]
     depth: bool,
     /// Keep the labels and poses of a data set only, not its images
@@ -110,9 +110,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     Ok(DONE)
 }
 
-/// The largest file of labels or poses, bytes: a hundred thousand images.
+/// Largest size of a file of labels or poses, bytes. This is enough for 100,000 images.
 const LARGEST: usize = 512 << 20;
-/// So many of a data set's images are also written with what is found drawn on them.
+/// Number of images of a data set that are also written with the detections drawn in.
 const DRAWN: u32 = 10;
 /// Files of a data set.
 const LABELS: &str = "labels.json";
@@ -150,7 +150,7 @@ fn data_set(
             write_png(&folder.join(&file), &view.image, &view.image.pixels)?;
             all_areas.push(areas(&view, &bodies));
         }
-        // Once with nothing known, once with calibrated cameras and heights known.
+        // Detect twice: without prior knowledge, and with calibrated cameras and known heights.
         let lying: Vec<Lying> = view
             .lying
             .iter()
@@ -197,7 +197,7 @@ fn data_set(
     Ok(DONE)
 }
 
-/// What a JSON file says, and its hash.
+/// The content of a JSON file, and its hash.
 fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<(T, String), Report> {
     let bytes = read_bytes(path, LARGEST)?;
     let value = serde_json::from_slice(&bytes)
@@ -205,7 +205,7 @@ fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<(T, String), Repo
     Ok((value, sha256(&bytes)))
 }
 
-/// Is everything a name that should be one?
+/// Checks that all names are valid.
 fn check_names<'a>(path: &Path, mut names: impl Iterator<Item = &'a String>) -> Result<(), Report> {
     match names.find(|name| !is_name(name)) {
         None => Ok(()),
@@ -225,7 +225,7 @@ fn write_png(path: &Path, image: &Image, pixels: &[u8]) -> Result<(), Report> {
     write_pixels(path, image, pixels, png::ColorType::Rgb, png::BitDepth::Eight)
 }
 
-/// Writes pixels of any kind that are as many as an image's.
+/// Writes pixels of any type, as many as in an image.
 fn write_pixels(
     path: &Path,
     image: &Image,
@@ -253,7 +253,7 @@ fn write_depth(path: &Path, image: &Image, depth: &[f32]) -> Result<(), Report> 
     write_pixels(path, image, &bytes, png::ColorType::Grayscale, png::BitDepth::Sixteen)
 }
 
-/// An error's figures, or a dash where there are none because nothing was found.
+/// The statistics of an error, or a dash if nothing was detected.
 fn error(value: f64) -> String {
     if value.is_finite() { format!("{value:>6.3}") } else { format!("{:>6}", "–") }
 }
@@ -296,11 +296,11 @@ fn table(verdict: &Verdict) -> String {
     text
 }
 
-/// Estimated against true, for every part that was found.
+/// Compares estimated and true poses of every detected part.
 fn compare(text: &mut String, camera: Camera, twin: &Twin, image: &Image, sighting: &Sighting) {
     let truth = twin.truth();
     let places: Vec<(&str, Pose)> = twin.part_names().zip(truth.x_wp).collect();
-    // What the camera's calibration adds to every pose.
+    // Pose error that the camera calibration adds to every part.
     let told = twin.camera(camera).x_wc(&image.x_wt);
     let real = twin.true_camera(camera).x_wc(&image.x_wt);
     let calibration = told * real.inverse();
@@ -344,7 +344,7 @@ fn compare(text: &mut String, camera: Camera, twin: &Twin, image: &Image, sighti
     text.push('\n');
 }
 
-/// The image with its tags framed and the names and axes of the parts that were found.
+/// The image with framed tags, and with the names and axes of the detected parts.
 fn draw(
     image: &Image,
     told: &CameraModel,

@@ -1,4 +1,5 @@
-//! `ramp seeds commit` and `ramp seeds verify`: a secret that an organiser mixes into the seeds of a bench.
+//! `ramp seeds commit` and `ramp seeds verify`: an organiser's secret that is mixed into the seeds of a
+//! bench.
 
 use std::path::{Path, PathBuf};
 
@@ -8,11 +9,11 @@ use ramp_result::secret::{Kept, LENGTH, Promise, Secret, verify};
 use crate::output::{print, read_json, refuse_existing, write_json};
 use crate::status::{DONE, INCOMPLETE};
 
-/// Published before.
+/// File that is published before the bench.
 const COMMITMENT: &str = "commitment.json";
-/// Kept back until after.
+/// File that is kept secret until after the bench.
 const SECRET: &str = "secret.json";
-/// Who wrote both files.
+/// Command that writes both files.
 const WRITER: &str = "ramp seeds commit";
 
 #[derive(clap::Args)]
@@ -31,7 +32,8 @@ enum Command {
 
 #[derive(clap::Args)]
 struct CommitArguments {
-    /// Folder for commitment.json, to be published now, and secret.json, to be kept back; made if it is not there
+    /// Folder for commitment.json, to be published now, and secret.json, to be kept back; made if it is not
+    /// there
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 }
@@ -54,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Report> {
 /// Reads a secret.
 ///
 /// # Errors
-/// When the file holds none.
+/// If the file holds no secret.
 pub fn read(path: &Path) -> Result<Secret, Report> {
     let kept: Kept = read_json(path, WRITER)?;
     Secret::from_kept(&kept).map_err(|error| {

@@ -1,4 +1,4 @@
-//! `ramp show`: a goal as a picture, or all of them.
+//! `ramp show`: draws one goal or all goals.
 
 use std::io::IsTerminal;
 use std::path::PathBuf;

@@ -28,16 +28,17 @@ pub struct Arguments {
     json: bool,
 }
 
-/// The file of the skills' parameters.
+/// Option for the file of skill parameters.
 #[derive(clap::Args)]
 pub struct File {
-    /// Replace parameters of the baseline's skills by those in this TOML file; `ramp skills` prints all of them
+    /// Replace parameters of the baseline's skills by those in this TOML file; `ramp skills` prints all of
+    /// them
     #[arg(long = "parameters", alias = "skills", value_name = "FILE")]
     pub path: Option<PathBuf>,
 }
 
 impl File {
-    /// The numbers: the baseline's but for those that the file gives, or that of a data folder of one's own.
+    /// The baseline's parameters, overridden by those of the file or of a custom data folder.
     pub fn read(&self, data: &Data) -> Result<Arc<Parameters>, Report> {
         match self.path.clone().or_else(|| data.own_skills()) {
             Some(path) => Ok(Parameters::read(&path)?),
@@ -46,7 +47,7 @@ impl File {
     }
 }
 
-/// Why nothing is printed.
+/// Errors of `ramp skills`.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 #[error("there is no skill and no table of parameters `{name}`")]
 struct Unknown {
@@ -61,7 +62,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let groups = parameters.groups();
     let wanted = |name: &str| arguments.name.as_deref().is_none_or(|wanted| wanted == name);
     let skills: Vec<&dyn Skill> = table.skills().filter(|skill| wanted(skill.name())).collect();
-    // The tables that belong to no skill alone, or the one that is asked for.
+    // The tables that skills share, or the requested one.
     let own = |group: &&Group| table.skills().any(|skill| skill.name() == group.table);
     let shared: Vec<&Group> = groups.iter().filter(|group| !own(group) && wanted(group.table)).collect();
     if let Some(name) = arguments.name.as_deref().filter(|_| skills.is_empty() && shared.is_empty()) {
@@ -94,12 +95,12 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     Ok(DONE)
 }
 
-/// The table of parameters that is a skill's own.
+/// The parameter table of one skill.
 fn own_group<'g>(skill: &dyn Skill, groups: &'g [Group]) -> Option<&'g Group> {
     groups.iter().find(|group| group.table == skill.name())
 }
 
-/// The tables that a skill shares with others.
+/// The tables that several skills share.
 fn shared_tables(skill: &dyn Skill) -> Vec<&'static str> {
     skill.parameters().iter().copied().filter(|table| *table != skill.name()).collect()
 }

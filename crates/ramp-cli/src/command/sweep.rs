@@ -1,4 +1,4 @@
-//! `ramp sweep`: success and time against a number of the world.
+//! `ramp sweep`: success and time against a quantity of the world.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::options::RESULTS_WORLD;
 use crate::output::{print, write_file};
 use crate::status::{DONE, INCOMPLETE, STOPPED};
 
-/// The most values of a list.
+/// Largest number of values in a list.
 const MOST: usize = 1000;
 
 #[derive(clap::Args)]
@@ -42,7 +42,7 @@ pub struct Arguments {
     output: PathBuf,
 }
 
-/// What is wrong with what is to be varied.
+/// Errors in the varied quantity or its values.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 enum SweepError {
     #[error("found --{option} `{found}`, expected {expected}")]
@@ -56,7 +56,7 @@ enum SweepError {
 }
 
 impl Arguments {
-    /// Whether a program of somebody else works.
+    /// Returns true if an external agent program runs.
     pub fn has_agent(&self) -> bool {
         self.shared.has_agent()
     }
@@ -102,7 +102,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     Ok(if lost { INCOMPLETE } else { DONE })
 }
 
-/// The world with a quantity at a value.
+/// The world with one quantity set to a value.
 fn varied(world: &World, option: &'static str, quantity: &str, value: f64) -> Result<World, SweepError> {
     let world = world.with(quantity, value).map_err(|why| SweepError::Quantity { option, why })?;
     if !is_name(&world.name) {
@@ -111,12 +111,12 @@ fn varied(world: &World, option: &'static str, quantity: &str, value: f64) -> Re
     Ok(world)
 }
 
-/// A number that takes few characters.
+/// Formats a number in few characters.
 fn rounded(value: f64) -> f64 {
     format!("{value:.6e}").parse().unwrap_or(value)
 }
 
-/// The quantity that is varied, and its values.
+/// The varied quantity and its values.
 fn values(word: &str, steps: usize) -> Result<(&str, Vec<f64>), SweepError> {
     let wrong = || SweepError::Form {
         option: "vary",
@@ -132,7 +132,7 @@ fn values(word: &str, steps: usize) -> Result<(&str, Vec<f64>), SweepError> {
     Ok((quantity, values.collect()))
 }
 
-/// The label of each curve, and the world that its quantity is varied in.
+/// The label of each curve, and the world in which the quantity is varied.
 fn curves(base: &World, word: Option<&str>) -> Result<Vec<(String, World)>, SweepError> {
     let Some(word) = word else { return Ok(vec![(String::new(), base.clone())]) };
     let wrong = || SweepError::Form {
@@ -150,7 +150,8 @@ fn curves(base: &World, word: Option<&str>) -> Result<Vec<(String, World)>, Swee
         .collect()
 }
 
-/// All episodes: every world from the first seed before the second, so that a sweep that is stopped has seen something of each.
+/// All episodes. Each seed runs in every world before the next seed, so that an interrupted sweep has samples
+/// of each world.
 fn plan(batch: &Batch, worlds: &[World]) -> Vec<Episode> {
     let mut episodes = Vec::new();
     for (repeat, seed) in batch.repeats() {

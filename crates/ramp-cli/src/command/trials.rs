@@ -1,4 +1,4 @@
-//! `ramp trials`: single contact skills of the baseline from randomised starts, and how often they succeed.
+//! `ramp trials`: success rates of single contact skills of the baseline from randomised starts.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -70,7 +70,7 @@ pub struct Arguments {
     output: PathBuf,
 }
 
-/// Why no trial is made.
+/// Errors before any trial starts.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 enum TrialsError {
     #[error("no goal has a step of the skill `{name}`")]
@@ -98,20 +98,20 @@ enum TrialsError {
     OtherSkills { file: String },
 }
 
-/// What all trials share.
+/// Settings that all trials share.
 struct Trials<'a> {
     arm: ArmModel,
     domains: Domains,
     goals: Vec<PlannedGoal>,
     /// The files of each goal.
     texts: Vec<Texts>,
-    /// The steps of each skill, as indices of a goal and of a step of it.
+    /// The steps of each skill, as pairs of goal index and step index.
     steps: BTreeMap<String, Vec<(usize, usize)>>,
     track: Track,
     world: World,
     software: Software,
     parameters: Arc<Parameters>,
-    /// A program for the contact action, and one for the whole trial.
+    /// The program for the contact action, and the one for the whole trial.
     skill: Option<AgentFile>,
     agent: Option<AgentFile>,
     agent_limit: f64,
@@ -163,7 +163,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     }
     let last = arguments.first_seed + u64::from(arguments.trials) - 1;
     let seeds = || arguments.first_seed..=last;
-    // All skills in turn, so that one that is stopped has something of each.
+    // Alternate between skills, so that an interrupted command has trials of each.
     let wanted: Vec<(&str, u64)> =
         seeds().flat_map(|seed| skills.iter().map(move |skill| (skill.as_str(), seed))).collect();
     let before: Vec<Option<Trial>> =
@@ -180,7 +180,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     Ok(DONE)
 }
 
-/// The skills that are asked for, each once.
+/// The requested skills, without duplicates.
 fn chosen(words: &[String], steps: &BTreeMap<String, Vec<(usize, usize)>>) -> Result<Vec<String>, Report> {
     if words.is_empty() {
         return Ok(steps.keys().cloned().collect());
@@ -203,7 +203,7 @@ fn chosen(words: &[String], steps: &BTreeMap<String, Vec<(usize, usize)>>) -> Re
 }
 
 impl Arguments {
-    /// Whether a program of somebody else works.
+    /// Returns true if an external program runs.
     pub fn has_agent(&self) -> bool {
         self.skill.is_some() || self.agent.is_some()
     }
@@ -214,7 +214,7 @@ impl Trials<'_> {
         self.folder.join(format!("{}.json", Trial::stem(skill, self.track.name(), seed)))
     }
 
-    /// The result that is there already; `None` when there is none, or something that is no trial.
+    /// The existing result; `None` if the file is missing or is not a trial.
     fn read(&self, skill: &str, seed: u64) -> Result<Option<Trial>, Report> {
         let path = self.path(skill, seed);
         let Ok(text) = read_text(&path, LARGEST) else { return Ok(None) };
@@ -259,7 +259,7 @@ impl Trials<'_> {
         Ok(Some(trial))
     }
 
-    /// Makes the trials that are not there yet, each written the moment it has ended.
+    /// Runs the missing trials, and writes each as soon as it ends.
     fn work(
         &self,
         wanted: &[(&str, u64)],
@@ -286,7 +286,7 @@ impl Trials<'_> {
         Ok(trials.into_iter().flatten().collect())
     }
 
-    /// One trial, written to its file.
+    /// Runs one trial and writes its file.
     fn trial(&self, skill: &str, seed: u64) -> Result<Trial, Report> {
         let none = || miette!("no goal has a step of the skill `{skill}`");
         let steps = self.steps.get(skill).ok_or_else(none)?;
@@ -336,7 +336,7 @@ impl Trials<'_> {
     }
 }
 
-/// The table of all skills, and why trials failed.
+/// The table of all skills, with the reasons for failures.
 fn table(text: &mut String, sums: &[SkillSum]) {
     let width = sums.iter().map(|sum| sum.skill.len()).max().unwrap_or(0).max(5);
     let _ = writeln!(

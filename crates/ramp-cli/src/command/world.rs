@@ -1,4 +1,4 @@
-//! `ramp world`: the worlds, and what an episode draws from one.
+//! `ramp world`: lists the worlds and the values that an episode draws.
 
 use std::fmt::Write;
 
@@ -63,7 +63,7 @@ fn list() -> String {
     text
 }
 
-/// Numbers as a person reads them: one where all are equal.
+/// Formats numbers as text; equal numbers as one.
 fn numbers(values: &[f64]) -> String {
     let one = |value: &f64| {
         let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(*value);
@@ -75,7 +75,7 @@ fn numbers(values: &[f64]) -> String {
     }
 }
 
-/// What a quantity is, for a person.
+/// Describes the distribution of a quantity as text.
 fn said(field: &Field, quantity: &Quantity) -> String {
     let spread = match quantity.spread {
         Spread::Fixed => String::new(),

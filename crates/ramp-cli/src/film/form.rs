@@ -1,6 +1,6 @@
-//! What all films share.
+//! Constants that all film formats share.
 
-/// Pixels of a film.
+/// Size of a film, pixels.
 pub const SIZE: [usize; 2] = [800, 500];
-/// How long the last frame stands, s.
+/// Display time of the last frame, s.
 pub const LAST: f64 = 3.0;

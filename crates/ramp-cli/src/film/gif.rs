@@ -1,4 +1,4 @@
-//! Frames as GIF: colours from the first frame, and of each frame only what has changed.
+//! Encodes frames as GIF. The palette comes from the first frame; each frame stores only the changed pixels.
 
 use std::io::BufWriter;
 use std::path::Path;
@@ -9,23 +9,23 @@ use resvg::tiny_skia;
 
 use super::form::{LAST, SIZE};
 
-/// How long a frame is shown, s.
+/// Display time of a frame, s.
 pub const SHOWN: f64 = 0.08;
-/// Colours of the palette; one more stands for what has not changed.
+/// Number of palette colours. One more entry marks unchanged pixels.
 const COLOURS: usize = 255;
 
-/// A GIF that is being written.
+/// Writer of a GIF file.
 pub struct Gif {
     encoder: ::gif::Encoder<BufWriter<WholeFile>>,
     palette: Option<Palette>,
-    /// Colours on the screen, as numbers of the palette.
+    /// Colours on the screen, as palette indices.
     screen: Vec<u8>,
 }
 
-/// The colours of a film, chosen from its first frame.
+/// Palette of a film, chosen from its first frame.
 struct Palette {
     quantiser: color_quant::NeuQuant,
-    /// For each colour of 15 bits its number, once it was asked for.
+    /// Cached palette index of each 15-bit colour.
     known: Vec<Option<u8>>,
 }
 
@@ -42,10 +42,10 @@ impl Palette {
 }
 
 impl Gif {
-    /// An empty film.
+    /// Starts an empty film.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn new(path: &Path) -> Result<Gif, Report> {
         let [width, height] = SIZE.map(|edge| edge as u16);
         let file = BufWriter::new(WholeFile::new(path)?);
@@ -54,10 +54,10 @@ impl Gif {
         Ok(Gif { encoder, palette: None, screen: Vec::new() })
     }
 
-    /// Writes the rectangle that has changed.
+    /// Writes the changed rectangle.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write(&mut self, pixmap: &tiny_skia::Pixmap) -> Result<(), Report> {
         let [width, height] = SIZE;
         let palette = self.palette.get_or_insert_with(|| Palette {
@@ -73,7 +73,7 @@ impl Gif {
             let [left, top, right, low] = around.unwrap_or([x, y, x, y]);
             around = Some([left.min(x), top.min(y), right.max(x), low.max(y)]);
         }
-        // A frame that shows nothing new keeps the old one on for longer.
+        // An unchanged frame only extends the display time of the last one.
         let [left, top, right, low] = around.unwrap_or([0, height - 1, 0, height - 1]);
         let unchanged = COLOURS as u8;
         let mut buffer = Vec::with_capacity((right + 1 - left) * (low + 1 - top));
@@ -87,10 +87,10 @@ impl Gif {
         self.write_part([left, top, right + 1 - left, low + 1 - top], buffer, SHOWN)
     }
 
-    /// Lets the last frame stand for a while.
+    /// Holds the last frame.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn end(mut self) -> Result<(), Report> {
         self.write_part([0, 0, 1, 1], vec![COLOURS as u8], LAST)?;
         let file = self.encoder.into_inner().into_diagnostic()?;
@@ -98,7 +98,7 @@ impl Gif {
         Ok(file.finish()?)
     }
 
-    /// Writes colours into a part of the screen: left, top, width and height.
+    /// Writes colours into the part of the screen given by left, top, width and height.
     fn write_part(
         &mut self,
         [left, top, width, height]: [usize; 4],

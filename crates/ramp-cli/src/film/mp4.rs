@@ -1,4 +1,4 @@
-//! Frames as MP4, by ffmpeg where the machine has it.
+//! Encodes frames as MP4 with ffmpeg, if it is installed.
 
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -10,10 +10,10 @@ use resvg::tiny_skia;
 
 use super::form::{LAST, SIZE};
 
-/// How long a frame is shown, s.
+/// Display time of a frame, s.
 pub const SHOWN: f64 = 0.04;
 
-/// An MP4 that is being written.
+/// Writer of an MP4 file.
 pub struct Mp4 {
     path: PathBuf,
     file: WholeFile,
@@ -22,10 +22,10 @@ pub struct Mp4 {
 }
 
 impl Mp4 {
-    /// An empty film.
+    /// Starts an empty film.
     ///
     /// # Errors
-    /// When there is no ffmpeg.
+    /// If ffmpeg is missing.
     pub fn new(path: &Path) -> Result<Mp4, Report> {
         let [width, height] = SIZE;
         let file = WholeFile::new(path)?;
@@ -34,7 +34,7 @@ impl Mp4 {
             .args(["-video_size", &format!("{width}x{height}"), "-framerate", &(1.0 / SHOWN).to_string()])
             .args(["-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart"])
             .args(["-f", "mp4"])
-            // A name that begins with a dash is still a name.
+            // Keep a file name that starts with a dash from being read as an option.
             .arg(Path::new(".").join(file.place()))
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
@@ -56,7 +56,7 @@ impl Mp4 {
     /// Adds a frame.
     ///
     /// # Errors
-    /// When ffmpeg takes no more.
+    /// If ffmpeg accepts no more frames.
     pub fn write(&mut self, pixmap: &tiny_skia::Pixmap) -> Result<(), Report> {
         self.last = pixmap.data().to_vec();
         self.write_last()
@@ -69,10 +69,10 @@ impl Mp4 {
             .map_err(|error| miette!("ffmpeg does not write {}: {error}", self.path.display()))
     }
 
-    /// Lets the last frame stand for a while, and waits until the file is written.
+    /// Holds the last frame, and waits until the file is written.
     ///
     /// # Errors
-    /// When ffmpeg fails.
+    /// If ffmpeg fails.
     pub fn end(mut self) -> Result<(), Report> {
         for _ in 0..(LAST / SHOWN) as usize {
             self.write_last()?;

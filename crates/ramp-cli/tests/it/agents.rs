@@ -1,4 +1,4 @@
-//! Agents of one's own: what they can do, and what they cannot do to a run or a bench.
+//! Custom agents: their abilities, and the protection of a run or a bench from them.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -123,8 +123,8 @@ fn whatever_an_agent_does_is_scored_with_its_reason() {
     }
 }
 
-/// A target that the arm cannot follow ends the episode, unless the agent asks for a motion in its place; the log then holds
-/// that motion.
+/// A target that the arm cannot follow ends the episode, unless the agent asks for a motion in its place; the
+/// log then holds that motion.
 #[test]
 fn a_target_that_jumps_is_refused_or_clipped() {
     let folder = TempDir::new().unwrap();
@@ -204,7 +204,7 @@ fn an_agent_does_not_outlive_a_run_that_is_killed() {
     }
 }
 
-/// A bench goes on, scores every episode, and stays with one agent.
+/// A bench resumes, scores every episode, and keeps to one agent.
 #[test]
 fn a_bench_goes_on_whatever_its_agent_does() {
     let folder = TempDir::new().unwrap();
@@ -221,7 +221,7 @@ fn a_bench_goes_on_whatever_its_agent_does() {
     // Its last words are kept.
     let said = std::fs::read_to_string(folder.path().join("out/easy-3-state-1.log")).unwrap();
     assert!(said.contains("it was all too much"), "{said}");
-    // Another agent does not go on in the same folder.
+    // Another agent cannot resume in the same folder.
     let output = ramp(&folder, &arguments, &agent("good.py"), "");
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("is of the agent bad 1.0"), "{}", text(&output.stderr));

@@ -1,4 +1,4 @@
-//! What is judged alone, as a user has it: plans, detectors and single skills, their files and the report of them.
+//! Plans, detectors and single skills, each judged separately: their files and their report.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -84,8 +84,8 @@ fn trial(skill: &str, seed: &str) -> Value {
 
 #[test]
 fn a_wrist_camera_that_is_off_is_put_right_before_it_is_needed() {
-    // Among the seeds whose wrist camera is furthest off; without it a seated peg seems a millimetre too high, and the end of a
-    // beam that hangs goes under the joint it is slid into.
+    // Among the seeds whose wrist camera is furthest off; without it a seated peg seems a millimetre too
+    // high, and the end of a beam that hangs goes under the joint it is slid into.
     for (skill, seed) in [("fasten-thru-f", "71"), ("slide", "62")] {
         let trial = trial(skill, seed);
         assert_eq!(trial["success"], true, "{trial:#}");

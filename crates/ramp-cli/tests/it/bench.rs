@@ -50,7 +50,7 @@ fn wait_for(what: &str, mut there: impl FnMut() -> bool) {
     }
 }
 
-/// A process that is no more, or is only waited for.
+/// A process that has ended, or is a zombie.
 fn is_gone(process: u32) -> bool {
     std::fs::read_to_string(format!("/proc/{process}/stat"))
         .map_or(true, |text| text.rsplit(')').next().is_some_and(|rest| rest.trim_start().starts_with('Z')))
@@ -117,7 +117,7 @@ fn what_is_killed_and_started_again_gives_the_same_sums() {
     assert!(words(&output.stderr).contains("stopped: "), "{}", words(&output.stderr));
     assert!(children.iter().all(|&it| is_gone(it)));
 
-    // One episode is killed: the other goes on.
+    // One episode is killed: the other continues.
     let bench = command(&folder, &arguments).spawn().unwrap();
     wait_for("two episodes", || episodes_of(&bench).len() == 2);
     send("-KILL", episodes_of(&bench)[0]);

@@ -1,7 +1,7 @@
 //! Every command of the documentation is one that the program takes, and those marked to be run do run.
 //!
-//! Blocks of `sh` are run, a page in one temporary folder, one block after the other. Of blocks of `sh,norun`, which would
-//! take too long, and of commands of `cargo run`, the arguments are parsed.
+//! Blocks of `sh` are run, a page in one temporary folder, one block after the other. Of blocks of
+//! `sh,norun`, which would take too long, and of commands of `cargo run`, the arguments are parsed.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -47,11 +47,11 @@ fn commands(block: &str) -> Vec<String> {
     lines.map(str::to_string).collect()
 }
 
-/// What is wrong with the arguments of a command of ours; nothing for those of other programs.
+/// The error in the arguments of a `ramp` command; `None` for other programs.
 fn wrong(command: &str) -> Option<String> {
     let command = command.split(" > ").next().unwrap_or(command).split(" | ").next().unwrap_or(command);
     let Some(words) = shlex::split(command) else {
-        // A text in quotes that goes on in the next line.
+        // A quoted text that continues on the next line.
         return command.starts_with("ramp ").then(|| "it is no command of a shell".to_string());
     };
     let ours = match words.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
@@ -132,7 +132,7 @@ fn form(line: &str) -> String {
     form.replace("#.#", "#")
 }
 
-/// What `ramp run` printed has the form of the README's sample.
+/// The output of `ramp run` has the form of the README's sample.
 pub fn has_the_form_of_the_sample(printed: &str) {
     let readme = std::fs::read_to_string(Path::new(ROOT).join("README.md")).unwrap();
     let sample = blocks(&readme, "text").into_iter().find(|block| block.contains("seated at")).unwrap();

@@ -1,4 +1,4 @@
-//! Faults of the machine: nobody's result suffers from them, and what was finished is kept.
+//! Machine faults: they count as no result, and finished results are kept.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -6,8 +6,8 @@ use std::process::{Command, Output};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// The program in a shell in which no file can be larger than so many blocks of 512 bytes. A write beyond that fails as
-/// it does on a full disk.
+/// The program in a shell in which no file can be larger than so many blocks of 512 bytes. A write beyond
+/// that fails as it does on a full disk.
 fn with_full_disk(folder: &Path, blocks: u32, arguments: &str) -> Output {
     let line = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$RAMP\" {arguments}");
     let mut command = Command::new("sh");
@@ -64,10 +64,10 @@ fn a_bench_on_a_full_disk_stops_and_counts_nothing() {
     let bench = "bench easy-1 --repeats 3 --agent mover.py -o results";
     let output = with_full_disk(folder.path(), 128, bench);
     assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
-    assert!(text(&output.stderr).contains("full or read-only disk"), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("disk full or read-only"), "{}", text(&output.stderr));
     assert_eq!(text(&output.stdout), "", "no sums");
     assert_eq!(names(&folder.path().join("results")), [".lock"]);
-    // With room again, the same command does all of them.
+    // With free space again, the same command runs all episodes.
     let output = with_full_disk(folder.path(), 1 << 20, bench);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(text(&output.stdout).contains("3/3"), "{}", text(&output.stdout));

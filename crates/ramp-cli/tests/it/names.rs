@@ -1,5 +1,5 @@
-//! Names that would lead out of a folder, hide a line or run in a spreadsheet: refused where they are read, and nothing is
-//! written anywhere.
+//! Names that would lead out of a folder, hide a line or run in a spreadsheet: refused where they are read,
+//! and nothing is written anywhere.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -101,7 +101,7 @@ fn a_result_with_names_that_are_none_is_refused() {
     let (path, sound) = scored(&folder);
     let long = "x".repeat(65);
     let endless = "word ".repeat(500);
-    // What is replaced, by what, and what is said of it.
+    // Each replacement, and the message expected for it.
     let cases = [
         ("\"our-system\"", r#""=HYPERLINK(1)""#, "the agent's name is `=HYPERLINK(1)`"),
         ("\"our-system\"", r#""a\n\u001b[2J""#, r"the agent's name is `a\n\u{1b}[2J`"),
@@ -121,10 +121,10 @@ fn a_result_with_names_that_are_none_is_refused() {
         refused(&ramp(&folder, &["report", "results"]), sentence);
         assert!(!folder.path().join("a/b/report.html").exists());
     }
-    // What the reader of JSON says of a file has the file's words in it.
+    // Error messages of the JSON reader quote the file.
     std::fs::write(&path, r#"{"schema": "ramp-published-1", "a\u001b[2J": 1}"#).unwrap();
     refused(&ramp(&folder, &["report", "results"]), r"unknown field `a\u{1b}[2J`");
-    // Larger than any honest one: told before it is all in memory.
+    // Larger than any valid file: rejected before it is all in memory.
     let mut large = sound.into_bytes();
     large.resize((16 << 20) + 1, b' ');
     std::fs::write(&path, large).unwrap();

@@ -1,4 +1,4 @@
-//! Plans and skills of somebody else, carried out in the twin.
+//! External plans and skills, executed in the twin.
 
 use std::path::{Path, PathBuf};
 

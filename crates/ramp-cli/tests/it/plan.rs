@@ -23,7 +23,7 @@ fn coarse_rules() -> String {
     std::fs::read_to_string(file).unwrap()
 }
 
-/// What the tutorial in docs/src/tutorials/your-planner.md promises.
+/// The commands and results of the tutorial docs/src/tutorials/your-planner.md.
 #[test]
 fn a_changed_rule_changes_the_plan() {
     let folder = TempDir::new().unwrap();
@@ -132,7 +132,8 @@ fn why_tells_laws_and_places() {
     assert!(status == 2 && told.contains("did you mean"), "{told}");
 }
 
-/// Rules of strangers that would take the machine's memory, in `ramp plan` and before `ramp run` has written anything.
+/// Rules of strangers that would take the machine's memory, in `ramp plan` and before `ramp run` has written
+/// anything.
 #[cfg(target_os = "linux")]
 #[test]
 fn rules_that_never_end_are_ended_and_nothing_is_written() {

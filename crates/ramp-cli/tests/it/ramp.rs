@@ -111,7 +111,8 @@ fn run_builds_easy_1_and_prints_and_writes_what_the_readme_shows() {
     assert!(jsonschema::is_valid(&schema, &result));
     assert_eq!(result["seed"], 12);
     assert_eq!(result["completion"], 1.0);
-    // What the robot time is to be compared with is what the planner prints, and no arm is quicker.
+    // The bound and the reference of the robot time equal those of the planner, and no arm is faster than the
+    // bound.
     let plan = ramp(&folder, &["plan", "easy-1", "--check-motion", "--bound", "--json"]);
     let plan: serde_json::Value = serde_json::from_slice(&plan.stdout).unwrap();
     assert_eq!(result["robot_time"], plan["robot_time"]);

@@ -1,4 +1,4 @@
-//! The pages of the command line and of the worlds are what the program says of itself.
+//! The reference pages of the command line and of the worlds equal the program's own help.
 //!
 //! `RAMP_WRITE=1 cargo test --release -p ramp-cli --test it reference` writes the page anew.
 

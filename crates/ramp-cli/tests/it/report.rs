@@ -34,8 +34,8 @@ fn refused(output: &Output, sentence: &str) {
     assert!(output.stdout.is_empty());
 }
 
-/// Two agents by stopwatch, one with words that a spreadsheet would run, and the published means, with a title that would
-/// be markup.
+/// Two agents by stopwatch, one with words that a spreadsheet would run, and the published means, with a
+/// title that would be markup.
 fn results() -> TempDir {
     let folder = TempDir::new().unwrap();
     let log = std::fs::read_to_string(data("examples/stopwatch.csv")).unwrap();
@@ -130,7 +130,7 @@ fn what_does_not_belong_together_is_refused() {
     let folder = results();
     let path = folder.path().join("one/easy-1-tags-1.json");
     let sound = std::fs::read_to_string(&path).unwrap();
-    // What is replaced by what in a result, and what is said of it.
+    // Replacements in a result, and the message expected for each.
     let cases = [
         ("ramp-episode-4", "ramp-episode-1", "is of the schema `ramp-episode-1`"),
         ("ramp-rules-2", "ramp-rules-0", "was judged by the rules ramp-rules-0"),
@@ -185,7 +185,7 @@ fn a_leaderboard_takes_whole_classes_only() {
     assert!(words(&output.stdout).contains("refused one: our-system"));
     assert!(words(&output.stdout).contains("easy-3 was run with seeds 1, 2, 3, 5"));
     assert!(read("site2/index.html").contains("No entry is on a board"));
-    // An entry that is wrong does not keep another one from the board.
+    // An invalid entry does not keep another one from the board.
     let other = log.replace("our-system", "their-system");
     std::fs::write(folder.path().join("other.csv"), other).unwrap();
     done(&ramp(&folder, &["score", "other.csv", "-o", "all/two"]));
@@ -203,7 +203,7 @@ fn goals_that_are_kept_back_are_promised_and_verified() {
     done(&ramp(&folder, &["goals", "commit", &goal, "-o", "held"]));
     let verify = ["goals", "verify", "held/commitments.json", "held/reveal.json"];
     done(&ramp(&folder, &verify));
-    // What is published tells nothing of the goal, and twice the same goal has two commitments.
+    // The published file reveals nothing of the goal, and two commitments to one goal differ.
     let published = std::fs::read_to_string(folder.path().join("held/commitments.json")).unwrap();
     assert!(!published.contains("beam"));
     done(&ramp(&folder, &["goals", "commit", &goal, "-o", "again"]));

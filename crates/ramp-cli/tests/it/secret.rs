@@ -1,4 +1,4 @@
-//! Seeds that nobody knows before: an organiser's secret in a bench.
+//! Unpredictable seeds: an organiser's secret in a bench.
 
 use std::path::Path;
 use std::process::{Command, Output};

@@ -38,7 +38,7 @@ fn a_data_set_is_the_same_again_and_can_be_judged() {
     let output = judge("estimates.json").success();
     let text = String::from_utf8(output.get_output().stdout.clone()).unwrap();
     assert!(text.contains("false poses") && text.contains(": 0 of "), "{text}");
-    // What a bad detector says is found out; what is no detector's is refused.
+    // The errors of a bad detector are measured; a file that is not a detector's output is rejected.
     let text = std::fs::read_to_string(first.join("estimates.json")).unwrap();
     let mut bad: serde_json::Value = serde_json::from_str(&text).unwrap();
     bad[0]["x_cp"]["position"][0] = 3.0.into();

@@ -43,7 +43,8 @@ fn each_skill_is_printed_with_its_parameters() {
     assert!(status == 2 && told.contains("did you mean `pick_up`?"), "{told}");
 }
 
-/// One number of a file of one's own changes that number alone; what is wrong is told with its place, before anything runs.
+/// A file overrides only the parameters that it gives. An error is reported with its place, before
+/// anything runs.
 #[test]
 fn a_file_overrides_numbers_and_a_wrong_one_is_refused() {
     let folder = TempDir::new().unwrap();

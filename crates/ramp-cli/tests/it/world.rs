@@ -37,7 +37,8 @@ fn worlds_are_listed_and_shown() {
     assert_eq!(show(&["again.toml", "--seed", "1"]), show(&["real", "--seed", "1"]));
 }
 
-/// A world of one's own runs, the result says which it was and what was drawn, and a replay finds the same physics.
+/// A world of one's own runs, the result says which it was and what was drawn, and a replay finds the same
+/// physics.
 #[test]
 fn a_world_of_ones_own_is_run_and_replayed() {
     let folder = tempfile::tempdir().unwrap();
@@ -72,7 +73,7 @@ fn a_wrong_world_is_refused() {
     assert!(!place.join("results").exists(), "nothing is written");
 }
 
-/// A sweep runs each world, writes table, figure and page, and goes on where it was.
+/// A sweep runs each world, writes table, figure and page, and resumes where it stopped.
 #[test]
 fn a_sweep_gives_a_table_and_a_figure() {
     let folder = tempfile::tempdir().unwrap();
@@ -92,7 +93,7 @@ fn a_sweep_gives_a_table_and_a_figure() {
     assert!(
         std::fs::read_to_string(place.join("out/sweep.html")).unwrap().contains("Sweep of friction.coulomb")
     );
-    // What is finished is not run again.
+    // Finished episodes are not run again.
     let log = place.join("out/easy-1-real+controller.compensation-0+friction.coulomb-0-state-1.mcap");
     let written = || std::fs::metadata(&log).unwrap().modified().unwrap();
     let before = written();

@@ -49,7 +49,7 @@ impl Place {
         self.enter_on("state", entry, name, shift, |agent| agent);
     }
 
-    /// The same on some track, with a change of the agent's file.
+    /// The same on a given track, with a change to the agent's file.
     fn enter_on(
         &self,
         track: &str,
@@ -127,7 +127,7 @@ fn bad_entries_are_told_and_the_others_are_on_the_board() {
     }
     let folder = place.copy("d-<b>\u{1b}[31mnot-json", "h-good");
     std::fs::write(result(&folder, 5, "json"), "<script>alert(1)</script>").unwrap();
-    // Links lead out of the entry, and who opens a pipe waits for ever.
+    // Links lead out of the entry, and opening a pipe blocks for ever.
     let folder = place.copy("e-link", "h-good");
     std::fs::remove_file(result(&folder, 1, "mcap")).unwrap();
     std::os::unix::fs::symlink(place.path("entries/h-good/easy-1-state-1.mcap"), result(&folder, 1, "mcap"))
@@ -143,13 +143,13 @@ fn bad_entries_are_told_and_the_others_are_on_the_board() {
     }
     place.copy("i-again", "h-good");
     place.enter("j-copy", "copy", 1);
-    // It asks for what its track does not give.
+    // It calls a function that its track does not allow.
     place.enter_on("tags", "k-asked", "asked", 1, |agent| {
         let done = "tell({\"done\": {}})";
         assert!(agent.contains(done));
         agent.replace(done, &format!("tell({{\"read_parts\": {{}}}})\nhear()\n{done}"))
     });
-    // It is run on one track, and said to be run on another.
+    // It runs on one track, and claims another.
     let folder = place.copy("l-relabelled", "k-asked");
     for seed in 1..=5 {
         let path = folder.join(format!("easy-1-tags-{seed}.json"));
@@ -185,7 +185,7 @@ fn bad_entries_are_told_and_the_others_are_on_the_board() {
     assert!(!refused.contains("<script>alert") && !refused.contains('\u{1b}'));
     assert!(place.page("agent-1.html").contains("href=\"index.html\""));
 
-    // What was found is remembered, by the hash of the log.
+    // Verdicts are stored by the hash of the log.
     let (_, told) = place.board(&[]);
     assert!(told.contains("; 0 logs run again, "), "{told}");
     let path = place.path("site/replayed.json");
@@ -232,7 +232,7 @@ fn agents_are_run_again_for_their_times() {
     change(&place.path("entries/c-changed/agent.py"), "\"changed\", 3", "\"changed\", 4");
     place.enter("d-absent", "absent", 4);
     std::fs::remove_file(place.path("entries/d-absent/agent.py")).unwrap();
-    // An agent that is random, told by the folder that it is run in.
+    // A nondeterministic agent: it depends on its working folder.
     let own = |entry: &str| place.path("entries").join(entry);
     std::fs::create_dir(own("e-random")).unwrap();
     let agent = std::fs::read_to_string(own("a-same").join("agent.py")).unwrap();
@@ -268,8 +268,8 @@ fn agents_are_run_again_for_their_times() {
     assert_eq!(board.matches("<small>timed here").count(), 2 * 3, "planning and compute of three agents");
 }
 
-/// A board of 200 entries of which five are bad: `cargo test --release -p ramp-cli --test sandbox -- --ignored`. It takes minutes.
-/// With `RAMP_SITE=DIR` everything stays there, to be looked at.
+/// A board of 200 entries of which five are bad: `cargo test --release -p ramp-cli --test sandbox --
+/// --ignored`. It takes minutes. With `RAMP_SITE=DIR` everything stays there, to be looked at.
 fn a_board_of_two_hundred() {
     let mut place = Place::new();
     let number = |index: usize| format!("entry-{index:03}");

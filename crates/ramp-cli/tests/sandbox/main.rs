@@ -1,4 +1,5 @@
-//! Tests of agents in a sandbox and of boards, which run agents again in one. A kernel without Landlock skips some.
+//! Tests of agents in a sandbox and of boards, which run agents again in one. A kernel without Landlock skips
+//! some.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
@@ -11,7 +12,7 @@ use ramp_testing::trials::run;
 mod board;
 mod seal;
 
-/// Why nothing can run in a sandbox here.
+/// The reason why no sandbox is available on this system.
 fn missing() -> Option<String> {
     open_ends().is_none().then(|| "this kernel has no Landlock or no seccomp".to_string())
 }

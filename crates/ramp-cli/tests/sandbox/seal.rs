@@ -1,5 +1,5 @@
-//! What an agent can learn and do, plain and in a sandbox; the table of `docs/src/howto/run-a-strangers-agent.md` is what
-//! these tests hold true.
+//! Access and abilities of an agent, plain and in a sandbox. These tests verify the table of
+//! `docs/src/howto/run-a-strangers-agent.md`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -41,7 +41,7 @@ fn result(folder: &TempDir, name: &str) -> Value {
     serde_json::from_slice(&std::fs::read(folder.path().join(name)).unwrap()).unwrap()
 }
 
-/// What the spy found: each door, and what was behind it.
+/// Findings of the spy: each door, and what it found there.
 fn spied(results: &TempDir, arguments: &[&str]) -> BTreeMap<String, Option<String>> {
     let agents = agents();
     let base = ["run", "easy-1", "--track", "tags", "--seed", SEED, "-o", "out.json"];
@@ -58,7 +58,7 @@ fn spied(results: &TempDir, arguments: &[&str]) -> BTreeMap<String, Option<Strin
     doors.collect()
 }
 
-/// Which doors must be shut; all others must be open, so that the table tells the truth.
+/// Doors that must be shut. All others must be open, so that the table is correct.
 fn doors_are_shut(found: &BTreeMap<String, Option<String>>, shut: &[&str]) {
     for (door, behind) in found {
         assert_eq!(behind.is_none(), shut.contains(&door.as_str()), "{door}: {behind:?}");
@@ -101,7 +101,7 @@ fn a_plain_agent_learns_nothing_of_its_own_episode() {
     // A result of an earlier episode, which the plain agent may read.
     std::fs::write(results.path().join("old.json"), r#"{"seed": 123456789}"#).unwrap();
     let found = spied(&results, &[]);
-    // Who is not the superuser has more doors shut.
+    // An ordinary user has more doors shut than the superuser.
     let mut shut = SEALED.to_vec();
     shut.extend(SANDBOXED.iter().filter(|door| {
         ["passwords of the system", "other name spaces"].contains(*door) && found[**door].is_none()
@@ -117,7 +117,7 @@ fn an_agent_in_a_sandbox_gets_nothing() {
     doors_are_shut(&found, &[&SEALED[..], &SANDBOXED[..]].concat());
 }
 
-/// What it must not see must not lie where it may read.
+/// Hidden files must not lie in a folder that the agent may read.
 fn results_in_the_folder_of_the_agent_are_refused() {
     let agents = agents();
     let expected = if open_ends().is_some() { "may read" } else { "Landlock" };

@@ -1,4 +1,4 @@
-//! What commands that run many episodes are told alike.
+//! Arguments shared by the commands that run many episodes.
 
 use std::path::Path;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use crate::command::agent;
 use crate::options::{TrackName, WorldOption};
 use crate::software::software;
 
-/// What commands that run many episodes are told alike.
+/// Arguments shared by the commands that run many episodes.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Knowledge that the agent has of the parts' poses
@@ -38,16 +38,16 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// Whether a program of somebody else works.
+    /// Returns true if an external agent program runs.
     pub fn has_agent(&self) -> bool {
         self.agent.agent.is_some()
     }
 
-    /// What the episodes of these goals share, `count` of each goal, and their folder; `option` is where the count was
-    /// given, and `hidden` a file that the agent must not see.
+    /// The batch of `count` episodes of each of these goals, with its results folder. `option` is the option
+    /// that gave the count, and `hidden` a file that the agent must not see.
     ///
     /// # Errors
-    /// When the agent's file is none, or the seeds go past the largest number there is.
+    /// If the agent's file is invalid, or if the seeds exceed the largest `u64`.
     pub fn batch<'a>(
         &self,
         data: &'a Data,
@@ -59,7 +59,7 @@ impl Arguments {
     ) -> Result<Batch<'a>, Report> {
         let last = self.first_seed.checked_add(u64::from(count) - 1);
         let agent = self.agent.file()?;
-        // What is wrong with the sandbox is told before any episode is begun.
+        // Report problems of the sandbox before any episode starts.
         if self
             .agent
             .sandbox(agent.as_ref(), &Vec::from_iter([Some(folder), hidden].into_iter().flatten()))?

@@ -1,4 +1,5 @@
-//! Many episodes at work: each in a process of its own, a few at a time, and what was finished before is kept.
+//! Runs many episodes, each in its own process, several in parallel. Finished results are kept and not run
+//! again.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -27,15 +28,15 @@ use crate::pool;
 use crate::seal;
 use crate::status::{DONE, INCOMPLETE, MACHINE, MachineFault};
 
-/// Folder in the results' folder for what is not finished.
+/// Folder inside the results folder for unfinished files.
 const RUNNING: &str = ".running";
-/// File in the results' folder that one run at a time holds.
+/// Lock file in the results folder: one run at a time holds it.
 const LOCK: &str = ".lock";
-/// What is left of an episode's time on the wall to score it when an agent is not done.
+/// Wall-clock time reserved for scoring an episode whose agent has not finished.
 const SCORING: Duration = Duration::from_secs(20);
-/// How much of what an episode has said is told when the machine fails, bytes.
+/// Length of the end of an episode's standard error that is shown when the machine fails, bytes.
 const LAST_WORDS: usize = 400;
-/// How often it is looked after the episodes.
+/// Polling interval for the episodes.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// The process of an episode.
@@ -44,7 +45,7 @@ struct Worker {
     since: Instant,
 }
 
-/// The state that the threads of the pool share.
+/// State shared by the threads of the pool.
 struct State<'e> {
     episodes: &'e mut [Episode],
     display: Display,
@@ -59,46 +60,46 @@ impl State<'_> {
     }
 }
 
-/// A world of some episodes.
+/// World of a group of episodes.
 pub struct BatchWorld {
     /// As on the command line.
     pub argument: OsString,
     /// The hash of its file.
     pub hash: String,
-    /// What tells it from all other worlds.
+    /// Title, unique among all worlds.
     pub title: String,
 }
 
 impl BatchWorld {
-    /// One that is named on the command line by `argument`.
+    /// The world that `argument` names on the command line.
     pub fn new(argument: OsString, world: &World) -> BatchWorld {
         let WorldLabel { sha256, title } = WorldLabel::of(world);
         BatchWorld { argument, hash: sha256, title }
     }
 }
 
-/// What many episodes share, and their folder.
+/// Settings that all episodes of a batch share, and their results folder.
 pub struct Batch<'a> {
     pub data: &'a Data,
     pub folder: &'a Path,
     pub track: &'static str,
-    /// The worlds; all episodes of a bench are in the same.
+    /// The worlds. All episodes of a bench share one.
     pub worlds: Vec<BatchWorld>,
     pub limit: Duration,
-    /// Episodes at a time.
+    /// Number of parallel episodes.
     pub jobs: usize,
     pub agent: Option<AgentFile>,
     pub agent_limit: f64,
-    /// Whether the agent is in a sandbox.
+    /// True if the agent runs in a sandbox.
     pub sandbox: bool,
-    /// What is mixed into the seeds.
+    /// Secret that is mixed into the seeds.
     pub secret: Option<Secret>,
-    /// The file of the numbers of the baseline's skills, if one is given.
+    /// File of the baseline's skill parameters, if given.
     pub skills: Option<PathBuf>,
-    /// The hash of the file of these numbers, if it is not the baseline's own.
+    /// Hash of that file, if it differs from the built-in one.
     pub skills_hash: Option<String>,
     pub goals: Vec<BatchGoal>,
-    /// How many episodes of each goal.
+    /// Number of episodes of each goal.
     pub count: u32,
     /// Their seeds.
     pub seeds: RangeInclusive<u64>,
@@ -111,11 +112,11 @@ impl Batch<'_> {
         (1..).zip(self.seeds.clone())
     }
 
-    /// Does the episodes that have no result in the folder yet. False when it was stopped by Ctrl-C, and
-    /// then it has said so.
+    /// Runs the episodes that have no result in the folder yet. Returns false, after printing a message, if
+    /// it was stopped by Ctrl-C.
     ///
     /// # Errors
-    /// When the folder is of another version or agent, is in use, or cannot be written to.
+    /// If the folder belongs to another version or agent, is in use, or cannot be written to.
     pub fn run(&self, episodes: &mut [Episode]) -> Result<bool, Report> {
         let folder = self.folder;
         if folder.exists() && !folder.is_dir() {
@@ -153,7 +154,7 @@ impl Batch<'_> {
         if !whole {
             let finished = episodes.iter().filter(|it| matches!(it.outcome, Outcome::Finished(_))).count();
             eprintln!(
-                "stopped: {finished} of {} episodes are finished; the same command goes on from there",
+                "stopped: {finished} of {} episodes are finished; run the same command to resume",
                 episodes.len()
             );
         }
@@ -170,7 +171,7 @@ impl Batch<'_> {
         }
     }
 
-    /// Refuses a folder with results of another version, world, secret or agent.
+    /// Rejects a folder with results of another version, world, secret or agent.
     fn refuse_foreign(&self) -> Result<(), Report> {
         let Ok(entries) = std::fs::read_dir(self.folder) else { return Ok(()) };
         let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
@@ -183,7 +184,7 @@ impl Batch<'_> {
         Ok(())
     }
 
-    /// The result in a file, if it is the one of this episode.
+    /// The result in a file, if it belongs to this episode.
     fn read(&self, path: &Path, episode: &Episode) -> Option<EpisodeResult> {
         let text = std::fs::read_to_string(path).ok()?;
         let goal = &self.goals[episode.goal];
@@ -198,7 +199,7 @@ impl Batch<'_> {
         self.shared().find(&wanted, &text).ok().flatten()
     }
 
-    /// Runs the open episodes; false if it was stopped.
+    /// Runs the open episodes. Returns false if it was stopped.
     fn work(&self, episodes: &mut [Episode], stop: &AtomicBool) -> Result<bool, Report> {
         let open: Vec<usize> =
             (0..episodes.len()).filter(|&it| matches!(episodes[it].outcome, Outcome::Open)).collect();
@@ -247,7 +248,7 @@ impl Batch<'_> {
             return Ok(());
         }
         let mut worker = {
-            // The lock is held until the process is known, so that nobody takes it for an orphan.
+            // Hold the lock until the process id is stored, so that the process is not treated as an orphan.
             let mut state = lock();
             let stem = state.episodes[index].stem.clone();
             let child = self
@@ -285,7 +286,8 @@ impl Batch<'_> {
         }
     }
 
-    /// Starts an episode in its own process, which ends with this one. Its arguments are sealed: the seed is among them.
+    /// Starts an episode in its own process, which ends with this one. Its arguments are sealed: the seed is
+    /// among them.
     fn start(&self, running: &Path, temporary: &Path, episode: &Episode) -> std::io::Result<Child> {
         let log = File::create_new(running.join(format!("{}.log", episode.stem)))?;
         let mut words = self.data.arguments();
@@ -307,17 +309,18 @@ impl Batch<'_> {
         })
     }
 
-    /// What the secret is known by.
+    /// The commitment to the secret.
     fn commitment(&self) -> Option<String> {
         self.secret.as_ref().map(Secret::commitment)
     }
 
-    /// The hash of the file that the agent or its numbers were read from.
+    /// The hash of the agent's file, or of its parameter file.
     fn agent_hash(&self) -> Option<&str> {
         self.agent.as_ref().map(AgentFile::sha256).or(self.skills_hash.as_deref())
     }
 
-    /// What an episode is told of the agent: one that would not be done in time is ended before the episode is.
+    /// The agent's arguments for an episode. A slow agent is ended before the episode's own time limit, so
+    /// that it is still scored.
     fn agent_arguments(&self) -> Vec<OsString> {
         let Some(agent) = &self.agent else {
             let skills = self.skills.iter();
@@ -335,10 +338,10 @@ impl Batch<'_> {
         words.into_iter().map(OsString::from).chain([agent.path().into()]).chain(sandbox).collect()
     }
 
-    /// Whether an episode has ended, and how. What it wrote is moved to its place.
+    /// Checks whether an episode has ended, and how. Moves its files to the results folder.
     ///
     /// # Errors
-    /// When a finished result cannot be moved: then no other could be.
+    /// If a finished result cannot be moved.
     fn look_after(
         &self,
         running: &Path,
@@ -373,7 +376,7 @@ impl Batch<'_> {
             std::fs::rename(&curve_from, &curve_to).map_err(MachineFault::of)?;
             std::fs::rename(&record_from, &record_to).map_err(MachineFault::of)?;
             std::fs::rename(&result_from, &result_to).map_err(MachineFault::of)?;
-            // What an agent of one's own has said is kept.
+            // Keep the output of an external agent.
             if self.agent.is_some() {
                 let _ = std::fs::rename(&log_from, &log_to);
             } else {
@@ -394,7 +397,7 @@ impl Batch<'_> {
     }
 }
 
-/// The end of what a process has said.
+/// The last part of a process's output.
 fn last_words(log: &Path) -> String {
     let text = std::fs::read(log).unwrap_or_default();
     let text = String::from_utf8_lossy(&text[text.len().saturating_sub(LAST_WORDS)..]).into_owned();

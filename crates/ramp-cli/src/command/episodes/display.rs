@@ -1,4 +1,4 @@
-//! What a person sees of many episodes at work.
+//! Progress display of many running episodes.
 
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -13,7 +13,7 @@ pub struct Display {
     /// Episodes to run.
     count: usize,
     jobs: usize,
-    /// Episodes that have ended, and how long they took together.
+    /// Number of ended episodes, and their total duration.
     past: std::cell::Cell<(usize, Duration)>,
 }
 
@@ -34,7 +34,7 @@ impl Display {
         Display { bar, count, jobs, past: std::cell::Cell::default() }
     }
 
-    /// What is left, from how long the episodes so far took; nothing before the first has ended.
+    /// Estimated remaining time, from the durations so far; empty before the first episode has ended.
     fn left(&self) -> Option<String> {
         let (ended, took) = self.past.get();
         if ended == 0 {

@@ -1,18 +1,18 @@
-//! One of many episodes.
+//! One episode of a batch.
 
 use ramp_result::EpisodeResult;
 use ramp_twin::Fault;
 
-/// One episode that is asked for.
+/// A requested episode.
 pub struct Episode {
     pub goal: usize,
-    /// Its world among those of the batch.
+    /// Index of its world in the batch.
     pub world: usize,
     pub seed: u64,
     pub repeat: u32,
-    /// What goes wrong on purpose.
+    /// The injected fault.
     pub fault: Option<Fault>,
-    /// Name of its files, without an ending.
+    /// Name of its files, without extension.
     pub stem: String,
     pub outcome: Outcome,
 }
@@ -31,6 +31,6 @@ pub enum Outcome {
     /// Not run yet.
     Open,
     Finished(Box<EpisodeResult>),
-    /// Crashed, killed or out of time, and why.
+    /// Crashed, killed or timed out, with the reason.
     Lost(String),
 }

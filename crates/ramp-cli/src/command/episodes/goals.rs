@@ -1,4 +1,4 @@
-//! The goals of many episodes, by name, by class, or all of them.
+//! Selection of the goals of many episodes: by name, by class, or all.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use ramp_result::resume::Foreign;
 /// The name that stands for every goal.
 const ALL: &str = "all";
 
-/// Why episodes are not begun.
+/// Errors before any episode starts.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum BatchError {
     #[error("there is no goal and no class `{name}`")]
@@ -21,7 +21,7 @@ pub enum BatchError {
         help: String,
     },
     #[error("{first} and {second} are two goals of the name `{name}`")]
-    #[diagnostic(help("rename one of the files: results are told apart by the goal's name"))]
+    #[diagnostic(help("rename one of the files: results are identified by the goal's name"))]
     SameName { name: String, first: String, second: String },
     #[error("none of {place} is of the class `{class}`")]
     EmptyClass { class: String, place: String },
@@ -50,7 +50,7 @@ pub enum BatchError {
 }
 
 impl BatchError {
-    /// The file of a result that does not belong into its folder.
+    /// The file of a result that does not belong in its folder.
     pub fn foreign(path: &Path, foreign: Foreign) -> BatchError {
         let file = path.display().to_string();
         match foreign {
@@ -65,13 +65,13 @@ impl BatchError {
 /// A goal to be run.
 pub struct BatchGoal {
     pub name: String,
-    /// As `ramp run` is told it.
+    /// The argument for `ramp run`.
     pub argument: String,
     pub class: Option<Class>,
     pub pegs: usize,
 }
 
-/// The goals that are meant, each once, in the order they were named.
+/// The selected goals, without duplicates, in the order of the arguments.
 pub fn find(data: &Data, words: &[String]) -> Result<Vec<BatchGoal>, Report> {
     let names = data.goal_names()?;
     let mut goals: Vec<BatchGoal> = Vec::new();

@@ -1,5 +1,5 @@
-//! Many episodes, each in a process of its own: what is finished stays, what crashes or hangs costs its own episode
-//! only, and what was stopped or killed goes on where it was.
+//! Runs many episodes, each in its own process. Finished results are kept. A crash or hang loses only its own
+//! episode. An interrupted command resumes where it stopped.
 
 mod arguments;
 mod batch;

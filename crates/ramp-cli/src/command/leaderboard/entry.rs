@@ -1,4 +1,5 @@
-//! One entry: a folder from a stranger. Nothing in it is believed, followed or waited for before it is checked.
+//! One entry: an untrusted folder. Everything in it is checked before use. No link is followed and no pipe
+//! opened.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -11,32 +12,32 @@ use ramp_result::collection::{Collection, Identity, ResultFile, collect};
 
 use super::judge::LogFile;
 
-/// Files that an entry may have: ten times those of every goal on every track.
+/// Largest number of files in an entry: ten times those of every goal on every track.
 const MOST_FILES: usize = 5_000;
-/// The largest results of an entry together, bytes: those of every goal on every track have a tenth of it.
+/// Largest total size of an entry's results, bytes: ten times that of every goal on every track.
 const LARGEST_RESULTS: u64 = 64 << 20;
-/// The longest name of an entry or agent that is shown, letters.
+/// Longest shown name of an entry or agent, characters.
 const LONGEST_NAME: usize = 80;
-/// The longest reason, letters.
+/// Longest reason, characters.
 const LONGEST_REASON: usize = 300;
 
 /// An entry.
 pub struct Entry {
-    /// As the board calls it.
+    /// Name on the board.
     pub name: String,
-    /// Where it is.
+    /// Path of its folder.
     pub folder: PathBuf,
 }
 
-/// An entry that is whole, as far as its files tell; its logs are not run again yet.
+/// An entry whose files are complete and valid. Its logs are not replayed yet.
 pub struct Checked {
     /// Its results.
     pub collection: Collection,
     /// Its agent's name and version.
     pub agent: String,
-    /// The logs to be run again.
+    /// The logs to replay.
     pub logs: Vec<LogFile>,
-    /// The calls of its episodes, but those without any motion.
+    /// The calls of its episodes, except those without any motion.
     pub streams: Vec<Stream>,
 }
 
@@ -45,7 +46,7 @@ pub struct Checked {
 pub struct Known(HashMap<String, String>);
 
 impl Known {
-    /// What sets an episode apart.
+    /// Key that identifies an episode.
     fn keys(collection: &Collection) -> impl Iterator<Item = String> {
         collection.entrants.iter().flat_map(|entrant| {
             let files = entrant.files.iter().map(|file| (&file.result.goal, file.result.seed));
@@ -54,14 +55,14 @@ impl Known {
         })
     }
 
-    /// Puts the episodes of an entry among them.
+    /// Adds the episodes of an entry.
     pub fn add(&mut self, entry: &str, collection: &Collection) {
         for key in Known::keys(collection) {
             self.0.insert(key, entry.to_string());
         }
     }
 
-    /// The entry that has an episode of these already.
+    /// The earlier entry that already has one of these episodes.
     fn find(&self, collection: &Collection) -> Option<&String> {
         Known::keys(collection).find_map(|key| self.0.get(&key))
     }
@@ -71,10 +72,10 @@ fn key(identity: &Identity, goal: &str, seed: u64) -> String {
     serde_json::json!([identity, goal, seed]).to_string()
 }
 
-/// The folders of a folder of entries, by name. What begins with a dot, and files, are left alone.
+/// The subfolders of a folder of entries, sorted by name. Files and names that start with a dot are ignored.
 ///
 /// # Errors
-/// When it cannot be read, or has no folder in it.
+/// If it cannot be read, or contains no folder.
 pub fn folders(entries: &Path) -> Result<Vec<PathBuf>, Failure> {
     let fail = |error| miette!("{} cannot be read: {error}", entries.display());
     let mut folders = Vec::new();
@@ -96,16 +97,16 @@ pub fn folders(entries: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(folders)
 }
 
-/// What the board calls the entry in a folder.
+/// The board's name for the entry in a folder.
 pub fn name(folder: &Path) -> String {
     plain(&folder.file_name().unwrap_or_default().to_string_lossy(), LONGEST_NAME)
 }
 
 impl Entry {
-    /// Reads an entry, and looks whether it is what a board takes.
+    /// Reads an entry, and checks that a board can accept it.
     ///
     /// # Errors
-    /// The first reason why it is not.
+    /// The first reason for rejecting it.
     pub fn read(&self, terms: &BoardTerms, known: &Known) -> Result<Checked, Failure> {
         self.check_files()?;
         let collection = collect(std::slice::from_ref(&self.folder))?;
@@ -121,7 +122,7 @@ impl Entry {
         for file in files.filter(|file| file.result.real.is_none()) {
             let (path, log) = log_of(file)?;
             check_log(file, &log, terms).into_diagnostic()?;
-            // Two agents that do nothing do the same.
+            // Agents that do nothing have equal calls, so skip episodes without motion.
             if file.result.time.robot > 0.0 {
                 let (track, goal) = (file.result.track.clone(), file.result.goal.clone());
                 streams.push(Stream { track, goal, seed: file.result.seed, calls: log.calls_sha256() });
@@ -131,8 +132,9 @@ impl Entry {
         Ok(Checked { collection, agent, logs, streams })
     }
 
-    /// An entry is a folder of files, not too many and not too large. No link is followed: it may lead anywhere.
-    /// Nothing else is opened: it may never end.
+    /// Checks that an entry is a folder of regular files, within the limits on number and size. Links are not
+    /// followed, since they may lead anywhere. Pipes and devices are not opened, since reading them may never
+    /// end.
     fn check_files(&self) -> Result<(), Failure> {
         let fail = |error: std::io::Error| miette!("it cannot be read: {error}");
         if !std::fs::symlink_metadata(&self.folder).map_err(fail)?.is_dir() {
@@ -164,7 +166,7 @@ impl Entry {
         Ok(())
     }
 
-    /// Why it is refused, in one line; files in it are called by their names.
+    /// The reason for rejection, in one line. Files of the entry are given by name.
     pub fn reason(&self, why: &Failure) -> String {
         let whole = why.chain().map(ToString::to_string).collect::<Vec<_>>().join(": ");
         let folder = format!("{}{}", self.folder.display(), std::path::MAIN_SEPARATOR);
@@ -173,7 +175,7 @@ impl Entry {
     }
 }
 
-/// The log of a result, which lies beside it.
+/// The log file beside a result.
 fn log_of(file: &ResultFile) -> Result<(PathBuf, Log), Failure> {
     let path = file.path.with_extension(ENDING);
     if !path.exists() {

@@ -1,4 +1,4 @@
-//! A log run again in a process of its own, so that whatever it does costs its own entry only.
+//! Replays a log in its own process, so that a crash or hang affects only its own entry.
 
 use std::io::Read;
 use std::path::PathBuf;
@@ -12,32 +12,32 @@ use serde::{Deserialize, Serialize};
 use crate::output::print;
 use crate::status::DONE;
 
-/// The longest reason, letters.
+/// Longest reason, characters.
 const LONGEST: usize = 1000;
-/// Time on the wall that a replay may take.
+/// Wall-clock limit of a replay.
 const LIMIT: Duration = Duration::from_secs(1800);
-/// How often it is looked whether a replay has ended.
+/// Polling interval for the end of a replay.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// What came out of running a log again: it depends on the log and on this program alone.
+/// Outcome of a replay. It depends only on the log and on this program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// It is equal to the last bit.
+    /// The replay is equal in every bit.
     Equal,
-    /// It is not, or cannot be run again.
+    /// The replay differs, or the log cannot be replayed.
     Refused(String),
 }
 
 /// A log, and its hash when it was read.
 pub struct LogFile {
-    /// Where it is.
+    /// Path of the log.
     pub path: PathBuf,
     /// SHA-256 of its bytes, in hex.
     pub sha256: String,
 }
 
-/// Runs a log again in a process of its own. An error is of this time and this machine.
+/// Replays a log in its own process. An error is specific to this attempt and this machine.
 pub fn replay(log: &LogFile) -> Result<Verdict, String> {
     let fail = |error: std::io::Error| format!("its replay cannot be started: {error}");
     let mut child = Command::new(std::env::current_exe().map_err(fail)?)
@@ -49,7 +49,7 @@ pub fn replay(log: &LogFile) -> Result<Verdict, String> {
         .spawn()
         .map_err(fail)?;
     let begin = Instant::now();
-    // One line, which fits into a pipe.
+    // The verdict is one line, which fits in a pipe's buffer.
     let status = loop {
         match child.try_wait().map_err(fail)? {
             Some(status) => break status,
@@ -75,20 +75,20 @@ pub fn replay(log: &LogFile) -> Result<Verdict, String> {
     Ok(judged.verdict)
 }
 
-/// What the other process says.
+/// The output of the other process.
 #[derive(Serialize, Deserialize)]
 struct Judged {
     sha256: String,
     verdict: Verdict,
 }
 
-/// The log that the other process runs again.
+/// The log that the other process replays.
 #[derive(clap::Args)]
 pub struct Arguments {
     log: PathBuf,
 }
 
-/// Runs a log again, in this process, and prints the verdict as JSON.
+/// Replays a log in this process, and prints the verdict as JSON.
 pub fn judge(arguments: &Arguments) -> Result<u8, Failure> {
     let log = Log::read(&arguments.log).into_diagnostic()?;
     let verdict = match ramp_episode::replay(&log) {
@@ -111,7 +111,7 @@ pub fn judge(arguments: &Arguments) -> Result<u8, Failure> {
     Ok(DONE)
 }
 
-/// An error with all that it follows from.
+/// An error with all its causes.
 fn in_words(error: &dyn std::error::Error) -> String {
     let mut words = error.to_string();
     let mut source = error.source();

@@ -1,4 +1,4 @@
-//! Agents of entries run again on this machine, for planning and compute times that are not the entrant's own.
+//! Runs the agents of entries again on this machine, to measure planning and compute times.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -15,14 +15,14 @@ use ramp_result::episode::{EpisodeResult, WorldInfo};
 
 use super::entry::Entry;
 
-/// What the file of an entry's agent is called: a Python file, or an executable.
+/// File names of an entry's agent: a Python file or an executable.
 const NAMES: [&str; 2] = ["agent.py", "agent"];
 
-/// What came out of timing an agent.
+/// Outcome of timing an agent.
 pub struct Timing {
-    /// Whether its results have the times of this machine.
+    /// True if its results have the times of this machine.
     pub timed: bool,
-    /// What a reader must know.
+    /// Note for the reader.
     pub warning: Option<String>,
 }
 
@@ -32,10 +32,11 @@ impl Timing {
     }
 }
 
-/// Runs an agent again on its goals and seeds, and puts planning and compute times of this machine into its results.
+/// Runs an agent again on its goals and seeds, and replaces planning and compute times in its results by
+/// those of this machine.
 ///
 /// # Errors
-/// When there is no folder for what is passing.
+/// If a temporary folder cannot be created.
 pub fn time(
     data: &Data,
     entry: &Entry,
@@ -69,7 +70,7 @@ pub fn time(
     Ok(compare(entrant, &again, &results, streams))
 }
 
-/// The agent's file, copied to where it sees nothing else of its entry; `None` for the baseline.
+/// The agent's file, copied to a folder without the rest of its entry; `None` for the baseline.
 fn agent_file(entry: &Entry, entrant: &Entrant, folder: &Path) -> Result<Option<PathBuf>, String> {
     let Some(expected) = &entrant.identity.agent_sha256 else { return Ok(None) };
     let name = NAMES.iter().find(|name| entry.folder.join(name).is_file());
@@ -86,7 +87,7 @@ fn agent_file(entry: &Entry, entrant: &Entrant, folder: &Path) -> Result<Option<
     Ok(Some(copy))
 }
 
-/// The bench that runs an agent again: the only place that decides how a stranger's program is started.
+/// The bench that runs an agent again. Only this function decides how an untrusted program is started.
 fn bench_arguments(
     data: &Data,
     entrant: &Entrant,
@@ -110,7 +111,8 @@ fn bench_arguments(
     arguments
 }
 
-/// Takes over the times of the episodes that were run again, if all were; says how they differ from the entry's.
+/// Takes over the times of the repeated episodes, if all were repeated. Returns how they differ from the
+/// entry's times.
 fn compare(entrant: &mut Entrant, again: &[&EpisodeResult], results: &Path, streams: &[Stream]) -> Timing {
     let find = |it: &EpisodeResult| {
         again.iter().find(|other| (&other.goal, other.seed) == (&it.goal, it.seed)).copied()
@@ -132,7 +134,7 @@ fn compare(entrant: &mut Entrant, again: &[&EpisodeResult], results: &Path, stre
             .map(|it| &it.calls);
         let same = match (&log, calls) {
             (Ok(log), Some(calls)) => log.calls_sha256() == *calls,
-            // It has not moved.
+            // The robot did not move.
             (_, None) => here.time.robot == 0.0,
             _ => false,
         };
@@ -142,7 +144,7 @@ fn compare(entrant: &mut Entrant, again: &[&EpisodeResult], results: &Path, stre
         own_completion += result.completion;
         completion += here.completion;
         result.host = here.host.clone();
-        // Robot time is that of the log, which was run again to the last bit.
+        // Robot time comes from the log, whose replay was equal in every bit.
         result.time.planning = here.time.planning;
         result.time.compute = here.time.compute;
         result.time.total = here.time.planning + here.time.compute + result.time.robot;

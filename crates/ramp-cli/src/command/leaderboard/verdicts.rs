@@ -1,4 +1,4 @@
-//! The verdicts on logs, which are remembered from one leaderboard to the next.
+//! Verdicts on logs, stored between builds of a leaderboard.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -15,20 +15,20 @@ use crate::output::print;
 use crate::pool;
 use crate::software::software;
 
-/// The file in the site's folder.
+/// File of verdicts in the site's folder.
 const FILE: &str = "replayed.json";
-/// The version of its form.
+/// Version of its format.
 const SCHEMA: &str = "ramp-replayed-1";
-/// The largest such file that is read, bytes.
+/// Largest size of that file, bytes.
 const LARGEST: u64 = 256 << 20;
-/// What is remembered.
+/// Content of the file of verdicts.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Remembered {
     schema: String,
-    /// The program that ran the logs again.
+    /// The program that replayed the logs.
     software: Software,
-    /// By the SHA-256 of the log.
+    /// Verdict of each log, by its SHA-256.
     logs: BTreeMap<String, Verdict>,
 }
 
@@ -36,15 +36,15 @@ struct Remembered {
 pub struct Verdicts {
     path: PathBuf,
     remembered: Remembered,
-    /// Logs run again, and logs that were known.
+    /// Number of replayed logs, and of logs with a known verdict.
     counts: [usize; 2],
 }
 
 impl Verdicts {
-    /// Those of the site's folder that this program has found.
+    /// Loads the verdicts in the site's folder that this version of the program found.
     ///
     /// # Errors
-    /// When standard output cannot be written to.
+    /// If standard output cannot be written to.
     pub fn open(folder: &Path) -> Result<Verdicts, Failure> {
         let path = folder.join(FILE);
         let empty = Remembered { schema: SCHEMA.to_string(), software: software(), logs: BTreeMap::new() };
@@ -67,20 +67,20 @@ impl Verdicts {
         Ok(Verdicts { path, remembered, counts: [0, 0] })
     }
 
-    /// Logs run again, and logs that were known from before.
+    /// Number of replayed logs, and of logs with a verdict from before.
     pub fn counts(&self) -> [usize; 2] {
         self.counts
     }
 
-    /// Runs the logs again whose verdict is not known, several at a time, and remembers. The reason of the first that is
-    /// not equal.
+    /// Replays the logs without a known verdict, several in parallel, and stores the verdicts. Returns the
+    /// reason for the first log that is not equal.
     ///
     /// # Errors
-    /// When nothing can be remembered.
+    /// If the verdicts cannot be stored.
     pub fn replay(&mut self, logs: &[LogFile]) -> Result<Result<(), String>, Failure> {
         let known = |log: &&LogFile| self.remembered.logs.contains_key(&log.sha256);
         let (old, mut new): (Vec<&LogFile>, Vec<&LogFile>) = logs.iter().partition(known);
-        // One that is known to be refused is enough.
+        // One rejected log is enough.
         if self.refused(logs).is_some() {
             new.clear();
         }
@@ -93,7 +93,7 @@ impl Verdicts {
                 Some(Ok(verdict)) => {
                     self.remembered.logs.insert(log.sha256.clone(), verdict);
                 }
-                // That depends on more than the log, and is tried again the next time.
+                // This depends on more than the log, so do not store it; the next build tries again.
                 Some(Err(why)) => failure = failure.or(Some(format!("{}: {why}", log.path.display()))),
                 None => {}
             }
@@ -106,7 +106,7 @@ impl Verdicts {
         Ok(self.refused(logs).or(failure).map_or(Ok(()), Err))
     }
 
-    /// The first log that is known to be refused, and why.
+    /// The first log that is known to be rejected, with the reason.
     fn refused(&self, logs: &[LogFile]) -> Option<String> {
         logs.iter().find_map(|log| match self.remembered.logs.get(&log.sha256) {
             Some(Verdict::Refused(why)) => Some(format!("{}: {why}", log.path.display())),
@@ -115,7 +115,7 @@ impl Verdicts {
     }
 }
 
-/// What is in the file, if there is one.
+/// The content of the file, if it exists.
 fn read(path: &Path) -> Result<Option<Remembered>, String> {
     let file = match std::fs::File::open(path) {
         Ok(file) => file,
@@ -131,7 +131,8 @@ fn read(path: &Path) -> Result<Option<Remembered>, String> {
     Ok(Some(found))
 }
 
-/// Runs logs again, as many at a time as there are cores. No log is begun after the first that is not equal: `None`.
+/// Replays logs in parallel on all cores. After the first log that is not equal, no further log starts; the
+/// outcome of a log that did not start is `None`.
 fn replay_all(logs: &[&LogFile]) -> Vec<Option<Result<Verdict, String>>> {
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     pool::work(logs.len(), cores, |index| match replay(logs[index]) {

@@ -1,4 +1,5 @@
-//! Explanations: why an action comes where it does, what happened in a history, and how the goal is taken apart.
+//! Explanations: the position of an action in the plan, the events of a history, and the disassembly of the
+//! goal.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -12,7 +13,7 @@ use super::text::json;
 use crate::output::print;
 use crate::status::DONE;
 
-/// Prints the reasons that keep a coarse action from coming earlier.
+/// Prints the reasons why a coarse action cannot come earlier.
 pub(super) fn why(problem: &Problem, state: &State, action: &str, as_json: bool) -> Result<u8, Report> {
     let Problem { goal, domains, .. } = problem;
     let explanation = ramp_planner::why(goal, state, domains, action).into_diagnostic()?;
@@ -36,7 +37,7 @@ pub(super) fn why(problem: &Problem, state: &State, action: &str, as_json: bool)
     Ok(DONE)
 }
 
-/// The explanations of a history, the most likely one first; empty if the domain knows of none.
+/// The explanations of a history, the most likely one first; empty if the domain has none.
 pub(super) fn diagnoses(problem: &Problem, file: &Path) -> Result<Vec<Diagnosis>, Report> {
     let history: History = read_json(
         file,
@@ -45,7 +46,7 @@ pub(super) fn diagnoses(problem: &Problem, file: &Path) -> Result<Vec<Diagnosis>
     ramp_planner::diagnose(&problem.goal, &problem.domains, &history).into_diagnostic()
 }
 
-/// Prints how the finished goal is taken apart.
+/// Prints the disassembly plan of the finished goal.
 pub(super) fn disassembly(problem: &Problem, arguments: &Arguments) -> Result<u8, Report> {
     let plan = ramp_planner::disassemble(&problem.goal, &problem.domains).into_diagnostic()?;
     if arguments.json {

@@ -90,7 +90,8 @@ fn judge_pddl(
     }
 }
 
-/// Writes the verdict to the file of `--output`, if one is given. The planner's name is that of its plan's file.
+/// Writes the verdict to the file of `--output`, if one is given. The planner's name is that of its plan's
+/// file.
 fn write_verdict(
     arguments: &Arguments,
     goal: &Assembly,

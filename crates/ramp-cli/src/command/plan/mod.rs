@@ -1,7 +1,9 @@
-//! `ramp plan`: plans of coarse and fine actions, the reasons for their order, and the planning problem as files.
+//! `ramp plan`: plans of coarse and fine actions, the reasons for their order, and the planning problem as
+//! files.
 //!
-//! [`run`] reads the problem and hands it to one of the jobs: `make` a plan, `judge` one from a file, `explain` an action,
-//! a history or the way back (taking the goal apart), or write the problem as `files` for other solvers.
+//! [`run`] reads the problem and hands it to one of the jobs: `make` a plan, `judge` one from a file,
+//! `explain` an action, a history or the way back (taking the goal apart), or write the problem as `files`
+//! for other solvers.
 
 mod explain;
 mod files;

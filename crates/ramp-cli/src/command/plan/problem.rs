@@ -30,8 +30,8 @@ pub struct Arguments {
     /// Replace the rule file of the same kind: a coarse or fine domain (.al), or the order of the beams (.lp)
     #[arg(long, value_name = "FILE")]
     pub(super) domain: Option<PathBuf>,
-    /// Check the plan in this file instead of making one: the output of --json, or another planner's plan for the files of
-    /// --pddl, which also gets its fine actions
+    /// Check the plan in this file instead of making one: the output of --json, or another planner's plan for
+    /// the files of --pddl, which also gets its fine actions
     #[arg(long, value_name = "FILE", conflicts_with = "emit_asp")]
     pub(super) from: Option<PathBuf>,
     /// With --from: write the verdict as a result file, for `ramp report`
@@ -52,7 +52,8 @@ pub struct Arguments {
     /// Rehearse the plan with the arm's model, and plan around motions that the arm cannot do
     #[arg(long, conflicts_with_all = ["emit_asp", "from", "pddl", "disassemble"])]
     pub(super) check_motion: bool,
-    /// Quantity to minimise. With `time`, pegs and fastenings are exchanged as long as that shortens the arm's motions
+    /// Quantity to minimise. With `time`, pegs and fastenings are exchanged as long as that shortens the
+    /// arm's motions
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = Least::Actions,
         conflicts_with_all = ["emit_asp", "from", "pddl", "why", "coarse", "disassemble"])]
     pub(super) least: Least,
