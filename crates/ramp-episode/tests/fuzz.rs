@@ -135,7 +135,8 @@ fn say(stream: &mut Stream) -> bool {
     }
 }
 
-/// Damages logs and messages for this many rounds, or fewer if they end before; returns a line of what came of it.
+/// Damages logs and messages for this many rounds, or fewer if they end before; returns a line of what came
+/// of it.
 fn fuzz(seed: u64, rounds: impl Iterator) -> String {
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("a.mcap");

@@ -1,11 +1,12 @@
-//! Episodes end in the recorded state, to the last bit. A change that is not meant to change results keeps them all.
+//! Episodes end in the recorded state, to the last bit. A change that is not meant to change results keeps
+//! them all.
 //!
 //! `cargo test` runs easy-3. All eighteen episodes on record, of the worlds `ideal` and `real`, take some
 //! minutes: `cargo test --release --workspace --test recorded_states -- --ignored`. A change that is meant to
 //! change results rewrites the record: `RAMP_WRITE=1` before that command.
 //!
-//! Processors differ in the last bits of sines and roots, so the record holds for one kind of them. Its first line
-//! is a probe of these functions. On a processor with another probe the comparisons are skipped.
+//! Processors differ in the last bits of sines and roots, so the record holds for one kind of them. Its first
+//! line is a probe of these functions. On a processor with another probe the comparisons are skipped.
 
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]

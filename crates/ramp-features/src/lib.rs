@@ -1,1 +1,2 @@
-//! No code: `Cargo.toml` names features of other crates, so that tests, the command and the Python module share what is built.
+//! No code: `Cargo.toml` names features of other crates, so that tests, the command and the Python module
+//! share what is built.

@@ -1,8 +1,8 @@
 //! The actions of the fine resolution: what skills execute. Each action is one entry of one table.
 //!
-//! An entry gives the name of the action in the rules and in a plan's JSON, and its fields in the order of the rules. Each
-//! field has a [`Parameter`], which says how its value is read from an answer of the rules and written as a term of them. So
-//! whoever adds an action adds an entry here, its words below, and a skill.
+//! An entry gives the name of the action in the rules and in a plan's JSON, and its fields in the order of
+//! the rules. Each field has a [`Parameter`], which says how its value is read from an answer of the rules
+//! and written as a term of them. So whoever adds an action adds an entry here, its words below, and a skill.
 
 use crate::place::{Grasp, Item, Place, Target};
 use serde::{Deserialize, Serialize};
@@ -118,7 +118,8 @@ macro_rules! fine_actions {
                 }
             }
 
-            /// The action of a kind with these values of its fields; `None` where number or types of values do not fit.
+            /// The action of a kind with these values of its fields; `None` where number or types of values
+            /// do not fit.
             pub(crate) fn new(kind: ActionKind, values: Vec<Value>) -> Option<FineAction> {
                 let mut values = values.into_iter();
                 let action = match kind {
@@ -240,7 +241,8 @@ impl ActionKind {
         ActionKind::ALL.iter().copied().find(|kind| kind.name() == name)
     }
 
-    /// Does the action work on the assembly? The others move the hand, and pick up, put down or regrasp a part.
+    /// Does the action work on the assembly? The others move the hand, and pick up, put down or regrasp a
+    /// part.
     pub fn is_assembling(self) -> bool {
         use ActionKind::{Move, PickUp, PutDown, Regrasp};
         !matches!(self, Move | PickUp | PutDown | Regrasp)
@@ -248,7 +250,8 @@ impl ActionKind {
 }
 
 impl FineAction {
-    /// The part that the hand works with: the one that the action names first; for [`FineAction::Fasten`] the peg.
+    /// The part that the hand works with: the one that the action names first; for [`FineAction::Fasten`] the
+    /// peg.
     pub fn part(&self) -> Option<&str> {
         match self {
             FineAction::Move { to } => to.part(),

@@ -53,7 +53,8 @@ pub enum Place {
     Above(Area),
     /// Over the start place of an item.
     Input(Item),
-    /// Where the insertion of a beam begins, or over the hole of a connection (`Beam` or the connection's name).
+    /// Where the insertion of a beam begins, or over the hole of a connection (`Beam` or the connection's
+    /// name).
     Approach(Target),
     /// The place itself.
     Target(Target),

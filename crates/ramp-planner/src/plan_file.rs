@@ -1,4 +1,5 @@
-//! Plans from a file: read, checked by the rules, and completed with the insertion paths that the skills need.
+//! Plans from a file: read, checked by the rules, and completed with the insertion paths that the skills
+//! need.
 
 use ramp_assembly::Assembly;
 use ramp_source::plain;
@@ -50,10 +51,11 @@ struct Steps {
     entries: Vec<Entry>,
 }
 
-/// Reads a plan that starts from nothing: the output of `ramp plan GOAL --json`, or the plan of a PDDL planner.
+/// Reads a plan that starts from nothing: the output of `ramp plan GOAL --json`, or the plan of a PDDL
+/// planner.
 ///
-/// Each step, coarse and fine, must be possible by the rules, and the last must leave the goal built. Insertion paths that
-/// the file lacks are taken from the planner's own plan; the goal is planned only then.
+/// Each step, coarse and fine, must be possible by the rules, and the last must leave the goal built.
+/// Insertion paths that the file lacks are taken from the planner's own plan; the goal is planned only then.
 ///
 /// # Errors
 /// If the text is not a plan, or the rules refuse a step.

@@ -1,8 +1,8 @@
 //! The rule by which a result file counts as an episode that is wanted, so that it is not run again.
 //!
-//! A folder of results belongs to one agent, one version of the program, one secret, and the worlds of one command. A result
-//! of anything else is [`Foreign`]: it must not be added up with the others, and is not overwritten. `ramp bench`,
-//! `ramp faults`, `ramp sweep` and `ramp.bench` in Python use this rule.
+//! A folder of results belongs to one agent, one version of the program, one secret, and the worlds of one
+//! command. A result of anything else is [`Foreign`]: it must not be added up with the others, and is not
+//! overwritten. `ramp bench`, `ramp faults`, `ramp sweep` and `ramp.bench` in Python use this rule.
 
 use serde_json::Value;
 

@@ -268,8 +268,8 @@ impl EventKind {
         matches!(self, EventKind::FaultStruck { .. } | EventKind::Stopped { .. })
     }
 
-    /// The same with every text such as a result may hold: no control characters, and not too long. An event with a
-    /// number that is not finite, which JSON cannot hold, becomes a note.
+    /// The same with every text such as a result may hold: no control characters, and not too long. An event
+    /// with a number that is not finite, which JSON cannot hold, becomes a note.
     #[must_use]
     pub fn plain(self) -> EventKind {
         let note = || EventKind::Note { text: plain(&self.to_string(), MAX_SENTENCE - 1) };

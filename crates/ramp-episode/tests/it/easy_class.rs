@@ -1,8 +1,8 @@
-//! The easy class, from goal file to result, in the real physics. The result follows the published schema, and the same
-//! seed gives the same bits.
+//! The easy class, from goal file to result, in the real physics. The result follows the published schema,
+//! and the same seed gives the same bits.
 //!
-//! `RAMP_SEEDS="1 2 3"` chooses other seeds than those that every test run takes. Seed 1 of easy-3 is among the
-//! recorded states, where it has to be built as well.
+//! `RAMP_SEEDS="1 2 3"` chooses other seeds than those that every test run takes. Seed 1 of easy-3 is among
+//! the recorded states, where it has to be built as well.
 
 use ramp_result::EpisodeResult;
 use ramp_result::episode::SCHEMA;

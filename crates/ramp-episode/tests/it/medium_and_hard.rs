@@ -53,8 +53,8 @@ fn hard_3_is_built() {
     completes("hard-3", 3);
 }
 
-/// Builds a generated goal, for which no skill was made. Not every one is built yet: a beam whose sleeve holds another
-/// one that no peg holds drags it along when it is pushed.
+/// Builds a generated goal, for which no skill was made. Not every one is built yet: a beam whose sleeve
+/// holds another one that no peg holds drags it along when it is pushed.
 fn builds_generated(beams: usize, class: Class) {
     let mut world = GoalFiles::new("easy-1");
     let request = Request { beams, seed: 202, class: Some(class) };

@@ -89,8 +89,9 @@ fn because_of_motion(error: PlanError, goal: &str, motion: &Motion) -> PlanError
     PlanError::Motion { goal: goal.to_string(), why, reasons: motion.reasons() }
 }
 
-/// A domain with a goal as a program for clingo's incremental mode: `ramp plan GOAL --emit-asp > goal.lp`, then
-/// `clingo goal.lp`. The fine domain is emitted for the state at the beginning and with no goals of its own.
+/// A domain with a goal as a program for clingo's incremental mode: `ramp plan GOAL --emit-asp > goal.lp`,
+/// then `clingo goal.lp`. The fine domain is emitted for the state at the beginning and with no goals of its
+/// own.
 pub fn asp(assembly: &Assembly, domains: &Domains, fine: bool) -> String {
     let planner = Planner::new(assembly, domains, Options::default(), Motion::default());
     let mut facts = planner.facts.all;

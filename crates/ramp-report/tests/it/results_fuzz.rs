@@ -1,5 +1,6 @@
-//! Whatever somebody does to a result, a stopwatch log or a reveal, reading it ends: with something that is sound, or with
-//! one error. For hours of it: `RAMP_FUZZ_SECONDS=3600 cargo test --release -p ramp-report --test it fuzz -- --ignored`.
+//! Whatever somebody does to a result, a stopwatch log or a reveal, reading it ends: with something that is
+//! sound, or with one error. For hours of it:
+//! `RAMP_FUZZ_SECONDS=3600 cargo test --release -p ramp-report --test it fuzz -- --ignored`.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

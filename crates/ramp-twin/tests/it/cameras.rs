@@ -85,7 +85,8 @@ fn exposures_go_on_while_the_arm_moves() {
 #[test]
 fn a_moving_hand_blurs_its_image() {
     let world = GoalFiles::new("easy-1");
-    // Pixels in a thousand that differ from their right neighbour as only a sharp edge does: far more than by noise.
+    // Pixels in a thousand that differ from their right neighbour as only a sharp edge does: far more than by
+    // noise.
     let sharpness = |image: &Image| -> f64 {
         let rows = image.pixels.chunks_exact(3 * image.width);
         let edges =
