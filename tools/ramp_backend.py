@@ -1,8 +1,8 @@
 """The build backend of the Python package: maturin, with what a usable wheel needs.
 
-maturin's own backend leaves libmujoco out of a wheel that pip builds; this one has it put in. That changes the library
-that cargo has built, and cargo would take it for fresh the next time, so the crate is touched first. The `ramp` command
-goes into the package as a program of its own, with its libmujoco beside it.
+maturin's own backend leaves libmujoco out of a wheel that pip builds; this one has it put in. That changes
+the library that cargo has built, and cargo would take it for fresh the next time, so the crate is touched
+first. The `ramp` command goes into the package as a program of its own, with its libmujoco beside it.
 """
 
 from __future__ import annotations

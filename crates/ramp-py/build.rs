@@ -1,7 +1,7 @@
 //! Notes the commit that the module is built from.
 //!
-//! No place of libmujoco is written into the module: the wheel brings its own beside it, and the package's build finds it by
-//! cargo's search path.
+//! No place of libmujoco is written into the module: the wheel brings its own beside it, and the package's
+//! build finds it by cargo's search path.
 
 #[path = "../../tools/commit.rs"]
 mod commit;

@@ -3,9 +3,10 @@
 
     ramp run easy-1 --track state --agent examples/agents/build.py
 
-It reads where the parts are (track `state`), picks up the beams one by one, pushes each to its place, and pins it with
-a peg. It uses no force feedback and does not recover from faults. The protocol is docs/src/reference/agents.md.
-Metres, newtons and radians; a pose is a pair of a position and a quaternion w, x, y, z.
+It reads where the parts are (track `state`), picks up the beams one by one, pushes each to its place, and
+pins it with a peg. It uses no force feedback and does not recover from faults. The protocol is
+docs/src/reference/agents.md. Metres, newtons and radians; a pose is a pair of a position and a quaternion w,
+x, y, z.
 """
 import json
 import math
@@ -174,7 +175,8 @@ def look():
 
 
 def nearest_turn(yaw, step, to=0.1):
-    """The yaw that a hand can have as well, a multiple of `step` away, nearest to where the wrist is in its middle."""
+    """The yaw that a hand can have as well, a multiple of `step` away, nearest to where the wrist is in its
+    middle."""
     return yaw + step * round((to - yaw) / step)
 
 

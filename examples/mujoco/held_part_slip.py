@@ -1,8 +1,9 @@
 """A held part slips in a hand that turns, however hard it is held: a minimal scene for MuJoCo alone.
 
-MuJoCo's rows of friction ask for J a = -b (J v), with the acceleration a, the velocity v and b = 2 / timeconst. They
-leave out the term (dJ/dt) v. On a circle with the radius R that is v² / R for the hand, and nothing for a free part. So
-the part slips outward at the speed (v² / R) / b, whatever the force and the friction. With the step h, it slips by
+MuJoCo's rows of friction ask for J a = -b (J v), with the acceleration a, the velocity v and b = 2 /
+timeconst. They leave out the term (dJ/dt) v. On a circle with the radius R that is v² / R for the hand, and
+nothing for a free part. So the part slips outward at the speed (v² / R) / b, whatever the force and the
+friction. With the step h, it slips by
 
     (1/b - h/2) ∫ v² / R dt     with integrators that are explicit in these rows, as here
     (1/b + h/2) ∫ v² / R dt     with the integrator of the benchmark's twin
@@ -28,7 +29,7 @@ CLOSING = 0.3
 
 
 def slip(speed: float, force: float, timeconst: float) -> tuple[float, float]:
-    """The slip of a motion with ``speed`` (m/s) at most, in a grasp of ``force`` (N), and the formula's, m."""
+    """Slip of a motion at ``speed`` (m/s) at most, in a grasp of ``force`` (N), and by the formula, m."""
     model = mujoco.MjModel.from_xml_path(str(pathlib.Path(__file__).with_suffix(".xml")))
     model.geom_solref[:, 0] = timeconst
     data = mujoco.MjData(model)

@@ -1,4 +1,5 @@
-"""A skill of one's own for `fasten`, without any package: over the hole, then straight down with a growing force.
+"""A skill of one's own for `fasten`, without any package: over the hole, then straight down with a growing
+force.
 
     ramp run easy-1 --track state --skill fasten=examples/skills/press.py
     ramp trials fasten-in-f --track state --skill examples/skills/press.py

@@ -1,10 +1,11 @@
-"""Speed and memory of `RAMP/Fasten-v0` at 20 Hz, each figure beside something that is measured in the same run.
+"""Speed and memory of `RAMP/Fasten-v0` at 20 Hz, each beside a reference measured in the same run.
 
     pip install '.[test]'
     python python/benchmarks/environments.py            some minutes
     python python/benchmarks/environments.py --short    under a minute
 
-With the PyPI package `mujoco` installed, the engine's steps are compared with `mujoco.rollout` on the same scene.
+With the PyPI package `mujoco` installed, the engine's steps are compared with `mujoco.rollout` on the same
+scene.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ from ramp.gym import RampEnv, RampVectorEnv
 PERIODS = 50
 """Steps of the engine for each action, at 20 Hz."""
 RUN = 250
-"""Steps of a run of the rival: its torques stay as they are, and later the arm has sunk and the peg meets the plate."""
+"""Steps of a run of the rival: its torques stay as they are, and later the arm has sunk and the peg meets the
+plate."""
 FASTEN: dict[str, Any] = {"starts": (1, 1), "gripper": False, "turns": False}
 
 
@@ -58,7 +60,7 @@ def rate(env: Any, actions: int, clock: Callable[[], float]) -> float:
 
 
 def against_rollout(scale: int) -> None:
-    """Engine steps a CPU-second, over those of `mujoco.rollout` with the same scene, state and number of copies.
+    """Engine steps a CPU-second over those of `mujoco.rollout` with the same scene and number of copies.
 
     Both hold the peg over its hole: the rival with constant torques, so its runs are short.
     """

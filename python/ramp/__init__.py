@@ -1,8 +1,8 @@
 """RAMP, a benchmark of robotic assembly.
 
-A Panda arm builds frames from beams and pins every joint with a peg, in a digital twin. Units are SI: metres, radians,
-seconds, newtons. Poses are seven numbers: x, y, z in m, then a quaternion w, x, y, z. The world's frame is that of the
-robot's base: x forward, z up, the table's top at z = 0.
+A Panda arm builds frames from beams and pins every joint with a peg, in a digital twin. Units are SI: metres,
+radians, seconds, newtons. Poses are seven numbers: x, y, z in m, then a quaternion w, x, y, z. The world's
+frame is that of the robot's base: x forward, z up, the table's top at z = 0.
 
 >>> import ramp
 >>> result = ramp.run("easy-1", track="state")

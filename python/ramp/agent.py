@@ -54,8 +54,8 @@ class Agent:
     def run(self, robot: Robot, goal: Goal) -> None:
         """Works on the goal. Returning ends the episode.
 
-        ``robot`` works until this returns. It raises :class:`ramp.RobotStopped` when a limit of the arm is broken or
-        the episode's time is over; whatever else is raised here passes through :func:`ramp.run`.
+        ``robot`` works until this returns. It raises :class:`ramp.RobotStopped` when a limit of the arm is
+        broken or the episode's time is over; whatever else is raised here passes through :func:`ramp.run`.
         """
         raise NotImplementedError
 
@@ -122,18 +122,19 @@ class Skill:
     name: str = "own-skill"
     """Its name in results: the agent is then called ``baseline+fasten-by-own-skill``."""
     serves: str = "fasten"
-    """The kind of action: assemble-square, assemble-angled, assemble-through, assemble-deep, assemble-cap, lay-down,
-    slide, fasten or push."""
+    """The kind of action: assemble-square, assemble-angled, assemble-through, assemble-deep, assemble-cap,
+    lay-down, slide, fasten or push."""
 
     def work(self, robot: Robot, task: Task) -> str | None:
-        """Brings about what the task asks for. Returns nothing when it is done, or in words why it gave up."""
+        """Carries out the task. Returns nothing when it is done, or the reason why it gave up."""
         raise NotImplementedError
 
     def rehearse(self, task: Task) -> list[list[dict[str, Any]]] | None:
-        """The motions that :meth:`work` will ask for, before anything moves: alternatives, the preferred one first.
+        """The motions that :meth:`work` will ask for: alternatives, the preferred one first.
 
-        Each alternative is a list of motions from :class:`Motion`. A plan in which none of them is possible is changed.
-        Without this method the action counts as possible, and an event says that the skill is not rehearsed.
+        Each alternative is a list of motions from :class:`Motion`. A plan in which none of them is possible
+        is changed. Without this method the action counts as possible, and an event says that the skill is not
+        rehearsed.
 
         >>> class Press(ramp.Skill):
         ...     def rehearse(self, task):
@@ -155,7 +156,7 @@ class Skill:
 
 
 class Motion:
-    """Motions of a rehearsed skill. Poses of the tip are in the world: x, y, z (m) and a quaternion w, x, y, z."""
+    """Motions of a rehearsed skill. Poses of the tip (world): x, y, z (m) and a quaternion w, x, y, z."""
 
     @staticmethod
     def travel(pose: Array, width: float) -> dict[str, Any]:
@@ -164,7 +165,7 @@ class Motion:
 
     @staticmethod
     def straight(pose: Array, width: float, around: str | None = None, contact: bool = False) -> dict[str, Any]:
-        """In a straight line. Arm and hand may touch the part ``around``; ``contact``: the motion is an insertion."""
+        """In a straight line. Arm and hand may touch the part ``around``; ``contact``: an insertion."""
         straight = {"x_wt": _pose(pose), "open": float(width), "around": around, "contact": contact}
         return {"straight": straight}
 

@@ -51,8 +51,8 @@ def run(
         parameters: A file of numbers of the baseline's skills, as ``ramp run --parameters``.
         fault: What goes wrong on purpose, as ``ramp run --fault``.
         record: File for the log of everything (``.mcap``).
-        output: File for the result (``.json``). If it already has a result of this episode, with the same world, track,
-            seed, agent and version of the program, that result is returned and nothing is run.
+        output: File for the result (``.json``). If it already has a result of this episode, with the same
+            world, track, seed, agent and version of the program, that result is returned and nothing is run.
         repeat: Which of several runs in a row this is.
         progress: Called now and then with robot time (s), pegs that count, and pegs of the goal.
 
@@ -181,8 +181,9 @@ def bench(
         repeats: Episodes of each goal.
         first_seed: Seed of the first episode of each goal.
         jobs: Episodes at a time. An agent in Python holds Python's lock while it thinks.
-        output: Folder for the result files, for ``ramp report``. Results of these episodes that it already has are not run
-            again, by the same rule as ``ramp bench``. A folder is of one world, agent and version.
+        output: Folder for the result files, for ``ramp report``. Results of these episodes that it already
+            has are not run again, by the same rule as ``ramp bench``. A folder is of one world, agent and
+            version.
         show: Whether to show progress on standard error.
         options: Passed to :func:`run`: world, track, domain and so on.
 

@@ -15,7 +15,8 @@ from ramp._core import InputError
 class Film:
     """The film of an episode, eight times as fast as the robot; Jupyter shows it.
 
-    It is made from the log of the episode, which is run again for it: that takes some seconds, when it is first shown.
+    It is made from the log of the episode, which is run again for it: that takes some seconds, when it is
+    first shown.
 
     >>> film = ramp.Film("easy-1.mcap", seen_from="wrist")
     """

@@ -19,7 +19,8 @@ class Plan:
     goal: str
     """Name of the goal."""
     steps: list[dict[str, Any]]
-    """In order: ``coarse``, an action, and ``fine``, its fine actions. An action has its name in ``action``."""
+    """In order: ``coarse``, an action, and ``fine``, its fine actions. An action has its name in
+    ``action``."""
     entries: list[dict[str, Any]]
     """How each beam gets to its place: direction in the assembly frame, distance and depth in m."""
 
@@ -62,8 +63,8 @@ def plan(
 
     Args:
         goal: A goal of the benchmark, a goal file, or a goal.
-        domain: A file of rules in place of the one of its kind: a coarse or fine domain (``.al``), or the order
-            (``.lp``).
+        domain: A file of rules in place of the one of its kind: a coarse or fine domain (``.al``), or the
+            order (``.lp``).
         optimal: Prove that no plan has fewer coarse actions; takes much longer.
 
     Raises:

@@ -67,9 +67,11 @@ class Result:
     """For each connection of the goal the peg that counts, or none."""
     time: Time
     bound: float | None
-    """What no robot with these limits can beat with the baseline's plan, s; none where the result does not tell it."""
+    """What no robot with these limits can beat with the baseline's plan, s; none where the result does not
+    tell it."""
     reference: float | None
-    """The robot time of that plan without looks, searches and tries, s; none where the result does not tell it."""
+    """The robot time of that plan without looks, searches and tries, s; none where the result does not tell
+    it."""
     ended: str
     """``done``, or why the episode ended early."""
     largest_force: float
@@ -79,7 +81,8 @@ class Result:
     state: str
     """Hash of the physics at the end: the same in two runs only if every bit is."""
     events: tuple[dict[str, Any], ...] = dataclasses.field(repr=False)
-    """What happened: ``t`` in s, ``kind``, and the fields of that kind. :func:`ramp.describe` gives the text of one."""
+    """What happened: ``t`` in s, ``kind``, and the fields of that kind. :func:`ramp.describe` gives the text
+    of one."""
     json: str = dataclasses.field(repr=False)
     """The result file, of the schema ``data/schema/episode.schema.json``."""
 

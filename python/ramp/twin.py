@@ -88,18 +88,18 @@ class Twin:
         return self._twin.read_parts()
 
     def expose(self) -> None:
-        """Opens the shutters of both cameras, and takes no robot time: :meth:`look` gives the images later."""
+        """Opens the shutters of both cameras without robot time: :meth:`look` gives the images later."""
         self._twin.expose()
 
     def look(self, camera: str = "wrist") -> CameraImage:
-        """An image of a camera, ``wrist`` or ``birds-eye``: the oldest that was exposed and not taken, or one of now.
+        """An image of a camera, ``wrist`` or ``birds-eye``: the oldest exposed and not taken, or a new one.
 
         Exposure and the way to the agent take robot time.
         """
         return self._twin.look(camera)
 
     def snapshot(self) -> Snapshot:
-        """The whole state, to be gone back to by :meth:`restore`: what follows is the same to the last bit."""
+        """The whole state, for :meth:`restore`: what follows is the same to the last bit."""
         return self._twin.snapshot()
 
     def restore(self, snapshot: Snapshot) -> None:

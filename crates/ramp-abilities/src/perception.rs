@@ -1,8 +1,8 @@
 //! Images with labels for perception research, and a judge of any detector on them.
 //!
-//! A view is an image of the start layout or of the built goal from a place drawn from the seed, through a camera with
-//! its own error of calibration. Labels say where each part is in the camera's optical frame C, so that errors are
-//! those of perception alone.
+//! A view is an image of the start layout or of the built goal from a place drawn from the seed, through a
+//! camera with its own error of calibration. Labels say where each part is in the camera's optical frame C,
+//! so that errors are those of perception alone.
 
 pub mod coco;
 pub mod judge;

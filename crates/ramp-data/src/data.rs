@@ -148,8 +148,8 @@ impl Data {
         Ok(ramp_assembly::read_goal_file(&file, self.kit()?)?)
     }
 
-    /// A goal as [`Data::goal`] gives it, with the texts of the files that an episode of it is made from. The goal's file is
-    /// read once, so that both are of the same text.
+    /// A goal as [`Data::goal`] gives it, with the texts of the files that an episode of it is made from. The
+    /// goal's file is read once, so that both are of the same text.
     ///
     /// # Errors
     /// As [`Data::goal`], and if a file cannot be read.
@@ -184,8 +184,8 @@ impl Data {
         })
     }
 
-    /// The planning rules; `other` is a file that replaces the one of its kind. Rules other than the built-in ones are read,
-    /// and work, within `limits` where some are given.
+    /// The planning rules; `other` is a file that replaces the one of its kind. Rules other than the built-in
+    /// ones are read, and work, within `limits` where some are given.
     ///
     /// # Errors
     /// The first problem in the rules.

@@ -9,7 +9,8 @@ use ramp_world::WorldFault;
 
 /// A file of the data that cannot be read, or a name that is not known.
 ///
-/// `{}` prints one sentence, `{:#}` the same after `file:line:column`, and [`miette`] the line itself with a caret.
+/// `{}` prints one sentence, `{:#}` the same after `file:line:column`, and [`miette`] the line itself with a
+/// caret.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum DataError {

@@ -1,8 +1,8 @@
-//! The benchmark's files: kit, goals, planning rules, arm and worlds. The command line, the environments and Python all
-//! read them here.
+//! The benchmark's files: kit, goals, planning rules, arm and worlds. The command line, the environments and
+//! Python all read them here.
 //!
-//! [`Data`] is a data folder, such as `data` of this repository, or the same files built into the program. Every method
-//! reads files and hands on checked values; [`DataError`] says which file or name is wrong.
+//! [`Data`] is a data folder, such as `data` of this repository, or the same files built into the program.
+//! Every method reads files and hands on checked values; [`DataError`] says which file or name is wrong.
 
 mod built_in;
 mod data;

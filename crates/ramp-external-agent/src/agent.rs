@@ -110,11 +110,11 @@ impl<'a> ExternalAgent<'a> {
         Ok(())
     }
 
-    /// Asks a program for a single action for the motions that it will ask for, as JSON; `None` where it cannot rehearse. The
-    /// program is ended.
+    /// Asks a program for a single action for the motions that it will ask for, as JSON; `None` where it
+    /// cannot rehearse. The program is ended.
     ///
     /// # Errors
-    /// What is wrong with its answer, for a person.
+    /// A description of the error in its answer, for a person.
     pub fn rehearse(mut self, task: serde_json::Value) -> Result<Option<serde_json::Value>, String> {
         if let Some(why) = self.failure.take() {
             return Err(why);

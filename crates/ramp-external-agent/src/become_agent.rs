@@ -1,5 +1,5 @@
-//! How a process becomes an agent: it gives up what an agent must not have, and then runs the agent's program in its
-//! own place.
+//! How a process becomes an agent: it gives up what an agent must not have, and then runs the agent's program
+//! in its own place.
 
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
@@ -19,9 +19,9 @@ const TO_LOOK_INTO_OTHERS: CapabilitySet = CapabilitySet::SYS_PTRACE
     .union(CapabilitySet::BPF)
     .union(CapabilitySet::CHECKPOINT_RESTORE);
 
-/// Becomes another program that is killed when the process `parent`, which started this one, is gone. It cannot look
-/// into other processes, not even as the superuser; with `inside` it is in a sandbox. Returns only when that cannot be
-/// done.
+/// Becomes another program that is killed when the process `parent`, which started this one, is gone. It
+/// cannot look into other processes, not even as the superuser; with `inside` it is in a sandbox. Returns
+/// only when that cannot be done.
 pub fn become_agent(parent: u32, inside: Option<&Inside>, command: &[OsString]) -> std::io::Error {
     if let Err(error) = rustix::process::set_parent_process_death_signal(Some(Signal::KILL)) {
         return error.into();
@@ -53,8 +53,8 @@ fn give_up(powers: CapabilitySet) {
     }
 }
 
-/// From now on, other processes of the same user cannot look into this one: not at its memory, its open files or its
-/// environment.
+/// From now on, other processes of the same user cannot look into this one: not at its memory, its open files
+/// or its environment.
 pub fn hide() {
     let _ = rustix::process::set_dumpable_behavior(DumpableBehavior::NotDumpable);
 }

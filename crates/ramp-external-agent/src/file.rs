@@ -22,7 +22,7 @@ pub enum AgentFileError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// It is not one that can be run.
@@ -36,7 +36,7 @@ pub enum AgentFileError {
     Start {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
 }
@@ -48,7 +48,7 @@ impl AgentFile {
     /// When it is neither.
     pub fn find(path: &Path) -> Result<AgentFile, AgentFileError> {
         let io = |source| AgentFileError::Io { path: path.to_path_buf(), source };
-        // Where it is run from changes nothing.
+        // The working folder changes nothing.
         let path = path.canonicalize().map_err(io)?;
         let meta = path.metadata().map_err(io)?;
         let python = path.extension().is_some_and(|ending| ending == "py");
@@ -75,7 +75,7 @@ impl AgentFile {
         self.path.extension().is_some_and(|ending| ending == "py")
     }
 
-    /// What starts it: the program and its arguments.
+    /// Its command: program and arguments.
     pub fn command(&self) -> Vec<std::ffi::OsString> {
         let path = self.path.clone().into_os_string();
         if self.is_python() {

@@ -1,4 +1,4 @@
-//! What an agent is told of its goal, as plain data.
+//! The goal as plain data for an agent.
 
 use ramp_assembly::Assembly;
 use ramp_kit::{joint, tags};
@@ -10,13 +10,13 @@ use serde_json::{Value, json};
 use crate::protocol::{PROTOCOL, pose};
 use ramp_log::Sources;
 
-/// What an agent is told of its goal.
+/// The goal, as an agent gets it.
 pub struct GoalMessage<'a> {
     assembly: &'a Assembly,
     arm: &'a ArmModel,
     track: Track,
     texts: Sources<'a>,
-    /// What is to be done of it, where that is not all.
+    /// The part of it that is to be done, if not all.
     task: Option<Value>,
 }
 

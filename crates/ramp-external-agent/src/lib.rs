@@ -1,11 +1,12 @@
-//! Agents that are programs of their own, in any language: they speak a small protocol on their standard input and
-//! output ([`protocol`], and for their authors `docs/src/reference/agents.md`).
+//! Agents that are programs of their own, in any language: they speak a small protocol on their standard
+//! input and output ([`protocol`], and for their authors `docs/src/reference/agents.md`).
 //!
-//! Nothing that such a program does can stop or bend a bench: whether it hangs, crashes, floods or talks nonsense, it
-//! ends its own episode, which is scored, with a reason that says so.
+//! Nothing that such a program does can stop or bend a bench: whether it hangs, crashes, floods or talks
+//! nonsense, it ends its own episode, which is scored, with a reason that says so.
 //!
-//! Data passes one way: an [`AgentFile`] is started as a [`process`], in a [`sandbox`] if its author is a stranger, told
-//! its [`GoalMessage`], and heard through [`protocol`]; [`ExternalAgent`] is what an episode sees of it.
+//! Data passes one way: an [`AgentFile`] is started as a [`process`], in a [`sandbox`] if its author is a
+//! stranger, told its [`GoalMessage`], and heard through [`protocol`]; [`ExternalAgent`] is what an episode
+//! sees of it.
 
 mod agent;
 mod become_agent;

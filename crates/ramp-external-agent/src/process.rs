@@ -1,5 +1,5 @@
-//! The process of an agent: started in a group of its own, listened and talked to with limits, and ended with all that
-//! it has started.
+//! The process of an agent: started in a group of its own, listened and talked to with limits, and ended with
+//! all that it has started.
 
 use std::ffi::OsString;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -49,7 +49,7 @@ pub enum Silence {
     },
 }
 
-/// What the listening thread has heard.
+/// A message of the listening thread.
 enum Heard {
     Line(Vec<u8>),
     Endless,
@@ -69,13 +69,13 @@ pub struct Process {
     before: Vec<i32>,
     /// Whether it was told the end, and gets a moment to go by itself.
     dismissed: bool,
-    /// Who watches what it uses, where it is in a sandbox.
+    /// The watch over its resources, in a sandbox.
     watch: Option<Watch>,
 }
 
 impl Process {
-    /// Starts a program with pipes to its standard input and output. What it uses is watched where there is a sandbox;
-    /// that `command` puts up the walls is up to the caller.
+    /// Starts a program with pipes to its standard input and output. What it uses is watched where there is a
+    /// sandbox; that `command` puts up the walls is up to the caller.
     pub fn start(
         command: &[OsString],
         patience: Patience,
@@ -164,7 +164,7 @@ impl Process {
         self.watch.as_ref().is_some_and(|watch| watch.found().is_some())
     }
 
-    /// What became of an agent that closed a pipe, or that was ended.
+    /// The end of an agent that closed a pipe, or that was ended.
     fn how_it_ended(&mut self) -> Silence {
         let status = self.wait_for_end(FAREWELL);
         if let Some(how) = self.watch.as_ref().and_then(Watch::found) {

@@ -1,8 +1,9 @@
 //! Actions: numbers of a policy to commands of the robot, clipped to what is safe.
 //!
-//! A policy acts 5 to 100 times a second, the robot takes a command every millisecond. In between, the target moves evenly.
-//! It never leaves the measured tip (or joint) by more than a leash, so that a policy that pushes against something presses
-//! with a bounded force, and no action of a finite number ends the episode by itself.
+//! A policy acts 5 to 100 times a second, the robot takes a command every millisecond. In between, the target
+//! moves evenly. It never leaves the measured tip (or joint) by more than a leash, so that a policy that
+//! pushes against something presses with a bounded force, and no action of a finite number ends the episode
+//! by itself.
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_control::Smoother;
@@ -17,17 +18,18 @@ const GRAVITY: f64 = 9.81;
 /// The widest the gripper opens, m.
 const WIDEST: f64 = 0.08;
 
-/// What the numbers of an action mean.
+/// Meaning of the numbers of an action.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ActionKind {
-    /// Velocity of the target of a Cartesian impedance: along x, y and z of the world, and with `turns` about them.
+    /// Velocity of the target of a Cartesian impedance: along x, y and z of the world, and with `turns` about
+    /// them.
     Cartesian(Cartesian),
     /// Velocity of the target of each joint.
     Joint(Joint),
     /// Positions of the seven joints, rad.
     Raw {
-        /// Commands pass as they are, and one that the arm cannot follow ends the episode, as in a judged run. Otherwise the
-        /// arm goes towards them as fast as its limits allow.
+        /// Commands pass as they are, and one that the arm cannot follow ends the episode, as in a judged
+        /// run. Otherwise the arm goes towards them as fast as its limits allow.
         strict: bool,
     },
 }
@@ -41,7 +43,8 @@ pub struct Cartesian {
     pub speed: f64,
     /// Largest speed of its turn about each axis, rad/s.
     pub turn_speed: f64,
-    /// How far the target may be from the tip along x, y and z, m. Times the stiffness: the largest force of the spring.
+    /// How far the target may be from the tip along x, y and z, m. Times the stiffness: the largest force of
+    /// the spring.
     pub leash: [f64; 3],
     /// The same for its turn, rad.
     pub turn_leash: f64,
@@ -93,8 +96,8 @@ impl ActionKind {
         }
     }
 
-    /// Lowest and highest of each number, the gripper's included if there is one: its width changes by up to 0.1 m/s; a raw
-    /// action gives the width itself, m.
+    /// Lowest and highest of each number, the gripper's included if there is one: its width changes by up to
+    /// 0.1 m/s; a raw action gives the width itself, m.
     pub fn bounds(&self, arm: &ArmModel, gripper: bool) -> Vec<[f64; 2]> {
         let raw = matches!(self, ActionKind::Raw { .. });
         let mut bounds = if raw {
@@ -112,7 +115,7 @@ impl ActionKind {
 /// Turns the actions of one episode into commands.
 pub struct Driver {
     kind: ActionKind,
-    /// What makes joint positions smooth.
+    /// Smooths joint positions.
     smoother: Option<Smoother>,
     /// The target of the tip, in the world.
     x_target: Pose,
@@ -144,7 +147,8 @@ impl Driver {
         }
     }
 
-    /// Where the target is from the tip: along, and about, the axes of the world, m and rad. Zero where none is commanded.
+    /// Offset of the target from the tip: along and about the axes of the world, m and rad. Zero without a
+    /// command.
     pub fn lead(&self, seen: &Observation) -> Vector6<f64> {
         if !matches!(self.kind, ActionKind::Cartesian(_)) {
             return Vector6::zeros();
@@ -213,7 +217,8 @@ impl Driver {
         }
     }
 
-    /// The wrench at the tip that carries what was in the hand at the start, until the fingers are told to open.
+    /// The wrench at the tip that carries what was in the hand at the start, until the fingers are told to
+    /// open.
     fn weight(&self, seen: &Observation) -> Vector6<f64> {
         let Some(held) = self.held.as_ref().filter(|_| self.gripper.width <= seen.width + 2.0e-3) else {
             return Vector6::zeros();

@@ -1,7 +1,7 @@
 //! Many environments at a time, on threads that live as long as they do.
 //!
-//! Each environment is worked on by one thread at a time and depends on nothing but its own seed and actions, so the number
-//! of threads changes no bit.
+//! Each environment is worked on by one thread at a time and depends on nothing but its own seed and actions,
+//! so the number of threads changes no bit.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -9,12 +9,13 @@ use std::thread::JoinHandle;
 
 use crate::env::{Env, EnvError, Step};
 
-/// What all environments are to do.
+/// The job of all environments.
 #[derive(Clone)]
 enum Job {
     /// To reset those that have an entry: with this seed, if there is one.
     Reset(Arc<[Option<Option<u64>>]>),
-    /// To step, each with its row of these actions. With `reset_ended`, one whose episode is over is reset instead.
+    /// To step, each with its row of these actions. With `reset_ended`, one whose episode is over is reset
+    /// instead.
     Step { actions: Arc<[f64]>, reset_ended: bool },
 }
 
@@ -25,16 +26,16 @@ struct Slot {
     outcome: Result<Outcome, EnvError>,
 }
 
-/// What came of a job in one environment.
+/// Outcome of a job in one environment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// What the action has brought; nothing after a reset.
+    /// Outcome of the action; none after a reset.
     pub step: Step,
     /// Whether it was reset.
     pub reset: bool,
 }
 
-/// What threads share.
+/// State shared by the threads.
 struct Shared {
     slots: Vec<Mutex<Slot>>,
     /// The next environment that nobody works on yet.
@@ -196,8 +197,8 @@ impl Batch {
         Ok(())
     }
 
-    /// Steps all environments, each with its row of `actions`. With `reset_ended`, one whose episode is over is reset
-    /// instead, and its action does not count; otherwise it stays over.
+    /// Steps all environments, each with its row of `actions`. With `reset_ended`, one whose episode is over
+    /// is reset instead, and its action does not count; otherwise it stays over.
     ///
     /// # Errors
     /// When `actions` has not as many numbers as it should, or an environment cannot go on.

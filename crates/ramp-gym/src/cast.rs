@@ -8,13 +8,14 @@ use ramp_twin::SceneOptions;
 
 use crate::tasks::Step;
 
-/// Memory for contacts and constraints of a cut scene, MiB: of one in which nothing is pinned, and for each peg that pins.
-/// A seated peg has 20 contacts, and while a start settles all of them are at work at once.
+/// Memory for contacts and constraints of a cut scene, MiB: of one in which nothing is pinned, and for each
+/// peg that pins. A seated peg has 20 contacts, and while a start settles all of them are at work at once.
 const CUT_MEMORY: [u32; 2] = [32, 32];
 /// The same of a whole scene: what the twin has.
 const WHOLE_MEMORY: u32 = 512;
 
-/// The parts that a step needs: what stands, what pins it, and what the step itself works with, a peg with its holder.
+/// The parts that a step needs: what stands, what pins it, and what the step itself works with, a peg with
+/// its holder.
 pub fn cut(assembly: &Assembly, step: &Step) -> Cast {
     let kit = &assembly.kit;
     let beam = |index: &usize| assembly.beams[*index].beam.name.clone();

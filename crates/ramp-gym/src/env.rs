@@ -24,7 +24,7 @@ const DROPPED: f64 = 0.06;
 /// How an environment is driven, what it shows, and how it rewards.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// What the numbers of an action mean.
+    /// Meaning of the numbers of an action.
     pub action: ActionKind,
     /// Whether an action has a number for the gripper.
     pub gripper: bool,
@@ -32,9 +32,10 @@ pub struct Options {
     pub periods: u32,
     /// An episode is cut off after so much robot time, s.
     pub limit: f64,
-    /// Starts that episodes are drawn from: the first seed, and how many in a row. 0 of them: each episode has its own.
+    /// Starts that episodes are drawn from: the first seed, and how many in a row. 0 of them: each episode
+    /// has its own.
     pub starts: (u64, u64),
-    /// By how much the place of the part is believed off, as a standard deviation along x and y, m; a fifth of it along z.
+    /// Standard deviation of the error of the believed goal pose along x and y, m; a fifth of it along z.
     /// Constant within an episode.
     pub belief_error: f64,
     /// How the reward is weighed.
@@ -95,7 +96,7 @@ impl From<LooksError> for EnvError {
     }
 }
 
-/// What an action has brought.
+/// Outcome of an action.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Step {
     /// The terms of the reward.
@@ -120,7 +121,7 @@ struct Episode {
     start: Arc<Prepared>,
     driver: Driver,
     tare: Vector6<f64>,
-    /// By how much the belief is off, m in the world.
+    /// Error of the belief, m in the world.
     off: Translation3<f64>,
     referee: Option<Referee>,
     completion: f64,
@@ -139,7 +140,7 @@ pub struct Env {
     fields: Arc<[Field]>,
     /// The parts whose poses are told.
     part_names: Arc<[String]>,
-    /// Where the seeds of episodes come from.
+    /// Source of the episodes' seeds.
     stream: Stream,
     episode: Option<Episode>,
     painters: Vec<Painter>,
@@ -158,7 +159,7 @@ impl Env {
         };
         let skill = scenario.mission != Mission::Goal;
         let mut part_names: Vec<String> = Vec::new();
-        // Where parts are is told as the track tells it: exactly, or as they were read at the start.
+        // Part poses follow the track: exact, or as they were read at the start.
         if !skill && scenario.track != Track::Tags {
             let kit = &scenario.benchmark.kit;
             part_names.extend(kit.beams.iter().map(|it| it.name.clone()));
@@ -207,7 +208,7 @@ impl Env {
         self.options.views.iter().map(|view| Painter::new(*view, Arc::clone(looks), tip)).collect()
     }
 
-    /// What it is made of.
+    /// Its scenario.
     pub fn scenario(&self) -> &Scenario {
         &self.scenario
     }
@@ -242,7 +243,8 @@ impl Env {
         &self.part_names
     }
 
-    /// Begins a new episode. With a seed, the episodes from here on are those of the seed; without one, the next of them.
+    /// Begins a new episode. With a seed, the episodes from here on are those of the seed; without one, the
+    /// next of them.
     ///
     /// # Errors
     /// When there is no start.
@@ -303,8 +305,8 @@ impl Env {
         self.part_names.iter().map(of).collect()
     }
 
-    /// Lets an action work for its periods. A number that is not finite, or an arm that stops, ends the episode with its
-    /// cause; an episode that is over stays so.
+    /// Lets an action work for its periods. A number that is not finite, or an arm that stops, ends the
+    /// episode with its cause; an episode that is over stays so.
     ///
     /// # Errors
     /// When it was not reset, or the action has not as many numbers as it should.
@@ -432,8 +434,8 @@ impl Env {
         self.scenario.goals.get(goal)?.steps.get(step).map(|step| &step.task.aim)
     }
 
-    /// Where the part of the task and its place are believed to be. What is held moves with the hand; on track `state` a
-    /// part is where it is.
+    /// Where the part of the task and its place are believed to be. What is held moves with the hand; on
+    /// track `state` a part is where it is.
     fn believed(&self, episode: &Episode, seen: &Observation) -> (Pose, Pose) {
         let Some(known) = &episode.start.known else { return Default::default() };
         let true_pose = |name: &str| {
@@ -451,7 +453,8 @@ impl Env {
         self.painters.get(view).map(|painter| painter.colour.as_slice())
     }
 
-    /// The depth image of a view: m along the optical axis, infinite where nothing is; empty where none was asked for.
+    /// The depth image of a view: m along the optical axis, infinite where nothing is; empty where none was
+    /// asked for.
     pub fn depth(&self, view: usize) -> Option<&[f32]> {
         self.painters.get(view).map(|painter| painter.depth.as_slice())
     }
@@ -477,7 +480,7 @@ fn laid(aim: &Aim) -> bool {
     matches!(aim, Aim::Laid { .. })
 }
 
-/// What ended an episode, for a person.
+/// The reason why an episode ended, for a person.
 fn words(error: &RobotError) -> String {
     error.to_string()
 }

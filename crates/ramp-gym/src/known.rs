@@ -1,4 +1,4 @@
-//! What an agent on its track knows as a skill begins.
+//! Knowledge of an agent on its track as a skill begins.
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_kit::{Beam, Pose};
@@ -22,25 +22,25 @@ pub struct Held {
     pub p_centre: Point3<f64>,
 }
 
-/// What an agent on its track knows as a skill begins.
+/// Knowledge of an agent on its track as a skill begins.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Known {
-    /// What is in the hand.
+    /// The held part.
     pub held: Option<Held>,
     /// The part that the task works on.
     pub part: String,
-    /// Where it is believed to be, in the world.
+    /// Its believed pose, in the world.
     pub x_wp: Pose,
-    /// Where it is to be, in the world.
+    /// Its goal pose, in the world.
     pub x_goal: Pose,
-    /// What the gripper was told last.
+    /// The last command of the gripper.
     pub gripper: GripperCommand,
     /// Joint positions, rad.
     pub posture: [f64; DOF],
 }
 
 impl Known {
-    /// What the baseline believes as a skill begins.
+    /// The baseline's belief as a skill begins.
     ///
     /// # Errors
     /// When a part was never seen, or the action has no part.
@@ -73,8 +73,8 @@ impl Known {
         Ok(Known { held, part, x_wp, x_goal, gripper: cell.hand.gripper, posture: seen.positions })
     }
 
-    /// The expectation in a rehearsal, where the plan has come so far; `None` when a part was never seen, or the action has no
-    /// part.
+    /// The expectation in a rehearsal, where the plan has come so far; `None` when a part was never seen, or
+    /// the action has no part.
     pub fn expected(scene: &Scene, call: &Call) -> Option<Known> {
         let part = call.part()?.to_string();
         let x_wt = scene.x_wt();

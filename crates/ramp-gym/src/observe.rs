@@ -11,9 +11,9 @@ pub struct Field {
     pub name: &'static str,
     /// Its shape.
     pub shape: Vec<usize>,
-    /// Where it begins in the row.
+    /// Its first index in the row.
     pub offset: usize,
-    /// What it is, with its unit and frame.
+    /// Its meaning, with unit and frame.
     pub about: &'static str,
 }
 
@@ -29,8 +29,8 @@ impl Field {
     }
 }
 
-/// The row of an environment whose task has a part and a place for it (`skill`), and that tells the poses of so many
-/// parts.
+/// The row of an environment whose task has a part and a place for it (`skill`), and that tells the poses of
+/// so many parts.
 pub fn fields(skill: bool, parts: usize) -> Vec<Field> {
     let mut fields: Vec<Field> = Vec::new();
     let mut add = |name, shape: Vec<usize>, about| {

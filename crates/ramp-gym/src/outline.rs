@@ -1,4 +1,5 @@
-//! Reads the rehearsal of a skill of one's own: the motions that it will ask for, as JSON from a program or from Python.
+//! Reads the rehearsal of a skill of one's own: the motions that it will ask for, as JSON from a program or
+//! from Python.
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use ramp_kit::Pose;
@@ -30,18 +31,19 @@ struct PoseText {
     quat_wxyz: [f64; 4],
 }
 
-/// Reads alternatives, the preferred one first: a list of lists of motions. `null` stands for a skill that cannot rehearse.
+/// Reads alternatives, the preferred one first: a list of lists of motions. `null` stands for a skill that
+/// cannot rehearse.
 ///
 /// | motion | fields |
 /// |---|---|
 /// | `travel` | pose of the tip at its end, `x_wt` (world); distance of the fingers, `open` (m) |
-/// | `straight` | the same; `around`: the part that arm and hand may touch besides the held one; `contact`: an insertion |
+/// | `straight` | the same; `around`: a part that arm and hand may touch as well; `contact`: an insertion |
 /// | `contact` | a short motion in contact, `distance` (m) |
 /// | `fingers` | opening or closing by `stroke` (m) |
 /// | `retreat` | straight up to travelling height |
 ///
 /// # Errors
-/// What is wrong, for a person.
+/// A description of the error, for a person.
 pub fn read_outline(alternatives: &Value) -> Result<Outline, String> {
     if alternatives.is_null() {
         return Ok(Outline::Unknown);

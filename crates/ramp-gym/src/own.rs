@@ -1,5 +1,5 @@
-//! A skill of one's own in place of one of the baseline's: what drives the robot is anything that implements [`Body`], such
-//! as a Python object or a program in another process.
+//! A skill of one's own in place of one of the baseline's: what drives the robot is anything that implements
+//! [`Body`], such as a Python object or a program in another process.
 
 use ramp_planner::Impossible;
 use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
@@ -16,19 +16,20 @@ pub fn kinds() -> impl Iterator<Item = ActionKind> {
     ActionKind::ALL.iter().copied().filter(|kind| kind.is_assembling())
 }
 
-/// The kind of that name ([`ActionKind::name`]) that a skill of one's own can carry out, with `-` for `_` as well.
+/// The kind of that name ([`ActionKind::name`]) that a skill of one's own can carry out, with `-` for `_` as
+/// well.
 pub fn kind(name: &str) -> Option<ActionKind> {
     ActionKind::named(name).filter(|kind| kind.is_assembling())
 }
 
-/// What a skill is asked to do.
+/// The request to a skill.
 #[derive(Clone, Debug)]
 pub struct Moment {
     /// The kind of the action.
     pub kind: ActionKind,
     /// The action in words.
     pub action: String,
-    /// What is known.
+    /// The knowledge of the agent.
     pub known: Known,
 }
 
@@ -43,7 +44,7 @@ pub enum BodyError {
     GaveUp(String),
 }
 
-/// What drives the robot while a skill runs.
+/// Drives the robot while a skill runs.
 pub trait Body: Send + Sync {
     /// Brings about what `moment` asks for. What is held is let go of afterwards.
     ///
@@ -68,7 +69,8 @@ pub struct OwnSkill {
 }
 
 impl OwnSkill {
-    /// A skill for actions of `kind`. Its name stands in results: it begins with the action, as in `fasten-by-my-policy`.
+    /// A skill for actions of `kind`. Its name stands in results: it begins with the action, as in
+    /// `fasten-by-my-policy`.
     pub fn new(kind: ActionKind, name: &str, body: Box<dyn Body>) -> OwnSkill {
         let table = SkillTable::default();
         let own = table.get(kind);

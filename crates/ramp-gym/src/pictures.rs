@@ -71,7 +71,7 @@ impl Painter {
         }
     }
 
-    /// What it draws.
+    /// The scene that it draws.
     pub fn view(&self) -> View {
         self.view
     }

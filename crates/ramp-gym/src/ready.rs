@@ -1,8 +1,9 @@
 //! The moment at which a skill begins: the baseline does what comes before it, and stops there.
 //!
-//! A task of `ramp trials` begins with the arm at home. Most of its time is fetching and carrying. Here the baseline does
-//! that part: the peg is in the hand over its hole, the beam is where its insertion begins. What the baseline then
-//! believes is kept beside the state of the twin, since that is what an agent on its track can know.
+//! A task of `ramp trials` begins with the arm at home. Most of its time is fetching and carrying. Here the
+//! baseline does that part: the peg is in the hand over its hole, the beam is where its insertion begins.
+//! What the baseline then believes is kept beside the state of the twin, since that is what an agent on its
+//! track can know.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -52,7 +53,8 @@ impl Skill for Pause {
     }
 }
 
-/// Lets the baseline do what comes before the contact action of `step`; what it knows then, or why it did not get there.
+/// Lets the baseline do what comes before the contact action of `step`; what it knows then, or why it did not
+/// get there.
 pub(crate) fn bring(
     benchmark: &Benchmark,
     setup: &Setup,

@@ -2,7 +2,7 @@
 
 use ramp_abilities::manipulation::Progress;
 
-/// What a reward is made of. Weights are in units of the reward.
+/// Terms of a reward. Weights are in units of the reward.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weights {
     /// For being near: over a whole episode at the place itself.
@@ -51,7 +51,7 @@ impl RewardTerms {
     }
 }
 
-/// What a step has brought about.
+/// Outcome of a step.
 pub(crate) struct Outcome {
     pub progress: Progress,
     pub success: bool,

@@ -1,4 +1,4 @@
-//! What an environment is made of: a goal or a skill, a track, a world, and how episodes begin.
+//! The scenario of an environment: a goal or a skill, a track, a world, and the start of its episodes.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -35,17 +35,17 @@ pub enum ScenarioError {
     },
 }
 
-/// Where an episode of a skill begins.
+/// The moment at which an episode of a skill begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Begin {
-    /// Where the skill itself begins: the baseline has fetched and carried what it needs.
+    /// At the skill itself: the baseline has fetched and carried the parts.
     #[default]
     Ready,
     /// With the arm at home, as `ramp trials` has it.
     Home,
 }
 
-/// What is to be done.
+/// The task.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mission {
     /// A whole goal.
@@ -59,21 +59,22 @@ pub enum Mission {
     },
 }
 
-/// What the environments of one kind share. Never changes.
+/// The part that environments of one kind share. Immutable.
 pub struct Scenario {
     /// The files.
     pub benchmark: Arc<Benchmark>,
     /// The goals that are built, or whose steps are tried.
     pub goals: Vec<Arc<PlannedGoal>>,
-    /// What is to be done.
+    /// The task.
     pub mission: Mission,
-    /// What the agent may see of the parts.
+    /// The track: what the agent may see of the parts.
     pub track: Track,
-    /// What the physics are drawn from.
+    /// The world from which the physics are drawn.
     pub world: World,
-    /// Where an episode of a skill begins.
+    /// The moment at which an episode of a skill begins.
     pub begin: Begin,
-    /// Whether a skill's scene has all parts of the kit, as `ramp trials` has it, and not only those that it needs.
+    /// Whether a skill's scene has all parts of the kit, as `ramp trials` has it, and not only those that it
+    /// needs.
     pub whole_scene: bool,
 }
 

@@ -1,7 +1,7 @@
-//! Where an episode starts, and a pool of starts that many environments share.
+//! The start of an episode, and a pool of starts that many environments share.
 //!
-//! A start is a twin that is never stepped: an episode gets a copy of its state, which takes microseconds. Every seed has a
-//! scene of its own, since holders stand a little elsewhere, so a start keeps its own model.
+//! A start is a twin that is never stepped: an episode gets a copy of its state, which takes microseconds.
+//! Every seed has a scene of its own, since holders stand a little elsewhere, so a start keeps its own model.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -17,7 +17,8 @@ use crate::known::Known;
 use crate::ready::bring;
 use crate::scenario::{Begin, Mission, Scenario};
 
-/// So many starts are tried before an episode is given up: the baseline does not always get to where a skill begins.
+/// So many starts are tried before an episode is given up: the baseline does not always get to where a skill
+/// begins.
 const TRIES: u64 = 20;
 /// So many starts are kept at most.
 const KEPT: usize = 1024;
@@ -37,7 +38,7 @@ pub enum BeginError {
         skill: String,
         /// The seed.
         seed: u64,
-        /// What went wrong with the last one.
+        /// Reason of the last failure.
         why: String,
     },
 }
@@ -62,9 +63,9 @@ pub struct Prepared {
     pub seed: u64,
     /// Indices of the goal and of the step in the scenario; the step is 0 for a whole goal.
     pub task: (usize, usize),
-    /// Where all parts are at the start, as the judge of the task wants it.
+    /// Poses of all parts at the start, in the form that the judge of the task needs.
     pub places: Vec<(String, Pose)>,
-    /// What an agent knows; `None` for a whole goal.
+    /// The agent's knowledge; `None` for a whole goal.
     pub known: Option<Known>,
 }
 
@@ -100,7 +101,7 @@ pub(crate) fn prepare(scenario: &Scenario, seed: u64) -> Result<Prepared, BeginE
             return Ok(Prepared { twin, seed: own, task, places, known: Some(known) });
         }
         match bring(benchmark, &setup, step, &mut twin) {
-            // What has nothing left to do teaches nothing.
+            // A start at which the task is already done teaches nothing.
             Ok(_) if missing(&setup, &step.task, &places, &twin).is_none() => {
                 why = "it is done before it begins".to_string();
             }
@@ -120,7 +121,7 @@ fn next(again: &mut Stream) -> u64 {
     (again.uniform() * (1u64 << 53) as f64) as u64
 }
 
-/// What is known with the arm at home and before any look: where sheet and goal say that the parts are.
+/// Knowledge with the arm at home and before any look: the parts are at their poses of sheet and goal.
 fn nominal(setup: &Setup, aim: &Aim, twin: &Twin) -> Known {
     let assembly = setup.assembly;
     let kit = &assembly.kit;
@@ -163,7 +164,8 @@ pub(crate) struct Pool {
 }
 
 impl Pool {
-    /// The start with this seed: made, if it is not there. A thread that asks for one that another makes waits for it.
+    /// The start with this seed: made, if it is not there. A thread that asks for one that another makes
+    /// waits for it.
     pub fn get(&self, scenario: &Scenario, seed: u64) -> Result<Arc<Prepared>, BeginError> {
         let slot = {
             let mut starts = self.starts.lock().unwrap_or_else(PoisonError::into_inner);

@@ -72,10 +72,10 @@ pub fn picture<'py>(
     pixels.into_pyarray(py).reshape([height, width, 3])
 }
 
-/// What the arm and the gripper are to do during control periods of 1 ms.
+/// Command of arm and gripper for control periods of 1 ms.
 ///
-/// Made by one of its functions, each with `width`, the wanted distance between the fingers (m, 0 to 0.08), and `force`, the
-/// largest force of each finger (N).
+/// Made by one of its functions, each with `width`, the wanted distance between the fingers (m, 0 to 0.08),
+/// and `force`, the largest force of each finger (N).
 #[pyclass(frozen, module = "ramp")]
 #[derive(Clone)]
 pub struct Command {
@@ -116,8 +116,9 @@ impl Command {
         Ok(command(ArmCommand::CartesianPose(pose_of(&position, &quat_wxyz)?), width, force))
     }
 
-    /// A spring and damper between the tip and a pose in the world: `stiffness` along (N/m) and about (N·m/rad) the axes
-    /// of the world, `feed_forward` a wrench (N, N·m) at the tip, `posture` joint positions (rad) for the null space.
+    /// A spring and damper between the tip and a pose in the world: `stiffness` along (N/m) and about
+    /// (N·m/rad) the axes of the world, `feed_forward` a wrench (N, N·m) at the tip, `posture` joint
+    /// positions (rad) for the null space.
     #[staticmethod]
     #[pyo3(signature = (position, quat_wxyz, posture, stiffness=None, damping_ratio=1.0, feed_forward=None, width=0.04, force=20.0))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
@@ -162,7 +163,7 @@ impl Command {
     }
 }
 
-/// What the robot senses at the end of a control period.
+/// Observation of the robot at the end of a control period.
 #[pyclass(frozen, module = "ramp")]
 pub struct Observation {
     pub inner: Seen,
@@ -200,13 +201,15 @@ impl Observation {
         self.inner.x_wt.translation.vector.as_slice().to_vec().into_pyarray(py)
     }
 
-    /// Rotation of the tip in the world, quaternion w, x, y, z, shape (4,): z out of the hand, y along the closing direction.
+    /// Rotation of the tip in the world, quaternion w, x, y, z, shape (4,): z out of the hand, y along the
+    /// closing direction.
     #[getter]
     fn tip_quat_wxyz<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         seven(&self.inner.x_wt)[3..].to_vec().into_pyarray(py)
     }
 
-    /// Wrench of the hand on the world at the wrist, axes of the world: force in N, moment in N·m, shape (6,).
+    /// Wrench of the hand on the world at the wrist, axes of the world: force in N, moment in N·m, shape
+    /// (6,).
     #[getter]
     fn wrench<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.inner.wrench.as_slice().to_vec().into_pyarray(py)

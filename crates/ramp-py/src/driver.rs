@@ -25,7 +25,8 @@ pub struct Driver {
 
 #[pymethods]
 impl Driver {
-    /// `held` is the pose of what is in the hand in the tip's frame, its mass, and its centre of mass in its own frame.
+    /// `held` is the pose of what is in the hand in the tip's frame, its mass, and its centre of mass in its
+    /// own frame.
     #[new]
     #[pyo3(signature = (benchmark, robot, settings, width, force, gripper, held=None))]
     fn new(

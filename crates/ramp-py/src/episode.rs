@@ -49,7 +49,7 @@ impl Raised {
     }
 }
 
-/// What a robot says whose episode is thrown away.
+/// Reason of the robot whose episode is thrown away.
 fn stop() -> RobotError {
     RobotError::OutOfTime { limit: TIME_LIMIT }
 }
@@ -57,7 +57,7 @@ fn stop() -> RobotError {
 /// A robot that stops when Ctrl-C is pressed or something in Python has raised.
 struct Watched<'r> {
     robot: &'r mut dyn Seam,
-    /// What looks for Ctrl-C; nothing where another thread does.
+    /// Checks for Ctrl-C; nothing if another thread does.
     interrupts: Option<Interrupts>,
     raised: Raised,
 }
@@ -171,7 +171,7 @@ pub fn describe_event(event: &str) -> PyResult<String> {
 /// An agent in Python.
 struct PythonAgent {
     object: Py<PyAny>,
-    /// What it is told of the goal.
+    /// The goal, as the agent gets it.
     goal: Py<PyAny>,
     name: String,
     version: String,
@@ -310,7 +310,7 @@ impl Body for PythonBody {
     }
 }
 
-/// What a skill is asked to do, as a dictionary.
+/// The request to a skill, as a dictionary.
 fn moment_of<'py>(py: Python<'py>, moment: &Moment) -> PyResult<Bound<'py, PyDict>> {
     let task = PyDict::new(py);
     let known = &moment.known;
@@ -349,8 +349,8 @@ type Own = (Py<PyAny>, String, String, Py<PyAny>);
 /// A skill in Python: what it carries out, its name, and the object.
 type OwnPart = (String, String, Py<PyAny>);
 
-/// Runs an episode; the result as JSON. With `output`, the result is written to that file; a result of this very episode that
-/// the file already has is returned instead.
+/// Runs an episode; the result as JSON. With `output`, the result is written to that file; a result of this
+/// very episode that the file already has is returned instead.
 #[pyfunction]
 #[pyo3(signature = (benchmark, goal, *, track, world, seed, agent=None, skills=Vec::new(), plan=None, domain=None,
     parameters=None, fault=None, record=None, output=None, repeat=1, progress=None))]
@@ -508,7 +508,8 @@ fn kept(
     })
 }
 
-/// Runs something that takes long on a thread of its own. Ctrl-C leaves it behind at once: its robot stops at the next call.
+/// Runs something that takes long on a thread of its own. Ctrl-C leaves it behind at once: its robot stops at
+/// the next call.
 fn aside(
     py: Python<'_>,
     raised: &Raised,

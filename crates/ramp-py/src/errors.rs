@@ -35,7 +35,7 @@ pub fn input(error: impl std::fmt::Display) -> PyErr {
     InputError::new_err(error.to_string())
 }
 
-/// What the robot says.
+/// The robot's reason.
 pub fn robot(error: &RobotError) -> PyErr {
     if error.is_final() {
         RobotStopped::new_err(error.to_string())

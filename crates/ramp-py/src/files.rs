@@ -28,7 +28,7 @@ impl Benchmark {
         self.inner.goal_names().map_err(data)
     }
 
-    /// What is known of a goal, as JSON.
+    /// A goal, as JSON.
     fn goal(&self, name: &str) -> PyResult<String> {
         let goal = self.inner.goal(name).map_err(data)?;
         let connections: Vec<_> = goal

@@ -18,7 +18,7 @@ use crate::errors::{data, detached, env as env_error, input, scenario as scenari
 use crate::files::Benchmark;
 use crate::twin::track;
 
-/// What of the settings is there, as a type of Rust.
+/// A setting, if it is given, as a type of Rust.
 fn setting<'py, T>(settings: &Bound<'py, PyDict>, name: &str) -> PyResult<Option<T>>
 where
     T: for<'a> FromPyObject<'a, 'py>,
@@ -43,7 +43,7 @@ fn positive(number: f64, name: &str) -> PyResult<f64> {
     }
 }
 
-/// What the numbers of an action mean.
+/// Meaning of the numbers of an action.
 pub fn action_kind(settings: &Bound<'_, PyDict>) -> PyResult<ActionKind> {
     let get = |name: &str| setting::<f64>(settings, name);
     let flag = |name: &str| setting::<bool>(settings, name);
@@ -136,7 +136,7 @@ impl Env {
     }
 }
 
-/// What an action has brought, as a dictionary.
+/// Outcome of an action, as a dictionary.
 fn told<'py>(py: Python<'py>, step: &Step) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("reward", step.terms.sum())?;
@@ -253,7 +253,7 @@ impl Env {
         Ok(self.env()?.options().periods)
     }
 
-    /// What is known of the start of the running episode.
+    /// Knowledge at the start of the running episode.
     fn start<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let env = self.env()?;
         let dict = PyDict::new(py);
@@ -335,7 +335,8 @@ impl Batch {
         Ok(Batch { inner: Mutex::new(batch) })
     }
 
-    /// Resets the environments that have an entry which is not `False`: a seed, or `True` for the next episode.
+    /// Resets the environments that have an entry which is not `False`: a seed, or `True` for the next
+    /// episode.
     fn reset(&self, py: Python<'_>, which: Vec<Bound<'_, PyAny>>) -> PyResult<()> {
         let mut seeds = Vec::with_capacity(which.len());
         for it in which {

@@ -1,5 +1,5 @@
-//! The compiled module of the Python package `ramp`: only conversion. What it does is in the other crates, what its users see
-//! is above it, in `python/ramp`.
+//! The compiled module of the Python package `ramp`: only conversion. What it does is in the other crates,
+//! what its users see is above it, in `python/ramp`.
 
 mod convert;
 mod driver;

@@ -67,7 +67,8 @@ impl Robot {
         let Some(Borrowed(pointer)) = *lent else {
             return Err(PyRuntimeError::new_err("the robot is gone: the `run` that it was given to is over"));
         };
-        // SAFETY: `lend` holds the only borrow of the robot and waits; the lock is held, so there is no second one.
+        // SAFETY: `lend` holds the only borrow of the robot and waits; the lock is held, so there is no
+        // second one.
         #[expect(unsafe_code, reason = "see above")]
         let robot = unsafe { &mut *pointer };
         work(robot)
@@ -75,7 +76,7 @@ impl Robot {
 }
 
 impl Robot {
-    /// What was sensed last.
+    /// The last observation.
     pub fn seen(&self) -> PyResult<Seen> {
         self.with(|robot| Ok(robot.observe()))
     }
@@ -116,18 +117,19 @@ impl Robot {
         detached(py, || self.with(|robot| Ok(Observation { inner: step(robot, command, periods)? })))
     }
 
-    /// What was sensed last, without letting time pass.
+    /// The last observation. No time passes.
     fn observe(&self) -> PyResult<Observation> {
         self.with(|robot| Ok(Observation { inner: robot.observe() }))
     }
 
-    /// Where the parts are, as far as the track tells: name to x, y, z in m and quaternion w, x, y, z.
+    /// Part poses that the track gives: name to x, y, z in m and quaternion w, x, y, z.
     fn read_parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let parts = self.with(|it| it.read_parts().map_err(|error| robot(&error)))?;
         readings(py, parts)
     }
 
-    /// Opens the shutters of both cameras, and takes no time: `look` gives the images later, the oldest first.
+    /// Opens the shutters of both cameras, and takes no time: `look` gives the images later, the oldest
+    /// first.
     fn expose(&self) -> PyResult<()> {
         self.with(|it| it.expose().map_err(|error| robot(&error)))
     }

@@ -1,4 +1,5 @@
-//! Whole episodes: of the baseline, which always knows its track, and of small agents; with and without a log.
+//! Whole episodes: of the baseline, which always knows its track, and of small agents; with and without a
+//! log.
 
 use std::path::Path;
 use std::sync::LazyLock;
@@ -23,7 +24,7 @@ pub fn domains() -> &'static Domains {
     &DOMAINS
 }
 
-/// What an episode's result says of the program.
+/// The program in an episode's result.
 #[must_use]
 pub fn label() -> Label {
     Label::new(Software { version: "test".into(), commit: "test".into() }, 1)

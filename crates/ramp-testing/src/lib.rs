@@ -1,4 +1,4 @@
-//! What tests share. Only tests and benchmarks use this crate, as a development dependency.
+//! Helpers that tests share. Only tests and benchmarks use this crate, as a development dependency.
 
 // A helper may panic as its test may.
 #![allow(clippy::unwrap_used)]

@@ -1,8 +1,9 @@
-//! Robots that a test changes: each call goes to the robot below, and the test alters what goes down or comes up.
+//! Robots that a test changes: each call goes to the robot below, and the test alters what goes down or comes
+//! up.
 
 use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
 
-/// What a test alters. By default nothing.
+/// An alteration of a robot in a test. By default none.
 pub trait Alteration<R: Robot + ?Sized> {
     /// Before a step: changes the command, or ends the agent's work with an error.
     ///
@@ -58,7 +59,7 @@ pub trait Alteration<R: Robot + ?Sized> {
 pub struct Altered<'r, R: ?Sized, A> {
     /// The robot below.
     pub robot: &'r mut R,
-    /// What the test changes.
+    /// The alteration.
     pub alteration: A,
 }
 

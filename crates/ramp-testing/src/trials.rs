@@ -1,7 +1,7 @@
 //! Checks that some machines cannot run. Such a check is reported as skipped with its reason, not as passed.
 //!
-//! A test binary with `harness = false` lists its checks and hands them to [`run`]. Each skipped check ends in a line
-//! `SKIPPED: NAME: REASON` on standard output; `.ci/run` counts these lines.
+//! A test binary with `harness = false` lists its checks and hands them to [`run`]. Each skipped check ends
+//! in a line `SKIPPED: NAME: REASON` on standard output; `.ci/run` counts these lines.
 
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
@@ -22,7 +22,8 @@ pub fn check(name: &'static str, run: fn()) -> Trial {
     })
 }
 
-/// A check that needs something of the machine. It is skipped if `missing` returns the reason why it cannot run here.
+/// A check that needs something of the machine. It is skipped if `missing` returns the reason why it cannot
+/// run here.
 #[must_use]
 pub fn check_unless(name: &'static str, missing: fn() -> Option<String>, run: fn()) -> Trial {
     Trial::ignorable_test(name, move || {

@@ -36,7 +36,7 @@ class _Closed(Exception):
 
 
 class _Relay(Skill):
-    """Connects the robot with the environment: it waits for actions, and returns the observation after each."""
+    """Connects robot and environment: waits for actions, and returns the observation after each."""
 
     name = "relay"
 
@@ -70,8 +70,9 @@ class _Relay(Skill):
 class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     """A whole goal: the baseline carries out its plan, except the actions of one kind.
 
-    The physics are continuous: the result of one action is the start of the next. The last number of an action ends
-    your action when it is above 0. The reward is the share of counted pegs, at the end of the episode.
+    The physics are continuous: the result of one action is the start of the next. The last number of an
+    action ends your action when it is above 0. The reward is the share of counted pegs, at the end of the
+    episode.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}

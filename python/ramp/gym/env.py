@@ -56,13 +56,15 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         """Makes the environment.
 
         Args:
-            skill: One of the twelve skills of ``ramp trials``, or ``fasten`` for all joints; default: the whole goal.
-            goals: Goals whose steps are drawn, or the one goal; default for a skill: all nine of the benchmark.
+            skill: One of the twelve skills of ``ramp trials``, or ``fasten`` for all joints; default: the
+                whole goal.
+            goals: Goals whose steps are drawn, or the one goal; default for a skill: all nine of the
+                benchmark.
             track: How parts are observed: ``state``, ``noisy`` or ``tags``.
             world: The physics: ``ideal``, ``real``, ``hard``, or a world file.
             start: ``ready`` begins with the skill, ``home`` with the arm at home as in ``ramp trials``.
-            starts: First seed and number of the starts from which episodes are drawn; with a number of 0, each episode
-                gets a new one, which takes longer.
+            starts: First seed and number of the starts from which episodes are drawn; with a number of 0,
+                each episode gets a new one, which takes longer.
             whole_scene: Simulate all parts of the kit instead of those that the task needs.
             action: ``cartesian``, ``joint`` or ``raw``.
             turns: Whether a Cartesian action rotates the hand.

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from ramp._core import Env, InputError, benchmark
 from ramp.goal import Goal, as_goal
 
-# Limits of each field, above all values in practice: ranges and speeds of the arm, table size, forces of the reflex.
+# Limits of each field, above all values in practice: ranges and speeds of the arm, table size, forces of the
+# reflex.
 LIMITS = {
     "positions": 4.0,
     "velocities": 4.0,

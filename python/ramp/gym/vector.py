@@ -21,7 +21,7 @@ Flags = NDArray[np.bool_]
 
 
 class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
-    """As :class:`ramp.gym.RampEnv`, many at a time. The same seed gives the same bits, for any number of threads."""
+    """Many of :class:`ramp.gym.RampEnv` at a time. A seed gives the same bits for any number of threads."""
 
     metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
 

@@ -1,7 +1,10 @@
-"""A policy for `fasten`: a linear map from pose and force to motion, learned by an evolution strategy with numpy alone.
+"""A linear policy for `fasten`, from pose and force to motion, learned by an evolution strategy.
 
-The peg is in the hand over its hole, whose place is known to a millimetre or two. The policy moves the target of a
-Cartesian impedance 20 times a second. It has no memory: it has learned how force and velocity move the target.
+It needs numpy alone.
+
+The peg is in the hand over its hole, whose place is known to a millimetre or two. The policy moves the target
+of a Cartesian impedance 20 times a second. It has no memory: it has learned how force and velocity move the
+target.
 
     python -m ramp.policies.fasten -o weights.npy     trains, about half an hour on one core
     python -m ramp.policies.judge weights.npy         held starts, beside a straight push and two spirals
@@ -50,7 +53,7 @@ class Features:
         self.action = np.zeros((count, 3))
 
     def __call__(self, seen: Rows) -> Array:
-        """Of one more observation, with the fields ``error``, ``wrench``, ``tip`` and ``lead`` of an environment."""
+        """Of one more observation: fields ``error``, ``wrench``, ``tip`` and ``lead`` of an environment."""
         error, tip = np.asarray(seen["error"], float), np.asarray(seen["tip"], float)[:, :3]
         wrench, lead = np.asarray(seen["wrench"], float), np.asarray(seen["lead"], float)[:, :3]
         felt = np.concatenate([wrench[:, :3] / 10.0, wrench[:, 3:5] / 0.5], axis=1)
@@ -74,7 +77,7 @@ class Features:
 
 
 def linear(weights: Array, features: Array) -> Array:
-    """Actions of a policy, or of one for each row: ``weights`` has the shape (3, FEATURES), or one of those a row."""
+    """Actions of a policy, or of one a row. Shape of ``weights``: (3, FEATURES), or one of those a row."""
     return np.asarray(np.tanh(np.einsum("...ij,...j->...i", weights, features)))
 
 
@@ -148,7 +151,7 @@ def turned(quat_wxyz: Array, vector: Array) -> Array:
 def environments(
     world: str, count: int, starts: tuple[int, int], error: float, threads: int | None = None, limit: float = LIMIT
 ) -> Any:
-    """Environments for training and judging: all joints that pegs pin, their holes believed off by ``error`` (m)."""
+    """Environments for training and judging: all pinned joints, holes believed off by ``error`` (m)."""
     from ramp.gym import RampVectorEnv
 
     settings = {key: value for key, value in SETTINGS.items() if key != "action"}
@@ -189,7 +192,7 @@ def train(
     begin: Array | None = None,
     output: str | pathlib.Path | None = None,
 ) -> Array:
-    """An evolution strategy with pairs of opposite changes, both from the same start; Adam on their differences."""
+    """An evolution strategy with mirrored samples from the same start; Adam on their differences."""
     random = np.random.default_rng(seed)
     envs = [environments(world, 2 * pairs, (1, starts), 1.7e-3, limit=TRAINED) for world in worlds]
     size = 3 * FEATURES

@@ -2,7 +2,8 @@
 
 python -m ramp.policies.judge weights.npy
 
-That takes an hour or more of CPU time for each world and error: steps are slow where the peg touches a large frame.
+That takes an hour or more of CPU time for each world and error: steps are slow where the peg touches a large
+frame.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ class Spiral:
     """Of the spring on the plate, N."""
 
     def policy(self) -> Policy:
-        """It as a policy, for as many environments as it meets; it begins anew when all are over the plate again."""
+        """As a policy, for any number of environments; it begins anew when all are over the plate again."""
         turns: list[Array] = []
 
         def act(features: Array) -> Array:

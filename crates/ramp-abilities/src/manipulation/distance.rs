@@ -35,8 +35,8 @@ impl Progress {
     }
 }
 
-/// How far the truth is from the aim. `places` is where all parts were at the start; a peg that a task is to seat is
-/// named by `peg`.
+/// How far the truth is from the aim. `places` is where all parts were at the start; a peg that a task is to
+/// seat is named by `peg`.
 pub fn progress(
     setup: &Setup,
     task: &Task,

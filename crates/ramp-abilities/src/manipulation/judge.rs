@@ -10,20 +10,23 @@ use ramp_twin::{Setup, Twin};
 use super::task::{Aim, Task};
 use super::world::{NamedTruth, far_end, open_joints, pegs_in};
 
-/// Holes that are to be pinned are no further apart along the table, m: the cone of a peg still pulls them together.
+/// Holes that are to be pinned are no further apart along the table, m: the cone of a peg still pulls them
+/// together.
 pub const PEGGABLE: f64 = 1.6e-3;
-/// Their heights differ by no more than this, m: the play of a male in a female on both sides, and as much again for a
-/// beam that hangs or leans in it.
+/// Their heights differ by no more than this, m: the play of a male in a female on both sides, and as much
+/// again for a beam that hangs or leans in it.
 pub const LEVEL: f64 = 4.0 * CLEARANCE;
-/// A beam that is to stand deeper than its place may be off by this along its way, m: the next beam needs no more.
+/// A beam that is to stand deeper than its place may be off by this along its way, m: the next beam needs no
+/// more.
 const DEEP: f64 = 3.0e-3;
 /// A beam that was laid down may be off its place by this, m: another beam goes through it all the same.
 const LAID: f64 = 4.0e-3;
-/// A peg that was picked up is this much higher than it stood, m, and the tip of the hand is this near to its head, m.
+/// A peg that was picked up is this much higher than it stood, m, and the tip of the hand is this near to its
+/// head, m.
 pub(super) const LIFTED: [f64; 2] = [30.0e-3, 30.0e-3];
 
-/// What the truth lacks of a task that was to be done; `None` when it is done and nothing was spoilt. `places` is where all
-/// parts were at the start.
+/// What the truth lacks of a task that was to be done; `None` when it is done and nothing was spoilt.
+/// `places` is where all parts were at the start.
 pub fn missing(setup: &Setup, task: &Task, places: &[(String, Pose)], twin: &Twin) -> Option<String> {
     let world = NamedTruth::of(setup, twin);
     let seated = pegs_in(setup, twin);
@@ -89,7 +92,7 @@ pub fn missing(setup: &Setup, task: &Task, places: &[(String, Pose)], twin: &Twi
     }
 }
 
-/// What is wrong with two holes that a peg is to pin.
+/// The reason why a peg cannot pin two holes.
 fn apart(
     world: &NamedTruth,
     mine: JointRef,

@@ -1,9 +1,10 @@
 //! The world as it would be before a step of a plan, a little different with every seed.
 //!
-//! Beams that stand are put at their places and pegs into their holes, which is free of contact to within the parts' play.
-//! Physics then lets them hang as they do, and each beam is knocked, with a velocity that would carry it about as far as
-//! beams are off in real builds; what the joints allow is what comes of it. All this is before the episode's time begins, and
-//! after it nothing is moved by hand. A start that does not hold is drawn again.
+//! Beams that stand are put at their places and pegs into their holes, which is free of contact to within the
+//! parts' play. Physics then lets them hang as they do, and each beam is knocked, with a velocity that would
+//! carry it about as far as beams are off in real builds; what the joints allow is what comes of it. All this
+//! is before the episode's time begins, and after it nothing is moved by hand. A start that does not hold is
+//! drawn again.
 
 use std::f64::consts::FRAC_PI_6;
 
@@ -29,11 +30,12 @@ const ALIGNED: f64 = 1.0e-3;
 const MISALIGNED: f64 = 1.0 / 180.0 * std::f64::consts::PI;
 /// How far it would turn the one that is to be pushed straight, rad.
 const PUSHED: f64 = 3.0 / 180.0 * std::f64::consts::PI;
-/// By how much friction slows down what slides on the table, m/s².
+/// Deceleration of parts that slide on the table, m/s².
 const FRICTION: f64 = 5.0;
-/// What a start may show beyond that, m: hanging and play.
+/// Further deviation of a start, m: hanging and play.
 const PLAY: f64 = 2.0e-3;
-/// How far the ends of a beam may be above or below its place, m: one that only one female holds hangs by 3.3 mm.
+/// How far the ends of a beam may be above or below its place, m: one that only one female holds hangs by 3.3
+/// mm.
 const HANG: f64 = 4.0e-3;
 /// How far a part that nobody touched may have moved, m.
 const UNTOUCHED: f64 = 0.5e-3;
@@ -55,7 +57,7 @@ pub enum StartError {
         goal: String,
         /// The step.
         step: usize,
-        /// What was wrong with the last one.
+        /// Reason why the last one was refused.
         why: String,
     },
 }
@@ -63,9 +65,10 @@ pub enum StartError {
 /// Which parts are in the scene of a trial.
 #[derive(Clone, Debug, Default)]
 pub struct Cast {
-    /// The names of the beams, holders and pegs that are there beside the clamped beam; all of the kit without a list.
+    /// The names of the beams, holders and pegs that are there beside the clamped beam; all of the kit
+    /// without a list.
     pub only: Option<Vec<String>>,
-    /// What else may be left out.
+    /// Parts that may be left out as well.
     pub options: SceneOptions,
 }
 
@@ -85,7 +88,7 @@ impl Cast {
 pub struct Start {
     /// The world at its beginning.
     pub twin: Twin,
-    /// Where all parts are then.
+    /// Poses of all parts then.
     pub places: Vec<(String, Pose)>,
     /// How it came about.
     pub info: StartInfo,
@@ -160,7 +163,8 @@ fn range(setup: &Setup, task: &Task, beam: usize) -> f64 {
 /// A knock: the velocity of a beam's origin, m/s, and its turn, rad/s, axes of the world.
 type Knock = (String, Vector3<f64>, Vector3<f64>);
 
-/// What each beam that stands is knocked with: it turns about the joint that a peg pins, or else is shifted as well.
+/// What each beam that stands is knocked with: it turns about the joint that a peg pins, or else is shifted
+/// as well.
 fn knocks(setup: &Setup, task: &Task, stream: &mut Stream) -> Vec<Knock> {
     let assembly = setup.assembly;
     let speed = |distance: f64| distance.signum() * (2.0 * FRICTION * distance.abs()).sqrt();
@@ -195,8 +199,8 @@ fn settle(twin: &mut Twin, knocks: &[Knock]) -> Result<Vec<Pose>, RobotError> {
     Ok(before)
 }
 
-/// How far an end of a beam that stands is from its place at most, m, or why a start does not hold; `last` is where all
-/// parts were a tenth of a second before.
+/// How far an end of a beam that stands is from its place at most, m, or why a start does not hold; `last` is
+/// where all parts were a tenth of a second before.
 fn fit(setup: &Setup, task: &Task, layout: &Layout, twin: &Twin, last: Vec<Pose>) -> Result<f64, String> {
     let (build, assembly) = (&task.build, setup.assembly);
     if twin.deepest_penetration() > PENETRATION {

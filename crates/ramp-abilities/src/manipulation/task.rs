@@ -6,19 +6,19 @@ use ramp_assembly::{Assembly, JointRef};
 /// A step of a plan, to be done alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Task {
-    /// What the skill is called.
+    /// Name of the skill.
     pub skill: String,
     /// Which coarse step of the goal's plan it is, from 1.
     pub step: usize,
     /// The step, for a person.
     pub action: String,
-    /// What stands before it.
+    /// The build before it.
     pub build: Build,
-    /// What is to be true after it.
+    /// Its goal.
     pub aim: Aim,
 }
 
-/// What of a goal is built.
+/// The built part of a goal.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Build {
     /// Beams that stand, without the base, as indices into [`Assembly::beams`].
@@ -44,7 +44,7 @@ impl Build {
     }
 }
 
-/// What is to be true after a step.
+/// The goal of a step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Aim {
     /// This peg is in the hand, out of its holder.
@@ -74,7 +74,8 @@ pub enum Aim {
         /// Index into [`Assembly::beams`].
         beam: usize,
     },
-    /// The joints of this beam that are not pinned are where a peg can pin them; without any, its far end is at its place.
+    /// The joints of this beam that are not pinned are where a peg can pin them; without any, its far end is
+    /// at its place.
     Straight {
         /// Index into [`Assembly::beams`].
         beam: usize,

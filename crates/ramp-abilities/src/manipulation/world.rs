@@ -26,30 +26,31 @@ impl<'t> NamedTruth<'t> {
         }
     }
 
-    /// Where a part is; at the origin where there is none of that name.
+    /// Pose of a part; the origin if no part has that name.
     pub(super) fn part(&self, name: &str) -> Pose {
         let index = self.names.iter().position(|other| *other == name);
         index.and_then(|index| self.truth.x_wp.get(index)).copied().unwrap_or_default()
     }
 
-    /// Where a hole is.
+    /// Position of a hole.
     pub(super) fn hole(&self, joint: JointRef) -> Point3<f64> {
         let beam = &self.assembly.beams[joint.beam].beam;
         self.part(&beam.name) * beam.p_b_hole(joint.joint)
     }
 
-    /// Where a point of a beam (m, in its frame) would be at its place.
+    /// Position of a point of a beam (m, in its frame) with the beam in its goal pose.
     pub(super) fn nominal(&self, beam: usize, p_b: &Point3<f64>) -> Point3<f64> {
         self.x_wa * self.assembly.beams[beam].x_ab * p_b
     }
 
-    /// What a joint is called.
+    /// Name of a joint.
     pub(super) fn name(&self, joint: JointRef) -> &str {
         self.assembly.joint_name(joint)
     }
 }
 
-/// The joints of a beam that meet those of beams that stand at their places, and that no peg pins, each with the other.
+/// The joints of a beam that meet those of beams that stand at their places, and that no peg pins, each with
+/// the other.
 pub(super) fn open_joints(task: &Task, world: &NamedTruth, beam: usize) -> Vec<(JointRef, JointRef)> {
     let build = &task.build;
     let assembly = world.assembly;
@@ -60,7 +61,8 @@ pub(super) fn open_joints(task: &Task, world: &NamedTruth, beam: usize) -> Vec<(
         .collect()
 }
 
-/// Distance from j1, m, of the end of a beam that is further from the joint that a peg pins; without one, the last.
+/// Distance from j1, m, of the end of a beam that is further from the joint that a peg pins; without one, the
+/// last.
 pub(super) fn far_end(task: &Task, assembly: &Assembly, beam: usize) -> f64 {
     let placed = &assembly.beams[beam].beam;
     match task.build.anchor(assembly, beam) {

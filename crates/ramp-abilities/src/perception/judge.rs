@@ -37,7 +37,8 @@ pub struct Verdict {
     pub distances: Vec<Line>,
     /// Poses given.
     pub poses: usize,
-    /// Poses more than [`FALSE`] off, or of parts that show no tag: file, part and error (m) where there is one.
+    /// Poses more than [`FALSE`] off, or of parts that show no tag: file, part and error (m) where there is
+    /// one.
     pub false_poses: Vec<(String, String, Option<f64>)>,
 }
 
@@ -133,7 +134,7 @@ pub fn judge(labels: &Labels, estimates: &[Estimate]) -> Verdict {
             }
         }
     }
-    // What is left was said of parts that show no tag at all.
+    // The rest was reported of parts that show no tag at all.
     let ghost = |(file, part): (&str, &str)| (file.to_string(), part.to_string(), None);
     false_poses.extend(said.into_keys().map(ghost));
     let (mut lines, mut distances) = (Vec::new(), Vec::new());

@@ -69,7 +69,7 @@ pub struct ViewLabel {
     pub size: [usize; 2],
     /// Focal lengths, pixels.
     pub focal: [f64; 2],
-    /// Where the optical axis meets the image, pixels.
+    /// Principal point, pixels.
     pub centre: [f64; 2],
     /// k1, k2, p1, p2, k3.
     pub distortion: [f64; 5],
@@ -86,7 +86,7 @@ pub struct Labels {
     pub views: Vec<ViewLabel>,
 }
 
-/// What a detector says of a part in an image.
+/// Report of a detector on a part in an image.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// The image's file, as in the labels.

@@ -42,8 +42,8 @@ pub struct View {
     pub bodies: Vec<u16>,
     /// Distance along the optical axis in each pixel, m; infinite where nothing is.
     pub depth: Vec<f32>,
-    /// How each part lies, on the sheet or in the goal: its name, the height of its origin in the world (m), and whether
-    /// its z axis points down.
+    /// How each part lies, on the sheet or in the goal: its name, the height of its origin in the world (m),
+    /// and whether its z axis points down.
     pub lying: Vec<(String, f64, bool)>,
 }
 
@@ -68,13 +68,13 @@ impl<'a> Photographer<'a> {
         Ok(Photographer { assembly, arm, looks, places: tags::places(&assembly.kit), renderers })
     }
 
-    /// What everything looks like.
+    /// Looks of all bodies.
     pub fn looks(&self) -> &Looks {
         &self.looks
     }
 
-    /// Where everything is in a view: as laid out for the seed, and, when the goal is built, its beams and pegs at
-    /// their places.
+    /// Where everything is in a view: as laid out for the seed, and, when the goal is built, its beams and
+    /// pegs at their places.
     fn parts(&self, seed: u64, at_start: bool) -> Vec<(String, Pose)> {
         let layout = Layout::new(self.assembly, Disturbance::default(), seed);
         let mut parts: BTreeMap<String, Pose> =

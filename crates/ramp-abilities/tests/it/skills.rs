@@ -134,8 +134,8 @@ impl Skill for Pretend {
     }
 }
 
-/// One entry of the table is replaced alone; the executor checks what skills need and expect, whoever wrote them; and the
-/// result names the skill.
+/// One entry of the table is replaced alone; the executor checks what skills need and expect, whoever wrote
+/// them; and the result names the skill.
 #[test]
 fn a_skill_of_ones_own_takes_the_place_of_one_of_the_baseline() {
     let world = GoalFiles::new("easy-3");
@@ -158,8 +158,8 @@ fn a_skill_of_ones_own_takes_the_place_of_one_of_the_baseline() {
     assert_eq!(baseline().with_skills(table).name().0, "baseline+pretend");
 }
 
-/// Where the holes are believed 2.5 mm beside where they are, the peg lands on the plate, the spiral finds the hole
-/// and the peg goes home.
+/// Where the holes are believed 2.5 mm beside where they are, the peg lands on the plate, the spiral finds
+/// the hole and the peg goes home.
 #[test]
 fn the_spiral_finds_a_hole_that_is_not_where_it_is_believed() {
     let world = GoalFiles::new("easy-3");
@@ -221,8 +221,8 @@ fn a_push_brings_a_swinging_beam_back() {
     swing_and_push(&world, &mut cell, b4, "b4l2");
 }
 
-/// A beam of male joints alone that one female holds hangs down to the table: a push lets it down before the fingers open,
-/// or it would hang on one of them and go along.
+/// A beam of male joints alone that one female holds hangs down to the table: a push lets it down before the
+/// fingers open, or it would hang on one of them and go along.
 #[test]
 fn a_push_brings_a_drooping_beam_back() {
     let world = GoalFiles::new("easy-1");
@@ -262,8 +262,8 @@ fn swing_and_push(world: &GoalFiles, cell: &mut Workcell, beam: usize, link: &st
     }
 }
 
-/// A beam taken by the wrong link is laid down where there is room, taken by the right one, and inserted, by what the
-/// cameras show.
+/// A beam taken by the wrong link is laid down where there is room, taken by the right one, and inserted, by
+/// what the cameras show.
 #[test]
 fn a_beam_is_regrasped_by_another_link_and_inserted() {
     let world = GoalFiles::new("easy-3");
@@ -289,7 +289,8 @@ fn a_beam_is_regrasped_by_another_link_and_inserted() {
     assert!(off < 2.0e-3, "b5 stands {:.2} mm from its place", off * 1e3);
 }
 
-/// Fingers that spring back on a peg as far as they had been open, and close only when they are opened, are opened further.
+/// Fingers that spring back on a peg as far as they had been open, and close only when they are opened, are
+/// opened further.
 #[test]
 fn fingers_that_spring_back_as_far_as_they_open_grip_a_peg_all_the_same() {
     let world = GoalFiles::new("easy-3");
@@ -304,8 +305,8 @@ fn fingers_that_spring_back_as_far_as_they_open_grip_a_peg_all_the_same() {
     assert!(cell.journal.events.iter().any(weak), "{:?}", cell.journal.events);
 }
 
-/// A beam that is held so far out that the arm cannot take it to where its insertion begins is laid down and taken where
-/// it can: a peg that stands high in its holder may leave room for no other grasp.
+/// A beam that is held so far out that the arm cannot take it to where its insertion begins is laid down and
+/// taken where it can: a peg that stands high in its holder may leave room for no other grasp.
 #[test]
 fn a_beam_that_is_held_too_far_out_is_taken_anew() {
     let world = GoalFiles::new("hard-2");
@@ -357,7 +358,8 @@ fn fetched<'a, 'r>(
     cell
 }
 
-/// A beam that turned in the hand is made level by a hand that leans. Its ribs must not take the beam along when they open.
+/// A beam that turned in the hand is made level by a hand that leans. Its ribs must not take the beam along
+/// when they open.
 #[test]
 fn a_beam_that_turned_in_the_hand_stays_where_it_is_let_go() {
     let world = GoalFiles::new("easy-3");
@@ -376,8 +378,8 @@ fn a_beam_that_turned_in_the_hand_stays_where_it_is_let_go() {
     assert!(twin.largest_force() < 35.0, "{:.0} N", twin.largest_force());
 }
 
-/// A beam on a rib that presses against the edge of its slot follows the finger that opens, and would be lifted by it. It is
-/// let go of anew, where it stood.
+/// A beam on a rib that presses against the edge of its slot follows the finger that opens, and would be
+/// lifted by it. It is let go of anew, where it stood.
 #[test]
 fn a_beam_that_hangs_on_a_finger_is_let_go_of_anew() {
     let world = GoalFiles::new("easy-3");
@@ -405,8 +407,8 @@ fn a_beam_that_hangs_on_a_finger_is_let_go_of_anew() {
     }
 }
 
-/// A beam that something turns in the hand while it is carried is looked at before it goes down, where an end of it would
-/// meet the table. It is laid on the table and taken anew, and nothing is pressed hard.
+/// A beam that something turns in the hand while it is carried is looked at before it goes down, where an end
+/// of it would meet the table. It is laid on the table and taken anew, and nothing is pressed hard.
 #[test]
 fn a_beam_that_is_turned_on_the_way_is_taken_anew_before_it_goes_down() {
     let world = GoalFiles::new("hard-2");
@@ -441,8 +443,8 @@ fn a_long_beam_that_turned_in_the_hand_is_not_lost() {
     assert!(turned > 4.0, "it turned by {turned:.1}°");
 }
 
-/// A hand that is led into the table, fast through what it holds to be free space or slowly under impedance, breaks off,
-/// yields and can be led away; what breaks grippers is never met.
+/// A hand that is led into the table, fast through what it holds to be free space or slowly under impedance,
+/// breaks off, yields and can be led away; what breaks grippers is never met.
 #[test]
 fn a_hand_that_meets_the_table_yields() {
     let world = GoalFiles::new("easy-1");

@@ -1,4 +1,5 @@
-"""An agent that looks once, moves one joint a little, and is done. It is one file, as an entry of a leaderboard wants it."""
+"""An agent that looks once, moves one joint a little, and is done. It is one file, as an entry of a
+leaderboard wants it."""
 import json
 import sys
 

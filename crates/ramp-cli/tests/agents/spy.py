@@ -1,4 +1,5 @@
-"""An agent that looks for what it must not know, and for ways out. It reports each door that it tried as an event.
+"""An agent that looks for what it must not know, and for ways out. It reports each door that it tried as an
+event.
 
 The event is an action with the argument `door`. If the door was open, `found` is what was behind it.
 """

@@ -7,10 +7,10 @@ use seccompiler::{BpfProgram, SeccompAction, SeccompFilter, TargetArch};
 /// Why the filter cannot be made.
 pub type FilterError = seccompiler::Error;
 
-/// What is refused (`EPERM`), and why.
+/// Refused system calls (`EPERM`), and the reasons.
 const REFUSED: &[libc::c_long] = &[
-    // A way out: sockets of every kind, and the ring that opens them without a call. Pairs of sockets, which a program
-    // opens to itself, stay.
+    // A way out: sockets of every kind, and the ring that opens them without a call. Pairs of sockets, which
+    // a program opens to itself, stay.
     libc::SYS_socket,
     libc::SYS_io_uring_setup,
     // Other processes: their memory and their files.

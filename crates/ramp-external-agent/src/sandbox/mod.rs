@@ -1,9 +1,9 @@
 //! The sandbox of an agent whose author is a stranger.
 //!
-//! The run looks for what the agent must read ([`Sandbox::find`]) and gives it a folder of its own. The process that is
-//! about to become the agent puts up the walls around itself (`walls`): which files it may open (Landlock), which
-//! system calls it may make (`calls`), and limits of each process. The run then watches the memory, processes and
-//! disk space that the agent uses with all that it has started (`watch`).
+//! The run looks for what the agent must read ([`Sandbox::find`]) and gives it a folder of its own. The
+//! process that is about to become the agent puts up the walls around itself (`walls`): which files it may
+//! open (Landlock), which system calls it may make (`calls`), and limits of each process. The run then
+//! watches the memory, processes and disk space that the agent uses with all that it has started (`watch`).
 
 mod calls;
 mod python;
@@ -52,18 +52,18 @@ pub enum SandboxError {
     /// The kernel cannot.
     #[error("this system has no Landlock, which a sandbox needs (Linux 5.13 or newer, and not switched off)")]
     NoLandlock,
-    /// What the agent may read holds what it must not see.
+    /// A path that the agent may read contains one that it must not see.
     #[error("{hidden} lies in {folder}, which the agent may read")]
     Exposed {
-        /// What it must not see.
+        /// The path that it must not see.
         hidden: PathBuf,
-        /// What it may read.
+        /// Paths that it may read.
         folder: PathBuf,
     },
     /// There is no Python.
     #[error("`python3` does not tell where it is: {what}")]
     Python {
-        /// What it said.
+        /// Its message.
         what: String,
     },
     /// The agent's own folder cannot be made.
@@ -71,12 +71,12 @@ pub enum SandboxError {
     Folder(std::io::Error),
 }
 
-/// What surrounds one agent of a stranger.
+/// The sandbox of one agent.
 #[derive(Debug)]
 pub struct Sandbox {
-    /// What starts the agent: program and arguments.
+    /// The agent's command: program and arguments.
     command: Vec<OsString>,
-    /// What it may read.
+    /// Paths that it may read.
     readable: Vec<PathBuf>,
     /// The only folder that it may write to. It goes with the sandbox.
     folder: TempDir,
@@ -84,9 +84,9 @@ pub struct Sandbox {
 }
 
 impl Sandbox {
-    /// What an agent needs: its file and the folder of it, the system's programs and libraries, and for a Python file the
-    /// Python that `python3` is, with its packages. `hidden` are files and folders that it must not see, such as that of
-    /// the results.
+    /// What an agent needs: its file and the folder of it, the system's programs and libraries, and for a
+    /// Python file the Python that `python3` is, with its packages. `hidden` are files and folders that it
+    /// must not see, such as that of the results.
     ///
     /// # Errors
     /// When the system has no sandbox, or a hidden path lies where the agent may read.
@@ -137,7 +137,7 @@ impl Sandbox {
         }
     }
 
-    /// What starts the agent.
+    /// The agent's command.
     pub fn command(&self) -> &[OsString] {
         &self.command
     }
@@ -148,7 +148,7 @@ impl Sandbox {
     }
 }
 
-/// Where a path is that need not exist: the nearest folder that does, and the rest.
+/// The place of a path that need not exist: the nearest existing folder, and the rest.
 fn absolute(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     let existing = path.ancestors().find_map(|part| Some((part, part.canonicalize().ok()?)));

@@ -1,4 +1,4 @@
-//! Where the Python is that `python3` stands for, and where its packages are.
+//! The Python behind `python3`, and its packages.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ for path in [sys.prefix, sys.base_prefix, sys.exec_prefix, *site.getsitepackages
 /// The program and the folders that it reads.
 ///
 /// # Errors
-/// What went wrong, in words.
+/// The reason, in words.
 pub fn find() -> Result<(OsString, Vec<PathBuf>), String> {
     let output = Command::new("python3")
         .args(["-c", ASK])

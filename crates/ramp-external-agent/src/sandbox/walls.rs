@@ -1,4 +1,5 @@
-//! The walls that a process puts up around itself before it becomes an agent. None of them can be taken down again.
+//! The walls that a process puts up around itself before it becomes an agent. None of them can be taken down
+//! again.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -20,12 +21,12 @@ const MOST_OPEN_FILES: u64 = 1024;
 const DEVICES: [&str; 5] = ["/dev/null", "/dev/zero", "/dev/full", "/dev/random", "/dev/urandom"];
 const GRAPHICS: [&str; 3] = ["nvidia", "dri", "kfd"];
 
-/// What a process puts up around itself.
+/// The restrictions that a process puts on itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Inside {
-    /// What it may read and execute.
+    /// Paths that it may read and execute.
     pub readable: Vec<PathBuf>,
-    /// Where it may also write; its home and its folder for temporary files.
+    /// Paths that it may also write; its home and its folder for temporary files.
     pub folder: PathBuf,
     /// Largest file that it may write, bytes.
     pub largest_file: u64,
@@ -106,7 +107,7 @@ fn devices() -> Vec<PathBuf> {
     devices
 }
 
-/// What the sandbox does not keep out on this system, in words; `None` where there is no sandbox at all.
+/// Gaps of the sandbox on this system, in words; `None` without any sandbox.
 pub fn open_ends() -> Option<Vec<&'static str>> {
     let version = [ABI::V6, ABI::V5, ABI::V4, ABI::V3, ABI::V2, ABI::V1]
         .into_iter()

@@ -73,7 +73,7 @@ fn end(before: &[i32]) {
     }
 }
 
-/// What is beyond the allowance, in words.
+/// The exceeded allowance, in words.
 fn too_much(allowance: Allowance, before: &[i32], folder: Option<&Path>) -> Option<String> {
     let family = descendants(before);
     if family.len() > allowance.processes {

@@ -84,7 +84,8 @@ fn an_episode_is_the_same_after_others() {
     assert!(run(&mut env) == once);
 }
 
-/// A random agent: the arm may stop, a part may fall, and each says so; nothing panics and nothing else ends an episode.
+/// A random agent: the arm may stop, a part may fall, and each says so; nothing panics and nothing else ends
+/// an episode.
 #[test]
 fn random_actions_end_no_episode_without_a_cause() {
     let mut env = fasten();
