@@ -32,10 +32,24 @@ def turned(quat_wxyz, vector):
     return [a + w * tx + y * tz - z * ty, b + w * ty + z * tx - x * tz, c + w * tz + x * ty - y * tx]
 
 
+def product(p, q):
+    """The product of two quaternions."""
+    (a, b, c, d), (w, x, y, z) = p, q
+    return [
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
+    ]
+
+
 def rehearse(task):
     """The motions that this skill asks for: straight down with the peg to its hole, and up again."""
     x, y, z = task["x_goal"]["position"]
-    down = {"position": [x, y, z + task["held"]["x_tp"]["position"][2]], "quat_wxyz": [0.0, 1.0, 0.0, 0.0]}
+    # The hand keeps its orientation: that of the peg, turned back by the orientation of the peg in the hand.
+    w, i, j, k = task["held"]["x_tp"]["quat_wxyz"]
+    turn = product(task["x_wp"]["quat_wxyz"], [w, -i, -j, -k])
+    down = {"position": [x, y, z + task["held"]["x_tp"]["position"][2]], "quat_wxyz": turn}
     straight = {"x_wt": down, "open": task["gripper"]["width"], "around": None, "contact": True}
     say("rehearsal", {"alternatives": [[{"straight": straight}, {"retreat": {}}]]})
 

@@ -60,7 +60,7 @@ def rate(env: Any, actions: int, clock: Callable[[], float]) -> float:
 
 
 def against_rollout(scale: int) -> None:
-    """Engine steps a CPU-second over those of `mujoco.rollout` with the same scene and number of copies.
+    """Engine steps a CPU-second over those of `mujoco.rollout`: same scene, state and number of copies.
 
     Both hold the peg over its hole: the rival with constant torques, so its runs are short.
     """

@@ -132,6 +132,8 @@ class Skill:
     def rehearse(self, task: Task) -> list[list[dict[str, Any]]] | None:
         """The motions that :meth:`work` will ask for: alternatives, the preferred one first.
 
+        It is called when a plan is made, before anything moves.
+
         Each alternative is a list of motions from :class:`Motion`. A plan in which none of them is possible
         is changed. Without this method the action counts as possible, and an event says that the skill is not
         rehearsed.

@@ -216,6 +216,31 @@ def test_a_skill_in_python_fastens_inside_the_baseline():
     # The baseline goes on as after any fault, and tries again.
     assert any("not today" in it.get("why", "") for it in result.events)
     assert result.counted == 3, result
+    # It does not rehearse, and the result says so once.
+    assert [it["skill"] for it in result.events if it["kind"] == "not_rehearsed"] == ["fasten-by-linear-policy"]
+
+
+def test_a_skill_in_python_rehearses_its_motions():
+    class Press(ramp.Skill):
+        asked = 0
+
+        def rehearse(self, task):
+            assert task.kind == "fasten" and task.held_pose is not None
+            self.asked += 1
+            down = task.goal_pose.copy()
+            down[2] += 5.0
+            down[3:] = [0.0, 1.0, 0.0, 0.0]
+            return [[ramp.Motion.straight(down, task.width, contact=True), ramp.Motion.retreat()]]
+
+        def work(self, robot, task):
+            return "it cannot"
+
+    press = Press()
+    result = ramp.run("easy-1", skills=[press], track="state")
+    assert press.asked > 0 and not any(it["kind"] == "not_rehearsed" for it in result.events)
+    # Five metres up is out of reach, so the planner learns that the connection cannot be fastened.
+    facts = [it["cannot"] for it in result.events if it["kind"] == "motion" and "cannot" in it]
+    assert any("fasten" in fact for fact in facts), result.events
 
 
 def test_a_twin_goes_back_to_the_last_bit():

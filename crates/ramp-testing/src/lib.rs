@@ -12,6 +12,7 @@ pub mod goal;
 #[cfg(feature = "episode")]
 pub mod log;
 pub mod mangle;
+pub mod program;
 #[cfg(feature = "twin")]
 pub mod robot;
 #[cfg(feature = "table")]

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
+use ramp_testing::program::text;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -20,10 +21,6 @@ fn ramp(folder: &TempDir, arguments: &[&str], file: &Path, way: &str) -> Output 
 /// A sleep that no other test has.
 fn sleep() -> String {
     format!("9{:08}", std::process::id())
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 fn file(folder: &TempDir, name: &str) -> Value {

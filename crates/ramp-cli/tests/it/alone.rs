@@ -3,13 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use assert_cmd::Command;
+use crate::ramp;
 use serde_json::Value;
 use tempfile::TempDir;
-
-fn ramp(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::cargo_bin("ramp").unwrap().current_dir(folder).args(arguments).output().unwrap()
-}
 
 fn done(output: &Output) {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));

@@ -1,9 +1,11 @@
 //! `ramp bench` as a user has it: stopped, killed and started again.
 
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::ramp;
+use ramp_testing::program::words;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -14,19 +16,6 @@ fn command(folder: &TempDir, arguments: &[&str]) -> Command {
     command.current_dir(folder).args(arguments).stdin(Stdio::null());
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     command
-}
-
-fn ramp(folder: &TempDir, arguments: &[&str]) -> Output {
-    command(folder, arguments).output().unwrap()
-}
-
-/// The program's words, without the border and the line breaks that miette puts in.
-fn words(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes)
-        .replace(['│', '╭', '╰', '─', '·'], " ")
-        .split_whitespace()
-        .collect::<Vec<_>>()
-        .join(" ")
 }
 
 fn send(signal: &str, process: u32) {

@@ -1,13 +1,7 @@
 //! The program away from its repository: built-in data, data of one's own, completions and manual pages.
 
-use std::process::Output;
-
-use assert_cmd::Command;
+use crate::ramp;
 use tempfile::TempDir;
-
-fn ramp(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::cargo_bin("ramp").unwrap().current_dir(folder).args(arguments).output().unwrap()
-}
 
 /// Standard output of a command that is done.
 fn done(folder: &TempDir, arguments: &[&str]) -> String {

@@ -1,27 +1,9 @@
 //! `ramp run --fault` and `ramp faults` as a user has them.
 
-use std::process::{Command, Output, Stdio};
-
+use crate::ramp;
+use ramp_testing::program::words;
 use serde_json::Value;
 use tempfile::TempDir;
-
-fn ramp(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_ramp"))
-        .current_dir(folder)
-        .args(arguments)
-        .stdin(Stdio::null())
-        .output()
-        .unwrap()
-}
-
-/// The program's words, without the border and the line breaks that miette puts in.
-fn words(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes)
-        .replace(['│', '╭', '╰', '─', '·'], " ")
-        .split_whitespace()
-        .collect::<Vec<_>>()
-        .join(" ")
-}
 
 #[test]
 fn a_fault_that_there_is_not_is_refused_and_nothing_written() {

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use ramp_testing::program::text;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -13,10 +14,6 @@ fn with_full_disk(folder: &Path, blocks: u32, arguments: &str) -> Output {
     let mut command = Command::new("sh");
     command.current_dir(folder).args(["-c", &line]).env("RAMP", env!("CARGO_BIN_EXE_ramp"));
     command.output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 fn names(folder: &Path) -> Vec<String> {

@@ -22,3 +22,11 @@ mod secret;
 mod see;
 mod skills;
 mod world;
+
+use std::path::Path;
+use std::process::Output;
+
+/// Runs `ramp` in a folder.
+fn ramp(folder: impl AsRef<Path>, arguments: &[&str]) -> Output {
+    ramp_testing::program::run(env!("CARGO_BIN_EXE_ramp"), folder, arguments)
+}

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use assert_cmd::Command;
+use ramp_testing::program::words;
 use tempfile::TempDir;
 
 fn data(name: &str) -> PathBuf {
@@ -16,14 +17,6 @@ fn ramp(folder: &TempDir, arguments: &[&str]) -> Output {
     let inner = folder.path().join("a/b");
     std::fs::create_dir_all(&inner).unwrap();
     Command::cargo_bin("ramp").unwrap().current_dir(inner).args(arguments).output().unwrap()
-}
-
-fn words(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes)
-        .replace(['│', '╭', '╰', '─', '·'], " ")
-        .split_whitespace()
-        .collect::<Vec<_>>()
-        .join(" ")
 }
 
 fn done(output: &Output) {

@@ -44,6 +44,20 @@ fn a_plan_of_ones_own_is_carried_out_as_it_is_and_a_program_fastens_in_it() {
     assert_eq!(result["plan"]["coarse"], own["plan"]["steps"].as_array().unwrap().len());
 }
 
+/// The example rehearses its motions before the arm moves, so no event says that it does not.
+#[test]
+fn a_program_rehearses_its_motions() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = words(folder.path().join("out.json"));
+    let skill = format!("fasten={}", example());
+    let world = ["--world", "ideal", "--track", "state"];
+    let run = ramp(&[&["run", "easy-1", "--skill", &skill, "-o", &out][..], &world[..]].concat());
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let result = result(Path::new(&out));
+    let events = result["events"].as_array().unwrap();
+    assert!(!events.iter().any(|event| event["kind"] == "not_rehearsed" || event["kind"] == "motion"));
+}
+
 #[test]
 fn a_plan_that_cannot_be_is_bad_input() {
     let folder = tempfile::tempdir().unwrap();

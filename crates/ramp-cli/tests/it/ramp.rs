@@ -1,18 +1,10 @@
 //! The real program in a temporary folder, as a user has it.
 
 use std::path::Path;
-use std::process::Output;
 
-use assert_cmd::Command;
+use crate::ramp;
+use ramp_testing::program::text;
 use tempfile::TempDir;
-
-fn ramp(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::cargo_bin("ramp").unwrap().current_dir(folder).args(arguments).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
 
 /// Status 2, one message that holds all of `words`, nothing on standard output, nothing written.
 fn refused(folder: &TempDir, arguments: &[&str], words: &[&str]) {

@@ -3,11 +3,8 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use crate::ramp;
 use tempfile::TempDir;
-
-fn ramp(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_ramp")).current_dir(folder).args(arguments).output().unwrap()
-}
 
 fn words(output: &Output) -> String {
     [&output.stdout[..], &output.stderr]

@@ -3,24 +3,13 @@
 use std::path::Path;
 use std::process::Output;
 
-use assert_cmd::Command;
+use crate::ramp;
+use ramp_testing::program::words;
 use tempfile::TempDir;
-
-fn ramp(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::cargo_bin("ramp").unwrap().current_dir(folder).args(arguments).output().unwrap()
-}
 
 fn data(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name);
     path.canonicalize().unwrap().display().to_string()
-}
-
-fn words(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes)
-        .replace(['│', '╭', '╰', '─', '·'], " ")
-        .split_whitespace()
-        .collect::<Vec<_>>()
-        .join(" ")
 }
 
 fn done(output: &Output) {

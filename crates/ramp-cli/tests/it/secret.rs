@@ -1,18 +1,11 @@
 //! Unpredictable seeds: an organiser's secret in a bench.
 
 use std::path::Path;
-use std::process::{Command, Output};
 
+use crate::ramp;
+use ramp_testing::program::text;
 use serde_json::Value;
 use tempfile::TempDir;
-
-fn ramp(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_ramp")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
 
 fn file(folder: &TempDir, name: &str) -> Value {
     serde_json::from_slice(&std::fs::read(folder.path().join(name)).unwrap()).unwrap()

@@ -1,11 +1,8 @@
 //! Worlds at the command line: listed, shown, of one's own, wrong, and varied.
 
+use crate::ramp;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn ramp(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_ramp")).current_dir(folder).args(arguments).output().unwrap()
-}
+use std::process::Output;
 
 fn done(output: &Output) -> String {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));

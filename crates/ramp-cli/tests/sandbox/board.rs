@@ -7,6 +7,7 @@ use ramp_testing::trials::{Trial, check, check_unless};
 use tempfile::TempDir;
 
 use crate::missing;
+use ramp_testing::program::text;
 
 /// A folder with data of one small class: `easy` is a corner of two beams.
 struct Place(TempDir);
@@ -91,10 +92,6 @@ impl Place {
     fn page(&self, name: &str) -> String {
         std::fs::read_to_string(self.path("site").join(name)).unwrap()
     }
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 fn change(path: &Path, from: &str, to: &str) {

@@ -12,6 +12,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::missing;
+use ramp_testing::program::text;
 
 /// A seed that nothing else on a machine holds.
 const SEED: &str = "918273645918";
@@ -31,10 +32,6 @@ fn ramp(results: &TempDir, arguments: &[&str], agent: &Path) -> Command {
     command.current_dir(results).args(arguments).arg("--agent").arg(agent);
     command.env("PYTHONDONTWRITEBYTECODE", "1").env("SPY_RESULTS", results.path());
     command
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 fn result(folder: &TempDir, name: &str) -> Value {
