@@ -11,7 +11,7 @@ pub use libfuzzer_sys;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_kit::source::{Fault, Problem};
-use ramp_log::header::{ArmText, DisturbanceText, GoalText, KitText};
+use ramp_log::header::{ArmText, DisturbanceText, GoalText, KitText, WorldText};
 use ramp_log::{CALLS, Header};
 use ramp_result::episode::{RULES, Software};
 use ramp_source::is_text;
@@ -83,12 +83,14 @@ pub fn software() -> Software {
 /// The head of a log whose files are those of the project.
 pub fn header() -> Header {
     let (kit, arm) = (data_text("kit.xml"), data_text("arms/panda.json"));
+    let world = data_text("worlds/ideal.toml");
     Header {
         schema: ramp_log::SCHEMA.into(),
         rules: RULES.into(),
         goal: GoalText { name: "easy-1".into(), xml: data_text("goals/easy-1.xml") },
         kit: KitText { sha256: ramp_result::sha256(kit.as_bytes()), xml: kit },
         arm: ArmText { sha256: ramp_result::sha256(arm.as_bytes()), json: arm },
+        world: WorldText { name: "ideal".into(), sha256: ramp_result::sha256(world.as_bytes()), toml: world },
         track: "state".into(),
         seed: 1,
         secret: None,

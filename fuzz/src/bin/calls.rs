@@ -25,6 +25,7 @@ fn check(bytes: &[u8]) {
             Entry::Step(command, count) => (0..*count).for_each(|_| encoder.step(command)),
             Entry::ReadParts => encoder.read_parts(),
             Entry::Look(camera) => encoder.look(*camera),
+            Entry::Expose => encoder.expose(),
             Entry::Answered(hash) => encoder.answered(*hash),
             Entry::Refused => encoder.refused(),
             Entry::State(hash) => encoder.state(*hash),
