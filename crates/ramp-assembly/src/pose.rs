@@ -9,7 +9,7 @@
 //!    a triangle.
 //! 4. A beam with only one hole known, in a long female, lies along X or Y by default.
 //!
-//! Where two answers remain (the opposite direction, or the mirror image of a triangle), the usual
+//! If two answers remain (the opposite direction, or the mirror image of a triangle), the usual
 //! one is tried first: beams point along +X and +Y, as in the published goals. The search
 //! backtracks when holes do not meet or when a male would enter a female at an invalid angle. It
 //! does not backtrack when beams overlap: a beam printed as the mirror image of the right one must

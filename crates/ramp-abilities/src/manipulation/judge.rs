@@ -25,8 +25,8 @@ const LAID: f64 = 4.0e-3;
 /// head, m.
 pub(super) const LIFTED: [f64; 2] = [30.0e-3, 30.0e-3];
 
-/// What the truth lacks of a task that was to be done; `None` when it is done and nothing was spoilt.
-/// `places` is where all parts were at the start.
+/// The difference between the truth and the goal of a task; `None` when the task is done and nothing was
+/// spoilt. `places` is where all parts were at the start.
 pub fn missing(setup: &Setup, task: &Task, places: &[(String, Pose)], twin: &Twin) -> Option<String> {
     let world = NamedTruth::of(setup, twin);
     let seated = pegs_in(setup, twin);

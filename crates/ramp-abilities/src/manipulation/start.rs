@@ -163,7 +163,7 @@ fn range(setup: &Setup, task: &Task, beam: usize) -> f64 {
 /// A knock: the velocity of a beam's origin, m/s, and its turn, rad/s, axes of the world.
 type Knock = (String, Vector3<f64>, Vector3<f64>);
 
-/// What each beam that stands is knocked with: it turns about the joint that a peg pins, or else is shifted
+/// Displacement of each standing beam: it turns about the joint that a peg pins, or else is shifted
 /// as well.
 fn knocks(setup: &Setup, task: &Task, stream: &mut Stream) -> Vec<Knock> {
     let assembly = setup.assembly;

@@ -73,7 +73,7 @@ impl<'a> Photographer<'a> {
         &self.looks
     }
 
-    /// Where everything is in a view: as laid out for the seed, and, when the goal is built, its beams and
+    /// Poses of everything in a view: as laid out for the seed, and, when the goal is built, its beams and
     /// pegs at their places.
     fn parts(&self, seed: u64, at_start: bool) -> Vec<(String, Pose)> {
         let layout = Layout::new(self.assembly, Disturbance::default(), seed);

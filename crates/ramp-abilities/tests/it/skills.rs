@@ -158,7 +158,7 @@ fn a_skill_of_ones_own_takes_the_place_of_one_of_the_baseline() {
     assert_eq!(baseline().with_skills(table).name().0, "baseline+pretend");
 }
 
-/// Where the holes are believed 2.5 mm beside where they are, the peg lands on the plate, the spiral finds
+/// With the holes believed 2.5 mm beside their true positions, the peg lands on the plate, the spiral finds
 /// the hole and the peg goes home.
 #[test]
 fn the_spiral_finds_a_hole_that_is_not_where_it_is_believed() {

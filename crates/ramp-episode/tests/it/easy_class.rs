@@ -43,7 +43,7 @@ fn easy_1_is_built_and_the_same_seed_gives_the_same_result() {
     for other in &results[1..] {
         assert_ne!(results[0].physics, other.physics, "seed {}", other.seed);
     }
-    // What is written follows the schema and can be read back.
+    // The written result follows the schema and can be read back.
     let text = again.to_json();
     let value: serde_json::Value = serde_json::from_str(&text).unwrap();
     let validator = jsonschema::validator_for(&schema()).unwrap();
