@@ -434,8 +434,8 @@ impl Env {
         self.scenario.goals.get(goal)?.steps.get(step).map(|step| &step.task.aim)
     }
 
-    /// Where the part of the task and its place are believed to be. What is held moves with the hand; on
-    /// track `state` a part is where it is.
+    /// Believed poses of the task's part and of its goal, in the world. A held part moves with the hand; on
+    /// track `state` the pose of a part is exact.
     fn believed(&self, episode: &Episode, seen: &Observation) -> (Pose, Pose) {
         let Some(known) = &episode.start.known else { return Default::default() };
         let true_pose = |name: &str| {

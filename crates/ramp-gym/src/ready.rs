@@ -2,8 +2,8 @@
 //!
 //! A task of `ramp trials` begins with the arm at home. Most of its time is fetching and carrying. Here the
 //! baseline does that part: the peg is in the hand over its hole, the beam is where its insertion begins.
-//! What the baseline then believes is kept beside the state of the twin, since that is what an agent on its
-//! track can know.
+//! The baseline's belief at that moment is kept beside the state of the twin, since an agent on its track can
+//! know no more.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

@@ -143,7 +143,7 @@ macro_rules! fine_actions {
 fine_actions! {
     /// Move the hand, and the held part, along the graph of places.
     Move = "move" {
-        /// Where to.
+        /// The destination.
         to: Place as Place,
     }
     /// Grasp an item and lift it.

@@ -53,8 +53,7 @@ pub enum Place {
     Above(Area),
     /// Over the start place of an item.
     Input(Item),
-    /// Where the insertion of a beam begins, or over the hole of a connection (`Beam` or the connection's
-    /// name).
+    /// The start of a beam's insertion path, or over the hole of a connection.
     Approach(Target),
     /// The place itself.
     Target(Target),
@@ -71,7 +70,7 @@ impl Place {
     }
 }
 
-/// What a fine place belongs to.
+/// The owner of a fine place.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Target {

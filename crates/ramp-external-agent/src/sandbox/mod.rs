@@ -84,9 +84,9 @@ pub struct Sandbox {
 }
 
 impl Sandbox {
-    /// What an agent needs: its file and the folder of it, the system's programs and libraries, and for a
-    /// Python file the Python that `python3` is, with its packages. `hidden` are files and folders that it
-    /// must not see, such as that of the results.
+    /// A sandbox with all that an agent needs: its file and the folder of it, the system's programs and
+    /// libraries, and for a Python file the Python that `python3` is, with its packages. `hidden` are files
+    /// and folders that it must not see, such as that of the results.
     ///
     /// # Errors
     /// When the system has no sandbox, or a hidden path lies where the agent may read.
