@@ -11,7 +11,7 @@ pub use libfuzzer_sys;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_kit::source::{Fault, Problem};
-use ramp_log::header::{ArmText, DisturbanceText, GoalText, KitText, WorldText};
+use ramp_log::header::{ArmText, GoalText, KitText, StartText, WorldText};
 use ramp_log::{CALLS, Header};
 use ramp_result::episode::{RULES, Software};
 use ramp_source::is_text;
@@ -83,7 +83,7 @@ pub fn software() -> Software {
 /// The head of a log whose files are those of the project.
 pub fn header() -> Header {
     let (kit, arm) = (data_text("kit.xml"), data_text("arms/panda.json"));
-    let world = data_text("worlds/ideal.toml");
+    let (world, start) = (data_text("worlds/ideal.toml"), data_text("starts/sheet.toml"));
     Header {
         schema: ramp_log::SCHEMA.into(),
         rules: RULES.into(),
@@ -91,11 +91,11 @@ pub fn header() -> Header {
         kit: KitText { sha256: ramp_result::sha256(kit.as_bytes()), xml: kit },
         arm: ArmText { sha256: ramp_result::sha256(arm.as_bytes()), json: arm },
         world: WorldText { name: "ideal".into(), sha256: ramp_result::sha256(world.as_bytes()), toml: world },
+        start: StartText { name: "sheet".into(), sha256: ramp_result::sha256(start.as_bytes()), toml: start },
         track: "state".into(),
         seed: 1,
         secret: None,
         repeat: 1,
-        disturbance: DisturbanceText { position: 0.0, angle: 0.0 },
         fault: None,
         software: software(),
     }

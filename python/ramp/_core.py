@@ -65,7 +65,7 @@ __all__ = [
 
 
 def data() -> pathlib.Path:
-    """The folder of kit, goals, rules, arm and worlds; ``RAMP_DATA`` names another one."""
+    """The folder of kit, goals, rules, arm, worlds and starts; ``RAMP_DATA`` names another one."""
     return pathlib.Path(os.environ.get("RAMP_DATA") or pathlib.Path(__file__).parent / "data").resolve()
 
 

@@ -151,6 +151,7 @@ class Twin:
         goal: str,
         track: str = "state",
         world: str = "ideal",
+        start: str = "moved",
         seed: int = 1,
         fault: str | None = None,
     ) -> Twin: ...
@@ -208,6 +209,7 @@ class Env:
         *,
         track: str,
         world: str,
+        start: str,
         begin: str,
         whole_scene: bool,
         settings: dict[str, Any],
@@ -247,6 +249,7 @@ def run(
     *,
     track: str,
     world: str,
+    start: str,
     seed: int,
     agent: tuple[Any, str, str, Any] | None = None,
     skills: Sequence[tuple[str, str, Any]] = (),

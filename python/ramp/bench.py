@@ -27,7 +27,8 @@ def run(
     skills: Sequence[Skill] = (),
     plan: Plan | str | os.PathLike[str] | None = None,
     domain: str | os.PathLike[str] | None = None,
-    world: str = "real",
+    world: str | os.PathLike[str] = "real",
+    start: str | os.PathLike[str] = "moved",
     track: str = "tags",
     seed: int = 1,
     parameters: str | os.PathLike[str] | None = None,
@@ -46,13 +47,15 @@ def run(
         plan: A plan that the baseline carries out, in place of its own: a plan, or a file with one.
         domain: A file of rules for the baseline's planner, in place of the one of its kind.
         world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
+        start: Where the parts lie: ``moved``, ``sheet``, or a start file.
         track: What the agent may see: ``state``, ``noisy`` or ``tags``.
         seed: All randomness of the episode flows from it.
         parameters: A file of numbers of the baseline's skills, as ``ramp run --parameters``.
         fault: What goes wrong on purpose, as ``ramp run --fault``.
         record: File for the log of everything (``.mcap``).
         output: File for the result (``.json``). If it already has a result of this episode, with the same
-            world, track, seed, agent and version of the program, that result is returned and nothing is run.
+            world, start, track, seed, agent and version of the program, that result is returned and nothing
+            is run.
         repeat: Which of several runs in a row this is.
         progress: Called now and then with robot time (s), pegs that count, and pegs of the goal.
 
@@ -80,7 +83,8 @@ def run(
             benchmark(),
             whole.source,
             track=track,
-            world=_file(world),
+            world=os.fspath(world),
+            start=os.fspath(start),
             seed=seed,
             agent=own,
             skills=parts,
@@ -94,10 +98,6 @@ def run(
             progress=progress,
         )
     )
-
-
-def _file(world: str | os.PathLike[str]) -> str:
-    return os.fspath(world)
 
 
 def _name(name: str) -> str:
@@ -182,10 +182,10 @@ def bench(
         first_seed: Seed of the first episode of each goal.
         jobs: Episodes at a time. An agent in Python holds Python's lock while it thinks.
         output: Folder for the result files, for ``ramp report``. Results of these episodes that it already
-            has are not run again, by the same rule as ``ramp bench``. A folder is of one world, agent and
-            version.
+            has are not run again, by the same rule as ``ramp bench``. A folder is of one world, start, agent
+            and version.
         show: Whether to show progress on standard error.
-        options: Passed to :func:`run`: world, track, domain and so on.
+        options: Passed to :func:`run`: world, start, track, domain and so on.
 
     """
     classes = {"easy", "medium", "hard"}

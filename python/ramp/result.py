@@ -57,6 +57,7 @@ class Result:
     goal: str
     track: str
     world: str
+    start: str
     seed: int
     repeat: int
     agent: str
@@ -88,9 +89,9 @@ class Result:
 
     @staticmethod
     def from_json(text: str) -> Result:
-        """From a result file. Events of the schema before are converted."""
+        """From a result file. One of the two schemas before is converted."""
         value = json.loads(text)
-        if value.get("schema") == "ramp-episode-3":
+        if value.get("schema") in ("ramp-episode-3", "ramp-episode-4"):
             value = json.loads(current_result(text))
         physics = value.get("physics") or {}
         compared = value.get("robot_time") or {}
@@ -99,6 +100,7 @@ class Result:
             goal=value["goal"],
             track=value["track"],
             world=(value.get("world") or {}).get("name", ""),
+            start=(value.get("start") or {}).get("name", ""),
             seed=value["seed"],
             repeat=value["repeat"],
             agent=f"{value['agent']['name']} {value['agent']['version']}",
@@ -129,6 +131,7 @@ class Result:
         return {
             "goal": self.goal,
             "world": self.world,
+            "start": self.start,
             "track": self.track,
             "agent": self.agent,
             "seed": self.seed,
@@ -153,7 +156,7 @@ class Result:
         return self.curve()
 
     def __str__(self) -> str:
-        head = f"{self.goal}, world {self.world}, track {self.track}, seed {self.seed}"
+        head = f"{self.goal}, world {self.world}, start {self.start}, track {self.track}, seed {self.seed}"
         lines = [f"{head}: {self.counted} of {len(self.pegs)} pegs"]
         lines += [f"  {peg}" for peg in self.pegs if peg is not None]
         if self.ended != "done":

@@ -30,7 +30,8 @@ class Twin:
         goal: str | os.PathLike[str] | Goal = "easy-1",
         *,
         track: str = "state",
-        world: str = "ideal",
+        world: str | os.PathLike[str] = "ideal",
+        start: str | os.PathLike[str] = "moved",
         seed: int = 1,
         fault: str | None = None,
     ) -> None:
@@ -40,13 +41,17 @@ class Twin:
             goal: A goal of the benchmark, a goal file, or a goal.
             track: What :meth:`read_parts` and :meth:`look` give: ``state``, ``noisy`` or ``tags``.
             world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
+            start: Where the parts lie: ``moved``, ``sheet``, or a start file.
             seed: All randomness flows from it.
             fault: What goes wrong on purpose, as ``KIND`` or ``KIND@N`` of ``ramp run --fault``.
 
         """
         self._goal = as_goal(goal)
-        self._arguments: dict[str, Any] = {"track": track, "world": world, "seed": seed, "fault": fault}
-        self._twin = CompiledTwin(benchmark(), self._goal.source, track, world, seed, fault)
+        world, start = os.fspath(world), os.fspath(start)
+        self._arguments: dict[str, Any] = {
+            "track": track, "world": world, "start": start, "seed": seed, "fault": fault,
+        }  # fmt: skip
+        self._twin = CompiledTwin(benchmark(), self._goal.source, track, world, start, seed, fault)
 
     def __enter__(self) -> Twin:
         return self

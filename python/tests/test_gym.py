@@ -169,7 +169,7 @@ def test_bad_arguments_say_what_is_wrong(arguments, words):
 
 
 def test_a_start_can_be_that_of_a_trial():
-    env = RampEnv("push", ["medium-1"], start="home", whole_scene=True, starts=(4, 1))
+    env = RampEnv("push", ["medium-1"], begin="home", whole_scene=True, starts=(4, 1))
     _, info = env.reset(seed=1)
     assert info["skill"] == "push" and info["goal"] == "medium-1" and info["scene_seed"] == 4
 

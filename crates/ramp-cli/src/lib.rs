@@ -81,6 +81,8 @@ enum Command {
     Score(command::score::Arguments),
     /// List the worlds, or print one with the values that an episode draws
     World(command::world::Arguments),
+    /// List the starts, or print one
+    Start(command::start::Arguments),
     /// Make a secret for the seeds of a bench, or check one
     Seeds(command::seeds::Arguments),
     /// Take camera images of a goal and detect its parts, make data sets, or judge a detector
@@ -165,6 +167,7 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
         Command::Leaderboard(arguments) => command::leaderboard::run(&data, &arguments),
         Command::Score(arguments) => command::score::run(&data, &arguments),
         Command::World(arguments) => command::world::run(&data, &arguments),
+        Command::Start(arguments) => command::start::run(&data, &arguments),
         Command::Seeds(arguments) => command::seeds::run(&arguments),
         Command::See(arguments) => command::see::run(&data, &arguments),
         Command::Kit(arguments) => command::kit::run(&data, &arguments),

@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use miette::Report;
 use ramp_data::Data;
 use ramp_robot::Track;
-use ramp_world::World;
+use ramp_world::{Start, World};
 
 /// The world, as on the command line.
 #[derive(clap::Args)]
@@ -27,6 +27,26 @@ impl WorldOption {
     /// The world's argument on the command line.
     pub fn argument(&self) -> OsString {
         OsString::from(&self.world)
+    }
+}
+
+/// The start, as on the command line.
+#[derive(clap::Args)]
+pub struct StartOption {
+    /// Start that the places of the parts are drawn from: moved, sheet, or a start file
+    #[arg(long, value_name = "NAME|FILE", default_value = "moved")]
+    start: String,
+}
+
+impl StartOption {
+    /// The start.
+    pub fn read(&self, data: &Data) -> Result<Start, Report> {
+        Ok(data.start(&self.start)?)
+    }
+
+    /// The start's argument on the command line.
+    pub fn argument(&self) -> OsString {
+        OsString::from(&self.start)
     }
 }
 

@@ -10,7 +10,7 @@ use ramp_log::Sources;
 use ramp_planner::{Domains, Limits};
 use ramp_robot::arm::ArmModel;
 use ramp_source::{MAX_FILE, SourceFile, is_name, nearest, read_text, shorten};
-use ramp_world::World;
+use ramp_world::{Start, World};
 
 use crate::built_in::{File, built_in};
 use crate::error::DataError;
@@ -181,6 +181,30 @@ impl Data {
                 None => format!("the worlds are {}", World::names().collect::<Vec<_>>().join(", ")),
             };
             DataError::UnknownWorld { name: shorten(name), help }
+        })
+    }
+
+    /// A start by its name or its file. A folder may have starts of its own.
+    ///
+    /// # Errors
+    /// If there is no such start, or the first problem in its file.
+    pub fn start(&self, name: &str) -> Result<Start, DataError> {
+        let as_file = Path::new(name);
+        if name.ends_with(".toml") || as_file.components().count() > 1 {
+            return Ok(Start::read(as_file)?);
+        }
+        if let Some(folder) = &self.folder {
+            let path = folder.join(format!("starts/{name}.toml"));
+            if is_name(name) && path.is_file() {
+                return Ok(Start::read(&path)?);
+            }
+        }
+        Start::shipped(name).cloned().ok_or_else(|| {
+            let help = match nearest(name, Start::names()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("the starts are {}", Start::names().collect::<Vec<_>>().join(", ")),
+            };
+            DataError::UnknownStart { name: shorten(name), help }
         })
     }
 

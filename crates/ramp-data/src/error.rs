@@ -50,10 +50,19 @@ pub enum DataError {
     /// The arm.
     #[error(transparent)]
     Arm(#[from] ArmError),
-    /// A world file.
+    /// A world file or a start file.
     #[error(transparent)]
     #[diagnostic(transparent)]
     World(#[from] WorldFault),
+    /// A start's name.
+    #[error("there is no start `{name}`")]
+    UnknownStart {
+        /// The name.
+        name: String,
+        /// The most similar name, or the names of all starts.
+        #[help]
+        help: String,
+    },
     /// A world's name.
     #[error("there is no world `{name}`")]
     UnknownWorld {

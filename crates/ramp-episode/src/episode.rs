@@ -4,12 +4,12 @@ use std::path::Path;
 use std::time::Instant;
 
 use ramp_log::header::{
-    ArmText, DisturbanceText, GoalText, Header, KitText, SCHEMA as LOG_SCHEMA, Sources, WorldText,
+    ArmText, GoalText, Header, KitText, SCHEMA as LOG_SCHEMA, Sources, StartText, WorldText,
 };
 use ramp_log::{LogError, Recorder, SecretSeed};
 use ramp_result::episode::{
-    AgentInfo, Ended, EpisodeResult, FaultInfo, Host, PlanInfo, RULES, RobotTime, SCHEMA, Software, Time,
-    WorldInfo, completion,
+    AgentInfo, Ended, EpisodeResult, FaultInfo, Host, PlanInfo, RULES, RobotTime, SCHEMA, Software,
+    StartInfo, Time, WorldInfo, completion,
 };
 use ramp_result::sha256;
 use ramp_robot::{Account, Agent, Event, EventKind, MOST_EVENTS, RobotError};
@@ -129,11 +129,15 @@ fn header(setup: &Setup, sources: &Sources, label: &Label) -> Header {
             sha256: sha256(setup.world.text.as_bytes()),
             toml: setup.world.text.clone(),
         },
+        start: StartText {
+            name: setup.start.name.clone(),
+            sha256: sha256(setup.start.text.as_bytes()),
+            toml: setup.start.text.clone(),
+        },
         track: setup.track.name().to_string(),
         seed: label.seed(setup),
         secret: label.commitment().map(|commitment| SecretSeed { commitment, seed: setup.seed }),
         repeat: label.repeat,
-        disturbance: DisturbanceText { position: setup.disturbance.position, angle: setup.disturbance.angle },
         fault: setup.fault.map(|fault| fault.to_string()),
         software: label.software.clone(),
     }
@@ -180,6 +184,7 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
         track: setup.track.name().to_string(),
         real: None,
         world: Some(WorldInfo::of(setup.world, setup.seed)),
+        start: Some(StartInfo::of(setup.start)),
         seed: label.seed(setup),
         secret: label.commitment(),
         repeat: label.repeat,

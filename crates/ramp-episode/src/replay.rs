@@ -8,8 +8,8 @@ use ramp_kit::KitError;
 use ramp_kit::source::SourceFile;
 use ramp_robot::Track;
 use ramp_robot::arm::{ArmError, ArmModel};
-use ramp_twin::{Disturbance, Fault, Setup, Twin, TwinError};
-use ramp_world::WorldFault;
+use ramp_twin::{Fault, Setup, Twin, TwinError};
+use ramp_world::{Start, WorldFault};
 
 use crate::again::{AgainError, call_again};
 use crate::conduct::Breach;
@@ -19,9 +19,6 @@ use ramp_log::calls::CallsError;
 use ramp_log::{Header, Log};
 use ramp_result::episode::completion;
 use ramp_result::episode::{EpisodeResult, RULES};
-
-/// The largest disturbance of the start that is believed, m or rad.
-const LARGEST_DISTURBANCE: f64 = 0.1;
 
 /// The result of a replay.
 #[derive(Clone, Debug)]
@@ -57,8 +54,8 @@ pub enum ReplayError {
     /// Its arm is invalid.
     #[error("the log's arm cannot be read")]
     Arm(#[from] ArmError),
-    /// Its world is invalid.
-    #[error("the log's world cannot be read")]
+    /// Its world or its start is invalid.
+    #[error("the log's world or its start cannot be read")]
     World(#[from] WorldFault),
     /// No twin can be made from it.
     #[error("no twin can be made from the log")]
@@ -98,7 +95,7 @@ pub struct LoggedSetup {
     world: ramp_world::World,
     track: Track,
     seed: u64,
-    disturbance: Disturbance,
+    start: Start,
     fault: Option<Fault>,
 }
 
@@ -130,12 +127,9 @@ impl LoggedSetup {
             .into_iter()
             .find(|track| track.name() == header.track)
             .ok_or_else(|| ReplayError::Impossible { what: "track", found: short(&header.track) })?;
-        let disturbance =
-            Disturbance { position: header.disturbance.position, angle: header.disturbance.angle };
-        for value in [disturbance.position, disturbance.angle] {
-            if !(0.0..=LARGEST_DISTURBANCE).contains(&value) {
-                return Err(ReplayError::Impossible { what: "disturbance", found: value.to_string() });
-            }
+        let start = Start::from_source(&SourceFile::new("start.toml", &header.start.toml))?;
+        if start.name != header.start.name {
+            return Err(contradiction("start", &header.start.name, &start.name));
         }
         let fault = match &header.fault {
             Some(fault) => Some(
@@ -144,7 +138,7 @@ impl LoggedSetup {
             None => None,
         };
         let seed = header.secret.as_ref().map_or(header.seed, |secret| secret.seed);
-        Ok(LoggedSetup { assembly, arm, world, track, seed, disturbance, fault })
+        Ok(LoggedSetup { assembly, arm, world, track, seed, start, fault })
     }
 
     /// As the twin is made from it.
@@ -154,7 +148,7 @@ impl LoggedSetup {
             arm: &self.arm,
             track: self.track,
             seed: self.seed,
-            disturbance: self.disturbance,
+            start: &self.start,
             world: &self.world,
             fault: self.fault,
         }

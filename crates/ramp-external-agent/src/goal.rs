@@ -9,12 +9,14 @@ use serde_json::{Value, json};
 
 use crate::protocol::{PROTOCOL, pose};
 use ramp_log::Sources;
+use ramp_world::Start;
 
 /// The goal, as an agent gets it.
 pub struct GoalMessage<'a> {
     assembly: &'a Assembly,
     arm: &'a ArmModel,
     track: Track,
+    start: &'a Start,
     texts: Sources<'a>,
     /// The part of it that is to be done, if not all.
     task: Option<Value>,
@@ -26,9 +28,10 @@ impl<'a> GoalMessage<'a> {
         assembly: &'a Assembly,
         arm: &'a ArmModel,
         track: Track,
+        start: &'a Start,
         texts: Sources<'a>,
     ) -> GoalMessage<'a> {
-        GoalMessage { assembly, arm, track, texts, task: None }
+        GoalMessage { assembly, arm, track, start, texts, task: None }
     }
 
     /// With a task: a step of it that is to be done alone.
@@ -62,6 +65,12 @@ impl<'a> GoalMessage<'a> {
             "name": assembly.name,
             "class": assembly.class.map(|class| class.name()),
             "track": self.track.name(),
+            "start": {
+                "name": self.start.name,
+                "shift": self.start.places.shift,
+                "turn": self.start.places.turn,
+                "trade": self.start.trades(),
+            },
             "period": ramp_robot::PERIOD,
             "time_limit": ramp_robot::TIME_LIMIT,
             "beams": self.beams(),

@@ -9,7 +9,7 @@ use ramp_data::{Data, DataError};
 use ramp_kit::Kit;
 use ramp_planner::Domains;
 use ramp_robot::arm::ArmModel;
-use ramp_twin::World;
+use ramp_twin::{Start, World};
 
 use crate::tasks::{PlannedGoal, TaskError};
 
@@ -82,6 +82,14 @@ impl Benchmark {
         let goal = PlannedGoal::new(self.goal(name)?, &self.domains)
             .map_err(|error| BenchmarkError::Plan { goal: name.to_string(), error: Box::new(error) })?;
         Ok(Arc::clone(lock().entry(name.to_string()).or_insert(Arc::new(goal))))
+    }
+
+    /// A start by its name or its file.
+    ///
+    /// # Errors
+    /// If there is no such start, or the first problem in its file.
+    pub fn start(&self, name: &str) -> Result<Start, BenchmarkError> {
+        Ok(self.data.start(name)?)
     }
 
     /// A world by its name or its file.

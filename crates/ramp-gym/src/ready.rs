@@ -67,6 +67,7 @@ pub(crate) fn bring(
     let pause = Pause { kind: [step.kind], needs, known: Arc::clone(&known) };
     let baseline = Baseline::new(setup.assembly, &benchmark.arm, &benchmark.domains, setup.seed)
         .on_track(setup.track)
+        .from_start(setup.start)
         .with_skills(table.with(pause));
     let mut agent = Piece::new(baseline, step.state.clone(), step.plan.clone(), Vec::new());
     let outcome = agent.run(twin);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use ramp_assembly::Assembly;
 use ramp_kit::source::{nearest, shorten};
 use ramp_robot::Track;
-use ramp_twin::{Disturbance, Setup, World};
+use ramp_twin::{Setup, Start, World};
 
 use crate::benchmark::{Benchmark, BenchmarkError};
 use crate::tasks::PlannedGoal;
@@ -71,6 +71,8 @@ pub struct Scenario {
     pub track: Track,
     /// The world from which the physics are drawn.
     pub world: World,
+    /// The start from which the places of the parts are drawn.
+    pub start: Start,
     /// The moment at which an episode of a skill begins.
     pub begin: Begin,
     /// Whether a skill's scene has all parts of the kit, as `ramp trials` has it, and not only those that it
@@ -80,7 +82,13 @@ pub struct Scenario {
 
 impl Scenario {
     /// A whole goal.
-    pub fn goal(benchmark: Arc<Benchmark>, assembly: Assembly, track: Track, world: World) -> Scenario {
+    pub fn goal(
+        benchmark: Arc<Benchmark>,
+        assembly: Assembly,
+        track: Track,
+        world: World,
+        start: Start,
+    ) -> Scenario {
         let goals = vec![Arc::new(PlannedGoal { assembly, steps: Vec::new() })];
         Scenario {
             benchmark,
@@ -88,6 +96,7 @@ impl Scenario {
             mission: Mission::Goal,
             track,
             world,
+            start,
             begin: Begin::Home,
             whole_scene: true,
         }
@@ -103,6 +112,7 @@ impl Scenario {
         goals: &[String],
         track: Track,
         world: World,
+        start: Start,
         begin: Begin,
     ) -> Result<Scenario, ScenarioError> {
         let goals = read_goals(&benchmark, goals)?;
@@ -127,7 +137,7 @@ impl Scenario {
             return Err(ScenarioError::UnknownSkill { skill: shorten(name), help });
         }
         let mission = Mission::Skill { name: name.to_string(), steps };
-        Ok(Scenario { benchmark, goals, mission, track, world, begin, whole_scene: false })
+        Ok(Scenario { benchmark, goals, mission, track, world, start, begin, whole_scene: false })
     }
 
     /// The setup of an episode of one of the goals.
@@ -137,7 +147,7 @@ impl Scenario {
             arm: &self.benchmark.arm,
             track: self.track,
             seed,
-            disturbance: Disturbance::default(),
+            start: &self.start,
             world: &self.world,
             fault: None,
         }

@@ -189,6 +189,19 @@ impl Beam {
         self.joints.last().map_or(0.0, |joint| joint.offset)
     }
 
+    /// Whether it differs from another beam in its names, its tags and its place only.
+    pub fn has_shape_of(&self, other: &Beam) -> bool {
+        let joints = |beam: &Beam| -> Vec<_> {
+            beam.joints
+                .iter()
+                .map(|joint| (joint.kind, joint.offset, joint.opens, joint.tag.is_some()))
+                .collect()
+        };
+        let links = |beam: &Beam| -> Vec<f64> { beam.links.iter().map(|link| link.length).collect() };
+        let flipped = |beam: &Beam| beam.start.map(|start| start.flipped);
+        joints(self) == joints(other) && links(self) == links(other) && flipped(self) == flipped(other)
+    }
+
     /// The index of the joint of that name.
     pub fn joint_index(&self, name: &str) -> Option<usize> {
         self.joints.iter().position(|joint| joint.name == name)

@@ -4,7 +4,7 @@ use ramp_result::episode::Software;
 use serde::{Deserialize, Serialize};
 
 /// Version of the log format.
-pub const SCHEMA: &str = "ramp-log-2";
+pub const SCHEMA: &str = "ramp-log-3";
 /// Encoding of the channel of the calls.
 pub const CALLS: &str = "ramp-calls-2";
 /// File extension of logs.
@@ -36,6 +36,8 @@ pub struct Header {
     pub arm: ArmText,
     /// The world.
     pub world: WorldText,
+    /// The start.
+    pub start: StartText,
     /// Name of the track.
     pub track: String,
     /// Seed of all randomness of the world, if there is no secret.
@@ -45,8 +47,6 @@ pub struct Header {
     pub secret: Option<SecretSeed>,
     /// Number of this run in a row of repeats, from 1.
     pub repeat: u32,
-    /// Offset of the start from the sheet's outlines.
-    pub disturbance: DisturbanceText,
     /// The injected fault, as on the command line. `None` without a fault, and then absent from the
     /// file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -102,11 +102,13 @@ pub struct WorldText {
     pub toml: String,
 }
 
-/// The offset of the start in a log.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct DisturbanceText {
-    /// Displacement, m.
-    pub position: f64,
-    /// Rotation, rad.
-    pub angle: f64,
+/// A start in a log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StartText {
+    /// Its name.
+    pub name: String,
+    /// Of the file, in hex.
+    pub sha256: String,
+    /// Its file.
+    pub toml: String,
 }

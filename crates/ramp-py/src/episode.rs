@@ -14,7 +14,7 @@ use ramp_kit::source::read_text;
 use ramp_report::curve::completion_svg;
 use ramp_result::EpisodeResult;
 use ramp_result::collection::LARGEST;
-use ramp_result::episode::{RobotTime, Software, WorldLabel};
+use ramp_result::episode::{RobotTime, Software, StartInfo, WorldLabel};
 use ramp_result::resume::{Identity, Shared, Wanted};
 use ramp_robot::{
     Account, Agent, Camera, CameraModel, Command, Event, Image, MOST_EVENT, MOST_EVENTS, Observation,
@@ -22,7 +22,7 @@ use ramp_robot::{
 };
 use ramp_skills::rehearsal::Outline;
 use ramp_skills::{Baseline, Parameters, ReferenceTimes, reference_times_of_goal};
-use ramp_twin::{Disturbance, Setup, Twin};
+use ramp_twin::{Setup, Twin};
 
 use crate::convert::seven;
 use crate::errors::{EVERY, Interrupts, caught, data, detached, input};
@@ -352,7 +352,7 @@ type OwnPart = (String, String, Py<PyAny>);
 /// Runs an episode; the result as JSON. With `output`, the result is written to that file; a result of this
 /// very episode that the file already has is returned instead.
 #[pyfunction]
-#[pyo3(signature = (benchmark, goal, *, track, world, seed, agent=None, skills=Vec::new(), plan=None, domain=None,
+#[pyo3(signature = (benchmark, goal, *, track, world, start, seed, agent=None, skills=Vec::new(), plan=None, domain=None,
     parameters=None, fault=None, record=None, output=None, repeat=1, progress=None))]
 #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn run(
@@ -361,6 +361,7 @@ pub fn run(
     goal: &str,
     track: &str,
     world: &str,
+    start: &str,
     seed: u64,
     agent: Option<Own>,
     skills: Vec<OwnPart>,
@@ -377,6 +378,7 @@ pub fn run(
     let inner = Arc::clone(&files.inner);
     let (assembly, texts) = inner.data.goal_with_texts(goal).map_err(data)?;
     let world = inner.world(world).map_err(data)?;
+    let start = inner.start(start).map_err(data)?;
     let (track, fault) = (self::track(track)?, self::fault(fault)?);
     let domains = files.domains(domain)?;
     let raised = Raised::default();
@@ -396,15 +398,8 @@ pub fn run(
     }
     let stopped = raised.clone();
     let work = move || {
-        let setup = Setup {
-            assembly: &assembly,
-            arm: &inner.arm,
-            track,
-            seed,
-            disturbance: Disturbance::default(),
-            world: &world,
-            fault,
-        };
+        let setup =
+            Setup { assembly: &assembly, arm: &inner.arm, track, seed, start: &start, world: &world, fault };
         let worker: Box<dyn Agent + '_> = match agent {
             Some((object, name, version, goal)) => {
                 let account = Account::default();
@@ -413,6 +408,7 @@ pub fn run(
             None => {
                 let baseline = Baseline::new(setup.assembly, &inner.arm, &domains, seed)
                     .on_track(setup.track)
+                    .from_start(setup.start)
                     .with_parameters(parameters)
                     .with_skills(table);
                 Box::new(match plan {
@@ -487,9 +483,10 @@ fn kept(
     software: &Software,
 ) -> PyResult<Option<EpisodeResult>> {
     let Ok(text) = read_text(path, LARGEST) else { return Ok(None) };
-    let world = WorldLabel::of(setup.world).sha256;
+    let (world, start) = (WorldLabel::of(setup.world).sha256, StartInfo::of(setup.start).sha256);
     let shared = Shared {
         worlds: vec![&world],
+        start: &start,
         secret: None,
         software,
         agent: Identity { name: Some(agent.name()), sha256: agent.file_hash() },

@@ -158,7 +158,7 @@ fn told<'py>(py: Python<'py>, step: &Step) -> PyResult<Bound<'py, PyDict>> {
 impl Env {
     /// `skill` is a skill, or `None` for the whole goal; `goals` are its goals.
     #[new]
-    #[pyo3(signature = (benchmark, skill, goals, *, track, world, begin, whole_scene, settings))]
+    #[pyo3(signature = (benchmark, skill, goals, *, track, world, start, begin, whole_scene, settings))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
         py: Python<'_>,
@@ -167,28 +167,30 @@ impl Env {
         goals: Vec<String>,
         track: &str,
         world: &str,
+        start: &str,
         begin: &str,
         whole_scene: bool,
         settings: &Bound<'_, PyDict>,
     ) -> PyResult<Env> {
         let files = Arc::clone(&benchmark.get().inner);
         let world = files.world(world).map_err(data)?;
+        let start = files.start(start).map_err(data)?;
         let track = self::track(track)?;
         let begin = match begin {
             "ready" => Begin::Ready,
             "home" => Begin::Home,
-            other => return Err(input(format!("there is no start `{other}`; there are ready, home"))),
+            other => return Err(input(format!("there is no begin `{other}`; there are ready, home"))),
         };
         let options = options(settings)?;
         let env = detached(py, || {
             let scenario = match (skill, goals.first()) {
                 (Some(skill), _) => {
-                    let scenario = Scenario::skill(files, skill, &goals, track, world, begin);
+                    let scenario = Scenario::skill(files, skill, &goals, track, world, start, begin);
                     Scenario { whole_scene, ..scenario.map_err(scenario_error)? }
                 }
                 (None, Some(goal)) => {
                     let assembly = files.goal(goal).map_err(data)?;
-                    Scenario::goal(files, assembly, track, world)
+                    Scenario::goal(files, assembly, track, world, start)
                 }
                 (None, None) => return Err(input("a goal is needed")),
             };

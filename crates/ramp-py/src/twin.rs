@@ -10,7 +10,7 @@ use ramp_gym::View;
 use ramp_gym::pictures::{Painter, SIZES};
 use ramp_referee::Referee;
 use ramp_robot::{Robot as _, Track};
-use ramp_twin::{Disturbance, Fault, Setup, Twin as Inner};
+use ramp_twin::{Fault, Setup, Twin as Inner};
 
 use crate::convert::{CameraImage, Command, Observation, camera as camera_of, picture, seven};
 use crate::errors::{data, detached, input, robot};
@@ -67,19 +67,21 @@ impl Twin {
 #[pymethods]
 impl Twin {
     #[new]
-    #[pyo3(signature = (benchmark, goal, track="state", world="ideal", seed=1, fault=None))]
+    #[pyo3(signature = (benchmark, goal, track="state", world="ideal", start="moved", seed=1, fault=None))]
     fn new(
         py: Python<'_>,
         benchmark: &Bound<'_, Benchmark>,
         goal: &str,
         track: &str,
         world: &str,
+        start: &str,
         seed: u64,
         fault: Option<&str>,
     ) -> PyResult<Twin> {
         let benchmark = Arc::clone(&benchmark.get().inner);
         let assembly = benchmark.goal(goal).map_err(data)?;
         let world = benchmark.world(world).map_err(data)?;
+        let start = benchmark.start(start).map_err(data)?;
         let (track, fault) = (self::track(track)?, self::fault(fault)?);
         let connections = assembly.connections.iter().map(|it| it.name.clone()).collect();
         let cell = detached(py, || {
@@ -88,7 +90,7 @@ impl Twin {
                 arm: &benchmark.arm,
                 track,
                 seed,
-                disturbance: Disturbance::default(),
+                start: &start,
                 world: &world,
                 fault,
             };

@@ -430,6 +430,7 @@ impl Run<'_> {
             track: head.track,
             real: Some(RealRun { robot: head.robot, scorer: head.scorer, source: head.source }),
             world: None,
+            start: None,
             seed: u64::from(head.repeat),
             secret: None,
             repeat: head.repeat,

@@ -28,6 +28,9 @@ pub struct Report {
     pub notes: Vec<String>,
 }
 
+/// Track, world and start.
+type Setting = (String, Option<String>, Option<String>);
+
 /// The report on one track.
 #[derive(Clone, Debug)]
 pub struct TrackPart {
@@ -35,6 +38,8 @@ pub struct TrackPart {
     pub track: String,
     /// Unambiguous name of the world; `None` for real runs and published results.
     pub world: Option<String>,
+    /// Unambiguous name of the start; `None` for real runs and published results.
+    pub start: Option<String>,
     /// Its agents, as indices into the collection.
     pub entrants: Vec<usize>,
     /// One for each class.
@@ -79,18 +84,21 @@ pub struct Named {
 impl Report {
     /// Computes all sums.
     pub fn new(collection: Collection) -> Report {
-        let of = |it: &Entrant| (it.identity.track.clone(), it.identity.world.clone());
-        let mut settings: Vec<(String, Option<String>)> = collection.entrants.iter().map(of).collect();
+        let of = |it: &Entrant| {
+            let (track, world, start) = it.identity.setting();
+            (track.clone(), world.clone(), start.clone())
+        };
+        let mut settings: Vec<Setting> = collection.entrants.iter().map(of).collect();
         for published in &collection.published {
-            if !settings.iter().any(|(track, _)| *track == published.track) {
-                settings.push((published.track.clone(), None));
+            if !settings.iter().any(|(track, ..)| *track == published.track) {
+                settings.push((published.track.clone(), None, None));
             }
         }
         let rank = |name: &String| ramp_robot::Track::ALL.iter().position(|track| track.name() == name);
-        settings.sort_by_key(|(track, world)| (rank(track), world.clone()));
+        settings.sort_by_key(|(track, world, start)| (rank(track), world.clone(), start.clone()));
         settings.dedup();
         let mut parts: Vec<TrackPart> =
-            settings.into_iter().map(|(track, world)| TrackPart::new(&collection, track, world)).collect();
+            settings.into_iter().map(|setting| TrackPart::new(&collection, setting)).collect();
         correct(&mut parts);
         let notes = notes(&collection);
         Report { collection, tracks: parts, notes }
@@ -225,22 +233,25 @@ fn file_name(text: &str, others: &[Named]) -> String {
 }
 
 impl TrackPart {
-    /// Track and world, for a person.
+    /// Track, world and start, for a person.
     pub fn title(&self) -> String {
-        self.world.as_ref().map_or(self.track.clone(), |world| format!("{}, world {world}", self.track))
+        let world = self.world.iter().map(|world| format!(", world {world}"));
+        let start = self.start.iter().map(|start| format!(", start {start}"));
+        [self.track.clone()].into_iter().chain(world).chain(start).collect()
     }
 
     /// The same for a file name: letters, digits and hyphens.
     pub fn slug(&self) -> String {
-        let world = self.world.as_ref().map_or(String::new(), |world| format!("-{world}"));
+        let conditions = self.world.iter().chain(&self.start).map(|it| format!("-{it}"));
         let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
-        format!("{}{world}", self.track).chars().map(plain).collect()
+        let name: String = [self.track.clone()].into_iter().chain(conditions).collect();
+        name.chars().map(plain).collect()
     }
 
-    fn new(collection: &Collection, track: String, world: Option<String>) -> TrackPart {
+    fn new(collection: &Collection, (track, world, start): Setting) -> TrackPart {
         let of = |index: &usize| &collection.entrants[*index].identity;
         let entrants: Vec<usize> = (0..collection.entrants.len())
-            .filter(|index| of(index).track == track && of(index).world == world)
+            .filter(|index| of(index).setting() == (&track, &world, &start))
             .collect();
         let worked_on = |name: &str| {
             entrants.iter().any(|index| {
@@ -289,7 +300,7 @@ impl TrackPart {
                 ClassPart { lines, class, goals, goal_lines, comparisons, shown, published }
             })
             .collect();
-        TrackPart { track, world, entrants, classes }
+        TrackPart { track, world, start, entrants, classes }
     }
 }
 

@@ -12,7 +12,7 @@ use ramp_kit::source::{is_name, shorten};
 use ramp_robot::Track;
 use serde::Serialize;
 
-use crate::episode::{AgentInfo, EpisodeResult, RealRun, Software, WorldInfo};
+use crate::episode::{AgentInfo, EpisodeResult, RealRun, Software, StartInfo, WorldInfo};
 use crate::manipulation::Trial;
 use crate::perception::PerceptionVerdict;
 use crate::planning::PlanVerdict;
@@ -37,6 +37,9 @@ pub struct Identity {
     /// Unambiguous name of the world ([`WorldInfo::title`]); `None` for a real run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub world: Option<String>,
+    /// Unambiguous name of the start ([`StartInfo::title`]); `None` for a real run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start: Option<String>,
     /// The agent's name.
     pub agent: String,
     /// Its version.
@@ -262,6 +265,11 @@ impl Identity {
         Track::ALL.iter().position(|known| known.name() == self.track).unwrap_or(Track::ALL.len())
     }
 
+    /// The conditions that entrants who are compared share: track, world and start.
+    pub fn setting(&self) -> (&String, &Option<String>, &Option<String>) {
+        (&self.track, &self.world, &self.start)
+    }
+
     fn of(result: &EpisodeResult) -> Identity {
         let EpisodeResult { track, agent, software, secret, real, .. } = result;
         let AgentInfo { name, version: agent_version, sha256 } = agent;
@@ -269,6 +277,7 @@ impl Identity {
         Identity {
             track: track.clone(),
             world: result.world.as_ref().map(WorldInfo::title),
+            start: result.start.as_ref().map(StartInfo::title),
             agent: name.clone(),
             agent_version: agent_version.clone(),
             agent_sha256: sha256.clone(),
@@ -307,8 +316,7 @@ fn label(entrants: &mut [Entrant]) {
             let others = |words: usize| {
                 let mine = say(&entrants[index], words);
                 let same = |other: &Entrant| {
-                    let it = (&other.identity.track, &other.identity.world);
-                    it == (&entrants[index].identity.track, &entrants[index].identity.world)
+                    other.identity.setting() == entrants[index].identity.setting()
                         && say(other, words) == mine
                 };
                 entrants.iter().filter(|it| same(it)).count()

@@ -8,15 +8,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::older;
 use crate::sha256;
+pub use crate::start::StartInfo;
 
 /// The version of the schema these files follow.
-pub const SCHEMA: &str = "ramp-episode-4";
+pub const SCHEMA: &str = "ramp-episode-5";
 
-/// The version before, whose events are a kind and a text. It is read, too.
-const OLDER_SCHEMA: &str = "ramp-episode-3";
+/// The versions before, which are read, too: without a start, and one with events that are a kind and a text.
+const OLDER_SCHEMAS: [&str; 2] = ["ramp-episode-3", "ramp-episode-4"];
 
 /// Version of the rules by which episodes are judged (`docs/src/reference/rules.md`).
-pub const RULES: &str = "ramp-rules-2";
+pub const RULES: &str = "ramp-rules-3";
 
 /// Everything recorded about one episode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,6 +37,9 @@ pub struct EpisodeResult {
     /// The world of the physics; `None` of a real run, and then not in the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub world: Option<WorldInfo>,
+    /// The start of the parts; `None` of a real run, and then not in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<StartInfo>,
     /// All randomness of the world came from here; with a secret, from both together; of a real run, the
     /// repeat.
     pub seed: u64,
@@ -276,17 +280,17 @@ pub struct Ended {
 }
 
 impl EpisodeResult {
-    /// From JSON of [`SCHEMA`] or of the version before, whose events it converts.
+    /// From JSON of [`SCHEMA`] or of one of the two versions before, which it converts.
     ///
     /// # Errors
     /// When it is not JSON, or not a result. The field `schema` is not checked.
     pub fn from_json(bytes: &[u8]) -> Result<EpisodeResult, serde_json::Error> {
-        older::read(bytes, [OLDER_SCHEMA, SCHEMA])
+        older::read(bytes, OLDER_SCHEMAS, SCHEMA)
     }
 
     /// Whether results of this schema can be read.
     pub fn reads(schema: &str) -> bool {
-        [OLDER_SCHEMA, SCHEMA].contains(&schema)
+        schema == SCHEMA || OLDER_SCHEMAS.contains(&schema)
     }
 
     /// As JSON, ending in a line break.

@@ -18,6 +18,7 @@ pub mod planning;
 pub mod published;
 pub mod resume;
 pub mod secret;
+mod start;
 pub mod statistics;
 pub mod summary;
 #[doc(hidden)]

@@ -6,14 +6,14 @@ pub mod sums;
 use ramp_robot::Event;
 use serde::{Deserialize, Serialize};
 
-use crate::episode::{AgentInfo, Host, Physics, Software, WorldInfo};
+use crate::episode::{AgentInfo, Host, Physics, Software, StartInfo, WorldInfo};
 use crate::{older, words};
 
 /// The version of the schema of these files.
-pub const SCHEMA: &str = "ramp-manipulation-3";
+pub const SCHEMA: &str = "ramp-manipulation-4";
 
-/// The version before, whose events are a kind and a text. It is read, too.
-const OLDER_SCHEMA: &str = "ramp-manipulation-2";
+/// The versions before, which are read, too: without a start, and one with events that are a kind and a text.
+const OLDER_SCHEMAS: [&str; 2] = ["ramp-manipulation-2", "ramp-manipulation-3"];
 
 /// The result of one trial of a skill.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,8 +37,10 @@ pub struct Trial {
     pub step: usize,
     /// The step, for a person.
     pub action: String,
-    /// The start that was drawn.
+    /// The start from which the places of the parts were drawn.
     pub start: StartInfo,
+    /// The draw.
+    pub drawn: Draw,
     /// The agent.
     pub agent: AgentInfo,
     /// The program that made this file.
@@ -62,28 +64,28 @@ pub struct Trial {
     pub physics: Physics,
 }
 
-/// A start that was drawn.
+/// The draw of a trial's places.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct StartInfo {
+pub struct Draw {
     /// Number of draws until the physics model held one.
-    pub drawn: usize,
+    pub draws: usize,
     /// Largest horizontal displacement of a placed beam's end from its goal, m.
     pub displaced: f64,
 }
 
 impl Trial {
-    /// From JSON of [`SCHEMA`] or of the version before, whose events it converts.
+    /// From JSON of [`SCHEMA`] or of one of the two versions before, which it converts.
     ///
     /// # Errors
     /// When it is not JSON, or not a trial. The field `schema` is not checked.
     pub fn from_json(bytes: &[u8]) -> Result<Trial, serde_json::Error> {
-        older::read(bytes, [OLDER_SCHEMA, SCHEMA])
+        older::read(bytes, OLDER_SCHEMAS, SCHEMA)
     }
 
     /// Whether trials of this schema can be read.
     pub fn reads(schema: &str) -> bool {
-        [OLDER_SCHEMA, SCHEMA].contains(&schema)
+        schema == SCHEMA || OLDER_SCHEMAS.contains(&schema)
     }
 
     /// As JSON, ending in a line break.
@@ -112,6 +114,7 @@ impl Trial {
         words::class_and_track(self.class.as_deref(), &self.track)?;
         words::sentence("the action", &self.action)?;
         words::world(&self.world)?;
+        words::start(&self.start)?;
         words::agent(&self.agent)?;
         words::software(&self.software)?;
         words::host(&self.host)?;
@@ -123,7 +126,7 @@ impl Trial {
         if !(0.0..=1e7).contains(&self.time) {
             return Err(format!("`time` is {} s", self.time));
         }
-        if self.start.drawn == 0 || !(0.0..=1.0).contains(&self.start.displaced) {
+        if self.drawn.draws == 0 || !(0.0..=1.0).contains(&self.drawn.displaced) {
             return Err("there is no such start".to_string());
         }
         match self.physics.largest_force {

@@ -1,26 +1,44 @@
-//! Results of the version before: their events are a kind and a text.
+//! Results of the two versions before: they name no start, and the events of the older one are a kind and a
+//! text.
 
 use ramp_robot::{Event, EventKind};
+use ramp_world::Start;
 use serde::de::{DeserializeOwned, Error};
 use serde_json::Value;
 
-/// Reads a result. One of the older of two schemas becomes one of the newer.
+use crate::start::StartInfo;
+
+/// Reads a result. One of the two older schemas becomes one of the newest. Their parts lay on the sheet.
 ///
 /// # Errors
 /// When it is not JSON, or not a result.
 pub(crate) fn read<T: DeserializeOwned>(
     bytes: &[u8],
-    [older, newer]: [&str; 2],
+    [oldest, older]: [&str; 2],
+    newest: &str,
 ) -> Result<T, serde_json::Error> {
     // From the bytes, so that a message has its line and column.
     let Ok(mut value) = serde_json::from_slice::<Value>(bytes) else { return serde_json::from_slice(bytes) };
-    if value["schema"] != older {
+    if value["schema"] != oldest && value["schema"] != older {
         return serde_json::from_slice(bytes);
     }
-    for event in value["events"].as_array_mut().into_iter().flatten() {
-        *event = converted(event)?;
+    if value["schema"] == oldest {
+        for event in value["events"].as_array_mut().into_iter().flatten() {
+            *event = converted(event)?;
+        }
     }
-    value["schema"] = newer.into();
+    // In a trial, `start` was the draw.
+    if let Some(drawn) = value.get("start").cloned() {
+        value["drawn"] = drawn;
+        if let Some(drawn) = value["drawn"].as_object_mut() {
+            let draws = drawn.remove("drawn").unwrap_or_default();
+            drawn.insert("draws".to_string(), draws);
+        }
+    }
+    if value["world"].is_object() {
+        value["start"] = serde_json::to_value(StartInfo::of(Start::sheet()))?;
+    }
+    value["schema"] = newest.into();
     serde_json::from_value(value)
 }
 
@@ -63,6 +81,17 @@ mod tests {
         assert_eq!(EpisodeResult::from_json(result.to_json().as_bytes()).unwrap(), result);
     }
 
+    /// The parts of older results lay on the sheet.
+    #[test]
+    fn a_result_without_a_start_is_of_the_sheet() {
+        let mut value: Value = serde_json::from_slice(episode().to_json().as_bytes()).unwrap();
+        value["schema"] = "ramp-episode-4".into();
+        value.as_object_mut().unwrap().remove("start");
+        let read = EpisodeResult::from_json(value.to_string().as_bytes()).unwrap();
+        assert_eq!(read, episode());
+        assert_eq!(read.start.map(|start| start.name), Some("sheet".to_string()));
+    }
+
     #[test]
     fn an_older_event_reads_as_it_did() {
         let older: Value = serde_json::from_str(OLDER).unwrap();
@@ -85,8 +114,9 @@ mod tests {
     }
 
     #[test]
-    fn schemas_before_the_one_before_are_not_read() {
-        assert!(EpisodeResult::reads("ramp-episode-3") && !EpisodeResult::reads("ramp-episode-2"));
+    fn older_schemas_are_not_read() {
+        assert!(EpisodeResult::reads("ramp-episode-3") && EpisodeResult::reads("ramp-episode-4"));
+        assert!(!EpisodeResult::reads("ramp-episode-2"));
         assert!(manipulation::Trial::reads("ramp-manipulation-2"));
         assert!(!manipulation::Trial::reads("ramp-manipulation-1"));
     }

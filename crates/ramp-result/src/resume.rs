@@ -1,8 +1,9 @@
 //! The rule by which a result file counts as an episode that is wanted, so that it is not run again.
 //!
-//! A folder of results belongs to one agent, one version of the program, one secret, and the worlds of one
-//! command. A result of anything else is [`Foreign`]: it must not be added up with the others, and is not
-//! overwritten. `ramp bench`, `ramp faults`, `ramp sweep` and `ramp.bench` in Python use this rule.
+//! A folder of results belongs to one agent, one version of the program, one secret, one start, and the
+//! worlds of one command. A result of anything else is [`Foreign`]: it must not be added up with the
+//! others, and is not overwritten. `ramp bench`, `ramp faults`, `ramp sweep` and `ramp.bench` in Python use
+//! this rule.
 
 use serde_json::Value;
 
@@ -23,6 +24,12 @@ pub enum Foreign {
     #[error("of the world {theirs}")]
     World {
         /// The name of the result's world.
+        theirs: String,
+    },
+    /// Another start.
+    #[error("of the start {theirs}")]
+    Start {
+        /// The name of the result's start.
         theirs: String,
     },
     /// Another secret, or none.
@@ -50,6 +57,8 @@ pub struct Identity<'a> {
 pub struct Shared<'a> {
     /// SHA-256 of the files of the worlds, in hex.
     pub worlds: Vec<&'a str>,
+    /// SHA-256 of the start's file, in hex.
+    pub start: &'a str,
     /// The commitment of the secret.
     pub secret: Option<String>,
     /// This program.
@@ -99,6 +108,10 @@ impl Shared<'_> {
         let world = &value["world"];
         if !world["sha256"].as_str().is_some_and(|hash| self.worlds.contains(&hash)) {
             return Err(Foreign::World { theirs: world["name"].as_str().unwrap_or("none").to_string() });
+        }
+        let start = &value["start"];
+        if start["sha256"].as_str() != Some(self.start) {
+            return Err(Foreign::Start { theirs: start["name"].as_str().unwrap_or("none").to_string() });
         }
         if value["secret"].as_str() != self.secret.as_deref() {
             return Err(Foreign::Secret);

@@ -16,6 +16,7 @@ pub fn episode(goal: &str, seed: u64, since: &[f64], pegs: usize) -> EpisodeResu
         track: "state".into(),
         real: None,
         world: None,
+        start: None,
         seed,
         secret: None,
         repeat: seed as u32,

@@ -4,7 +4,7 @@
 use ramp_kit::source::{A_NAME, MAX_SENTENCE, MAX_TITLE, is_name, is_text, shorten};
 use ramp_robot::{Event, MOST_EVENTS};
 
-use crate::episode::{AgentInfo, Host, Software, WorldInfo};
+use crate::episode::{AgentInfo, Host, Software, StartInfo, WorldInfo};
 
 /// Largest number of pegs of a goal.
 pub const MOST_PEGS: usize = 1000;
@@ -55,6 +55,12 @@ pub(crate) fn few<T>(what: &str, list: &[T], most: usize) -> Result<(), String> 
         true => Ok(()),
         false => Err(format!("it has {} {what}, expected at most {most}", list.len())),
     }
+}
+
+/// The start's name and hash.
+pub(crate) fn start(start: &StartInfo) -> Result<(), String> {
+    name("the start", &start.name)?;
+    hash("the hash of the start", &start.sha256, 64)
 }
 
 /// The world's name, hash and draw.

@@ -10,6 +10,7 @@ use ramp_motion::{MotionError, PathPlanner};
 use ramp_planner::{CoarseAction, Domains, FineAction, Item, MotionFact, Plan, PlanError, State};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Account, Action, Agent, Event, EventKind, Robot, RobotError, Track};
+use ramp_world::Start;
 
 use crate::cell::{InsertionPath, Workcell};
 use crate::fault::{Fault, SkillError};
@@ -31,6 +32,7 @@ pub struct Baseline<'a> {
     domains: &'a Domains,
     seed: u64,
     track: Option<Track>,
+    start: Start,
     parameters: Arc<Parameters>,
     pub(crate) skills: SkillTable,
     /// Its name in results.
@@ -65,6 +67,7 @@ impl<'a> Baseline<'a> {
             domains,
             seed,
             track: None,
+            start: Start::moved().clone(),
             parameters,
             skills,
             name: NAME.to_string(),
@@ -93,6 +96,14 @@ impl<'a> Baseline<'a> {
     #[must_use]
     pub fn on_track(mut self, track: Track) -> Baseline<'a> {
         self.track = Some(track);
+        self
+    }
+
+    /// Tells it the start, whose numbers are its prior knowledge of the places of the parts. Without that it
+    /// expects the start `moved`.
+    #[must_use]
+    pub fn from_start(mut self, start: &Start) -> Baseline<'a> {
+        self.start = start.clone();
         self
     }
 
@@ -154,12 +165,12 @@ impl<'a> Baseline<'a> {
         let parts = kit.beams.iter().map(|beam| &beam.name).chain(kit.pegs.iter().map(|peg| &peg.name));
         let believed: Vec<_> =
             parts.filter_map(|name| Some((name.clone(), cell.belief.parts.pose(name).ok()?))).collect();
-        let q = cell.hand.joints();
+        let (q, holders) = (cell.hand.joints(), cell.belief.parts.holders(kit));
         let rehearsed = plan_with_motion(self.assembly, &state, self.domains, || {
             let parameters = self.parameters.clone();
             let scene = Scene::nominal(self.assembly, self.arm, cell.planner, parameters, &state);
             let rehearsal = Rehearsal::new(scene, self.skills.clone());
-            rehearsal.from_here(believed.clone(), q, self.seed)
+            rehearsal.from_here(believed.clone(), q, self.seed).with_holders(holders.clone())
         });
         let plan = match rehearsed {
             Ok(rehearsed) => {
@@ -225,7 +236,8 @@ impl<'a> Baseline<'a> {
         'a: 'p,
     {
         let parameters = self.parameters.clone();
-        let mut cell = Workcell::new(self.assembly, self.arm, planner, robot, self.seed, parameters);
+        let mut cell =
+            Workcell::new(self.assembly, self.arm, planner, robot, self.seed, parameters, &self.start);
         if let Some(track) = self.track {
             cell.belief.parts.eyes.on_track(track);
         }

@@ -148,8 +148,8 @@ pub fn recover(
     for peg in &kit.pegs {
         let pinned = cell.belief.pinned.iter().any(|(_, name)| *name == peg.name);
         let upright = cell.belief.parts.pose(&peg.name).is_ok_and(|x_wp| {
-            let in_holder = kit.x_wp_start(peg).is_some_and(|start| {
-                (start.translation.vector - x_wp.translation.vector).norm()
+            let in_holder = cell.belief.parts.place(&peg.name).is_some_and(|place| {
+                (place.translation.vector - x_wp.translation.vector).norm()
                     < cell.parameters.agent.peg_strayed
             });
             in_holder && (x_wp.rotation * Vector3::z()).z > 0.99

@@ -13,7 +13,7 @@ use ramp_robot::{
     Account, Action, Agent, ArmCommand, Command, Event, EventKind, GripperCommand, Robot, RobotError, Track,
 };
 use ramp_skills::Baseline;
-use ramp_twin::{Setup, World};
+use ramp_twin::{Setup, Start, World};
 
 use crate::data;
 use crate::goal::GoalFiles;
@@ -34,7 +34,7 @@ impl GoalFiles {
     /// The baseline for a track.
     #[must_use]
     pub fn baseline(&self, track: Track, seed: u64) -> Baseline<'_> {
-        Baseline::new(&self.assembly, &self.arm, domains(), seed).on_track(track)
+        Baseline::new(&self.assembly, &self.arm, domains(), seed).on_track(track).from_start(Start::sheet())
     }
 
     /// An episode of the baseline in the world `ideal`.

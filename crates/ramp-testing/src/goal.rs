@@ -3,7 +3,7 @@
 use ramp_assembly::Assembly;
 use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
-use ramp_twin::{Disturbance, Setup, Twin, World};
+use ramp_twin::{Setup, Start, Twin, World};
 
 use crate::data;
 
@@ -25,7 +25,7 @@ impl GoalFiles {
         GoalFiles { assembly, arm }
     }
 
-    /// An episode's start in the world `ideal`, without a fault.
+    /// An episode in the world `ideal` from the start `sheet`, without a fault.
     #[must_use]
     pub fn setup(&self, track: Track, seed: u64) -> Setup<'_> {
         Setup {
@@ -33,7 +33,7 @@ impl GoalFiles {
             arm: &self.arm,
             track,
             seed,
-            disturbance: Disturbance::default(),
+            start: Start::sheet(),
             world: World::ideal(),
             fault: None,
         }

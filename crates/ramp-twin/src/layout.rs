@@ -1,27 +1,22 @@
-//! Start poses of all parts: those of the kit's sheet with a small random disturbance from the episode's
-//! seed, so that no agent can replay a fixed motion.
+//! Start poses of all parts: those of the kit's sheet, from which the episode's seed moves them as far as its
+//! start says, so that no agent can replay a fixed motion.
+
+mod body;
+mod outlines;
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::Assembly;
 use ramp_kit::Pose;
 use ramp_robot::random::Stream;
+use ramp_world::Start;
 use ramp_world::groups::Table;
+use ramp_world::start::Places;
 
-/// Largest deviation of the start poses from the sheet's outlines.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Disturbance {
-    /// Largest shift along each axis of the table, m.
-    pub position: f64,
-    /// Largest turn about the vertical, rad.
-    pub angle: f64,
-}
+use self::body::Body;
+use self::outlines::Outlines;
 
-impl Default for Disturbance {
-    /// 1 mm and 1°, uniform, as the benchmark prescribes.
-    fn default() -> Self {
-        Disturbance { position: 1.0e-3, angle: 1.0_f64.to_radians() }
-    }
-}
+/// Number of places that are drawn for a part before it stays on its outline.
+const TRIES: usize = 1000;
 
 /// Start poses in the world.
 #[derive(Clone, Debug)]
@@ -35,48 +30,53 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// The start of the episode with this seed.
-    pub fn new(assembly: &Assembly, disturbance: Disturbance, seed: u64) -> Layout {
-        let mut stream = Stream::new(seed, "layout");
-        let mut disturb = |x: &Pose, centre: Vector3<f64>| -> Pose {
-            let shift = Translation3::new(
-                stream.symmetric(disturbance.position),
-                stream.symmetric(disturbance.position),
-                0.0,
-            );
-            let turn =
-                UnitQuaternion::from_axis_angle(&Vector3::z_axis(), stream.symmetric(disturbance.angle));
-            let there = Translation3::from(centre);
-            shift * there * turn * there.inverse() * x
-        };
-        let base = &assembly.beams[assembly.base];
+    /// The start of the episode with this seed. Each part in turn is moved from its outline until it is clear
+    /// of all others; one for which no place is found in [`TRIES`] draws stays on its outline.
+    pub fn new(assembly: &Assembly, start: &Start, seed: u64) -> Layout {
         let kit = &assembly.kit;
-        let beams = kit
-            .beams
-            .iter()
-            .filter_map(|beam| {
-                if beam.name == base.beam.name {
-                    return Some((beam.name.clone(), kit.x_wa() * base.x_ab));
-                }
-                let x_wb = kit.x_wb_start(beam)?;
-                let middle = x_wb * nalgebra::Point3::new(beam.span() / 2.0, 0.0, 0.0);
-                Some((beam.name.clone(), disturb(&x_wb, middle.coords)))
-            })
-            .collect();
-        let mut holders = Vec::new();
-        let mut pegs = Vec::new();
+        let base = &assembly.beams[assembly.base];
+        let outlines = Outlines::new(kit, &base.beam.name, start.trades(), seed);
+        let mut bodies: Vec<Body> = Vec::new();
+        for beam in &kit.beams {
+            if beam.name == base.beam.name {
+                bodies.push(Body::beam(beam, kit.x_wa() * base.x_ab));
+            } else if let Some(x_wb) = outlines.beam(beam) {
+                bodies.push(Body::beam(beam, x_wb));
+            }
+        }
         for holder in &kit.holders {
             let at = kit.sheet_to_world(holder.centre);
-            let nominal = Pose::translation(at.x, at.y, 0.0);
-            let x_wh = disturb(&nominal, at.coords);
-            for peg in kit.pegs.iter().filter(|peg| peg.holder == holder.name) {
-                if let Some(x_wp) = kit.x_wp_start(peg) {
-                    pegs.push((peg.name.clone(), x_wh * nominal.inverse() * x_wp));
-                }
-            }
-            holders.push((holder.name.clone(), x_wh));
+            bodies.push(Body::holder(holder, Pose::translation(at.x, at.y, 0.0)));
         }
-        Layout { beams, holders, pegs }
+        let on_outline: Vec<Pose> = bodies.iter().map(|body| body.x).collect();
+        let mut stream = Stream::new(seed, "layout");
+        for index in 0..bodies.len() {
+            if bodies[index].name == base.beam.name {
+                continue;
+            }
+            let body = &bodies[index];
+            let others: Vec<&Body> =
+                bodies.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, it)| it).collect();
+            let place = (0..TRIES).map(|_| displace(body, &start.places, &mut stream)).find(|x| {
+                start.places.clearance == 0.0
+                    || others.iter().all(|other| body.is_clear(x, other, start.places.clearance))
+            });
+            bodies[index].x = place.unwrap_or(bodies[index].x);
+        }
+        let mut layout = Layout { beams: Vec::new(), holders: Vec::new(), pegs: Vec::new() };
+        for (body, on_outline) in bodies.iter().zip(on_outline) {
+            let Some(holder) = kit.holders.iter().find(|holder| holder.name == body.name) else {
+                layout.beams.push((body.name.clone(), body.x));
+                continue;
+            };
+            for (peg, x_wp) in outlines.pegs_in(&holder.name) {
+                layout.pegs.push((peg, body.x * on_outline.inverse() * x_wp));
+            }
+            layout.holders.push((body.name.clone(), body.x));
+        }
+        // The order of the parts is the same in every episode.
+        layout.pegs.sort_by_key(|(name, _)| kit.pegs.iter().position(|peg| peg.name == *name));
+        layout
     }
 
     /// Moves all parts with a table that is too high and tilted.
@@ -89,6 +89,14 @@ impl Layout {
             *x = x_table * *x;
         }
     }
+}
+
+/// A place for a body, from its outline.
+fn displace(body: &Body, places: &Places, stream: &mut Stream) -> Pose {
+    let shift = Translation3::new(stream.symmetric(places.shift), stream.symmetric(places.shift), 0.0);
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), stream.symmetric(places.turn));
+    let there = Translation3::from(body.x * body.middle);
+    shift * there * turn * there.inverse() * body.x
 }
 
 /// True pose of the table in its nominal frame.

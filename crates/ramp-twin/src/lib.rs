@@ -30,9 +30,9 @@ pub mod twin;
 pub mod view;
 
 pub use fault::{Fault, FaultError, FaultKind, FaultReport};
-pub use layout::{Disturbance, Layout};
+pub use layout::Layout;
 pub use mjcf::SceneOptions;
-pub use ramp_world::World;
+pub use ramp_world::{Start, World};
 pub use setup::{Setup, TwinError};
 pub use twin::Twin;
 pub use twin::snapshot::{RestoreError, Snapshot};

@@ -4,10 +4,9 @@ use ramp_assembly::Assembly;
 use ramp_render::LooksError;
 use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
-use ramp_world::World;
+use ramp_world::{Start, World};
 
 use crate::fault::Fault;
-use crate::layout::Disturbance;
 
 /// Input of an episode in the twin.
 #[derive(Clone, Debug)]
@@ -20,8 +19,8 @@ pub struct Setup<'a> {
     pub track: Track,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Deviation of the start from the sheet's outlines.
-    pub disturbance: Disturbance,
+    /// The start from which the places of the parts are drawn.
+    pub start: &'a Start,
     /// The world from which the physics are drawn.
     pub world: &'a World,
     /// The injected fault.

@@ -53,7 +53,7 @@ impl Twin {
     /// # Errors
     /// When MuJoCo refuses the scene.
     pub fn new(setup: &Setup) -> Result<Twin, TwinError> {
-        Twin::with_layout(setup, Layout::new(setup.assembly, setup.disturbance, setup.seed))
+        Twin::with_layout(setup, Layout::new(setup.assembly, setup.start, setup.seed))
     }
 
     /// Builds the scene with every part at its pose in `layout`.

@@ -1,4 +1,4 @@
-//! Reads a world file, and reports the first error in it with its place.
+//! Reads a file of quantities, a world or a start, and reports the first error in it with its place.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -7,16 +7,15 @@ use ramp_source::{A_NAME, Fault, FormProblem, Problem, SourceFile, is_name, near
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::groups::GROUPS;
 use crate::quantity::{Field, Form, Quantity, Spread};
 
-/// An error in a world file, with its place.
+/// An error in a world file or a start file, with its place.
 pub type WorldFault = Fault<WorldProblem>;
 
 /// The longest text that a file may hold as a name, about or source, in bytes.
 const LONGEST: usize = 1000;
 
-/// Kinds of errors in a world file.
+/// Kinds of errors in a world file or a start file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WorldProblem {
@@ -76,9 +75,10 @@ impl Problem for WorldProblem {
             WorldProblem::Unknown { nearest: Some(nearest), .. } => {
                 Some(format!("did you mean `{nearest}`?"))
             }
-            WorldProblem::Unknown { .. } | WorldProblem::Lacking { .. } => {
-                Some("`ramp world show real` prints a world with all that it holds".to_string())
-            }
+            WorldProblem::Unknown { .. } | WorldProblem::Lacking { .. } => Some(
+                "`ramp world show real` and `ramp start show moved` print such a file with all that it holds"
+                    .to_string(),
+            ),
             _ => None,
         }
     }
@@ -87,14 +87,24 @@ impl Problem for WorldProblem {
 /// The quantities of a world, by group and field.
 pub type Quantities = BTreeMap<(&'static str, &'static str), Quantity>;
 
-/// Content of a world file.
+/// A kind of file: its name in messages, and what it may hold.
+pub(crate) struct Kind {
+    /// Its name in messages: world or start.
+    pub name: &'static str,
+    /// Its groups: name, description and quantities.
+    pub groups: &'static [(&'static str, &'static str, &'static [Field])],
+    /// Whether a file may be based on another one, and its quantities may differ between episodes.
+    pub drawn: bool,
+}
+
+/// Content of a file.
 #[derive(Clone, Debug)]
-pub struct WorldFile {
-    /// The world's name.
+pub struct Content {
+    /// Its name.
     pub name: String,
     /// Its description.
     pub about: String,
-    /// The world whose quantities hold where the file gives none, and where it is named.
+    /// The world whose quantities hold where the file gives none, and the place of its name.
     pub based_on: Option<(String, Range<usize>)>,
     /// The quantities that the file gives.
     pub quantities: Quantities,
@@ -104,34 +114,31 @@ pub struct WorldFile {
 ///
 /// # Errors
 /// The first error in the file.
-pub fn read(file: &SourceFile) -> Result<WorldFile, WorldFault> {
+pub(crate) fn read(file: &SourceFile, kind: &Kind) -> Result<Content, WorldFault> {
     let fault = |problem: WorldProblem, span: Range<usize>| Fault::new(problem, file.place(span));
     let document = DeTable::parse(file.text()).map_err(|error| {
         let why = error.message().trim().replace('\n', ", ");
         fault(WorldProblem::Toml { why }, error.span().unwrap_or(0..0))
     })?;
-    let mut world = WorldFile {
-        name: String::new(),
-        about: String::new(),
-        based_on: None,
-        quantities: Quantities::new(),
-    };
+    let mut read =
+        Content { name: String::new(), about: String::new(), based_on: None, quantities: Quantities::new() };
     for (key, content) in document.get_ref() {
         let found = key.get_ref().as_ref();
         match found {
             "name" => {
-                world.name = text(file, found, content)?;
-                if !is_name(&world.name) {
+                read.name = text(file, found, content)?;
+                if !is_name(&read.name) {
                     return Err(wrong(file, found, content, A_NAME.to_string()));
                 }
             }
-            "about" => world.about = text(file, found, content)?,
-            "based_on" => world.based_on = Some((text(file, found, content)?, content.span())),
+            "about" => read.about = text(file, found, content)?,
+            "based_on" if kind.drawn => read.based_on = Some((text(file, found, content)?, content.span())),
             _ => {
-                let Some((group, _, fields)) = GROUPS.iter().find(|(group, _, _)| *group == found) else {
-                    let known = ["name", "about", "based_on"];
-                    let known = known.into_iter().chain(GROUPS.iter().map(|(group, _, _)| *group));
-                    return Err(fault(unknown("a world", found, known), key.span()));
+                let Some((group, _, fields)) = kind.groups.iter().find(|(group, _, _)| *group == found)
+                else {
+                    let known = ["name", "about"].into_iter().chain(kind.drawn.then_some("based_on"));
+                    let known = known.chain(kind.groups.iter().map(|(group, _, _)| *group));
+                    return Err(fault(unknown(&format!("a {}", kind.name), found, known), key.span()));
                 };
                 let table = table(file, found, content)?;
                 for (key, content) in table {
@@ -140,16 +147,17 @@ pub fn read(file: &SourceFile) -> Result<WorldFile, WorldFault> {
                         let known = fields.iter().map(|field| field.name);
                         return Err(fault(unknown(&format!("[{group}]"), found, known), key.span()));
                     };
-                    world.quantities.insert((group, field.name), quantity(file, field, content)?);
+                    let quantity = quantity(file, field, content, kind.drawn)?;
+                    read.quantities.insert((group, field.name), quantity);
                 }
             }
         }
     }
-    if world.name.is_empty() {
-        let problem = WorldProblem::Lacking { place: "the world".to_string(), lacking: "name".to_string() };
-        return Err(fault(problem, 0..0));
+    if read.name.is_empty() {
+        let place = format!("the {}", kind.name);
+        return Err(fault(WorldProblem::Lacking { place, lacking: "name".to_string() }, 0..0));
     }
-    Ok(world)
+    Ok(read)
 }
 
 fn unknown<'a>(place: &str, found: &str, known: impl Iterator<Item = &'a str>) -> WorldProblem {
@@ -185,7 +193,13 @@ fn text(file: &SourceFile, name: &str, value: &Spanned<DeValue>) -> Result<Strin
     }
 }
 
-fn quantity(file: &SourceFile, field: &Field, content: &Spanned<DeValue>) -> Result<Quantity, WorldFault> {
+/// `drawn`: whether it may differ between episodes.
+fn quantity(
+    file: &SourceFile,
+    field: &Field,
+    content: &Spanned<DeValue>,
+    drawn: bool,
+) -> Result<Quantity, WorldFault> {
     let table = table(file, field.name, content)?;
     let (mut value, mut spread, mut unit, mut source) = (None, None, None, None);
     for (key, content) in table {
@@ -199,7 +213,7 @@ fn quantity(file: &SourceFile, field: &Field, content: &Spanned<DeValue>) -> Res
                     _ => return Err(wrong(file, found, content, format!("\"{}\"", field.unit))),
                 };
             }
-            "within" | "share" | "sigma" => {
+            "within" | "share" | "sigma" if drawn => {
                 let most = if found == "share" { 10.0 } else { field.most - field.least };
                 let size = number(content.get_ref()).filter(|size| (0.0..=most).contains(size));
                 let Some(size) = size.filter(|_| spread.is_none()) else {
@@ -213,7 +227,8 @@ fn quantity(file: &SourceFile, field: &Field, content: &Spanned<DeValue>) -> Res
                 });
             }
             _ => {
-                let known = ["value", "within", "share", "sigma", "unit", "source"].into_iter();
+                let known = ["value", "unit", "source"].into_iter();
+                let known = known.chain(["within", "share", "sigma"].into_iter().filter(|_| drawn));
                 let problem = unknown(&format!("`{}`", field.name), found, known);
                 return Err(Fault::new(problem, file.place(key.span())));
             }

@@ -9,7 +9,7 @@ use ramp_source::{Fault, SourceFile, nearest, shorten};
 
 use crate::groups::{GROUPS, Physics};
 use crate::quantity::{Numbers, Spread};
-use crate::read::{Quantities, WorldFault, WorldProblem, read};
+use crate::read::{Kind, Quantities, WorldFault, WorldProblem, read};
 
 /// The worlds that are part of the program: their names and files.
 const BUILT_IN: [(&str, &str); 3] = [
@@ -17,6 +17,9 @@ const BUILT_IN: [(&str, &str); 3] = [
     ("real", include_str!("../../../data/worlds/real.toml")),
     ("hard", include_str!("../../../data/worlds/hard.toml")),
 ];
+
+/// The file of a world.
+const KIND: Kind = Kind { name: "world", groups: GROUPS, drawn: true };
 
 /// A world: what an episode's physics are drawn from.
 #[derive(Clone, Debug)]
@@ -86,7 +89,7 @@ impl World {
     /// # Errors
     /// As [`World::read`].
     pub fn from_source(file: &SourceFile) -> Result<World, WorldFault> {
-        let content = read(file)?;
+        let content = read(file, &KIND)?;
         let Some((base, span)) = content.based_on else { return World::complete(file) };
         let Some(base) = World::shipped(&base) else {
             let problem = WorldProblem::Unknown {
@@ -103,7 +106,7 @@ impl World {
 
     /// A world whose file gives all quantities.
     fn complete(file: &SourceFile) -> Result<World, WorldFault> {
-        let content = read(file)?;
+        let content = read(file, &KIND)?;
         let all =
             GROUPS.iter().flat_map(|(group, _, fields)| fields.iter().map(move |field| (*group, field.name)));
         let mut lacking = all.filter(|key| !content.quantities.contains_key(key));
@@ -226,7 +229,7 @@ impl World {
 }
 
 /// A text as TOML has it.
-fn toml_text(text: &str) -> String {
+pub(crate) fn toml_text(text: &str) -> String {
     let mut quoted = String::from("\"");
     for letter in text.chars() {
         match letter {

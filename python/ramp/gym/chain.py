@@ -84,6 +84,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         skill: str = "fasten",
         track: str = "state",
         world: str | os.PathLike[str] = "ideal",
+        start: str | os.PathLike[str] = "moved",
         turns: bool = False,
         gripper: bool = False,
         speed: float | None = None,
@@ -101,6 +102,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             skill: The kind of action that is yours, as ``serves`` of :class:`ramp.Skill`.
             track: How parts are observed: ``state``, ``noisy`` or ``tags``.
             world: The physics: ``ideal``, ``real``, ``hard``, or a world file.
+            start: Where the parts lie: ``moved``, ``sheet``, or a start file.
             turns: Whether an action rotates the hand.
             gripper: Whether an action moves the fingers.
             speed: Largest speed of the target, m/s.
@@ -113,12 +115,13 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
 
         """
         EzPickle.__init__(
-            self, goal, skill=skill, track=track, world=world, turns=turns, gripper=gripper, speed=speed,
+            self, goal, skill=skill, track=track, world=world, start=start, turns=turns, gripper=gripper, speed=speed,
             turn_speed=turn_speed, leash=leash, stiffness=stiffness, rate=rate, limit=limit, render_mode=render_mode,
         )  # fmt: skip
         if not (5.0 <= rate <= 100.0 and limit > 0.0):
             raise InputError("`rate` is expected within 5 to 100, and `limit` above 0")
-        self.goal, self.skill, self.track, self.world = goal, skill, track, os.fspath(world)
+        self.goal, self.skill, self.track = goal, skill, track
+        self.world, self.start = os.fspath(world), os.fspath(start)
         self.gripper, self.limit, self.render_mode = gripper, limit, render_mode
         settings = {
             "action": "cartesian", "turns": turns, "speed": speed, "turn_speed": turn_speed,
@@ -163,7 +166,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         """Runs the whole episode, in a thread of its own."""
         try:
             told: Result | BaseException = run(
-                self.goal, skills=[_Relay(self)], track=self.track, world=self.world, seed=seed
+                self.goal, skills=[_Relay(self)], track=self.track, world=self.world, start=self.start, seed=seed
             )
         except BaseException as error:
             told = error

@@ -33,7 +33,8 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         *,
         track: str = "state",
         world: str | os.PathLike[str] = "ideal",
-        start: str = "ready",
+        start: str | os.PathLike[str] = "moved",
+        begin: str = "ready",
         starts: tuple[int, int] = (1, 64),
         whole_scene: bool = False,
         action: str = "cartesian",
@@ -62,7 +63,8 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
                 benchmark.
             track: How parts are observed: ``state``, ``noisy`` or ``tags``.
             world: The physics: ``ideal``, ``real``, ``hard``, or a world file.
-            start: ``ready`` begins with the skill, ``home`` with the arm at home as in ``ramp trials``.
+            start: Where the parts lie: ``moved``, ``sheet``, or a start file.
+            begin: ``ready`` begins with the skill, ``home`` with the arm at home as in ``ramp trials``.
             starts: First seed and number of the starts from which episodes are drawn; with a number of 0,
                 each episode gets a new one, which takes longer.
             whole_scene: Simulate all parts of the kit instead of those that the task needs.
@@ -85,8 +87,8 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
 
         """
         EzPickle.__init__(
-            self, skill, goals, track=track, world=world, start=start, starts=starts, whole_scene=whole_scene,
-            action=action, turns=turns, gripper=gripper, strict=strict, speed=speed, turn_speed=turn_speed,
+            self, skill, goals, track=track, world=world, start=start, begin=begin, starts=starts,
+            whole_scene=whole_scene, action=action, turns=turns, gripper=gripper, strict=strict, speed=speed, turn_speed=turn_speed,
             leash=leash, stiffness=stiffness, rate=rate, limit=limit, reward=reward, belief_error=belief_error,
             cameras=cameras, image_size=image_size, depth=depth, render_mode=render_mode,
         )  # fmt: skip
@@ -104,7 +106,8 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             shown = (*shown, "birds-eye")
         self._shown = shown
         self.core = spaces.make_core(
-            skill, goals, track=track, world=world, start=start, whole_scene=whole_scene, cameras=shown,
+            skill, goals, track=track, world=world, start=start, begin=begin,
+            whole_scene=whole_scene, cameras=shown,
             image_size=image_size, depth=depth, settings=settings,
         )  # fmt: skip
         self.observation_space = spaces.observation_space(self.core, self.cameras, image_size, depth)

@@ -37,7 +37,8 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         max_episode_steps: int | None = None,
         track: str = "state",
         world: str | os.PathLike[str] = "ideal",
-        start: str = "ready",
+        start: str | os.PathLike[str] = "moved",
+        begin: str = "ready",
         whole_scene: bool = False,
         cameras: Sequence[str] = (),
         image_size: int = 84,
@@ -58,6 +59,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             track: Likewise.
             world: Likewise.
             start: Likewise.
+            begin: Likewise.
             whole_scene: Likewise.
             cameras: Likewise.
             image_size: Likewise.
@@ -75,7 +77,8 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             if settings.get(name) is not None:
                 settings[name] = tuple(settings[name]) if name == "starts" else list(settings[name])
         self.core = spaces.make_core(
-            skill, goals, track=track, world=world, start=start, whole_scene=whole_scene, cameras=cameras,
+            skill, goals, track=track, world=world, start=start, begin=begin,
+            whole_scene=whole_scene, cameras=cameras,
             image_size=image_size, depth=depth, settings=settings,
         )  # fmt: skip
         self.num_envs = num_envs

@@ -15,11 +15,13 @@ use ramp_robot::RobotError;
 use ramp_robot::random::Stream;
 use ramp_twin::{Layout, SceneOptions, Setup, Twin, TwinError};
 
-use ramp_result::manipulation::StartInfo;
+use ramp_result::manipulation::Draw;
 
 use super::task::{Aim, Task};
 use super::world::{NamedTruth, far_end, pegs_in};
 
+/// Largest turn of a peg that pins a connection, beside the steps of the hand, rad. Chosen: 1°.
+const PEG_TURN: f64 = 0.017_453_292_519_943_295;
 /// So many starts are drawn before a trial is given up.
 const DRAWS: usize = 50;
 /// Periods before the beams are knocked, and from then to the start.
@@ -91,7 +93,7 @@ pub struct Start {
     /// Poses of all parts then.
     pub places: Vec<(String, Pose)>,
     /// How it came about.
-    pub info: StartInfo,
+    pub info: Draw,
 }
 
 /// Draws starts from the stream `start` of the setup's seed until one holds.
@@ -114,7 +116,7 @@ pub fn draw(setup: &Setup, task: &Task, cast: &Cast) -> Result<Start, StartError
                 Ok(displaced) => {
                     twin.begin();
                     let places = twin.part_names().map(str::to_string).zip(twin.truth().x_wp).collect();
-                    return Ok(Start { twin, places, info: StartInfo { drawn, displaced } });
+                    return Ok(Start { twin, places, info: Draw { draws: drawn, displaced } });
                 }
             },
         };
@@ -126,7 +128,7 @@ pub fn draw(setup: &Setup, task: &Task, cast: &Cast) -> Result<Start, StartError
 fn layout(setup: &Setup, task: &Task, stream: &mut Stream) -> Layout {
     let assembly = setup.assembly;
     let x_wa = assembly.kit.x_wa();
-    let mut layout = Layout::new(assembly, setup.disturbance, setup.seed);
+    let mut layout = Layout::new(assembly, setup.start, setup.seed);
     for (name, x_wb) in &mut layout.beams {
         let Some(beam) = assembly.beam_index(name).filter(|beam| task.build.standing.contains(beam)) else {
             continue;
@@ -139,7 +141,7 @@ fn layout(setup: &Setup, task: &Task, stream: &mut Stream) -> Layout {
     for (connection, peg) in &task.build.pinned {
         let hole = x_wa * assembly.p_a_hole(assembly.connections[*connection].female);
         // The hand turns in steps of 30°, and a square head looks the same after three of them.
-        let turn = (3.0 * stream.uniform()).floor() * FRAC_PI_6 + stream.symmetric(setup.disturbance.angle);
+        let turn = (3.0 * stream.uniform()).floor() * FRAC_PI_6 + stream.symmetric(PEG_TURN);
         if let Some((_, x_wp)) = layout.pegs.iter_mut().find(|(name, _)| name == peg) {
             let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
             let p = Translation3::new(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0);

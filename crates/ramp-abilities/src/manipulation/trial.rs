@@ -1,6 +1,6 @@
 //! One trial: the twin is prepared, the agent does the task, the judge looks at the truth.
 
-use ramp_result::episode::{AgentInfo, Host, Physics, Software, WorldInfo};
+use ramp_result::episode::{AgentInfo, Host, Physics, Software, StartInfo, WorldInfo};
 use ramp_result::manipulation::{SCHEMA, Trial};
 use ramp_robot::{Agent, EventKind};
 use ramp_twin::Setup;
@@ -20,7 +20,7 @@ pub fn run_trial(
     agent: &mut dyn Agent,
     software: &Software,
 ) -> Result<Trial, StartError> {
-    let start::Start { mut twin, places, info: start } = start::draw(setup, task, &start::Cast::default())?;
+    let start::Start { mut twin, places, info: drawn } = start::draw(setup, task, &start::Cast::default())?;
     let outcome = agent.run(&mut twin);
     let missing = judge::missing(setup, task, &places, &twin);
     let account = agent.account();
@@ -36,7 +36,8 @@ pub fn run_trial(
         class: setup.assembly.class.map(|class| class.name().to_string()),
         step: task.step,
         action: task.action.clone(),
-        start,
+        start: StartInfo::of(setup.start),
+        drawn,
         agent: AgentInfo {
             name: name.to_string(),
             version: version.to_string(),

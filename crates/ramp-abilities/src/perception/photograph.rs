@@ -13,7 +13,7 @@ use ramp_robot::arm::ArmModel;
 use ramp_robot::camera::Mount;
 use ramp_robot::random::Stream;
 use ramp_robot::{Camera, CameraModel, Image, Pose};
-use ramp_twin::{Disturbance, Layout, cameras};
+use ramp_twin::{Layout, Start, cameras};
 use ramp_world::World;
 
 use super::labels::{PartLabel, PoseLabel, TagLabel, ViewLabel};
@@ -76,7 +76,7 @@ impl<'a> Photographer<'a> {
     /// Poses of everything in a view: as laid out for the seed, and, when the goal is built, its beams and
     /// pegs at their places.
     fn parts(&self, seed: u64, at_start: bool) -> Vec<(String, Pose)> {
-        let layout = Layout::new(self.assembly, Disturbance::default(), seed);
+        let layout = Layout::new(self.assembly, Start::sheet(), seed);
         let mut parts: BTreeMap<String, Pose> =
             layout.beams.into_iter().chain(layout.pegs).chain(layout.holders).collect();
         if !at_start {

@@ -13,7 +13,7 @@ use ramp_skills::{Fault, Parameters, Pose, SkillError, SkillTable};
 use ramp_testing::GoalFiles;
 use ramp_testing::episode::domains;
 use ramp_testing::robot::{Alteration, Altered};
-use ramp_twin::Twin;
+use ramp_twin::{Start, Twin};
 
 /// The insertion path that the goal's own order of insertions gives a beam.
 fn path(insertion: &Insertion) -> (usize, InsertionPath) {
@@ -46,7 +46,8 @@ fn cell<'a, 'r>(
     planner: &'a PathPlanner,
     robot: &'r mut dyn Robot,
 ) -> Workcell<'a, 'r> {
-    let mut cell = Workcell::new(&world.assembly, &world.arm, planner, robot, 1, Parameters::baseline());
+    let mut cell =
+        Workcell::new(&world.assembly, &world.arm, planner, robot, 1, Parameters::baseline(), Start::sheet());
     cell.belief.paths = world.assembly.insertions.iter().map(path).collect();
     cell
 }

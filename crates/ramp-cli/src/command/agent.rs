@@ -7,17 +7,16 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use miette::{IntoDiagnostic, Report, miette};
-use ramp_assembly::Assembly;
 use ramp_data::Texts;
 use ramp_external_agent::sandbox::{Inside, open_ends};
 use ramp_external_agent::{
     AgentFile, ExternalAgent, GoalMessage, Patience, Sandbox, SandboxError, adopt_orphans,
 };
 use ramp_planner::{Domains, Plan};
-use ramp_robot::arm::ArmModel;
-use ramp_robot::{Agent, Event, Track};
+use ramp_robot::{Agent, Event};
 use ramp_skills::skill::ActionKind;
 use ramp_skills::{Baseline, Parameters};
+use ramp_twin::Setup;
 
 use crate::command::{own_skill, skills};
 
@@ -77,12 +76,10 @@ pub fn tell_open_ends() {
 
 /// Inputs from which an agent is built.
 pub struct AgentSetup<'a> {
-    pub assembly: &'a Assembly,
-    pub arm: &'a ArmModel,
+    /// The episode.
+    pub setup: Setup<'a>,
     pub domains: &'a Domains,
     pub texts: &'a Texts,
-    pub track: Track,
-    pub seed: u64,
     /// Parameters of the baseline's skills.
     pub parameters: &'a Arc<Parameters>,
     /// Programs that replace skills of the baseline.
@@ -93,20 +90,23 @@ pub struct AgentSetup<'a> {
 
 /// Starts the agent. It reports its actions to `listener`.
 pub fn start<'a>(
-    world: &AgentSetup<'a>,
+    inputs: &AgentSetup<'a>,
     file: Option<&AgentFile>,
     sandbox: Option<Sandbox>,
     limit: f64,
     end: Option<Instant>,
     listener: impl FnMut(&Event) + 'a,
 ) -> Result<Box<dyn Agent + 'a>, Report> {
-    let AgentSetup { assembly, arm, domains, texts, track, seed, parameters, skills, ref plan } = *world;
+    let AgentSetup { ref setup, domains, texts, parameters, skills, ref plan } = *inputs;
+    let Setup { assembly, arm, track, seed, start, .. } = *setup;
     let Some(file) = file else {
-        let mut baseline =
-            Baseline::new(assembly, arm, domains, seed).on_track(track).with_parameters(parameters.clone());
+        let mut baseline = Baseline::new(assembly, arm, domains, seed)
+            .on_track(track)
+            .from_start(start)
+            .with_parameters(parameters.clone());
         if !skills.is_empty() {
             adopt_orphans();
-            let cell = own_skill::SkillHost::new(assembly, arm, track, texts, limit);
+            let cell = own_skill::SkillHost::new(setup, texts, limit);
             let mut table = ramp_skills::table::baseline(parameters);
             for (kind, file) in skills {
                 table.replace(own_skill::skill(*kind, file, &cell)?);
@@ -119,7 +119,7 @@ pub fn start<'a>(
         return Ok(Box::new(baseline.with_listener(listener)));
     };
     adopt_orphans();
-    let goal = GoalMessage::new(assembly, arm, track, texts.sources());
+    let goal = GoalMessage::new(assembly, arm, track, start, texts.sources());
     let patience = Patience { answer: Duration::from_secs_f64(limit), end };
     let mut command: Vec<OsString> = vec![
         std::env::current_exe().into_diagnostic()?.into(),

@@ -147,6 +147,7 @@ impl Bench<'_> {
             .collect();
         let mut text = serde_json::to_string_pretty(&json!({
             "world": self.0.worlds[0].title,
+            "start": self.0.start.title,
             "track": self.0.track,
             "first_seed": self.0.seeds.start(),
             "repeats": self.0.count,
@@ -165,7 +166,9 @@ impl Bench<'_> {
         let (goals, classes) = self.sums(episodes);
         let (first, last) = (self.0.seeds.start(), self.0.seeds.end());
         let world = &self.0.worlds[0].title;
-        let mut text = format!("world {world}, track {}, seeds {first} to {last}", self.0.track);
+        let start = &self.0.start.title;
+        let mut text =
+            format!("world {world}, start {start}, track {}, seeds {first} to {last}", self.0.track);
         if let Some(secret) = &self.0.secret {
             let _ = write!(text, " with the secret {}", secret.commitment());
         }

@@ -12,7 +12,7 @@ use ramp_data::Data;
 use ramp_report::leaderboard::{BoardGoal, BoardTerms, Boards, Refusal, Streams, pages, standings};
 use ramp_report::{Report, page};
 use ramp_result::secret::Secret;
-use ramp_twin::Disturbance;
+use ramp_world::Start;
 
 use self::entry::{Entry, Known};
 use self::verdicts::Verdicts;
@@ -200,6 +200,6 @@ fn terms(data: &Data, secret: Option<Secret>) -> Result<BoardTerms, Failure> {
     let Some((kit, arm)) = files else {
         return Err(miette!("there is no goal in {}", data.goals()));
     };
-    let Disturbance { position, angle } = Disturbance::default();
-    Ok(BoardTerms { goals, kit, arm, disturbance: [position, angle], secret })
+    let starts = Start::names().filter_map(Start::shipped).map(|start| start.text.clone()).collect();
+    Ok(BoardTerms { goals, kit, arm, starts, secret })
 }

@@ -23,6 +23,7 @@ pub mod see;
 pub mod seeds;
 pub mod show;
 pub mod skills;
+pub mod start;
 pub mod sweep;
 pub mod trials;
 pub mod twin;

@@ -21,6 +21,7 @@ use ramp_robot::arm::ArmModel;
 use ramp_robot::{Agent, EventKind, Robot, Track};
 use ramp_skills::rehearsal::Outline;
 use ramp_skills::skill::ActionKind;
+use ramp_twin::{Setup, Start};
 use serde_json::{Value, json};
 
 /// Largest length of the file name within the agent's name, characters.
@@ -52,6 +53,7 @@ pub struct SkillHost {
     assembly: Assembly,
     arm: ArmModel,
     track: Track,
+    start: Start,
     goal: String,
     kit_text: String,
     arm_text: String,
@@ -60,12 +62,13 @@ pub struct SkillHost {
 
 impl SkillHost {
     /// The host of one episode, with the program's time limit for a message in seconds.
-    pub fn new(assembly: &Assembly, arm: &ArmModel, track: Track, texts: &Texts, limit: f64) -> SkillHost {
+    pub fn new(setup: &Setup, texts: &Texts, limit: f64) -> SkillHost {
         let Sources { goal, kit: kit_text, arm: arm_text } = texts.sources();
         SkillHost {
-            assembly: assembly.clone(),
-            arm: arm.clone(),
-            track,
+            assembly: setup.assembly.clone(),
+            arm: setup.arm.clone(),
+            track: setup.track,
+            start: setup.start.clone(),
             goal: goal.to_string(),
             kit_text: kit_text.to_string(),
             arm_text: arm_text.to_string(),
@@ -79,7 +82,8 @@ impl SkillHost {
     /// If the system cannot start it.
     pub fn start(&self, file: &AgentFile, task: Value) -> Result<ExternalAgent<'_>, Report> {
         let texts = Sources { goal: &self.goal, kit: &self.kit_text, arm: &self.arm_text };
-        let goal = GoalMessage::new(&self.assembly, &self.arm, self.track, texts).with_task(task);
+        let goal =
+            GoalMessage::new(&self.assembly, &self.arm, self.track, &self.start, texts).with_task(task);
         let patience = Patience { answer: self.patience, end: None };
         ExternalAgent::start(file, &command(file)?, goal, patience, None).into_diagnostic()
     }

@@ -17,12 +17,12 @@ use ramp_report::curve::completion_svg;
 use ramp_result::episode::{EpisodeResult, RobotTime};
 use ramp_robot::{Event, EventKind};
 use ramp_skills::{ReferenceTimes, reference_times_of_goal};
-use ramp_twin::{Disturbance, Fault, Setup, Twin};
+use ramp_twin::{Fault, Setup, Twin};
 
 use crate::command::agent;
 use crate::command::own_skill::Replacement;
 use crate::ending::end_on_request;
-use crate::options::{RESULTS_WORLD, TrackName, WorldOption};
+use crate::options::{RESULTS_WORLD, StartOption, TrackName, WorldOption};
 use crate::output::{check_place, make_folder_of, print, write_file};
 use crate::pictures::{self, Pictures};
 use crate::rules::domains;
@@ -44,6 +44,8 @@ pub struct Arguments {
     track: TrackName,
     #[command(flatten)]
     world: WorldOption,
+    #[command(flatten)]
+    start: StartOption,
     /// Seed of all random numbers of the episode
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -108,6 +110,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let (assembly, texts) = data.goal_with_texts(&arguments.goal)?;
     let arm = data.arm()?;
     let physics = arguments.world.read(data)?;
+    let start = arguments.start.read(data)?;
     let domains = domains(data, arguments.domain.as_deref())?;
     let agent_file = arguments.agent.file()?;
     let parameters = arguments.agent.skills.read(data)?;
@@ -132,7 +135,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         arm: &arm,
         track: arguments.track.into(),
         seed: arguments.world_seed.unwrap_or(arguments.seed),
-        disturbance: Disturbance::default(),
+        start: &start,
         world: &physics,
         fault: arguments.fault,
     };
@@ -141,20 +144,17 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
     make_folder_of(&log)?;
     let display = Display::new(assembly.connections.len());
-    let world = agent::AgentSetup {
-        assembly: &assembly,
-        arm: &arm,
+    let inputs = agent::AgentSetup {
+        setup: setup.clone(),
         domains: &domains,
         texts: &texts,
-        track: setup.track,
-        seed: setup.seed,
         parameters: &parameters,
         skills: &skills,
         plan,
     };
     let robot_time = robot_time(data, &setup)?;
     let limit = arguments.agent.agent_limit;
-    let mut agent = agent::start(&world, agent_file.as_ref(), sandbox, limit, end, |event| {
+    let mut agent = agent::start(&inputs, agent_file.as_ref(), sandbox, limit, end, |event| {
         display.event(event);
     })?;
     let mut end = Vec::new();
@@ -233,9 +233,10 @@ fn robot_time(data: &Data, setup: &Setup) -> Result<Option<RobotTime>, Report> {
 /// The result as text.
 fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
     let mut text = format!(
-        "{}, world {}, track {}, seed {}: {} of {} pegs\n",
+        "{}, world {}, start {}, track {}, seed {}: {} of {} pegs\n",
         result.goal,
         result.world.as_ref().map_or("none", |world| &world.name),
+        result.start.as_ref().map_or("none", |start| &start.name),
         result.track,
         result.seed,
         result.counted(),

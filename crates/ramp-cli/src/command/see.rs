@@ -14,9 +14,9 @@ use ramp_kit::strokes::{self, Align};
 use ramp_result::perception::FALSE;
 use ramp_result::sha256;
 use ramp_robot::{Camera, CameraModel, Image, Pose, Robot, Track};
-use ramp_twin::{Disturbance, Setup, Twin};
+use ramp_twin::{Setup, Twin};
 use ramp_vision::{Lying, PartFinder, Sighting};
-use ramp_world::World;
+use ramp_world::{Start, World};
 use resvg::{tiny_skia, usvg};
 
 use crate::output::{check_place, print, write_file};
@@ -89,7 +89,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         arm: &arm,
         track: Track::Tags,
         seed: arguments.seed,
-        disturbance: Disturbance::default(),
+        start: Start::sheet(),
         world: World::ideal(),
         fault: None,
     };

@@ -17,18 +17,18 @@ use ramp_gym::tasks::{self, PlannedGoal, Step};
 use ramp_kit::source::{nearest, read_text, shorten};
 use ramp_planner::Domains;
 use ramp_result::collection::LARGEST;
-use ramp_result::episode::{Software, WorldLabel};
+use ramp_result::episode::{Software, StartInfo, WorldLabel};
 use ramp_result::manipulation::sums::{SkillSum, sums};
 use ramp_result::manipulation::{SCHEMA, Trial};
 use ramp_result::write_whole;
 use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
 use ramp_skills::{Baseline, Parameters, Piece};
-use ramp_twin::{Disturbance, Setup};
-use ramp_world::World;
+use ramp_twin::Setup;
+use ramp_world::{Start, World};
 
 use crate::command::own_skill::{self, SkillHost};
-use crate::options::{TrackName, WorldOption};
+use crate::options::{StartOption, TrackName, WorldOption};
 use crate::output::print;
 use crate::pool;
 use crate::rules::domains;
@@ -51,6 +51,8 @@ pub struct Arguments {
     track: TrackName,
     #[command(flatten)]
     world: WorldOption,
+    #[command(flatten)]
+    start: StartOption,
     /// Number of parallel trials
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     jobs: u32,
@@ -87,6 +89,9 @@ enum TrialsError {
         "results of different versions are not added up: name another folder with -o, or move these away"
     ))]
     OtherVersion { file: String, theirs: String, ours: String },
+    #[error("{file} is of another start")]
+    #[diagnostic(help("a folder is of one start: name another folder with -o, or give the same --start"))]
+    OtherStart { file: String },
     #[error("{file} is of another world")]
     #[diagnostic(help("a folder is of one world: name another folder with -o, or give the same --world"))]
     OtherWorld { file: String },
@@ -109,6 +114,7 @@ struct Trials<'a> {
     steps: BTreeMap<String, Vec<(usize, usize)>>,
     track: Track,
     world: World,
+    start: Start,
     software: Software,
     parameters: Arc<Parameters>,
     /// The program for the contact action, and the one for the whole trial.
@@ -148,6 +154,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         steps,
         track: arguments.track.into(),
         world: arguments.world.read(data)?,
+        start: arguments.start.read(data)?,
         software: software(),
         parameters: arguments.file.read(data)?,
         skill: arguments.skill.as_deref().map(own_skill::file).transpose()?,
@@ -173,7 +180,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let done = trials.work(&wanted, before, arguments.jobs as usize)?;
     let world = WorldLabel::of(&trials.world).title;
     let (track, first) = (trials.track.name(), arguments.first_seed);
-    let mut text = format!("world {world}, track {track}, seeds {first} to {last}\n");
+    let start = StartInfo::of(&trials.start).title();
+    let mut text = format!("world {world}, start {start}, track {track}, seeds {first} to {last}\n");
     table(&mut text, &sums(&done));
     let _ = writeln!(text, "results: {}", folder.display());
     print(&text)?;
@@ -239,6 +247,9 @@ impl Trials<'_> {
         if trial.world.sha256 != WorldLabel::of(&self.world).sha256 {
             return Err(TrialsError::OtherWorld { file: path.display().to_string() }.into());
         }
+        if trial.start.sha256 != StartInfo::of(&self.start).sha256 {
+            return Err(TrialsError::OtherStart { file: path.display().to_string() }.into());
+        }
         let own = self.agent.as_ref().map(|file| file.sha256().to_string());
         let by_other = match &self.skill {
             Some(file) => !trial.agent.name.ends_with(&file.sha256()[..8]),
@@ -298,15 +309,16 @@ impl Trials<'_> {
             arm: &self.arm,
             track: self.track,
             seed,
-            disturbance: Disturbance::default(),
+            start: &self.start,
             world: &self.world,
             fault: None,
         };
         let mut baseline = Baseline::new(&goal.assembly, &self.arm, &self.domains, seed)
             .on_track(self.track)
+            .from_start(&self.start)
             .with_parameters(self.parameters.clone());
         if self.skill.is_some() || self.agent.is_some() {
-            let cell = SkillHost::new(&goal.assembly, &self.arm, self.track, texts, self.agent_limit);
+            let cell = SkillHost::new(&setup, texts, self.agent_limit);
             if let Some(file) = &self.agent {
                 let told = serde_json::json!({
                     "skill": step.task.skill,

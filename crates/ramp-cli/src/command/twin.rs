@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use miette::{IntoDiagnostic, Report};
 use ramp_data::Data;
 use ramp_robot::Track;
-use ramp_twin::{Disturbance, Setup, Twin};
+use ramp_twin::{Setup, Twin};
 
-use crate::options::WorldOption;
+use crate::options::{StartOption, WorldOption};
 use crate::output::{check_place, print, write_file};
 use crate::status::DONE;
 
@@ -28,6 +28,8 @@ enum Command {
         seed: u64,
         #[command(flatten)]
         world: WorldOption,
+        #[command(flatten)]
+        start: StartOption,
         /// File to write; without it the scene goes to standard output
         #[arg(short, long, value_name = "FILE")]
         output: Option<PathBuf>,
@@ -35,10 +37,10 @@ enum Command {
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
-    let Command::Export { goal, seed, world, output } = &arguments.command;
+    let Command::Export { goal, seed, world, start, output } = &arguments.command;
     let assembly = data.goal(goal)?;
     let arm = data.arm()?;
-    let world = world.read(data)?;
+    let (world, start) = (world.read(data)?, start.read(data)?);
     if let Some(path) = output {
         check_place(path)?;
     }
@@ -47,7 +49,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         arm: &arm,
         track: Track::State,
         seed: *seed,
-        disturbance: Disturbance::default(),
+        start: &start,
         world: &world,
         fault: None,
     };

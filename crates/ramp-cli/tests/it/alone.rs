@@ -42,7 +42,7 @@ fn a_skill_is_tried_goes_on_where_it_stopped_and_gives_the_same_bits_again() {
     follows(&folder, "a/push-state-1.json", "manipulation");
     let first = read(&folder, "a/push-state-1.json");
     assert_eq!(first["success"], true, "{first:#}");
-    assert!(first["start"]["displaced"].as_f64().unwrap() > 0.1e-3, "it was not disturbed: {first:#}");
+    assert!(first["drawn"]["displaced"].as_f64().unwrap() > 0.1e-3, "it was not disturbed: {first:#}");
     // The second trial alone is run, and what is no trial is replaced.
     std::fs::write(folder.path().join("a/push-state-2.json"), "{}").unwrap();
     let both = trials("2", "a");

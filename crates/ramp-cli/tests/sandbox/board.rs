@@ -101,7 +101,7 @@ fn change(path: &Path, from: &str, to: &str) {
 }
 
 /// The page of the one board here.
-const BOARD: &str = "board-easy-state-real-ramp-rules-2.html";
+const BOARD: &str = "board-easy-state-real-moved-ramp-rules-3.html";
 
 fn bad_entries_are_told_and_the_others_are_on_the_board() {
     let place = Place::new();
@@ -305,7 +305,7 @@ fn a_board_of_two_hundred() {
     assert_eq!(told.matches("refused ").count(), 5, "{told}");
     let (_, told) = place.board(&[]);
     assert!(told.contains("0 logs run again, 975 known from before"), "{told}");
-    for page in ["index.html", BOARD, "board-easy-state-ramp-rules-2-4.html", "refused.html"] {
+    for page in ["index.html", BOARD, "board-easy-state-ramp-rules-3-4.html", "refused.html"] {
         assert!(place.page(page).len() < 1 << 20, "{page}");
     }
     if let Some(folder) = std::env::var_os("RAMP_SITE") {

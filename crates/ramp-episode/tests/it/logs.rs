@@ -105,7 +105,7 @@ fn what_is_wrong_with_a_log_is_told() {
         assert!(read(&with(topic, b"{}")).unwrap_err().contains("missing field `schema`"));
     }
     let error = read(&with("/episode", br#"{"schema": "ramp-log-9"}"#)).unwrap_err();
-    assert!(error.contains("`ramp-log-9`, and `ramp-log-2` is what this program knows"), "{error}");
+    assert!(error.contains("`ramp-log-9`, and `ramp-log-3` is what this program knows"), "{error}");
     let error = replay(&read(&with("/calls", &[77])).unwrap()).unwrap_err();
     assert!(matches!(error, ReplayError::Calls(_)), "{error}");
 
@@ -128,9 +128,10 @@ fn what_is_wrong_with_a_log_is_told() {
     );
     let error = replay(&change("/episode", &|it| it["rules"] = "old".into()).unwrap()).unwrap_err();
     assert!(matches!(error, ReplayError::Rules { .. }), "{error}");
-    let error =
-        replay(&change("/episode", &|it| it["disturbance"]["angle"] = 1e300.into()).unwrap()).unwrap_err();
-    assert!(matches!(error, ReplayError::Impossible { what: "disturbance", .. }), "{error}");
+    let error = replay(&change("/episode", &|it| it["start"]["name"] = "moved".into()).unwrap()).unwrap_err();
+    assert!(matches!(error, ReplayError::Contradiction { what: "start", .. }), "{error}");
+    let error = replay(&change("/episode", &|it| it["start"]["toml"] = "".into()).unwrap()).unwrap_err();
+    assert!(matches!(error, ReplayError::World(_)), "{error}");
 }
 
 /// A refusal by the robot is in the log, and is repeated in the replay.

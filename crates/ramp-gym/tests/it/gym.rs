@@ -7,7 +7,7 @@ use ramp_gym::start::Prepared;
 use ramp_gym::{Batch, Begin, Benchmark, Env, EnvError, Options, SKILLS, Scenario, Step, Weights};
 use ramp_robot::random::Stream;
 use ramp_robot::{Robot, Track};
-use ramp_twin::World;
+use ramp_twin::{Start, World};
 
 fn benchmark() -> Arc<Benchmark> {
     Arc::new(Benchmark::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data")).unwrap())
@@ -15,7 +15,16 @@ fn benchmark() -> Arc<Benchmark> {
 
 fn scenario(skill: &str, goals: &[&str], track: Track) -> Scenario {
     let goals: Vec<String> = goals.iter().map(|it| (*it).to_string()).collect();
-    Scenario::skill(benchmark(), skill, &goals, track, World::ideal().clone(), Begin::Ready).unwrap()
+    Scenario::skill(
+        benchmark(),
+        skill,
+        &goals,
+        track,
+        World::ideal().clone(),
+        Start::sheet().clone(),
+        Begin::Ready,
+    )
+    .unwrap()
 }
 
 fn fasten() -> Env {
@@ -120,9 +129,10 @@ fn what_is_no_action_is_refused_or_ends_the_episode() {
 fn every_skill_has_a_start() {
     let benchmark = benchmark();
     for skill in SKILLS {
-        let world = World::ideal().clone();
+        let (world, start) = (World::ideal().clone(), Start::moved().clone());
         let scenario =
-            Scenario::skill(Arc::clone(&benchmark), skill, &[], Track::State, world, Begin::Ready).unwrap();
+            Scenario::skill(Arc::clone(&benchmark), skill, &[], Track::State, world, start, Begin::Ready)
+                .unwrap();
         let mut env = Env::new(Arc::new(scenario), Options { starts: (1, 1), ..Options::default() }).unwrap();
         env.reset(Some(1)).unwrap();
         let step = env.step(&vec![0.0; env.actions()]).unwrap();
@@ -157,7 +167,8 @@ fn a_start_at_home_is_that_of_a_trial() {
 fn a_goal_runs_out_of_time() {
     let benchmark = benchmark();
     let assembly = benchmark.goal("easy-1").unwrap();
-    let scenario = Scenario::goal(benchmark, assembly, Track::Noisy, World::ideal().clone());
+    let scenario =
+        Scenario::goal(benchmark, assembly, Track::Noisy, World::ideal().clone(), Start::moved().clone());
     let options = Options { limit: 0.5, ..Options::default() };
     let mut env = Env::new(Arc::new(scenario), options).unwrap();
     env.reset(Some(1)).unwrap();

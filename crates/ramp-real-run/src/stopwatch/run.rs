@@ -74,6 +74,7 @@ impl<'a> Run<'a> {
             track: track.to_string(),
             real: Some(real.clone()),
             world: None,
+            start: None,
             seed: u64::from(self.repeat),
             secret: None,
             repeat: self.repeat,

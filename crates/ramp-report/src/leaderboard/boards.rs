@@ -1,7 +1,7 @@
-//! Rankings: one board for each class, track and rules, the best agent first.
+//! Rankings: one board for each class, track, world, start and rules, the best agent first.
 
 use ramp_result::collection::{Collection, class_rank};
-use ramp_result::episode::{EpisodeResult, RealRun, WorldInfo};
+use ramp_result::episode::{EpisodeResult, RealRun, StartInfo, WorldInfo};
 use ramp_robot::Track;
 
 use crate::sums::{self, Line, Scope};
@@ -15,6 +15,8 @@ pub struct Key {
     pub track: String,
     /// Unambiguous name of the world; `None` for real runs.
     pub world: Option<String>,
+    /// Unambiguous name of the start; `None` for real runs.
+    pub start: Option<String>,
     /// The rules of judging.
     pub rules: String,
     /// Whether the runs were on real robots.
@@ -28,6 +30,7 @@ impl Key {
             class: result.class.clone(),
             track: result.track.clone(),
             world: result.world.as_ref().map(WorldInfo::title),
+            start: result.start.as_ref().map(StartInfo::title),
             rules: result.rules.clone(),
             real: result.real.is_some(),
         }
@@ -39,7 +42,8 @@ impl Key {
             self.class.as_ref().map_or("Goals without a class".to_string(), |it| format!("Class {it}"));
         let real = if self.real { ", real robots" } else { "" };
         let world = self.world.as_ref().map_or(String::new(), |world| format!(", world {world}"));
-        format!("{class}, track {}{world}{real}", self.track)
+        let start = self.start.as_ref().map_or(String::new(), |start| format!(", start {start}"));
+        format!("{class}, track {}{world}{start}{real}", self.track)
     }
 
     /// For the name of a file: letters, digits and hyphens.
@@ -47,20 +51,22 @@ impl Key {
         let class = self.class.as_deref().unwrap_or("no-class");
         let real = if self.real { "-real" } else { "" };
         let world = self.world.as_ref().map_or(String::new(), |world| format!("-{world}"));
-        format!("{class}-{}{world}{real}-{}", self.track, self.rules)
+        let start = self.start.as_ref().map_or(String::new(), |start| format!("-{start}"));
+        format!("{class}-{}{world}{start}{real}-{}", self.track, self.rules)
             .chars()
             .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' })
             .collect()
     }
 
     /// Easy classes first, tracks in their order, real robots last.
-    fn rank(&self) -> (usize, usize, bool, Option<&str>, &str) {
+    fn rank(&self) -> (usize, usize, bool, Option<&str>, Option<&str>, &str) {
         let track = Track::ALL.iter().position(|known| known.name() == self.track);
         (
             class_rank(self.class.as_deref()),
             track.unwrap_or(Track::ALL.len()),
             self.real,
             self.world.as_deref(),
+            self.start.as_deref(),
             &self.rules,
         )
     }

@@ -28,8 +28,8 @@ pub struct BoardTerms {
     pub kit: String,
     /// The arm file.
     pub arm: String,
-    /// Largest displacement (m) and rotation (rad) of the start.
-    pub disturbance: [f64; 2],
+    /// The files of the starts that have boards.
+    pub starts: Vec<String>,
     /// The secret mixed into the seeds; `None` for public seeds.
     pub secret: Option<Secret>,
 }
@@ -71,7 +71,7 @@ pub enum Refused {
     Other {
         /// The result.
         file: String,
-        /// Kit, arm or disturbance.
+        /// Kit, arm or start.
         what: &'static str,
     },
     /// Seeds that are not the organiser's.
@@ -170,8 +170,8 @@ pub fn check_log(file: &ResultFile, log: &Log, terms: &BoardTerms) -> Result<(),
     if header.arm.json != terms.arm {
         return other("arm");
     }
-    if [header.disturbance.position, header.disturbance.angle] != terms.disturbance {
-        return other("disturbance of the start");
+    if !terms.starts.contains(&header.start.toml) {
+        return other("start");
     }
     let name_of = |commitment: Option<&String>| match commitment {
         Some(commitment) => format!("the secret {}", ramp_kit::source::shorten(commitment)),

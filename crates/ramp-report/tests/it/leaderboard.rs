@@ -7,7 +7,7 @@ use ramp_result::collection::collect;
 use ramp_result::secret::Secret;
 use ramp_testing::episode::Swing;
 use ramp_testing::{GoalFiles, data};
-use ramp_twin::Disturbance;
+use ramp_twin::Start;
 
 #[test]
 fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
@@ -18,7 +18,6 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
     let log = Log::read(&folder.path().join("it.mcap")).unwrap();
     let collection = collect(&[folder.path().to_path_buf()]).unwrap();
     let read = |name: &str| std::fs::read_to_string(data().join(name)).unwrap();
-    let Disturbance { position, angle } = Disturbance::default();
     let goal = BoardGoal {
         name: "easy-1".into(),
         class: Some("easy".into()),
@@ -29,7 +28,7 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
         goals: vec![goal],
         kit: read("kit.xml"),
         arm: read("arms/panda.json"),
-        disturbance: [position, angle],
+        starts: vec![Start::sheet().text.clone()],
         secret: None,
     };
     let file = &collection.entrants[0].files[0];
@@ -74,10 +73,10 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
     other.goals.clear();
     assert!(matches!(check_log(file, &log, &other), Err(Refused::Goal { .. })));
     assert!(matches!(check_whole(&collection, &other), Err(Refused::Goal { .. })));
-    // Another kit, and an undisturbed start.
+    // Another kit, and another start.
     let mut other = terms.clone();
     other.kit = other.kit.replacen("joint", "Joint", 1);
     assert!(matches!(check_log(file, &log, &other), Err(Refused::Other { what: "kit", .. })));
-    let other = BoardTerms { disturbance: [0.0, 0.0], ..terms };
+    let other = BoardTerms { starts: vec![Start::moved().text.clone()], ..terms };
     assert!(matches!(check_log(file, &log, &other), Err(Refused::Other { .. })));
 }

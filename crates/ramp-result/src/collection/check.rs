@@ -85,6 +85,7 @@ fn words(result: &EpisodeResult) -> Result<(), String> {
     words::class_and_track(class.as_deref(), track)?;
     words::agent(agent)?;
     result.world.as_ref().map_or(Ok(()), words::world)?;
+    result.start.as_ref().map_or(Ok(()), words::start)?;
     words::software(software)?;
     words::host(host)?;
     if let Some(real) = real {

@@ -16,6 +16,8 @@ pub struct SkillSum {
     pub track: String,
     /// Unambiguous name of the world ([`WorldInfo::title`](crate::episode::WorldInfo::title)).
     pub world: String,
+    /// Unambiguous name of the start ([`StartInfo::title`](crate::episode::StartInfo::title)).
+    pub start: String,
     /// The agent and its version.
     pub agent: String,
     /// The program that made the trials.
@@ -37,12 +39,12 @@ pub struct SkillSum {
     pub failures: Vec<(String, usize, u64)>,
 }
 
-/// Sums by skill, track, world, agent and software, in order of first occurrence.
+/// Sums by skill, track, world, start, agent and software, in order of first occurrence.
 pub fn sums<'t>(trials: impl IntoIterator<Item = &'t Trial>) -> Vec<SkillSum> {
     let mut groups: Vec<(Key, Vec<&Trial>)> = Vec::new();
     for trial in trials {
         let agent = format!("{} {}", trial.agent.name, trial.agent.version);
-        let of = (trial.track.clone(), trial.world.title());
+        let of = (trial.track.clone(), trial.world.title(), trial.start.title());
         let key = (trial.skill.clone(), of, agent, trial.software.clone());
         match groups.iter_mut().find(|(other, _)| *other == key) {
             Some((_, group)) => group.push(trial),
@@ -52,10 +54,10 @@ pub fn sums<'t>(trials: impl IntoIterator<Item = &'t Trial>) -> Vec<SkillSum> {
     groups.into_iter().map(|(key, group)| sum(key, &group)).collect()
 }
 
-/// Skill, track with world, agent and software.
-type Key = (String, (String, String), String, Software);
+/// Skill, track with world and start, agent and software.
+type Key = (String, (String, String, String), String, Software);
 
-fn sum((skill, (track, world), agent, software): Key, trials: &[&Trial]) -> SkillSum {
+fn sum((skill, (track, world, start), agent, software): Key, trials: &[&Trial]) -> SkillSum {
     let successes = trials.iter().filter(|trial| trial.success).count();
     let mut times: Vec<f64> = trials.iter().map(|trial| trial.time).collect();
     times.sort_by(f64::total_cmp);
@@ -76,6 +78,7 @@ fn sum((skill, (track, world), agent, software): Key, trials: &[&Trial]) -> Skil
         skill,
         track,
         world,
+        start,
         agent,
         software,
         trials: trials.len(),

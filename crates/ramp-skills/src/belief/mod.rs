@@ -3,7 +3,9 @@
 pub mod estimate;
 pub mod eyes;
 pub mod obstacles;
+pub mod outlines;
 pub mod part;
 pub mod parts;
+mod places;
 
 pub use parts::Belief;

@@ -17,15 +17,10 @@ pub fn peg_boxes(peg: &str, x_wp: &Pose) -> [Obstacle; 2] {
     [obstacle(peg, x_wp, &peg_head()), obstacle(peg, x_wp, &peg_stem())]
 }
 
-/// The boxes of the holders, in the world.
-pub fn holder_boxes(kit: &Kit) -> Vec<Obstacle> {
-    let mut boxes = Vec::new();
-    for holder in &kit.holders {
-        let at = kit.sheet_to_world(holder.centre);
-        let x = Pose::translation(at.x, at.y, 0.0);
-        boxes.extend(Holder::blocks().map(|block| obstacle(&holder.name, &x, &block)));
-    }
-    boxes
+/// The boxes of the holders, with their names and poses in the world.
+pub fn holder_boxes(holders: &[(String, Pose)]) -> Vec<Obstacle> {
+    let boxes = |(name, x): &(String, Pose)| Holder::blocks().map(|block| obstacle(name, x, &block));
+    holders.iter().flat_map(boxes).collect()
 }
 
 /// The boxes of a part that the hand holds, in the tip's frame, given its pose there.

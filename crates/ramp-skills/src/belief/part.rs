@@ -3,6 +3,7 @@
 use nalgebra::Vector6;
 
 use super::estimate::Estimate;
+use crate::Pose;
 use crate::parameters::belief::BeliefParameters;
 
 /// Where a part is.
@@ -29,6 +30,10 @@ pub struct Part {
     pub odd: Option<Estimate>,
     /// Images since the last sighting that showed it lying otherwise than is believed.
     pub doubts: usize,
+    /// The poses on the outlines on which it may lie at the start.
+    pub outlines: Vec<Pose>,
+    /// Its pose when it was first known well, before anything touched it.
+    pub found: Option<Pose>,
     /// Running mean of the innovations, each whitened by its covariance.
     pub drift: Vector6<f64>,
 }
@@ -46,6 +51,24 @@ impl Part {
             let off = root * self.drift;
             self.estimate.spread([off[0], off[1], off[2]], [off[3], off[4], off[5]]);
             self.drift = Vector6::zeros();
+        }
+    }
+
+    /// A part that was never seen lies on that of its outlines from which a reading differs least.
+    pub fn suppose_outline(&mut self, seen: &Estimate) {
+        let on = |x: &Pose| Estimate { x: *x, covariance: self.estimate.covariance };
+        let surprise = |x: &&Pose| on(x).surprise(seen);
+        if let Some(x) = self.outlines.iter().min_by(|a, b| surprise(a).total_cmp(&surprise(b))) {
+            self.estimate.x = *x;
+        }
+    }
+
+    /// Keeps the pose as the place where the part was found, once it is known well.
+    pub fn find(&mut self, parameters: &BeliefParameters) {
+        let covariance = &self.estimate.covariance;
+        let across = covariance[(0, 0)].max(covariance[(1, 1)]).sqrt();
+        if self.found.is_none() && self.frame == Frame::World && across < parameters.found {
+            self.found = Some(self.estimate.x);
         }
     }
 

@@ -8,14 +8,14 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3, Vector6};
 use ramp_assembly::{Assembly, Connection, JointRef};
-use ramp_kit::Kit;
-use ramp_motion::Obstacle;
+use ramp_kit::Holder;
 use ramp_robot::RobotError;
 use ramp_vision::Lying;
+use ramp_world::Start;
 
 use super::estimate::{Estimate, covariance};
 use super::eyes::{Eyes, Sighting};
-use super::obstacles::{beam_boxes, holder_boxes, peg_boxes};
+use super::outlines;
 use super::part::{Frame, Part};
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
@@ -25,10 +25,10 @@ use crate::parameters::belief::BeliefParameters;
 
 /// Part poses with their covariances, by name, and the eyes that correct them.
 pub struct Belief {
-    parameters: BeliefParameters,
+    pub(super) parameters: BeliefParameters,
     /// The pose estimator.
     pub eyes: Eyes,
-    parts: BTreeMap<String, Part>,
+    pub(super) parts: BTreeMap<String, Part>,
     time: f64,
     /// Robot time after the last look, s.
     looked: Option<f64>,
@@ -38,38 +38,46 @@ pub struct Belief {
 
 impl Belief {
     /// The prior belief, before any detection.
-    pub fn new(assembly: &Assembly, parameters: &Parameters) -> Belief {
+    pub fn new(assembly: &Assembly, parameters: &Parameters, start: &Start) -> Belief {
         let kit = &assembly.kit;
         let own = &parameters.belief;
-        let on_sheet = (own.on_sheet, own.on_sheet_turn);
+        let on_sheet = |lever: f64| {
+            let [shift, turn] = outlines::spread(start, lever);
+            let ([x, y, z], [roll, pitch, yaw]) = (own.on_sheet, own.on_sheet_turn);
+            ([x.max(shift), y.max(shift), z], [roll, pitch, yaw.max(turn)])
+        };
         let clamped = ([own.clamped; 3], [own.clamped_turn; 3]);
         let base = &assembly.beams[assembly.base];
         let mut parts = BTreeMap::new();
-        let mut insert = |name: &str, x: Pose, (position, rotation): ([f64; 3], [f64; 3]), frame| {
-            let estimate = Estimate { x, covariance: covariance(position, rotation) };
-            parts.insert(
-                name.to_string(),
-                Part {
-                    estimate,
-                    frame,
-                    seen: frame == Frame::Clamped,
-                    odd: None,
-                    doubts: 0,
-                    drift: Vector6::zeros(),
-                },
-            );
-        };
+        let mut insert =
+            |name: &str, outlines: Vec<Pose>, (position, rotation): ([f64; 3], [f64; 3]), frame| {
+                let Some(&x) = outlines.first() else { return };
+                let estimate = Estimate { x, covariance: covariance(position, rotation) };
+                parts.insert(
+                    name.to_string(),
+                    Part {
+                        estimate,
+                        frame,
+                        seen: frame == Frame::Clamped,
+                        odd: None,
+                        doubts: 0,
+                        outlines,
+                        found: None,
+                        drift: Vector6::zeros(),
+                    },
+                );
+            };
         for beam in &kit.beams {
             if beam.name == base.beam.name {
-                insert(&beam.name, kit.x_wa() * base.x_ab, clamped, Frame::Clamped);
-            } else if let Some(x_wb) = kit.x_wb_start(beam) {
-                insert(&beam.name, x_wb, on_sheet, Frame::World);
+                insert(&beam.name, vec![kit.x_wa() * base.x_ab], clamped, Frame::Clamped);
+            } else {
+                let on_sheet = on_sheet(beam.span() / 2.0);
+                insert(&beam.name, outlines::of_beam(kit, beam, start), on_sheet, Frame::World);
             }
         }
         for peg in &kit.pegs {
-            if let Some(x_wp) = kit.x_wp_start(peg) {
-                insert(&peg.name, x_wp, on_sheet, Frame::World);
-            }
+            let on_sheet = on_sheet(Holder::PITCH);
+            insert(&peg.name, outlines::of_peg(kit, &peg.name, start), on_sheet, Frame::World);
         }
         let eyes = Eyes::new(kit, &base.beam.name, kit.x_wa() * base.x_ab, &parameters.eyes);
         Belief {
@@ -174,11 +182,15 @@ impl Belief {
             Frame::Tip => sighting.estimate.seen_from(&sighting.x_wt.inverse()),
             Frame::World | Frame::Clamped => sighting.estimate.clone(),
         };
+        if !part.seen {
+            part.suppose_outline(&seen);
+        }
         if part.estimate.surprise(&seen) < self.parameters.gate {
             part.watch(&seen, &self.parameters);
             part.estimate.fuse(&seen);
             part.odd = None;
             part.seen = true;
+            part.find(&self.parameters);
             return false;
         }
         let off = part.estimate.error(&seen.x).fixed_rows::<3>(0).norm();
@@ -315,7 +327,7 @@ impl Belief {
         self.find(part).ok_or_else(|| Fault::Unseen { part: part.to_string() }.into())
     }
 
-    fn find(&self, part: &str) -> Option<Pose> {
+    pub(super) fn find(&self, part: &str) -> Option<Pose> {
         let part = self.parts.get(part).filter(|part| part.seen)?;
         Some(match part.frame {
             Frame::Tip => self.x_wt * part.estimate.x,
@@ -357,30 +369,6 @@ impl Belief {
         let male = self.hole(assembly, connection.male)?;
         Ok((female.xy() - male.xy()).norm())
     }
-
-    /// Everything that stands around, as boxes in the world, without the parts named in `without`.
-    pub fn obstacles(&self, kit: &Kit, without: &[&str]) -> Vec<Obstacle> {
-        let mut obstacles = Vec::new();
-        // A lost part may be anywhere except at its old place.
-        let lost = |name: &str| {
-            self.parts
-                .get(name)
-                .is_some_and(|part| part.estimate.covariance[(0, 0)] > self.parameters.anywhere.powi(2))
-        };
-        let left_out = |name: &str| without.contains(&name) || lost(name);
-        for beam in kit.beams.iter().filter(|beam| !left_out(&beam.name)) {
-            if let Some(x_wb) = self.find(&beam.name) {
-                obstacles.extend(beam_boxes(beam, &x_wb));
-            }
-        }
-        for peg in kit.pegs.iter().filter(|peg| !left_out(&peg.name)) {
-            if let Some(x_wp) = self.find(&peg.name) {
-                obstacles.extend(peg_boxes(&peg.name, &x_wp));
-            }
-        }
-        obstacles.extend(holder_boxes(kit));
-        obstacles
-    }
 }
 
 #[cfg(test)]
@@ -402,7 +390,7 @@ mod tests {
         let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
         let kit = ramp_kit::read_kit(&data.join("kit.xml")).unwrap();
         let assembly = ramp_assembly::read_goal(&data.join("goals/easy-3.xml"), &kit).unwrap();
-        Belief::new(&assembly, &Parameters::baseline())
+        Belief::new(&assembly, &Parameters::baseline(), Start::sheet())
     }
 
     /// A reading with the noise of track `noisy`.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use nalgebra::Point3;
 use ramp_assembly::{Assembly, JointRef};
+use ramp_world::Start;
 
 use crate::belief::Belief;
 use crate::insertion_path::InsertionPath;
@@ -37,10 +38,10 @@ pub struct AssemblyBelief<'a> {
 
 impl<'a> AssemblyBelief<'a> {
     /// Nothing stands but the clamped beam.
-    pub fn new(assembly: &'a Assembly, parameters: &Arc<Parameters>) -> AssemblyBelief<'a> {
+    pub fn new(assembly: &'a Assembly, parameters: &Arc<Parameters>, start: &Start) -> AssemblyBelief<'a> {
         AssemblyBelief {
             assembly,
-            parts: Belief::new(assembly, parameters),
+            parts: Belief::new(assembly, parameters, start),
             standing: vec![assembly.base],
             deep: Vec::new(),
             pinned: Vec::new(),

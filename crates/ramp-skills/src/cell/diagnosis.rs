@@ -4,6 +4,7 @@
 //! evidence, for people and for the campaigns that judge diagnoses.
 
 use nalgebra::{Point3, Vector3};
+use ramp_kit::Holder;
 use ramp_robot::{Cause, RobotError};
 
 use super::journal::Stand;
@@ -81,27 +82,36 @@ impl Workcell<'_, '_> {
 
     /// Looks whether a peg that is to be fetched has moved with its holder.
     pub fn diagnose_holder(&mut self, peg: &str) {
-        let Some(holder) = self.kit.peg(peg).map(|peg| peg.holder.clone()) else { return };
+        let Some(holder) = self.holder_of(peg) else { return };
         let Some(off) =
-            self.off_outline(peg).filter(|off| off.norm() < 10.0 * self.parameters.diagnosis.in_place)
+            self.off_place(peg).filter(|off| off.norm() < 10.0 * self.parameters.diagnosis.in_place)
         else {
             return;
         };
         let in_holder = |name: &str| !self.belief.pinned.iter().any(|(_, pinned)| pinned == name);
-        let mates = self.kit.pegs.iter().filter(|mate| mate.holder == holder && in_holder(&mate.name));
-        let shifts: Vec<Vector3<f64>> = mates.filter_map(|mate| self.off_outline(&mate.name)).collect();
+        let in_it = |mate: &str| self.holder_of(mate).is_some_and(|it| it == holder) && in_holder(mate);
+        let mates = self.kit.pegs.iter().filter(|mate| in_it(&mate.name));
+        let shifts: Vec<Vector3<f64>> = mates.filter_map(|mate| self.off_place(&mate.name)).collect();
         let mean = shifts.iter().sum::<Vector3<f64>>() / shifts.len().max(1) as f64;
         if shifts.len() > 1 && mean.norm() > self.parameters.diagnosis.holder_off
             || shifts.len() == 1 && off.norm() > self.parameters.diagnosis.in_place
         {
-            let words = format!("the pegs of {holder} are {:.1} mm from their outlines", mean.norm() * 1e3);
+            let words = format!("the pegs of {holder} are {:.1} mm from their places", mean.norm() * 1e3);
             self.diagnose(Cause::HolderMoved, holder.as_str(), words);
         }
     }
 
-    /// Horizontal distance of an upright peg from its outline, m.
-    fn off_outline(&self, peg: &str) -> Option<Vector3<f64>> {
-        let start = self.kit.x_wp_start(self.kit.peg(peg)?)?;
+    /// The holder in which a peg stood at the start.
+    fn holder_of(&self, peg: &str) -> Option<String> {
+        let place = self.belief.parts.place(peg)?.translation.vector;
+        let off = |holder: &&Holder| (self.kit.sheet_to_world(holder.centre).coords - place).xy().norm();
+        let nearest = self.kit.holders.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        Some(nearest.name.clone())
+    }
+
+    /// Horizontal distance of an upright peg from the place where it was found, m.
+    fn off_place(&self, peg: &str) -> Option<Vector3<f64>> {
+        let start = self.belief.parts.place(peg)?;
         let x_wp = self.belief.parts.pose(peg).ok()?;
         let known = self.belief.parts.deviation(peg, &Point3::origin())[0]
             < self.parameters.diagnosis.holder_off / 3.0;

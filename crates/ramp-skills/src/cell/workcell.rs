@@ -10,6 +10,7 @@ use ramp_motion::PathPlanner;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_robot::{Cause, Event, EventKind, Robot};
+use ramp_world::Start;
 
 use super::assembly_belief::AssemblyBelief;
 use super::journal::Journal;
@@ -43,7 +44,7 @@ pub struct Workcell<'a, 'r> {
 
 impl<'a, 'r> Workcell<'a, 'r> {
     /// A work cell with nothing built in it but the clamped beam. `seed` feeds the motion planner's random
-    /// numbers.
+    /// numbers, and `start` is what is known of the places of the parts.
     pub fn new(
         assembly: &'a Assembly,
         arm: &'a ArmModel,
@@ -51,6 +52,7 @@ impl<'a, 'r> Workcell<'a, 'r> {
         robot: &'r mut dyn Robot,
         seed: u64,
         parameters: Arc<Parameters>,
+        start: &Start,
     ) -> Workcell<'a, 'r> {
         Workcell {
             kit: &assembly.kit,
@@ -58,7 +60,7 @@ impl<'a, 'r> Workcell<'a, 'r> {
             arm,
             planner,
             hand: Hand::new(robot, arm, &parameters),
-            belief: AssemblyBelief::new(assembly, &parameters),
+            belief: AssemblyBelief::new(assembly, &parameters, start),
             grasps: BTreeMap::new(),
             stream: Stream::new(seed, "motion"),
             parameters,

@@ -3,7 +3,8 @@
 parameters! {
     /// The belief: uncertainty of part poses, and how it grows. All are standard deviations.
     BeliefParameters {
-        /// Position of a part before it is detected: it lies on its outline on the sheet.
+        /// Position of a part before it is detected: it lies on its outline on the sheet. If the start moves
+        /// the parts further, the position along the table is that uncertain.
         on_sheet: [f64; 3] = "m", 1e-7, 1.0;
         /// Rotation of a part before it is detected: it lies flat.
         on_sheet_turn: [f64; 3] = "°", 1e-4, 90.0;
@@ -73,6 +74,8 @@ parameters! {
         tilted: f64 = "°", 1e-4, 90.0;
         /// Position uncertainty from which a part no longer counts as an obstacle.
         anywhere: f64 = "m", 1e-4, 1.0;
+        /// Position uncertainty below which the place of an untouched part on the sheet counts as known.
+        found: f64 = "m", 1e-7, 0.1;
         /// A part found further than this from its believed position is reported as an event.
         astray: f64 = "m", 1e-5, 1.0;
     }
@@ -118,8 +121,8 @@ parameters! {
 parameters! {
     /// Diagnosis of faults: thresholds for a moved, slipped or biased state.
     DiagnosisParameters {
-        /// Largest distance of a peg from its outline in an undisturbed holder. The start is disturbed by 1
-        /// mm and 1° about the holder's middle, and a peg has 1 mm of clearance in its hole.
+        /// Largest distance of a peg from the place where it was found, in an undisturbed holder. A peg has 1
+        /// mm of clearance in its hole.
         in_place: f64 = "m", 1e-5, 0.1;
         /// Mean offset of the pegs of one holder from which the holder counts as moved.
         holder_off: f64 = "m", 1e-5, 0.1;

@@ -139,8 +139,11 @@ impl Workcell<'_, '_> {
 
     /// Brings the camera on the empty hand over the tag of a part that is nearest to a point of it.
     fn visit_part(&mut self, (part, p): &Point) -> Result<(), SkillError> {
-        // A beam that was never seen should lie where the sheet has its place; a peg that was not has spares.
-        let on_sheet = || self.kit.beam(part).and_then(|beam| self.kit.x_wb_start(beam));
+        // A beam that was never seen should lie on a free outline of its shape. An unseen peg has spares.
+        let on_sheet = || {
+            self.kit.beam(part)?;
+            self.belief.parts.free_outlines(part).first().copied()
+        };
         match self.belief.parts.pose(part).ok().or_else(on_sheet) {
             Some(x_wp) => self.visit(&(x_wp * self.belief.parts.eyes.nearest_tag(part, p).unwrap_or(*p))),
             None => Ok(()),

@@ -15,6 +15,7 @@ use ramp_robot::arm::ArmModel;
 use super::outline::{Done, InHand};
 use crate::Pose;
 use crate::belief::obstacles::{beam_boxes, held_boxes, holder_boxes, peg_boxes};
+use crate::belief::outlines;
 use crate::grasp::{BEAM_WIDTH, Grasp, PEG_HEIGHT, PEG_WIDTH, beam_grasps, peg_grasps, point_on, senses};
 use crate::insertion_path::InsertionPath;
 use crate::parameters::Parameters;
@@ -47,6 +48,8 @@ pub struct Now {
     pub parts: BTreeMap<String, Pose>,
     /// Beams that stand in the assembly, by index.
     pub standing: BTreeSet<usize>,
+    /// Poses of the holders in the world, by name.
+    pub holders: Vec<(String, Pose)>,
     /// Pinned connections, by index.
     pub pinned: BTreeSet<usize>,
     /// Joint positions, rad.
@@ -97,6 +100,7 @@ impl<'a> Scene<'a> {
         let law = TimeLaw::new(arm, &pace);
         let now = Now {
             parts,
+            holders: outlines::holders(kit, std::iter::empty()),
             standing,
             pinned: BTreeSet::new(),
             q: Joints::from(arm.home),
@@ -187,7 +191,7 @@ impl<'a> Scene<'a> {
 
     /// Boxes of everything but some parts and the held one, in the world.
     pub fn obstacles(&self, without: Option<&str>) -> Vec<Obstacle> {
-        let mut obstacles = holder_boxes(self.kit);
+        let mut obstacles = holder_boxes(&self.now.holders);
         for (name, x) in &self.now.parts {
             if without == Some(name.as_str()) || self.holds(name).is_some() {
                 continue;

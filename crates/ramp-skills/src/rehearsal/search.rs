@@ -109,6 +109,12 @@ impl<'a> Rehearsal<'a> {
         self
     }
 
+    /// With the holders at these poses, by name, instead of on their outlines.
+    pub fn with_holders(mut self, holders: Vec<(String, Pose)>) -> Rehearsal<'a> {
+        self.scene.now.holders = holders;
+        self
+    }
+
     /// Goes through a plan.
     ///
     /// # Errors

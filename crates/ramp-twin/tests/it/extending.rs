@@ -4,7 +4,7 @@ use std::path::Path;
 
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{ArmCommand, Command, GripperCommand, Robot, Track};
-use ramp_twin::{Disturbance, Setup, Twin};
+use ramp_twin::{Setup, Start, Twin};
 
 #[test]
 fn a_beam_of_the_kit_s_own_lies_still_on_the_sheet() {
@@ -12,13 +12,12 @@ fn a_beam_of_the_kit_s_own_lies_still_on_the_sheet() {
     let kit = ramp_kit::read_kit(&data.join("examples/kit-45.xml")).unwrap();
     let assembly = ramp_assembly::read_goal(&data.join("examples/corner-45.xml"), &kit).unwrap();
     let arm = ArmModel::read(&data.join("arms/panda.json")).unwrap();
-    let disturbance = Disturbance { position: 0.0, angle: 0.0 };
     let setup = Setup {
         assembly: &assembly,
         arm: &arm,
         track: Track::State,
         seed: 1,
-        disturbance,
+        start: Start::sheet(),
         world: ramp_twin::World::ideal(),
         fault: None,
     };

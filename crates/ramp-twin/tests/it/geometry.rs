@@ -17,7 +17,7 @@ use ramp_kit::shape::{Cuboid, Shape, beam_shapes};
 use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
-use ramp_twin::{Disturbance, Setup, Twin};
+use ramp_twin::{Setup, Start, Twin};
 
 /// Largest gap between the twin's collision geometry and the printed part, m.
 const GAP: f64 = 0.1e-3;
@@ -115,7 +115,7 @@ fn world() -> (Kit, Twin) {
         arm: &arm,
         track: Track::State,
         seed: 1,
-        disturbance: Disturbance::default(),
+        start: Start::sheet(),
         world: ramp_twin::World::ideal(),
         fault: None,
     };

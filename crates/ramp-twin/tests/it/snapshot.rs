@@ -4,7 +4,7 @@ use nalgebra::Vector6;
 use ramp_robot::arm::DOF;
 use ramp_robot::{ArmCommand, Camera, Command, GripperCommand, Impedance, Observation, Pose, Robot, Track};
 use ramp_testing::GoalFiles;
-use ramp_twin::{Disturbance, Fault, FaultKind, Layout, RestoreError, SceneOptions, Setup, Twin};
+use ramp_twin::{Fault, FaultKind, Layout, RestoreError, SceneOptions, Setup, Start, Twin};
 
 fn setup<'a>(cell: &'a GoalFiles, world: &'a ramp_twin::World, track: Track) -> Setup<'a> {
     Setup {
@@ -12,7 +12,7 @@ fn setup<'a>(cell: &'a GoalFiles, world: &'a ramp_twin::World, track: Track) -> 
         arm: &cell.arm,
         track,
         seed: 7,
-        disturbance: Disturbance::default(),
+        start: Start::sheet(),
         world,
         fault: Some(Fault { kind: FaultKind::ForceDrift, occasion: None }),
     }
@@ -103,7 +103,7 @@ fn a_scene_without_meshes_and_with_little_memory_has_the_same_physics() {
     let cell = GoalFiles::new("easy-1");
     let world = ramp_twin::World::ideal();
     let setup = setup(&cell, world, Track::State);
-    let layout = Layout::new(setup.assembly, setup.disturbance, setup.seed);
+    let layout = Layout::new(setup.assembly, setup.start, setup.seed);
     let mut whole = Twin::with_layout(&setup, layout.clone()).unwrap();
     let mut lean = Twin::with_options(&setup, layout, &SceneOptions { looks: false, memory: 64 }).unwrap();
     assert!(lean.scene().len() < whole.scene().len() / 2);

@@ -7,10 +7,10 @@ use miette::Report;
 use ramp_data::Data;
 use ramp_robot::Track;
 
-use super::batch::{Batch, BatchWorld};
+use super::batch::{Batch, BatchStart, BatchWorld};
 use super::goals::{BatchError, BatchGoal};
 use crate::command::agent;
-use crate::options::{TrackName, WorldOption};
+use crate::options::{StartOption, TrackName, WorldOption};
 use crate::software::software;
 
 /// Arguments shared by the commands that run many episodes.
@@ -21,6 +21,8 @@ pub struct Arguments {
     track: TrackName,
     #[command(flatten)]
     pub world: WorldOption,
+    #[command(flatten)]
+    start: StartOption,
     #[command(flatten)]
     agent: agent::Arguments,
     /// Seed of the first episode of each goal
@@ -72,6 +74,7 @@ impl Arguments {
             folder,
             track: Track::from(self.track).name(),
             worlds: vec![BatchWorld::new(self.world.argument(), &self.world.read(data)?)],
+            start: BatchStart::new(self.start.argument(), &self.start.read(data)?),
             limit: Duration::from_secs(self.limit),
             jobs: self.jobs as usize,
             agent,

@@ -15,10 +15,10 @@ use miette::{IntoDiagnostic, Report, miette};
 use ramp_data::Data;
 use ramp_external_agent::{AgentFile, adopt_orphans, end_orphans};
 use ramp_log::ENDING;
-use ramp_result::episode::{EpisodeResult, Software, WorldLabel};
+use ramp_result::episode::{EpisodeResult, Software, StartInfo, WorldLabel};
 use ramp_result::resume::{Identity, Shared, Wanted};
 use ramp_result::secret::Secret;
-use ramp_world::World;
+use ramp_world::{Start, World};
 
 use super::display::Display;
 use super::episode::{Episode, Outcome};
@@ -78,6 +78,24 @@ impl BatchWorld {
     }
 }
 
+/// Start of all episodes.
+pub struct BatchStart {
+    /// As on the command line.
+    pub argument: OsString,
+    /// The hash of its file.
+    pub hash: String,
+    /// Title, unique among all starts.
+    pub title: String,
+}
+
+impl BatchStart {
+    /// The start that `argument` names on the command line.
+    pub fn new(argument: OsString, start: &Start) -> BatchStart {
+        let info = StartInfo::of(start);
+        BatchStart { argument, title: info.title(), hash: info.sha256 }
+    }
+}
+
 /// Settings that all episodes of a batch share, and their results folder.
 pub struct Batch<'a> {
     pub data: &'a Data,
@@ -85,6 +103,7 @@ pub struct Batch<'a> {
     pub track: &'static str,
     /// The worlds. All episodes of a bench share one.
     pub worlds: Vec<BatchWorld>,
+    pub start: BatchStart,
     pub limit: Duration,
     /// Number of parallel episodes.
     pub jobs: usize,
@@ -165,6 +184,7 @@ impl Batch<'_> {
     fn shared(&self) -> Shared<'_> {
         Shared {
             worlds: self.worlds.iter().map(|world| world.hash.as_str()).collect(),
+            start: &self.start.hash,
             secret: self.commitment(),
             software: &self.software,
             agent: Identity { name: None, sha256: self.agent_hash() },
@@ -293,6 +313,7 @@ impl Batch<'_> {
         let mut words = self.data.arguments();
         words.extend(["run".into(), "--track".into(), self.track.into()]);
         words.extend(["--world".into(), self.worlds[episode.world].argument.clone()]);
+        words.extend(["--start".into(), self.start.argument.clone()]);
         words.extend(["--seed".into(), episode.seed.to_string().into()]);
         words.extend(["--repeat".into(), episode.repeat.to_string().into()]);
         words.extend(episode.fault.iter().flat_map(|fault| ["--fault".into(), fault.to_string().into()]));

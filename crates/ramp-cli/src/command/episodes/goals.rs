@@ -44,6 +44,9 @@ pub enum BatchError {
     #[error("{file} is of the world {theirs}, and not of this one")]
     #[diagnostic(help("a folder is of one world: name another folder with -o, or give the same --world"))]
     OtherWorld { file: String, theirs: String },
+    #[error("{file} is of the start {theirs}, and not of this one")]
+    #[diagnostic(help("a folder is of one start: name another folder with -o, or give the same --start"))]
+    OtherStart { file: String, theirs: String },
     #[error("another bench is at work in {folder}")]
     #[diagnostic(help("wait for it, or name another folder with -o"))]
     Busy { folder: String },
@@ -56,6 +59,7 @@ impl BatchError {
         match foreign {
             Foreign::Version { theirs, ours } => BatchError::OtherVersion { file, theirs, ours },
             Foreign::World { theirs } => BatchError::OtherWorld { file, theirs },
+            Foreign::Start { theirs } => BatchError::OtherStart { file, theirs },
             Foreign::Secret => BatchError::OtherSecret { file },
             Foreign::Agent { theirs } => BatchError::OtherAgent { file, theirs },
         }

@@ -1,0 +1,114 @@
+//! The outlines of the sheet on which a part may lie at the start, and the poses of the holders by the pegs
+//! that were found in them.
+
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use ramp_kit::{Beam, Holder, Kit};
+use ramp_world::Start;
+
+use crate::Pose;
+
+/// Standard deviation of a uniform distribution over its half width.
+const UNIFORM: f64 = 0.577_350_269_189_625_8;
+
+/// Deviation of a part from the outline on which it lies, 1 σ: its position along the table, m, and its turn
+/// about the vertical, rad.
+pub fn spread(start: &Start, lever: f64) -> [f64; 2] {
+    let places = &start.places;
+    [UNIFORM * (places.shift + places.turn * lever), UNIFORM * places.turn]
+}
+
+/// The poses on the outlines on which a beam may lie, its own first.
+pub fn of_beam(kit: &Kit, beam: &Beam, start: &Start) -> Vec<Pose> {
+    let others = kit
+        .beams
+        .iter()
+        .filter(|other| start.trades() && other.name != beam.name && other.has_shape_of(beam));
+    [beam].into_iter().chain(others).filter_map(|it| kit.x_wb_start(it)).collect()
+}
+
+/// The poses in the holders' slots in which a peg may stand, its own first.
+pub fn of_peg(kit: &Kit, peg: &str, start: &Start) -> Vec<Pose> {
+    let own = kit.peg(peg);
+    let others = kit.pegs.iter().filter(|other| start.trades() && other.name != peg);
+    own.into_iter().chain(others).filter_map(|it| kit.x_wp_start(it)).collect()
+}
+
+/// Poses of the holders by the pegs that were found in their slots. One without a peg stands on its outline.
+pub fn holders(kit: &Kit, pegs: impl Iterator<Item = Pose>) -> Vec<(String, Pose)> {
+    let pegs: Vec<Vector3<f64>> = pegs.map(|x| x.translation.vector).collect();
+    kit.holders
+        .iter()
+        .map(|holder| {
+            let at = kit.sheet_to_world(holder.centre);
+            let slot = |slot: i32| Vector3::new(at.x + f64::from(slot) * Holder::PITCH, at.y, Holder::HEIGHT);
+            let near = |slot: &Vector3<f64>| {
+                let distance = |peg: &&Vector3<f64>| (*peg - slot).norm();
+                let peg = pegs.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+                (distance(&peg) < Holder::PITCH / 2.0).then_some(*peg)
+            };
+            let found: Vec<(f64, Vector3<f64>)> = [-1, 0, 1]
+                .into_iter()
+                .filter_map(|it| Some((f64::from(it) * Holder::PITCH, near(&slot(it))?)))
+                .collect();
+            let yaw = match (found.first(), found.last()) {
+                (Some((from, first)), Some((to, last))) if to > from => {
+                    (last.y - first.y).atan2(last.x - first.x)
+                }
+                _ => 0.0,
+            };
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw);
+            let centres = found.iter().map(|(along, peg)| peg - turn * Vector3::new(*along, 0.0, 0.0));
+            let centre = match found.len() {
+                0 => at.coords,
+                count => centres.sum::<Vector3<f64>>() / count as f64,
+            };
+            (holder.name.clone(), Pose::from_parts(Translation3::new(centre.x, centre.y, 0.0), turn))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    // A failed unwrap here is a failed test.
+    #![allow(clippy::unwrap_used)]
+
+    use std::path::Path;
+
+    use super::*;
+
+    fn kit() -> Kit {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+        ramp_kit::read_kit(&data.join("kit.xml")).unwrap()
+    }
+
+    #[test]
+    fn parts_of_one_shape_may_lie_in_each_others_places() {
+        let kit = kit();
+        let count = |name: &str, start| of_beam(&kit, kit.beam(name).unwrap(), start).len();
+        assert_eq!((count("b1", Start::moved()), count("b4", Start::moved())), (3, 1));
+        assert_eq!(count("b1", Start::sheet()), 1);
+        assert_eq!(of_peg(&kit, "p3", Start::moved()).len(), 15);
+        assert_eq!(of_peg(&kit, "p3", Start::sheet()), [kit.x_wp_start(kit.peg("p3").unwrap()).unwrap()]);
+    }
+
+    /// A holder is where its pegs say, also when one of them has been taken out.
+    #[test]
+    fn holders_stand_where_their_pegs_are() {
+        let kit = kit();
+        let at = kit.sheet_to_world(kit.holders[1].centre);
+        let x_wh = Pose::from_parts(
+            Translation3::new(at.x + 0.004, at.y - 0.003, 0.0),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.07),
+        );
+        let peg = |slot: f64| x_wh * Pose::translation(slot * Holder::PITCH, 0.0, Holder::HEIGHT);
+        for pegs in [vec![-1.0, 0.0, 1.0], vec![-1.0, 1.0], vec![0.0, 1.0]] {
+            let found = holders(&kit, pegs.into_iter().map(peg));
+            let (name, x) = &found[1];
+            assert_eq!(name, "h2");
+            assert!((x.translation.vector - x_wh.translation.vector).norm() < 1e-9);
+            assert!(x.rotation.angle_to(&x_wh.rotation) < 1e-9);
+            let at = kit.sheet_to_world(kit.holders[0].centre);
+            assert_eq!(found[0].1, Pose::translation(at.x, at.y, 0.0));
+        }
+    }
+}

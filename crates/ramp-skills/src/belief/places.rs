@@ -1,0 +1,65 @@
+//! The places on the sheet from which the parts came, and everything that stands around the hand.
+
+use ramp_kit::{Holder, Kit};
+use ramp_motion::Obstacle;
+
+use super::obstacles::{beam_boxes, holder_boxes, peg_boxes};
+use super::outlines;
+use super::part::Frame;
+use super::parts::Belief;
+use crate::Pose;
+
+impl Belief {
+    /// The place on the sheet from which a part came: where it was found, or the outline that is nearest to
+    /// where it is believed. `None` for the clamped beam and after the part was built in or lost without
+    /// having been found.
+    pub fn place(&self, part: &str) -> Option<Pose> {
+        let part = self.parts.get(part).filter(|part| part.frame != Frame::Clamped)?;
+        let off = |x: &&Pose| (x.translation.vector - part.estimate.x.translation.vector).norm();
+        let nearest = || part.outlines.iter().min_by(|a, b| off(a).total_cmp(&off(b))).copied();
+        part.found.or_else(|| nearest().filter(|_| part.frame == Frame::World))
+    }
+
+    /// The outlines on which a part that was never seen may lie: those on which no seen part was found.
+    pub fn free_outlines(&self, part: &str) -> Vec<Pose> {
+        let outlines = self.parts.get(part).map_or(&[][..], |part| &part.outlines);
+        let taken = |x: &Pose| {
+            self.parts.iter().any(|(other, it)| {
+                let place = self.place(other).filter(|_| it.seen && other != part);
+                place.is_some_and(|place| {
+                    (place.translation.vector - x.translation.vector).norm() < Holder::PITCH / 2.0
+                })
+            })
+        };
+        outlines.iter().filter(|x| !taken(x)).copied().collect()
+    }
+
+    /// Poses of the holders, by the pegs that were found in them.
+    pub fn holders(&self, kit: &Kit) -> Vec<(String, Pose)> {
+        outlines::holders(kit, kit.pegs.iter().filter_map(|peg| self.parts.get(&peg.name)?.found))
+    }
+
+    /// Everything that stands around, as boxes in the world, without the parts named in `without`.
+    pub fn obstacles(&self, kit: &Kit, without: &[&str]) -> Vec<Obstacle> {
+        let mut obstacles = Vec::new();
+        // A lost part may be anywhere except at its old place.
+        let lost = |name: &str| {
+            self.parts
+                .get(name)
+                .is_some_and(|part| part.estimate.covariance[(0, 0)] > self.parameters.anywhere.powi(2))
+        };
+        let left_out = |name: &str| without.contains(&name) || lost(name);
+        for beam in kit.beams.iter().filter(|beam| !left_out(&beam.name)) {
+            if let Some(x_wb) = self.find(&beam.name) {
+                obstacles.extend(beam_boxes(beam, &x_wb));
+            }
+        }
+        for peg in kit.pegs.iter().filter(|peg| !left_out(&peg.name)) {
+            if let Some(x_wp) = self.find(&peg.name) {
+                obstacles.extend(peg_boxes(&peg.name, &x_wp));
+            }
+        }
+        obstacles.extend(holder_boxes(&self.holders(kit)));
+        obstacles
+    }
+}

@@ -1,0 +1,121 @@
+//! A beam or a holder on the table, and whether it is clear of another one.
+
+use nalgebra::{Point2, Point3, Vector2, Vector3};
+use ramp_kit::shape::{Cuboid, Shape, beam_shapes};
+use ramp_kit::{Beam, Holder, Pose};
+
+/// A beam or a holder on the table.
+pub struct Body {
+    /// Its name.
+    pub name: String,
+    /// Its pose in the world.
+    pub x: Pose,
+    /// The point about which it is turned, in its frame, m.
+    pub middle: Point3<f64>,
+    /// Its boxes, in its frame.
+    boxes: Vec<Cuboid>,
+    /// Radius of a circle about its middle that holds it, m.
+    radius: f64,
+}
+
+/// A rectangle on the table, seen from above.
+struct Footprint {
+    centre: Point2<f64>,
+    /// Its two directions.
+    axes: [Vector2<f64>; 2],
+    /// Half of its edges along them, m.
+    half: [f64; 2],
+}
+
+impl Body {
+    /// A beam.
+    pub fn beam(beam: &Beam, x_wb: Pose) -> Body {
+        let middle = Point3::new(beam.span() / 2.0, 0.0, 0.0);
+        Body::new(&beam.name, x_wb, middle, beam_shapes(beam).iter().map(Shape::bounds).collect())
+    }
+
+    /// A holder.
+    pub fn holder(holder: &Holder, x_wh: Pose) -> Body {
+        Body::new(&holder.name, x_wh, Point3::origin(), Holder::blocks().to_vec())
+    }
+
+    fn new(name: &str, x: Pose, middle: Point3<f64>, boxes: Vec<Cuboid>) -> Body {
+        let reach = |it: &Cuboid| {
+            let [x, y] = [0, 1].map(|axis| (it.centre()[axis] - middle[axis]).abs() + it.half()[axis]);
+            x.hypot(y)
+        };
+        let radius = boxes.iter().map(reach).fold(0.0, f64::max);
+        Body { name: name.to_string(), x, middle, boxes, radius }
+    }
+
+    /// Whether this body, put at `x`, is at least `clearance` (m) from another one, seen from above.
+    pub fn is_clear(&self, x: &Pose, other: &Body, clearance: f64) -> bool {
+        let apart = (x * self.middle).xy() - (other.x * other.middle).xy();
+        if apart.norm() > self.radius + other.radius + clearance {
+            return true;
+        }
+        let own = self.boxes.iter().map(|cuboid| Footprint::new(x, cuboid));
+        own.into_iter().all(|own| {
+            other.boxes.iter().all(|their| own.is_clear(&Footprint::new(&other.x, their), clearance))
+        })
+    }
+}
+
+impl Footprint {
+    /// Of a box of a body that lies flat.
+    fn new(x: &Pose, cuboid: &Cuboid) -> Footprint {
+        let [half_x, half_y, _] = cuboid.half();
+        let axis = |axis: Vector3<f64>| (x.rotation * axis).xy();
+        Footprint {
+            centre: (x * Point3::from(cuboid.centre())).xy(),
+            axes: [axis(Vector3::x()), axis(Vector3::y())],
+            half: [half_x, half_y],
+        }
+    }
+
+    /// Half of its width along a direction, m.
+    fn half_width(&self, along: &Vector2<f64>) -> f64 {
+        self.axes.iter().zip(self.half).map(|(axis, half)| axis.dot(along).abs() * half).sum()
+    }
+
+    /// Whether a line of the given width, m, fits between the two along an edge of one of them.
+    fn is_clear(&self, other: &Footprint, clearance: f64) -> bool {
+        let apart = self.centre - other.centre;
+        self.axes
+            .iter()
+            .chain(&other.axes)
+            .any(|axis| apart.dot(axis).abs() >= self.half_width(axis) + other.half_width(axis) + clearance)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Translation3, UnitQuaternion};
+
+    use super::*;
+
+    fn body(x: f64, y: f64, yaw: f64) -> Body {
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw);
+        let box_ = Cuboid::new([-0.1, 0.1], [-0.02, 0.02], [0.0, 0.03]);
+        let x = Pose::from_parts(Translation3::new(x, y, 0.0), turn);
+        Body::new("test", x, Point3::origin(), vec![box_])
+    }
+
+    fn clear(one: &Body, other: &Body) -> bool {
+        let clear = one.is_clear(&one.x, other, 0.005);
+        assert_eq!(clear, other.is_clear(&other.x, one, 0.005));
+        clear
+    }
+
+    #[test]
+    fn the_gap_between_two_bodies_decides() {
+        let first = body(0.0, 0.0, 0.0);
+        assert!(clear(&first, &body(0.0, 0.0451, 0.0)));
+        assert!(!clear(&first, &body(0.0, 0.0449, 0.0)));
+        assert!(clear(&first, &body(0.2051, 0.0, 0.0)));
+        assert!(!clear(&first, &body(0.0, 0.0, 0.0)));
+        // Turned by 5°, its ends come nearer by 8.7 mm.
+        assert!(!clear(&first, &body(0.0, 0.0500, 0.0873)));
+        assert!(clear(&first, &body(0.0, 0.0550, 0.0873)));
+    }
+}
