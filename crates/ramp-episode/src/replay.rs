@@ -211,11 +211,13 @@ fn check_agreement(header: &Header, result: &EpisodeResult) -> Result<(), Replay
     };
     let world = |name: &str, sha256: &str| format!("{name} ({sha256})");
     let theirs = result.world.as_ref().map_or("none".to_string(), |it| world(&it.name, &it.sha256));
+    let start = result.start.as_ref().map_or("none".to_string(), |it| world(&it.name, &it.sha256));
     let secret = |commitment: Option<&String>| commitment.map_or("none", String::as_str).to_string();
     let pairs = [
         ("rules", header.rules.clone(), result.rules.clone()),
         ("goal", header.goal.name.clone(), result.goal.clone()),
         ("world", world(&header.world.name, &header.world.sha256), theirs),
+        ("start", world(&header.start.name, &header.start.sha256), start),
         ("track", header.track.clone(), result.track.clone()),
         ("seed", header.seed.to_string(), result.seed.to_string()),
         ("secret", secret(header.secret.as_ref().map(|it| &it.commitment)), secret(result.secret.as_ref())),

@@ -10,7 +10,7 @@ use ramp_result::secret::Secret;
 use ramp_result::summary::{Entry, Summary, shortfall};
 use serde_json::{Value, json};
 
-use super::episodes::{self, Batch, Episode, Outcome};
+use super::episodes::{self, Batch, Episode, Outcome, Tapes};
 use super::seeds;
 use crate::options::RESULTS_WORLD;
 use crate::output::print;
@@ -30,6 +30,10 @@ pub struct Arguments {
     /// Secret that is mixed into the seeds, from `ramp seeds commit`
     #[arg(long, value_name = "FILE")]
     secret: Option<PathBuf>,
+    /// Play the commands of the logs in this folder without sight, each on other seeds than its own: the floor
+    /// of a board
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["agent", "path"])]
+    tape: Option<PathBuf>,
     /// Folder for the results; results that it already has are not run again
     #[arg(short, long, value_name = "DIR", default_value = "results/bench")]
     output: PathBuf,
@@ -50,6 +54,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let shared = &arguments.shared;
     let secret = arguments.secret.as_deref();
     let mut batch = shared.batch(data, &arguments.output, goals, arguments.repeats, "--repeats", secret)?;
+    batch.tapes = arguments.tape.as_deref().map(|folder| Tapes::find(folder, &batch.goals)).transpose()?;
     batch.secret = secret.map(seeds::read).transpose()?;
     let bench = Bench(batch);
     let mut episodes = bench.episodes();

@@ -10,12 +10,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
 use ramp_data::Data;
-use ramp_episode::{EpisodeError, Label, Progress, Recorded, record_episode};
+use ramp_episode::{EpisodeError, Label, Progress, Recorded, Tape, record_episode};
 use ramp_kit::source::read_text;
+use ramp_log::Log;
 use ramp_planner::{Domains, Plan, PlanFileError, read_plan};
 use ramp_report::curve::completion_svg;
 use ramp_result::episode::{EpisodeResult, RobotTime};
-use ramp_robot::{Event, EventKind};
+use ramp_robot::{Agent, Event, EventKind};
 use ramp_skills::{ReferenceTimes, reference_times_of_goal};
 use ramp_twin::{Fault, Setup, Twin};
 
@@ -61,6 +62,9 @@ pub struct Arguments {
     /// Replace the rule file of the same kind: a coarse or fine domain (.al), or the order of the beams (.lp)
     #[arg(long, value_name = "FILE", conflicts_with = "agent")]
     domain: Option<PathBuf>,
+    /// Play the commands of this log without sight: the floor of a board
+    #[arg(long, value_name = "LOG", conflicts_with_all = ["agent", "skill", "plan", "domain"])]
+    tape: Option<PathBuf>,
     /// Inject a fault at its Nth occasion, or at one drawn from the seed: peg-dropped, peg-tilted,
     /// beam-slipped, beam-turned, beam-bumped, holder-shifted, jam, peg-missing, tag-covered, camera-frozen,
     /// gripper-weak, force-drift
@@ -154,9 +158,12 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     };
     let robot_time = robot_time(data, &setup)?;
     let limit = arguments.agent.agent_limit;
-    let mut agent = agent::start(&inputs, agent_file.as_ref(), sandbox, limit, end, |event| {
-        display.event(event);
-    })?;
+    let mut agent: Box<dyn Agent + '_> = match &arguments.tape {
+        Some(path) => Box::new(Tape::of(&Log::read(path).into_diagnostic()?).into_diagnostic()?),
+        None => agent::start(&inputs, agent_file.as_ref(), sandbox, limit, end, |event| {
+            display.event(event);
+        })?,
+    };
     let mut end = Vec::new();
     let mut watcher = |progress: &Progress, twin: &Twin| {
         display.progress(progress);

@@ -81,6 +81,7 @@ impl Arguments {
             agent_limit: self.agent.agent_limit,
             sandbox: self.agent.sandbox,
             secret: None,
+            tapes: None,
             skills: self.agent.skills.path.clone(),
             skills_hash: self.agent.skills.read(data)?.sha256.clone(),
             goals,

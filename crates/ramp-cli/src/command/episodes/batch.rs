@@ -23,6 +23,7 @@ use ramp_world::{Start, World};
 use super::display::Display;
 use super::episode::{Episode, Outcome};
 use super::goals::{BatchError, BatchGoal};
+use super::tapes::Tapes;
 use crate::ending::end_of;
 use crate::pool;
 use crate::seal;
@@ -113,6 +114,8 @@ pub struct Batch<'a> {
     pub sandbox: bool,
     /// Secret that is mixed into the seeds.
     pub secret: Option<Secret>,
+    /// Logs that are played without sight, in place of an agent.
+    pub tapes: Option<Tapes>,
     /// File of the baseline's skill parameters, if given.
     pub skills: Option<PathBuf>,
     /// Hash of that file, if it differs from the built-in one.
@@ -322,6 +325,9 @@ impl Batch<'_> {
             words.extend(["--world-seed".into(), seed.to_string().into()]);
             words.extend(["--secret".into(), secret.commitment().into()]);
         }
+        let goal = &self.goals[episode.goal].name;
+        let tape = self.tapes.as_ref().and_then(|tapes| tapes.of(goal, episode.seed));
+        words.extend(tape.iter().flat_map(|path| ["--tape".into(), path.into()]));
         words.extend(self.agent_arguments());
         words.extend(["-o".into(), running.join(format!("{}.json", episode.stem)).into()]);
         words.extend(["--".into(), self.goals[episode.goal].argument.clone().into()]);

@@ -6,8 +6,10 @@ mod batch;
 mod display;
 mod episode;
 mod goals;
+mod tapes;
 
 pub use arguments::Arguments;
 pub use batch::{Batch, BatchWorld};
 pub use episode::{Episode, Outcome};
 pub use goals::find;
+pub use tapes::Tapes;

@@ -1,0 +1,133 @@
+//! The blind tape: an agent that plays the commands of a log and looks at nothing. It is the floor of a board: a
+//! start from which a tape builds does not need eyes.
+
+use ramp_log::Log;
+use ramp_log::calls::{CallsError, Entry};
+use ramp_robot::{
+    Account, Agent, ArmCommand, Command, DOF, GripperCommand, Observation, PERIOD, Robot, RobotError,
+};
+use ramp_twin::{Setup, TwinError};
+
+use crate::episode::{Label, run_episode};
+use crate::replay::{LoggedSetup, ReplayError};
+
+/// Name of the agent.
+const NAME: &str = "blind-tape";
+/// Mean speed of the fastest joint where the tape moves the arm to its next command, rad/s. Chosen: a third of
+/// the slowest joint's limit.
+const SPEED: f64 = 0.6;
+/// Shortest time of such a motion, s.
+const SHORTEST: f64 = 0.2;
+/// The seeds on which the calls of an entry are played. Chosen; no class is run on them.
+pub const OTHER_SEEDS: [u64; 2] = [70_001, 70_002];
+
+/// Reasons for which a tape cannot be played.
+#[derive(Debug, thiserror::Error)]
+pub enum TapeError {
+    /// The calls of the log are invalid.
+    #[error("the log's calls cannot be read")]
+    Calls(#[from] CallsError),
+    /// No episode can be made from the log.
+    #[error(transparent)]
+    Log(#[from] ReplayError),
+    /// No twin can be made.
+    #[error(transparent)]
+    Twin(#[from] TwinError),
+}
+
+/// An agent that plays the commands of a log without sight.
+#[derive(Clone, Debug)]
+pub struct Tape {
+    /// Each command, with its number of control periods.
+    commands: Vec<(Command, u64)>,
+}
+
+impl Tape {
+    /// The commands of a log. Its readings and images are left out.
+    ///
+    /// # Errors
+    /// If the calls of the log are invalid.
+    pub fn of(log: &Log) -> Result<Tape, CallsError> {
+        let mut commands = Vec::new();
+        for entry in log.calls() {
+            if let Entry::Step(command, periods) = entry? {
+                commands.push((*command, periods));
+            }
+        }
+        Ok(Tape { commands })
+    }
+
+    fn play(&self, robot: &mut dyn Robot) -> Result<(), RobotError> {
+        let mut seen = robot.observe();
+        let mut in_joints = false;
+        for (command, periods) in &self.commands {
+            if let ArmCommand::JointPositions(positions) = &command.arm {
+                if !in_joints {
+                    seen = bridge(robot, &seen, positions, command.gripper)?;
+                }
+                in_joints = true;
+            } else {
+                in_joints = false;
+            }
+            for _ in 0..*periods {
+                seen = robot.step(command)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Moves the arm from where it is to the next command of the tape. Contact has left it a little elsewhere than
+/// in the log, and the robot refuses a jump.
+fn bridge(
+    robot: &mut dyn Robot,
+    seen: &Observation,
+    to: &[f64; DOF],
+    gripper: GripperCommand,
+) -> Result<Observation, RobotError> {
+    let from = seen.positions;
+    let farthest = from.iter().zip(to).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max);
+    let periods = ((farthest / SPEED).max(SHORTEST) / PERIOD).ceil();
+    let mut seen = seen.clone();
+    for period in 1..=periods as u64 {
+        let s = period as f64 / periods;
+        // No speed and no acceleration at both ends.
+        let share = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+        let positions = std::array::from_fn(|joint| from[joint] + share * (to[joint] - from[joint]));
+        seen = robot.step(&Command { arm: ArmCommand::JointPositions(positions), gripper })?;
+    }
+    Ok(seen)
+}
+
+impl Agent for Tape {
+    fn name(&self) -> (&str, &str) {
+        (NAME, env!("CARGO_PKG_VERSION"))
+    }
+
+    fn account(&self) -> Account {
+        Account::default()
+    }
+
+    fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {
+        self.play(robot)
+    }
+}
+
+/// Pegs that the calls of a log pin when they are played without sight on the seeds [`OTHER_SEEDS`], of all that
+/// they could.
+///
+/// # Errors
+/// When the calls cannot be read, or no episode can be made from the log.
+pub fn kept_elsewhere(log: &Log) -> Result<[usize; 2], TapeError> {
+    let logged = LoggedSetup::of(log)?;
+    let mut tape = Tape::of(log)?;
+    let [mut kept, mut pegs] = [0, 0];
+    for seed in OTHER_SEEDS {
+        let setup = Setup { seed, ..logged.setup() };
+        let label = Label::new(log.header.software.clone(), 1);
+        let result = run_episode(&setup, &mut tape, &label, &mut |_, _| {})?;
+        kept += result.counted();
+        pegs += result.pegs.len();
+    }
+    Ok([kept, pegs])
+}
