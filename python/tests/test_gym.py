@@ -168,6 +168,17 @@ def test_bad_arguments_say_what_is_wrong(arguments, words):
     assert words in str(error.value)
 
 
+def test_seeds_and_options_that_have_no_effect_are_refused():
+    env = RampEnv("push", ["medium-1"], starts=(1, 1))
+    for seed in (-1, 2**64):
+        with pytest.raises(ramp.InputError, match="expected a number from 0 to"):
+            env.reset(seed=seed)
+    with pytest.raises(ramp.InputError, match="no option 'reset_mask'"):
+        env.reset(options={"reset_mask": [True]})
+    with pytest.raises(ramp.InputError, match="expected seeds below"):
+        RampEnv("push", ["medium-1"], starts=(2**64 - 1, 2))
+
+
 def test_a_start_can_be_that_of_a_trial():
     env = RampEnv("push", ["medium-1"], begin="home", whole_scene=True, starts=(4, 1))
     _, info = env.reset(seed=1)

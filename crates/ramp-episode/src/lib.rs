@@ -4,8 +4,8 @@
 //! Data passes one way: [`episode`] lets an agent work through `judged`, which stands between agent and twin,
 //! and hands on an [`EpisodeResult`](ramp_result::EpisodeResult) and a log. [`mod@replay`] runs the same
 //! episode again from its log, reports each [`Difference`], and each violation of the track ([`Breach`]).
-//! [`faults`] judges episodes in which something went wrong on purpose, and a [`Tape`] plays the commands of a
-//! log without sight.
+//! [`faults`] judges episodes in which something went wrong on purpose, and a [`Tape`] plays the commands of
+//! a log without sight.
 
 mod again;
 mod answer;

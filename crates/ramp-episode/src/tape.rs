@@ -1,5 +1,5 @@
-//! The blind tape: an agent that plays the commands of a log and looks at nothing. It is the floor of a board: a
-//! start from which a tape builds does not need eyes.
+//! The blind tape: an agent that plays the commands of a log and looks at nothing. It is the floor of a
+//! board: a start from which a tape builds does not need eyes.
 
 use ramp_log::Log;
 use ramp_log::calls::{CallsError, Entry};
@@ -13,8 +13,8 @@ use crate::replay::{LoggedSetup, ReplayError};
 
 /// Name of the agent.
 const NAME: &str = "blind-tape";
-/// Mean speed of the fastest joint where the tape moves the arm to its next command, rad/s. Chosen: a third of
-/// the slowest joint's limit.
+/// Mean speed of the fastest joint where the tape moves the arm to its next command, rad/s. Chosen: a third
+/// of the slowest joint's limit.
 const SPEED: f64 = 0.6;
 /// Shortest time of such a motion, s.
 const SHORTEST: f64 = 0.2;
@@ -77,8 +77,8 @@ impl Tape {
     }
 }
 
-/// Moves the arm from where it is to the next command of the tape. Contact has left it a little elsewhere than
-/// in the log, and the robot refuses a jump.
+/// Moves the arm from where it is to the next command of the tape. Contact has left it a little elsewhere
+/// than in the log, and the robot refuses a jump.
 fn bridge(
     robot: &mut dyn Robot,
     seen: &Observation,
@@ -113,8 +113,8 @@ impl Agent for Tape {
     }
 }
 
-/// Pegs that the calls of a log pin when they are played without sight on the seeds [`OTHER_SEEDS`], of all that
-/// they could.
+/// Pegs that the calls of a log pin when they are played without sight on the seeds [`OTHER_SEEDS`], and all
+/// that they could.
 ///
 /// # Errors
 /// When the calls cannot be read, or no episode can be made from the log.

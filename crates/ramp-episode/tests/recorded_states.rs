@@ -17,9 +17,10 @@ use ramp_result::EpisodeResult;
 use ramp_robot::Track;
 use ramp_testing::GoalFiles;
 use ramp_testing::trials::{check, check_unless, run};
+use ramp_twin::{Setup, Start, World};
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/recorded_states.csv");
-const HEAD: &str = "goal,world,track,seed,state";
+const HEAD: &str = "goal,world,start,track,seed,state";
 
 /// A hash of what this processor makes of functions that the standard does not fix to the last bit.
 fn probe() -> String {
@@ -33,8 +34,8 @@ fn probe() -> String {
     format!("{bits:016x}")
 }
 
-/// The episodes on record: goal, world, track, seed and state.
-fn record() -> (String, Vec<[String; 5]>) {
+/// The episodes on record: goal, world, start, track, seed and state.
+fn record() -> (String, Vec<[String; 6]>) {
     let text = std::fs::read_to_string(FILE).unwrap();
     let mut lines = text.lines();
     let found = lines.next().unwrap().strip_prefix("probe,").unwrap().to_string();
@@ -46,10 +47,11 @@ fn record() -> (String, Vec<[String; 5]>) {
     (found, rows.collect())
 }
 
-fn episode([goal, world, track, seed, _]: &[String; 5]) -> EpisodeResult {
+fn episode([goal, world, start, track, seed, _]: &[String; 6]) -> EpisodeResult {
     let track = Track::ALL.into_iter().find(|it| it.name() == track).unwrap();
-    let physics = ramp_twin::World::shipped(world).unwrap();
-    GoalFiles::new(goal).run_in(physics, track, seed.parse().unwrap())
+    let (world, start) = (World::shipped(world).unwrap(), Start::shipped(start).unwrap());
+    let files = GoalFiles::new(goal);
+    files.run_setup(&Setup { world, start, ..files.setup(track, seed.parse().unwrap()) })
 }
 
 fn state(result: &EpisodeResult) -> String {
@@ -63,21 +65,22 @@ fn missing() -> Option<String> {
 }
 
 /// Runs the wanted episodes, and `check`s the results of those that end in the recorded state.
-fn compare(wanted: impl Fn(&[String; 5]) -> bool, check: impl Fn(&EpisodeResult)) {
+fn compare(wanted: impl Fn(&[String; 6]) -> bool, check: impl Fn(&EpisodeResult)) {
     let (_, rows) = record();
     for row in rows.iter().filter(|row| wanted(row)) {
-        let [goal, world, track, seed, recorded] = row;
+        let [goal, world, start, track, seed, recorded] = row;
+        let name = format!("{goal}, world {world}, start {start}, track {track}, seed {seed}");
         let result = episode(row);
         let found = state(&result);
-        println!("{goal}, world {world}, track {track}, seed {seed}: {found}");
-        assert_eq!(found, *recorded, "{goal}, world {world}, track {track}, seed {seed}");
+        println!("{name}: {found}");
+        assert_eq!(found, *recorded, "{name}");
         check(&result);
     }
 }
 
 fn easy_3_ends_in_the_recorded_states() {
     compare(
-        |[goal, world, _, seed, _]| goal == "easy-3" && world == "ideal" && seed == "1",
+        |[goal, world, _, _, seed, _]| goal == "easy-3" && world == "ideal" && seed == "1",
         |result| assert_eq!((result.ended.reason.as_str(), result.counted()), ("done", result.pegs.len())),
     );
 }
@@ -90,8 +93,8 @@ fn all_episodes_end_in_the_recorded_states() {
 fn write() {
     let (_, rows) = record();
     let lines = rows.iter().map(|row| {
-        let [goal, world, track, seed, _] = row;
-        format!("{goal},{world},{track},{seed},{}\n", state(&episode(row)))
+        let [goal, world, start, track, seed, _] = row;
+        format!("{goal},{world},{start},{track},{seed},{}\n", state(&episode(row)))
     });
     let text = format!("probe,{}\n{HEAD}\n{}", probe(), lines.collect::<String>());
     std::fs::write(FILE, text).unwrap();

@@ -68,6 +68,14 @@ pub enum EnvError {
     /// The state of a start cannot be taken up.
     #[error("{0}")]
     State(String),
+    /// Seeds of starts beyond the largest number.
+    #[error("found {count} starts from seed {first} on, expected seeds below 2^64")]
+    Starts {
+        /// The first seed.
+        first: u64,
+        /// The number of starts.
+        count: u64,
+    },
     /// It was not reset.
     #[error("the environment was not reset")]
     NotReset,
@@ -150,8 +158,12 @@ impl Env {
     /// An environment; its episodes are drawn from seed 0 until it is reset with another.
     ///
     /// # Errors
-    /// When there is nothing to draw for its images.
+    /// When there is nothing to draw for its images, or seeds of its starts are too large.
     pub fn new(scenario: Arc<Scenario>, options: Options) -> Result<Env, EnvError> {
+        let (first, count) = options.starts;
+        if first.checked_add(count).is_none() {
+            return Err(EnvError::Starts { first, count });
+        }
         let looks = if options.views.is_empty() {
             None
         } else {
@@ -259,7 +271,7 @@ impl Env {
             self.stream.normal(sigma)
         });
         let own = if count == 0 { (draw * (1u64 << 53) as f64) as u64 } else { (draw * count as f64) as u64 };
-        let start = self.pool.get(&self.scenario, first.wrapping_add(own))?;
+        let start = self.pool.get(&self.scenario, first.saturating_add(own))?;
         let before = self.episode.take().map(|episode| episode.twin);
         let mut twin = match before {
             Some(mut twin) => match twin.restore(&start.twin.snapshot()) {

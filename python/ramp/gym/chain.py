@@ -18,7 +18,7 @@ from ramp._core import Observation as Sensed
 from ramp.agent import Skill, Task
 from ramp.bench import run
 from ramp.goal import Goal
-from ramp.gym.spaces import LIMITS
+from ramp.gym.spaces import LIMITS, check_options, check_seed
 from ramp.result import Result
 
 Observation = dict[str, NDArray[np.float32]]
@@ -146,6 +146,8 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """Begins a new episode, and runs the baseline until your first action."""
+        check_seed(seed)
+        check_options(options)
         super().reset(seed=seed)
         self.close()
         # An aborted episode may have left items in them.

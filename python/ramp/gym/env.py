@@ -120,6 +120,8 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """Begins a new episode; with a seed, the first one of that seed."""
+        spaces.check_seed(seed)
+        spaces.check_options(options)
         super().reset(seed=seed)
         if seed is None and not self._seeded:
             seed = int(self.np_random.integers(2**31))

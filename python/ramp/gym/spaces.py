@@ -31,6 +31,20 @@ LIMITS = {
 }
 
 
+def check_seed(seed: int | None) -> None:
+    """Raises an error for a seed that the simulator cannot take."""
+    if seed is not None and not 0 <= int(seed) < 2**64:
+        raise InputError(f"found the seed {seed}, expected a number from 0 to 2**64 - 1")
+
+
+def check_options(options: dict[str, Any] | None, known: Sequence[str] = ()) -> None:
+    """Raises an error for an option of ``reset`` that has no effect."""
+    for name in options or {}:
+        if name not in known:
+            expected = ", ".join(known) or "none"
+            raise InputError(f"`reset` has no option {name!r}; its options: {expected}")
+
+
 def make_core(
     skill: str | None,
     goals: Sequence[str | os.PathLike[str] | Goal],

@@ -109,6 +109,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
 
         ``options={"reset_mask": flags}`` resets only the environments whose flag is set.
         """
+        spaces.check_options(options, ["reset_mask"])
         super().reset(seed=seed if isinstance(seed, int) else None)
         if seed is None and not self._seeded:
             seed = int(self.np_random.integers(2**31))
@@ -123,6 +124,8 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             seeds = list(seed) if seed is not None else [None] * self.num_envs
         if len(seeds) != self.num_envs:
             raise InputError(f"{len(seeds)} seeds, and {self.num_envs} were expected")
+        for each in seeds:
+            spaces.check_seed(each)
         which: list[int | bool] = [
             (True if seed is None else int(seed)) if wanted else False
             for seed, wanted in zip(seeds, chosen, strict=True)

@@ -30,8 +30,8 @@ pub struct Arguments {
     /// Secret that is mixed into the seeds, from `ramp seeds commit`
     #[arg(long, value_name = "FILE")]
     secret: Option<PathBuf>,
-    /// Play the commands of the logs in this folder without sight, each on other seeds than its own: the floor
-    /// of a board
+    /// Play the commands of the logs in this folder without sight, each on other seeds than its own: the
+    /// floor of a board
     #[arg(long, value_name = "DIR", conflicts_with_all = ["agent", "path"])]
     tape: Option<PathBuf>,
     /// Folder for the results; results that it already has are not run again

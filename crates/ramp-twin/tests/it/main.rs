@@ -10,4 +10,5 @@ mod geometry;
 mod grip;
 mod readings;
 mod snapshot;
+mod starts;
 mod twin;
