@@ -78,3 +78,14 @@ fn a_disk_that_was_full_from_the_start_stops_a_bench() {
     assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
     assert_eq!(text(&output.stdout), "", "no sums");
 }
+
+/// A shell may allow a small stack, on which the argument parser alone would overflow.
+#[test]
+fn a_small_stack_suffices() {
+    let folder = TempDir::new().unwrap();
+    let mut command = Command::new("sh");
+    let line = "ulimit -s 64; exec \"$RAMP\" check easy-1";
+    command.current_dir(&folder).args(["-c", line]).env("RAMP", env!("CARGO_BIN_EXE_ramp"));
+    let output = command.output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{} {}", output.status, text(&output.stderr));
+}

@@ -1,8 +1,8 @@
-//! The reference pages of the command line and of the worlds equal the program's own help.
+//! The reference pages of the command line, of the worlds and of the starts equal the program's own help.
 //!
 //! `RAMP_WRITE=1 cargo test --release -p ramp-cli --test it reference` writes the page anew.
 
-use ramp_world::{Quantity, Spread, World};
+use ramp_world::{Quantity, Spread, Start, World};
 
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/reference/cli.md");
 
@@ -52,16 +52,44 @@ fn the_table_of_the_worlds_is_up_to_date() {
             field.meaning.trim()
         ));
     }
-    let page = std::fs::read_to_string(WORLDS).unwrap();
+    check_table(WORLDS, &table);
+}
+
+/// The page of the starts has a table of all quantities.
+#[test]
+fn the_table_of_the_starts_is_up_to_date() {
+    const STARTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/reference/starts.md");
+    let mut table = String::from(
+        "| quantity | unit | `moved` | `sheet` | range | meaning |\n|---|---|---|---|---|---|\n",
+    );
+    let value = |quantity: &Quantity| {
+        let rounded: f64 = format!("{:.3e}", quantity.value[0]).parse().unwrap();
+        rounded.to_string()
+    };
+    for ((field, moved), (_, sheet)) in Start::moved().quantities().zip(Start::sheet().quantities()) {
+        let unit = if field.unit.is_empty() { "–" } else { field.unit };
+        table.push_str(&format!(
+            "| `{}` | {unit} | {} | {} | {} to {} | {} |\n",
+            field.name,
+            value(moved),
+            value(sheet),
+            field.least,
+            field.most,
+            field.meaning.trim()
+        ));
+    }
+    check_table(STARTS, &table);
+}
+
+/// Compares the table of quantities in a page, or writes it anew.
+fn check_table(path: &str, table: &str) {
+    let page = std::fs::read_to_string(path).unwrap();
     let (head, rest) = page.split_once("<!-- quantities -->\n").unwrap();
     let (_, tail) = rest.split_once("<!-- /quantities -->").unwrap();
     let expected = format!("{head}<!-- quantities -->\n{table}<!-- /quantities -->{tail}");
     if std::env::var_os("RAMP_WRITE").is_some() {
-        std::fs::write(WORLDS, &expected).unwrap();
+        std::fs::write(path, &expected).unwrap();
     } else {
-        assert!(
-            page == expected,
-            "docs/src/reference/worlds.md is out of date: write it anew with RAMP_WRITE=1"
-        );
+        assert!(page == expected, "{path} is out of date: write it anew with RAMP_WRITE=1");
     }
 }

@@ -1,4 +1,4 @@
-//! Worlds at the command line: listed, shown, of one's own, wrong, and varied.
+//! Worlds and starts at the command line: listed, shown, of one's own, wrong, and varied.
 
 use crate::ramp;
 use std::path::Path;
@@ -96,4 +96,24 @@ fn a_sweep_gives_a_table_and_a_figure() {
     let before = written();
     assert_eq!(done(&ramp(place, &[&sweep[..], &rest].concat())), said);
     assert_eq!(written(), before);
+}
+
+/// A start of one's own runs, the result names it, and a wrong one is refused with its place.
+#[test]
+fn starts_are_listed_shown_and_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path();
+    let list = done(&ramp(place, &["start", "list"]));
+    assert!(list.starts_with("sheet") && list.contains("\nmoved"), "{list}");
+    assert!(done(&ramp(place, &["start", "show"])).contains("clearance"));
+    let file = done(&ramp(place, &["start", "show", "moved", "--file"]));
+    std::fs::write(place.join("ours.toml"), file.replace("name = \"moved\"", "name = \"ours\"")).unwrap();
+    let json: serde_json::Value =
+        serde_json::from_str(&done(&ramp(place, &["start", "show", "ours.toml", "--json"]))).unwrap();
+    assert_eq!((&json["name"], &json["quantities"][0]["name"]), (&"ours".into(), &"shift".into()));
+    std::fs::write(place.join("wrong.toml"), file.replace("5.0e-3", "5.0")).unwrap();
+    let run = |start: &str| ramp(place, &["run", "easy-1", "--start", start, "-o", "out.json"]);
+    refused(&run("wrong.toml"), "found shift = 5.0, expected a number from 0 to 0.05 m");
+    refused(&run("shet"), "there is no start `shet`");
+    assert!(!place.join("out.json").exists());
 }
