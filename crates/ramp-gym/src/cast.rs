@@ -2,7 +2,6 @@
 
 use ramp_abilities::manipulation::Cast;
 use ramp_assembly::Assembly;
-use ramp_kit::Kit;
 use ramp_planner::{CoarseAction, Item};
 use ramp_twin::SceneOptions;
 
@@ -15,9 +14,8 @@ const CUT_MEMORY: [u32; 2] = [32, 32];
 const WHOLE_MEMORY: u32 = 512;
 
 /// The parts that a step needs: what stands, what pins it, and what the step itself works with, a peg with
-/// its holder.
+/// the holder in which it stands.
 pub fn cut(assembly: &Assembly, step: &Step) -> Cast {
-    let kit = &assembly.kit;
     let beam = |index: &usize| assembly.beams[*index].beam.name.clone();
     let mut only: Vec<String> = step.task.build.standing.iter().map(beam).collect();
     only.extend(step.task.build.pinned.iter().map(|(_, peg)| peg.clone()));
@@ -30,14 +28,14 @@ pub fn cut(assembly: &Assembly, step: &Step) -> Cast {
                 | CoarseAction::Slide { beam }
                 | CoarseAction::Regrasp { beam }
                 | CoarseAction::Push { beam } => only.push(beam.clone()),
-                CoarseAction::Fasten { peg, .. } => with_holder(kit, peg, &mut only),
+                CoarseAction::Fasten { peg, .. } => only.push(peg.clone()),
                 _ => {}
             }
             continue;
         };
         match item {
             Item::Beam(beam) => only.push(beam.clone()),
-            Item::Peg(peg) => with_holder(kit, peg, &mut only),
+            Item::Peg(peg) => only.push(peg.clone()),
         }
     }
     let [none, each] = CUT_MEMORY;
@@ -48,11 +46,4 @@ pub fn cut(assembly: &Assembly, step: &Step) -> Cast {
 /// All parts of the kit.
 pub fn whole() -> Cast {
     Cast { only: None, options: SceneOptions { looks: false, memory: WHOLE_MEMORY } }
-}
-
-/// A peg, and the holder that it stands in.
-fn with_holder(kit: &Kit, peg: &str, only: &mut Vec<String>) {
-    only.push(peg.to_string());
-    let own = kit.pegs.iter().filter(|it| it.name == peg);
-    only.extend(own.map(|it| it.holder.clone()));
 }

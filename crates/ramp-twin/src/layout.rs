@@ -4,6 +4,8 @@
 mod body;
 mod outlines;
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::Assembly;
 use ramp_kit::Pose;
@@ -27,6 +29,8 @@ pub struct Layout {
     pub holders: Vec<(String, Pose)>,
     /// Each peg's frame, standing in its holder.
     pub pegs: Vec<(String, Pose)>,
+    /// The holder in which each peg starts, by the peg's name.
+    pub in_holder: BTreeMap<String, String>,
 }
 
 impl Layout {
@@ -63,13 +67,15 @@ impl Layout {
             });
             bodies[index].x = place.unwrap_or(bodies[index].x);
         }
-        let mut layout = Layout { beams: Vec::new(), holders: Vec::new(), pegs: Vec::new() };
+        let mut layout =
+            Layout { beams: Vec::new(), holders: Vec::new(), pegs: Vec::new(), in_holder: BTreeMap::new() };
         for (body, on_outline) in bodies.iter().zip(on_outline) {
             let Some(holder) = kit.holders.iter().find(|holder| holder.name == body.name) else {
                 layout.beams.push((body.name.clone(), body.x));
                 continue;
             };
             for (peg, x_wp) in outlines.pegs_in(&holder.name) {
+                layout.in_holder.insert(peg.clone(), holder.name.clone());
                 layout.pegs.push((peg, body.x * on_outline.inverse() * x_wp));
             }
             layout.holders.push((body.name.clone(), body.x));

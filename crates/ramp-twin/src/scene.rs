@@ -1,6 +1,7 @@
 //! The part of a twin that is built once and never changes: MuJoCo's model, the names and ids of its bodies,
 //! and the physics that the episode drew from its world. Twins that were duplicated share one.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use mujoco_rs::prelude::*;
@@ -30,6 +31,8 @@ pub(crate) struct Scene {
     pub parts: Vec<(String, usize)>,
     /// Name and MuJoCo body of each holder.
     pub holders: Vec<(String, usize)>,
+    /// The holder in which each peg starts, by the peg's name.
+    pub in_holder: BTreeMap<String, String>,
     /// For each geom: does it belong to a beam, a peg or a holder?
     is_part: Vec<bool>,
     /// Site of the wrist sensor.
@@ -84,6 +87,7 @@ impl Scene {
             track: setup.track,
             parts,
             holders,
+            in_holder: layout.in_holder,
             is_part,
             wrist_site: find(MjtObjBase::mjOBJ_SITE, "wrist")?,
             tip_site: find(MjtObjBase::mjOBJ_SITE, "tip")?,

@@ -67,8 +67,8 @@ pub enum StartError {
 /// Which parts are in the scene of a trial.
 #[derive(Clone, Debug, Default)]
 pub struct Cast {
-    /// The names of the beams, holders and pegs that are there beside the clamped beam; all of the kit
-    /// without a list.
+    /// The names of the beams and pegs that are there beside the clamped beam, with the holders of the pegs
+    /// that do not pin; all of the kit without a list.
     pub only: Option<Vec<String>>,
     /// Parts that may be left out as well.
     pub options: SceneOptions,
@@ -76,12 +76,15 @@ pub struct Cast {
 
 impl Cast {
     /// Takes away what has no part in it.
-    fn cut(&self, setup: &Setup, layout: &mut Layout) {
+    fn cut(&self, setup: &Setup, task: &Task, layout: &mut Layout) {
         let Some(only) = &self.only else { return };
         let base = &setup.assembly.beams[setup.assembly.base].beam.name;
         let there = |name: &String| name == base || only.contains(name);
         layout.beams.retain(|(name, _)| there(name));
-        layout.holders.retain(|(name, _)| there(name));
+        let pins = |peg: &String| task.build.pinned.iter().any(|(_, pinned)| pinned == peg);
+        let in_holder = layout.in_holder.iter().filter(|(peg, _)| there(peg) && !pins(peg));
+        let used: Vec<&String> = in_holder.map(|(_, holder)| holder).collect();
+        layout.holders.retain(|(name, _)| used.contains(&name));
         layout.pegs.retain(|(name, _)| there(name));
     }
 }
@@ -105,7 +108,7 @@ pub fn draw(setup: &Setup, task: &Task, cast: &Cast) -> Result<Start, StartError
     let mut why = String::new();
     for drawn in 1..=DRAWS {
         let mut layout = layout(setup, task, &mut stream);
-        cast.cut(setup, &mut layout);
+        cast.cut(setup, task, &mut layout);
         let mut twin = Twin::with_options(setup, layout.clone(), &cast.options)?;
         let knocks = knocks(setup, task, &mut stream);
         let settled = settle(&mut twin, &knocks);

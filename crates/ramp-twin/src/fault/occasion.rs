@@ -85,7 +85,7 @@ impl Bodies {
                 name: name.clone(),
                 body: *body,
                 is_peg: setup.assembly.kit.peg(name).is_some(),
-                holder: setup.assembly.kit.peg(name).map(|peg| peg.holder.clone()),
+                holder: scene.in_holder.get(name).cloned(),
             })
             .collect();
         let geom_body: Vec<usize> = model.geom_bodyid().iter().map(|id| *id as usize).collect();
