@@ -1,8 +1,12 @@
 //! The blind tape: an agent that plays the commands of a log and looks at nothing. It is the floor of a
 //! board: a start from which a tape builds does not need eyes.
 
+use std::path::Path;
+
+use ramp_control::Smoother;
 use ramp_log::Log;
 use ramp_log::calls::{CallsError, Entry};
+use ramp_robot::arm::ArmModel;
 use ramp_robot::{
     Account, Agent, ArmCommand, Command, DOF, GripperCommand, Observation, PERIOD, Robot, RobotError,
 };
@@ -40,37 +44,40 @@ pub enum TapeError {
 pub struct Tape {
     /// Each command, with its number of control periods.
     commands: Vec<(Command, u64)>,
+    arm: ArmModel,
 }
 
 impl Tape {
     /// The commands of a log. Its readings and images are left out.
     ///
     /// # Errors
-    /// If the calls of the log are invalid.
-    pub fn of(log: &Log) -> Result<Tape, CallsError> {
+    /// If the calls or the arm of the log are invalid.
+    pub fn of(log: &Log) -> Result<Tape, TapeError> {
         let mut commands = Vec::new();
         for entry in log.calls() {
             if let Entry::Step(command, periods) = entry? {
                 commands.push((*command, periods));
             }
         }
-        Ok(Tape { commands })
+        let arm = ArmModel::from_json(Path::new("arm.json"), &log.header.arm.json);
+        Ok(Tape { commands, arm: arm.map_err(ReplayError::Arm)? })
     }
 
     fn play(&self, robot: &mut dyn Robot) -> Result<(), RobotError> {
         let mut seen = robot.observe();
         let mut in_joints = false;
+        let mut smoother = Smoother::new(&self.arm);
         for (command, periods) in &self.commands {
             if let ArmCommand::JointPositions(positions) = &command.arm {
                 if !in_joints {
-                    seen = bridge(robot, &seen, positions, command.gripper)?;
+                    seen = bridge(robot, &mut smoother, positions, command.gripper)?;
                 }
                 in_joints = true;
             } else {
                 in_joints = false;
             }
             for _ in 0..*periods {
-                seen = robot.step(command)?;
+                seen = robot.step(&smoother.smooth(command, &seen).0)?;
             }
         }
         Ok(())
@@ -81,20 +88,21 @@ impl Tape {
 /// than in the log, and the robot refuses a jump.
 fn bridge(
     robot: &mut dyn Robot,
-    seen: &Observation,
+    smoother: &mut Smoother,
     to: &[f64; DOF],
     gripper: GripperCommand,
 ) -> Result<Observation, RobotError> {
+    let mut seen = robot.observe();
     let from = seen.positions;
     let farthest = from.iter().zip(to).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max);
     let periods = ((farthest / SPEED).max(SHORTEST) / PERIOD).ceil();
-    let mut seen = seen.clone();
     for period in 1..=periods as u64 {
         let s = period as f64 / periods;
         // No speed and no acceleration at both ends.
         let share = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
         let positions = std::array::from_fn(|joint| from[joint] + share * (to[joint] - from[joint]));
-        seen = robot.step(&Command { arm: ArmCommand::JointPositions(positions), gripper })?;
+        let command = Command { arm: ArmCommand::JointPositions(positions), gripper };
+        seen = robot.step(&smoother.smooth(&command, &seen).0)?;
     }
     Ok(seen)
 }
