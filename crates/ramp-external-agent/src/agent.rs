@@ -6,9 +6,10 @@ use ramp_robot::{Account, Agent, Command, Event, EventKind, MOST_EVENTS, Observa
 use crate::file::{AgentFile, AgentFileError};
 use crate::goal::GoalMessage;
 use crate::limits::{MOST_IDLE, Patience};
-use crate::process::Process;
+use crate::process::{Process, Silence};
 use crate::protocol::{self, Answer, Request};
 use crate::sandbox::Sandbox;
+use crate::still::Pace;
 
 /// An agent in a process of its own.
 pub struct ExternalAgent<'a> {
@@ -23,6 +24,8 @@ pub struct ExternalAgent<'a> {
     /// Plans the agent has told of.
     plans: usize,
     failure: Option<String>,
+    /// Whether the failure is that the episode's time on the wall was over.
+    late: bool,
     /// Messages in a row that moved nothing.
     idle: u32,
     /// Messages so far.
@@ -33,6 +36,10 @@ pub struct ExternalAgent<'a> {
     clipped: bool,
     /// It can rehearse its action.
     rehearses: bool,
+    /// When its processes stand still.
+    pace: Pace,
+    /// The last message to it, until it is sent.
+    farewell: Option<String>,
     on_event: Box<dyn FnMut(&Event) + 'a>,
 }
 
@@ -80,11 +87,14 @@ impl<'a> ExternalAgent<'a> {
             account: Account::default(),
             plans: 0,
             failure: None,
+            late: false,
             idle: 0,
             messages: 0,
             smoother: None,
             clipped: false,
             rehearses: false,
+            pace: Pace::new(),
+            farewell: None,
             on_event: Box::new(|_| {}),
         };
         agent.failure = agent.greet().err();
@@ -135,13 +145,19 @@ impl<'a> ExternalAgent<'a> {
 
     /// The agent's next message.
     fn hear(&mut self) -> Result<Request, String> {
-        let line = self.process.hear().map_err(|silence| silence.to_string())?;
+        let line = self.process.hear().map_err(|silence| self.failed(&silence))?;
         self.messages += 1;
         protocol::parse(&line).map_err(|what| format!("message {} of the agent {what}", self.messages))
     }
 
     fn tell(&mut self, answer: &Answer) -> Result<(), String> {
-        self.process.tell(answer.to_bytes()).map_err(|silence| silence.to_string())
+        self.process.tell(answer.to_bytes()).map_err(|silence| self.failed(&silence))
+    }
+
+    /// The failure of an agent that says or hears nothing more.
+    fn failed(&mut self, silence: &Silence) -> String {
+        self.late |= matches!(silence, Silence::Late);
+        silence.to_string()
     }
 
     fn talk(&mut self, robot: &mut dyn Robot) -> Result<(), End> {
@@ -150,7 +166,12 @@ impl<'a> ExternalAgent<'a> {
         loop {
             let time = robot.observe().time;
             let request = self.hear()?;
-            let answer = self.serve(request, robot)?;
+            // An image takes the twin longer than the robot.
+            let image = matches!(request, Request::Look(_));
+            self.pace.begin(time, image, self.process.before());
+            let answer = self.serve(request, robot);
+            self.pace.end(robot.observe().time);
+            let answer = answer?;
             self.idle = if robot.observe().time > time { 0 } else { self.idle + 1 };
             if self.idle > MOST_IDLE {
                 let why = format!("the agent sent {MOST_IDLE} messages in a row that let no robot time pass");
@@ -185,7 +206,9 @@ impl<'a> ExternalAgent<'a> {
                 let mut seen: Option<Observation> = None;
                 for (command, periods) in commands {
                     for _ in 0..periods {
-                        seen = Some(self.step(&command, robot)?);
+                        let after = self.step(&command, robot)?;
+                        self.pace.check(after.time, self.process.before());
+                        seen = Some(after);
                     }
                 }
                 Ok(Answer::Observation(seen.unwrap_or_else(|| robot.observe())))
@@ -232,6 +255,12 @@ impl<'a> ExternalAgent<'a> {
     }
 }
 
+impl Drop for ExternalAgent<'_> {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
 impl Agent for ExternalAgent<'_> {
     fn name(&self) -> (&str, &str) {
         (&self.name, &self.version)
@@ -249,6 +278,10 @@ impl Agent for ExternalAgent<'_> {
         self.failure.clone()
     }
 
+    fn is_late(&self) -> bool {
+        self.late
+    }
+
     fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {
         let outcome = match &self.failure {
             Some(_) => Ok(()),
@@ -263,11 +296,20 @@ impl Agent for ExternalAgent<'_> {
             }
         };
         if self.failure.is_none() {
-            let reason = outcome.as_ref().err().map_or("done".to_string(), RobotError::to_string);
+            self.farewell = Some(outcome.as_ref().err().map_or("done".to_string(), RobotError::to_string));
+        }
+        outcome
+    }
+
+    fn finish(&mut self) {
+        if let Some(reason) = self.farewell.take() {
             self.process.dismiss(Answer::End(reason).to_bytes());
         }
         // Output after this is not for the agent.
         self.process.end();
-        outcome
+    }
+
+    fn processor_time(&self) -> Option<f64> {
+        self.process.time()
     }
 }

@@ -5,19 +5,9 @@ use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
-use rustix::process::{DumpableBehavior, Signal};
-use rustix::thread::CapabilitySet;
-
+use crate::powers::{TO_LOOK_INTO_OTHERS, give_up};
 use crate::sandbox::Inside;
-
-/// Powers of the superuser by which one process looks into another.
-const TO_LOOK_INTO_OTHERS: CapabilitySet = CapabilitySet::SYS_PTRACE
-    .union(CapabilitySet::SYS_ADMIN)
-    .union(CapabilitySet::SYS_RAWIO)
-    .union(CapabilitySet::SYS_MODULE)
-    .union(CapabilitySet::PERFMON)
-    .union(CapabilitySet::BPF)
-    .union(CapabilitySet::CHECKPOINT_RESTORE);
+use rustix::process::{DumpableBehavior, Signal};
 
 /// Becomes another program that is killed when the process `parent`, which started this one, is gone. It
 /// cannot look into other processes, not even as the superuser; with `inside` it is in a sandbox. Returns
@@ -38,18 +28,10 @@ pub fn become_agent(parent: u32, inside: Option<&Inside>, command: &[OsString]) 
         give_up(TO_LOOK_INTO_OTHERS);
         return Command::new(program).args(arguments).exec();
     };
-    give_up(CapabilitySet::all());
     let mut command = inside.command(program, arguments);
     match inside.enter() {
         Ok(()) => command.exec(),
         Err(error) => std::io::Error::other(error),
-    }
-}
-
-/// No program that this process becomes has these powers. Who is not the superuser has none to give up.
-fn give_up(powers: CapabilitySet) {
-    for power in powers.iter() {
-        let _ = rustix::thread::remove_capability_from_bounding_set(power);
     }
 }
 

@@ -14,9 +14,12 @@ mod family;
 mod file;
 mod goal;
 pub mod limits;
+mod powers;
 pub mod process;
 pub mod protocol;
 pub mod sandbox;
+mod still;
+mod words;
 
 pub use agent::ExternalAgent;
 pub use become_agent::{become_agent, hide};

@@ -21,14 +21,14 @@ pub struct Patience {
 pub struct Allowance {
     /// Memory, bytes: enough for a policy of a few hundred million parameters.
     pub memory: u64,
-    /// Processes.
-    pub processes: usize,
+    /// Processes and threads: enough for a library of mathematics with a thread for each processor.
+    pub tasks: usize,
     /// Files in its own folder, bytes.
     pub disk: u64,
 }
 
 impl Default for Allowance {
     fn default() -> Allowance {
-        Allowance { memory: 8 << 30, processes: 128, disk: 2 << 30 }
+        Allowance { memory: 8 << 30, tasks: 512, disk: 2 << 30 }
     }
 }

@@ -10,13 +10,12 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal};
 
-use crate::family::{children, end_orphans};
+use crate::family::{children, end_orphans, time_of_ended};
 use crate::limits::Patience;
 use crate::protocol::LONGEST_MESSAGE;
 use crate::sandbox::{Sandbox, Watch};
+use crate::words::pass_on;
 
-/// How much of an agent's standard error is passed on, bytes.
-const MOST_WORDS: u64 = 1 << 20;
 /// How long an agent may take to be gone after it was told the end.
 const FAREWELL: Duration = Duration::from_secs(1);
 
@@ -71,6 +70,10 @@ pub struct Process {
     dismissed: bool,
     /// The watch over its resources, in a sandbox.
     watch: Option<Watch>,
+    /// Processor time of the children that had ended before it began, s.
+    time_before: f64,
+    /// Its processor time, s, once it has ended.
+    time: Option<f64>,
 }
 
 impl Process {
@@ -84,6 +87,7 @@ impl Process {
         let (program, arguments) =
             command.split_first().ok_or_else(|| std::io::Error::from(std::io::ErrorKind::InvalidInput))?;
         let before = children();
+        let time_before = time_of_ended();
         let mut child = Command::new(program)
             .args(arguments)
             .stdin(Stdio::piped())
@@ -109,11 +113,23 @@ impl Process {
             });
         }
         if let Some(words) = child.stderr.take() {
-            std::thread::spawn(move || pass_on(words));
+            std::thread::spawn(move || pass_on(words, std::io::stderr()));
         }
         let watch = sandbox.map(|sandbox| sandbox.watch(before.clone()));
         let (to_say, dismissed) = (Some(to_say), false);
-        Ok(Process { child, group, patience, heard, to_say, said, before, dismissed, watch })
+        Ok(Process {
+            child,
+            group,
+            patience,
+            heard,
+            to_say,
+            said,
+            before,
+            dismissed,
+            watch,
+            time_before,
+            time: None,
+        })
     }
 
     /// How long is waited now, and whether that is less than the agent's own time.
@@ -211,6 +227,18 @@ impl Process {
         let _ = self.child.kill();
         let _ = self.child.wait();
         end_orphans(&self.before);
+        self.time.get_or_insert(time_of_ended() - self.time_before);
+    }
+
+    /// Processor time of all its processes, s, once it has ended. A process whose parent ignored its end is
+    /// not counted.
+    pub fn time(&self) -> Option<f64> {
+        self.time
+    }
+
+    /// Children of this process that were there before the agent.
+    pub(crate) fn before(&self) -> &[i32] {
+        &self.before
     }
 }
 
@@ -239,13 +267,4 @@ fn listen(output: impl Read, hear: &SyncSender<Heard>) {
             return;
         }
     }
-}
-
-/// Passes on what an agent says to a person, up to a limit; the rest is taken in and forgotten.
-fn pass_on(mut words: impl Read) {
-    let passed = std::io::copy(&mut words.by_ref().take(MOST_WORDS), &mut std::io::stderr());
-    if passed.is_ok_and(|passed| passed == MOST_WORDS) {
-        eprintln!("\n(the agent says more than is shown)");
-    }
-    let _ = std::io::copy(&mut words, &mut std::io::sink());
 }

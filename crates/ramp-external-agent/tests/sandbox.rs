@@ -8,13 +8,13 @@ use std::time::Duration;
 
 use ramp_external_agent::limits::Allowance;
 use ramp_external_agent::process::Process;
-use ramp_external_agent::sandbox::open_ends;
+use ramp_external_agent::sandbox::is_available;
 use ramp_external_agent::{AgentFile, Patience, Sandbox, Silence, adopt_orphans};
 use ramp_testing::trials::{check_unless, run};
 
 /// Each way takes more in several processes or files than it would in one.
 const GREEDY: &str = r#"
-import os, sys, time
+import os, sys, tempfile, threading, time
 way, folder = WAY, FOLDER
 if way == "memory":
     for _ in range(4):
@@ -26,6 +26,14 @@ elif way == "processes":
         if os.fork() == 0:
             os.setsid()
             time.sleep(60)
+elif way == "threads":
+    for _ in range(30):
+        threading.Thread(target=time.sleep, args=(60,), daemon=True).start()
+elif way == "unlinked":
+    files = [tempfile.TemporaryFile(dir=folder) for _ in range(4)]
+    for file in files:
+        file.write(bytes(10 << 20))
+        file.flush()
 elif way == "disk":
     for number in range(4):
         with open(os.path.join(folder, str(number)), "wb") as file:
@@ -42,10 +50,12 @@ fn agents_are_kept_within_their_sandbox() {
 }
 
 fn an_agent_that_takes_too_much_is_ended_with_all_that_it_has_started() {
-    let allowance = Allowance { memory: 300 << 20, processes: 20, disk: 30 << 20 };
+    let allowance = Allowance { memory: 300 << 20, tasks: 20, disk: 30 << 20 };
     for (way, reason) in [
         ("memory", "used more than 300 MiB of memory"),
-        ("processes", "had more than 20 processes"),
+        ("processes", "had more than 20 processes and threads"),
+        ("threads", "had more than 20 processes and threads"),
+        ("unlinked", "wrote more than 30 MiB"),
         ("disk", "wrote more than 30 MiB"),
     ] {
         let folder = tempfile::TempDir::new().unwrap();
@@ -79,7 +89,7 @@ fn what_is_hidden_must_not_lie_where_the_agent_may_read() {
 }
 
 fn missing() -> Option<String> {
-    open_ends().is_none().then(|| "this kernel has no Landlock or no seccomp".to_string())
+    (!is_available()).then(|| "this kernel has no Landlock or no seccomp".to_string())
 }
 
 fn main() -> ExitCode {

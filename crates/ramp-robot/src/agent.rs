@@ -39,9 +39,24 @@ pub trait Agent {
         None
     }
 
+    /// Whether the failure is that the episode's time on the wall was over; read after [`Agent::run`].
+    fn is_late(&self) -> bool {
+        false
+    }
+
     /// Works on the goal it was made for. Returning ends the episode.
     ///
     /// # Errors
     /// The robot's error, if that ended the work.
     fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError>;
+
+    /// Ends what is left of the agent, such as a process of its own. The time that this takes is not the
+    /// agent's.
+    fn finish(&mut self) {}
+
+    /// Processor time of all its processes, s, where it has processes of its own; read after
+    /// [`Agent::finish`].
+    fn processor_time(&self) -> Option<f64> {
+        None
+    }
 }

@@ -1,12 +1,16 @@
 //! The sandbox of an agent whose author is a stranger.
 //!
 //! The run looks for what the agent must read ([`Sandbox::find`]) and gives it a folder of its own. The
-//! process that is about to become the agent puts up the walls around itself (`walls`): which files it may
-//! open (Landlock), which system calls it may make (`calls`), and limits of each process. The run then
-//! watches the memory, processes and disk space that the agent uses with all that it has started (`watch`).
+//! process that is about to become the agent puts up the walls around itself (`walls`): name spaces of its
+//! own (`rooms`), which files it may open (Landlock), which system calls it may make (`filter`, from the
+//! list in [`calls`]), and limits of each process. The run then watches the memory, processes and disk space
+//! that the agent uses with all that it has started (`watch`).
 
-mod calls;
+pub mod calls;
+mod filter;
 mod python;
+mod rooms;
+mod sys;
 mod walls;
 mod watch;
 
@@ -17,7 +21,7 @@ use tempfile::TempDir;
 
 use crate::file::AgentFile;
 use crate::limits::Allowance;
-pub use walls::{Inside, WallError, open_ends};
+pub use walls::{Inside, WallError, graphics, is_available, open_ends};
 pub(crate) use watch::Watch;
 
 /// Folders and files of the system that every program may read and execute, where they exist.
@@ -81,6 +85,8 @@ pub struct Sandbox {
     /// The only folder that it may write to. It goes with the sandbox.
     folder: TempDir,
     allowance: Allowance,
+    /// Whether the agent gets name spaces of its own.
+    rooms: bool,
 }
 
 impl Sandbox {
@@ -91,7 +97,7 @@ impl Sandbox {
     /// # Errors
     /// When the system has no sandbox, or a hidden path lies where the agent may read.
     pub fn find(agent: &AgentFile, hidden: &[&Path]) -> Result<Sandbox, SandboxError> {
-        if open_ends().is_none() {
+        if !is_available() {
             return Err(SandboxError::NoLandlock);
         }
         let own = agent.path().parent().unwrap_or(Path::new("/")).to_path_buf();
@@ -113,7 +119,7 @@ impl Sandbox {
         }
         let folder =
             tempfile::Builder::new().prefix("ramp-agent-").tempdir().map_err(SandboxError::Folder)?;
-        Ok(Sandbox { command, readable, folder, allowance: Allowance::default() })
+        Ok(Sandbox { command, readable, folder, allowance: Allowance::default(), rooms: false })
     }
 
     /// The same with another allowance.
@@ -121,6 +127,26 @@ impl Sandbox {
     pub fn with_allowance(mut self, allowance: Allowance) -> Sandbox {
         self.allowance = allowance;
         self
+    }
+
+    /// The same with name spaces of the agent's own. Whether a system allows them shows only when a process
+    /// [enters](Inside::enter) them.
+    #[must_use]
+    pub fn with_rooms(mut self) -> Sandbox {
+        self.rooms = true;
+        self
+    }
+
+    /// The same without them.
+    #[must_use]
+    pub fn without_rooms(mut self) -> Sandbox {
+        self.rooms = false;
+        self
+    }
+
+    /// Whether the agent gets name spaces of its own.
+    pub fn has_rooms(&self) -> bool {
+        self.rooms
     }
 
     /// The only folder that the agent may write to. It is gone when the sandbox is.
@@ -133,7 +159,9 @@ impl Sandbox {
         Inside {
             readable: self.readable.clone(),
             folder: self.folder.path().to_path_buf(),
-            largest_file: self.allowance.disk,
+            disk: self.allowance.disk,
+            tasks: self.allowance.tasks as u64,
+            rooms: self.rooms,
         }
     }
 
@@ -144,7 +172,8 @@ impl Sandbox {
 
     /// Watches all children of this process but those in `before`.
     pub(crate) fn watch(&self, before: Vec<i32>) -> Watch {
-        Watch::begin(self.allowance, self.folder.path().to_path_buf(), before)
+        let own = if self.rooms { rooms::OWN_PROCESSES } else { 0 };
+        Watch::begin(self.allowance, own, self.folder.path().to_path_buf(), before)
     }
 }
 

@@ -11,15 +11,25 @@ use landlock::{
 };
 use rustix::process::{Resource, Rlimit, setrlimit};
 
-use super::calls::{self, FilterError};
+use super::filter::{self, FilterError};
+use super::rooms::{self, RoomError, View};
+use crate::powers::give_up_all;
 
 /// The newest version of Landlock whose walls are all put up; an older kernel puts up fewer.
 const NEWEST: ABI = ABI::V6;
 /// Open files of one process.
 const MOST_OPEN_FILES: u64 = 1024;
 /// Devices that every program may use, and those of graphics cards.
-const DEVICES: [&str; 5] = ["/dev/null", "/dev/zero", "/dev/full", "/dev/random", "/dev/urandom"];
+///
+/// `/dev/zero` is none of them: memory shared through it is counted by nothing.
+const DEVICES: [&str; 4] = ["/dev/null", "/dev/full", "/dev/random", "/dev/urandom"];
 const GRAPHICS: [&str; 3] = ["nvidia", "dri", "kfd"];
+
+/// Facts about itself that an agent may read in `/proc/self`; what the kernel knows of the network is none.
+const OWN_FACTS: [&str; 12] = [
+    "auxv", "cgroup", "cmdline", "comm", "environ", "fd", "limits", "maps", "smaps", "stat", "statm",
+    "status",
+];
 
 /// The restrictions that a process puts on itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,13 +38,20 @@ pub struct Inside {
     pub readable: Vec<PathBuf>,
     /// Paths that it may also write; its home and its folder for temporary files.
     pub folder: PathBuf,
-    /// Largest file that it may write, bytes.
-    pub largest_file: u64,
+    /// Space for its files, bytes.
+    pub disk: u64,
+    /// Processes and threads that it may have.
+    pub tasks: u64,
+    /// Whether it gets name spaces of its own.
+    pub rooms: bool,
 }
 
 /// Why a wall does not stand.
 #[derive(Debug, thiserror::Error)]
 pub enum WallError {
+    /// The name spaces.
+    #[error("no name spaces: {0}")]
+    Rooms(#[from] RoomError),
     /// The wall around the files.
     #[error("no rules for its files: {0}")]
     Files(#[from] RulesetError),
@@ -48,13 +65,26 @@ pub enum WallError {
 
 impl Inside {
     /// Puts up the walls around this process. Everything but memory that it holds is shut out from then on.
+    /// With name spaces it returns in another process than the one that called.
     ///
     /// # Errors
     /// The first wall that does not stand; then the process must end.
     pub fn enter(&self) -> Result<(), WallError> {
+        let devices = devices();
         let limit = |value| Rlimit { current: Some(value), maximum: Some(value) };
         setrlimit(Resource::Core, limit(0))?;
-        setrlimit(Resource::Fsize, limit(self.largest_file))?;
+        if self.rooms {
+            rooms::enter(&View {
+                readable: &self.readable,
+                devices: &devices,
+                folder: &self.folder,
+                size: self.disk,
+            })?;
+            // The run counts them as well. This one holds between two of its looks.
+            setrlimit(Resource::Nproc, limit(2 * self.tasks))?;
+        }
+        give_up_all();
+        setrlimit(Resource::Fsize, limit(self.disk))?;
         setrlimit(Resource::Nofile, limit(MOST_OPEN_FILES))?;
         let read = AccessFs::from_read(NEWEST);
         let write = AccessFs::WriteFile | AccessFs::IoctlDev;
@@ -65,11 +95,11 @@ impl Inside {
             .scope(Scope::from_all(NEWEST))?
             .create()?
             .add_rules(path_beneath_rules(&self.readable, read))?
-            .add_rules(path_beneath_rules(["/proc/self"], read))?
-            .add_rules(path_beneath_rules(devices(), AccessFs::from_read(NEWEST) | write))?
+            .add_rules(path_beneath_rules(OWN_FACTS.map(|fact| format!("/proc/self/{fact}")), read))?
+            .add_rules(path_beneath_rules(&devices, read | write))?
             .add_rules(path_beneath_rules([&self.folder], everything()))?
             .restrict_self()?;
-        calls::refuse()?;
+        filter::apply(has_graphics(&devices))?;
         Ok(())
     }
 
@@ -107,24 +137,43 @@ fn devices() -> Vec<PathBuf> {
     devices
 }
 
-/// Gaps of the sandbox on this system, in words; `None` without any sandbox.
-pub fn open_ends() -> Option<Vec<&'static str>> {
-    let version = [ABI::V6, ABI::V5, ABI::V4, ABI::V3, ABI::V2, ABI::V1]
-        .into_iter()
-        .find(|version| stands(*version))?;
+/// Whether a graphics card is among the devices.
+fn has_graphics(devices: &[PathBuf]) -> bool {
+    devices.iter().any(|path| !DEVICES.iter().any(|known| path == Path::new(known)))
+}
+
+/// Whether a graphics card is here, whose driver needs calls that are refused elsewhere.
+pub fn graphics() -> bool {
+    has_graphics(&devices())
+}
+
+/// Whether this kernel has what a sandbox needs: Landlock.
+pub fn is_available() -> bool {
+    stands(ABI::V1)
+}
+
+/// Gaps of the sandbox on this system, in words; `rooms` says whether the agent gets name spaces of its own.
+pub fn open_ends(rooms: bool) -> Vec<&'static str> {
+    let newest = [ABI::V6, ABI::V5, ABI::V4, ABI::V3, ABI::V2, ABI::V1].into_iter().find(|it| stands(*it));
+    let version = newest.unwrap_or(ABI::Unsupported);
     let mut ends = Vec::new();
-    if version < ABI::V6 {
-        ends.push("signals to other processes of yours (needs Linux 6.12)");
+    if !rooms {
+        ends.push("the numbers of other processes (no name spaces of its own here)");
+        ends.push("names, sizes and dates of files whose paths it guesses");
+        ends.push("marks that reading leaves on its own files");
+        ends.push("space of unlinked files that it holds only in memory");
+        if version < ABI::V6 {
+            ends.push("signals to other processes of yours (needs Linux 6.12)");
+        }
     }
-    if version < ABI::V5 {
-        ends.push("control calls on the devices that it may use (needs Linux 6.10)");
+    if graphics() {
+        ends.push("the graphics card, and memory that it shares with it");
+        if version < ABI::V5 {
+            ends.push("control calls on the devices that it may use (needs Linux 6.10)");
+        }
     }
-    if devices().iter().any(|path| !DEVICES.iter().any(|known| path == Path::new(known))) {
-        ends.push("the graphics card");
-    }
-    ends.push("names, sizes and dates of files whose paths it guesses");
-    ends.push("how busy the machine is");
-    Some(ends)
+    ends.push("how busy the machine is, and locks on files that several agents may read");
+    ends
 }
 
 /// Whether this kernel has all that a version of Landlock has.

@@ -1,5 +1,7 @@
 //! Watches what an agent uses together with all that it has started, and ends them when it is too much.
 
+use std::collections::HashSet;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -25,8 +27,9 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Watches all children of this process but those in `before`, and what is in a folder.
-    pub(crate) fn begin(allowance: Allowance, folder: PathBuf, before: Vec<i32>) -> Watch {
+    /// Watches all children of this process but those in `before`, and what is in a folder. `own` of the
+    /// processes are not the agent's.
+    pub(crate) fn begin(allowance: Allowance, own: usize, folder: PathBuf, before: Vec<i32>) -> Watch {
         let (ended, found) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(None)));
         let (stop, tell) = (ended.clone(), found.clone());
         let thread = std::thread::spawn(move || {
@@ -35,7 +38,7 @@ impl Watch {
                     return;
                 }
                 let disk = look.is_multiple_of(DISK_EVERY);
-                if let Some(what) = too_much(allowance, &before, disk.then_some(folder.as_path())) {
+                if let Some(what) = too_much(allowance, own, &before, disk.then_some(folder.as_path())) {
                     *tell.lock().unwrap_or_else(PoisonError::into_inner) = Some(what);
                     end(&before);
                     return;
@@ -74,17 +77,45 @@ fn end(before: &[i32]) {
 }
 
 /// The exceeded allowance, in words.
-fn too_much(allowance: Allowance, before: &[i32], folder: Option<&Path>) -> Option<String> {
+fn too_much(allowance: Allowance, own: usize, before: &[i32], folder: Option<&Path>) -> Option<String> {
     let family = descendants(before);
-    if family.len() > allowance.processes {
-        return Some(format!("had more than {} processes", allowance.processes));
+    let mut tasks = 0;
+    for process in &family {
+        tasks += threads(*process);
+        if tasks > allowance.tasks + own {
+            return Some(format!("had more than {} processes and threads", allowance.tasks));
+        }
     }
     let memory: u64 = family.iter().map(|process| resident(*process)).sum();
     if memory > allowance.memory {
         return Some(format!("used more than {} MiB of memory", allowance.memory >> 20));
     }
-    let full = folder.is_some_and(|folder| disk(folder) > allowance.disk);
+    let full = folder.is_some_and(|folder| disk(folder) + unlinked(&family) > allowance.disk);
     full.then(|| format!("wrote more than {} MiB", allowance.disk >> 20))
+}
+
+/// The threads of a process; one for a process that is gone.
+fn threads(process: i32) -> usize {
+    let text = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
+    // The name, in brackets, may hold spaces.
+    let fields = text.rsplit_once(')').map_or("", |(_, fields)| fields);
+    fields.split_whitespace().nth(17).and_then(|it| it.parse().ok()).unwrap_or(1)
+}
+
+/// Bytes of the files that processes hold open and that have no name any more.
+fn unlinked(family: &[i32]) -> u64 {
+    let mut seen = HashSet::new();
+    let mut sum = 0_u64;
+    for process in family {
+        let open = std::fs::read_dir(format!("/proc/{process}/fd"));
+        for entry in open.into_iter().flatten().flatten() {
+            let Ok(meta) = std::fs::metadata(entry.path()) else { continue };
+            if meta.is_file() && meta.nlink() == 0 && seen.insert((meta.dev(), meta.ino())) {
+                sum = sum.saturating_add(meta.blocks() * 512);
+            }
+        }
+    }
+    sum
 }
 
 /// Memory of a process that is not in files, bytes; none of one that is gone.
@@ -104,14 +135,14 @@ fn disk(folder: &Path) -> u64 {
         for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
             files += 1;
             if files > MOST_FILES {
-                return u64::MAX;
+                return u64::MAX / 2;
             }
             // Of a link its own size, not that of what it points to.
             let Ok(meta) = entry.metadata() else { continue };
             if meta.is_dir() {
                 open.push(entry.path());
             }
-            sum += std::os::unix::fs::MetadataExt::blocks(&meta) * 512;
+            sum += meta.blocks() * 512;
         }
     }
     sum
