@@ -26,9 +26,16 @@ pub fn track_joints(
     })
 }
 
-/// Torques that brake towards joint velocities, N·m.
-pub fn track_velocities(state: &ArmState, velocities: &JointVector) -> JointVector {
-    JointVector::from_fn(|joint, _| JOINT_DAMPING[joint] * (velocities[joint] - state.velocities[joint]))
+/// Torques that track joint velocities (rad/s) that change with `accelerations` (rad/s²), N·m.
+pub fn track_velocities(
+    state: &ArmState,
+    velocities: &JointVector,
+    accelerations: &JointVector,
+) -> JointVector {
+    let inertial = state.inertia * accelerations;
+    JointVector::from_fn(|joint, _| {
+        JOINT_DAMPING[joint] * (velocities[joint] - state.velocities[joint]) + inertial[joint]
+    })
 }
 
 /// Keeps each torque within its joint's limit, N·m.

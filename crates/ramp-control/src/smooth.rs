@@ -6,83 +6,13 @@
 //! velocity, acceleration and jerk allow, and comes to rest there; Ruckig (the crate `rsruckig`) finds that
 //! motion anew each period.
 
-use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_robot::arm::ArmModel;
-use ramp_robot::{ArmCommand, Command, DOF, Observation, PERIOD, Pose};
-use rsruckig::prelude::{InputParameter, OutputParameter, Ruckig, ThrowErrorHandler};
+use ramp_robot::{ArmCommand, Command, DOF, Observation, Pose};
 
 use crate::commanded::{JointMotion, PoseMotion};
+use crate::fastest::{Moving, joint_limits, pose_limits, towards};
 use crate::state::JointVector;
-
-/// The share of the limits of joints that is used. Chosen: a tenth is left for the rounding of differences.
-const SHARE: f64 = 0.9;
-/// The share of the limits of the tip, on each of three axes: their sum must keep the limit.
-const POSE_SHARE: f64 = 0.5;
-
-/// Shares of the limits that are tried one after another: from rare states Ruckig finds no motion, though it
-/// finds one with slightly other limits. Chosen: all are within the room that [`SHARE`] and [`POSE_SHARE`]
-/// leave.
-const TRIED_LIMITS: [f64; 5] = [1.0, 1.01, 0.99, 1.05, 0.95];
-
-/// Position and motion on each axis, in the unit of the axis and s.
-#[derive(Clone)]
-struct Moving<const N: usize> {
-    position: SVector<f64, N>,
-    velocity: SVector<f64, N>,
-    acceleration: SVector<f64, N>,
-}
-
-/// The largest velocity, acceleration and jerk on each axis.
-type Limits<const N: usize> = [SVector<f64, N>; 3];
-
-impl<const N: usize> Moving<N> {
-    /// At `position`, with derivatives from differences of the last positions: their velocity is that of half
-    /// a period ago.
-    fn estimated(
-        position: SVector<f64, N>,
-        velocity: SVector<f64, N>,
-        acceleration: SVector<f64, N>,
-    ) -> Moving<N> {
-        Moving { position, velocity: velocity + acceleration * (PERIOD / 2.0), acceleration }
-    }
-}
-
-/// State one period later on the fastest motion to rest at `target`; `None` when there is none.
-fn towards<const N: usize>(
-    from: &Moving<N>,
-    target: &SVector<f64, N>,
-    limits: &Limits<N>,
-) -> Option<Moving<N>> {
-    let scaled = |share: f64| limits.map(|limit| limit * share);
-    TRIED_LIMITS.into_iter().find_map(|share| quickest(from, target, &scaled(share)))
-}
-
-/// As [`towards`], with exactly these limits.
-fn quickest<const N: usize>(
-    from: &Moving<N>,
-    target: &SVector<f64, N>,
-    [velocity, acceleration, jerk]: &Limits<N>,
-) -> Option<Moving<N>> {
-    let mut ruckig = Ruckig::<N, ThrowErrorHandler>::new(None, PERIOD);
-    let mut input = InputParameter::<N>::new(None);
-    let mut output = OutputParameter::<N>::new(None);
-    for axis in 0..N {
-        input.current_position[axis] = from.position[axis];
-        input.current_velocity[axis] = from.velocity[axis];
-        input.current_acceleration[axis] = from.acceleration[axis];
-        input.target_position[axis] = target[axis];
-        input.max_velocity[axis] = velocity[axis];
-        input.max_acceleration[axis] = acceleration[axis];
-        input.max_jerk[axis] = jerk[axis];
-    }
-    ruckig.update(&input, &mut output).ok()?;
-    let next = Moving::<N> {
-        position: SVector::from_fn(|axis, _| output.new_position[axis]),
-        velocity: SVector::from_fn(|axis, _| output.new_velocity[axis]),
-        acceleration: SVector::from_fn(|axis, _| output.new_acceleration[axis]),
-    };
-    next.position.iter().all(|value| value.is_finite()).then_some(next)
-}
 
 /// Makes the commands of one agent smooth, one after the other.
 pub struct Smoother {
@@ -161,14 +91,7 @@ impl Smoother {
         let joint = |index: usize| &self.arm.joints[index];
         let low = JointVector::from_fn(|index, _| joint(index).range[0]);
         let high = JointVector::from_fn(|index, _| joint(index).range[1]);
-        let limits = [
-            JointVector::from_fn(|index, _| {
-                let [backward, forward] = joint(index).velocity_at(before.positions[index]);
-                SHARE * if target[index] < before.positions[index] { -backward } else { forward }
-            }),
-            JointVector::from_fn(|index, _| SHARE * joint(index).acceleration),
-            JointVector::from_fn(|index, _| SHARE * joint(index).jerk),
-        ];
+        let limits = joint_limits(&self.arm, &before.positions, &target);
         let estimated = || Moving::estimated(before.positions, before.velocities, before.accelerations);
         let from = moving.unwrap_or_else(estimated);
         match towards::<DOF>(&from, &target.sup(&low).inf(&high), &limits) {
@@ -206,9 +129,9 @@ impl Smoother {
             None => Moving::estimated(position, before.velocity, before.acceleration),
         };
         let turn = (target.rotation * before.x_wt.rotation.inverse()).scaled_axis();
-        let limits = [limits.velocity, limits.acceleration, limits.jerk]
-            .map(|[point, turn]| Vector6::new(point, point, point, turn, turn, turn) * POSE_SHARE);
-        let Some(there) = towards::<6>(&from, &joined(&target.translation.vector, &turn), &limits) else {
+        let limits = pose_limits(limits);
+        let aim = joined(&target.translation.vector, &turn);
+        let Some(there) = towards::<6>(&from, &aim, &limits) else {
             return passed(before.next(before.x_wt));
         };
         let turn = UnitQuaternion::from_scaled_axis(there.position.fixed_rows::<3>(3).into_owned());
@@ -223,7 +146,7 @@ mod tests {
     use std::path::Path;
 
     use proptest::prelude::*;
-    use ramp_robot::GripperCommand;
+    use ramp_robot::{GripperCommand, PERIOD};
 
     use super::*;
 

@@ -5,6 +5,8 @@
 //! and motion planning together. Prints the real-time factors and their ratio. Then the steps a second of the
 //! twin in the world `real` over those in `ideal`.
 
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
 use std::time::{Duration, Instant};
 
 use mujoco_rs::prelude::*;

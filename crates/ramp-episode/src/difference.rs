@@ -1,8 +1,10 @@
 //! Differences between an episode and its replay.
 
 use ramp_result::EpisodeResult;
-use ramp_result::episode::PegResult;
+use ramp_result::episode::{EndKind, PegResult};
 use ramp_robot::RobotError;
+
+use crate::episode::kind_of;
 
 /// Something that differs between a log and its replay.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +33,10 @@ pub(crate) fn compare(
             differences.push(Difference { time, what, logged, replayed });
         }
     };
-    let peg = |peg: &PegResult| format!("{} since {} s", peg.peg, peg.t_robot);
+    let peg = |peg: &PegResult| {
+        let [first, second] = &peg.joints;
+        format!("{} at {} ({first}, {second}) since {} s", peg.peg, peg.connection, peg.t_robot)
+    };
     let pegs = |result: &EpisodeResult, index: usize| match result.pegs.get(index) {
         Some(found) => found.as_ref().map_or_else(|| "no peg".to_string(), peg),
         None => "no such connection".to_string(),
@@ -40,6 +45,8 @@ pub(crate) fn compare(
         let what = format!("connection {}", index + 1);
         differ(what, pegs(logged, index), pegs(replayed, index));
     }
+    let rejected = |result: &EpisodeResult| format!("{:?}", result.rejected);
+    differ("rejected pegs".into(), rejected(logged), rejected(replayed));
     differ("completion".into(), logged.completion.to_string(), replayed.completion.to_string());
     differ("robot time".into(), logged.time.robot.to_string(), replayed.time.robot.to_string());
     let told = |told: bool| if told { "present" } else { "missing" }.to_string();
@@ -60,5 +67,9 @@ pub(crate) fn compare(
     differ("fault".into(), fault(logged), fault(replayed));
     if let Some(error) = stopped {
         differ("reason of the end".into(), logged.ended.reason.clone(), error.to_string());
+        let kind = |kind: Option<EndKind>| format!("{kind:?}");
+        differ("kind of the end".into(), kind(logged.ended.kind), kind(Some(kind_of(error))));
+    } else if logged.ended.kind.is_some_and(|kind| kind == EndKind::Simulation) {
+        differ("kind of the end".into(), "Simulation".into(), "no fault of the simulation".into());
     }
 }

@@ -8,7 +8,7 @@ use ramp_log::header::{
 };
 use ramp_log::{LogError, Recorder, SecretSeed};
 use ramp_result::episode::{
-    AgentInfo, Ended, EpisodeResult, FaultInfo, Host, PlanInfo, RULES, RobotTime, SCHEMA, Software,
+    AgentInfo, EndKind, Ended, EpisodeResult, FaultInfo, Host, PlanInfo, RULES, RobotTime, SCHEMA, Software,
     StartInfo, Time, WorldInfo, completion,
 };
 use ramp_result::sha256;
@@ -68,9 +68,19 @@ pub fn run_episode(
     label: &Label,
     watcher: &mut Watcher,
 ) -> Result<EpisodeResult, TwinError> {
-    let mut twin = Twin::new(setup)?;
-    let mut judged = Judged::new(&mut twin, setup, None, watcher);
-    Ok(run(&mut judged, setup, agent, label))
+    Ok(run_episode_in(&mut Twin::new(setup)?, setup, agent, label, watcher))
+}
+
+/// As [`run_episode`], in a twin of this setup that was made before: for starts that are not those of the
+/// sheet.
+pub fn run_episode_in(
+    twin: &mut Twin,
+    setup: &Setup,
+    agent: &mut dyn Agent,
+    label: &Label,
+    watcher: &mut Watcher,
+) -> EpisodeResult {
+    run(&mut Judged::new(twin, setup, None, watcher), setup, agent, label)
 }
 
 /// An episode that was run and recorded.
@@ -158,11 +168,22 @@ fn add_own(events: &mut Vec<Event>, fault: Option<&FaultInfo>, stopped: Option<&
     }
 }
 
+/// The kind of an end that the robot's error is the reason for.
+pub(crate) fn kind_of(error: &RobotError) -> EndKind {
+    match error {
+        RobotError::OutOfTime { .. } => EndKind::Time,
+        RobotError::Diverged { .. } => EndKind::Simulation,
+        _ => EndKind::Robot,
+    }
+}
+
 fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label) -> EpisodeResult {
     judged.answered = Instant::now();
     let outcome = agent.run(judged);
     judged.called();
-    judged.judge();
+    // Before the results are there, which are not for the agent.
+    agent.finish();
+    judged.judge_end();
     let Account { planning, coarse, fine, replans, mut events } = agent.account();
     let thought = judged.thought;
     let planning = planning.clamp(0.0, thought);
@@ -171,10 +192,11 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
     let (name, version) = agent.name();
     let fault = judged.fault();
     add_own(&mut events, fault.as_ref(), outcome.as_ref().err(), robot);
-    let reason = match (agent.failure(), outcome) {
-        (Some(failure), _) => failure,
-        (None, Err(error)) => error.to_string(),
-        (None, Ok(())) => "done".to_string(),
+    let (reason, kind) = match (agent.failure(), outcome) {
+        (Some(failure), _) if agent.is_late() => (failure, EndKind::Wall),
+        (Some(failure), _) => (failure, EndKind::Agent),
+        (None, Err(error)) => (error.to_string(), kind_of(&error)),
+        (None, Ok(())) => ("done".to_string(), EndKind::Done),
     };
     EpisodeResult {
         schema: SCHEMA.to_string(),
@@ -197,13 +219,20 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
         host: Host::here(),
         completion: completion(&pegs),
         pegs,
-        time: Time { planning, compute: thought - planning, robot, total: thought + robot },
+        rejected: judged.rejected(setup),
+        time: Time {
+            planning,
+            compute: thought - planning,
+            robot,
+            total: thought + robot,
+            agent_cpu: agent.processor_time(),
+        },
         robot_time: label.robot_time,
         plan: PlanInfo { coarse, fine, replans },
         events,
         physics: Some(judged.physics()),
         fault,
-        ended: Ended { reason },
+        ended: Ended { reason, kind: Some(kind) },
         log: None,
     }
 }

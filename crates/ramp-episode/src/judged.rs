@@ -3,14 +3,14 @@
 use std::time::Instant;
 
 use ramp_log::Recorder;
-use ramp_referee::Referee;
-use ramp_result::episode::{FaultInfo, PegResult, Physics};
+use ramp_referee::{REST, Reason, Referee};
+use ramp_result::episode::{FaultInfo, PegResult, Physics, RejectReason, RejectedPeg};
 use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
-use ramp_twin::{FaultReport, Setup, Twin};
+use ramp_twin::{FaultReport, Moment, Setup, Twin};
 
 use crate::answer;
 
-/// Number of steps between two checks of the referee (10 ms).
+/// Control periods between two looks of the referee (10 ms).
 const WATCH_EVERY: u64 = 10;
 
 /// State of a running episode, for a display.
@@ -36,7 +36,6 @@ pub(crate) struct Judged<'a, 'w> {
     pub(crate) thought: f64,
     /// When the agent got the last answer.
     pub(crate) answered: Instant,
-    steps: u64,
     /// The fatal error of the robot.
     stopped: Option<RobotError>,
     pub(crate) recorder: Option<Recorder>,
@@ -51,12 +50,12 @@ impl<'a, 'w> Judged<'a, 'w> {
         watcher: &'a mut Watcher<'w>,
     ) -> Judged<'a, 'w> {
         let referee = Referee::new(setup.assembly, twin.part_names());
+        twin.record_moments(WATCH_EVERY);
         let mut judged = Judged {
             twin,
             referee,
             thought: 0.0,
             answered: Instant::now(),
-            steps: 0,
             stopped: None,
             recorder,
             watcher,
@@ -112,11 +111,46 @@ impl<'a, 'w> Judged<'a, 'w> {
         result
     }
 
-    pub(crate) fn judge(&mut self) {
-        self.referee.watch(&self.twin.truth(), self.thought);
+    /// Shows the referee all moments of a call that came due in it.
+    fn judge(&mut self) {
+        let moments = self.twin.moments();
+        for moment in &moments {
+            self.show(moment);
+        }
+        if !moments.is_empty() {
+            self.report();
+        }
+    }
+
+    /// The end: the referee looks once more, and, if a peg counts, at the parts while they rest without the
+    /// arm.
+    pub(crate) fn judge_end(&mut self) {
+        self.judge();
+        let last = self.twin.moment();
+        self.show(&last);
+        if self.referee.verdict().iter().any(Option::is_some) {
+            for moment in self.twin.without_arm(REST, WATCH_EVERY) {
+                self.referee.rested(&moment.truth, &moment.penetrations);
+            }
+            self.record_verdict();
+        }
+        self.report();
+    }
+
+    fn show(&mut self, moment: &Moment) {
+        self.referee.penetrated(&moment.truth, &moment.penetrations);
+        self.referee.watch(&moment.truth, self.thought);
+        self.record_verdict();
+    }
+
+    fn record_verdict(&mut self) {
         if let Some(recorder) = &mut self.recorder {
             recorder.judge(&self.referee);
         }
+    }
+
+    /// The display gets the progress.
+    fn report(&mut self) {
         let verdict = self.referee.verdict();
         let progress = Progress {
             time: self.twin.time(),
@@ -146,6 +180,25 @@ impl<'a, 'w> Judged<'a, 'w> {
             .collect()
     }
 
+    /// The pegs that are in their place and do not count.
+    pub(crate) fn rejected(&self, setup: &Setup) -> Vec<RejectedPeg> {
+        let connections = setup.assembly.connections.iter().zip(self.referee.rejected());
+        let rejected =
+            connections.filter_map(|(connection, rejected)| Some((connection, rejected.as_ref()?)));
+        rejected
+            .map(|(connection, rejected)| RejectedPeg {
+                connection: connection.name.clone(),
+                peg: rejected.peg.clone(),
+                reason: match &rejected.reason {
+                    Reason::Fell => RejectReason::Fell {},
+                    Reason::Penetration { parts, depth } => {
+                        RejectReason::Penetration { parts: parts.clone(), depth: *depth }
+                    }
+                },
+            })
+            .collect()
+    }
+
     /// The outcome of the episode's fault.
     pub(crate) fn fault(&self) -> Option<FaultInfo> {
         self.twin.fault().map(fault_info)
@@ -170,10 +223,7 @@ impl Robot for Judged<'_, '_> {
             Some(error) => Err(error.clone()),
             None => command.check_limits().and_then(|()| self.twin.step(command)),
         };
-        self.steps += 1;
-        if self.steps.is_multiple_of(WATCH_EVERY) {
-            self.judge();
-        }
+        self.judge();
         self.answer(result)
     }
 
@@ -186,16 +236,12 @@ impl Robot for Judged<'_, '_> {
         if let Some(recorder) = self.recorder() {
             recorder.read_parts();
         }
-        let before = self.twin.time();
         let result = match &self.stopped {
             Some(error) => Err(error.clone()),
             None => self.twin.read_parts(),
         };
         self.record_answer(&result, |parts| answer::of_readings(parts));
-        // If a reading takes time, the world has advanced.
-        if self.twin.time() > before {
-            self.judge();
-        }
+        self.judge();
         self.answer(result)
     }
 

@@ -19,7 +19,7 @@ pub mod tape;
 
 pub use conduct::Breach;
 pub use difference::Difference;
-pub use episode::{EpisodeError, Label, Recorded, record_episode, run_episode};
+pub use episode::{EpisodeError, Label, Recorded, record_episode, run_episode, run_episode_in};
 pub use judged::{Progress, Watcher};
 pub use replay::{ReplayError, Replayed, replay};
 pub use tape::Tape;

@@ -18,7 +18,7 @@ use crate::judged::{Judged, Watcher};
 use ramp_log::calls::CallsError;
 use ramp_log::{Header, Log};
 use ramp_result::episode::completion;
-use ramp_result::episode::{EpisodeResult, RULES};
+use ramp_result::episode::{EpisodeResult, RULES, WorldInfo};
 
 /// The result of a replay.
 #[derive(Clone, Debug)]
@@ -76,6 +76,11 @@ pub enum ReplayError {
         /// In the result, or in the goal file.
         result: String,
     },
+    /// Its result names other numbers than its world and seed give.
+    #[error(
+        "the log contradicts itself: the numbers in its result are not those that its world and seed give"
+    )]
+    Draw,
     /// The header has an invalid value.
     #[error("invalid {what} in the log: {found}")]
     Impossible {
@@ -138,6 +143,9 @@ impl LoggedSetup {
             None => None,
         };
         let seed = header.secret.as_ref().map_or(header.seed, |secret| secret.seed);
+        if log.result.world != Some(WorldInfo::of(&world, seed)) {
+            return Err(ReplayError::Draw);
+        }
         Ok(LoggedSetup { assembly, arm, world, track, seed, start, fault })
     }
 
@@ -182,9 +190,10 @@ pub fn replay_watched(
         AgainError::Idle => ReplayError::Impossible { what: "calls", found: error.to_string() },
     })?;
     let mut differences = Vec::from_iter(again.difference);
-    judged.judge();
+    judged.judge_end();
     let mut result = log.result.clone();
     result.pegs = judged.pegs(&setup);
+    result.rejected = judged.rejected(&setup);
     result.physics = Some(judged.physics());
     result.fault = judged.fault();
     result.completion = completion(&result.pegs);

@@ -4,7 +4,7 @@
 //! `RAMP_FUZZ_SECONDS=3600 cargo test --release -p ramp-episode --test fuzz -- --ignored --nocapture`
 
 // A failed unwrap here is a failed test; an allocator that counts cannot be written without `unsafe`.
-#![allow(clippy::unwrap_used, unsafe_code)]
+#![allow(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr, unsafe_code)]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use ramp_episode::replay;
 use ramp_external_agent::protocol::{Request, parse};
-use ramp_log::Log;
+use ramp_log::{Limits, Log};
 use ramp_robot::random::Stream;
 use ramp_testing::GoalFiles;
 use ramp_testing::episode::Swing;
@@ -99,7 +99,7 @@ fn mangle(bytes: &mut Vec<u8>, stream: &mut Stream) {
 
 /// Reads what may be a log, as far as its calls.
 fn read(bytes: &[u8]) -> bool {
-    let Ok(log) = Log::from_bytes(Path::new("x.mcap"), bytes) else { return false };
+    let Ok(log) = Log::from_bytes(Path::new("x.mcap"), bytes, &Limits::default()) else { return false };
     let calls = log.calls().take_while(Result::is_ok).count();
     replay::LoggedSetup::of(&log).is_ok() && calls > 0
 }

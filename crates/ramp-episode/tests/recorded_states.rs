@@ -9,7 +9,7 @@
 //! line is a probe of these functions. On a processor with another probe the comparisons are skipped.
 
 // A failed unwrap here is a failed test.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 
 use std::process::ExitCode;
 

@@ -1,17 +1,24 @@
 //! The referee: reads the truth and reports the seated pegs with their times.
 //!
-//! A peg counts when its axis passes through both holes of a required connection, its head rests
-//! within 0.5 mm of the female's top plate, and it stays so to the end of the episode. Its time is
-//! when that began.
+//! A peg counts when its axis passes through both holes of a required connection ([`pins()`]), its head rests
+//! within 0.5 mm of the female's top plate, and it stays so to the end of the episode. Its time is when that
+//! began. It counts for one connection only. Where the referee judges a simulation, it is given the parts
+//! that are in each other as well ([`Referee::penetrated`]), and the poses once more while the parts rest
+//! without the arm ([`Referee::rested`]).
 
-use nalgebra::{Point3, Vector3};
-use ramp_assembly::Truth;
-use ramp_assembly::{Assembly, JointRef};
-use ramp_kit::Pose;
-use ramp_kit::joint::{BODY_WIDTH, FEMALE_HEIGHT, HOLE_RADIUS, STEM_LENGTH, WALL};
+mod penetrations;
+mod pins;
 
-/// Largest distance of a counted peg's head from the female's top plate, m.
-pub const SEATED: f64 = 0.5e-3;
+use nalgebra::Point3;
+use ramp_assembly::{Assembly, JointRef, Penetration, Truth};
+
+use penetrations::Penetrations;
+pub use penetrations::{APART, DEEPEST};
+pub use pins::{SEATED, pins};
+
+/// Time for which parts rest without the arm at the end, s. Chosen: a peg falls out of a hole in a tenth of
+/// it.
+pub const REST: f64 = 2.0;
 
 /// A peg that counts.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,15 +31,42 @@ pub struct Seated {
     pub thought: f64,
 }
 
+/// A peg that is in its place and does not count.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rejected {
+    /// The peg's name.
+    pub peg: String,
+    /// The reason.
+    pub reason: Reason,
+}
+
+/// Reasons why a peg in its place does not count.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reason {
+    /// Two parts of its connection were deeper in each other than [`DEEPEST`], and have not been apart since.
+    Penetration {
+        /// The names of the two parts.
+        parts: [String; 2],
+        /// The largest depth, m.
+        depth: f64,
+    },
+    /// It did not stay in its place when the arm was gone.
+    Fell,
+}
+
 /// Watches one episode.
 #[derive(Clone, Debug)]
 pub struct Referee {
+    /// Names of all parts, in the order of the truths.
+    names: Vec<String>,
     /// Index into the truth of each beam of the assembly.
     beams: Vec<usize>,
-    /// Name and index into the truth of every peg.
-    pegs: Vec<(String, usize)>,
+    /// Index into the truth of every peg.
+    pegs: Vec<usize>,
     connections: Vec<Required>,
+    penetrations: Penetrations,
     seated: Vec<Option<Seated>>,
+    rejected: Vec<Option<Rejected>>,
 }
 
 #[derive(Clone, Debug)]
@@ -49,7 +83,7 @@ impl Referee {
     ///
     /// Beams of the goal that are not among the parts make their connections uncountable.
     pub fn new<'n>(assembly: &Assembly, part_names: impl Iterator<Item = &'n str>) -> Referee {
-        let names: Vec<&str> = part_names.collect();
+        let names: Vec<String> = part_names.map(str::to_string).collect();
         let index = |name: &str| names.iter().position(|other| *other == name);
         let hole = |joint: JointRef| assembly.beams[joint.beam].beam.p_b_hole(joint.joint);
         let connections = assembly
@@ -63,25 +97,60 @@ impl Referee {
             })
             .collect::<Vec<_>>();
         let beams = assembly.beams.iter().map(|placed| index(&placed.beam.name).unwrap_or(usize::MAX));
-        let pegs = assembly.kit.pegs.iter().filter_map(|peg| Some((peg.name.clone(), index(&peg.name)?)));
         Referee {
             beams: beams.collect(),
-            pegs: pegs.collect(),
+            pegs: assembly.kit.pegs.iter().filter_map(|peg| index(&peg.name)).collect(),
+            names,
+            penetrations: Penetrations::default(),
             seated: vec![None; connections.len()],
+            rejected: vec![None; connections.len()],
             connections,
         }
     }
 
     /// Reads the true poses once. `thought` is the agent's own clock, s.
     pub fn watch(&mut self, truth: &Truth, thought: f64) {
-        for index in 0..self.connections.len() {
-            let peg = self.peg_in(truth, index);
+        self.penetrations.part(truth);
+        let found = self.found(truth);
+        for (index, peg) in found.into_iter().enumerate() {
             let before = self.seated[index].take();
-            self.seated[index] = match (peg, before) {
-                (Some(peg), Some(before)) if before.peg == self.pegs[peg].0 => Some(before),
-                (Some(peg), _) => Some(Seated { peg: self.pegs[peg].0.clone(), since: truth.time, thought }),
-                (None, _) => None,
+            let Some(peg) = peg else {
+                self.rejected[index] = None;
+                continue;
             };
+            let name = self.names[peg].clone();
+            self.rejected[index] =
+                self.penetration_in(index, peg).map(|reason| Rejected { peg: name.clone(), reason });
+            if self.rejected[index].is_none() {
+                let before = before.filter(|before| before.peg == name);
+                let now = Seated { peg: name, since: truth.time, thought };
+                self.seated[index] = Some(before.unwrap_or(now));
+            }
+        }
+    }
+
+    /// Reads which parts were in each other since the last call; `truth` has the poses now. Those that were
+    /// too deep reject the pegs of their connections until they have been apart. Before [`Referee::watch`]
+    /// with the same truth.
+    pub fn penetrated(&mut self, truth: &Truth, penetrations: &[Penetration]) {
+        self.penetrations.add(truth, penetrations);
+    }
+
+    /// Reads the true poses, and the parts that are in each other, while the parts rest without the arm at
+    /// the end: a peg that is not in its place then does not count.
+    pub fn rested(&mut self, truth: &Truth, penetrations: &[Penetration]) {
+        self.penetrations.add(truth, penetrations);
+        let found = self.found(truth);
+        for (index, peg) in found.into_iter().enumerate() {
+            let Some(seated) = &self.seated[index] else { continue };
+            let reason = match peg.filter(|peg| self.names[*peg] == seated.peg) {
+                Some(peg) => self.penetration_in(index, peg),
+                None => Some(Reason::Fell),
+            };
+            if let Some(reason) = reason {
+                self.rejected[index] = Some(Rejected { peg: seated.peg.clone(), reason });
+                self.seated[index] = None;
+            }
         }
     }
 
@@ -90,130 +159,54 @@ impl Referee {
         &self.seated
     }
 
-    /// The peg that pins a connection in this truth, as an index into `self.pegs`.
-    fn peg_in(&self, truth: &Truth, connection: usize) -> Option<usize> {
-        let required = &self.connections[connection];
-        let x_female = truth.x_wp.get(*self.beams.get(required.female.beam)?)?;
-        let x_male = truth.x_wp.get(*self.beams.get(required.male.beam)?)?;
-        self.pegs.iter().position(|(_, index)| {
-            truth
-                .x_wp
-                .get(*index)
-                .is_some_and(|x_peg| pins(x_peg, x_female, &required.p_b_female, x_male, &required.p_b_male))
-        })
-    }
-}
-
-/// Whether the peg at `x_peg` pins these two holes. Poses are in the world, holes in their beams'
-/// frames.
-///
-/// ```
-/// use nalgebra::Point3;
-/// use ramp_kit::Pose;
-/// let beam = Pose::translation(0.0, 0.0, 0.0166);
-/// let hole = Point3::origin();
-/// let seated = Pose::translation(0.0, 0.0, 0.0332);
-/// assert!(ramp_referee::pins(&seated, &beam, &hole, &beam, &hole));
-/// let not_flush = Pose::translation(0.0, 0.0, 0.0332 + 0.0006);
-/// assert!(!ramp_referee::pins(&not_flush, &beam, &hole, &beam, &hole));
-/// ```
-pub fn pins(
-    x_peg: &Pose,
-    x_female: &Pose,
-    p_b_female: &Point3<f64>,
-    x_male: &Pose,
-    p_b_male: &Point3<f64>,
-) -> bool {
-    let female = x_female * p_b_female;
-    // Fast rejection: most pegs are far away.
-    if (x_peg.translation.vector - female.coords).norm() > 0.05 {
-        return false;
-    }
-    let up = upward(x_female);
-    let plate = female + up * (FEMALE_HEIGHT / 2.0);
-    let gap = (x_peg.translation.vector - plate.coords).dot(&up);
-    if gap.abs() > SEATED {
-        return false;
-    }
-    let male = x_male * p_b_male;
-    let male_up = upward(x_male);
-    // The mouth of the top plate, the inner face of the bottom plate, and both ends of the male's
-    // hole.
-    passes(x_peg, &plate, &up)
-        && passes(x_peg, &(female - up * (FEMALE_HEIGHT / 2.0 - WALL)), &up)
-        && passes(x_peg, &(male + male_up * (BODY_WIDTH / 2.0)), &male_up)
-        && passes(x_peg, &(male - male_up * (BODY_WIDTH / 2.0)), &male_up)
-}
-
-/// The axis of a beam's holes, pointing up: a flipped beam's z points down.
-fn upward(x_wb: &Pose) -> Vector3<f64> {
-    let z = x_wb.rotation * Vector3::z();
-    if z.z < 0.0 { -z } else { z }
-}
-
-/// Whether the stem's axis passes through the round hole around `centre` in the plane with normal
-/// `normal`.
-fn passes(x_peg: &Pose, centre: &Point3<f64>, normal: &Vector3<f64>) -> bool {
-    let down = x_peg.rotation * -Vector3::z();
-    let slope = down.dot(normal);
-    if slope.abs() < 1e-6 {
-        return false;
-    }
-    let along = (centre.coords - x_peg.translation.vector).dot(normal) / slope;
-    let through = x_peg.translation.vector + down * along;
-    // Within the stem's length, with the head's tolerance.
-    (-SEATED..=STEM_LENGTH + SEATED).contains(&along) && (through - centre.coords).norm() < HOLE_RADIUS
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::{Translation3, UnitQuaternion};
-
-    fn female() -> Pose {
-        Pose::translation(0.3, 0.1, 0.0166)
+    /// The pegs that are or were in their place at the last look, and do not count, by connection.
+    pub fn rejected(&self) -> &[Option<Rejected>] {
+        &self.rejected
     }
 
-    fn peg(x: f64, y: f64, gap: f64) -> Pose {
-        Pose::translation(0.3 + x, 0.1 + y, 0.0332 + gap)
-    }
-
-    fn judge(peg: &Pose, male_shift: f64) -> bool {
-        let male = Pose::translation(0.3 + male_shift, 0.1, 0.0166);
-        pins(peg, &female(), &Point3::origin(), &male, &Point3::origin())
-    }
-
-    #[test]
-    fn a_seated_peg_counts_and_one_too_high_or_too_low_does_not() {
-        assert!(judge(&peg(0.0, 0.0, 0.0), 0.0));
-        assert!(judge(&peg(0.0, 0.0, 0.00049), 0.0));
-        assert!(!judge(&peg(0.0, 0.0, 0.00051), 0.0));
-        assert!(!judge(&peg(0.0, 0.0, -0.00051), 0.0));
-    }
-
-    #[test]
-    fn the_axis_must_pass_through_both_holes() {
-        assert!(judge(&peg(0.0041, 0.0, 0.0), 0.0));
-        assert!(!judge(&peg(0.0043, 0.0, 0.0), 0.0));
-        // The male is missing.
-        assert!(!judge(&peg(0.0, 0.0, 0.0), 0.0043));
-        assert!(!judge(&peg(0.0, 0.0, 0.0), 0.05));
-    }
-
-    #[test]
-    fn a_peg_on_its_head_or_its_side_does_not_count() {
-        for angle in [1.6, std::f64::consts::PI] {
-            let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle);
-            let lying = Pose::from_parts(Translation3::new(0.3, 0.1, 0.0332), turn);
-            assert!(!judge(&lying, 0.0));
+    /// The peg that pins each connection in this truth, as an index into the truth. A peg pins one connection
+    /// at most: that for which it counted before, else the first.
+    fn found(&self, truth: &Truth) -> Vec<Option<usize>> {
+        let mut found = vec![None; self.connections.len()];
+        let mut used = Vec::new();
+        for counted in [true, false] {
+            for (index, place) in found.iter_mut().enumerate() {
+                let before = self.seated[index].as_ref().map(|before| before.peg.as_str());
+                if place.is_some() || counted && before.is_none() {
+                    continue;
+                }
+                let fits = |peg: &usize| {
+                    (!counted || before == Some(&self.names[*peg]))
+                        && !used.contains(peg)
+                        && self.is_pinned(truth, index, *peg)
+                };
+                *place = self.pegs.iter().copied().find(fits);
+                used.extend(*place);
+            }
         }
+        found
     }
 
-    #[test]
-    fn a_flipped_female_is_judged_by_the_plate_that_is_on_top() {
-        let roll = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-        let flipped = Pose::from_parts(female().translation, roll);
-        let here = Point3::origin();
-        assert!(pins(&peg(0.0, 0.0, 0.0), &flipped, &here, &female(), &here));
+    /// Whether this peg pins a connection in this truth.
+    fn is_pinned(&self, truth: &Truth, connection: usize, peg: usize) -> bool {
+        let Required { female, male, p_b_female, p_b_male } = &self.connections[connection];
+        let beam = |joint: &JointRef| truth.x_wp.get(*self.beams.get(joint.beam)?);
+        let (Some(x_female), Some(x_male), Some(x_peg)) = (beam(female), beam(male), truth.x_wp.get(peg))
+        else {
+            return false;
+        };
+        pins(x_peg, x_female, p_b_female, x_male, p_b_male)
+    }
+
+    /// The penetration for which this peg does not count in a connection: of its peg with anything, or of its
+    /// two beams.
+    fn penetration_in(&self, connection: usize, peg: usize) -> Option<Reason> {
+        let Required { female, male, .. } = &self.connections[connection];
+        let beams = [female, male].map(|joint| self.beams[joint.beam]);
+        let found = self
+            .penetrations
+            .deepest(|parts| parts.contains(&peg) || parts == beams || parts == [beams[1], beams[0]])?;
+        let parts = found.parts.map(|part| self.names.get(part).cloned().unwrap_or_default());
+        Some(Reason::Penetration { parts, depth: found.depth })
     }
 }

@@ -38,6 +38,7 @@ pub fn check_unless(name: &'static str, missing: fn() -> Option<String>, run: fn
 
 /// Runs the checks that the arguments of this process select, then names those that were skipped.
 #[must_use]
+#[allow(clippy::print_stdout)]
 pub fn run(checks: Vec<Trial>) -> ExitCode {
     let conclusion = libtest_mimic::run(&Arguments::from_args(), checks);
     for skipped in SKIPPED.lock().unwrap_or_else(PoisonError::into_inner).iter() {

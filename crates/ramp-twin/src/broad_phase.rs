@@ -42,6 +42,8 @@ pub(crate) struct BroadPhase {
     queue: Vec<usize>,
     /// Contact types and affinities of bodies, as the engine is to see them.
     masks: [Vec<i32>; 2],
+    /// Bodies that touch nothing.
+    gone: Vec<usize>,
 }
 
 impl BroadPhase {
@@ -57,7 +59,14 @@ impl BroadPhase {
             }
         }
         let masks = [vec![0; bodies], vec![0; bodies]];
-        BroadPhase { boxes: extents.clone(), extents, near: vec![false; bodies], queue: Vec::new(), masks }
+        let near = vec![false; bodies];
+        BroadPhase { boxes: extents.clone(), extents, near, queue: Vec::new(), masks, gone: Vec::new() }
+    }
+
+    /// Lets these bodies touch nothing any more.
+    pub fn without(mut self, bodies: &[usize]) -> BroadPhase {
+        self.gone = bodies.to_vec();
+        self
     }
 
     /// Steps the physics, as [`MjData::step`] does.
@@ -67,6 +76,7 @@ impl BroadPhase {
         let model = data.model();
         // The whole world's geoms collide with whatever is awake.
         self.near[0] = true;
+        self.gone.iter().for_each(|body| self.near[*body] = false);
         for (mask, all) in self.masks.iter_mut().zip([model.body_contype(), model.body_conaffinity()]) {
             for ((mask, all), near) in mask.iter_mut().zip(all).zip(&self.near) {
                 *mask = if *near { *all } else { 0 };

@@ -12,7 +12,7 @@ use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_robot::{ArmCommand, DOF, PERIOD, RobotError};
 use ramp_world::Physics;
-use ramp_world::groups::{Arm, Controller};
+use ramp_world::groups::Controller;
 
 use crate::joint_friction::{JointFriction, shares};
 use crate::line::Line;
@@ -199,10 +199,25 @@ fn bias(physics: &Physics, positions: &JointVector) -> JointVector {
     })
 }
 
-/// The arm's state by its own model, from joint positions with the errors of its joint sensors.
-pub(crate) fn believed(arm: &Arm, state: ArmState) -> ArmState {
+/// The multiple of `step` that is nearest to `value`; `value` itself without a step.
+pub(crate) fn in_steps(value: f64, step: f64) -> f64 {
+    if step > 0.0 { (value / step).round() * step } else { value }
+}
+
+/// The arm's state by its own model, from joint positions with the errors of its joint sensors, their noise
+/// and their step.
+pub(crate) fn believed(physics: &Physics, noise: &mut Stream, state: ArmState) -> ArmState {
+    let Physics { arm, sensing, .. } = physics;
     let off = JointVector::from_fn(|joint, _| {
-        arm.offset[joint] + arm.wave[joint] * (state.positions[joint] + arm.wave_begin[joint]).sin()
+        let position = state.positions[joint];
+        let mut off = arm.offset[joint] + arm.wave[joint] * (position + arm.wave_begin[joint]).sin();
+        if sensing.encoder_noise > 0.0 {
+            off += noise.normal(sensing.encoder_noise);
+        }
+        if sensing.encoder_step > 0.0 {
+            off = in_steps(position + off, sensing.encoder_step) - position;
+        }
+        off
     });
     if off == JointVector::zeros() {
         return state;

@@ -18,6 +18,7 @@ mod line;
 mod looks;
 pub mod mjcf;
 mod period;
+mod rest;
 mod scene;
 mod sensors;
 pub mod setup;
@@ -28,6 +29,7 @@ mod targets;
 pub mod twin;
 #[cfg(feature = "view")]
 pub mod view;
+mod witness;
 
 pub use fault::{Fault, FaultError, FaultKind, FaultReport};
 pub use layout::Layout;
@@ -36,3 +38,4 @@ pub use ramp_world::{Start, World};
 pub use setup::{Setup, TwinError};
 pub use twin::Twin;
 pub use twin::snapshot::{RestoreError, Snapshot};
+pub use witness::Moment;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use mujoco_rs::prelude::*;
 use nalgebra::Vector3;
-use ramp_control::{ArmState, JointMotion};
+use ramp_control::{ArmState, Follower, JointMotion};
 use ramp_robot::{ArmCommand, Command, DOF, PERIOD, RobotError, TIME_LIMIT};
 
 use crate::broad_phase::BroadPhase;
@@ -15,6 +15,8 @@ use crate::scene::Scene;
 use crate::sensors;
 use crate::shutters::Moment;
 use crate::state::State;
+use crate::targets::Targets;
+use crate::witness;
 
 /// Distance by which a joint may pass a soft stop before the robot reports it, rad.
 const POSITION_MARGIN: f64 = 0.005;
@@ -54,8 +56,10 @@ fn recover(
     let periods = (scene.physics.line.recovery / PERIOD).round() as u32;
     state.targets.holding = true;
     state.targets.joints = Some(JointMotion::at_rest(state.arm.positions));
+    state.targets.follower = Follower::Free;
     let recovered = (0..periods).try_for_each(|_| advance(scene, data, state, broad_phase, &here));
-    state.targets = before;
+    // The arm goes on from where it stands.
+    state.targets = Targets { follower: Follower::Free, ..before };
     recovered
 }
 
@@ -77,10 +81,11 @@ fn advance(
     state.targets.command = Some(command.clone());
     state.steps += 1;
     state.deepest = state.deepest.max(scene.deepest_penetration(data));
+    witness::record(scene, data, &mut state.witness, state.steps);
     let reading = sensors::read_wrist(scene, data);
-    state.arm = sensors::arm_state(scene, data);
+    state.arm = sensors::arm_state(scene, data, &mut state.encoder_noise);
     state.feel(scene, data, &before, &reading);
-    state.observe(data);
+    state.observe(scene, data);
     expose(scene, data, state);
     state.drive.check_reflex(&scene.physics.controller, state.wrench.fixed_rows::<3>(0).norm())?;
     check_limits(scene, state)

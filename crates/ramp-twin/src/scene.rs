@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use mujoco_rs::prelude::*;
 use mujoco_rs::wrappers::mj_model::MjtObjBase;
+use ramp_assembly::{Penetration, Truth};
 use ramp_render::looks::HOUSING;
 use ramp_render::{Looks, Scene as Picture};
 use ramp_robot::arm::ArmModel;
@@ -35,6 +36,10 @@ pub(crate) struct Scene {
     pub in_holder: BTreeMap<String, String>,
     /// For each geom: does it belong to a beam, a peg or a holder?
     is_part: Vec<bool>,
+    /// For each geom: the index in `parts` of the beam or peg to which it belongs.
+    part_of: Vec<Option<usize>>,
+    /// Bodies of the arm: its links, the hand and the fingers.
+    pub arm_bodies: Vec<usize>,
     /// Site of the wrist sensor.
     pub wrist_site: usize,
     /// Site of the tip.
@@ -80,6 +85,8 @@ impl Scene {
         let holders = layout.holders.iter().map(|(name, _)| named(name)).collect::<Result<Vec<_>, _>>()?;
         let part_bodies: Vec<usize> = parts.iter().chain(&holders).map(|(_, id)| *id).collect();
         let is_part = model.geom_bodyid().iter().map(|id| part_bodies.contains(&(*id as usize))).collect();
+        let part_of = |id: &i32| parts.iter().position(|(_, body)| usize::try_from(*id) == Ok(*body));
+        let part_of = model.geom_bodyid().iter().map(part_of).collect();
         let covered = start.covered.as_ref().map(|(tag, _)| *tag);
         Ok(Scene {
             xml,
@@ -89,6 +96,8 @@ impl Scene {
             holders,
             in_holder: layout.in_holder,
             is_part,
+            part_of,
+            arm_bodies: arm_bodies(&model, body("link0")?),
             wrist_site: find(MjtObjBase::mjOBJ_SITE, "wrist")?,
             tip_site: find(MjtObjBase::mjOBJ_SITE, "tip")?,
             hand_bodies: [body("hand")?, body("finger1")?, body("finger2")?],
@@ -109,6 +118,20 @@ impl Scene {
         Picture { bodies: looks.bodies().iter().enumerate().filter_map(place).collect() }
     }
 
+    /// The true poses of all parts at this robot time (s).
+    pub fn truth(&self, data: &MjData<Arc<MjModel>>, time: f64) -> Truth {
+        Truth { time, x_wp: self.parts.iter().map(|(_, id)| body_pose(data, *id)).collect() }
+    }
+
+    /// Beams and pegs that are deeper in each other now than `least` (m), each pair once for each contact.
+    pub fn penetrations(&self, data: &MjData<Arc<MjModel>>, least: f64) -> impl Iterator<Item = Penetration> {
+        let part = |geom: i32| usize::try_from(geom).ok().and_then(|geom| *self.part_of.get(geom)?);
+        data.contact().iter().filter(move |contact| -contact.dist > least).filter_map(move |contact| {
+            let (one, other) = (part(contact.geom[0])?, part(contact.geom[1])?);
+            Some(Penetration { parts: [one.min(other), one.max(other)], depth: -contact.dist })
+        })
+    }
+
     /// Deepest penetration between two parts (beams, pegs, holders) now, m; 0 without one.
     pub fn deepest_penetration(&self, data: &MjData<Arc<MjModel>>) -> f64 {
         let is_part = |geom: &i32| {
@@ -117,4 +140,16 @@ impl Scene {
         let of_parts = data.contact().iter().filter(|contact| contact.geom.iter().all(is_part));
         of_parts.map(|contact| -contact.dist).fold(0.0, f64::max)
     }
+}
+
+/// The body `base` and all bodies that hang on it.
+fn arm_bodies(model: &MjModel, base: usize) -> Vec<usize> {
+    let mut found = vec![base];
+    // A body comes after the body on which it hangs.
+    for (body, parent) in model.body_parentid().iter().enumerate().skip(1) {
+        if usize::try_from(*parent).is_ok_and(|parent| found.contains(&parent)) {
+            found.push(body);
+        }
+    }
+    found
 }

@@ -25,8 +25,8 @@ pub const READING_STEPS: u32 = 33;
 type Data = MjData<Arc<MjModel>>;
 
 /// State of the arm as its joint sensors report it: the true one, with the world's errors of the joint
-/// positions.
-pub(crate) fn arm_state(scene: &Scene, data: &Data) -> ArmState {
+/// positions, and with the `noise` and the step of the encoders.
+pub(crate) fn arm_state(scene: &Scene, data: &Data, noise: &mut Stream) -> ArmState {
     let p_wt = Vector3::from(data.site_xpos()[scene.tip_site]);
     let rotation = rotation_from_rows(&data.site_xmat()[scene.tip_site]);
     let mut jacobian = Jacobian::zeros();
@@ -44,7 +44,7 @@ pub(crate) fn arm_state(scene: &Scene, data: &Data) -> ArmState {
         jacobian,
         inertia: arm_inertia(scene, data),
     };
-    believed(&scene.physics.arm, state)
+    believed(&scene.physics, noise, state)
 }
 
 /// The arm's joint-space inertia, kg·m²: the first rows of MuJoCo's sparse lower triangle.

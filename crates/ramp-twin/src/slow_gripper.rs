@@ -106,7 +106,8 @@ mod tests {
     /// After a command nothing moves for the dead time; a second command waits until the first is done.
     #[test]
     fn a_command_is_heard_late_and_finished() {
-        let mut gripper = SlowGripper::new(&Gripper { dead_time: 0.5, told_every: 0.1 }, 0.04);
+        let mut gripper =
+            SlowGripper::new(&Gripper { dead_time: 0.5, told_every: 0.1, width_step: 0.0 }, 0.04);
         let command = |width| GripperCommand { width, force: 20.0 };
         let (mut width, mut began, mut ended) = (0.04, None, None);
         let mut reported = Vec::new();

@@ -9,7 +9,7 @@ use ramp_robot::random::Stream;
 use ramp_robot::{DOF, Observation, PERIOD, RobotError};
 
 use crate::cameras::CamerasState;
-use crate::drive::Drive;
+use crate::drive::{Drive, in_steps};
 use crate::engine::rotation_from_rows;
 use crate::fault::{Injector, Start};
 use crate::scene::Scene;
@@ -17,6 +17,7 @@ use crate::sensors;
 use crate::setup::Setup;
 use crate::slow_gripper::SlowGripper;
 use crate::targets::{START_WIDTH, Targets};
+use crate::witness::Witness;
 
 /// Share of a new reading in the wrist sensor's low-pass filter: a time constant of 20 ms.
 const WRENCH_FILTER: f64 = 0.05;
@@ -40,6 +41,8 @@ pub(crate) struct State {
     pub torques: JointVector,
     /// Wrench of the hand on the world that the arm reports, N and N·m, axes of the world.
     pub wrench: Vector6<f64>,
+    /// Noise of the joints' encoders.
+    pub encoder_noise: Stream,
     /// Noise of the wrist sensor.
     pub wrist_noise: Stream,
     /// Noise of the readings of parts.
@@ -54,13 +57,16 @@ pub(crate) struct State {
     pub largest_force: f64,
     /// The observation of the last period.
     pub observation: Observation,
+    /// Recorder of what the referee has to see.
+    pub witness: Witness,
 }
 
 impl State {
     /// The state at the start, with the arm at rest where `data` has it.
     pub fn new(setup: &Setup, start: &Start, scene: &Scene, data: &Data) -> State {
         let physics = &scene.physics;
-        let arm = sensors::arm_state(scene, data);
+        let mut encoder_noise = Stream::new(setup.seed, "encoders");
+        let arm = sensors::arm_state(scene, data, &mut encoder_noise);
         let wrench = if sensors::has_wrist_sensor(physics) {
             sensors::read_wrist(scene, data)
         } else {
@@ -86,6 +92,7 @@ impl State {
             arm,
             torques: JointVector::zeros(),
             wrench,
+            encoder_noise,
             wrist_noise: Stream::new(setup.seed, "wrist"),
             reading_noise: Stream::new(setup.seed, "readings"),
             cameras: CamerasState::new(setup.seed),
@@ -94,6 +101,7 @@ impl State {
             pressed: Vector3::zeros(),
             largest_force: 0.0,
             observation,
+            witness: Witness::default(),
         }
     }
 
@@ -142,7 +150,7 @@ impl State {
     }
 
     /// Updates the observation.
-    pub fn observe(&mut self, data: &Data) {
+    pub fn observe(&mut self, scene: &Scene, data: &Data) {
         let width = data.qpos()[DOF] + data.qpos()[DOF + 1];
         let gripper = self.targets.command.as_ref().map(|command| command.gripper);
         let (width, gripper_busy) = match gripper {
@@ -156,7 +164,7 @@ impl State {
             torques: self.torques.into(),
             x_wt: self.arm.x_wt,
             wrench: self.wrench,
-            width,
+            width: in_steps(width, scene.physics.gripper.width_step),
             gripper_busy,
         };
     }

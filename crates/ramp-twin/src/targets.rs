@@ -1,7 +1,8 @@
 //! Targets of the commanded motion, and the inner loop that follows them.
 
 use ramp_control::{
-    ArmState, JointMotion, JointVector, PoseMotion, impedance, pose_impedance, track_joints, track_velocities,
+    ArmState, Follower, JointMotion, JointVector, PoseMotion, impedance, pose_impedance, track_joints,
+    track_velocities,
 };
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{ArmCommand, Command, DOF, GripperCommand, RobotError};
@@ -22,6 +23,8 @@ pub(crate) struct Targets {
     pub joints: Option<JointMotion>,
     /// Target of the tip, if a pose or an impedance was commanded, and whether it was a pose.
     pub pose: Option<(PoseMotion, bool)>,
+    /// The motion that the inner loops follow, whatever the kind of command.
+    pub follower: Follower,
     /// Posture that a pose command without a posture keeps, rad.
     pub posture: [f64; DOF],
     /// Is the last command held, without the agent commanding it?
@@ -31,7 +34,14 @@ pub(crate) struct Targets {
 impl Targets {
     /// At `home` (rad), before any command.
     pub fn new(home: &[f64; DOF]) -> Targets {
-        Targets { command: None, joints: None, pose: None, posture: *home, holding: false }
+        Targets {
+            command: None,
+            joints: None,
+            pose: None,
+            follower: Follower::Free,
+            posture: *home,
+            holding: false,
+        }
     }
 
     /// The gripper command of the last period.
@@ -70,12 +80,18 @@ impl Targets {
                 };
                 self.joints = Some(target);
                 self.posture = target.positions.into();
-                track_joints(state, &target.positions, &target.velocities, &target.accelerations)
+                let motion = self.follower.joints(&target, state, arm);
+                track_joints(state, &motion.positions, &motion.velocities, &motion.accelerations)
             }
             ArmCommand::JointVelocities(velocities) => {
-                track_velocities(state, &JointVector::from(*velocities))
+                let wanted = JointVector::from(*velocities);
+                let [velocities, accelerations] = self.follower.velocities(&wanted, state, arm);
+                track_velocities(state, &velocities, &accelerations)
             }
-            ArmCommand::JointTorques(torques) => JointVector::from(*torques),
+            ArmCommand::JointTorques(torques) => {
+                self.follower = Follower::Free;
+                JointVector::from(*torques)
+            }
             ArmCommand::CartesianPose(x_wt) => {
                 let target = match pose_before {
                     Some((_, true)) if self.holding => PoseMotion::at_rest(*x_wt),
@@ -93,8 +109,9 @@ impl Targets {
                     }
                 };
                 self.pose = Some((target, true));
-                let [velocity, acceleration] = fed_forward(&target);
-                impedance(state, &pose_impedance(x_wt, self.posture), &velocity, &acceleration)
+                let motion = self.follower.pose(&target, state, arm);
+                let [velocity, acceleration] = fed_forward(&motion);
+                impedance(state, &pose_impedance(&motion.x_wt, self.posture), &velocity, &acceleration)
             }
             ArmCommand::CartesianImpedance(command) => {
                 let target = match pose_before {
@@ -102,6 +119,7 @@ impl Targets {
                     _ => PoseMotion::at_rest(command.x_wt),
                 };
                 self.pose = Some((target, false));
+                self.follower = Follower::Free;
                 let [velocity, acceleration] = fed_forward(&target);
                 impedance(state, command, &velocity, &acceleration)
             }

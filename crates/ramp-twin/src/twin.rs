@@ -25,7 +25,8 @@ pub use crate::sensors::{READING_DROPPED, READING_NOISE, READING_STEPS};
 use crate::setup::{Setup, TwinError};
 use crate::state::State;
 use crate::targets::START_WIDTH;
-use crate::{period, sensors};
+use crate::witness::Moment;
+use crate::{period, rest, sensors, witness};
 
 /// The simulated world with its robot.
 pub struct Twin {
@@ -110,7 +111,7 @@ impl Twin {
         self.state.steps = 0;
         self.state.deepest = 0.0;
         self.state.largest_force = 0.0;
-        self.state.observe(&self.data);
+        self.state.observe(&self.scene, &self.data);
     }
 
     /// The scene as MJCF.
@@ -151,10 +152,30 @@ impl Twin {
 
     /// The true poses of all parts.
     pub fn truth(&self) -> Truth {
-        Truth {
-            time: self.state.time(),
-            x_wp: self.scene.parts.iter().map(|(_, id)| body_pose(&self.data, *id)).collect(),
-        }
+        self.scene.truth(&self.data, self.state.time())
+    }
+
+    /// Records the true world every `periods` control periods from now on, also within calls that take
+    /// longer. [`Twin::moments`] has to be called after each of them: nothing is forgotten.
+    pub fn record_moments(&mut self, periods: u64) {
+        self.state.witness.every = Some(periods.max(1));
+    }
+
+    /// The moments since the last call of this function, in order.
+    pub fn moments(&mut self) -> Vec<Moment> {
+        std::mem::take(&mut self.state.witness.moments)
+    }
+
+    /// The true world now, whether or not a moment is due.
+    pub fn moment(&mut self) -> Moment {
+        witness::now(&self.scene, &self.data, &mut self.state.witness, self.state.steps)
+    }
+
+    /// The true world as it would be if the fingers let go now and the arm were gone, over the next
+    /// `seconds`: a moment every `periods` control periods, and one at the end. The last one has the
+    /// penetrations of its period. The twin does not change.
+    pub fn without_arm(&self, seconds: f64, periods: u64) -> Vec<Moment> {
+        rest::without_arm(&self.scene, &self.data, [self.state.time(), seconds], periods)
     }
 
     /// The true model of a camera, with its error of calibration: to judge perception, never for an agent.

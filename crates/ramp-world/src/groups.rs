@@ -79,7 +79,7 @@ quantities! {
 }
 
 quantities! {
-    /// The arm's force and torque sensors.
+    /// The arm's sensors of force, torque and position.
     Sensing {
         /// 1: a force sensor is mounted at the wrist. 0: the wrench at the wrist is estimated from the
         /// torques of the joints.
@@ -102,6 +102,10 @@ quantities! {
         torque_wave: [f64; 7] = "N·m", -5.0, 5.0;
         /// Bandwidth of the estimate of the wrench.
         bandwidth: f64 = "Hz", 0.5, 200.0;
+        /// Step of the joint positions that the encoders report; 0: none.
+        encoder_step: f64 = "rad", 0.0, 0.01;
+        /// Noise of those positions before the step (1 σ).
+        encoder_noise: f64 = "rad", 0.0, 0.01;
     }
 }
 
@@ -113,6 +117,8 @@ quantities! {
         dead_time: f64 = "s", 0.0, 5.0;
         /// Interval between two reports of its width.
         told_every: f64 = "s", 0.001, 1.0;
+        /// Step of the width that it reports; 0: none.
+        width_step: f64 = "m", 0.0, 0.005;
     }
 }
 
@@ -211,7 +217,7 @@ groups! {
     controller: Controller,
     /// The line to it.
     line: Line,
-    /// Its force and torque sensors.
+    /// Its sensors of force, torque and position.
     sensing: Sensing,
     /// The gripper.
     gripper: Gripper,

@@ -8,7 +8,7 @@ use ramp_robot::random::Stream;
 use ramp_source::{Fault, SourceFile, nearest, shorten};
 
 use crate::groups::{GROUPS, Physics};
-use crate::quantity::{Numbers, Spread};
+use crate::quantity::{Numbers, Quantity, Spread};
 use crate::read::{Kind, Quantities, WorldFault, WorldProblem, read};
 
 /// The worlds that are part of the program: their names and files.
@@ -32,6 +32,11 @@ pub struct World {
     pub text: String,
     quantities: Quantities,
 }
+
+/// Quantities that world files of earlier versions do not give, and what they have there: group, field, and
+/// the value, for all of a list.
+const ADDED: [(&str, &str, f64); 3] =
+    [("sensing", "encoder_step", 0.0), ("sensing", "encoder_noise", 0.0), ("gripper", "width_step", 0.0)];
 
 static SHIPPED: LazyLock<Vec<World>> = LazyLock::new(|| {
     // The files are part of the program, and a test reads them.
@@ -104,9 +109,14 @@ impl World {
         Ok(World { name: content.name, about: content.about, text: file.text().to_string(), quantities })
     }
 
-    /// A world whose file gives all quantities.
+    /// A world whose file gives all quantities, but for those of [`ADDED`].
     fn complete(file: &SourceFile) -> Result<World, WorldFault> {
-        let content = read(file, &KIND)?;
+        let mut content = read(file, &KIND)?;
+        for (group, field, value) in ADDED {
+            let source = "absent from the file".to_string();
+            let absent = || Quantity { value: vec![value], spread: Spread::Fixed, source };
+            content.quantities.entry((group, field)).or_insert_with(absent);
+        }
         let all =
             GROUPS.iter().flat_map(|(group, _, fields)| fields.iter().map(move |field| (*group, field.name)));
         let mut lacking = all.filter(|key| !content.quantities.contains_key(key));
@@ -264,6 +274,24 @@ mod tests {
             assert_eq!(again.numbers(7), world.numbers(7));
             assert_eq!(again.about, world.about);
         }
+    }
+
+    /// The file of a version that did not have the steps of the sensors is still a world, without them.
+    #[test]
+    fn a_file_without_a_later_quantity_is_read() {
+        let real = World::shipped("real").unwrap();
+        let earlier: String = real
+            .text
+            .lines()
+            .filter(|line| !ADDED.iter().any(|(_, field, _)| line.starts_with(field)))
+            .map(|line| format!("{line}\n"))
+            .collect();
+        assert_eq!(earlier.lines().count() + ADDED.len(), real.text.lines().count());
+        let world = World::from_source(&SourceFile::new("earlier.toml", &earlier)).unwrap();
+        let (before, now) = (world.draw(3), real.draw(3));
+        assert_eq!((before.sensing.encoder_step, before.gripper.width_step), (0.0, 0.0));
+        assert!(now.sensing.encoder_step > 0.0 && now.gripper.width_step > 0.0);
+        assert_eq!((before.friction, before.parts), (now.friction, now.parts));
     }
 
     /// Nothing of the ideal world is drawn.

@@ -3,15 +3,16 @@
 use std::path::Path;
 
 use ramp_episode::{ReplayError, replay};
-use ramp_log::Log;
 use ramp_log::calls::Entry;
+use ramp_log::records::bytes_of;
+use ramp_log::{Limits, Log};
 use ramp_robot::{Account, Agent, ArmCommand, Camera, Command, GripperCommand, Robot, RobotError};
 use ramp_testing::episode::Swing;
 use ramp_testing::log::{as_log, entries, messages, with_entries};
 use ramp_testing::{GoalFiles, data};
 
 fn read(bytes: &[u8]) -> Result<Log, String> {
-    Log::from_bytes(Path::new("x.mcap"), bytes).map_err(|error| error.to_string())
+    Log::from_bytes(Path::new("x.mcap"), bytes, &Limits::default()).map_err(|error| error.to_string())
 }
 
 /// A log with its calls changed.
@@ -121,6 +122,11 @@ fn what_is_wrong_with_a_log_is_told() {
     };
     let error = change("/episode", &|it| it["kit"]["xml"] = "<data/>".into()).unwrap_err();
     assert!(error.contains("its kit does not match its hash"), "{error}");
+    let error = change("/episode", &|it| it["world"]["toml"] = "name = \"ideal\"\n".into()).unwrap_err();
+    assert!(error.contains("its world does not match its hash"), "{error}");
+    let drawn = |it: &mut serde_json::Value| it["world"]["draw"] = serde_json::json!({"arm.offset": [0.1]});
+    let error = replay(&change("/result", &drawn).unwrap()).unwrap_err();
+    assert!(matches!(error, ReplayError::Draw), "{error}");
     let error = replay(&change("/result", &|it| it["seed"] = 4.into()).unwrap()).unwrap_err();
     assert_eq!(
         error.to_string(),
@@ -130,8 +136,49 @@ fn what_is_wrong_with_a_log_is_told() {
     assert!(matches!(error, ReplayError::Rules { .. }), "{error}");
     let error = replay(&change("/episode", &|it| it["start"]["name"] = "moved".into()).unwrap()).unwrap_err();
     assert!(matches!(error, ReplayError::Contradiction { what: "start", .. }), "{error}");
-    let error = replay(&change("/episode", &|it| it["start"]["toml"] = "".into()).unwrap()).unwrap_err();
-    assert!(matches!(error, ReplayError::World(_)), "{error}");
+    let error = change("/episode", &|it| it["start"]["toml"] = "".into()).unwrap_err();
+    assert!(error.contains("its start does not match its hash"), "{error}");
+    let empty = |it: &mut serde_json::Value| {
+        it["start"]["toml"] = "".into();
+        it["start"]["sha256"] = ramp_result::sha256(b"").into();
+    };
+    // The start that the result names is another one, then.
+    let error = replay(&change("/episode", &empty).unwrap()).unwrap_err();
+    assert!(matches!(error, ReplayError::Contradiction { what: "start", .. }), "{error}");
+}
+
+/// A small file can hold many records, and a reader has to stop in time.
+#[test]
+fn a_log_is_read_within_limits() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = folder.path().join("a.mcap");
+    GoalFiles::new("easy-1").record_noisy(&mut Swing(300), &path);
+    let bytes = std::fs::read(&path).unwrap();
+    let read = |bytes: &[u8], limits: Limits| {
+        Log::from_bytes(Path::new("x.mcap"), bytes, &limits).map(|_| ()).map_err(|error| error.to_string())
+    };
+    let all = Limits::default();
+    assert_eq!(read(&bytes, all), Ok(()));
+    let refusal = |bytes: &[u8], limits: Limits| read(bytes, limits).unwrap_err();
+    let mut crowd = messages(&bytes);
+    crowd.extend((0..=all.channels).map(|number| (format!("/channel-{number}"), Vec::new())));
+    assert!(refusal(&as_log(&crowd), all).ends_with("it has more than 64 channels"));
+    let mut flood = messages(&bytes);
+    flood.extend(std::iter::repeat_n(("/calls".to_string(), Vec::new()), 1000));
+    assert!(
+        refusal(&as_log(&flood), Limits { messages: 1000, ..all })
+            .ends_with("it has more than 1000 messages")
+    );
+    let mut bomb = messages(&bytes);
+    bomb.extend(std::iter::repeat_n(("/zeros".to_string(), vec![0; 1 << 20]), 8));
+    let bomb = as_log(&bomb);
+    assert!(bomb.len() < 1 << 20, "{} bytes", bomb.len());
+    let why = refusal(&bomb, Limits { decompressed: 4 << 20, ..all });
+    assert!(why.ends_with("it holds more than 4 MiB after decompression"), "{why}");
+    assert!(refusal(&bytes, Limits { calls: 100, ..all }).ends_with("it has more than 100 bytes of calls"));
+    // The size of the file itself.
+    let error = bytes_of(&path, &Limits { file: 100, ..all }).unwrap_err().to_string();
+    assert!(error.ends_with("it is larger than 100 bytes"), "{error}");
 }
 
 /// A refusal by the robot is in the log, and is repeated in the replay.

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use ramp_episode::{Breach, Replayed, replay};
-use ramp_log::Log;
 use ramp_log::calls::Entry;
+use ramp_log::{Limits, Log};
 use ramp_robot::{Account, Agent, ArmCommand, Camera, Command, GripperCommand, Robot, RobotError, Track};
 use ramp_testing::GoalFiles;
 use ramp_testing::episode::Swing;
@@ -40,7 +40,7 @@ impl Forged {
     }
 
     fn replay(&self) -> Replayed {
-        replay(&Log::from_bytes(Path::new("x.mcap"), &self.0).unwrap()).unwrap()
+        replay(&Log::from_bytes(Path::new("x.mcap"), &self.0, &Limits::default()).unwrap()).unwrap()
     }
 
     /// The first difference.

@@ -3,6 +3,7 @@
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
 
+mod cheats;
 mod diagnosis;
 mod easy_class;
 mod events;

@@ -107,10 +107,34 @@ pub(super) fn arm_bodies(xml: &mut String, arm: &ArmModel, look: &str, physics: 
     xml.push_str("</body>\n");
 }
 
-/// Actuators and sensors of the arm.
+/// Least number of joints between two bodies of the arm that collide. Nearer ones are kept apart by the
+/// joints' ranges, and their capsules, which are wider than the arm, overlap. As in motion planning.
+const JOINTS_BETWEEN: usize = 3;
+
+/// The pairs of the arm's bodies that pass through each other: neighbours, and the fingers, whose ribs pass
+/// each other's plates when the hand is closed on nothing.
+fn passing(joints: usize) -> Vec<[String; 2]> {
+    let links = (0..=joints).map(|number| (format!("link{number}"), number));
+    let hand = ["hand", "finger1", "finger2"].map(|name| (name.to_string(), joints));
+    let bodies: Vec<(String, usize)> = links.chain(hand).collect();
+    let mut passing = Vec::new();
+    for (index, (one, before)) in bodies.iter().enumerate() {
+        for (other, after) in &bodies[index + 1..] {
+            if after - before < JOINTS_BETWEEN {
+                passing.push([one.clone(), other.clone()]);
+            }
+        }
+    }
+    passing
+}
+
+/// Actuators and sensors of the arm, and which of its bodies do not collide.
 pub(super) fn actuators_and_sensors(xml: &mut String, arm: &ArmModel) {
-    // The fingertips' ribs pass each other's plates when the hand is closed on nothing.
-    xml.push_str("<contact><exclude body1=\"finger1\" body2=\"finger2\"/></contact>\n<actuator>");
+    xml.push_str("<contact>");
+    for [one, other] in passing(arm.joints.len()) {
+        let _ = write!(xml, r#"<exclude body1="{one}" body2="{other}"/>"#);
+    }
+    xml.push_str("</contact>\n<actuator>");
     for (index, joint) in arm.joints.iter().enumerate() {
         let _ = write!(
             xml,

@@ -30,10 +30,10 @@ pub(super) fn header(xml: &mut String, look: &str, memory: u32, physics: &Physic
 <default class="peg"><geom mass="0" friction="{peg_friction} 0.005 0.0001" condim="3" {CONTACT} contype="6" conaffinity="3" rgba="0.20 0.45 0.80 1"/></default>
 <default class="feet"><geom mass="0" friction="{table_friction} 0.005 0.0001" condim="3" {CONTACT} contype="6" conaffinity="3" rgba="0.93 0.53 0.18 1"/></default>
 <default class="rest"><geom mass="0" friction="{table_friction} 0.005 0.0001" condim="3" {CONTACT} contype="4" conaffinity="0" group="4" rgba="1 0 0 0.2"/></default>
-<default class="arm"><geom mass="0" {CONTACT} contype="1" conaffinity="0" group="3" rgba="0.92 0.93 0.95 1"/></default>
-<default class="tool"><geom mass="0" {CONTACT} contype="1" conaffinity="0" rgba="0.30 0.31 0.34 1"/></default>
+<default class="arm"><geom mass="0" {CONTACT} contype="9" conaffinity="8" group="3" rgba="0.92 0.93 0.95 1"/></default>
+<default class="tool"><geom mass="0" {CONTACT} contype="9" conaffinity="8" rgba="0.30 0.31 0.34 1"/></default>
 <default class="look"><geom type="mesh" mass="0" contype="0" conaffinity="0"/></default>
-<default class="pad"><geom mass="0" friction="{pad_friction} 0.01 0.0005" condim="4" priority="1" {grip} contype="1" conaffinity="0" rgba="0.18 0.19 0.21 1"/></default>
+<default class="pad"><geom mass="0" friction="{pad_friction} 0.01 0.0005" condim="4" priority="1" {grip} contype="9" conaffinity="8" rgba="0.18 0.19 0.21 1"/></default>
 </default>
 <asset>
 <texture name="sky" type="skybox" builtin="gradient" rgb1="0.85 0.90 0.95" rgb2="0.55 0.62 0.70" width="256" height="256"/>

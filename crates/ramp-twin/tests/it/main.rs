@@ -1,13 +1,14 @@
 //! The integration tests of `ramp-twin`.
 
 // A failed unwrap here is a failed test.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 
 mod cameras;
 mod effects;
 mod extending;
 mod geometry;
 mod grip;
+mod limits;
 mod readings;
 mod snapshot;
 mod starts;

@@ -1,5 +1,6 @@
 //! The twin as a robot: limits, refused commands, and that only contact moves a part.
 
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use mujoco_rs::prelude::*;
@@ -101,6 +102,13 @@ fn the_code_of_faults_writes_only_forces() {
 fn nothing_else_writes_to_the_physics() {
     for (path, source) in sources("") {
         let fault = path.components().any(|part| part.as_os_str() == "fault");
+        // The referee's look without the arm changes a copy.
+        if path.ends_with("src/rest.rs") {
+            let written = source.matches("_mut()").count() - source.matches("moments.last_mut()").count();
+            assert_eq!(written, source.matches("    copy.").count(), "writes to more than the copy");
+            assert!(source.contains("let mut copy = data.clone();") && !source.contains("ffi_mut"));
+            continue;
+        }
         if fault || ["src/twin.rs", "src/period.rs", "src/view.rs"].iter().any(|file| path.ends_with(file)) {
             continue;
         }
@@ -357,4 +365,46 @@ fn torques_stay_within_the_arms_and_a_broken_limit_stops_it() {
         matches!(stopped, Some(RobotError::JointVelocity { .. } | RobotError::JointPosition { .. })),
         "{stopped:?}"
     );
+}
+
+/// A part in the hand falls when the arm is gone, and all others stay; the twin itself does not change.
+#[test]
+fn the_world_without_the_arm_is_a_copy() {
+    let world = GoalFiles::new("easy-3");
+    let setup = world.setup(Track::State, 1);
+    let mut layout = ramp_twin::Layout::new(setup.assembly, setup.start, setup.seed);
+    // The ribs of the fingertips are in the slots of its head from the start.
+    let upright = nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::x_axis(), PI);
+    let middle = Pose::translation(0.0, 0.0, -ramp_kit::joint::HEAD_HEIGHT / 2.0);
+    let (_, x_wp) = layout.pegs.iter_mut().find(|(name, _)| name == "p1").unwrap();
+    *x_wp = world.twin(Track::State, 1).observe().x_wt * upright * middle;
+    let mut twin = Twin::with_layout(&setup, layout).unwrap();
+    twin.settle(600).unwrap();
+    let before = (twin.state_hash(), twin.truth());
+    let peg = twin.part_names().position(|name| name == "p1").unwrap();
+    assert!(before.1.x_wp[peg].translation.z > 0.3, "the hand does not hold the peg");
+    let after = twin.without_arm(1.0, 100);
+    assert_eq!(after.len(), 10);
+    let after = &after[9].truth;
+    assert!(after.x_wp[peg].translation.z < 0.1, "{}", after.x_wp[peg].translation.z);
+    for (part, (before, after)) in before.1.x_wp.iter().zip(&after.x_wp).enumerate() {
+        let moved = (before.translation.vector - after.translation.vector).norm();
+        assert!(part == peg || moved < 1e-4, "part {part} moves by {moved}");
+    }
+    assert_eq!((twin.state_hash(), twin.truth()), before);
+}
+
+/// While an image or the reading of a noisy track takes its time, moments go on every 10 ms.
+#[test]
+fn moments_are_recorded_within_calls() {
+    let world = GoalFiles::new("easy-1");
+    let mut twin = world.twin(Track::Noisy, 1);
+    twin.record_moments(10);
+    for _ in 0..4 {
+        twin.read_parts().unwrap();
+    }
+    let times: Vec<f64> = twin.moments().iter().map(|it| (it.truth.time * 1e3).round()).collect();
+    let expected: Vec<f64> = (1..=13).map(|index| f64::from(index) * 10.0).collect();
+    assert_eq!(times, expected);
+    assert!(twin.moments().is_empty());
 }
