@@ -1,6 +1,9 @@
 //! Build script of every crate whose programs or tests link libmujoco: writes the library's folder into their
 //! rpath, so that they start without any environment variable.
 
+// A build script speaks to cargo on standard output.
+#![allow(clippy::print_stdout)]
+
 /// The build script.
 pub fn main() {
     println!("cargo::rerun-if-env-changed=MUJOCO_DYNAMIC_LINK_DIR");

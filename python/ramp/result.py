@@ -66,6 +66,8 @@ class Result:
     """Pegs that count, as a share of the goal's."""
     pegs: tuple[Peg | None, ...]
     """For each connection of the goal the peg that counts, or none."""
+    rejected: tuple[dict[str, Any], ...] = dataclasses.field(repr=False)
+    """Pegs that were in their place at the end and do not count: ``connection``, ``peg`` and ``reason``."""
     time: Time
     bound: float | None
     """What no robot with these limits can beat with the baseline's plan, s; none where the result does not
@@ -106,6 +108,7 @@ class Result:
             agent=f"{value['agent']['name']} {value['agent']['version']}",
             completion=value["completion"],
             pegs=tuple(pegs),
+            rejected=tuple(value.get("rejected", ())),
             time=Time(**value["time"]),
             bound=compared.get("bound"),
             reference=compared.get("reference"),

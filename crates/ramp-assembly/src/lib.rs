@@ -30,4 +30,4 @@ pub use draw::{draw_all_svg, draw_svg};
 pub use generate::{Generated, Request, generate, generate_many};
 pub use ramp_kit::Pose;
 pub use read::{GoalError, GoalProblem, read_goal, read_goal_file, read_goal_str};
-pub use truth::Truth;
+pub use truth::{Penetration, Truth};

@@ -8,6 +8,7 @@ use miette::{IntoDiagnostic, Report};
 use ramp_kit::source::remove_unfinished;
 use ramp_planner::Exceeded;
 
+use crate::output::tell;
 use crate::status::STOPPED;
 
 /// Only argument of a process that ends at once with the status of bad input.
@@ -42,7 +43,7 @@ pub fn end_of(status: ExitStatus) -> String {
 pub fn end_planning(exceeded: &Exceeded) {
     static ENDING: Once = Once::new();
     ENDING.call_once(|| {
-        eprintln!("{:?}", Report::new(exceeded.clone()));
+        tell(&format!("{:?}", Report::new(exceeded.clone())));
         remove_unfinished();
         if let Ok(program) = std::env::current_exe() {
             // `exec` returns only if it fails.

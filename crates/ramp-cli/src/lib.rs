@@ -4,6 +4,7 @@
 //! without completing the goal, or a check failed; 2 bad usage or bad input; 3 the machine failed, so that
 //! nothing of it counts; 130 stopped by Ctrl-C or a request to end.
 
+mod admission;
 mod command;
 mod ending;
 mod film;
@@ -51,6 +52,8 @@ pub fn arguments() -> clap::Command {
     Arguments::command()
 }
 
+// One value is made, once.
+#[allow(clippy::large_enum_variant)]
 #[derive(Subcommand)]
 enum Command {
     /// List the goals, or generate new ones
@@ -77,6 +80,8 @@ enum Command {
     Report(command::report::Arguments),
     /// Build a leaderboard site from results, each checked by repeating its log
     Leaderboard(command::leaderboard::Arguments),
+    /// Check an entry as a leaderboard does, or pack it into one file
+    Entry(command::entry::Arguments),
     /// Score a run of a real robot from a stopwatch log or from recorded poses, or write the form for it
     Score(command::score::Arguments),
     /// List the worlds, or print one with the values that an episode draws
@@ -104,7 +109,7 @@ enum Command {
     AgentProcess(command::agent::ProcessArguments),
     /// Run a log again, and print the verdict for the leaderboard that asked
     #[command(hide = true)]
-    JudgeLog(command::leaderboard::JudgeArguments),
+    JudgeLog(admission::JudgeArguments),
 }
 
 impl Command {
@@ -129,7 +134,7 @@ pub fn main() -> ExitCode {
     match seal::arguments() {
         Ok((words, seal)) => work(&words, seal),
         Err(error) => {
-            eprintln!("the arguments cannot be read: {error}");
+            output::tell(&format!("the arguments cannot be read: {error}"));
             ExitCode::from(BAD_INPUT)
         }
     }
@@ -165,6 +170,7 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
         Command::Replay(arguments) => command::replay::run(&arguments),
         Command::Report(arguments) => command::report::run(&arguments),
         Command::Leaderboard(arguments) => command::leaderboard::run(&data, &arguments),
+        Command::Entry(arguments) => command::entry::run(&data, &arguments),
         Command::Score(arguments) => command::score::run(&data, &arguments),
         Command::World(arguments) => command::world::run(&data, &arguments),
         Command::Start(arguments) => command::start::run(&data, &arguments),
@@ -176,7 +182,7 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
         Command::Data(arguments) => command::data::run(&arguments),
         Command::Completions(arguments) => command::completions::run(&arguments, crate::arguments()),
         Command::Man(arguments) => command::man::run(&arguments, crate::arguments()),
-        Command::JudgeLog(arguments) => command::leaderboard::judge(&arguments),
+        Command::JudgeLog(arguments) => admission::judge(&arguments),
         Command::AgentProcess(_) => Ok(BAD_INPUT),
     });
     end(result)
@@ -187,7 +193,7 @@ fn end(result: Result<u8, Report>) -> ExitCode {
     match result {
         Ok(status) => ExitCode::from(status),
         Err(report) => {
-            eprintln!("{report:?}");
+            output::tell(&format!("{report:?}"));
             let machine = report.downcast_ref::<MachineFault>().is_some();
             ExitCode::from(if machine { MACHINE } else { BAD_INPUT })
         }

@@ -1,20 +1,34 @@
-//! Writes results to standard output and to files that the user names.
+//! The only place that writes to standard output and standard error; also writes the files that the user
+//! names.
 
 use std::io::Write;
 use std::path::Path;
 
+use crate::status::MachineFault;
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_kit::source::{MAX_SENTENCE, plain, read_text, write_whole};
 
 /// Largest size of an organiser's file, bytes.
 const LARGEST: usize = 16 << 20;
 
-/// Prints to standard output. A closed pipe is not an error.
+/// Prints a result to standard output. A closed pipe is not an error.
+///
+/// # Errors
+/// If standard output cannot be written to, such as a file on a full disk.
 pub fn print(text: &str) -> Result<(), Report> {
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        other => other.into_diagnostic(),
+    let mut out = std::io::stdout();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(MachineFault { what: format!("standard output cannot be written to: {error}") }.into())
+        }
+        _ => Ok(()),
     }
+}
+
+/// Writes a message for a person to standard error, with a line break. A message that cannot be written is
+/// lost: it never ends the work that it is about.
+pub fn tell(text: &str) {
+    let _ = std::io::stderr().write_all(format!("{text}\n").as_bytes());
 }
 
 /// Rejects a path that cannot be written, before any work starts. Creates nothing: [`write_file`] does.

@@ -19,6 +19,7 @@ use miette::{IntoDiagnostic, Report};
 use ramp_external_agent::{adopt_orphans, end_orphans, hide};
 
 use crate::ending::end_of;
+use crate::output::tell;
 use crate::status::{INCOMPLETE, MachineFault, STOPPED};
 
 /// Only argument of a program that reads its other arguments from standard input.
@@ -159,7 +160,7 @@ pub fn guard(words: &[OsString]) -> Result<u8, Report> {
     end_orphans(&[]);
     let Some(status) = status else { return Ok(STOPPED) };
     Ok(status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or_else(|| {
-        eprintln!("the run was {}; it has no result", end_of(status));
+        tell(&format!("the run was {}; it has no result", end_of(status)));
         INCOMPLETE
     }))
 }

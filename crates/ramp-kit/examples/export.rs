@@ -1,5 +1,7 @@
 //! Exports a kit: `cargo run -p ramp-kit --features export --example export -- data/kit.xml OUT`.
 
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
 use std::path::PathBuf;
 
 fn main() -> miette::Result<()> {

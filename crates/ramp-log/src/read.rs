@@ -1,6 +1,7 @@
 //! Reads a log from an untrusted file: the outcome is a log, or one message that says what is
 //! wrong.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use ramp_kit::source::{MAX_SENTENCE, plain, shorten};
@@ -10,10 +11,7 @@ use ramp_result::sha256;
 use crate::calls::Decoder;
 use crate::error::LogError;
 use crate::header::{CALLS, Header, SCHEMA};
-use crate::records::{Channel, Record, Wrong, bytes_of, walk};
-
-/// The most bytes of calls; the longest episode has a tenth of them.
-const MOST_CALLS: usize = 256 << 20;
+use crate::records::{Channel, Limits, Record, Wrong, bytes_of, size, walk};
 
 /// An episode's log.
 #[derive(Clone, Debug)]
@@ -33,16 +31,17 @@ impl Log {
     /// # Errors
     /// When it cannot be read or is not a log.
     pub fn read(path: &Path) -> Result<Log, LogError> {
-        Log::from_bytes(path, &bytes_of(path)?)
+        let limits = Limits::default();
+        Log::from_bytes(path, &bytes_of(path, &limits)?, &limits)
     }
 
     /// Reads a log from a file's bytes; `path` is its name in messages.
     ///
     /// # Errors
-    /// When they are not a log.
-    pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Log, LogError> {
+    /// When they are not a log, or exceed a limit.
+    pub fn from_bytes(path: &Path, bytes: &[u8], limits: &Limits) -> Result<Log, LogError> {
         let mut parts = Parts::default();
-        parts.collect(bytes).map_err(|wrong| wrong.at(path))?;
+        parts.collect(bytes, limits).map_err(|wrong| wrong.at(path))?;
         parts.log(sha256(bytes)).map_err(|what| LogError::Other { path: path.to_path_buf(), what })
     }
 
@@ -61,8 +60,8 @@ impl Log {
 /// The parts of a file.
 #[derive(Default)]
 struct Parts {
-    /// Numbers and topics of the channels.
-    channels: Vec<(u16, Topic)>,
+    /// Topics of the channels, by number.
+    channels: BTreeMap<u16, Topic>,
     header: Option<Header>,
     result: Option<EpisodeResult>,
     calls: Vec<u8>,
@@ -76,11 +75,11 @@ enum Topic {
 }
 
 impl Parts {
-    fn collect(&mut self, bytes: &[u8]) -> Result<(), Wrong> {
-        walk(bytes, |record| match record {
+    fn collect(&mut self, bytes: &[u8], limits: &Limits) -> Result<(), Wrong> {
+        walk(bytes, limits, |record| match record {
             Record::Channel(channel) => self.channel(&channel),
-            Record::Message { channel, data } => match self.channels.iter().find(|(id, _)| *id == channel) {
-                Some((_, topic)) => self.message(*topic, data),
+            Record::Message { channel, data } => match self.channels.get(&channel) {
+                Some(topic) => self.message(*topic, data, limits),
                 None => Ok(()),
             },
         })
@@ -100,13 +99,11 @@ impl Parts {
             _ => return Ok(()),
         };
         // A writer repeats its channels at the end of the file.
-        if !self.channels.iter().any(|(id, _)| *id == channel.id) {
-            self.channels.push((channel.id, topic));
-        }
+        self.channels.entry(channel.id).or_insert(topic);
         Ok(())
     }
 
-    fn message(&mut self, topic: Topic, data: &[u8]) -> Result<(), String> {
+    fn message(&mut self, topic: Topic, data: &[u8], limits: &Limits) -> Result<(), String> {
         match topic {
             Topic::Episode => {
                 if self.header.is_some() {
@@ -123,8 +120,8 @@ impl Parts {
                 self.result = Some(EpisodeResult::from_json(data).map_err(|error| wrong("/result", &error))?);
             }
             Topic::Calls => {
-                if self.calls.len() + data.len() > MOST_CALLS {
-                    return Err(format!("it has more than {} MiB of calls", MOST_CALLS >> 20));
+                if self.calls.len() + data.len() > limits.calls {
+                    return Err(format!("it has more than {} of calls", size(limits.calls as u64)));
                 }
                 self.calls.extend_from_slice(data);
             }
@@ -136,9 +133,12 @@ impl Parts {
         let missing = |topic: &str| format!("it has no message on {topic}");
         let header = self.header.ok_or_else(|| missing("/episode"))?;
         let result = self.result.ok_or_else(|| missing("/result"))?;
-        for (what, text, hash) in
-            [("kit", &header.kit.xml, &header.kit.sha256), ("arm", &header.arm.json, &header.arm.sha256)]
-        {
+        for (what, text, hash) in [
+            ("kit", &header.kit.xml, &header.kit.sha256),
+            ("arm", &header.arm.json, &header.arm.sha256),
+            ("world", &header.world.toml, &header.world.sha256),
+            ("start", &header.start.toml, &header.start.sha256),
+        ] {
             if ramp_result::sha256(text.as_bytes()) != *hash {
                 return Err(format!("its {what} does not match its hash"));
             }

@@ -1,5 +1,6 @@
 //! The records of an untrusted MCAP file: every length is checked before it is used.
 
+use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::Path;
 
@@ -9,25 +10,55 @@ use ramp_kit::source::{MAX_SENTENCE, plain};
 
 use crate::error::LogError;
 
-/// Size limit of a log that is read, bytes; the longest episode makes a tenth of it.
-const LARGEST: u64 = 512 << 20;
-/// Size limit of a record and of a chunk, bytes.
-const LARGEST_RECORD: usize = 16 << 20;
+/// Limits on a file that is read. The longest episode makes at most a quarter of each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Size of the file, bytes.
+    pub file: u64,
+    /// Size of a record and of a chunk, bytes.
+    pub record: usize,
+    /// Number of channels.
+    pub channels: usize,
+    /// Number of messages.
+    pub messages: u64,
+    /// Size of all records after decompression, bytes.
+    pub decompressed: u64,
+    /// Size of all calls, bytes.
+    pub calls: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Limits {
+        Limits {
+            file: 512 << 20,
+            record: 16 << 20,
+            channels: 64,
+            messages: 4_000_000,
+            decompressed: 2 << 30,
+            calls: 256 << 20,
+        }
+    }
+}
 
 /// The bytes of a file within the size limit.
 ///
 /// # Errors
 /// When it cannot be read, or is too large.
-pub fn bytes_of(path: &Path) -> Result<Vec<u8>, LogError> {
+pub fn bytes_of(path: &Path, limits: &Limits) -> Result<Vec<u8>, LogError> {
     let io = |source| LogError::Io { path: path.to_path_buf(), source };
     let file = std::fs::File::open(path).map_err(io)?;
     let mut bytes = Vec::new();
-    file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(io)?;
-    if bytes.len() as u64 > LARGEST {
-        let what = format!("it is larger than {} MiB", LARGEST >> 20);
+    file.take(limits.file + 1).read_to_end(&mut bytes).map_err(io)?;
+    if bytes.len() as u64 > limits.file {
+        let what = format!("it is larger than {}", size(limits.file));
         return Err(LogError::Other { path: path.to_path_buf(), what });
     }
     Ok(bytes)
+}
+
+/// A number of bytes for a person.
+pub(crate) fn size(bytes: u64) -> String {
+    if bytes.is_multiple_of(1 << 20) { format!("{} MiB", bytes >> 20) } else { format!("{bytes} bytes") }
 }
 
 /// A defect of a file.
@@ -138,24 +169,69 @@ fn chunks_are_filled(bytes: &[u8]) -> bool {
     true
 }
 
+/// The records so far.
+struct Count<'l> {
+    limits: &'l Limits,
+    channels: BTreeSet<u16>,
+    messages: u64,
+    decompressed: u64,
+}
+
+impl Count<'_> {
+    /// Counts a record.
+    fn add(&mut self, opcode: u8, data: &[u8]) -> Result<(), String> {
+        let limits = self.limits;
+        // Its opcode and its length come before it.
+        self.decompressed += 1 + 8 + data.len() as u64;
+        if self.decompressed > limits.decompressed {
+            return Err(format!("it holds more than {} after decompression", size(limits.decompressed)));
+        }
+        if opcode == op::MESSAGE {
+            self.messages += 1;
+            if self.messages > limits.messages {
+                return Err(format!("it has more than {} messages", limits.messages));
+            }
+        }
+        // A writer repeats its channels at the end of the file.
+        if opcode == op::CHANNEL
+            && let Some(id) = number16(data)
+        {
+            self.channels.insert(id);
+            if self.channels.len() > limits.channels {
+                return Err(format!("it has more than {} channels", limits.channels));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Visits the records of an MCAP file and checks every checksum in it.
 ///
 /// # Errors
-/// When it is not a whole MCAP file, and any error of `visit`.
-pub fn walk(bytes: &[u8], mut visit: impl FnMut(Record) -> Result<(), String>) -> Result<(), Wrong> {
+/// When it is not a whole MCAP file or exceeds a limit, and any error of `visit`.
+pub fn walk(
+    bytes: &[u8],
+    limits: &Limits,
+    mut visit: impl FnMut(Record) -> Result<(), String>,
+) -> Result<(), Wrong> {
     let options = LinearReaderOptions::default()
         .with_check_finishes_after_end_magic(true)
         .with_prevalidate_chunk_crcs(true)
         .with_validate_data_section_crc(true)
         .with_validate_summary_section_crc(true)
-        .with_record_length_limit(LARGEST_RECORD);
+        .with_record_length_limit(limits.record);
     if !chunks_are_filled(bytes) {
         return Err(mcap::McapError::UnexpectedEoc.into());
     }
     let mut reader = LinearReader::new_with_options(options);
     let mut rest = bytes;
+    let mut count = Count { limits, channels: BTreeSet::new(), messages: 0, decompressed: 0 };
     while let Some(event) = reader.next_event() {
-        match event? {
+        let event = event?;
+        if let LinearReadEvent::Record { data, opcode } = &event {
+            count.add(*opcode, data).map_err(Wrong::Content)?;
+        }
+        match event {
             LinearReadEvent::ReadRequest(wanted) => {
                 let (next, after) = rest.split_at(wanted.min(rest.len()));
                 reader.insert(next.len()).copy_from_slice(next);
@@ -204,7 +280,7 @@ mod tests {
         }
         let whole = chunk(&record, record.len());
         assert!(!chunks_are_filled(&whole[..whole.len() - 1]));
-        let wrong = walk(&chunk(&record, record.len() - 1), |_| Ok(()));
+        let wrong = walk(&chunk(&record, record.len() - 1), &Limits::default(), |_| Ok(()));
         assert!(wrong.is_err());
     }
 }

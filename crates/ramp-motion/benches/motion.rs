@@ -7,6 +7,8 @@
 //! Then the closed-form inverse on random poses: all branches at one q7, and the quickest solution over all
 //! q7, each beside one call of the iterative inverse for the same pose.
 
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
 use std::path::Path;
 use std::time::Instant;
 

@@ -4,6 +4,8 @@
 //! 200 beams. `--optimal` also proves the easy goals optimal, one horizon after another. `--short`
 //! plans each goal once and fewer frames, as a smoke test.
 
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
 use ramp_assembly::{Assembly, Request, generate, read_goal, read_goal_str};
 use ramp_kit::{read_kit, read_kit_str};
 use ramp_planner::{Domains, Options, State, plan, plan_with};

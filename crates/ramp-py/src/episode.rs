@@ -130,6 +130,14 @@ impl Agent for Stoppable<'_> {
         let interrupts = self.looks.then(Interrupts::new);
         self.agent.run(&mut Watched { robot, interrupts, raised: self.raised.clone() })
     }
+
+    fn finish(&mut self) {
+        self.agent.finish();
+    }
+
+    fn processor_time(&self) -> Option<f64> {
+        self.agent.processor_time()
+    }
 }
 
 /// The events that an agent in Python reported: a list of dictionaries.

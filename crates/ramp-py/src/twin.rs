@@ -68,6 +68,7 @@ impl Twin {
 impl Twin {
     #[new]
     #[pyo3(signature = (benchmark, goal, track="state", world="ideal", start="moved", seed=1, fault=None))]
+    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
         py: Python<'_>,
         benchmark: &Bound<'_, Benchmark>,

@@ -20,7 +20,7 @@ use ramp_robot::Track;
 use serde::Deserialize;
 
 use ramp_log::LogError;
-use ramp_log::records::{Record, bytes_of, walk};
+use ramp_log::records::{Limits, Record, bytes_of, walk};
 use ramp_referee::Referee;
 use ramp_result::episode::completion;
 use ramp_result::episode::{
@@ -138,7 +138,7 @@ impl Reader<'_> {
     /// # Errors
     /// When it cannot be read, or contains impossible events.
     pub fn read(&self, path: &Path) -> Result<EpisodeResult, LogError> {
-        self.from_bytes(path, &bytes_of(path)?)
+        self.from_bytes(path, &bytes_of(path, &Limits::default())?)
     }
 
     /// Reads and judges the log in a file's bytes; `path` is its name in messages.
@@ -146,10 +146,10 @@ impl Reader<'_> {
     /// # Errors
     /// As [`Reader::read`].
     pub fn from_bytes(&self, path: &Path, bytes: &[u8]) -> Result<EpisodeResult, LogError> {
-        let mut channels: Vec<(u16, bool)> = Vec::new();
+        let mut channels: BTreeMap<u16, bool> = BTreeMap::new();
         let mut run: Option<Run> = None;
         let mut number = 0;
-        walk(bytes, |record| match record {
+        walk(bytes, &Limits::default(), |record| match record {
             Record::Channel(channel) => {
                 let is_run = match channel.topic {
                     b"/run" => true,
@@ -162,30 +162,22 @@ impl Reader<'_> {
                     return Err(format!("{topic} is encoded as `{found}`, expected `json`"));
                 }
                 // A writer repeats its channels at the end of the file.
-                if channels.iter().all(|(id, _)| *id != channel.id) {
-                    channels.push((channel.id, is_run));
-                }
+                channels.entry(channel.id).or_insert(is_run);
                 Ok(())
             }
-            Record::Message { channel, data } => {
-                match (channels.iter().find(|(id, _)| *id == channel), &mut run) {
-                    (None, _) => Ok(()),
-                    (Some((_, true)), None) => {
-                        run = Some(self.head(data).map_err(|why| format!("/run: {why}"))?);
-                        Ok(())
-                    }
-                    (Some((_, true)), Some(_)) => {
-                        Err("it has two messages on /run, expected one".to_string())
-                    }
-                    (Some((_, false)), None) => {
-                        Err("a message on /parts comes before the one on /run".to_string())
-                    }
-                    (Some((_, false)), Some(run)) => {
-                        number += 1;
-                        run.see(data).map_err(|why| format!("/parts, message {number}: {why}"))
-                    }
+            Record::Message { channel, data } => match (channels.get(&channel), &mut run) {
+                (None, _) => Ok(()),
+                (Some(true), None) => {
+                    run = Some(self.head(data).map_err(|why| format!("/run: {why}"))?);
+                    Ok(())
                 }
-            }
+                (Some(true), Some(_)) => Err("it has two messages on /run, expected one".to_string()),
+                (Some(false), None) => Err("a message on /parts comes before the one on /run".to_string()),
+                (Some(false), Some(run)) => {
+                    number += 1;
+                    run.see(data).map_err(|why| format!("/parts, message {number}: {why}"))
+                }
+            },
         })
         .map_err(|wrong| wrong.at(path))?;
         let other = |what: String| LogError::Other { path: path.to_path_buf(), what };
@@ -437,15 +429,22 @@ impl Run<'_> {
             agent: AgentInfo { name: head.agent, version: head.version, sha256: None },
             software: software.clone(),
             host: Host { cpu: head.computer, cores: head.cores },
+            rejected: Vec::new(),
             completion: completion(&pegs),
             pegs,
-            time: Time { planning: head.planning, compute: 0.0, robot: total - head.planning, total },
+            time: Time {
+                planning: head.planning,
+                compute: 0.0,
+                robot: total - head.planning,
+                total,
+                agent_cpu: None,
+            },
             robot_time: None,
             plan: PlanInfo { coarse: 0, fine: 0, replans: 0 },
             events: Vec::new(),
             physics: None,
             fault: None,
-            ended: Ended { reason: head.ended },
+            ended: Ended { reason: head.ended, kind: None },
             log: Some(log.to_string()),
         })
     }

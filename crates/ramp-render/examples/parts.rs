@@ -1,5 +1,7 @@
 //! Draws the parts on their sheet, seen by both cameras, into two PNG files of the folder that is named.
 
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;

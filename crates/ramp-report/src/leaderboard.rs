@@ -8,7 +8,7 @@ pub mod copies;
 pub mod pages;
 pub mod terms;
 
-pub use boards::{Boards, Key, Standing, standings};
+pub use boards::{Boards, Control, Key, Standing, standings};
 pub use copies::{Copy, Stream, Streams};
 pub use pages::Refusal;
 pub use terms::{BoardGoal, BoardTerms, Refused, agent, check_log, check_whole, one_agent};

@@ -246,12 +246,11 @@ fn table(view: View, class: &ClassPart) -> Markup {
 fn row(view: View, line: &Line, one: bool) -> Markup {
     let sum = &line.summary;
     let class = view.folder.is_none() && matches!(line.scope, Scope::Class(_));
-    let lost = sum.episodes - sum.finished;
     html! {
         tr.sum[class] {
             td.name { (line.scope.name()) }
             @if !one { td.name { (view.name(line.entrant)) } }
-            td { (sum.episodes) @if lost > 0 { small.bad { (lost) " lost" } } }
+            td { (sum.episodes) @if sum.technical > 0 { small.bad { (sum.technical) " technical" } } }
             td { (line.complete) (small(Some(line.complete_interval), share)) }
             td {
                 (share(sum.completion.mean))

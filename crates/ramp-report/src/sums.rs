@@ -236,31 +236,31 @@ fn difference(mut groups: Vec<Vec<f64>>, name: &str) -> Option<Difference> {
 pub struct Failure {
     /// The cause, without names and numbers.
     pub cause: String,
+    /// Whether it is technical, and no failure of the agent.
+    pub technical: bool,
     /// The episodes: goal, seed, and the full reason.
     pub episodes: Vec<(String, u64, String)>,
 }
 
-/// The incomplete episodes of an agent, by cause, the most frequent first.
+/// The incomplete episodes of an agent, by cause, the most frequent first; technical causes come last.
 pub fn failures(entrant: &Entrant) -> Vec<Failure> {
     let mut failures: Vec<Failure> = Vec::new();
     let told = entrant.files.iter().filter_map(|file| {
         let reason = ramp_result::summary::shortfall(&file.result)?;
-        Some((file.result.goal.clone(), file.result.seed, reason))
+        Some((file.result.is_technical(), (file.result.goal.clone(), file.result.seed, reason)))
     });
     let lost = entrant.lost.iter().map(|lost| {
-        (
-            lost.goal.clone(),
-            lost.seed,
-            "lost: it crashed, was killed or ran out of time on the wall".to_string(),
-        )
+        let reason = "lost: its program crashed, was killed or ran out of time on the wall".to_string();
+        (true, (lost.goal.clone(), lost.seed, reason))
     });
-    for episode in told.chain(lost) {
+    for (technical, episode) in told.chain(lost) {
         let cause = cause(&episode.2);
-        match failures.iter_mut().find(|failure| failure.cause == cause) {
+        match failures.iter_mut().find(|it| it.cause == cause && it.technical == technical) {
             Some(failure) => failure.episodes.push(episode),
-            None => failures.push(Failure { cause, episodes: vec![episode] }),
+            None => failures.push(Failure { cause, technical, episodes: vec![episode] }),
         }
     }
-    failures.sort_by(|a, b| b.episodes.len().cmp(&a.episodes.len()).then(a.cause.cmp(&b.cause)));
+    let order = |it: &Failure| (it.technical, std::cmp::Reverse(it.episodes.len()), it.cause.clone());
+    failures.sort_by_cached_key(order);
     failures
 }

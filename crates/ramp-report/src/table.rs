@@ -166,6 +166,7 @@ fn episodes(report: &Report) -> String {
         "file",
         "sha256",
         "log_sha256",
+        "technical",
     ])];
     for (entrant, agent) in report.collection.entrants.iter().enumerate() {
         for file in &agent.files {
@@ -181,7 +182,7 @@ fn episodes(report: &Report) -> String {
             );
             let name = file.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             row.extend([result.ended.reason.clone(), name, file.sha256.clone()]);
-            row.push(result.log.clone().unwrap_or_default());
+            row.extend([result.log.clone().unwrap_or_default(), result.is_technical().to_string()]);
             rows.push(row);
         }
         for lost in &agent.lost {
@@ -189,6 +190,7 @@ fn episodes(report: &Report) -> String {
             row.extend([lost.goal.clone(), lost.seed.to_string(), "0".to_string(), "0".to_string()]);
             row.extend(vec![String::new(); 7]);
             row.extend(["lost".to_string(), String::new(), String::new(), String::new()]);
+            row.push(true.to_string());
             rows.push(row);
         }
     }

@@ -40,6 +40,9 @@ pub struct Identity {
     /// Unambiguous name of the start ([`StartInfo::title`]); `None` for a real run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<String>,
+    /// SHA-256 of the files of world and start, in hex; `None` for a real run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub setting_sha256: Option<[String; 2]>,
     /// The agent's name.
     pub agent: String,
     /// Its version.
@@ -278,6 +281,11 @@ impl Identity {
             track: track.clone(),
             world: result.world.as_ref().map(WorldInfo::title),
             start: result.start.as_ref().map(StartInfo::title),
+            setting_sha256: result
+                .world
+                .as_ref()
+                .zip(result.start.as_ref())
+                .map(|(world, start)| [world.sha256.clone(), start.sha256.clone()]),
             agent: name.clone(),
             agent_version: agent_version.clone(),
             agent_sha256: sha256.clone(),

@@ -59,6 +59,10 @@ pub struct EpisodeResult {
     pub completion: f64,
     /// For each connection of the goal, in its order: the peg that counts, or null.
     pub pegs: Vec<Option<PegResult>>,
+    /// Pegs that were in their place at the end and do not count; empty without one, and then not in the
+    /// file.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rejected: Vec<RejectedPeg>,
     /// Planning, compute and robot time.
     pub time: Time,
     /// Times to compare robot time with; `None` of a real run, where the baseline has no plan for the
@@ -207,6 +211,45 @@ pub struct PegResult {
     pub t_total: f64,
 }
 
+/// A peg that was in its place at the end and does not count.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RejectedPeg {
+    /// The connection's name in the goal.
+    pub connection: String,
+    /// The peg.
+    pub peg: String,
+    /// The reason.
+    #[serde(flatten)]
+    pub reason: RejectReason,
+}
+
+/// Reason why a peg in its place does not count.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "reason", rename_all = "kebab-case")]
+pub enum RejectReason {
+    /// It did not stay in its place when the arm was gone.
+    Fell {},
+    /// Two parts of its connection were too deep in each other.
+    Penetration {
+        /// The names of the two parts.
+        parts: [String; 2],
+        /// Depth, m.
+        depth: f64,
+    },
+}
+
+impl std::fmt::Display for RejectedPeg {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "{} in {}: ", self.peg, self.connection)?;
+        match &self.reason {
+            RejectReason::Fell {} => f.write_str("not in its place once the arm is gone"),
+            RejectReason::Penetration { parts: [one, other], depth } => {
+                write!(f, "{one} and {other} were {:.1} mm in each other", depth * 1e3)
+            }
+        }
+    }
+}
+
 /// Times of an episode, s, each counted separately.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Time {
@@ -216,8 +259,12 @@ pub struct Time {
     pub compute: f64,
     /// The robot's own time.
     pub robot: f64,
-    /// The sum.
+    /// The sum of the three.
     pub total: f64,
+    /// Processor time of all processes of an agent that is a program of its own, until they ended. `None`
+    /// for other agents, and in files of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub agent_cpu: Option<f64>,
 }
 
 /// Times to compare robot time with: of the baseline's plan for the goal, from the start, by the model
@@ -277,6 +324,34 @@ pub struct FaultInfo {
 pub struct Ended {
     /// `done` when the agent said so, otherwise the cause.
     pub reason: String,
+    /// Origin of the cause; `None` of a real run and in files of earlier versions, and then not in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<EndKind>,
+}
+
+/// Origin of an episode's end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EndKind {
+    /// The agent said that it is done.
+    Done,
+    /// The agent crashed, was silent for too long, or sent something invalid.
+    Agent,
+    /// The robot stopped for good because of a command or a collision.
+    Robot,
+    /// The limit of robot time.
+    Time,
+    /// The limit of time on the wall: a technical failure.
+    Wall,
+    /// The physics diverged: a technical failure.
+    Simulation,
+}
+
+impl EndKind {
+    /// Whether it is a technical failure, and not one of the agent.
+    pub fn is_technical(self) -> bool {
+        matches!(self, EndKind::Wall | EndKind::Simulation)
+    }
 }
 
 impl EpisodeResult {
@@ -301,6 +376,12 @@ impl EpisodeResult {
         text
     }
 
+    /// SHA-256, in hex, of everything in the result but the hash of its log: two results with the same digest
+    /// are equal, to the last bit.
+    pub fn digest(&self) -> String {
+        sha256(EpisodeResult { log: None, ..self.clone() }.to_json().as_bytes())
+    }
+
     /// The same result with everything that a clock on the wall decided set to zero, and without the hash of
     /// the log, in which clocks are kept: what two runs with one seed must share to the last bit.
     #[must_use]
@@ -309,11 +390,17 @@ impl EpisodeResult {
         result.time.planning = 0.0;
         result.time.compute = 0.0;
         result.time.total = result.time.robot;
+        result.time.agent_cpu = None;
         for peg in result.pegs.iter_mut().flatten() {
             peg.t_total = peg.t_robot;
         }
         result.log = None;
         result
+    }
+
+    /// Whether a technical failure ended it.
+    pub fn is_technical(&self) -> bool {
+        self.ended.kind.is_some_and(EndKind::is_technical)
     }
 
     /// Counted pegs.

@@ -4,8 +4,8 @@
 //! ([`planning`], [`perception`], [`manipulation`]); each is one JSON file of a schema in `data/schema`,
 //! written by [`write_whole`]. [`collection`] reads folders of such files, from anybody, and [`published`]
 //! means that others have given. [`resume`] decides whether a result on disk is that of a wanted episode. A
-//! [`secret`] makes seeds that nobody knows before. [`summary`], [`activity`]
-//! and [`statistics`] add up what was read. Nothing here links a physics engine.
+//! [`secret`] makes seeds that nobody knows before. [`shipped`] lists the versions of shipped files.
+//! [`summary`], [`activity`] and [`statistics`] add up what was read. Nothing here links a physics engine.
 
 pub mod activity;
 pub mod collection;
@@ -18,6 +18,7 @@ pub mod planning;
 pub mod published;
 pub mod resume;
 pub mod secret;
+pub mod shipped;
 mod start;
 pub mod statistics;
 pub mod summary;

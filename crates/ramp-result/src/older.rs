@@ -57,7 +57,6 @@ mod tests {
 
     use super::*;
     use crate::activity;
-    use crate::collection::{Parsed, parse};
     use crate::episode::{EpisodeResult, SCHEMA};
     use crate::manipulation;
 
@@ -65,8 +64,7 @@ mod tests {
     const OLDER: &str = include_str!("older/episode-3.json");
 
     fn episode() -> EpisodeResult {
-        let Some(Parsed::Episode(result)) = parse("old.json", OLDER.as_bytes()).unwrap() else { panic!() };
-        *result
+        EpisodeResult::from_json(OLDER.as_bytes()).unwrap()
     }
 
     #[test]
@@ -109,7 +107,7 @@ mod tests {
     #[test]
     fn an_older_event_without_a_text_is_refused() {
         let wrong = OLDER.replacen("\"what\"", "\"why\"", 1);
-        let error = parse("old.json", wrong.as_bytes()).unwrap_err().to_string();
+        let error = EpisodeResult::from_json(wrong.as_bytes()).unwrap_err().to_string();
         assert!(error.contains("an event has no `what`"), "{error}");
     }
 

@@ -21,6 +21,9 @@ pub struct Summary {
     pub episodes: usize,
     /// Number of episodes with a result.
     pub finished: usize,
+    /// Number of episodes that a technical failure ended: the lost ones, and those that ran out of time on
+    /// the wall or whose physics diverged.
+    pub technical: usize,
     /// Share of counted pegs over all episodes; a lost episode counts as zero.
     pub completion: Spread,
     /// The best episode: the highest completion, and the shortest total time among equals.
@@ -113,6 +116,7 @@ impl Summary {
         Summary {
             episodes: entries.len(),
             finished: results.len(),
+            technical: entries.len() - results.iter().filter(|result| !result.is_technical()).count(),
             completion: Spread::of(&completion).unwrap_or(Spread { mean: 0.0, deviation: None }),
             best,
             pegs_counted: results.iter().map(|result| result.counted()).sum(),

@@ -23,6 +23,7 @@ pub fn episode(goal: &str, seed: u64, since: &[f64], pegs: usize) -> EpisodeResu
         agent: AgentInfo { name: "hand".into(), version: "1".into(), sha256: None },
         software: Software { version: "0.1.0".into(), commit: "abc".into() },
         host: Host { cpu: "cpu".into(), cores: 2 },
+        rejected: Vec::new(),
         completion: since.len() as f64 / pegs as f64,
         pegs: (0..pegs)
             .map(|index| {
@@ -35,13 +36,13 @@ pub fn episode(goal: &str, seed: u64, since: &[f64], pegs: usize) -> EpisodeResu
                 })
             })
             .collect(),
-        time: Time { planning, compute: 0.0, robot: end - planning, total: end },
+        time: Time { planning, compute: 0.0, robot: end - planning, total: end, agent_cpu: None },
         robot_time: None,
         plan: PlanInfo { coarse: 1, fine: 1, replans: 0 },
         events: Vec::new(),
         log: None,
         physics: Some(Physics { deepest_penetration: 0.0, largest_force: 0.0, state: "0".repeat(16) }),
         fault: None,
-        ended: Ended { reason: "done".into() },
+        ended: Ended { reason: "done".into(), kind: None },
     }
 }

@@ -14,6 +14,8 @@
 //! RRT-Connect as this software has it for a last resort (with shortcuts) and as the crate `oxmpl` has it
 //! (without). Neither keeps a held beam level.
 
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};

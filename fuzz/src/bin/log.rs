@@ -4,12 +4,12 @@
 use std::path::Path;
 
 use ramp_fuzz::{header, mcap_file, shows, target};
-use ramp_log::Log;
 use ramp_log::calls::Encoder;
+use ramp_log::{Limits, Log};
 use ramp_result::testing::episode;
 
 fn check(bytes: &[u8]) {
-    match Log::from_bytes(Path::new("x.mcap"), bytes) {
+    match Log::from_bytes(Path::new("x.mcap"), bytes, &Limits::default()) {
         Ok(log) => log.calls().filter_map(Result::err).for_each(shows),
         Err(error) => shows(error),
     }

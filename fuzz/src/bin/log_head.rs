@@ -4,13 +4,13 @@
 use std::path::Path;
 
 use ramp_fuzz::{header, keeps, mcap_file, shows, target};
-use ramp_log::Log;
+use ramp_log::{Limits, Log};
 use ramp_result::testing::episode;
 
 fn check(bytes: &[u8]) {
     let messages: Vec<(&str, &[u8])> =
         ["/episode", "/result"].into_iter().zip(bytes.split(|byte| *byte == b'\n')).collect();
-    match Log::from_bytes(Path::new("x.mcap"), &mcap_file(&messages, None)) {
+    match Log::from_bytes(Path::new("x.mcap"), &mcap_file(&messages, None), &Limits::default()) {
         Ok(log) => {
             keeps(&log.header);
             keeps(&log.result);

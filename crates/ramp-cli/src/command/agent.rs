@@ -19,6 +19,7 @@ use ramp_skills::{Baseline, Parameters};
 use ramp_twin::Setup;
 
 use crate::command::{own_skill, skills};
+use crate::output::tell;
 
 /// Agent options of `ramp run` and `ramp bench`.
 #[derive(clap::Args)]
@@ -55,7 +56,7 @@ impl Arguments {
     /// If this system has no sandbox, or if the agent's own folder contains a hidden file.
     pub fn sandbox(&self, file: Option<&AgentFile>, hidden: &[&Path]) -> Result<Option<Sandbox>, Report> {
         let Some(file) = file.filter(|_| self.sandbox) else { return Ok(None) };
-        Sandbox::find(file, hidden).map(Some).map_err(|error| match error {
+        let sandbox = Sandbox::find(file, hidden).map_err(|error| match error {
             SandboxError::NoLandlock => miette!(
                 help = "run agents of strangers in a container (docs/src/howto/run-a-strangers-agent.md)",
                 "{error}"
@@ -64,14 +65,28 @@ impl Arguments {
                 miette!(help = "put the agent into a folder of its own, away from the results", "{error}")
             }
             _ => miette!("{error}"),
-        })
+        })?;
+        let sandbox = sandbox.with_rooms();
+        Ok(Some(if rooms_stand(&sandbox).into_diagnostic()? { sandbox } else { sandbox.without_rooms() }))
     }
 }
 
-/// Prints a warning about what the sandbox does not block on this system.
-pub fn tell_open_ends() {
-    let ends = open_ends().unwrap_or_default();
-    eprintln!("the sandbox does not hide: {}", ends.join("; "));
+/// Prints a warning about what a sandbox does not block on this system.
+pub fn tell_open_ends(sandbox: &Sandbox) {
+    tell(&format!("the sandbox does not hide: {}", open_ends(sandbox.has_rooms()).join("; ")));
+}
+
+/// Whether this system allows the name spaces of a sandbox: a process tries them.
+fn rooms_stand(sandbox: &Sandbox) -> std::io::Result<bool> {
+    let status = std::process::Command::new(std::env::current_exe()?)
+        .args(["agent-process", &std::process::id().to_string(), "--try"])
+        .args(words_of(&sandbox.inside()))
+        .args(["--", "true"])
+        .stdin(std::process::Stdio::null())
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .status()?;
+    Ok(status.success())
 }
 
 /// Inputs from which an agent is built.
@@ -145,14 +160,23 @@ pub struct ProcessArguments {
     /// Number of the run's process
     parent: u32,
     /// The agent's own folder, where it is in a sandbox
-    #[arg(long, requires = "largest_file")]
+    #[arg(long, requires_all = ["disk", "tasks"])]
     folder: Option<PathBuf>,
-    /// Largest file that it may write there, bytes
+    /// Space for its files, bytes
     #[arg(long)]
-    largest_file: Option<u64>,
+    disk: Option<u64>,
+    /// Processes and threads that it may have
+    #[arg(long)]
+    tasks: Option<u64>,
     /// Other paths that it may read
     #[arg(long)]
     readable: Vec<PathBuf>,
+    /// Give it name spaces of its own
+    #[arg(long)]
+    rooms: bool,
+    /// Only try whether the sandbox stands
+    #[arg(long = "try", requires = "folder")]
+    try_only: bool,
     /// The agent's program and its arguments
     #[arg(last = true, required = true)]
     command: Vec<OsString>,
@@ -160,23 +184,29 @@ pub struct ProcessArguments {
 
 /// The arguments for [`ProcessArguments`] that set up a sandbox.
 fn words_of(inside: &Inside) -> Vec<OsString> {
-    let Inside { readable, folder, largest_file } = inside;
+    let Inside { readable, folder, disk, tasks, rooms } = inside;
     let mut words: Vec<OsString> = vec!["--folder".into(), folder.into()];
-    words.extend(["--largest-file".into(), largest_file.to_string().into()]);
+    words.extend(["--disk".into(), disk.to_string().into(), "--tasks".into(), tasks.to_string().into()]);
     words.extend(readable.iter().flat_map(|path| ["--readable".into(), path.into()]));
+    words.extend(rooms.then(|| "--rooms".into()));
     words
 }
 
 /// Replaces this process by the agent's program (`exec`).
 pub fn become_agent(arguments: &ProcessArguments) -> ExitCode {
-    let ProcessArguments { parent, folder, largest_file, readable, command } = arguments;
-    let inside = folder.clone().zip(*largest_file).map(|(folder, largest_file)| Inside {
+    let ProcessArguments { parent, folder, disk, tasks, readable, rooms, try_only, command } = arguments;
+    let inside = folder.clone().zip(*disk).zip(*tasks).map(|((folder, disk), tasks)| Inside {
         readable: readable.clone(),
         folder,
-        largest_file,
+        disk,
+        tasks,
+        rooms: *rooms,
     });
+    if let Some(inside) = inside.as_ref().filter(|_| *try_only) {
+        return if inside.enter().is_ok() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
+    }
     let error = ramp_external_agent::become_agent(*parent, inside.as_ref(), command);
     let program = command.first().map(|it| it.to_string_lossy()).unwrap_or_default();
-    eprintln!("{program} cannot be started: {error}");
+    tell(&format!("{program} cannot be started: {error}"));
     ExitCode::from(127)
 }

@@ -42,6 +42,17 @@ pub struct Arguments {
 /// The episodes of a bench.
 struct Bench<'a>(Batch<'a>);
 
+/// An incomplete episode.
+struct Incomplete<'e> {
+    episode: &'e Episode,
+    counted: usize,
+    /// Whether it has a result.
+    finished: bool,
+    /// Whether it failed for a technical reason, and not because of the agent.
+    technical: bool,
+    reason: String,
+}
+
 impl Arguments {
     /// Returns true if an external agent program runs.
     pub fn has_agent(&self) -> bool {
@@ -110,17 +121,27 @@ impl Bench<'_> {
         (goals, classes)
     }
 
-    /// Each incomplete episode: its name, counted pegs, whether it has a result, and the reason.
-    fn failures<'e>(
-        &'e self,
-        episodes: &'e [Episode],
-    ) -> impl Iterator<Item = (&'e Episode, usize, bool, String)> {
-        episodes.iter().filter_map(|episode| match &episode.outcome {
-            Outcome::Finished(result) => {
-                shortfall(result).map(|reason| (episode, result.counted(), true, reason))
+    /// The incomplete episodes.
+    fn failures<'e>(&'e self, episodes: &'e [Episode]) -> impl Iterator<Item = Incomplete<'e>> {
+        episodes.iter().filter_map(|episode| {
+            let lost = |reason: &str| {
+                let reason = reason.to_string();
+                Some(Incomplete { episode, counted: 0, finished: false, technical: true, reason })
+            };
+            match &episode.outcome {
+                Outcome::Finished(result) => {
+                    let (counted, technical) = (result.counted(), result.is_technical());
+                    shortfall(result).map(|reason| Incomplete {
+                        episode,
+                        counted,
+                        finished: true,
+                        technical,
+                        reason,
+                    })
+                }
+                Outcome::Lost(reason) => lost(reason),
+                Outcome::Open => lost("not run"),
             }
-            Outcome::Lost(reason) => Some((episode, 0, false, reason.clone())),
-            Outcome::Open => Some((episode, 0, false, "not run".to_string())),
         })
     }
 
@@ -139,14 +160,15 @@ impl Bench<'_> {
             .collect();
         let failures: Vec<Value> = self
             .failures(episodes)
-            .map(|(episode, counted, finished, reason)| {
+            .map(|it| {
                 json!({
-                    "goal": self.0.goals[episode.goal].name,
-                    "seed": episode.seed,
-                    "pegs_counted": counted,
-                    "pegs": self.0.goals[episode.goal].pegs,
-                    "lost": !finished,
-                    "reason": reason,
+                    "goal": self.0.goals[it.episode.goal].name,
+                    "seed": it.episode.seed,
+                    "pegs_counted": it.counted,
+                    "pegs": self.0.goals[it.episode.goal].pegs,
+                    "lost": !it.finished,
+                    "technical": it.technical,
+                    "reason": it.reason,
                 })
             })
             .collect();
@@ -191,13 +213,21 @@ impl Bench<'_> {
             let goals = if *count == 1 { "goal" } else { "goals" };
             line(&mut text, &format!("{}: {count} {goals}", class.name()), width, sum);
         }
-        let mut heading = "not complete:\n";
-        for (episode, counted, finished, reason) in self.failures(episodes) {
-            let goal = &self.0.goals[episode.goal];
-            text.push_str(heading);
-            heading = "";
-            let pegs = if finished { format!("{counted} of {} pegs", goal.pegs) } else { "lost".to_string() };
-            let _ = writeln!(text, "  {} seed {}: {pegs}: {reason}", goal.name, episode.seed);
+        for (technical, heading) in [
+            (false, "not complete:\n"),
+            (true, "technical failures, not the agent's; what is missing counts as no peg:\n"),
+        ] {
+            let mut heading = heading;
+            for it in self.failures(episodes).filter(|it| it.technical == technical) {
+                let goal = &self.0.goals[it.episode.goal];
+                text.push_str(heading);
+                heading = "";
+                let pegs = match it.finished {
+                    true => format!("{} of {} pegs", it.counted, goal.pegs),
+                    false => "lost".to_string(),
+                };
+                let _ = writeln!(text, "  {} seed {}: {pegs}: {}", goal.name, it.episode.seed, it.reason);
+            }
         }
         let _ = writeln!(text, "results: {}", self.0.folder.display());
         text

@@ -1,163 +1,174 @@
 //! `ramp leaderboard`: a static site of many entries. Each entry's logs are replayed before it is listed.
 
-mod entry;
-mod judge;
-mod rerun;
-mod verdicts;
+mod control;
 
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use miette::{Report as Failure, miette};
 use ramp_data::Data;
-use ramp_report::leaderboard::{BoardGoal, BoardTerms, Boards, Refusal, Streams, pages, standings};
+use ramp_report::leaderboard::{Boards, Control, Key, Refusal, Standing, pages, standings};
 use ramp_report::{Report, page};
-use ramp_result::secret::Secret;
-use ramp_world::Start;
 
-use self::entry::{Entry, Known};
-use self::verdicts::Verdicts;
-use super::seeds;
-use crate::output::print;
+use self::control::Row;
+use crate::admission::{self, Admission, Admitted, Entry, Options, Verdicts};
+use crate::output::{print, tell};
 use crate::site::Site;
-use crate::status::{DONE, INCOMPLETE};
+use crate::status::{DONE, INCOMPLETE, MachineFault};
 
-pub use self::judge::{Arguments as JudgeArguments, judge};
+/// Lock file in the site's folder: one board at a time holds it.
+const LOCK: &str = ".lock";
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Folder of entries: each folder in it holds the results of one agent, with their logs
+    /// Folder of entries: each folder or archive in it holds the results of one agent, with their logs
     entries: PathBuf,
     /// Folder for the site and the verdicts on the logs
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Secret that was mixed into the seeds of all entries, from `ramp seeds commit`
-    #[arg(long, value_name = "FILE")]
-    secret: Option<PathBuf>,
-    /// Run the agents again for their planning and compute times, in a sandbox: each entry's `agent.py` or
-    /// `agent`, or the baseline
+    #[command(flatten)]
+    options: Options,
+    /// Run the baseline for each board that lacks its control row. This takes as long as a bench of that
+    /// class
     #[arg(long)]
-    rerun_agents: bool,
+    control: bool,
 }
 
-/// Inputs and state of one leaderboard.
+/// Boards and site of one leaderboard.
 struct Board {
     boards: Boards,
     refused: Vec<Refusal>,
-    known: Known,
-    streams: Streams,
-    verdicts: Verdicts,
     site: Site,
     /// Agent pages written so far.
     agents: usize,
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Failure> {
-    let folders = entry::folders(&arguments.entries)?;
+    let paths = admission::entries(&arguments.entries)?;
     check_apart(&arguments.entries, &arguments.output)?;
-    let secret = arguments.secret.as_deref();
-    let terms = terms(data, secret.map(seeds::read).transpose()?)?;
+    // Bad terms are an error before anything is written.
+    Admission::new(data, &arguments.options, Verdicts::unstored())?;
     let site = Site::open(&arguments.output)?;
-    let mut board = Board {
-        boards: Boards::default(),
-        refused: Vec::new(),
-        known: Known::default(),
-        streams: Streams::default(),
-        verdicts: Verdicts::open(&arguments.output)?,
-        site,
-        agents: 0,
-    };
+    let _lock = lock(&arguments.output)?;
+    let mut admission = Admission::new(data, &arguments.options, Verdicts::open(&arguments.output)?)?;
+    let mut board = Board { boards: Boards::default(), refused: Vec::new(), site, agents: 0 };
     let mut admitted = 0;
-    for folder in &folders {
-        let entry = Entry { name: entry::name(folder), folder: folder.clone() };
+    for path in &paths {
+        let name = admission::name(path);
         // An invalid entry is left out; the others are still listed.
-        match board.admit(data, &entry, &terms, arguments.rerun_agents, secret)? {
-            Ok(()) => admitted += 1,
+        let outcome = match Admission::open(path)? {
+            Ok(entry) => admission.admit(&entry)?,
+            Err(reason) => Err(reason),
+        };
+        match outcome {
+            Ok(entry) => {
+                admitted += 1;
+                print(&format!("admitted {name}: {}\n", entry.agent))?;
+                for warning in &entry.warnings {
+                    print(&format!("warning {name}: {}\n", warning.text))?;
+                }
+                for (key, standing) in board.list(&name, entry)? {
+                    board.boards.add(key, standing);
+                }
+            }
             Err(reason) => {
-                print(&format!("refused {}: {reason}\n", entry.name))?;
-                board.refused.push(Refusal { entry: entry.name, reason });
+                print(&format!("refused {name}: {reason}\n"))?;
+                board.refused.push(Refusal { entry: name, reason });
             }
         }
     }
+    board.add_controls(data, &mut admission, arguments)?;
     // Write the front page last, so that all its links exist.
-    for (name, text) in pages::pages(&board.boards, &board.refused) {
+    for (name, text) in pages::pages(&board.boards, &board.refused, &admission.terms().compared()) {
         board.site.write(&name, &text)?;
     }
     board.site.remove_others(&["agent-", "board-", "refused"])?;
-    let [run, remembered] = board.verdicts.counts();
+    let [run, remembered] = admission.verdicts().counts();
     print(&format!(
         "{admitted} of {} entries admitted; {run} logs run again, {remembered} known from before\nsite: {}\n",
-        folders.len(),
+        paths.len(),
         arguments.output.join(pages::INDEX).display()
     ))?;
     Ok(if board.refused.is_empty() { DONE } else { INCOMPLETE })
 }
 
+/// Waits until no other board writes to the site, and keeps it for this one.
+fn lock(site: &Path) -> Result<File, Failure> {
+    let fail =
+        |error: std::io::Error| MachineFault::of(format!("{} cannot be locked: {error}", site.display()));
+    let lock = File::create(site.join(LOCK)).map_err(fail)?;
+    match lock.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => {
+            tell(&format!("another board writes to {}: waiting for it", site.display()));
+            lock.lock().map_err(fail)?;
+        }
+        Err(TryLockError::Error(error)) => return Err(fail(error).into()),
+    }
+    Ok(lock)
+}
+
 impl Board {
-    /// Lists a valid entry on the boards, or returns the reason for rejecting it. All checks are made here.
+    /// Writes the pages of an entry's agents, and returns its rows.
     ///
     /// # Errors
     /// If the site cannot be written.
-    fn admit(
-        &mut self,
-        data: &Data,
-        entry: &Entry,
-        terms: &BoardTerms,
-        rerun_agents: bool,
-        secret: Option<&Path>,
-    ) -> Result<Result<(), String>, Failure> {
-        let checked = match entry.read(terms, &self.known) {
-            Ok(checked) => checked,
-            Err(why) => return Ok(Err(entry.reason(&why))),
-        };
-        if let Err(reason) = self.verdicts.replay(&checked.logs)? {
-            return Ok(Err(entry.reason(&miette!("{reason}"))));
-        }
-        self.known.add(&entry.name, &checked.collection);
-        let mut warnings: Vec<(Option<String>, String)> = Vec::new();
-        for copy in self.streams.add(&entry.name, &checked.agent, &checked.streams) {
-            let all = checked.streams.len();
-            warnings.push((
-                None,
-                format!(
-                    "{} of its {all} episodes make the same calls, to the last bit, as entry {} ({})",
-                    copy.episodes, copy.entry, copy.agent
-                ),
-            ));
-        }
-        let mut timed = checked.collection.clone();
-        let mut timed_here = vec![false; timed.entrants.len()];
-        if rerun_agents {
-            for (entrant, timed_here) in timed.entrants.iter_mut().zip(&mut timed_here) {
-                if entrant.identity.real.is_some() {
-                    continue;
-                }
-                let timing = rerun::time(data, entry, entrant, &checked.streams, secret)?;
-                *timed_here = timing.timed;
-                let track = entrant.identity.track.clone();
-                warnings.extend(timing.warning.map(|warning| (Some(track), warning)));
-            }
-        }
-        print(&format!("admitted {}: {}\n", entry.name, checked.agent))?;
-        for (_, warning) in &warnings {
-            print(&format!("warning {}: {warning}\n", entry.name))?;
-        }
+    fn list(&mut self, name: &str, entry: Admitted) -> Result<Vec<(Key, Standing)>, Failure> {
         let before = self.agents;
         let agent_page = |index: usize| page::agent_page(before + index);
-        for (key, mut standing) in
-            standings(&entry.name, &checked.agent, &timed, agent_page, |index| timed_here[index])
-        {
+        let Admitted { agent, collection, timed, timed_here, warnings, .. } = entry;
+        let mut rows = standings(name, &agent, &timed, agent_page, |index| timed_here[index]);
+        for (key, standing) in &mut rows {
             let here = |track: &Option<String>| track.as_ref().is_none_or(|track| *track == key.track);
             standing.warnings =
-                warnings.iter().filter(|(track, _)| here(track)).map(|(_, text)| text.clone()).collect();
-            self.boards.add(key, standing);
+                warnings.iter().filter(|it| here(&it.track)).map(|it| it.text.clone()).collect();
         }
-        let report = Report::new(checked.collection);
+        let report = Report::new(collection);
         for index in 0..report.collection.entrants.len() {
             let text = page::of_agent(&report.of_agent(index), (pages::INDEX, pages::TITLE));
             self.site.write(&agent_page(index), &text)?;
             self.agents += 1;
         }
-        Ok(Ok(()))
+        Ok(rows)
+    }
+
+    /// Adds the organiser's rows to the boards that have an entry.
+    fn add_controls(
+        &mut self,
+        data: &Data,
+        admission: &mut Admission,
+        arguments: &Arguments,
+    ) -> Result<(), Failure> {
+        let keys: Vec<Key> = self.boards.boards().iter().map(|board| board.key.clone()).collect();
+        let secret = arguments.options.secret.as_deref();
+        for (key, row) in keys.iter().filter(|key| !key.real).flat_map(|key| Row::ALL.map(|row| (key, row))) {
+            let folder = row.folder(&arguments.output, key);
+            if arguments.control
+                && let Err(why) = control::make(data, key, row, &arguments.output, secret)?
+            {
+                print(&format!("no {} row on {}: {why}\n", row.label(), key.title()))?;
+                continue;
+            }
+            if !folder.is_dir() {
+                continue;
+            }
+            let entry = Entry::of_folder(format!("{} {}", row.label(), key.slug()), &folder);
+            let admitted = match row {
+                Row::Control => admission.admit_control(&entry)?,
+                Row::Floor => admission.admit_floor(&folder)?,
+            };
+            match admitted {
+                Ok(entry) => {
+                    let rows = self.list(row.label(), entry)?;
+                    for (found, standing) in rows.into_iter().filter(|(found, _)| found == key) {
+                        let label = row.label().to_string();
+                        self.boards.add_control(&found, Control { label, standing });
+                    }
+                }
+                Err(why) => print(&format!("no {} row on {}: {why}\n", row.label(), key.title()))?,
+            }
+        }
+        Ok(())
     }
 }
 
@@ -184,22 +195,4 @@ fn check_apart(entries: &Path, site: &Path) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
-}
-
-fn terms(data: &Data, secret: Option<Secret>) -> Result<BoardTerms, Failure> {
-    let mut goals = Vec::new();
-    let mut files = None;
-    for name in data.goal_names()? {
-        let (goal, texts) = data.goal_with_texts(&name)?;
-        let sources = texts.sources();
-        files = Some((sources.kit.to_string(), sources.arm.to_string()));
-        let class = goal.class.map(|class| class.name().to_string());
-        let pegs = goal.connections.len();
-        goals.push(BoardGoal { name: goal.name, class, pegs, xml: sources.goal.to_string() });
-    }
-    let Some((kit, arm)) = files else {
-        return Err(miette!("there is no goal in {}", data.goals()));
-    };
-    let starts = Start::names().filter_map(Start::shipped).map(|start| start.text.clone()).collect();
-    Ok(BoardTerms { goals, kit, arm, starts, secret })
 }

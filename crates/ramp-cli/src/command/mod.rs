@@ -5,6 +5,7 @@ pub mod bench;
 pub mod check;
 pub mod completions;
 pub mod data;
+pub mod entry;
 pub mod episodes;
 pub mod faults;
 pub mod generate;

@@ -24,7 +24,7 @@ use crate::command::agent;
 use crate::command::own_skill::Replacement;
 use crate::ending::end_on_request;
 use crate::options::{RESULTS_WORLD, StartOption, TrackName, WorldOption};
-use crate::output::{check_place, make_folder_of, print, write_file};
+use crate::output::{check_place, make_folder_of, print, tell, write_file};
 use crate::pictures::{self, Pictures};
 use crate::rules::domains;
 use crate::software::software;
@@ -131,8 +131,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let log = arguments.record.clone().unwrap_or_else(|| output.with_extension(ramp_log::ENDING));
     check_places(&output, &curve, &log, arguments.scene.as_deref())?;
     let sandbox = arguments.agent.sandbox(agent_file.as_ref(), &[&output, &log])?;
-    if sandbox.is_some() {
-        agent::tell_open_ends();
+    if let Some(sandbox) = &sandbox {
+        agent::tell_open_ends(sandbox);
     }
     let setup = Setup {
         assembly: &assembly,
@@ -259,6 +259,9 @@ fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
             None => writeln!(text, "  connection {} has no peg that counts", index + 1),
         };
     }
+    for rejected in &result.rejected {
+        let _ = writeln!(text, "  does not count: {rejected}");
+    }
     let time = &result.time;
     let _ = writeln!(
         text,
@@ -320,10 +323,10 @@ impl Display {
         let line = || format!("{:7.1} s  {}: {}", event.time, event.kind.name(), event.kind);
         match (&self.bar, &event.kind) {
             (_, EventKind::ActionBegun(action)) => *self.action.borrow_mut() = action.to_string(),
-            (None, EventKind::ActionEnded(action)) => eprintln!("{:7.1} s  {action}", event.time),
+            (None, EventKind::ActionEnded(action)) => tell(&format!("{:7.1} s  {action}", event.time)),
             (Some(_), EventKind::ActionEnded(_)) => {}
             (Some(bar), _) => bar.println(line()),
-            (None, _) => eprintln!("{}", line()),
+            (None, _) => tell(&line()),
         }
     }
 

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_data::Data;
 
-use crate::output::{check_place, print, write_file};
+use crate::output::{check_place, print, tell, write_file};
 use crate::status::DONE;
 
 /// Width of a PNG, pixels.
@@ -61,6 +61,6 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         }
     };
     write_file(path, bytes)?;
-    eprintln!("{}: {}", names.join(", "), path.display());
+    tell(&format!("{}: {}", names.join(", "), path.display()));
     Ok(DONE)
 }

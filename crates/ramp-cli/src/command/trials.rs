@@ -29,7 +29,7 @@ use ramp_world::{Start, World};
 
 use crate::command::own_skill::{self, SkillHost};
 use crate::options::{StartOption, TrackName, WorldOption};
-use crate::output::print;
+use crate::output::{print, tell};
 use crate::pool;
 use crate::rules::domains;
 use crate::software::software;
@@ -232,7 +232,7 @@ impl Trials<'_> {
             trial.schema == SCHEMA && own == (skill, seed, self.track.name()) && trial.check().is_ok()
         };
         let Some(trial) = trial.filter(fits) else {
-            eprintln!("{} is no result of this trial: it is run again and replaced", path.display());
+            tell(&format!("{} is no result of this trial: it is run again and replaced", path.display()));
             return Ok(None);
         };
         if trial.software != self.software {
@@ -390,7 +390,7 @@ struct Display {
 impl Display {
     fn new(count: usize, all: usize) -> Display {
         if count < all {
-            eprintln!("{} of {all} trials are finished already", all - count);
+            tell(&format!("{} of {all} trials are finished already", all - count));
         }
         let bar = (std::io::stderr().is_terminal() && count > 0).then(|| {
             let bar = ProgressBar::new(count as u64);
@@ -419,7 +419,7 @@ impl Display {
                     bar.println(line);
                 }
             }
-            None => eprintln!("{number}/{}  {line}", self.count),
+            None => tell(&format!("{number}/{}  {line}", self.count)),
         }
     }
 

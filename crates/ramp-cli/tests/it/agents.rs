@@ -73,7 +73,12 @@ fn the_example_builds_a_corner() {
 </assembly>"#;
     std::fs::write(folder.path().join("corner.xml"), goal).unwrap();
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/agents/build.py");
-    let output = ramp(&folder, &["run", "./corner.xml", "--track", "state", "-o", "out.json"], &example, "");
+    let output = ramp(
+        &folder,
+        &["run", "./corner.xml", "--track", "state", "--world", "ideal", "-o", "out.json"],
+        &example,
+        "",
+    );
     assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
     assert_eq!(file(&folder, "out.json")["completion"], 1.0);
 }

@@ -89,3 +89,66 @@ fn a_small_stack_suffices() {
     let output = command.output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{} {}", output.status, text(&output.stderr));
 }
+
+/// An agent that says much to a person, reports an event, and is done.
+const TALKER: &str = r#"
+import json, sys
+def tell(message):
+    print(json.dumps(message), flush=True)
+    return json.loads(sys.stdin.readline())
+tell({"hello": {"protocol": 1, "name": "talker", "version": "1"}})
+sys.stderr.write("words " * 60000)
+sys.stderr.flush()
+tell({"event": {"kind": "note", "text": "still here"}})
+tell({"done": {}})
+"#;
+
+/// The program in a shell with other streams.
+fn with_streams(folder: &Path, arguments: &str, streams: &str) -> Output {
+    let mut command = Command::new("sh");
+    command.current_dir(folder).args(["-c", &format!("exec \"$RAMP\" {arguments} {streams}")]);
+    command.env("RAMP", env!("CARGO_BIN_EXE_ramp")).output().unwrap()
+}
+
+#[test]
+fn a_message_that_cannot_be_written_ends_no_run() {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("talker.py"), TALKER).unwrap();
+    for (name, streams) in [("full", "2>/dev/full"), ("closed", "2>&-")] {
+        let output =
+            with_streams(folder.path(), &format!("run easy-1 --agent talker.py -o {name}.json"), streams);
+        assert_eq!(output.status.code(), Some(1), "{name}: {}", text(&output.stderr));
+        let result = std::fs::read(folder.path().join(format!("{name}.json"))).unwrap();
+        let result: Value = serde_json::from_slice(&result).unwrap();
+        assert_eq!(result["ended"], serde_json::json!({"reason": "done", "kind": "done"}), "{name}");
+        assert!(result["log"].is_string(), "{name}");
+    }
+    for streams in ["2>/dev/full", "2>&-"] {
+        let output = with_streams(folder.path(), "run nothing", streams);
+        assert_eq!(output.status.code(), Some(2), "{streams}");
+        let bench = format!("bench easy-1 --repeats 1 --agent talker.py -o bench{}", streams.len());
+        let output = with_streams(folder.path(), &bench, streams);
+        assert_eq!(output.status.code(), Some(0), "{streams}");
+        assert!(text(&output.stdout).contains("1/1"), "{}", text(&output.stdout));
+    }
+}
+
+#[test]
+fn results_that_cannot_be_printed_are_a_fault_of_the_machine() {
+    let folder = TempDir::new().unwrap();
+    for arguments in ["goals", "world show real", "plan easy-1"] {
+        let output = with_streams(folder.path(), arguments, ">/dev/full");
+        assert_eq!(output.status.code(), Some(3), "{arguments}");
+        assert!(text(&output.stderr).contains("standard output cannot be written to"), "{arguments}");
+    }
+}
+
+#[test]
+fn a_disk_that_an_agents_words_fill_costs_no_episode() {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("talker.py"), TALKER).unwrap();
+    // The words need 360 kB, and no file has more than 200 kB.
+    let output = with_full_disk(folder.path(), 400, "bench easy-1 --repeats 1 --agent talker.py -o out");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("1/1"), "{}", text(&output.stdout));
+}

@@ -3,7 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use ramp_result::episode::RULES;
+use ramp_result::sha256;
+use ramp_testing::log::{as_log, messages};
 use ramp_testing::trials::{Trial, check, check_unless};
+use ramp_world::{Start, World};
+use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::missing;
@@ -59,6 +64,19 @@ impl Place {
         shift: usize,
         change: impl Fn(String) -> String,
     ) {
+        self.enter_in("real", track, entry, name, shift, change);
+    }
+
+    /// The same in a given world.
+    fn enter_in(
+        &self,
+        world: &str,
+        track: &str,
+        entry: &str,
+        name: &str,
+        shift: usize,
+        change: impl Fn(String) -> String,
+    ) {
         let folder = self.path("entries").join(entry);
         std::fs::create_dir(&folder).unwrap();
         let agent = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/agents/mover.py");
@@ -68,7 +86,7 @@ impl Place {
         std::fs::write(folder.join("agent.py"), change(agent)).unwrap();
         let file = format!("entries/{entry}/agent.py");
         let output = format!("entries/{entry}");
-        let bench = ["--data", "data", "bench", "easy", "--track", track, "--jobs", "2"];
+        let bench = ["--data", "data", "bench", "easy", "--track", track, "--world", world, "--jobs", "2"];
         self.done(&[&bench[..], &["--agent", &file, "-o", &output]].concat());
     }
 
@@ -101,7 +119,11 @@ fn change(path: &Path, from: &str, to: &str) {
 }
 
 /// The page of the one board here.
-const BOARD: &str = "board-easy-state-real-moved-ramp-rules-3.html";
+fn board_page() -> String {
+    let [world, start] = [&World::shipped("real").unwrap().text, &Start::shipped("moved").unwrap().text]
+        .map(|text| sha256(text.as_bytes()));
+    format!("board-easy-state-real-{}-moved-{}-{RULES}.html", &world[..24], &start[..24])
+}
 
 fn bad_entries_are_told_and_the_others_are_on_the_board() {
     let place = Place::new();
@@ -113,7 +135,7 @@ fn bad_entries_are_told_and_the_others_are_on_the_board() {
     std::fs::write(result(&folder, 2, "mcap"), &log[..log.len() / 2]).unwrap();
     let folder = place.copy("b-faster", "h-good");
     let path = result(&folder, 3, "json");
-    let mut faster: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    let mut faster: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
     faster["time"]["compute"] = 0.0.into();
     faster["time"]["planning"] = 0.0.into();
     faster["time"]["total"] = faster["time"]["robot"].clone();
@@ -156,7 +178,7 @@ fn bad_entries_are_told_and_the_others_are_on_the_board() {
     let (status, told) = place.board(&[]);
     assert_eq!(status, Some(1), "{told}");
     for sentence in [
-        "refused a-cut: easy-1-state-2.mcap is not a complete MCAP file: it ends too early",
+        "refused a-cut: easy-1-state-2.mcap: the log is not a complete MCAP file: it ends too early",
         "refused b-faster: easy-1-state-3.json: the result differs from the one in its log",
         "refused c-part: good, track state: easy-1 was run with seeds 1, 2, 3, 5",
         "refused d-<b>\\u{1b}[31mnot-json: easy-1-state-5.json:1:1: expected value",
@@ -169,24 +191,35 @@ fn bad_entries_are_told_and_the_others_are_on_the_board() {
         "admitted h-good: good 1.0",
         "refused k-asked: easy-1-tags-1.mcap: at ",
         "the agent requested poses of parts, not available on track `tags`",
-        "refused l-relabelled: easy-1-tags-1.json: the result differs from the one in its log",
+        "refused l-relabelled: easy-1-tags-1.mcap: at ",
         "2 of 13 entries admitted; ",
     ] {
         assert!(told.contains(sentence), "{sentence}: {told}");
     }
-    let board = place.page(BOARD);
+    let board = place.page(&board_page());
     assert!(board.contains("good 1.0") && board.contains("copy 1.0") && board.contains("as entry h-good"));
-    assert!(place.page("index.html").contains(&format!("href=\"{BOARD}\"")));
+    assert!(place.page("index.html").contains(&format!("href=\"{}\"", board_page())));
     let refused = place.page("refused.html");
     assert!(refused.contains("d-&lt;b&gt;\\u{1b}[31mnot-json") && refused.contains("is a link"), "{refused}");
     assert!(!refused.contains("<script>alert") && !refused.contains('\u{1b}'));
     assert!(place.page("agent-1.html").contains("href=\"index.html\""));
 
-    // Verdicts are stored by the hash of the log.
+    verdicts_are_stored_by_the_hash_of_the_log(&place);
+}
+
+/// Builds the board of this place again.
+fn verdicts_are_stored_by_the_hash_of_the_log(place: &Place) {
     let (_, told) = place.board(&[]);
     assert!(told.contains("; 0 logs run again, "), "{told}");
     let path = place.path("site/replayed.json");
-    change(&path, "\"equal\"", "{\"refused\": \"it does not replay: so it was\"}");
+    let mut verdicts: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    for (_, verdict) in verdicts["logs"].as_object_mut().unwrap() {
+        if verdict["valid"].is_object() {
+            *verdict = serde_json::json!({"refused": "it does not replay: so it was"});
+            break;
+        }
+    }
+    std::fs::write(&path, verdicts.to_string()).unwrap();
     let (_, told) = place.board(&[]);
     assert!(told.contains(".mcap: it does not replay: so it was"), "{told}");
     assert!(told.contains("1 of 13 entries admitted"), "{told}");
@@ -250,7 +283,7 @@ fn agents_are_run_again_for_their_times() {
 
     let (status, told) = place.board(&[]);
     assert_eq!(status, Some(0), "{told}");
-    assert!(!place.page(BOARD).contains("<small>timed here"));
+    assert!(!place.page(&board_page()).contains("<small>timed here"));
     let (status, told) = place.board(&["--rerun-agents"]);
     assert_eq!(status, Some(0), "{told}");
     for sentence in [
@@ -261,8 +294,193 @@ fn agents_are_run_again_for_their_times() {
         assert!(told.contains(sentence), "{sentence}: {told}");
     }
     assert!(!told.contains("warning a-same") && !told.contains("warning b-other"), "{told}");
-    let board = place.page(BOARD);
+    let board = place.page(&board_page());
     assert_eq!(board.matches("<small>timed here").count(), 2 * 3, "planning and compute of three agents");
+}
+
+/// The results of an entry and their logs, each changed; the hash of the log in the result is right again.
+fn change_logs(folder: &Path, change: impl Fn(&mut Value, &mut Value)) {
+    for seed in 1..=5 {
+        let [json, mcap] = ["json", "mcap"].map(|it| folder.join(format!("easy-1-state-{seed}.{it}")));
+        let mut messages = messages(&std::fs::read(&mcap).unwrap());
+        let read = |topic: &str| -> Value {
+            let found = messages.iter().find(|it| it.0 == topic).unwrap();
+            serde_json::from_slice(&found.1).unwrap()
+        };
+        let (mut header, mut result) = (read("/episode"), read("/result"));
+        change(&mut header, &mut result);
+        for (topic, value) in [("/episode", &header), ("/result", &result)] {
+            messages.iter_mut().find(|it| it.0 == topic).unwrap().1 = value.to_string().into_bytes();
+        }
+        let bytes = as_log(&messages);
+        result["log"] = sha256(&bytes).into();
+        std::fs::write(mcap, bytes).unwrap();
+        std::fs::write(json, result.to_string()).unwrap();
+    }
+}
+
+fn a_world_under_a_shipped_name_is_not_on_its_board() {
+    let place = Place::new();
+    // The numbers of a perfect arm under the name of the default world.
+    let ideal = std::fs::read_to_string(place.path("data/worlds/ideal.toml")).unwrap();
+    assert!(ideal.contains("name = \"ideal\""));
+    std::fs::write(place.path("fake.toml"), ideal.replace("name = \"ideal\"", "name = \"real\"")).unwrap();
+    std::fs::write(place.path("mine.toml"), ideal.replace("name = \"ideal\"", "name = \"mine\"")).unwrap();
+    place.enter_in("fake.toml", "state", "b-renamed", "renamed", 1, |agent| agent);
+    let shipped = sha256(World::shipped("real").unwrap().text.as_bytes());
+    // The same with the hash of the shipped file at the start of the log and in the result.
+    let folder = place.copy("a-made-up", "b-renamed");
+    change_logs(&folder, |header, result| {
+        header["world"]["sha256"] = shipped.clone().into();
+        result["world"]["sha256"] = shipped.clone().into();
+    });
+    place.enter("c-honest", "honest", 2);
+    place.enter_in("mine.toml", "state", "d-own", "own", 3, |agent| agent);
+    // Other times to compare with.
+    let folder = place.copy("e-bound", "c-honest");
+    change_logs(&folder, |_, result| {
+        result["robot_time"] = serde_json::json!({"bound": 0.5, "reference": 999.5});
+        result["agent"]["name"] = "flattered".into();
+    });
+
+    let (status, told) = place.board(&[]);
+    assert_eq!(status, Some(1), "{told}");
+    let hash = sha256(&std::fs::read(place.path("fake.toml")).unwrap());
+    for sentence in [
+        "refused a-made-up: easy-1-state-1.mcap: the log is not the log of an episode: its world does not match its hash",
+        &format!(
+            "refused b-renamed: easy-1-state-1.json: world `real` was never shipped with the SHA-256 {}",
+            &hash[..8]
+        ),
+        "admitted c-honest",
+        "admitted d-own",
+        "admitted e-bound",
+    ] {
+        assert!(told.contains(sentence), "{sentence}: {told}");
+    }
+    let board = place.page(&board_page());
+    assert!(board.contains("honest 1.0") && !board.contains("renamed") && !board.contains("own 1.0"));
+    assert!(
+        board.contains(&shipped)
+            && board.contains(&sha256(&std::fs::read(place.path("data/kit.xml")).unwrap()))
+    );
+    assert!(!board.contains("999.5"), "bound and reference are those of this program");
+    assert!(place.page("index.html").contains("world mine ("));
+}
+
+fn an_entry_is_checked_as_the_board_does_it_and_packed() {
+    let place = Place::new();
+    place.enter("honest", "good", 1);
+    let folder = place.copy("cut", "honest");
+    let log = std::fs::read(folder.join("easy-1-state-2.mcap")).unwrap();
+    std::fs::write(folder.join("easy-1-state-2.mcap"), &log[..log.len() / 2]).unwrap();
+    let folder = place.copy("relabelled", "honest");
+    for seed in 1..=5 {
+        change(
+            &folder.join(format!("easy-1-state-{seed}.json")),
+            "\"track\": \"state\"",
+            "\"track\": \"tags\"",
+        );
+    }
+    let check = |words: &[&str]| {
+        let output = place.ramp(&[&["--data", "data", "entry", "check"], words].concat());
+        (output.status.code(), text(&output.stdout))
+    };
+    let (status, told) = check(&["entries/honest"]);
+    assert_eq!(status, Some(0), "{told}");
+    for words in ["good 1.0", "5 results, 0 of 5 pegs", "logs: 5 run again", "would be admitted"] {
+        assert!(told.contains(words), "{words}: {told}");
+    }
+    for (words, reason) in [
+        (&["entries/cut"][..], "easy-1-state-2.mcap: the log is not a complete MCAP file: it ends too early"),
+        (&["entries/relabelled"], "easy-1-state-1.json: the result differs from the one in its log"),
+        (&["entries/honest", "--replay-limit", "0.001"], ".mcap: its replay was not done after 0.001 s"),
+    ] {
+        let (status, told) = check(words);
+        assert_eq!(status, Some(1), "{told}");
+        assert!(told.starts_with("would be refused: ") && told.contains(reason), "{reason}: {told}");
+    }
+    for words in [&["entries/nothing"][..], &["entries/honest", "--replay-limit", "0"]] {
+        assert_eq!(check(words).0, Some(2), "{words:?}");
+    }
+
+    // Packed, it is one file; the board takes both.
+    for words in
+        [&["entries/honest", "-o", "out.zip"][..], &["data", "-o", "out.tar"], &["no", "-o", "out.tar"]]
+    {
+        let output = place.ramp(&[&["entry", "pack"], words].concat());
+        assert_eq!(output.status.code(), Some(2), "{words:?}");
+    }
+    assert!(!place.path("out.tar").exists() && !place.path("out.zip").exists());
+    place.done(&["entry", "pack", "entries/honest", "-o", "packed.tar"]);
+    place.done(&["entry", "pack", "entries/honest", "-o", "again.tar"]);
+    let read = |name: &str| std::fs::read(place.path(name)).unwrap();
+    assert!(read("packed.tar") == read("again.tar"), "equal files give equal archives");
+    let (status, told) = check(&["packed.tar"]);
+    assert_eq!((status, told.contains("would be admitted")), (Some(0), true), "{told}");
+    for folder in ["honest", "cut", "relabelled"] {
+        std::fs::remove_dir_all(place.path("entries").join(folder)).unwrap();
+    }
+    std::fs::rename(place.path("packed.tar"), place.path("entries/packed.tar")).unwrap();
+    std::fs::write(place.path("entries/noise.tar"), [7; 2000]).unwrap();
+    std::os::unix::fs::symlink("packed.tar", place.path("entries/link.tar")).unwrap();
+    let (status, told) = place.board(&[]);
+    assert_eq!(status, Some(1), "{told}");
+    for sentence in [
+        "refused link: it in the archive is no ordinary file",
+        "refused noise: the archive cannot be read: ",
+        "admitted packed: good 1.0",
+    ] {
+        assert!(told.contains(sentence), "{sentence}: {told}");
+    }
+}
+
+fn two_boards_into_one_site_keep_all_verdicts() {
+    let place = Place::new();
+    place.enter("a", "one", 1);
+    std::fs::create_dir(place.path("others")).unwrap();
+    place.enter("b", "two", 2);
+    std::fs::rename(place.path("entries/b"), place.path("others/b")).unwrap();
+    let start = |entries: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_ramp"));
+        command.current_dir(&place.0).args(["--data", "data", "leaderboard", entries, "-o", "site"]);
+        command.stdout(std::process::Stdio::null()).spawn().unwrap()
+    };
+    let mut boards = ["entries", "others"].map(start);
+    assert!(boards.iter_mut().all(|board| board.wait().unwrap().success()));
+    let verdicts: Value = serde_json::from_str(&place.page("replayed.json")).unwrap();
+    assert_eq!(verdicts["logs"].as_object().unwrap().len(), 10);
+}
+
+fn a_board_has_the_baseline_as_its_control_row() {
+    let place = Place::new();
+    place.enter("a", "one", 1);
+    let (_, told) = place.board(&[]);
+    assert!(!place.page(&board_page()).contains("<td>control</td>"), "{told}");
+    let control = |more: &[&str]| {
+        let words = [&["--data", "data", "leaderboard", "entries", "-o", "site"], more].concat();
+        let output = place.ramp(&words);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let told = control(&["--control"]);
+    assert!(told.contains("1 of 1 entries admitted"), "{told}");
+    let board = place.page(&board_page());
+    assert!(board.contains("<td>control</td>") && board.contains(">baseline "), "{board}");
+    assert!(board.contains("5/5"), "the baseline builds two beams: {board}");
+    // Its results stay in the site, and the next board has the row without running it.
+    let folder = place.path("site/control").join(board_page().replace("board-", "").replace(".html", ""));
+    let result = folder.join("easy-1-state-1.json");
+    let before = std::fs::metadata(&result).unwrap().modified().unwrap();
+    let told = control(&["--control"]);
+    assert!(told.contains("0 logs run again"), "{told}");
+    control(&[]);
+    assert_eq!(std::fs::metadata(&result).unwrap().modified().unwrap(), before);
+    assert!(place.page(&board_page()).contains("<td>control</td>"));
+    // Damaged results are no row.
+    std::fs::write(folder.join("easy-1-state-2.mcap"), "no log").unwrap();
+    let told = control(&[]);
+    assert!(told.contains("no control row on Class easy"), "{told}");
 }
 
 /// A board of 200 entries of which five are bad: `cargo test --release -p ramp-cli --test sandbox --
@@ -305,7 +523,8 @@ fn a_board_of_two_hundred() {
     assert_eq!(told.matches("refused ").count(), 5, "{told}");
     let (_, told) = place.board(&[]);
     assert!(told.contains("0 logs run again, 975 known from before"), "{told}");
-    for page in ["index.html", BOARD, "board-easy-state-ramp-rules-3-4.html", "refused.html"] {
+    let last = board_page().replace(".html", "-4.html");
+    for page in ["index.html", &board_page(), &last, "refused.html"] {
         assert!(place.page(page).len() < 1 << 20, "{page}");
     }
     if let Some(folder) = std::env::var_os("RAMP_SITE") {
@@ -325,6 +544,16 @@ pub fn checks() -> Vec<Trial> {
             "a_site_is_written_when_all_are_refused_and_none_into_the_entries",
             a_site_is_written_when_all_are_refused_and_none_into_the_entries,
         ),
+        check(
+            "a_world_under_a_shipped_name_is_not_on_its_board",
+            a_world_under_a_shipped_name_is_not_on_its_board,
+        ),
+        check(
+            "an_entry_is_checked_as_the_board_does_it_and_packed",
+            an_entry_is_checked_as_the_board_does_it_and_packed,
+        ),
+        check("two_boards_into_one_site_keep_all_verdicts", two_boards_into_one_site_keep_all_verdicts),
+        check("a_board_has_the_baseline_as_its_control_row", a_board_has_the_baseline_as_its_control_row),
         check_unless("agents_are_run_again_for_their_times", missing, agents_are_run_again_for_their_times),
         check("a_board_of_two_hundred", a_board_of_two_hundred).with_ignored_flag(true),
     ]

@@ -81,16 +81,23 @@ impl<'a> Run<'a> {
             agent: agent.clone(),
             software: software.clone(),
             host: host.clone(),
+            rejected: Vec::new(),
             completion: if pegs.is_empty() { 0.0 } else { counted as f64 / pegs.len() as f64 },
             pegs,
-            time: Time { planning, compute: 0.0, robot: self.now - planning, total: self.now },
+            time: Time {
+                planning,
+                compute: 0.0,
+                robot: self.now - planning,
+                total: self.now,
+                agent_cpu: None,
+            },
             robot_time: None,
             plan: PlanInfo { coarse: 0, fine: 0, replans: 0 },
             events: self.faults.into_iter().map(event).collect(),
             physics: None,
             fault: None,
             log: None,
-            ended: Ended { reason: self.ended.unwrap_or_default() },
+            ended: Ended { reason: self.ended.unwrap_or_default(), kind: None },
         }
     }
 }

@@ -1,10 +1,17 @@
 //! Rankings: one board for each class, track, world, start and rules, the best agent first.
 
+use ramp_log::Named;
 use ramp_result::collection::{Collection, class_rank};
-use ramp_result::episode::{EpisodeResult, RealRun, StartInfo, WorldInfo};
+use ramp_result::episode::{EpisodeResult, RealRun};
 use ramp_robot::Track;
 
 use crate::sums::{self, Line, Scope};
+
+/// Digits of a SHA-256 that are shown.
+pub(super) const SHOWN_HASH: usize = 8;
+/// Digits of a SHA-256 in the name of a page. Longer than the shown hash, so that nobody can make a file with
+/// the same one.
+const SLUG_HASH: usize = 24;
 
 /// Properties that episodes must share to be ranked together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,10 +20,10 @@ pub struct Key {
     pub class: Option<String>,
     /// The track.
     pub track: String,
-    /// Unambiguous name of the world; `None` for real runs.
-    pub world: Option<String>,
-    /// Unambiguous name of the start; `None` for real runs.
-    pub start: Option<String>,
+    /// The world; `None` for real runs. Two versions of one world are two worlds.
+    pub world: Option<Named>,
+    /// The start; `None` for real runs. Two versions of one start are two starts.
+    pub start: Option<Named>,
     /// The rules of judging.
     pub rules: String,
     /// Whether the runs were on real robots.
@@ -29,8 +36,8 @@ impl Key {
         Key {
             class: result.class.clone(),
             track: result.track.clone(),
-            world: result.world.as_ref().map(WorldInfo::title),
-            start: result.start.as_ref().map(StartInfo::title),
+            world: result.world.as_ref().map(|it| Named { name: it.name.clone(), sha256: it.sha256.clone() }),
+            start: result.start.as_ref().map(|it| Named { name: it.name.clone(), sha256: it.sha256.clone() }),
             rules: result.rules.clone(),
             real: result.real.is_some(),
         }
@@ -41,8 +48,11 @@ impl Key {
         let class =
             self.class.as_ref().map_or("Goals without a class".to_string(), |it| format!("Class {it}"));
         let real = if self.real { ", real robots" } else { "" };
-        let world = self.world.as_ref().map_or(String::new(), |world| format!(", world {world}"));
-        let start = self.start.as_ref().map_or(String::new(), |start| format!(", start {start}"));
+        let version = |kind: &str, file: &Option<Named>| {
+            file.as_ref()
+                .map_or(String::new(), |it| format!(", {kind} {} ({})", it.name, begin(it, SHOWN_HASH)))
+        };
+        let (world, start) = (version("world", &self.world), version("start", &self.start));
         format!("{class}, track {}{world}{start}{real}", self.track)
     }
 
@@ -50,8 +60,10 @@ impl Key {
     pub fn slug(&self) -> String {
         let class = self.class.as_deref().unwrap_or("no-class");
         let real = if self.real { "-real" } else { "" };
-        let world = self.world.as_ref().map_or(String::new(), |world| format!("-{world}"));
-        let start = self.start.as_ref().map_or(String::new(), |start| format!("-{start}"));
+        let version = |file: &Option<Named>| {
+            file.as_ref().map_or(String::new(), |it| format!("-{}-{}", it.name, begin(it, SLUG_HASH)))
+        };
+        let (world, start) = (version(&self.world), version(&self.start));
         format!("{class}-{}{world}{start}{real}-{}", self.track, self.rules)
             .chars()
             .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' })
@@ -59,17 +71,21 @@ impl Key {
     }
 
     /// Easy classes first, tracks in their order, real robots last.
-    fn rank(&self) -> (usize, usize, bool, Option<&str>, Option<&str>, &str) {
+    fn rank(&self) -> (usize, usize, bool, [Option<&Named>; 2], &str) {
         let track = Track::ALL.iter().position(|known| known.name() == self.track);
         (
             class_rank(self.class.as_deref()),
             track.unwrap_or(Track::ALL.len()),
             self.real,
-            self.world.as_deref(),
-            self.start.as_deref(),
+            [self.world.as_ref(), self.start.as_ref()],
             &self.rules,
         )
     }
+}
+
+/// The first digits of a file's SHA-256.
+fn begin(file: &Named, digits: usize) -> &str {
+    file.sha256.get(..digits).unwrap_or(&file.sha256)
 }
 
 /// One agent's row on one board.
@@ -95,13 +111,24 @@ pub struct Standing {
     pub warnings: Vec<String>,
 }
 
+/// A row of the organiser, which takes no place.
+#[derive(Clone, Debug)]
+pub struct Control {
+    /// Its name: what a reader compares with it.
+    pub label: String,
+    /// The row.
+    pub standing: Standing,
+}
+
 /// One board.
 #[derive(Clone, Debug)]
 pub struct Board {
     /// Common properties of its rows.
     pub key: Key,
-    /// The rows, the best first.
+    /// The rows of the entries, the best first.
     pub standings: Vec<Standing>,
+    /// The organiser's rows.
+    pub controls: Vec<Control>,
 }
 
 /// All boards.
@@ -115,12 +142,19 @@ impl Boards {
     pub fn add(&mut self, key: Key, standing: Standing) {
         let index = self.boards.iter().position(|board| board.key == key).unwrap_or_else(|| {
             let index = self.boards.partition_point(|board| board.key.rank() < key.rank());
-            self.boards.insert(index, Board { key, standings: Vec::new() });
+            self.boards.insert(index, Board { key, standings: Vec::new(), controls: Vec::new() });
             index
         });
         let standings = &mut self.boards[index].standings;
         let place = standings.partition_point(|other| sums::better(&other.line, &standing.line).is_le());
         standings.insert(place, standing);
+    }
+
+    /// Adds a row of the organiser to the board of this key, if it has an entry.
+    pub fn add_control(&mut self, key: &Key, control: Control) {
+        if let Some(board) = self.boards.iter_mut().find(|board| board.key == *key) {
+            board.controls.push(control);
+        }
     }
 
     /// The boards in order.

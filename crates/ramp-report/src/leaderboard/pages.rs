@@ -3,7 +3,7 @@
 
 use maud::{Markup, html};
 
-use super::boards::{Board, Boards, Standing};
+use super::boards::{Board, Boards, Control, Standing};
 use crate::format::{NONE, share, small};
 use crate::shell::page;
 
@@ -16,8 +16,10 @@ pub const INDEX: &str = "index.html";
 /// The site's title.
 pub const TITLE: &str = "RAMP leaderboard";
 
-/// Note on the source of the times.
-const TIMES: &str = "Planning and compute times are the entrants' own, unless “timed here” is beside them.";
+/// Note on the source of each figure.
+const SOURCES: &str = "Computed here from the logs: completion, pegs, robot time; from the goals: bound and reference. Told by \
+     the entrant: planning and compute time, and with them total time, unless “timed here” is beside them; computer; \
+     software; the name of the agent.";
 
 /// An entry without a board.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,8 +30,9 @@ pub struct Refusal {
     pub reason: String,
 }
 
-/// All pages but those of the agents: their file names and texts, the front page last.
-pub fn pages(boards: &Boards, refused: &[Refusal]) -> Vec<(String, String)> {
+/// All pages but those of the agents: their file names and texts, the front page last. `compared` holds the
+/// names and hashes of what all entries share.
+pub fn pages(boards: &Boards, refused: &[Refusal], compared: &[(String, String)]) -> Vec<(String, String)> {
     let mut pages = Vec::new();
     for board in boards.boards() {
         let stem = format!("board-{}", board.key.slug());
@@ -40,8 +43,9 @@ pub fn pages(boards: &Boards, refused: &[Refusal]) -> Vec<(String, String)> {
                 h1 { (board.key.title()) }
                 (board_words(board))
                 (turn(&stem, number, chunks.len()))
-                (table(chunk, number * PAGE))
+                (table(chunk, number * PAGE, &board.controls))
                 (turn(&stem, number, chunks.len()))
+                (hashes(board, compared))
             };
             pages.push((file(&stem, number), page(&format!("{TITLE}: {}", board.key.title()), &body)));
         }
@@ -105,7 +109,7 @@ fn front(boards: &Boards, refused: usize) -> String {
                 h1 { (TITLE) }
                 p.soft {
                     "Whole classes, every goal five times. Every result of the twin was run again from its log and is equal \
-                     to the last bit. " (TIMES) " Intervals are of 95 %."
+                     to the last bit. " (SOURCES) " Intervals are of 95 %."
                 }
             }
             button type="button" { "light / dark" }
@@ -113,7 +117,7 @@ fn front(boards: &Boards, refused: usize) -> String {
         @for board in boards.boards() {
             h2 { a href=(file(&format!("board-{}", board.key.slug()), 0)) { (board.key.title()) } }
             p.soft { (count(board.standings.len(), "entry", "entries")) ", rules " (board.key.rules) "." }
-            (table(&board.standings[..board.standings.len().min(BEST)], 0))
+            (table(&board.standings[..board.standings.len().min(BEST)], 0, &board.controls))
         }
         @if boards.boards().is_empty() { p { "No entry is on a board." } }
         @if refused > 0 {
@@ -134,29 +138,55 @@ fn board_words(board: &Board) -> Markup {
             @if board.key.real {
                 "By stopwatch: these cannot be reproduced."
             } @else {
-                "Every result was run again from its log and is equal to the last bit. " (TIMES)
+                "Every result was run again from its log and is equal to the last bit. " (SOURCES)
+            }
+            @if !board.controls.is_empty() {
+                " Rows without a place are the organiser's own."
             }
         }
     }
 }
 
-fn table(standings: &[Standing], above: usize) -> Markup {
+/// The hashes of everything that the episodes of a board share.
+fn hashes(board: &Board, compared: &[(String, String)]) -> Markup {
+    let named = [("world", &board.key.world), ("start", &board.key.start)].into_iter();
+    let named = named.filter_map(|(kind, file)| {
+        let file = file.as_ref()?;
+        Some((format!("{kind} {}", file.name), file.sha256.clone()))
+    });
+    let rows = named.chain(compared.iter().cloned()).collect::<Vec<_>>();
+    html! {
+        h2 { "Compared" }
+        p.soft { "All episodes of this board have these in common; each is given by its SHA-256, the secret by its commitment." }
+        div.wide {
+            table {
+                tbody { @for (name, hash) in &rows { tr { td.name { (name) } td.name { code { (hash) } } } } }
+            }
+        }
+    }
+}
+
+fn table(standings: &[Standing], above: usize, controls: &[Control]) -> Markup {
     html! {
         div.wide {
             table {
                 thead { tr {
                     th { "" } th.name { "agent" small { "entry" } } th { "completion" small { "%" } } th { "complete" } th { "pegs" }
-                    th { "total time" small { "s" } } th { "planning" small { "s" } } th { "compute" small { "s" } }
+                    th { "technical" small { "failures" } }
+                    th { "total time" small { "s" } } th { "planning" small { "s, told" } } th { "compute" small { "s, told" } }
                     th { "robot" small { "s" } } th { "bound" small { "s" } } th { "reference" small { "s" } }
-                    th.name { "robot or computer" } th.name { "software" }
+                    th.name { "robot or computer" small { "told" } } th.name { "software" small { "told" } }
                 } }
-                tbody { @for (index, it) in standings.iter().enumerate() { (row(it, above + index + 1)) } }
+                tbody {
+                    @for (index, it) in standings.iter().enumerate() { (row(it, &(above + index + 1).to_string())) }
+                    @for it in controls { (row(&it.standing, &it.label)) }
+                }
             }
         }
     }
 }
 
-fn row(it: &Standing, place: usize) -> Markup {
+fn row(it: &Standing, place: &str) -> Markup {
     let sum = &it.line.summary;
     let compared = sum.time.and_then(|time| time.compared);
     let mean = |digits: usize, time: Option<f64>| {
@@ -173,6 +203,7 @@ fn row(it: &Standing, place: usize) -> Markup {
             td { (share(sum.completion.mean)) (small(it.line.completion_interval, share)) }
             td { (it.line.complete) "/" (sum.episodes) }
             td { (sum.pegs_counted) "/" (sum.pegs) }
+            td { (sum.technical) }
             td { (mean(1, sum.time.map(|time| time.total))) }
             td { (mean(2, sum.time.map(|time| time.planning))) @if it.timed_here { small { "timed here" } } }
             td { (mean(2, sum.time.map(|time| time.compute))) @if it.timed_here { small { "timed here" } } }

@@ -1,10 +1,14 @@
 //! Conditions of admission to a board: one agent, whole classes of the organiser's goals, and
 //! results that match their logs.
 
+use super::boards::SHOWN_HASH;
 use crate::report::REPEATS;
-use ramp_log::{Log, SecretSeed};
+use ramp_kit::source::shorten;
+use ramp_log::{Facts, SecretSeed};
 use ramp_result::collection::{Collection, Identity, ResultFile};
 use ramp_result::secret::Secret;
+use ramp_result::sha256;
+use ramp_result::shipped::{Kind, may_be_named};
 
 /// A goal of the organiser.
 #[derive(Clone, Debug)]
@@ -32,6 +36,17 @@ pub struct BoardTerms {
     pub starts: Vec<String>,
     /// The secret mixed into the seeds; `None` for public seeds.
     pub secret: Option<Secret>,
+}
+
+impl BoardTerms {
+    /// Everything that is the same in all entries: its name, and its SHA-256 or commitment.
+    pub fn compared(&self) -> Vec<(String, String)> {
+        let hash = |text: &str| sha256(text.as_bytes());
+        let goals = self.goals.iter().map(|goal| (format!("goal {}", goal.name), hash(&goal.xml)));
+        let files = [("kit".to_string(), hash(&self.kit)), ("arm".to_string(), hash(&self.arm))];
+        let secret = self.secret.iter().map(|it| ("secret of the seeds".to_string(), it.commitment()));
+        files.into_iter().chain(goals).chain(secret).collect()
+    }
 }
 
 /// Reasons why a result is not admitted.
@@ -83,6 +98,20 @@ pub enum Refused {
         found: String,
         /// The organiser's, in words.
         expected: String,
+    },
+    /// A shipped name on a file that was never shipped.
+    #[error(
+        "{file}: {kind} `{name}` was never shipped with the SHA-256 {hash}; a file of one's own needs a name of its own"
+    )]
+    NotShipped {
+        /// The result.
+        file: String,
+        /// World or start.
+        kind: &'static str,
+        /// Its name.
+        name: String,
+        /// The begin of its SHA-256.
+        hash: String,
     },
     /// The result does not match its log.
     #[error("{file}: the result differs from the one in its log")]
@@ -152,46 +181,61 @@ pub fn check_whole(collection: &Collection, terms: &BoardTerms) -> Result<(), Re
     Ok(())
 }
 
-/// Checks that a result was made with the organiser's goal, parts and start, and matches its log.
+/// Checks that a result was made with the organiser's goal, parts and start, in a world that may have its
+/// name, and matches its log.
 ///
 /// # Errors
 /// The difference.
-pub fn check_log(file: &ResultFile, log: &Log, terms: &BoardTerms) -> Result<(), Refused> {
+pub fn check_log(file: &ResultFile, log: &Facts, terms: &BoardTerms) -> Result<(), Refused> {
     let name = || file.path.display().to_string();
-    let header = &log.header;
+    let hash = |text: &str| sha256(text.as_bytes());
     let goal = terms.goals.iter().find(|goal| goal.name == file.result.goal);
-    if goal.is_none_or(|goal| goal.xml != header.goal.xml || goal.name != header.goal.name) {
+    if goal.is_none_or(|goal| hash(&goal.xml) != log.goal.sha256 || goal.name != log.goal.name) {
         return Err(Refused::Goal { file: name() });
     }
     let other = |what| Err(Refused::Other { file: name(), what });
-    if header.kit.xml != terms.kit {
+    if log.kit != hash(&terms.kit) {
         return other("kit");
     }
-    if header.arm.json != terms.arm {
+    if log.arm != hash(&terms.arm) {
         return other("arm");
     }
-    if !terms.starts.contains(&header.start.toml) {
+    if !terms.starts.iter().any(|start| hash(start) == log.start.sha256) {
         return other("start");
     }
+    for (kind, logged) in [(Kind::World, &log.world), (Kind::Start, &log.start)] {
+        if !may_be_named(kind, &logged.name, &logged.sha256) {
+            return Err(Refused::NotShipped {
+                file: name(),
+                kind: kind.name(),
+                name: shorten(&logged.name),
+                hash: logged.sha256.chars().take(SHOWN_HASH).collect(),
+            });
+        }
+    }
+    let world = file.result.world.as_ref().map(|it| (&it.name, &it.sha256));
+    let start = file.result.start.as_ref().map(|it| (&it.name, &it.sha256));
+    let logged = [&log.world, &log.start].map(|it| Some((&it.name, &it.sha256)));
+    if [world, start] != logged {
+        return Err(Refused::NotOfLog { file: name() });
+    }
     let name_of = |commitment: Option<&String>| match commitment {
-        Some(commitment) => format!("the secret {}", ramp_kit::source::shorten(commitment)),
+        Some(commitment) => format!("the secret {}", shorten(commitment)),
         None => "no secret in its seeds".to_string(),
     };
     let expected = terms.secret.as_ref().map(|secret| SecretSeed {
         commitment: secret.commitment(),
-        seed: secret.seed(&header.goal.name, &header.track, header.seed),
+        seed: secret.seed(&log.goal.name, &log.track, log.seed),
     });
     let commitment = |seed: &Option<SecretSeed>| seed.as_ref().map(|seed| seed.commitment.clone());
-    if commitment(&header.secret) != commitment(&expected) {
-        let found = name_of(commitment(&header.secret).as_ref());
+    if commitment(&log.secret) != commitment(&expected) {
+        let found = name_of(commitment(&log.secret).as_ref());
         return Err(Refused::Seed { file: name(), found, expected: name_of(commitment(&expected).as_ref()) });
     }
-    if header.secret != expected {
+    if log.secret != expected {
         return other("seed of the world");
     }
-    let mut logged = log.result.clone();
-    logged.log = Some(log.sha256.clone());
-    if logged != file.result {
+    if log.result != file.result.digest() || file.result.log.as_ref() != Some(&log.log) {
         return Err(Refused::NotOfLog { file: name() });
     }
     Ok(())

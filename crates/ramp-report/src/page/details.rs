@@ -24,7 +24,7 @@ pub fn failures(view: View) -> Markup {
                             @for failure in &failures {
                                 tr {
                                     td { (failure.episodes.len()) }
-                                    td.long { (failure.cause) }
+                                    td.long { (failure.cause) @if failure.technical { small { "technical: no failure of the agent" } } }
                                     td.long {
                                         @for (goal, seed, reason) in &failure.episodes {
                                             div { (goal) ", seed " (seed) ": " span.soft { (reason) } }

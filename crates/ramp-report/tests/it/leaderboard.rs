@@ -2,7 +2,7 @@
 //! start.
 
 use ramp_log::{Log, SecretSeed};
-use ramp_report::leaderboard::{BoardGoal, BoardTerms, Refused, check_log, check_whole};
+use ramp_report::leaderboard::{BoardGoal, BoardTerms, Key, Refused, check_log, check_whole};
 use ramp_result::collection::collect;
 use ramp_result::secret::Secret;
 use ramp_testing::episode::Swing;
@@ -32,24 +32,24 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
         secret: None,
     };
     let file = &collection.entrants[0].files[0];
-    assert_eq!(check_log(file, &log, &terms), Ok(()));
+    assert_eq!(check_log(file, &log.facts(), &terms), Ok(()));
 
     // Seeds of another secret, of none, or not derived from the secret.
     let secret = Secret::new([7; 32]);
     let sealed = BoardTerms { secret: Some(secret.clone()), ..terms.clone() };
-    assert!(matches!(check_log(file, &log, &sealed), Err(Refused::Seed { .. })));
+    assert!(matches!(check_log(file, &log.facts(), &sealed), Err(Refused::Seed { .. })));
     let mut with_secret = log.clone();
     let mut file_with_secret = file.clone();
     let seed = secret.seed(&log.header.goal.name, &log.header.track, log.header.seed);
     with_secret.header.secret = Some(SecretSeed { commitment: secret.commitment(), seed });
     with_secret.result.secret = Some(secret.commitment());
     file_with_secret.result.secret = Some(secret.commitment());
-    assert_eq!(check_log(&file_with_secret, &with_secret, &sealed), Ok(()));
-    assert!(matches!(check_log(&file_with_secret, &with_secret, &terms), Err(Refused::Seed { .. })));
+    assert_eq!(check_log(&file_with_secret, &with_secret.facts(), &sealed), Ok(()));
+    assert!(matches!(check_log(&file_with_secret, &with_secret.facts(), &terms), Err(Refused::Seed { .. })));
     let other = BoardTerms { secret: Some(Secret::new([8; 32])), ..terms.clone() };
-    assert!(matches!(check_log(&file_with_secret, &with_secret, &other), Err(Refused::Seed { .. })));
+    assert!(matches!(check_log(&file_with_secret, &with_secret.facts(), &other), Err(Refused::Seed { .. })));
     with_secret.header.secret = Some(SecretSeed { commitment: secret.commitment(), seed: seed + 1 });
-    let error = check_log(&file_with_secret, &with_secret, &sealed).unwrap_err();
+    let error = check_log(&file_with_secret, &with_secret.facts(), &sealed).unwrap_err();
     assert!(matches!(error, Refused::Other { what: "seed of the world", .. }), "{error}");
     // One episode is not a class.
     assert!(matches!(check_whole(&collection, &terms), Err(Refused::Part { .. })));
@@ -62,21 +62,45 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
     fewer.entrants[0].files[0].result.pegs.pop();
     assert!(matches!(check_whole(&fewer, &terms), Err(Refused::Goal { .. })));
 
+    // A file of one's own under a shipped name, though all hashes are those of its text; the same file under
+    // its own name; a log of another world than the result.
+    let mut own = log.clone();
+    let mut file_of_own = file.clone();
+    let hash = ramp_result::sha256(b"another text");
+    (own.header.world.toml, own.header.world.sha256) = ("another text".into(), hash.clone());
+    for result in [&mut own.result, &mut file_of_own.result] {
+        result.world.as_mut().unwrap().sha256 = hash.clone();
+    }
+    let error = check_log(&file_of_own, &own.facts(), &terms).unwrap_err();
+    assert!(error.to_string().contains("world `ideal` was never shipped with the SHA-256 "), "{error}");
+    own.header.world.name = "mine".into();
+    for result in [&mut own.result, &mut file_of_own.result] {
+        result.world.as_mut().unwrap().name = "mine".into();
+    }
+    assert_eq!(check_log(&file_of_own, &own.facts(), &terms), Ok(()));
+    assert!(matches!(check_log(file, &own.facts(), &terms), Err(Refused::NotOfLog { .. })));
+    // Two versions of one world are two boards.
+    assert_ne!(Key::of(&file.result), Key::of(&file_of_own.result));
+    let mut version = file.result.clone();
+    version.world.as_mut().unwrap().sha256 = hash;
+    assert_ne!(Key::of(&file.result), Key::of(&version));
+    assert_ne!(Key::of(&file.result).slug(), Key::of(&version).slug());
+
     // Better than in the log, by one digit.
     let mut better = file.clone();
     better.result.time.planning -= 1e-9;
-    assert!(matches!(check_log(&better, &log, &terms), Err(Refused::NotOfLog { .. })));
+    assert!(matches!(check_log(&better, &log.facts(), &terms), Err(Refused::NotOfLog { .. })));
     // A different goal with that name, and an unknown goal.
     let mut other = terms.clone();
     other.goals[0].xml.push('\n');
-    assert!(matches!(check_log(file, &log, &other), Err(Refused::Goal { .. })));
+    assert!(matches!(check_log(file, &log.facts(), &other), Err(Refused::Goal { .. })));
     other.goals.clear();
-    assert!(matches!(check_log(file, &log, &other), Err(Refused::Goal { .. })));
+    assert!(matches!(check_log(file, &log.facts(), &other), Err(Refused::Goal { .. })));
     assert!(matches!(check_whole(&collection, &other), Err(Refused::Goal { .. })));
     // Another kit, and another start.
     let mut other = terms.clone();
     other.kit = other.kit.replacen("joint", "Joint", 1);
-    assert!(matches!(check_log(file, &log, &other), Err(Refused::Other { what: "kit", .. })));
+    assert!(matches!(check_log(file, &log.facts(), &other), Err(Refused::Other { what: "kit", .. })));
     let other = BoardTerms { starts: vec![Start::moved().text.clone()], ..terms };
-    assert!(matches!(check_log(file, &log, &other), Err(Refused::Other { .. })));
+    assert!(matches!(check_log(file, &log.facts(), &other), Err(Refused::Other { .. })));
 }

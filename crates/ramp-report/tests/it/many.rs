@@ -84,7 +84,7 @@ fn a_board_has_fifty_on_a_page_and_the_front_page_the_best_of_each() {
         boards.add(key, standing);
     }
     let refused = vec![Refusal { entry: "<u>bad".into(), reason: "no <s>log".into() }; 51];
-    let pages = pages::pages(&boards, &refused);
+    let pages = pages::pages(&boards, &refused, &[("kit".into(), "<u>hash".into())]);
     let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
     let state = "board-easy-state-ramp-rules-3";
     let expected = [
@@ -103,6 +103,7 @@ fn a_board_has_fifty_on_a_page_and_the_front_page_the_best_of_each() {
         pages[0].1.contains("<td>11.2</td><td>33.8</td>"),
         "bound and reference are beside the robot's time"
     );
+    assert!(pages[0].1.contains("kit") && pages[0].1.contains("&lt;u&gt;hash"), "a board names hashes");
     for (name, text) in &pages {
         for markup in ["<i>", "<b>", "<u>", "<s>"] {
             assert!(!text.contains(markup), "{name}: a name became markup");

@@ -2,7 +2,7 @@
 
 use ramp_kit::source::shorten;
 
-use crate::episode::{EpisodeResult, RobotTime};
+use crate::episode::{EpisodeResult, RejectReason, RejectedPeg, RobotTime};
 use crate::words::{self, MOST_PEGS};
 
 /// The longest time that an episode can have, s: more than any protocol asks for, and what a picture can
@@ -10,6 +10,8 @@ use crate::words::{self, MOST_PEGS};
 const LONGEST: f64 = 1e7;
 /// Tolerance between times that should agree, s: rounding by the tool that wrote them.
 const SLACK: f64 = 1e-3;
+/// The largest depth of two parts in each other that is believed, m: more than a part is long.
+const DEEPEST_TOLD: f64 = 10.0;
 
 /// Checks that an episode can have ended like this.
 pub(super) fn check(result: &EpisodeResult) -> Result<(), String> {
@@ -27,7 +29,8 @@ pub(super) fn check(result: &EpisodeResult) -> Result<(), String> {
     let compared = result.robot_time.iter().flat_map(|RobotTime { bound, reference }| {
         [("robot_time.bound", *bound), ("robot_time.reference", *reference)]
     });
-    for (name, value) in parts.into_iter().chain(compared) {
+    let processor = time.agent_cpu.map(|cpu| ("time.agent_cpu", cpu));
+    for (name, value) in parts.into_iter().chain(processor).chain(compared) {
         if !(0.0..=LONGEST).contains(&value) {
             return Err(format!("`{name}` is {value} s, expected 0 to {LONGEST}"));
         }
@@ -40,6 +43,17 @@ pub(super) fn check(result: &EpisodeResult) -> Result<(), String> {
         ));
     }
     let counted: Vec<_> = result.pegs.iter().flatten().collect();
+    for rejected in &result.rejected {
+        if counted.iter().any(|peg| peg.connection == rejected.connection) {
+            let name = shorten(&rejected.connection);
+            return Err(format!("the peg of {name} counts and is rejected"));
+        }
+        if let RejectReason::Penetration { depth, .. } = rejected.reason
+            && !(0.0..=DEEPEST_TOLD).contains(&depth)
+        {
+            return Err(format!("a penetration is {depth} m deep, expected 0 to {DEEPEST_TOLD}"));
+        }
+    }
     for (index, peg) in counted.iter().enumerate() {
         let name = shorten(&peg.connection);
         if !(0.0..=time.robot + SLACK).contains(&peg.t_robot) {
@@ -102,6 +116,14 @@ fn words(result: &EpisodeResult) -> Result<(), String> {
         // The scorer of a real run may not have noted the peg.
         if !peg.peg.is_empty() {
             words::name("a peg", &peg.peg)?;
+        }
+    }
+    words::few("rejected pegs", &result.rejected, MOST_PEGS)?;
+    for RejectedPeg { connection, peg, reason } in &result.rejected {
+        words::name("the connection of a rejected peg", connection)?;
+        words::name("a rejected peg", peg)?;
+        if let RejectReason::Penetration { parts, .. } = reason {
+            parts.iter().try_for_each(|part| words::name("a part of a penetration", part))?;
         }
     }
     if let Some(physics) = &result.physics {

@@ -62,12 +62,9 @@ impl Arguments {
         let last = self.first_seed.checked_add(u64::from(count) - 1);
         let agent = self.agent.file()?;
         // Report problems of the sandbox before any episode starts.
-        if self
-            .agent
-            .sandbox(agent.as_ref(), &Vec::from_iter([Some(folder), hidden].into_iter().flatten()))?
-            .is_some()
-        {
-            agent::tell_open_ends();
+        let hidden = Vec::from_iter([Some(folder), hidden].into_iter().flatten());
+        if let Some(sandbox) = self.agent.sandbox(agent.as_ref(), &hidden)? {
+            agent::tell_open_ends(&sandbox);
         }
         Ok(Batch {
             data,

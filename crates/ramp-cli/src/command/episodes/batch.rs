@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::fs::{File, TryLockError};
+use std::io::Write;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
@@ -25,6 +26,7 @@ use super::episode::{Episode, Outcome};
 use super::goals::{BatchError, BatchGoal};
 use super::tapes::Tapes;
 use crate::ending::end_of;
+use crate::output::tell;
 use crate::pool;
 use crate::seal;
 use crate::status::{DONE, INCOMPLETE, MACHINE, MachineFault};
@@ -37,6 +39,8 @@ const LOCK: &str = ".lock";
 const SCORING: Duration = Duration::from_secs(20);
 /// Length of the end of an episode's standard error that is shown when the machine fails, bytes.
 const LAST_WORDS: usize = 400;
+/// Room that a folder must have for a lost episode to count as lost, bytes.
+const ROOM: usize = 1 << 20;
 /// Polling interval for the episodes.
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -167,7 +171,10 @@ impl Batch<'_> {
             match self.read(&path, episode) {
                 Some(result) => episode.outcome = Outcome::Finished(Box::new(result)),
                 None if path.exists() => {
-                    eprintln!("{} is no result of this episode: it is run again and replaced", path.display())
+                    tell(&format!(
+                        "{} is no result of this episode: it is run again and replaced",
+                        path.display()
+                    ));
                 }
                 None => {}
             }
@@ -175,10 +182,10 @@ impl Batch<'_> {
         let whole = self.work(episodes, &stop)?;
         if !whole {
             let finished = episodes.iter().filter(|it| matches!(it.outcome, Outcome::Finished(_))).count();
-            eprintln!(
+            tell(&format!(
                 "stopped: {finished} of {} episodes are finished; run the same command to resume",
                 episodes.len()
-            );
+            ));
         }
         Ok(whole)
     }
@@ -412,6 +419,9 @@ impl Batch<'_> {
             }
             return Ok(Some(Outcome::Finished(Box::new(result))));
         }
+        // A full disk ends a program in many ways. No episode is lost to it.
+        check_room(running)
+            .map_err(|error| MachineFault { what: format!("{stem} has no result: {error}") })?;
         let _ = std::fs::remove_file(&result_from);
         let _ = std::fs::remove_file(&curve_from);
         let _ = std::fs::remove_file(&record_from);
@@ -422,6 +432,13 @@ impl Batch<'_> {
         };
         Ok(Some(Outcome::Lost(format!("{reason}; its last words are in {stem}.log"))))
     }
+}
+
+/// Checks that a folder has room for a file of [`ROOM`] bytes.
+fn check_room(folder: &Path) -> std::io::Result<()> {
+    let mut file = tempfile::tempfile_in(folder)?;
+    file.write_all(&vec![1; ROOM])?;
+    file.sync_all()
 }
 
 /// The last part of a process's output.

@@ -6,6 +6,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::episode::{Episode, Outcome};
+use crate::output::tell;
 
 /// Progress on standard error: a bar on a terminal, a line for each episode elsewhere.
 pub struct Display {
@@ -20,7 +21,7 @@ pub struct Display {
 impl Display {
     pub fn new(count: usize, before: usize, jobs: usize) -> Display {
         if before > 0 {
-            eprintln!("{before} of {} episodes are finished already", before + count);
+            tell(&format!("{before} of {} episodes are finished already", before + count));
         }
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::new(count as u64);
@@ -72,7 +73,7 @@ impl Display {
             bar.inc(1);
         } else {
             let left = self.left().unwrap_or_default();
-            eprintln!("{}/{}  {}  {what}  ({left})", ended + 1, self.count, episode.stem);
+            tell(&format!("{}/{}  {}  {what}  ({left})", ended + 1, self.count, episode.stem));
         }
     }
 

@@ -1,21 +1,22 @@
-//! One entry: an untrusted folder. Everything in it is checked before use. No link is followed and no pipe
-//! opened.
+//! One entry: an untrusted folder, or an archive of one. Everything in it is checked before use. No link is
+//! followed and no pipe opened.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, Report as Failure, miette};
 use ramp_kit::source::plain;
-use ramp_log::{ENDING, Log};
+use ramp_log::{ENDING, Facts, Limits};
 use ramp_report::leaderboard::{BoardTerms, Stream, agent, check_log, check_whole, one_agent};
 use ramp_result::collection::{Collection, Identity, ResultFile, collect};
+use ramp_result::file::sha256_of;
+use tempfile::TempDir;
 
-use super::judge::LogFile;
+use super::archive::{self, ArchiveError};
+use super::judge::{Allowance, LogFile};
+use super::limits::LIMITS;
+use super::verdicts::Verdicts;
 
-/// Largest number of files in an entry: ten times those of every goal on every track.
-const MOST_FILES: usize = 5_000;
-/// Largest total size of an entry's results, bytes: ten times that of every goal on every track.
-const LARGEST_RESULTS: u64 = 64 << 20;
 /// Longest shown name of an entry or agent, characters.
 const LONGEST_NAME: usize = 80;
 /// Longest reason, characters.
@@ -27,6 +28,8 @@ pub struct Entry {
     pub name: String,
     /// Path of its folder.
     pub folder: PathBuf,
+    /// The folder of an archive's files, which ends with the entry.
+    _unpacked: Option<TempDir>,
 }
 
 /// An entry whose files are complete and valid. Its logs are not replayed yet.
@@ -72,42 +75,70 @@ fn key(identity: &Identity, goal: &str, seed: u64) -> String {
     serde_json::json!([identity, goal, seed]).to_string()
 }
 
-/// The subfolders of a folder of entries, sorted by name. Files and names that start with a dot are ignored.
+/// The entries in a folder, sorted by name: its subfolders and its archives (`.tar`). Other files and names
+/// that start with a dot are ignored.
 ///
 /// # Errors
-/// If it cannot be read, or contains no folder.
-pub fn folders(entries: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let fail = |error| miette!("{} cannot be read: {error}", entries.display());
-    let mut folders = Vec::new();
-    for entry in std::fs::read_dir(entries).map_err(fail)? {
+/// If it cannot be read, or contains no entry.
+pub fn entries(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let fail = |error| miette!("{} cannot be read: {error}", folder.display());
+    let mut entries = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(fail)? {
         let entry = entry.map_err(fail)?;
         let hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
-        if !hidden && !entry.file_type().map_err(fail)?.is_file() {
-            folders.push(entry.path());
+        let is_file = entry.file_type().map_err(fail)?.is_file();
+        if !hidden && (!is_file || archive::is_archive(&entry.path())) {
+            entries.push(entry.path());
         }
     }
-    folders.sort();
-    if folders.is_empty() {
+    entries.sort();
+    if entries.is_empty() {
         return Err(miette!(
-            help = "put each entry into a folder of its own in it",
+            help = "put each entry into it as a folder of its own, or as a file of `ramp entry pack`",
             "there is no entry in {}",
-            entries.display()
+            folder.display()
         ));
     }
-    Ok(folders)
+    Ok(entries)
 }
 
-/// The board's name for the entry in a folder.
-pub fn name(folder: &Path) -> String {
-    plain(&folder.file_name().unwrap_or_default().to_string_lossy(), LONGEST_NAME)
+/// The board's name for the entry in a folder or an archive.
+pub fn name(path: &Path) -> String {
+    let name = if archive::is_archive(path) { path.file_stem() } else { path.file_name() };
+    plain(&name.unwrap_or_default().to_string_lossy(), LONGEST_NAME)
 }
 
 impl Entry {
+    /// Opens the entry in a folder or an archive. Files of an archive are unpacked to a temporary folder.
+    ///
+    /// # Errors
+    /// If an archive is no entry, or cannot be unpacked.
+    pub fn open(path: &Path) -> Result<Entry, ArchiveError> {
+        let name = name(path);
+        // A folder of that name is an entry like any other.
+        if !archive::is_archive(path) || std::fs::symlink_metadata(path).is_ok_and(|meta| meta.is_dir()) {
+            return Ok(Entry::of_folder(name, path));
+        }
+        let folder = archive::unpack(path, &LIMITS)?;
+        Ok(Entry { name, folder: folder.path().to_path_buf(), _unpacked: Some(folder) })
+    }
+
+    /// The entry in a folder, under this name.
+    pub fn of_folder(name: String, folder: &Path) -> Entry {
+        Entry { name, folder: folder.to_path_buf(), _unpacked: None }
+    }
+
     /// Reads an entry, and checks that a board can accept it.
     ///
     /// # Errors
     /// The first reason for rejecting it.
-    pub fn read(&self, terms: &BoardTerms, known: &Known) -> Result<Checked, Failure> {
+    pub fn read(
+        &self,
+        terms: &BoardTerms,
+        known: &Known,
+        verdicts: &Verdicts,
+        allowance: &Allowance,
+    ) -> Result<Checked, Failure> {
         self.check_files()?;
         let collection = collect(std::slice::from_ref(&self.folder))?;
         let agent = plain(&agent(one_agent(&collection).into_diagnostic()?), LONGEST_NAME);
@@ -117,19 +148,28 @@ impl Entry {
                 "entry {other} has these episodes of {agent} already: each goal and seed of an agent counts once"
             ));
         }
-        let (mut logs, mut streams) = (Vec::new(), Vec::new());
         let files = collection.entrants.iter().flat_map(|entrant| &entrant.files);
-        for file in files.filter(|file| file.result.real.is_none()) {
-            let (path, log) = log_of(file)?;
-            check_log(file, &log, terms).into_diagnostic()?;
-            // Agents that do nothing have equal calls, so skip episodes without motion.
-            if file.result.time.robot > 0.0 {
-                let (track, goal) = (file.result.track.clone(), file.result.goal.clone());
-                streams.push(Stream { track, goal, seed: file.result.seed, calls: log.calls_sha256() });
-            }
-            logs.push(LogFile { path, sha256: log.sha256 });
+        let files: Vec<&ResultFile> = files.filter(|file| file.result.real.is_none()).collect();
+        let logs = files.iter().map(|file| log_of(file)).collect::<Result<Vec<LogFile>, Failure>>()?;
+        let facts = verdicts.facts(&logs, allowance).map_err(|why| miette!("{why}"))?;
+        for (file, facts) in files.iter().zip(&facts) {
+            check_log(file, facts, terms).into_diagnostic()?;
         }
-        Ok(Checked { collection, agent, logs, streams })
+        // Agents that do nothing have equal calls, so skip episodes without motion.
+        let moved = files.iter().zip(&facts).filter(|(file, _)| file.result.time.robot > 0.0);
+        let streams = moved.map(|(_, facts)| stream(facts)).collect();
+        Ok(Checked { agent, logs, streams, collection })
+    }
+
+    /// Checks that the files of an entry are ordinary ones, and its results those of one agent.
+    ///
+    /// # Errors
+    /// The first reason for rejecting it.
+    pub fn check_agent(&self) -> Result<(), Failure> {
+        self.check_files()?;
+        let collection = collect(std::slice::from_ref(&self.folder))?;
+        one_agent(&collection).into_diagnostic()?;
+        Ok(())
     }
 
     /// Checks that an entry is a folder of regular files, within the limits on number and size. Links are not
@@ -140,7 +180,7 @@ impl Entry {
         if !std::fs::symlink_metadata(&self.folder).map_err(fail)?.is_dir() {
             return Err(miette!("it is no folder; links are not followed"));
         }
-        let (mut files, mut results) = (0, 0_u64);
+        let (mut files, mut results, mut total) = (0, 0_u64, 0_u64);
         for entry in std::fs::read_dir(&self.folder).map_err(fail)? {
             let entry = entry.map_err(fail)?;
             let name = entry.file_name();
@@ -153,15 +193,19 @@ impl Entry {
                 return Err(miette!("{name} is no ordinary file"));
             }
             files += 1;
-            if files > MOST_FILES {
-                return Err(miette!("it has more than {MOST_FILES} files"));
+            if files > LIMITS.files {
+                return Err(miette!("it has more than {} files", LIMITS.files));
             }
+            total = total.saturating_add(meta.len());
             if name.ends_with(".json") {
                 results = results.saturating_add(meta.len());
             }
         }
-        if results > LARGEST_RESULTS {
-            return Err(miette!("its results have {results} bytes, and {LARGEST_RESULTS} are the most"));
+        if results > LIMITS.results {
+            return Err(miette!("its results are larger than {} MiB", LIMITS.results >> 20));
+        }
+        if total > LIMITS.total {
+            return Err(miette!("it is larger than {} MiB", LIMITS.total >> 20));
         }
         Ok(())
     }
@@ -175,8 +219,14 @@ impl Entry {
     }
 }
 
-/// The log file beside a result.
-fn log_of(file: &ResultFile) -> Result<(PathBuf, Log), Failure> {
+/// The calls of an episode.
+fn stream(facts: &Facts) -> Stream {
+    let (track, goal) = (facts.track.clone(), facts.goal.name.clone());
+    Stream { track, goal, seed: facts.seed, calls: facts.calls.clone() }
+}
+
+/// The log file beside a result, with its hash.
+fn log_of(file: &ResultFile) -> Result<LogFile, Failure> {
     let path = file.path.with_extension(ENDING);
     if !path.exists() {
         return Err(miette!(
@@ -185,6 +235,12 @@ fn log_of(file: &ResultFile) -> Result<(PathBuf, Log), Failure> {
             path.display()
         ));
     }
-    let log = Log::read(&path).into_diagnostic()?;
-    Ok((path, log))
+    let fail = |error: std::io::Error| miette!("{} cannot be read: {error}", path.display());
+    let largest = Limits::default().file;
+    let log = std::fs::File::open(&path).map_err(fail)?;
+    if log.metadata().map_err(fail)?.len() > largest {
+        return Err(miette!("{} is larger than {} MiB", path.display(), largest >> 20));
+    }
+    let sha256 = sha256_of(log).map_err(fail)?;
+    Ok(LogFile { path, sha256 })
 }

@@ -6,21 +6,24 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, Report as Failure};
+use ramp_log::Facts;
 use ramp_result::episode::Software;
 use ramp_result::write_whole;
 use serde::{Deserialize, Serialize};
 
-use super::judge::{LogFile, Verdict, replay};
+use super::judge::{self, Allowance, LogFile, Verdict};
 use crate::output::print;
 use crate::pool;
 use crate::software::software;
+use crate::status::MachineFault;
 
 /// File of verdicts in the site's folder.
 const FILE: &str = "replayed.json";
 /// Version of its format.
-const SCHEMA: &str = "ramp-replayed-1";
+const SCHEMA: &str = "ramp-replayed-2";
 /// Largest size of that file, bytes.
 const LARGEST: u64 = 256 << 20;
+
 /// Content of the file of verdicts.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -32,22 +35,34 @@ struct Remembered {
     logs: BTreeMap<String, Verdict>,
 }
 
+impl Remembered {
+    fn nothing() -> Remembered {
+        Remembered { schema: SCHEMA.to_string(), software: software(), logs: BTreeMap::new() }
+    }
+}
+
 /// All verdicts.
 pub struct Verdicts {
-    path: PathBuf,
+    /// The file that holds them, if they are stored.
+    path: Option<PathBuf>,
     remembered: Remembered,
     /// Number of replayed logs, and of logs with a known verdict.
     counts: [usize; 2],
 }
 
 impl Verdicts {
+    /// No verdicts yet. None will be stored.
+    pub fn unstored() -> Verdicts {
+        Verdicts { path: None, remembered: Remembered::nothing(), counts: [0, 0] }
+    }
+
     /// Loads the verdicts in the site's folder that this version of the program found.
     ///
     /// # Errors
     /// If standard output cannot be written to.
     pub fn open(folder: &Path) -> Result<Verdicts, Failure> {
         let path = folder.join(FILE);
-        let empty = Remembered { schema: SCHEMA.to_string(), software: software(), logs: BTreeMap::new() };
+        let empty = Remembered::nothing();
         let remembered = match read(&path) {
             Ok(None) => empty,
             Ok(Some(found)) if found.software == empty.software => found,
@@ -64,7 +79,7 @@ impl Verdicts {
                 empty
             }
         };
-        Ok(Verdicts { path, remembered, counts: [0, 0] })
+        Ok(Verdicts { path: Some(path), remembered, counts: [0, 0] })
     }
 
     /// Number of replayed logs, and of logs with a verdict from before.
@@ -72,19 +87,40 @@ impl Verdicts {
         self.counts
     }
 
+    /// The facts of logs, in their order. Logs without a known verdict are read, several in parallel.
+    ///
+    /// # Errors
+    /// The reason for the first log that is not valid.
+    pub fn facts(&self, logs: &[LogFile], allowance: &Allowance) -> Result<Vec<Facts>, String> {
+        let found = in_parallel(logs.len(), |index| match self.remembered.logs.get(&logs[index].sha256) {
+            Some(verdict) => Ok(verdict.clone()),
+            None => judge::read(&logs[index], allowance),
+        });
+        let mut facts = Vec::new();
+        // A log without an outcome comes after one that is not valid.
+        for (log, found) in logs.iter().zip(found) {
+            match found {
+                Some(Ok(Verdict::Valid(found))) => facts.push(*found),
+                Some(Ok(Verdict::Refused(why)) | Err(why)) => return Err(reason(log, &why)),
+                None => {}
+            }
+        }
+        Ok(facts)
+    }
+
     /// Replays the logs without a known verdict, several in parallel, and stores the verdicts. Returns the
     /// reason for the first log that is not equal.
     ///
     /// # Errors
     /// If the verdicts cannot be stored.
-    pub fn replay(&mut self, logs: &[LogFile]) -> Result<Result<(), String>, Failure> {
+    pub fn replay(&mut self, logs: &[LogFile], allowance: &Allowance) -> Result<Result<(), String>, Failure> {
         let known = |log: &&LogFile| self.remembered.logs.contains_key(&log.sha256);
         let (old, mut new): (Vec<&LogFile>, Vec<&LogFile>) = logs.iter().partition(known);
         // One rejected log is enough.
         if self.refused(logs).is_some() {
             new.clear();
         }
-        let found = replay_all(&new);
+        let found = in_parallel(new.len(), |index| judge::replay(new[index], allowance));
         self.counts[0] += found.iter().flatten().count();
         self.counts[1] += old.len();
         let mut failure = None;
@@ -94,14 +130,14 @@ impl Verdicts {
                     self.remembered.logs.insert(log.sha256.clone(), verdict);
                 }
                 // This depends on more than the log, so do not store it; the next build tries again.
-                Some(Err(why)) => failure = failure.or(Some(format!("{}: {why}", log.path.display()))),
+                Some(Err(why)) => failure = failure.or(Some(reason(log, &why))),
                 None => {}
             }
         }
-        if !new.is_empty() {
+        if let Some(path) = self.path.as_ref().filter(|_| !new.is_empty()) {
             let mut text = serde_json::to_string_pretty(&self.remembered).into_diagnostic()?;
             text.push('\n');
-            write_whole(&self.path, text)?;
+            write_whole(path, text).map_err(MachineFault::of)?;
         }
         Ok(self.refused(logs).or(failure).map_or(Ok(()), Err))
     }
@@ -109,10 +145,15 @@ impl Verdicts {
     /// The first log that is known to be rejected, with the reason.
     fn refused(&self, logs: &[LogFile]) -> Option<String> {
         logs.iter().find_map(|log| match self.remembered.logs.get(&log.sha256) {
-            Some(Verdict::Refused(why)) => Some(format!("{}: {why}", log.path.display())),
+            Some(Verdict::Refused(why)) => Some(reason(log, why)),
             _ => None,
         })
     }
+}
+
+/// The reason for refusing an entry because of this log.
+fn reason(log: &LogFile, why: &str) -> String {
+    format!("{}: {why}", log.path.display())
 }
 
 /// The content of the file, if it exists.
@@ -131,12 +172,15 @@ fn read(path: &Path) -> Result<Option<Remembered>, String> {
     Ok(Some(found))
 }
 
-/// Replays logs in parallel on all cores. After the first log that is not equal, no further log starts; the
+/// Judges logs in parallel on all cores. After the first log that is not valid, no further log starts; the
 /// outcome of a log that did not start is `None`.
-fn replay_all(logs: &[&LogFile]) -> Vec<Option<Result<Verdict, String>>> {
+fn in_parallel(
+    count: usize,
+    judge: impl Fn(usize) -> Result<Verdict, String> + Sync,
+) -> Vec<Option<Result<Verdict, String>>> {
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    pool::work(logs.len(), cores, |index| match replay(logs[index]) {
-        Ok(Verdict::Equal) => ControlFlow::Continue(Ok(Verdict::Equal)),
+    pool::work(count, cores, |index| match judge(index) {
+        Ok(valid @ Verdict::Valid(_)) => ControlFlow::Continue(Ok(valid)),
         other => ControlFlow::Break(other),
     })
 }

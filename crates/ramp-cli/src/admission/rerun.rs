@@ -14,9 +14,10 @@ use ramp_result::collection::{Entrant, collect};
 use ramp_result::episode::{EpisodeResult, WorldInfo};
 
 use super::entry::Entry;
+use crate::status::{MACHINE, MachineFault};
 
 /// File names of an entry's agent: a Python file or an executable.
-const NAMES: [&str; 2] = ["agent.py", "agent"];
+pub const AGENT_NAMES: [&str; 2] = ["agent.py", "agent"];
 
 /// Outcome of timing an agent.
 pub struct Timing {
@@ -61,6 +62,9 @@ pub fn time(
         .stderr(Stdio::null())
         .status()
         .into_diagnostic()?;
+    if status.code() == Some(MACHINE.into()) {
+        return Err(MachineFault { what: format!("{} cannot be run again here", entry.name) }.into());
+    }
     let collection = match collect(std::slice::from_ref(&results)) {
         Ok(collection) => collection,
         Err(_) => return Ok(Timing::not(format!("it has no result when it is run here ({status})"))),
@@ -73,8 +77,8 @@ pub fn time(
 /// The agent's file, copied to a folder without the rest of its entry; `None` for the baseline.
 fn agent_file(entry: &Entry, entrant: &Entrant, folder: &Path) -> Result<Option<PathBuf>, String> {
     let Some(expected) = &entrant.identity.agent_sha256 else { return Ok(None) };
-    let name = NAMES.iter().find(|name| entry.folder.join(name).is_file());
-    let name = name.ok_or_else(|| format!("there is no {} in the entry", NAMES.join(" and no ")))?;
+    let name = AGENT_NAMES.iter().find(|name| entry.folder.join(name).is_file());
+    let name = name.ok_or_else(|| format!("there is no {} in the entry", AGENT_NAMES.join(" and no ")))?;
     let file = AgentFile::find(&entry.folder.join(name))
         .map_err(|_| format!("{name} is neither a Python file nor an executable, or too large"))?;
     if file.sha256() != expected {
@@ -99,6 +103,8 @@ fn bench_arguments(
     arguments.extend(["bench", "--track", &entrant.identity.track].map(OsString::from));
     let world = entrant.files.iter().find_map(|file| file.result.world.as_ref());
     arguments.extend(world.iter().flat_map(|world| ["--world", &world.name]).map(OsString::from));
+    let start = entrant.files.iter().find_map(|file| file.result.start.as_ref());
+    arguments.extend(start.iter().flat_map(|start| ["--start", &start.name]).map(OsString::from));
     arguments.extend(["--repeats".into(), REPEATS.to_string().into(), "-o".into(), results.into()]);
     if let Some(agent) = agent {
         arguments.extend(["--sandbox".into(), "--agent".into(), agent.into()]);

@@ -1,0 +1,112 @@
+//! The organiser's rows of a board, run by this program on the board's class, track, world and start: the
+//! control, which is the baseline, and the floor, which is the blind tape of the control's logs. Their
+//! results stay in the site, so that they are made once for each board, version and rules.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use miette::{IntoDiagnostic, Report as Failure};
+use ramp_data::Data;
+use ramp_report::leaderboard::Key;
+use ramp_report::report::REPEATS;
+use ramp_result::collection::collect;
+use ramp_result::sha256;
+use ramp_world::World;
+
+use crate::ending::end_of;
+use crate::software::software;
+use crate::status::{DONE, INCOMPLETE, MACHINE, MachineFault};
+
+/// A row of the organiser.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Row {
+    /// The baseline.
+    Control,
+    /// The commands of the control's logs, each played without sight on another seed than its own.
+    Floor,
+}
+
+impl Row {
+    /// Both, in order: the floor needs the logs of the control.
+    pub const ALL: [Row; 2] = [Row::Control, Row::Floor];
+
+    /// Its name on the board.
+    pub fn label(self) -> &'static str {
+        match self {
+            Row::Control => "control",
+            Row::Floor => "floor",
+        }
+    }
+
+    /// The folder of its results in the site.
+    pub fn folder(self, site: &Path, key: &Key) -> PathBuf {
+        site.join(self.label()).join(key.slug())
+    }
+}
+
+/// Runs a row for a board, unless the folder has its results from this program. The bench shows its
+/// progress on standard error. Returns the reason if this board has no such row.
+///
+/// # Errors
+/// If this machine fails.
+pub fn make(
+    data: &Data,
+    key: &Key,
+    row: Row,
+    site: &Path,
+    secret: Option<&Path>,
+) -> Result<Result<(), String>, Failure> {
+    let Some(class) = &key.class else { return Ok(Err("its goals have no class".to_string())) };
+    let shipped = |name: &str| World::shipped(name).map(|world| sha256(world.text.as_bytes()));
+    let Some(world) = key.world.as_ref().filter(|it| shipped(&it.name).as_ref() == Some(&it.sha256)) else {
+        return Ok(Err("its world is not one of this program's".to_string()));
+    };
+    // Starts of boards are the program's.
+    let start = key.start.as_ref().map_or("moved", |it| it.name.as_str());
+    // Results of another program are replaced.
+    let folder = row.folder(site, key);
+    if folder.exists() && !is_of_this_program(&folder) {
+        std::fs::remove_dir_all(&folder).map_err(MachineFault::of)?;
+    }
+    let mut command = Command::new(std::env::current_exe().into_diagnostic()?);
+    command.args(data.arguments()).args([
+        "bench",
+        "--track",
+        &key.track,
+        "--world",
+        &world.name,
+        "--start",
+        start,
+    ]);
+    command.args(["--repeats", &REPEATS.to_string()]).arg("-o").arg(&folder);
+    if row == Row::Floor {
+        command.arg("--tape").arg(Row::Control.folder(site, key));
+    }
+    if let Some(secret) = secret {
+        command.arg("--secret").arg(secret);
+    }
+    let status = command
+        .args(["--", class])
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .status()
+        .map_err(MachineFault::of)?;
+    match status.code().and_then(|code| u8::try_from(code).ok()) {
+        Some(DONE | INCOMPLETE) => Ok(Ok(())),
+        Some(MACHINE) => {
+            Err(MachineFault { what: format!("the row `{}` cannot be run", row.label()) }.into())
+        }
+        _ => Ok(Err(format!("its bench {}", end_of(status)))),
+    }
+}
+
+/// Whether the results in a folder were made by this version and commit.
+fn is_of_this_program(folder: &Path) -> bool {
+    let ours = software();
+    collect(&[folder.to_path_buf()]).is_ok_and(|it| {
+        it.entrants.iter().all(|entrant| {
+            let identity = &entrant.identity;
+            (&identity.version, &identity.commit) == (&ours.version, &ours.commit)
+        })
+    })
+}
