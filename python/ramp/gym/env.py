@@ -88,9 +88,9 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         """
         EzPickle.__init__(
             self, skill, goals, track=track, world=world, start=start, begin=begin, starts=starts,
-            whole_scene=whole_scene, action=action, turns=turns, gripper=gripper, strict=strict, speed=speed, turn_speed=turn_speed,
-            leash=leash, stiffness=stiffness, rate=rate, limit=limit, reward=reward, belief_error=belief_error,
-            cameras=cameras, image_size=image_size, depth=depth, render_mode=render_mode,
+            whole_scene=whole_scene, action=action, turns=turns, gripper=gripper, strict=strict, speed=speed,
+            turn_speed=turn_speed, leash=leash, stiffness=stiffness, rate=rate, limit=limit, reward=reward,
+            belief_error=belief_error, cameras=cameras, image_size=image_size, depth=depth, render_mode=render_mode,
         )  # fmt: skip
         settings: dict[str, Any] = {
             "action": action, "turns": turns, "gripper": gripper, "strict": strict, "speed": speed,
