@@ -35,7 +35,7 @@ pub struct Layout {
 
 impl Layout {
     /// The start of the episode with this seed. Each part in turn is moved from its outline until it is clear
-    /// of all others; one for which no place is found in [`TRIES`] draws stays on its outline.
+    /// of all others; one for which a thousand draws find no place stays on its outline.
     pub fn new(assembly: &Assembly, start: &Start, seed: u64) -> Layout {
         let kit = &assembly.kit;
         let base = &assembly.beams[assembly.base];
