@@ -66,7 +66,7 @@ pub fn scenario(error: ScenarioError) -> PyErr {
 /// Why an environment cannot go on.
 pub fn env(error: EnvError) -> PyErr {
     match error {
-        EnvError::Length { .. } => input(error),
+        EnvError::Length { .. } | EnvError::Starts { .. } => input(error),
         _ => PyRuntimeError::new_err(error.to_string()),
     }
 }
