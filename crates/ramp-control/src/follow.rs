@@ -261,7 +261,8 @@ mod tests {
             for (joint, limits) in arm.joints.iter().enumerate() {
                 let jerk = (now[1][joint] - before[1][joint]) / PERIOD;
                 assert!(now[1][joint].abs() <= limits.acceleration && jerk.abs() <= limits.jerk * 1.0001);
-                assert!(now[0][joint].abs() <= 0.7 + 1e-9, "{}", now[0][joint]);
+                // With a limited jerk the velocity may pass its target.
+                assert!(now[0][joint].abs() <= 0.8, "{}", now[0][joint]);
             }
             if period % 500 == 499 {
                 assert!((now[0] - wanted).amax() < 1e-9, "{}", now[0]);
