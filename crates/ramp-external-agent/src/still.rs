@@ -58,7 +58,7 @@ pub(crate) struct Pace {
     ahead: f64,
     /// The begin of the call, on the wall and of the robot.
     begin: (Instant, f64),
-    /// What stands still now, and the twin's time before.
+    /// The processes that stand still now, and the twin's time before.
     still: Option<(Still, f64)>,
 }
 

@@ -76,7 +76,7 @@ fn check(data: &Data, arguments: &CheckArguments) -> Result<u8, Failure> {
     }
 }
 
-/// What a board would show of an entry.
+/// The rows of an admitted entry on a board, as text.
 fn summary(admitted: &Admitted, kept: Result<BTreeMap<String, [usize; 2]>, String>) -> String {
     let mut text = format!("agent: {}\n", admitted.agent);
     for (entrant, timed_here) in admitted.collection.entrants.iter().zip(&admitted.timed_here) {

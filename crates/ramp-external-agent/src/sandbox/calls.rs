@@ -441,7 +441,7 @@ pub const LIMITED: &[Limited] = &[
     },
 ];
 
-/// Where a graphics card is there, these are allowed beside [`LIMITED`]: the drivers need them.
+/// Calls that are allowed beside [`LIMITED`] on a system with a graphics card: its drivers need them.
 pub const WITH_GRAPHICS: &[Limited] = &[
     Limited {
         call: "ioctl",
@@ -556,7 +556,7 @@ mod tests {
         }
     }
 
-    /// What every program of a processor needs to start, and what none may have.
+    /// A program needs some calls to start, and may make none of some others, on every processor.
     #[test]
     fn every_processor_has_the_calls_that_a_program_needs() {
         for processor in Processor::ALL {

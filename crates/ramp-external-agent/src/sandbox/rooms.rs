@@ -39,7 +39,7 @@ fn at<E: Into<std::io::Error>>(step: impl Into<String>) -> impl FnOnce(E) -> Roo
     move |source| RoomError { step: step.into(), source: source.into() }
 }
 
-/// What exists in the view of an agent.
+/// The files, devices and folder that exist for an agent.
 pub struct View<'a> {
     /// Files and folders that it may read.
     pub readable: &'a [PathBuf],
