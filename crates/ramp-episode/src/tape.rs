@@ -15,8 +15,10 @@ use ramp_twin::{Setup, TwinError};
 use crate::episode::{Label, run_episode};
 use crate::replay::{LoggedSetup, ReplayError};
 
-/// Name of the agent.
-const NAME: &str = "blind-tape";
+/// Name of the agent in results.
+pub const NAME: &str = "blind-tape";
+/// Its version in results.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Mean speed of the fastest joint where the tape moves the arm to its next command, rad/s. Chosen: a third
 /// of the slowest joint's limit.
 const SPEED: f64 = 0.6;
@@ -109,7 +111,7 @@ fn bridge(
 
 impl Agent for Tape {
     fn name(&self) -> (&str, &str) {
-        (NAME, env!("CARGO_PKG_VERSION"))
+        (NAME, VERSION)
     }
 
     fn account(&self) -> Account {

@@ -107,12 +107,20 @@ impl<'a> Baseline<'a> {
         self
     }
 
+    /// Its name in results, with no skill replaced.
+    pub const NAME: &'static str = NAME;
+
+    /// Its version in results, with these parameters.
+    pub fn version_with(parameters: &Parameters) -> String {
+        let hash = parameters.sha256.as_ref().map(|hash| format!("+skills.{}", &hash[..8]));
+        format!("{VERSION}{}", hash.unwrap_or_default())
+    }
+
     /// Takes the numbers of a parameter file. The agent's version in results then ends in the hash of that
     /// file. The skills become the baseline's with these numbers: call it before [`Baseline::with_skills`].
     #[must_use]
     pub fn with_parameters(mut self, parameters: Arc<Parameters>) -> Baseline<'a> {
-        let hash = parameters.sha256.as_ref().map(|hash| format!("+skills.{}", &hash[..8]));
-        self.version = format!("{VERSION}{}", hash.unwrap_or_default());
+        self.version = Baseline::version_with(&parameters);
         self.skills = baseline(&parameters);
         self.parameters = parameters;
         self

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use miette::{IntoDiagnostic, Report};
 use ramp_assembly::Class;
 use ramp_data::Data;
+use ramp_episode::tape;
 use ramp_result::secret::Secret;
 use ramp_result::summary::{Entry, Summary, shortfall};
 use serde_json::{Value, json};
@@ -65,7 +66,10 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let shared = &arguments.shared;
     let secret = arguments.secret.as_deref();
     let mut batch = shared.batch(data, &arguments.output, goals, arguments.repeats, "--repeats", secret)?;
-    batch.tapes = arguments.tape.as_deref().map(|folder| Tapes::find(folder, &batch.goals)).transpose()?;
+    if let Some(folder) = &arguments.tape {
+        batch.tapes = Some(Tapes::find(folder, &batch.goals)?);
+        batch.name = Some((tape::NAME.to_string(), tape::VERSION.to_string()));
+    }
     batch.secret = secret.map(seeds::read).transpose()?;
     let bench = Bench(batch);
     let mut episodes = bench.episodes();

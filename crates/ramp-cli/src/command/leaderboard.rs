@@ -28,8 +28,8 @@ pub struct Arguments {
     output: PathBuf,
     #[command(flatten)]
     options: Options,
-    /// Run the baseline for each board that lacks its control row. This takes as long as a bench of that
-    /// class
+    /// Run the baseline and the blind tape for each board that lacks these rows. This takes as long as two
+    /// benches of that class
     #[arg(long)]
     control: bool,
 }

@@ -140,6 +140,17 @@ fn what_is_killed_and_started_again_gives_the_same_sums() {
         .collect();
     assert_eq!(names, [&[".lock".to_string()][..], &expected].concat());
 
+    // A blind tape is another agent, and needs logs of two seeds.
+    for (goal, more, expected) in [
+        ("easy-1", ["--tape", "whole", "-o", "whole"], "is of the agent baseline"),
+        ("easy-2", ["--tape", "whole", "-o", "tape"], "fewer than two seeds of easy-2"),
+    ] {
+        let refused = ramp(&folder, &[&["bench", goal, "--track", "state"][..], &more].concat());
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(words(&refused.stderr).contains(expected), "{}", words(&refused.stderr));
+    }
+    assert!(!folder.path().join("tape").exists());
+
     // The table for a person; then the folder becomes one of another version.
     let table = ramp(&folder, &with(&["-o", "killed"]));
     assert!(words(&table.stdout).contains("easy: 1 goal 2/2"), "{}", words(&table.stdout));

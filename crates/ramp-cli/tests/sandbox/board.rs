@@ -468,6 +468,7 @@ fn a_board_has_the_baseline_as_its_control_row() {
     let board = place.page(&board_page());
     assert!(board.contains("<td>control</td>") && board.contains(">baseline "), "{board}");
     assert!(board.contains("5/5"), "the baseline builds two beams: {board}");
+    assert!(board.contains("<td>floor</td>") && board.contains(">blind-tape "), "{board}");
     // Its results stay in the site, and the next board has the row without running it.
     let folder = place.path("site/control").join(board_page().replace("board-", "").replace(".html", ""));
     let result = folder.join("easy-1-state-1.json");

@@ -12,5 +12,6 @@ mod logs;
 mod logs_of_cheats;
 mod medium_and_hard;
 mod recovery;
+mod tape;
 mod torques;
 mod tracks;

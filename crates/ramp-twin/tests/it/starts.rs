@@ -31,12 +31,18 @@ fn beam<'l>(layout: &'l Layout, name: &str) -> &'l Pose {
     &layout.beams.iter().find(|(other, _)| other == name).unwrap().1
 }
 
+/// The same seed gives the same places, another one others; the clamped beam has its own.
 #[test]
 fn parts_stay_on_their_own_outlines_of_the_sheet() {
     let files = GoalFiles::new("easy-1");
     let kit = &files.assembly.kit;
     for seed in 1..=20 {
         let layout = Layout::new(&files.assembly, Start::sheet(), seed);
+        let [again, other] = [seed, seed + 1].map(|seed| Layout::new(&files.assembly, Start::sheet(), seed));
+        assert_eq!(layout.beams, again.beams);
+        assert_ne!(layout.beams, other.beams);
+        let clamped = beam(&layout, "b7").translation.vector;
+        assert!((clamped - Vector3::new(0.31, 0.0268, 0.0166)).norm() < 1e-9, "{clamped}");
         for (name, x_wb) in layout.beams.iter().filter(|(name, _)| name != "b7") {
             let [shift, turn] = from_outline(kit, name, name, x_wb);
             assert!(shift <= 1.0e-3 && turn <= 1.0_f64.to_radians(), "{name}: {shift} m, {turn} rad");

@@ -6,6 +6,7 @@ use std::time::Duration;
 use miette::Report;
 use ramp_data::Data;
 use ramp_robot::Track;
+use ramp_skills::Baseline;
 
 use super::batch::{Batch, BatchStart, BatchWorld};
 use super::goals::{BatchError, BatchGoal};
@@ -66,6 +67,9 @@ impl Arguments {
         if let Some(sandbox) = self.agent.sandbox(agent.as_ref(), &hidden)? {
             agent::tell_open_ends(&sandbox);
         }
+        let parameters = self.agent.skills.read(data)?;
+        let baseline = || (Baseline::NAME.to_string(), Baseline::version_with(&parameters));
+        let name = agent.is_none().then(baseline);
         Ok(Batch {
             data,
             folder,
@@ -78,9 +82,10 @@ impl Arguments {
             agent_limit: self.agent.agent_limit,
             sandbox: self.agent.sandbox,
             secret: None,
+            name,
             tapes: None,
             skills: self.agent.skills.path.clone(),
-            skills_hash: self.agent.skills.read(data)?.sha256.clone(),
+            skills_hash: parameters.sha256.clone(),
             goals,
             count,
             seeds: self.first_seed..=last.ok_or(BatchError::Seeds { repeats: option })?,

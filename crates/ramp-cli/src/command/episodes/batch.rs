@@ -118,6 +118,8 @@ pub struct Batch<'a> {
     pub sandbox: bool,
     /// Secret that is mixed into the seeds.
     pub secret: Option<Secret>,
+    /// Name and version of the agent, if they are known before it starts.
+    pub name: Option<(String, String)>,
     /// Logs that are played without sight, in place of an agent.
     pub tapes: Option<Tapes>,
     /// File of the baseline's skill parameters, if given.
@@ -197,7 +199,10 @@ impl Batch<'_> {
             start: &self.start.hash,
             secret: self.commitment(),
             software: &self.software,
-            agent: Identity { name: None, sha256: self.agent_hash() },
+            agent: Identity {
+                name: self.name.as_ref().map(|(name, version)| (name.as_str(), version.as_str())),
+                sha256: self.agent_hash(),
+            },
         }
     }
 
