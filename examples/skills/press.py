@@ -2,7 +2,7 @@
 force.
 
     ramp run easy-1 --track state --skill fasten=examples/skills/press.py
-    ramp trials fasten-in-f --track state --skill examples/skills/press.py
+    ramp trials fasten-in-f --track state --skill fasten=examples/skills/press.py
 
 It speaks the agents' protocol (docs/src/reference/agents.md); its goal has a `task`.
 """

@@ -254,6 +254,7 @@ def run(
     agent: tuple[Any, str, str, Any] | None = None,
     skills: Sequence[tuple[str, str, Any]] = (),
     plan: str | None = None,
+    plans: str | None = None,
     domain: str | None = None,
     parameters: str | None = None,
     fault: str | None = None,

@@ -120,7 +120,8 @@ class Skill:
     """
 
     name: str = "own-skill"
-    """Its name in results: the agent is then called ``baseline+fasten-by-own-skill``."""
+    """Its name in results: the agent is then called ``baseline+fasten-by-own-skill.0a1b2c3d``, with the start of the
+    hash of the skill's source."""
     serves: str = "fasten"
     """The kind of action: assemble-square, assemble-angled, assemble-through, assemble-deep, assemble-cap,
     lay-down, slide, fasten or push."""

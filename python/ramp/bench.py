@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import concurrent.futures
 import dataclasses
+import hashlib
+import inspect
 import os
 import pathlib
 import sys
@@ -18,6 +20,9 @@ from ramp.result import Result
 
 GoalLike = str | os.PathLike[str] | Goal
 Progress = Callable[[float, int, int], None]
+
+# Names of the benchmark's own agents.
+RESERVED = ("baseline", "blind-tape")
 
 
 def run(
@@ -44,7 +49,8 @@ def run(
         goal: A goal of the benchmark, a goal file, or a goal.
         agent: Who works; the baseline without one.
         skills: Skills that take the place of the baseline's.
-        plan: A plan that the baseline carries out, in place of its own: a plan, or a file with one.
+        plan: A plan that the baseline carries out, in place of its own: a plan, a file with one, or a folder with a
+            file for each goal.
         domain: A file of rules for the baseline's planner, in place of the one of its kind.
         world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
         start: Where the parts lie: ``moved``, ``sheet``, or a start file.
@@ -71,13 +77,10 @@ def run(
     if agent is not None:
         if skills or plan is not None:
             raise InputError("an agent of one's own has its own skills and its own plan")
-        own = (agent, _name(agent.name), _name(agent.version), whole)
-    parts = [(skill.serves, _name(skill.name), skill) for skill in skills]
-    text = None
-    if isinstance(plan, Plan):
-        text = plan.to_json()
-    elif plan is not None:
-        text = pathlib.Path(plan).read_text(encoding="utf-8")
+        own = (agent, _agent_name(agent.name), _name(agent.version), whole)
+    parts = [(skill.serves, _skill_name(skill), skill) for skill in skills]
+    text = plan.to_json() if isinstance(plan, Plan) else None
+    files = None if plan is None or isinstance(plan, Plan) else os.fspath(plan)
     return Result.from_json(
         run_episode(
             benchmark(),
@@ -89,6 +92,7 @@ def run(
             agent=own,
             skills=parts,
             plan=text,
+            plans=files,
             domain=None if domain is None else os.fspath(domain),
             parameters=None if parameters is None else os.fspath(parameters),
             fault=fault,
@@ -98,6 +102,22 @@ def run(
             progress=progress,
         )
     )
+
+
+def _agent_name(name: str) -> str:
+    if name.split("+")[0] in RESERVED:
+        raise InputError(f"`{name}` is a name of the benchmark's own agents: give the agent another one")
+    return _name(name)
+
+
+def _skill_name(skill: Skill) -> str:
+    """The skill's name, with the start of the hash of its source where Python has it."""
+    name = _name(skill.name)
+    try:
+        source = inspect.getsource(type(skill))
+    except (OSError, TypeError):
+        return name
+    return f"{name}.{hashlib.sha256(source.encode()).hexdigest()[:8]}"
 
 
 def _name(name: str) -> str:
@@ -183,7 +203,7 @@ def bench(
         jobs: Episodes at a time. An agent in Python holds Python's lock while it thinks.
         output: Folder for the result files, for ``ramp report``. Results of these episodes that it already
             has are not run again, by the same rule as ``ramp bench``. A folder is of one world, start, agent
-            and version.
+            and version. The log of each episode goes beside its result.
         show: Whether to show progress on standard error.
         options: Passed to :func:`run`: world, start, track, domain and so on.
 
@@ -201,6 +221,7 @@ def bench(
 
     def one(goal: Goal, seed: int, repeat: int) -> Result:
         file = None if folder is None else folder / f"{goal.name}-{options.get('track', 'tags')}-{seed}.json"
+        log = None if file is None else file.with_suffix(".mcap")
         return run(
             goal,
             agent=None if agent is None else agent(),
@@ -208,7 +229,7 @@ def bench(
             seed=seed,
             repeat=repeat,
             output=file,
-            **options,
+            **({"record": log} | options),
         )
 
     done: list[Result] = []

@@ -30,7 +30,7 @@ class Twin:
         goal: str | os.PathLike[str] | Goal = "easy-1",
         *,
         track: str = "state",
-        world: str | os.PathLike[str] = "ideal",
+        world: str | os.PathLike[str] = "real",
         start: str | os.PathLike[str] = "moved",
         seed: int = 1,
         fault: str | None = None,

@@ -52,7 +52,7 @@ def test_a_plan_goes_out_and_comes_back(tmp_path):
     assert len(plan) == 35 and plan.coarse[0]["action"] == "pick_up" and len(plan.fine) > 35
     plan.save(tmp_path / "plan.json")
     result = ramp.run("easy-1", track="state", plan=tmp_path / "plan.json")
-    assert result.completion == 1.0 and result.agent.startswith("baseline+plan-given")
+    assert result.completion == 1.0 and result.agent.startswith("baseline+plan.")
     plan.steps.pop(3)
     with pytest.raises(ramp.PlanningError, match="refused at step"):
         ramp.run("easy-1", track="state", plan=plan)

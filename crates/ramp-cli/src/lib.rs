@@ -30,10 +30,13 @@ use ramp_data::Data;
 use crate::seal::Seal;
 use crate::status::{BAD_INPUT, MACHINE, MachineFault};
 
+/// Version and commit of this program.
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("RAMP_COMMIT"), ")");
+
 #[derive(Parser)]
 #[command(
     name = "ramp",
-    version,
+    version = VERSION,
     about = "RAMP: a benchmark of robotic assembly, manipulation and planning."
 )]
 struct Arguments {

@@ -11,12 +11,9 @@ use ramp_world::{Start, World};
 #[derive(clap::Args)]
 pub struct WorldOption {
     /// World that the physics are drawn from: ideal, real, hard, or a world file
-    #[arg(long, value_name = "NAME|FILE", default_value = "ideal")]
+    #[arg(long, value_name = "NAME|FILE", default_value = "real")]
     world: String,
 }
-
-/// The default world of published results.
-pub const RESULTS_WORLD: &str = "real";
 
 impl WorldOption {
     /// The world.

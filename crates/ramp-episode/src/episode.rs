@@ -16,6 +16,7 @@ use ramp_robot::{Account, Agent, Event, EventKind, MOST_EVENTS, RobotError};
 use ramp_twin::{Setup, Twin, TwinError};
 
 use crate::judged::{Judged, Watcher};
+use crate::waiting::Waiting;
 
 /// Reasons for which an episode has no result.
 #[derive(Debug, thiserror::Error)]
@@ -178,9 +179,11 @@ pub(crate) fn kind_of(error: &RobotError) -> EndKind {
 }
 
 fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label) -> EpisodeResult {
+    let waiting = Waiting::begin();
     judged.answered = Instant::now();
     let outcome = agent.run(judged);
     judged.called();
+    let waiting = waiting.share();
     // Before the results are there, which are not for the agent.
     agent.finish();
     judged.judge_end();
@@ -226,6 +229,7 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
             robot,
             total: thought + robot,
             agent_cpu: agent.processor_time(),
+            waiting,
         },
         robot_time: label.robot_time,
         plan: PlanInfo { coarse, fine, replans },

@@ -17,6 +17,8 @@ mod judged;
 pub mod replay;
 pub mod tape;
 
+mod waiting;
+
 pub use conduct::Breach;
 pub use difference::Difference;
 pub use episode::{EpisodeError, Label, Recorded, record_episode, run_episode, run_episode_in};

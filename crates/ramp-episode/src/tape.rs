@@ -8,7 +8,8 @@ use ramp_log::Log;
 use ramp_log::calls::{CallsError, Entry};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{
-    Account, Agent, ArmCommand, Command, DOF, GripperCommand, Observation, PERIOD, Robot, RobotError,
+    Account, Agent, ArmCommand, BLIND_TAPE, Command, DOF, GripperCommand, Observation, PERIOD, Robot,
+    RobotError,
 };
 use ramp_twin::{Setup, TwinError};
 
@@ -16,7 +17,7 @@ use crate::episode::{Label, run_episode};
 use crate::replay::{LoggedSetup, ReplayError};
 
 /// Name of the agent in results.
-pub const NAME: &str = "blind-tape";
+pub const NAME: &str = BLIND_TAPE;
 /// Its version in results.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Mean speed of the fastest joint where the tape moves the arm to its next command, rad/s. Chosen: a third

@@ -5,7 +5,7 @@ use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector6};
 use ramp_kit::source::{A_NAME, is_name, is_text, plain, shorten};
 use ramp_robot::{
     ArmCommand, Camera, Command, DOF, Event, EventKind, GripperCommand, Image, Impedance, MOST_EVENT,
-    OLDER_KINDS, Observation, PartReading, Pose, RobotError,
+    OLDER_KINDS, Observation, PartReading, Pose, RobotError, is_reserved,
 };
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
@@ -92,6 +92,9 @@ impl Hello {
             if !is_name(text) {
                 return Err(format!("the agent's {what} must be {A_NAME}, and it is `{}`", shorten(text)));
             }
+        }
+        if is_reserved(&self.name) {
+            return Err(format!("the agent's name is `{}`, which is the benchmark's own", self.name));
         }
         Ok(())
     }
@@ -445,6 +448,9 @@ mod tests {
             hello.check()
         };
         assert_eq!(hello("my-agent_2", "1.0+a"), Ok(()));
+        for own in ["baseline", "baseline+mine", "blind-tape"] {
+            assert!(hello(own, "1").is_err_and(|why| why.contains("the benchmark's own")), "{own}");
+        }
         for bad in ["", "my agent", "-x", "../x", ".x", "=x", "a\n", "\u{1b}[2J", &"x".repeat(65)] {
             assert!(hello(bad, "1").is_err_and(|why| why.contains("the agent's name must be")), "{bad:?}");
             assert!(hello("x", bad).is_err_and(|why| why.contains("the agent's version must be")), "{bad:?}");

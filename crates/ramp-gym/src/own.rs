@@ -69,13 +69,18 @@ pub struct OwnSkill {
 }
 
 impl OwnSkill {
+    /// The name in results of a skill for actions of `kind`.
+    pub fn name_of(kind: ActionKind, name: &str) -> String {
+        format!("{}-by-{name}", kind.name().replace('_', "-"))
+    }
+
     /// A skill for actions of `kind`. Its name stands in results: it begins with the action, as in
     /// `fasten-by-my-policy`.
     pub fn new(kind: ActionKind, name: &str, body: Box<dyn Body>) -> OwnSkill {
         let table = SkillTable::default();
         let own = table.get(kind);
         OwnSkill {
-            name: format!("{}-by-{name}", kind.name().replace('_', "-")),
+            name: OwnSkill::name_of(kind, name),
             kind: [kind],
             needs: own.map(|skill| skill.needs().to_vec()).unwrap_or_default(),
             expects: own.map(|skill| skill.expects().to_vec()).unwrap_or_default(),

@@ -5,7 +5,15 @@ use crate::limits::{Limits, Watch};
 use crate::solver::{self, OrderProblem};
 use ramp_action_language::{Domain, LanguageError};
 use ramp_source::{Fault, SourceFile};
+use sha2::{Digest, Sha256};
 use std::path::Path;
+
+/// The three files as the program was built with, in the order of [`Domains::FILES`].
+const SHIPPED: [&str; 3] = [
+    include_str!("../../../data/domains/order.lp"),
+    include_str!("../../../data/domains/coarse.al"),
+    include_str!("../../../data/domains/fine.al"),
+];
 
 /// A defect of a rule file, with its place.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -96,6 +104,20 @@ impl Domains {
         }
         let limits = self.limits;
         Ok(Domains { limits, ..Domains::new(order, coarse, fine)? })
+    }
+
+    /// SHA-256, in hex, of the texts of the three files, if a file differs from the one that the program was
+    /// built with. It names rules of one's own in results.
+    pub fn replaced(&self) -> Option<String> {
+        let texts = [&self.order, self.coarse.file(), self.fine.file()].map(SourceFile::text);
+        if texts == SHIPPED {
+            return None;
+        }
+        let mut hash = Sha256::new();
+        for (name, text) in Domains::FILES.iter().zip(texts) {
+            hash.update(format!("{name} {}\n{text}", text.len()));
+        }
+        Some(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
     }
 
     /// The rules for the order of the beams.

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use ramp_data::Texts;
+use ramp_data::{Plans, PlansError, Texts};
 use ramp_episode::{EpisodeError, Label, Progress, Recorded, Watcher, record_episode, run_episode};
 use ramp_gym::outline::read_outline;
 use ramp_gym::own::{Body, BodyError, Moment, OwnSkill, kind};
@@ -25,7 +25,7 @@ use ramp_skills::{Baseline, Parameters, ReferenceTimes, reference_times_of_goal}
 use ramp_twin::{Setup, Twin};
 
 use crate::convert::seven;
-use crate::errors::{EVERY, Interrupts, caught, data, detached, input};
+use crate::errors::{EVERY, Interrupts, PlanningError, caught, data, detached, input};
 use crate::files::Benchmark;
 use crate::robot::Robot;
 use crate::twin::{fault, track};
@@ -360,7 +360,7 @@ type OwnPart = (String, String, Py<PyAny>);
 /// Runs an episode; the result as JSON. With `output`, the result is written to that file; a result of this
 /// very episode that the file already has is returned instead.
 #[pyfunction]
-#[pyo3(signature = (benchmark, goal, *, track, world, start, seed, agent=None, skills=Vec::new(), plan=None, domain=None,
+#[pyo3(signature = (benchmark, goal, *, track, world, start, seed, agent=None, skills=Vec::new(), plan=None, plans=None, domain=None,
     parameters=None, fault=None, record=None, output=None, repeat=1, progress=None))]
 #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn run(
@@ -373,7 +373,8 @@ pub fn run(
     seed: u64,
     agent: Option<Own>,
     skills: Vec<OwnPart>,
-    plan: Option<&str>,
+    plan: Option<String>,
+    plans: Option<PathBuf>,
     domain: Option<&str>,
     parameters: Option<&str>,
     fault: Option<&str>,
@@ -392,8 +393,16 @@ pub fn run(
     let raised = Raised::default();
     // What runs Python's code does so on this thread; all else on one that can be left behind.
     let python = agent.is_some() || !skills.is_empty();
-    let plan = match plan {
-        Some(text) => Some(detached(py, || files.own_plan(text, &assembly, &domains))?),
+    let plans = match (plan, plans) {
+        (Some(text), _) => Some(Plans::of_text(Path::new("the plan"), text)),
+        (None, Some(path)) => Some(Plans::read(&path).map_err(of_plans)?),
+        (None, None) => None,
+    };
+    let plan = match &plans {
+        Some(plans) => {
+            let read = detached(py, || plans.plan(&assembly, &domains).map_err(of_plans));
+            Some((read?, plans.sha256().to_string()))
+        }
         None => None,
     };
     let parameters = match parameters {
@@ -420,7 +429,7 @@ pub fn run(
                     .with_parameters(parameters)
                     .with_skills(table);
                 Box::new(match plan {
-                    Some(plan) => baseline.with_plan(plan),
+                    Some((plan, sha256)) => baseline.with_plan(plan, &sha256),
                     None => baseline,
                 })
             }
@@ -458,6 +467,14 @@ pub fn run(
         Ok(text)
     };
     if python { detached(py, work) } else { aside(py, &stopped, work) }
+}
+
+/// A plan that is refused, or files that are no plans.
+fn of_plans(error: PlansError) -> PyErr {
+    match error {
+        PlansError::Plan { .. } => PlanningError::new_err(error.to_string()),
+        error => input(error),
+    }
 }
 
 /// Runs an episode and leaves its log at `path`.

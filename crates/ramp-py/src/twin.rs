@@ -67,7 +67,7 @@ impl Twin {
 #[pymethods]
 impl Twin {
     #[new]
-    #[pyo3(signature = (benchmark, goal, track="state", world="ideal", start="moved", seed=1, fault=None))]
+    #[pyo3(signature = (benchmark, goal, track="state", world="real", start="moved", seed=1, fault=None))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
         py: Python<'_>,

@@ -438,6 +438,7 @@ impl Run<'_> {
                 robot: total - head.planning,
                 total,
                 agent_cpu: None,
+                waiting: None,
             },
             robot_time: None,
             plan: PlanInfo { coarse: 0, fine: 0, replans: 0 },

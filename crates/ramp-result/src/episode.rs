@@ -265,6 +265,21 @@ pub struct Time {
     /// for other agents, and in files of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub agent_cpu: Option<f64>,
+    /// Share of its time, ready to work, for which the program waited for a processor, 0 to 1. `None` where
+    /// the system does not tell, and in files of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub waiting: Option<f64>,
+}
+
+/// Share of waiting ([`Time::waiting`]) above which the machine counts as loaded: computing times are then
+/// longer than on an idle machine. On an idle machine with two processors the share is below 0.01.
+pub const LOADED: f64 = 0.1;
+
+impl Time {
+    /// Whether the machine was loaded while the times were taken.
+    pub fn is_loaded(&self) -> bool {
+        self.waiting.is_some_and(|share| share > LOADED)
+    }
 }
 
 /// Times to compare robot time with: of the baseline's plan for the goal, from the start, by the model
@@ -391,6 +406,7 @@ impl EpisodeResult {
         result.time.compute = 0.0;
         result.time.total = result.time.robot;
         result.time.agent_cpu = None;
+        result.time.waiting = None;
         for peg in result.pegs.iter_mut().flatten() {
             peg.t_total = peg.t_robot;
         }

@@ -36,7 +36,14 @@ pub fn episode(goal: &str, seed: u64, since: &[f64], pegs: usize) -> EpisodeResu
                 })
             })
             .collect(),
-        time: Time { planning, compute: 0.0, robot: end - planning, total: end, agent_cpu: None },
+        time: Time {
+            planning,
+            compute: 0.0,
+            robot: end - planning,
+            total: end,
+            agent_cpu: None,
+            waiting: None,
+        },
         robot_time: None,
         plan: PlanInfo { coarse: 1, fine: 1, replans: 0 },
         events: Vec::new(),

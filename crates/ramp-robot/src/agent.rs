@@ -4,6 +4,21 @@ use crate::error::RobotError;
 use crate::event::Event;
 use crate::robot::Robot;
 
+/// Name of the baseline in results. A baseline with replaced parts has them after it, each after a `+`.
+pub const BASELINE: &str = "baseline";
+/// Name in results of the agent that plays the commands of a log without sight.
+pub const BLIND_TAPE: &str = "blind-tape";
+
+/// Whether a name belongs to the benchmark's own agents. No other agent may bear it.
+///
+/// ```
+/// assert!(ramp_robot::is_reserved("baseline") && ramp_robot::is_reserved("baseline+mine"));
+/// assert!(!ramp_robot::is_reserved("baseline-of-mine"));
+/// ```
+pub fn is_reserved(name: &str) -> bool {
+    [BASELINE, BLIND_TAPE].contains(&name.split('+').next().unwrap_or_default())
+}
+
 /// An agent's report of its own work.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Account {

@@ -23,7 +23,7 @@ mod time;
 mod track;
 
 pub use action::{Action, Argument};
-pub use agent::{Account, Agent};
+pub use agent::{Account, Agent, BASELINE, BLIND_TAPE, is_reserved};
 pub use arm::DOF;
 pub use camera::{Camera, CameraModel, Image};
 pub use cause::Cause;

@@ -17,12 +17,11 @@ use crate::fault::{Fault, SkillError};
 use crate::parameters::Parameters;
 use crate::recovery::{check_holes, recover};
 use crate::rehearsal::{Rehearsal, Scene, UnusualGrasp, plan_with_motion};
+use crate::replaced::Replaced;
 use crate::skill::{Call, Effect};
 use crate::table::{SkillTable, baseline};
 
-/// Name of the agent with no skill replaced.
-const NAME: &str = "baseline";
-/// Version of the agent with the baseline's numbers.
+/// Version of the agent in results.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// The baseline agent.
@@ -35,10 +34,9 @@ pub struct Baseline<'a> {
     start: Start,
     parameters: Arc<Parameters>,
     pub(crate) skills: SkillTable,
+    replaced: Replaced,
     /// Its name in results.
     name: String,
-    /// Its version in results.
-    version: String,
     account: Account,
     plan: Option<Plan>,
     /// A given plan that it executes.
@@ -61,6 +59,7 @@ impl<'a> Baseline<'a> {
     pub fn new(assembly: &'a Assembly, arm: &'a ArmModel, domains: &'a Domains, seed: u64) -> Baseline<'a> {
         let parameters = Parameters::baseline();
         let skills = baseline(&parameters);
+        let replaced = Replaced { domain: domains.replaced(), ..Replaced::default() };
         Baseline {
             assembly,
             arm,
@@ -70,8 +69,8 @@ impl<'a> Baseline<'a> {
             start: Start::moved().clone(),
             parameters,
             skills,
-            name: NAME.to_string(),
-            version: VERSION.to_string(),
+            name: replaced.name(),
+            replaced,
             account: Account::default(),
             plan: None,
             fixed: None,
@@ -107,20 +106,15 @@ impl<'a> Baseline<'a> {
         self
     }
 
-    /// Its name in results, with no skill replaced.
-    pub const NAME: &'static str = NAME;
+    /// Its version in results.
+    pub const VERSION: &'static str = VERSION;
 
-    /// Its version in results, with these parameters.
-    pub fn version_with(parameters: &Parameters) -> String {
-        let hash = parameters.sha256.as_ref().map(|hash| format!("+skills.{}", &hash[..8]));
-        format!("{VERSION}{}", hash.unwrap_or_default())
-    }
-
-    /// Takes the numbers of a parameter file. The agent's version in results then ends in the hash of that
-    /// file. The skills become the baseline's with these numbers: call it before [`Baseline::with_skills`].
+    /// Takes the numbers of a parameter file, whose hash becomes part of the agent's name in results. The
+    /// skills become the baseline's with these numbers: call it before [`Baseline::with_skills`].
     #[must_use]
     pub fn with_parameters(mut self, parameters: Arc<Parameters>) -> Baseline<'a> {
-        self.version = Baseline::version_with(&parameters);
+        self.replaced.parameters.clone_from(&parameters.sha256);
+        self.name = self.replaced.name();
         self.skills = baseline(&parameters);
         self.parameters = parameters;
         self
@@ -138,23 +132,19 @@ impl<'a> Baseline<'a> {
     /// ```
     #[must_use]
     pub fn with_skills(mut self, skills: SkillTable) -> Baseline<'a> {
-        let replaced: Vec<&str> = skills.replaced().collect();
-        self.name = if replaced.is_empty() {
-            NAME.to_string()
-        } else {
-            // Results hold names, which have no spaces.
-            to_name(&format!("{NAME}+{}", replaced.join("+")))
-        };
+        self.replaced.skills = skills.replaced().map(to_name).collect();
+        self.name = self.replaced.name();
         self.skills = skills;
         self
     }
 
     /// Executes this given plan and no other, with the usual check of the holes before each peg. If the plan
-    /// fails, the agent gives up. The agent's name in results shows it. Call it after
-    /// [`Baseline::with_skills`].
+    /// fails, the agent gives up. `sha256` is the hash, in hex, of the file or folder of the plan: it becomes
+    /// part of the agent's name in results.
     #[must_use]
-    pub fn with_plan(mut self, plan: Plan) -> Baseline<'a> {
-        self.name = to_name(&format!("{}+plan-given", self.name));
+    pub fn with_plan(mut self, plan: Plan, sha256: &str) -> Baseline<'a> {
+        self.replaced.plan = Some(sha256.to_string());
+        self.name = self.replaced.name();
         self.fixed = Some(plan);
         self
     }
@@ -408,7 +398,7 @@ impl<'a> Baseline<'a> {
 
 impl Agent for Baseline<'_> {
     fn name(&self) -> (&str, &str) {
-        (&self.name, &self.version)
+        (&self.name, VERSION)
     }
 
     fn file_hash(&self) -> Option<&str> {

@@ -5,7 +5,8 @@
 //! move the [`hand`]; only the hand talks to the robot. A skill knows the parts only through a [`belief`],
 //! which detections correct. [`piece`] is the same agent on a single piece of a plan, in an assembly begun by
 //! another agent. [`rehearsal`] simulates a plan without moving anything, and
-//! [`reference_times`](mod@reference_times) gives reference values for its robot time.
+//! [`reference_times`](mod@reference_times) gives reference values for its robot time. [`replaced`](mod@replaced)
+//! names an agent whose parts are not all the baseline's.
 
 pub mod agent;
 pub mod belief;
@@ -21,6 +22,7 @@ pub mod primitive;
 pub mod recovery;
 pub mod reference_times;
 pub mod rehearsal;
+pub mod replaced;
 pub mod skill;
 pub mod table;
 pub mod way;
@@ -31,4 +33,5 @@ pub use parameters::Parameters;
 pub use piece::Piece;
 pub use pose::Pose;
 pub use reference_times::{ReferenceTimes, reference_times, reference_times_of_goal};
+pub use replaced::Replaced;
 pub use table::SkillTable;

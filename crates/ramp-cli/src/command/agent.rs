@@ -3,7 +3,6 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use miette::{IntoDiagnostic, Report, miette};
@@ -12,13 +11,11 @@ use ramp_external_agent::sandbox::{Inside, open_ends};
 use ramp_external_agent::{
     AgentFile, ExternalAgent, GoalMessage, Patience, Sandbox, SandboxError, adopt_orphans,
 };
-use ramp_planner::{Domains, Plan};
+use ramp_planner::Plan;
 use ramp_robot::{Agent, Event};
-use ramp_skills::skill::ActionKind;
-use ramp_skills::{Baseline, Parameters};
 use ramp_twin::Setup;
 
-use crate::command::{own_skill, skills};
+use crate::command::parts::{self, Parts};
 use crate::output::tell;
 
 /// Agent options of `ramp run` and `ramp bench`.
@@ -34,10 +31,11 @@ pub struct Arguments {
     #[arg(long, requires = "agent")]
     pub sandbox: bool,
     #[command(flatten)]
-    pub skills: skills::File,
+    pub parts: parts::Arguments,
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+/// Reads a number of seconds from the command line.
+pub fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if (0.01..=1e6).contains(&seconds) => Ok(seconds),
         _ => Err("a number of seconds from 0.01 to 1000000 is expected".to_string()),
@@ -45,6 +43,11 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 impl Arguments {
+    /// Returns true if an external program runs.
+    pub fn has_program(&self) -> bool {
+        self.agent.is_some() || self.parts.has_program()
+    }
+
     /// The agent's file, if there is one.
     pub fn file(&self) -> Result<Option<AgentFile>, Report> {
         self.agent.as_deref().map(AgentFile::find).transpose().into_diagnostic()
@@ -93,12 +96,9 @@ fn rooms_stand(sandbox: &Sandbox) -> std::io::Result<bool> {
 pub struct AgentSetup<'a> {
     /// The episode.
     pub setup: Setup<'a>,
-    pub domains: &'a Domains,
     pub texts: &'a Texts,
-    /// Parameters of the baseline's skills.
-    pub parameters: &'a Arc<Parameters>,
-    /// Programs that replace skills of the baseline.
-    pub skills: &'a [(ActionKind, AgentFile)],
+    /// Parts of the baseline.
+    pub parts: &'a Parts,
     /// Plan that the baseline executes instead of its own.
     pub plan: Option<Plan>,
 }
@@ -112,26 +112,10 @@ pub fn start<'a>(
     end: Option<Instant>,
     listener: impl FnMut(&Event) + 'a,
 ) -> Result<Box<dyn Agent + 'a>, Report> {
-    let AgentSetup { ref setup, domains, texts, parameters, skills, ref plan } = *inputs;
-    let Setup { assembly, arm, track, seed, start, .. } = *setup;
+    let AgentSetup { ref setup, texts, parts, ref plan } = *inputs;
+    let Setup { assembly, arm, track, start, .. } = *setup;
     let Some(file) = file else {
-        let mut baseline = Baseline::new(assembly, arm, domains, seed)
-            .on_track(track)
-            .from_start(start)
-            .with_parameters(parameters.clone());
-        if !skills.is_empty() {
-            adopt_orphans();
-            let cell = own_skill::SkillHost::new(setup, texts, limit);
-            let mut table = ramp_skills::table::baseline(parameters);
-            for (kind, file) in skills {
-                table.replace(own_skill::skill(*kind, file, &cell)?);
-            }
-            baseline = baseline.with_skills(table);
-        }
-        if let Some(plan) = plan {
-            baseline = baseline.with_plan(plan.clone());
-        }
-        return Ok(Box::new(baseline.with_listener(listener)));
+        return Ok(Box::new(parts.agent(setup, texts, limit, plan.clone())?.with_listener(listener)));
     };
     adopt_orphans();
     let goal = GoalMessage::new(assembly, arm, track, start, texts.sources());

@@ -13,12 +13,10 @@ use serde_json::{Value, json};
 
 use super::episodes::{self, Batch, Episode, Outcome, Tapes};
 use super::seeds;
-use crate::options::RESULTS_WORLD;
 use crate::output::print;
 use crate::status::{DONE, INCOMPLETE, STOPPED};
 
 #[derive(clap::Args)]
-#[command(mut_arg("world", |world| world.default_value(RESULTS_WORLD)))]
 pub struct Arguments {
     /// Goals, classes (easy, medium, hard) or `all`
     #[arg(required = true, value_name = "CLASS|GOAL")]
@@ -33,7 +31,7 @@ pub struct Arguments {
     secret: Option<PathBuf>,
     /// Play the commands of the logs in this folder without sight, each on other seeds than its own: the
     /// floor of a board
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["agent", "path"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["agent", "path", "skill", "plan", "domain"])]
     tape: Option<PathBuf>,
     /// Folder for the results; results that it already has are not run again
     #[arg(short, long, value_name = "DIR", default_value = "results/bench")]
@@ -149,6 +147,11 @@ impl Bench<'_> {
         })
     }
 
+    /// Number of episodes during which the machine was loaded.
+    fn loaded(&self, episodes: &[Episode]) -> usize {
+        episodes.iter().filter_map(Episode::result).filter(|result| result.time.is_loaded()).count()
+    }
+
     fn sums_json(&self, episodes: &[Episode]) -> Result<String, Report> {
         let (goals, classes) = self.sums(episodes);
         let goals: Vec<Value> = self
@@ -187,6 +190,7 @@ impl Bench<'_> {
             "goals": goals,
             "classes": classes,
             "failures": failures,
+            "loaded": self.loaded(episodes),
         }))
         .into_diagnostic()?;
         text.push('\n');
@@ -232,6 +236,15 @@ impl Bench<'_> {
                 };
                 let _ = writeln!(text, "  {} seed {}: {pegs}: {}", goal.name, it.episode.seed, it.reason);
             }
+        }
+        let loaded = self.loaded(episodes);
+        if loaded > 0 {
+            let _ = writeln!(
+                text,
+                "the machine was loaded during {loaded} of {} episodes: planning and computing took longer than on an \
+                 idle machine",
+                episodes.len()
+            );
         }
         let _ = writeln!(text, "results: {}", self.0.folder.display());
         text

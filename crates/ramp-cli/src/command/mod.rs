@@ -15,6 +15,7 @@ pub mod kit;
 pub mod leaderboard;
 pub mod man;
 pub mod own_skill;
+pub mod parts;
 pub mod plan;
 pub mod replay;
 pub mod report;

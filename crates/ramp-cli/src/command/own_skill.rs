@@ -152,16 +152,25 @@ fn task(moment: &Moment) -> Value {
     })
 }
 
-/// The skill for an action. Its name in results consists of the file's name and the start of its hash.
+/// The skill for an action.
 pub fn skill(kind: ActionKind, file: &AgentFile, cell: &SkillHost) -> Result<OwnSkill, Report> {
     if !kind.is_assembling() {
         return Err(miette!("no skill of one's own can carry out `{}`", kind.name().replace('_', "-")));
     }
+    let body = Program { file: file.clone(), cell: cell.clone() };
+    Ok(OwnSkill::new(kind, &label(file), Box::new(body)))
+}
+
+/// The name of the skill in results: the action, the file's name and the start of its hash.
+pub fn name(kind: ActionKind, file: &AgentFile) -> String {
+    to_name(&OwnSkill::name_of(kind, &label(file)))
+}
+
+/// The name of a file and the start of its hash.
+fn label(file: &AgentFile) -> String {
     let stem = file.path().file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();
     let short: String = to_name(&stem).chars().take(LONGEST_STEM).collect();
-    let name = format!("{short}.{}", &file.sha256()[..8]);
-    let body = Program { file: file.clone(), cell: cell.clone() };
-    Ok(OwnSkill::new(kind, &name, Box::new(body)))
+    format!("{short}.{}", &file.sha256()[..8])
 }
 
 /// The program in a file.
@@ -173,5 +182,12 @@ impl Replacement {
     /// The action, and the program in its file.
     pub fn read(&self) -> Result<(ActionKind, AgentFile), Report> {
         Ok((self.kind, file(&self.file)?))
+    }
+
+    /// As on the command line.
+    pub fn word(&self) -> OsString {
+        let mut word = OsString::from(format!("{}=", self.kind.name().replace('_', "-")));
+        word.push(&self.file);
+        word
     }
 }

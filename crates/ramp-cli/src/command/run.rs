@@ -8,35 +8,32 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Report, miette};
-use ramp_assembly::Assembly;
 use ramp_data::Data;
-use ramp_episode::{EpisodeError, Label, Progress, Recorded, Tape, record_episode};
+use ramp_episode::{EpisodeError, Label, Progress, Recorded, Tape, record_episode, tape};
+use ramp_external_agent::AgentFile;
 use ramp_kit::source::read_text;
 use ramp_log::Log;
-use ramp_planner::{Domains, Plan, PlanFileError, read_plan};
 use ramp_report::curve::completion_svg;
-use ramp_result::episode::{EpisodeResult, RobotTime};
+use ramp_result::collection::LARGEST;
+use ramp_result::episode::{EpisodeResult, RobotTime, StartInfo, WorldLabel};
+use ramp_result::resume::{Identity, Shared, Wanted};
 use ramp_robot::{Agent, Event, EventKind};
 use ramp_skills::{ReferenceTimes, reference_times_of_goal};
 use ramp_twin::{Fault, Setup, Twin};
 
 use crate::command::agent;
-use crate::command::own_skill::Replacement;
 use crate::ending::end_on_request;
-use crate::options::{RESULTS_WORLD, StartOption, TrackName, WorldOption};
+use crate::options::{StartOption, TrackName, WorldOption};
 use crate::output::{check_place, make_folder_of, print, tell, write_file};
 use crate::pictures::{self, Pictures};
 use crate::rules::domains;
 use crate::software::software;
 use crate::status::{DONE, INCOMPLETE, MachineFault};
 
-/// Largest size of a plan file, bytes.
-const LARGEST_PLAN: usize = 16 << 20;
 /// Default folder for results.
 const RESULTS: &str = "results";
 
 #[derive(clap::Args)]
-#[command(mut_arg("world", |world| world.default_value(RESULTS_WORLD)))]
 pub struct Arguments {
     /// Name of a goal, or a goal file
     goal: String,
@@ -52,18 +49,8 @@ pub struct Arguments {
     seed: u64,
     #[command(flatten)]
     agent: agent::Arguments,
-    /// Replace a skill of the baseline by a program in any language, such as fasten=my.py
-    #[arg(long, value_name = "ACTION=FILE", conflicts_with = "agent")]
-    skill: Vec<Replacement>,
-    /// Let the baseline carry out this plan: the output of `ramp plan GOAL --json`, or another planner's plan
-    /// for the files of `ramp plan GOAL --pddl DIR`
-    #[arg(long, value_name = "FILE", conflicts_with = "agent")]
-    plan: Option<PathBuf>,
-    /// Replace the rule file of the same kind: a coarse or fine domain (.al), or the order of the beams (.lp)
-    #[arg(long, value_name = "FILE", conflicts_with = "agent")]
-    domain: Option<PathBuf>,
     /// Play the commands of this log without sight: the floor of a board
-    #[arg(long, value_name = "LOG", conflicts_with_all = ["agent", "skill", "plan", "domain"])]
+    #[arg(long, value_name = "LOG", conflicts_with_all = ["agent", "path", "skill", "plan", "domain"])]
     tape: Option<PathBuf>,
     /// Inject a fault at its Nth occasion, or at one drawn from the seed: peg-dropped, peg-tilted,
     /// beam-slipped, beam-turned, beam-bumped, holder-shifted, jam, peg-missing, tag-covered, camera-frozen,
@@ -85,6 +72,9 @@ pub struct Arguments {
     /// .mcap
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Replace a result of another agent, world, track or version
+    #[arg(long)]
+    force: bool,
     /// File for the log of the episode, for viewers and `ramp replay` [default: beside the result]
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
@@ -105,7 +95,7 @@ pub struct Arguments {
 impl Arguments {
     /// Returns true if an external agent program runs.
     pub fn has_agent(&self) -> bool {
-        self.agent.agent.is_some() || !self.skill.is_empty()
+        self.agent.has_program()
     }
 }
 
@@ -115,14 +105,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let arm = data.arm()?;
     let physics = arguments.world.read(data)?;
     let start = arguments.start.read(data)?;
-    let domains = domains(data, arguments.domain.as_deref())?;
     let agent_file = arguments.agent.file()?;
-    let parameters = arguments.agent.skills.read(data)?;
-    let skills = arguments.skill.iter().map(Replacement::read).collect::<Result<Vec<_>, Report>>()?;
-    let plan = match &arguments.plan {
-        Some(path) => Some(plan_from(path, &assembly, &domains)?),
-        None => None,
-    };
+    let parts = arguments.agent.parts.read(data)?;
+    let plan = parts.plan(&assembly)?;
     let output = match &arguments.output {
         Some(path) => path.clone(),
         None => Path::new(RESULTS).join(format!("{}-{}.json", assembly.name, arguments.seed)),
@@ -130,32 +115,35 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let curve = output.with_extension("svg");
     let log = arguments.record.clone().unwrap_or_else(|| output.with_extension(ramp_log::ENDING));
     check_places(&output, &curve, &log, arguments.scene.as_deref())?;
-    let sandbox = arguments.agent.sandbox(agent_file.as_ref(), &[&output, &log])?;
-    if let Some(sandbox) = &sandbox {
-        agent::tell_open_ends(sandbox);
-    }
+    let seed = arguments.world_seed.unwrap_or(arguments.seed);
     let setup = Setup {
         assembly: &assembly,
         arm: &arm,
         track: arguments.track.into(),
-        seed: arguments.world_seed.unwrap_or(arguments.seed),
+        seed,
         start: &start,
         world: &physics,
         fault: arguments.fault,
     };
+    if !arguments.force {
+        let own = match &arguments.tape {
+            Some(_) => (tape::NAME.to_string(), tape::VERSION.to_string()),
+            None => parts.name(),
+        };
+        let sha256 = agent_file.as_ref().map(AgentFile::sha256).or(parts.parameters.sha256.as_deref());
+        let name = agent_file.is_none().then_some((own.0.as_str(), own.1.as_str()));
+        refuse_other(&output, &setup, arguments, Identity { name, sha256 })?;
+    }
+    let sandbox = arguments.agent.sandbox(agent_file.as_ref(), &[&output, &log])?;
+    if let Some(sandbox) = &sandbox {
+        agent::tell_open_ends(sandbox);
+    }
     let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
     end_on_request()?;
     let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
     make_folder_of(&log)?;
     let display = Display::new(assembly.connections.len());
-    let inputs = agent::AgentSetup {
-        setup: setup.clone(),
-        domains: &domains,
-        texts: &texts,
-        parameters: &parameters,
-        skills: &skills,
-        plan,
-    };
+    let inputs = agent::AgentSetup { setup: setup.clone(), texts: &texts, parts: &parts, plan };
     let robot_time = robot_time(data, &setup)?;
     let limit = arguments.agent.agent_limit;
     let mut agent: Box<dyn Agent + '_> = match &arguments.tape {
@@ -205,15 +193,6 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     }
 }
 
-/// Reads the plan in a file for the baseline.
-fn plan_from(path: &Path, assembly: &Assembly, domains: &Domains) -> Result<Plan, Report> {
-    let text = read_text(path, LARGEST_PLAN)?;
-    read_plan(&text, assembly, domains).map_err(|error| match error {
-        PlanFileError::Form { .. } => miette!("{}:{error}", path.display()),
-        error => miette!("{}: {error}", path.display()),
-    })
-}
-
 /// Checks that all files of a run can be written, and that the result does not overwrite another file.
 fn check_places(output: &Path, curve: &Path, log: &Path, scene: Option<&Path>) -> Result<(), Report> {
     for (other, what) in [(curve, "curve"), (log, "log")] {
@@ -229,6 +208,40 @@ fn check_places(output: &Path, curve: &Path, log: &Path, scene: Option<&Path>) -
         check_place(path)?;
     }
     Ok(())
+}
+
+/// Rejects an output file that is not a result of this very episode and agent: it would be lost.
+fn refuse_other(output: &Path, setup: &Setup, arguments: &Arguments, agent: Identity) -> Result<(), Report> {
+    if !output.exists() {
+        return Ok(());
+    }
+    let software = software();
+    let (world, start) = (WorldLabel::of(setup.world).sha256, StartInfo::of(setup.start).sha256);
+    let shared = Shared {
+        worlds: vec![&world],
+        start: &start,
+        secret: arguments.secret.clone(),
+        software: &software,
+        agent,
+    };
+    let wanted = Wanted {
+        goal: &setup.assembly.name,
+        pegs: setup.assembly.connections.len(),
+        track: setup.track.name(),
+        world: &world,
+        seed: arguments.seed,
+        fault: setup.fault.map(|fault| fault.kind.name()),
+    };
+    let what = match shared.find(&wanted, &read_text(output, LARGEST).unwrap_or_default()) {
+        Ok(Some(_)) => return Ok(()),
+        Ok(None) => "another file".to_string(),
+        Err(foreign) => format!("a result {foreign}"),
+    };
+    Err(miette!(
+        help = "name another file with -o, or replace this one with --force",
+        "{} exists already: {what}",
+        output.display()
+    ))
 }
 
 /// Bound and reference of the robot time, if the baseline has a plan for the goal.
@@ -268,6 +281,14 @@ fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
         "time {:.1} s = planning {:.2} + computing {:.2} + robot {:.1}",
         time.total, time.planning, time.compute, time.robot
     );
+    if let Some(share) = time.waiting.filter(|_| time.is_loaded()) {
+        let _ = writeln!(
+            text,
+            "the machine was loaded: the program waited {:.0} % of its time for a processor, and planning and \
+             computing took longer than on an idle machine",
+            100.0 * share
+        );
+    }
     if let Some(RobotTime { bound, reference }) = result.robot_time {
         let _ = writeln!(
             text,
@@ -291,6 +312,15 @@ fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
     }
     let _ = writeln!(text, "result: {}", output.display());
     let _ = writeln!(text, "curve:  {}\nlog:    {}", curve.display(), log.display());
+    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new("."));
+    let _ = writeln!(
+        text,
+        "film:   ramp replay {} --video {}",
+        log.display(),
+        log.with_extension("gif").display()
+    );
+    let _ = writeln!(text, "report: ramp report {} -o report.html", folder.display());
     text
 }
 

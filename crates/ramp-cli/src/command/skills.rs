@@ -33,7 +33,7 @@ pub struct Arguments {
 pub struct File {
     /// Replace parameters of the baseline's skills by those in this TOML file; `ramp skills` prints all of
     /// them
-    #[arg(long = "parameters", alias = "skills", value_name = "FILE")]
+    #[arg(long = "parameters", value_name = "FILE")]
     pub path: Option<PathBuf>,
 }
 

@@ -10,7 +10,6 @@ use ramp_result::episode::WorldLabel;
 use ramp_world::World;
 
 use super::episodes::{self, Batch, BatchWorld, Episode, Outcome};
-use crate::options::RESULTS_WORLD;
 use crate::output::{print, write_file};
 use crate::status::{DONE, INCOMPLETE, STOPPED};
 
@@ -18,7 +17,6 @@ use crate::status::{DONE, INCOMPLETE, STOPPED};
 const MOST: usize = 1000;
 
 #[derive(clap::Args)]
-#[command(mut_arg("world", |world| world.default_value(RESULTS_WORLD)))]
 pub struct Arguments {
     /// Goals, classes (easy, medium, hard) or `all`
     #[arg(required = true, value_name = "CLASS|GOAL")]

@@ -5,7 +5,6 @@ use std::fmt::Write;
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -15,7 +14,6 @@ use ramp_data::{Data, Texts};
 use ramp_external_agent::{AgentFile, adopt_orphans};
 use ramp_gym::tasks::{self, PlannedGoal, Step};
 use ramp_kit::source::{nearest, read_text, shorten};
-use ramp_planner::Domains;
 use ramp_result::collection::LARGEST;
 use ramp_result::episode::{Software, StartInfo, WorldLabel};
 use ramp_result::manipulation::sums::{SkillSum, sums};
@@ -23,15 +21,16 @@ use ramp_result::manipulation::{SCHEMA, Trial};
 use ramp_result::write_whole;
 use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
-use ramp_skills::{Baseline, Parameters, Piece};
+use ramp_skills::Piece;
 use ramp_twin::Setup;
 use ramp_world::{Start, World};
 
+use crate::command::agent;
 use crate::command::own_skill::{self, SkillHost};
+use crate::command::parts::{self, Parts};
 use crate::options::{StartOption, TrackName, WorldOption};
 use crate::output::{print, tell};
 use crate::pool;
-use crate::rules::domains;
 use crate::software::software;
 use crate::status::DONE;
 
@@ -57,15 +56,12 @@ pub struct Arguments {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     jobs: u32,
     #[command(flatten)]
-    file: super::skills::File,
-    /// Let this program, in any language, carry out the contact action; the baseline does the rest
-    #[arg(long, value_name = "FILE", conflicts_with = "agent")]
-    skill: Option<PathBuf>,
+    parts: parts::Arguments,
     /// Let this program carry out the whole trial
     #[arg(long, value_name = "FILE")]
     agent: Option<PathBuf>,
     /// Time limit for each message of the program
-    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = agent::seconds)]
     agent_limit: f64,
     /// Folder for the results; results that it already has are not run again
     #[arg(short, long, value_name = "DIR", default_value = "results/trials")]
@@ -98,15 +94,14 @@ enum TrialsError {
     #[error("{file} is a trial of {theirs}, and this is one of {ours}")]
     #[diagnostic(help("a folder is of one agent: name another one with -o"))]
     OtherAgent { file: String, theirs: String, ours: String },
-    #[error("{file} was made with other numbers of the skills")]
-    #[diagnostic(help("name another folder with -o, or give the same file with --parameters"))]
-    OtherSkills { file: String },
+    #[error("no goal has one of these plans")]
+    #[diagnostic(help("name each file of plans after its goal, such as easy-1.json"))]
+    NoPlan,
 }
 
 /// Settings that all trials share.
 struct Trials<'a> {
     arm: ArmModel,
-    domains: Domains,
     goals: Vec<PlannedGoal>,
     /// The files of each goal.
     texts: Vec<Texts>,
@@ -116,9 +111,9 @@ struct Trials<'a> {
     world: World,
     start: Start,
     software: Software,
-    parameters: Arc<Parameters>,
-    /// The program for the contact action, and the one for the whole trial.
-    skill: Option<AgentFile>,
+    /// Parts of the baseline.
+    parts: Parts,
+    /// The program for the whole trial.
     agent: Option<AgentFile>,
     agent_limit: f64,
     folder: &'a Path,
@@ -132,12 +127,22 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     if folder.exists() && !folder.is_dir() {
         return Err(miette!(help = "name a folder with -o", "{} is not a folder", folder.display()));
     }
-    let domains = domains(data, None)?;
+    let parts = arguments.parts.read(data)?;
     let (mut goals, mut texts) = (Vec::new(), Vec::new());
     for name in data.goal_names()? {
         let (goal, files) = data.goal_with_texts(&name)?;
-        goals.push(PlannedGoal::new(goal, &domains).into_diagnostic()?);
+        goals.push(match &parts.plans {
+            None => PlannedGoal::new(goal, &parts.domains).into_diagnostic()?,
+            Some(plans) if plans.names(&name) => {
+                let plan = plans.plan(&goal, &parts.domains)?;
+                PlannedGoal::with_plan(goal, &plan, &parts.domains).into_diagnostic()?
+            }
+            Some(_) => continue,
+        });
         texts.push(files);
+    }
+    if goals.is_empty() {
+        return Err(TrialsError::NoPlan.into());
     }
     let mut steps: BTreeMap<String, Vec<(usize, usize)>> = BTreeMap::new();
     for (index, goal) in goals.iter().enumerate() {
@@ -148,7 +153,6 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let skills = chosen(&arguments.skills, &steps)?;
     let trials = Trials {
         arm: data.arm()?,
-        domains,
         goals,
         texts,
         steps,
@@ -156,16 +160,12 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         world: arguments.world.read(data)?,
         start: arguments.start.read(data)?,
         software: software(),
-        parameters: arguments.file.read(data)?,
-        skill: arguments.skill.as_deref().map(own_skill::file).transpose()?,
+        parts,
         agent: arguments.agent.as_deref().map(own_skill::file).transpose()?,
         agent_limit: arguments.agent_limit,
         folder,
     };
-    if !(0.01..=1e6).contains(&trials.agent_limit) {
-        return Err(miette!("--agent-limit is a number of seconds from 0.01 to 1000000"));
-    }
-    if trials.skill.is_some() || trials.agent.is_some() {
+    if trials.agent.is_some() {
         adopt_orphans();
     }
     let last = arguments.first_seed + u64::from(arguments.trials) - 1;
@@ -213,7 +213,7 @@ fn chosen(words: &[String], steps: &BTreeMap<String, Vec<(usize, usize)>>) -> Re
 impl Arguments {
     /// Returns true if an external program runs.
     pub fn has_agent(&self) -> bool {
-        self.skill.is_some() || self.agent.is_some()
+        self.parts.has_program() || self.agent.is_some()
     }
 }
 
@@ -250,22 +250,19 @@ impl Trials<'_> {
         if trial.start.sha256 != StartInfo::of(&self.start).sha256 {
             return Err(TrialsError::OtherStart { file: path.display().to_string() }.into());
         }
-        let own = self.agent.as_ref().map(|file| file.sha256().to_string());
-        let by_other = match &self.skill {
-            Some(file) => !trial.agent.name.ends_with(&file.sha256()[..8]),
-            None => own.is_none() && trial.agent.name.contains("-by-"),
-        };
-        if by_other || (own.is_some() && trial.agent.sha256 != own) {
-            let file = self.agent.as_ref().or(self.skill.as_ref());
-            return Err(TrialsError::OtherAgent {
-                file: path.display().to_string(),
-                theirs: trial.agent.name.clone(),
-                ours: file.map_or("the baseline".to_string(), |file| file.path().display().to_string()),
+        let (name, version) = self.parts.name();
+        let (same, ours) = match &self.agent {
+            Some(file) => {
+                (trial.agent.sha256.as_deref() == Some(file.sha256()), file.path().display().to_string())
             }
-            .into());
-        }
-        if own.is_none() && trial.agent.sha256 != self.parameters.sha256 {
-            return Err(TrialsError::OtherSkills { file: path.display().to_string() }.into());
+            None => {
+                let own = (&name, &version, &self.parts.parameters.sha256);
+                (own == (&trial.agent.name, &trial.agent.version, &trial.agent.sha256), name.clone())
+            }
+        };
+        if !same {
+            let (file, theirs) = (path.display().to_string(), trial.agent.name.clone());
+            return Err(TrialsError::OtherAgent { file, theirs, ours }.into());
         }
         Ok(Some(trial))
     }
@@ -313,30 +310,22 @@ impl Trials<'_> {
             world: &self.world,
             fault: None,
         };
-        let mut baseline = Baseline::new(&goal.assembly, &self.arm, &self.domains, seed)
-            .on_track(self.track)
-            .from_start(&self.start)
-            .with_parameters(self.parameters.clone());
-        if self.skill.is_some() || self.agent.is_some() {
+        if let Some(file) = &self.agent {
+            let told = serde_json::json!({
+                "skill": step.task.skill,
+                "step": step.task.step,
+                "action": step.task.action,
+                "state": step.state,
+                "plan": step.plan.steps,
+            });
             let cell = SkillHost::new(&setup, texts, self.agent_limit);
-            if let Some(file) = &self.agent {
-                let told = serde_json::json!({
-                    "skill": step.task.skill,
-                    "step": step.task.step,
-                    "action": step.task.action,
-                    "state": step.state,
-                    "plan": step.plan.steps,
-                });
-                let mut agent = cell.start(file, told)?;
-                let trial = run_trial(&setup, &step.task, &mut agent, &self.software).into_diagnostic()?;
-                write_whole(&self.path(skill, seed), trial.to_json()).into_diagnostic()?;
-                return Ok(trial);
-            }
-            if let Some(file) = &self.skill {
-                let table = ramp_skills::table::baseline(&self.parameters);
-                baseline = baseline.with_skills(table.with(own_skill::skill(step.kind, file, &cell)?));
-            }
+            let mut agent = cell.start(file, told)?;
+            let trial = run_trial(&setup, &step.task, &mut agent, &self.software).into_diagnostic()?;
+            write_whole(&self.path(skill, seed), trial.to_json()).into_diagnostic()?;
+            return Ok(trial);
         }
+        let given = self.parts.plans.as_ref().map(|_| step.plan.clone());
+        let baseline = self.parts.agent(&setup, texts, self.agent_limit, given)?;
         let next = match &step.task.aim {
             Aim::Placed { connections } => connections.clone(),
             _ => Vec::new(),

@@ -39,7 +39,7 @@ fn a_plan_of_ones_own_is_carried_out_as_it_is_and_a_program_fastens_in_it() {
     let result = result(Path::new(&out));
     assert_eq!(result["completion"], 1.0);
     let name = result["agent"]["name"].as_str().unwrap();
-    assert!(name.starts_with("baseline+") && name.contains("+plan-given"), "{name}");
+    assert!(name.starts_with("baseline+") && name.contains("+plan."), "{name}");
     assert!(name.contains("+fasten-by-press."), "{name}");
     assert_eq!(result["plan"]["coarse"], own["plan"]["steps"].as_array().unwrap().len());
 }
@@ -84,7 +84,7 @@ fn a_program_is_judged_on_trials_of_its_skill() {
     let folder = tempfile::tempdir().unwrap();
     let out = words(folder.path().join("trials"));
     let trials = ["trials", "fasten-in-f-end", "--track", "state", "--trials", "1", "-o", &out];
-    let run = ramp(&[&trials[..], &["--skill", &example()]].concat());
+    let run = ramp(&[&trials[..], &["--skill", &format!("fasten={}", example())]].concat());
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let trial = result(&folder.path().join("trials/fasten-in-f-end-state-1.json"));
     assert_eq!(trial["success"], true);

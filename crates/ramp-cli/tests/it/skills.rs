@@ -1,4 +1,4 @@
-//! `ramp skills` and `--skills` as a user has them: printed, overridden, refused.
+//! `ramp skills` and `--parameters` as a user has them: printed, overridden, refused.
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -49,7 +49,7 @@ fn each_skill_is_printed_with_its_parameters() {
 fn a_file_overrides_numbers_and_a_wrong_one_is_refused() {
     let folder = TempDir::new().unwrap();
     std::fs::write(folder.path().join("mine.toml"), "[pick_up]\nlift = 0.03\n").unwrap();
-    let (status, said, _) = ramp(&folder, &["skills", "pick_up", "--skills", "mine.toml"]);
+    let (status, said, _) = ramp(&folder, &["skills", "pick_up", "--parameters", "mine.toml"]);
     assert_eq!(status, 0);
     assert!(said.contains("0.03 m") && said.contains("0.045 m"), "{said}");
 
@@ -61,14 +61,15 @@ fn a_file_overrides_numbers_and_a_wrong_one_is_refused() {
     ] {
         std::fs::write(folder.path().join("wrong.toml"), text).unwrap();
         for command in [&["skills"][..], &["run", "easy-3"], &["bench", "easy-3"], &["trials"]] {
-            let (status, said, told) = ramp(&folder, &[command, &["--skills", "wrong.toml"]].concat());
+            let (status, said, told) = ramp(&folder, &[command, &["--parameters", "wrong.toml"]].concat());
             assert_eq!((status, said.as_str()), (2, ""), "{command:?}: {told}");
             assert!(told.contains(place) && told.contains(why), "{command:?}: {told}");
         }
     }
-    let (status, _, told) = ramp(&folder, &["skills", "--skills", "none.toml"]);
+    let (status, _, told) = ramp(&folder, &["skills", "--parameters", "none.toml"]);
     assert!(status == 2 && told.contains("cannot read none.toml"), "{told}");
-    let (status, _, told) = ramp(&folder, &["run", "easy-3", "--skills", "mine.toml", "--agent", "mine.py"]);
+    let (status, _, told) =
+        ramp(&folder, &["run", "easy-3", "--parameters", "mine.toml", "--agent", "mine.py"]);
     assert!(status == 2 && told.contains("cannot be used with"), "{told}");
 }
 
@@ -79,14 +80,13 @@ fn a_result_names_the_file_of_its_numbers() {
     // A guard so tight that the episode ends soon.
     std::fs::write(folder.path().join("mine.toml"), "[hand]\nguard = 5.0\n[agent]\nreplans = 0\n").unwrap();
     let arguments =
-        ["bench", "easy-3", "--repeats", "1", "--track", "state", "-o", "own", "--skills", "mine.toml"];
+        ["bench", "easy-3", "--repeats", "1", "--track", "state", "-o", "own", "--parameters", "mine.toml"];
     let (_, _, told) = ramp(&folder, &arguments);
     let text = std::fs::read_to_string(folder.path().join("own/easy-3-state-1.json")).expect(&told);
     let result: Value = serde_json::from_str(&text).unwrap();
     let hash = result["agent"]["sha256"].as_str().unwrap();
     assert_eq!(hash.len(), 64);
-    assert!(result["agent"]["version"].as_str().unwrap().ends_with(&format!("+skills.{}", &hash[..8])));
-    assert_eq!(result["agent"]["name"], "baseline");
+    assert_eq!(result["agent"]["name"], format!("baseline+parameters.{}", &hash[..8]));
     let (status, _, told) = ramp(&folder, &arguments[..arguments.len() - 2]);
     assert!(status == 2 && told.contains("the folder would become one of two agents"), "{told}");
 }

@@ -90,6 +90,7 @@ impl<'a> Run<'a> {
                 robot: self.now - planning,
                 total: self.now,
                 agent_cpu: None,
+                waiting: None,
             },
             robot_time: None,
             plan: PlanInfo { coarse: 0, fine: 0, replans: 0 },

@@ -35,6 +35,9 @@ pub(super) fn check(result: &EpisodeResult) -> Result<(), String> {
             return Err(format!("`{name}` is {value} s, expected 0 to {LONGEST}"));
         }
     }
+    if let Some(share) = time.waiting.filter(|share| !(0.0..=1.0).contains(share)) {
+        return Err(format!("`time.waiting` is {share}, expected 0 to 1"));
+    }
     let sum = time.planning + time.compute + time.robot;
     if (sum - time.total).abs() > SLACK {
         return Err(format!(

@@ -6,7 +6,6 @@ use std::time::Duration;
 use miette::Report;
 use ramp_data::Data;
 use ramp_robot::Track;
-use ramp_skills::Baseline;
 
 use super::batch::{Batch, BatchStart, BatchWorld};
 use super::goals::{BatchError, BatchGoal};
@@ -43,7 +42,7 @@ pub struct Arguments {
 impl Arguments {
     /// Returns true if an external agent program runs.
     pub fn has_agent(&self) -> bool {
-        self.agent.agent.is_some()
+        self.agent.has_program()
     }
 
     /// The batch of `count` episodes of each of these goals, with its results folder. `option` is the option
@@ -67,9 +66,14 @@ impl Arguments {
         if let Some(sandbox) = self.agent.sandbox(agent.as_ref(), &hidden)? {
             agent::tell_open_ends(&sandbox);
         }
-        let parameters = self.agent.skills.read(data)?;
-        let baseline = || (Baseline::NAME.to_string(), Baseline::version_with(&parameters));
-        let name = agent.is_none().then(baseline);
+        let parts = self.agent.parts.read(data)?;
+        if let Some(plans) = &parts.plans {
+            plans.check(goals.iter().map(|goal| goal.name.as_str()))?;
+            for goal in &goals {
+                plans.plan(&data.goal(&goal.argument)?, &parts.domains)?;
+            }
+        }
+        let name = agent.is_none().then(|| parts.name());
         Ok(Batch {
             data,
             folder,
@@ -84,8 +88,9 @@ impl Arguments {
             secret: None,
             name,
             tapes: None,
-            skills: self.agent.skills.path.clone(),
-            skills_hash: parameters.sha256.clone(),
+            parts: self.agent.parts.words(),
+            has_program: self.has_agent(),
+            parameters_hash: parts.parameters.sha256.clone(),
             goals,
             count,
             seeds: self.first_seed..=last.ok_or(BatchError::Seeds { repeats: option })?,

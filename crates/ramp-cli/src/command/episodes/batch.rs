@@ -122,10 +122,12 @@ pub struct Batch<'a> {
     pub name: Option<(String, String)>,
     /// Logs that are played without sight, in place of an agent.
     pub tapes: Option<Tapes>,
-    /// File of the baseline's skill parameters, if given.
-    pub skills: Option<PathBuf>,
-    /// Hash of that file, if it differs from the built-in one.
-    pub skills_hash: Option<String>,
+    /// Options that replace parts of the baseline.
+    pub parts: Vec<OsString>,
+    /// True if an external program runs: an agent, or a skill of the baseline.
+    pub has_program: bool,
+    /// Hash of the file of parameters, if it differs from the built-in one.
+    pub parameters_hash: Option<String>,
     pub goals: Vec<BatchGoal>,
     /// Number of episodes of each goal.
     pub count: u32,
@@ -150,7 +152,7 @@ impl Batch<'_> {
         if folder.exists() && !folder.is_dir() {
             return Err(miette!(help = "name a folder with -o", "{} is not a folder", folder.display()));
         }
-        if self.agent.is_some() {
+        if self.has_program {
             adopt_orphans();
         }
         self.refuse_foreign()?;
@@ -309,7 +311,7 @@ impl Batch<'_> {
                 let _ = worker.child.wait();
             }
             if let Some(outcome) = looked? {
-                if self.agent.is_some() {
+                if self.has_program {
                     let pids = state.at_work.values().filter_map(|&id| i32::try_from(id).ok());
                     end_orphans(&pids.collect::<Vec<_>>());
                 }
@@ -355,15 +357,15 @@ impl Batch<'_> {
 
     /// The hash of the agent's file, or of its parameter file.
     fn agent_hash(&self) -> Option<&str> {
-        self.agent.as_ref().map(AgentFile::sha256).or(self.skills_hash.as_deref())
+        self.agent.as_ref().map(AgentFile::sha256).or(self.parameters_hash.as_deref())
     }
 
     /// The agent's arguments for an episode. A slow agent is ended before the episode's own time limit, so
     /// that it is still scored.
     fn agent_arguments(&self) -> Vec<OsString> {
         let Some(agent) = &self.agent else {
-            let skills = self.skills.iter();
-            return skills.flat_map(|path| ["--parameters".into(), path.clone().into_os_string()]).collect();
+            let limit = ["--agent-limit".into(), self.agent_limit.to_string().into()];
+            return self.parts.iter().cloned().chain(limit).collect();
         };
         let end_after = self.limit.saturating_sub(SCORING.min(self.limit / 2)).as_secs();
         let words = [
@@ -416,7 +418,7 @@ impl Batch<'_> {
             std::fs::rename(&record_from, &record_to).map_err(MachineFault::of)?;
             std::fs::rename(&result_from, &result_to).map_err(MachineFault::of)?;
             // Keep the output of an external agent.
-            if self.agent.is_some() {
+            if self.has_program {
                 let _ = std::fs::rename(&log_from, &log_to);
             } else {
                 let _ = std::fs::remove_file(&log_from);

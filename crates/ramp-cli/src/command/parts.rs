@@ -1,0 +1,136 @@
+//! Parts of the baseline that the user replaces: skills, parameters, planning rules and plans. Every command
+//! that runs the baseline takes the same options, and names what is replaced in its results.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use miette::Report;
+use ramp_assembly::Assembly;
+use ramp_data::{Data, Plans, Texts};
+use ramp_external_agent::{AgentFile, adopt_orphans};
+use ramp_planner::{Domains, Plan};
+use ramp_skills::skill::ActionKind;
+use ramp_skills::{Baseline, Parameters, Replaced};
+use ramp_twin::Setup;
+
+use crate::command::own_skill::{self, Replacement, SkillHost};
+use crate::command::skills;
+use crate::rules::domains;
+
+/// Options that replace parts of the baseline.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Replace a skill of the baseline by a program in any language, such as fasten=my.py
+    #[arg(long, value_name = "ACTION=FILE", conflicts_with = "agent")]
+    skill: Vec<Replacement>,
+    /// Let the baseline carry out this plan: the output of `ramp plan GOAL --json`, another planner's plan
+    /// for the files of `ramp plan GOAL --pddl DIR`, or a folder with a file for each goal
+    #[arg(long, value_name = "FILE|DIR", conflicts_with = "agent")]
+    plan: Option<PathBuf>,
+    /// Replace the rule file of the same kind: a coarse or fine domain (.al), or the order of the beams (.lp)
+    #[arg(long, value_name = "FILE", conflicts_with = "agent")]
+    domain: Option<PathBuf>,
+    #[command(flatten)]
+    parameters: skills::File,
+}
+
+impl Arguments {
+    /// Returns true if an external program runs.
+    pub fn has_program(&self) -> bool {
+        !self.skill.is_empty()
+    }
+
+    /// Reads all files.
+    ///
+    /// # Errors
+    /// The first problem in a file.
+    pub fn read(&self, data: &Data) -> Result<Parts, Report> {
+        Ok(Parts {
+            domains: domains(data, self.domain.as_deref())?,
+            parameters: self.parameters.read(data)?,
+            skills: self.skill.iter().map(Replacement::read).collect::<Result<_, Report>>()?,
+            plans: self.plan.as_deref().map(Plans::read).transpose()?,
+        })
+    }
+
+    /// The same options for another process.
+    pub fn words(&self) -> Vec<OsString> {
+        let mut words = Vec::new();
+        for skill in &self.skill {
+            words.extend(["--skill".into(), skill.word()]);
+        }
+        let files =
+            [("--plan", &self.plan), ("--domain", &self.domain), ("--parameters", &self.parameters.path)];
+        for (option, path) in files {
+            words.extend(path.iter().flat_map(|path| [option.into(), path.clone().into_os_string()]));
+        }
+        words
+    }
+}
+
+/// The parts of the baseline, read from their files.
+pub struct Parts {
+    /// The planning rules.
+    pub domains: Domains,
+    /// The parameters of the skills.
+    pub parameters: Arc<Parameters>,
+    /// Programs that replace skills; the last one for an action counts.
+    skills: BTreeMap<ActionKind, AgentFile>,
+    /// Plans that the baseline executes in place of its own.
+    pub plans: Option<Plans>,
+}
+
+impl Parts {
+    /// The name and version in results.
+    pub fn name(&self) -> (String, String) {
+        let skills = self.skills.iter().map(|(kind, file)| own_skill::name(*kind, file)).collect();
+        let replaced = Replaced {
+            skills,
+            parameters: self.parameters.sha256.clone(),
+            domain: self.domains.replaced(),
+            plan: self.plans.as_ref().map(|plans| plans.sha256().to_string()),
+        };
+        (replaced.name(), Baseline::VERSION.to_string())
+    }
+
+    /// The given plan for a goal, if plans are given.
+    ///
+    /// # Errors
+    /// If the goal has none, or it is not possible.
+    pub fn plan(&self, assembly: &Assembly) -> Result<Option<Plan>, Report> {
+        Ok(self.plans.as_ref().map(|plans| plans.plan(assembly, &self.domains)).transpose()?)
+    }
+
+    /// The agent for an episode. `limit` is the time, s, that a program has for a message; `plan` is the
+    /// given plan.
+    ///
+    /// # Errors
+    /// If a skill cannot be replaced.
+    pub fn agent<'a>(
+        &'a self,
+        setup: &Setup<'a>,
+        texts: &Texts,
+        limit: f64,
+        plan: Option<Plan>,
+    ) -> Result<Baseline<'a>, Report> {
+        let mut baseline = Baseline::new(setup.assembly, setup.arm, &self.domains, setup.seed)
+            .on_track(setup.track)
+            .from_start(setup.start)
+            .with_parameters(self.parameters.clone());
+        if !self.skills.is_empty() {
+            adopt_orphans();
+            let host = SkillHost::new(setup, texts, limit);
+            let mut table = ramp_skills::table::baseline(&self.parameters);
+            for (kind, file) in &self.skills {
+                table.replace(own_skill::skill(*kind, file, &host)?);
+            }
+            baseline = baseline.with_skills(table);
+        }
+        if let (Some(plans), Some(plan)) = (&self.plans, plan) {
+            baseline = baseline.with_plan(plan, plans.sha256());
+        }
+        Ok(baseline)
+    }
+}
