@@ -103,6 +103,25 @@ impl Display for MotionFact {
     }
 }
 
+impl MotionFact {
+    /// What a planner can do about it, in one sentence.
+    pub fn remedy(&self) -> String {
+        let first = match &self.past {
+            Some(InTheWay::Stands(beam)) => format!(", or do it before {beam} is placed"),
+            Some(InTheWay::OnSheet(beam)) => format!(", or place {beam} first"),
+            None => String::new(),
+        };
+        match &self.cannot {
+            Impossible::Grasp { beam, .. } => format!("grasp {beam} at another link{first}"),
+            Impossible::Insert { beam, .. } => format!("insert {beam} from another direction{first}"),
+            Impossible::Fasten { connection } => match &self.past {
+                Some(_) => format!("fasten {connection} at another moment{first}"),
+                None => format!("no plan fastens {connection}: change the goal"),
+            },
+        }
+    }
+}
+
 /// A beam in the way, by index: in the assembly, or at its start pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Obstructing {

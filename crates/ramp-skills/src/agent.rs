@@ -49,6 +49,8 @@ pub struct Baseline<'a> {
     not_rehearsed: Vec<String>,
     /// The peg that is being fetched: one that cannot be gripped is not tried again.
     fetching: Option<String>,
+    /// The step of the plan that is carried out: its number from 1, and its words.
+    step: Option<(usize, String)>,
     /// The reason for giving up.
     failure: Option<String>,
     on_event: Box<dyn FnMut(&Event) + 'a>,
@@ -78,6 +80,7 @@ impl<'a> Baseline<'a> {
             told: Vec::new(),
             not_rehearsed: Vec::new(),
             fetching: None,
+            step: None,
             failure: None,
             on_event: Box::new(|_| {}),
         }
@@ -269,7 +272,13 @@ impl<'a> Baseline<'a> {
                     given = true;
                     Ok(plan)
                 }
-                None if given => Err(format!("the given plan failed: {last}")),
+                None if given => {
+                    let (step, action) = self.step.take().unwrap_or_default();
+                    Err(format!(
+                        "the given plan failed at step {step}, {action}: {last} (--check-motion checks a plan before the \
+                         arm moves)"
+                    ))
+                }
                 None => self.state(cell, &lost).map_err(|error| error.to_string()).and_then(|state| {
                     self.make_plan(cell, state).map_err(|error| format!("no plan: {error}"))
                 }),
@@ -345,6 +354,7 @@ impl<'a> Baseline<'a> {
     pub(crate) fn run_plan(&mut self, cell: &mut Workcell, plan: &Plan) -> Result<(), SkillError> {
         for (index, step) in plan.steps.iter().enumerate() {
             let rest = &plan.steps[index..];
+            self.step = Some((index + 1, step.coarse.to_string()));
             if let CoarseAction::PickUp { item: Item::Peg(_) } = &step.coarse {
                 let next = rest.iter().find_map(|step| match &step.coarse {
                     CoarseAction::Fasten { connection, .. } => self.assembly.connection_index(connection),

@@ -6,11 +6,13 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use miette::Report;
+use miette::{Report, miette};
 use ramp_assembly::Assembly;
 use ramp_data::{Data, Plans, Texts};
 use ramp_external_agent::{AgentFile, adopt_orphans};
-use ramp_planner::{Domains, Plan};
+use ramp_planner::{Domains, Plan, State};
+use ramp_robot::arm::ArmModel;
+use ramp_skills::rehearsal::check_for_arm;
 use ramp_skills::skill::ActionKind;
 use ramp_skills::{Baseline, Parameters, Replaced};
 use ramp_twin::Setup;
@@ -29,6 +31,10 @@ pub struct Arguments {
     /// for the files of `ramp plan GOAL --pddl DIR`, or a folder with a file for each goal
     #[arg(long, value_name = "FILE|DIR", conflicts_with = "agent")]
     plan: Option<PathBuf>,
+    /// Go through the given plan with the arm's model before anything moves, and refuse it if the arm cannot
+    /// carry out a step
+    #[arg(long, requires = "plan")]
+    check_motion: bool,
     /// Replace the rule file of the same kind: a coarse or fine domain (.al), or the order of the beams (.lp)
     #[arg(long, value_name = "FILE", conflicts_with = "agent")]
     domain: Option<PathBuf>,
@@ -52,6 +58,7 @@ impl Arguments {
             parameters: self.parameters.read(data)?,
             skills: self.skill.iter().map(Replacement::read).collect::<Result<_, Report>>()?,
             plans: self.plan.as_deref().map(Plans::read).transpose()?,
+            checked_for: if self.check_motion { Some(data.arm()?) } else { None },
         })
     }
 
@@ -80,6 +87,8 @@ pub struct Parts {
     skills: BTreeMap<ActionKind, AgentFile>,
     /// Plans that the baseline executes in place of its own.
     pub plans: Option<Plans>,
+    /// The arm that must be able to carry them out, if that is to be checked.
+    checked_for: Option<ArmModel>,
 }
 
 impl Parts {
@@ -100,7 +109,18 @@ impl Parts {
     /// # Errors
     /// If the goal has none, or it is not possible.
     pub fn plan(&self, assembly: &Assembly) -> Result<Option<Plan>, Report> {
-        Ok(self.plans.as_ref().map(|plans| plans.plan(assembly, &self.domains)).transpose()?)
+        let Some(plans) = &self.plans else { return Ok(None) };
+        let plan = plans.plan(assembly, &self.domains)?;
+        if let Some(arm) = &self.checked_for {
+            check_for_arm(assembly, arm, &State::default(), &plan).map_err(|stuck| {
+                miette!(
+                    help = stuck.remedy(),
+                    "the arm cannot carry out the plan of {}: {stuck}",
+                    assembly.name
+                )
+            })?;
+        }
+        Ok(Some(plan))
     }
 
     /// The agent for an episode. `limit` is the time, s, that a program has for a message; `plan` is the

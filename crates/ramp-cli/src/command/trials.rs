@@ -134,7 +134,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         goals.push(match &parts.plans {
             None => PlannedGoal::new(goal, &parts.domains).into_diagnostic()?,
             Some(plans) if plans.names(&name) => {
-                let plan = plans.plan(&goal, &parts.domains)?;
+                let Some(plan) = parts.plan(&goal)? else { continue };
                 PlannedGoal::with_plan(goal, &plan, &parts.domains).into_diagnostic()?
             }
             Some(_) => continue,

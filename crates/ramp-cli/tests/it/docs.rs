@@ -137,7 +137,10 @@ pub fn has_the_form_of_the_sample(printed: &str) {
     let readme = std::fs::read_to_string(Path::new(ROOT).join("README.md")).unwrap();
     let sample = blocks(&readme, "text").into_iter().find(|block| block.contains("seated at")).unwrap();
     let forms = |text: &str| {
-        let mut forms: Vec<String> = text.lines().filter(|line| !line.trim().is_empty()).map(form).collect();
+        let lines = text.lines().filter(|line| !line.trim().is_empty());
+        // Printed on a loaded machine only.
+        let lines = lines.filter(|line| !line.starts_with("the machine was loaded"));
+        let mut forms: Vec<String> = lines.map(form).collect();
         forms.dedup();
         forms
     };

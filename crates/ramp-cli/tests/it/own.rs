@@ -119,3 +119,104 @@ fn what_is_no_skill_is_bad_input() {
         assert!(told.contains(expected), "{told}");
     }
 }
+
+/// A planner, plan, skill or parameters of one's own are another agent, for every command and in a report.
+#[test]
+fn whatever_is_replaced_is_another_agent() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| words(folder.path().join(name));
+    let rules = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/domains/coarse.al");
+    let rules = std::fs::read_to_string(rules).unwrap();
+    std::fs::write(file("mine.al"), format!("{rules}\n% Mine.\n")).unwrap();
+    std::fs::write(file("same.al"), rules).unwrap();
+    std::fs::write(file("mine.toml"), "[agent]\nreplans = 7\n").unwrap();
+    std::fs::create_dir(file("plans")).unwrap();
+    let plan = ramp(&["plan", "easy-1", "--json"]).stdout;
+    std::fs::write(file("plans/easy-1.json"), plan).unwrap();
+    let bench = |output: &str, parts: &[&str]| {
+        let all = ["bench", "easy-1", "--repeats", "1", "--track", "state", "--world", "ideal", "-o", output];
+        let run = ramp(&[&all[..], parts].concat());
+        (run.status.code(), String::from_utf8_lossy(&run.stderr).into_owned())
+    };
+    let (mine, base) = (file("mine"), file("base"));
+    let (domain, parameters, plans) = (file("mine.al"), file("mine.toml"), file("plans"));
+    let parts = ["--domain", &domain, "--parameters", &parameters, "--plan", &plans];
+    let (status, told) = bench(&mine, &parts);
+    assert_eq!(status, Some(0), "{told}");
+    let name = |folder: &str| {
+        result(&Path::new(folder).join("easy-1-state-1.json"))["agent"]["name"].as_str().unwrap().to_string()
+    };
+    let own = name(&mine);
+    for part in ["baseline+parameters.", "+domain.", "+plan."] {
+        assert!(own.contains(part), "{own}");
+    }
+    // The same again is finished already; with other parts it is another agent.
+    let (status, told) = bench(&mine, &parts);
+    assert!(status == Some(0) && told.contains("1 of 1 episodes are finished"), "{told}");
+    let (status, told) = bench(&mine, &parts[..4]);
+    assert!(status == Some(2) && told.contains("the folder would become one of two agents"), "{told}");
+    // Rules with the same text are the baseline's.
+    let (status, told) = bench(&base, &["--domain", &file("same.al")]);
+    assert_eq!((status, name(&base).as_str()), (Some(0), "baseline"), "{told}");
+    let page = file("report.html");
+    let run = ramp(&["report", &mine, &base, "-o", &page]);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    assert!(std::fs::read_to_string(page).unwrap().contains(&own));
+    let trials = file("trials");
+    let one = ["trials", "push", "--track", "state", "--trials", "1", "-o", &trials, "--domain", &domain];
+    let run = ramp(&one);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let trial = result(&Path::new(&trials).join("push-state-1.json"));
+    assert!(trial["agent"]["name"].as_str().unwrap().starts_with("baseline+domain."), "{trial}");
+}
+
+#[test]
+fn plans_for_many_goals_are_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| words(folder.path().join(name));
+    let plan = ramp(&["plan", "easy-1", "--json"]).stdout;
+    std::fs::create_dir(file("plans")).unwrap();
+    std::fs::write(file("plans/easy-1.json"), &plan).unwrap();
+    let out = file("out");
+    for (goals, plans, expected) in [
+        (&["easy-1", "easy-2"][..], "plans", "has no plan for the goal easy-2"),
+        (&["easy-1", "easy-2"], "plans/easy-1.json", "is the plan of one goal, and there are 2 goals"),
+        (&["easy-1"], "none", "none"),
+        (&["easy-3"], "plans/easy-1.json", "refused at step"),
+    ] {
+        let run = ramp(&[&["bench", "-o", &out, "--plan", &file(plans)], goals].concat());
+        let told = String::from_utf8_lossy(&run.stderr).replace("\n  │ ", " ");
+        assert_eq!(run.status.code(), Some(2), "{told}");
+        assert!(told.contains(expected), "{told}");
+        assert!(!Path::new(&out).exists());
+    }
+}
+
+/// A plan that the rules allow and the arm cannot carry out: the step, the part and a remedy are named before
+/// anything moves.
+#[test]
+fn a_plan_that_the_arm_cannot_carry_out_is_refused_before_it_moves() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, out) = (words(folder.path().join("plan.json")), words(folder.path().join("out.json")));
+    let made = ramp(&["plan", "easy-1", "--json"]);
+    let mut own: Value = serde_json::from_slice(&made.stdout).unwrap();
+    // A way to its place that begins beyond the arm's reach.
+    let entries = own["plan"]["entries"].as_array_mut().unwrap();
+    entries.iter_mut().find(|entry| entry["beam"] == "b5").unwrap()["distance"] = 2.0.into();
+    std::fs::write(&path, own.to_string()).unwrap();
+    let run = ramp(&["run", "easy-1", "--plan", &path, "--check-motion", "-o", &out]);
+    let told = String::from_utf8_lossy(&run.stderr).replace("\n  │ ", " ");
+    assert_eq!(run.status.code(), Some(2), "{told}");
+    for expected in [
+        "cannot carry out the plan of easy-1",
+        "assemble b5: b5 cannot be inserted",
+        "insert b5 from another",
+    ] {
+        assert!(told.contains(expected), "{told}");
+    }
+    assert!(!Path::new(&out).exists());
+    let judged = ramp(&["plan", "easy-1", "--from", &path, "--check-motion"]);
+    let said = String::from_utf8_lossy(&judged.stdout).into_owned();
+    assert!(judged.status.code() == Some(1) && said.contains("refused at step"), "{said}");
+    assert_eq!(ramp(&["plan", "easy-1", "--from", &path]).status.code(), Some(0));
+}

@@ -98,6 +98,9 @@ fn run_builds_easy_1_and_prints_and_writes_what_the_readme_shows() {
     assert!(told.contains("fasten C1"), "progress goes to standard error: {told}");
     let result: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(folder.path().join(file("json"))).unwrap()).unwrap();
+    // Another run does not silently take its place.
+    let other = ["run", "easy-1", "--track", "noisy", "--seed", "12"];
+    refused(&folder, &other, &["results/easy-1-12.json exists already", "--force"]);
     let schema = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/schema/episode.schema.json");
     let schema: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(schema).unwrap()).unwrap();
     assert!(jsonschema::is_valid(&schema, &result));

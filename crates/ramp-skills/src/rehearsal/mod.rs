@@ -15,6 +15,6 @@ pub mod search;
 pub mod walk;
 
 pub use outline::{Done, InHand, Leg, Motion, Outline, Stage};
-pub use planning::{Quicker, Rehearsed, plan_for_arm, plan_with_motion, quicker_for_arm};
+pub use planning::{Quicker, Rehearsed, check_for_arm, plan_for_arm, plan_with_motion, quicker_for_arm};
 pub use scene::Scene;
-pub use search::{Rehearsal, UnusualGrasp};
+pub use search::{Rehearsal, Stuck, UnusualGrasp};

@@ -8,7 +8,7 @@ use ramp_planner::{Domains, Item, MotionFact, Place, Plan, PlanError, State, Tar
 use ramp_robot::arm::ArmModel;
 
 use super::scene::Scene;
-use super::search::{Findings, Rehearsal, UnusualGrasp};
+use super::search::{Findings, Rehearsal, Stuck, UnusualGrasp};
 use crate::Pose;
 use crate::grasp::{beam_grasp, peg_grasp};
 
@@ -42,6 +42,21 @@ pub fn plan_for_arm(
 ) -> Result<Rehearsed, PlanError> {
     let planner = PathPlanner::new(arm);
     plan_with_motion(assembly, state, domains, || Rehearsal::of_baseline(assembly, arm, &planner, state))
+}
+
+/// Goes through a plan of another planner, with parts that are where they nominally are in `state`.
+///
+/// # Errors
+/// The first step that the arm or the hand cannot carry out.
+pub fn check_for_arm(
+    assembly: &Assembly,
+    arm: &ArmModel,
+    state: &State,
+    plan: &Plan,
+) -> Result<(), Box<Stuck>> {
+    let planner = PathPlanner::new(arm);
+    let checked = Rehearsal::of_baseline(assembly, arm, &planner, state).check_steps(plan);
+    checked.map(|_| ()).map_err(Box::new)
 }
 
 /// A plan that was made quicker.

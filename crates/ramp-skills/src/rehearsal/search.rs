@@ -51,6 +51,25 @@ pub struct Findings {
     pub not_rehearsed: Vec<String>,
 }
 
+/// The step of a plan that the arm or the hand cannot carry out.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("step {step}, {action}: {fact}")]
+pub struct Stuck {
+    /// Number of the coarse step, from 1.
+    pub step: usize,
+    /// The coarse action in words.
+    pub action: String,
+    /// The motion that is not possible, with the reason.
+    pub fact: MotionFact,
+}
+
+impl Stuck {
+    /// What a planner can do about it.
+    pub fn remedy(&self) -> String {
+        self.fact.remedy()
+    }
+}
+
 /// The action that failed, by its index among the fine actions of the plan, and why.
 struct Failure {
     action: usize,
@@ -119,7 +138,15 @@ impl<'a> Rehearsal<'a> {
     ///
     /// # Errors
     /// The first thing that the arm or the hand cannot do.
-    pub fn check(mut self, plan: &Plan) -> Result<Findings, MotionFact> {
+    pub fn check(self, plan: &Plan) -> Result<Findings, MotionFact> {
+        self.check_steps(plan).map_err(|stuck| stuck.fact)
+    }
+
+    /// As [`Rehearsal::check`], with the step of the plan in the error.
+    ///
+    /// # Errors
+    /// The first step that the arm or the hand cannot carry out.
+    pub fn check_steps(mut self, plan: &Plan) -> Result<Findings, Stuck> {
         self.go_through(plan)?;
         Ok(Findings { grasps: self.grasps, not_rehearsed: self.unknown })
     }
@@ -130,7 +157,7 @@ impl<'a> Rehearsal<'a> {
     /// # Errors
     /// As [`Rehearsal::check`].
     pub fn seconds(mut self, plan: &Plan) -> Result<f64, MotionFact> {
-        self.go_through(plan)?;
+        self.go_through(plan).map_err(|stuck| stuck.fact)?;
         let seconds = |done: &Done| if let Done::Free(seconds) = done { *seconds } else { 0.0 };
         Ok(self.scene.now.done.iter().map(seconds).sum())
     }
@@ -142,7 +169,7 @@ impl<'a> Rehearsal<'a> {
     /// As [`Rehearsal::check`].
     pub fn done(mut self, plan: &Plan, law: TimeLaw) -> Result<Vec<Done>, MotionFact> {
         self.scene.law = law;
-        self.go_through(plan)?;
+        self.go_through(plan).map_err(|stuck| stuck.fact)?;
         Ok(self.scene.now.done)
     }
 
@@ -155,7 +182,7 @@ impl<'a> Rehearsal<'a> {
         self.walk.legs.unwrap_or_default()
     }
 
-    fn go_through(&mut self, plan: &Plan) -> Result<(), MotionFact> {
+    fn go_through(&mut self, plan: &Plan) -> Result<(), Stuck> {
         self.scene.follow_paths(&plan.entries);
         let script = Script::new(plan);
         let mut index = 0;
@@ -174,7 +201,11 @@ impl<'a> Rehearsal<'a> {
                     },
                 });
                 match self.explain(plan, &script, index..end, &failure) {
-                    Some(fact) => return Err(fact),
+                    Some(fact) => {
+                        let step = script.actions[failure.action].0;
+                        let action = plan.steps[step].coarse.to_string();
+                        return Err(Stuck { step: step + 1, action, fact });
+                    }
                     None => self.count_as_possible(&script, index..end),
                 }
             }

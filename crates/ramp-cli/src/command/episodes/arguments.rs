@@ -70,7 +70,7 @@ impl Arguments {
         if let Some(plans) = &parts.plans {
             plans.check(goals.iter().map(|goal| goal.name.as_str()))?;
             for goal in &goals {
-                plans.plan(&data.goal(&goal.argument)?, &parts.domains)?;
+                parts.plan(&data.goal(&goal.argument)?)?;
             }
         }
         let name = agent.is_none().then(|| parts.name());

@@ -5,9 +5,11 @@ use std::path::Path;
 
 use miette::{IntoDiagnostic, Report, WrapErr, miette};
 use ramp_assembly::Assembly;
+use ramp_data::Data;
 use ramp_kit::source::{MAX_SENTENCE, plain, read_text, to_name};
-use ramp_planner::{CoarseStep, PlanError, Replayer};
+use ramp_planner::{CoarseStep, PlanError, Replayer, read_plan};
 use ramp_result::planning::{self, PlanVerdict};
+use ramp_skills::rehearsal::check_for_arm;
 use serde_json::json;
 
 use super::problem::{Arguments, LARGEST, Problem};
@@ -27,13 +29,23 @@ struct Verdict {
 }
 
 /// Checks the plan in a file, and writes the verdict.
-pub(super) fn run(problem: &Problem, path: &Path, arguments: &Arguments) -> Result<u8, Report> {
+pub(super) fn run(data: &Data, problem: &Problem, path: &Path, arguments: &Arguments) -> Result<u8, Report> {
     let text = read_text(path, LARGEST)?;
     let is_json = text.trim_start().starts_with('{');
-    let (verdict, found) = match is_json {
+    let (mut verdict, found) = match is_json {
         true => (judge_json(problem, path, &text)?, None),
         false => judge_pddl(problem, path, &text)?,
     };
+    if arguments.check_motion && arguments.state.is_some() {
+        return Err(miette!(
+            "--check-motion checks plans that start from the empty table: leave --state out"
+        ));
+    }
+    if arguments.check_motion && verdict.refused.is_none() {
+        let plan = read_plan(&text, &problem.goal, &problem.domains).into_diagnostic()?;
+        let checked = check_for_arm(&problem.goal, &data.arm()?, &problem.state, &plan);
+        verdict.refused = checked.err().map(|stuck| format!("{stuck} ({})", stuck.remedy()));
+    }
     write_verdict(arguments, &problem.goal, path, &verdict)?;
     let name = path.display();
     if let Some(refused) = &verdict.refused {

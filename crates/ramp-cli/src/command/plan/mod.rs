@@ -31,7 +31,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         return files::pddl(&problem, folder);
     }
     if let Some(path) = &arguments.from {
-        return judge::run(&problem, path, arguments);
+        return judge::run(data, &problem, path, arguments);
     }
     if arguments.disassemble {
         return explain::disassembly(&problem, arguments);

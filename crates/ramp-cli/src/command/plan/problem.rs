@@ -49,8 +49,9 @@ pub struct Arguments {
     /// Explain the actions and observations in this file (JSON), and plan from the most likely state
     #[arg(long, value_name = "FILE", conflicts_with_all = ["emit_asp", "from", "why", "state"])]
     pub(super) history: Option<PathBuf>,
-    /// Rehearse the plan with the arm's model, and plan around motions that the arm cannot do
-    #[arg(long, conflicts_with_all = ["emit_asp", "from", "pddl", "disassemble"])]
+    /// Rehearse the plan with the arm's model, and plan around motions that the arm cannot do; with --from,
+    /// refuse a plan that the arm cannot carry out
+    #[arg(long, conflicts_with_all = ["emit_asp", "pddl", "disassemble"])]
     pub(super) check_motion: bool,
     /// Quantity to minimise. With `time`, pegs and fastenings are exchanged as long as that shortens the
     /// arm's motions
