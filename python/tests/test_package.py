@@ -78,6 +78,7 @@ def test_a_bench_goes_on_where_it_stopped(tmp_path, capsys):
     results = ramp.bench(["easy-1"], repeats=2, track="state", output=tmp_path)
     assert len(results) == 2 and results.completion == 1.0
     assert "2/2 episodes" in capsys.readouterr().err
+    assert len(list(tmp_path.glob("*.mcap"))) == 2, "each result has its log beside it"
     begin = time.perf_counter()
     assert [it.state for it in ramp.bench("easy-1", repeats=2, track="state", output=tmp_path, show=False)] == [
         it.state for it in results
