@@ -2,7 +2,8 @@
 //!
 //! Results go to standard output, everything else to standard error. Exit status: 0 done; 1 the run ended
 //! without completing the goal, or a check failed; 2 bad usage or bad input; 3 the machine failed, so that
-//! nothing of it counts; 130 stopped by Ctrl-C or a request to end.
+//! nothing of it counts; 128 and the signal's number if it was stopped by one: 130 INT (Ctrl-C), 143 TERM,
+//! 129 HUP.
 
 mod admission;
 mod command;
@@ -149,13 +150,14 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
     if let Command::AgentProcess(arguments) = &arguments.command {
         return command::agent::become_agent(arguments);
     }
-    if arguments.command.starts_an_agent() {
-        if seal == Seal::Open {
-            return end(Err(seal::seal(&words[1..])));
-        }
-        if seal == Seal::Sealed && matches!(arguments.command, Command::Run(_)) {
-            return end(seal::guard(&words[1..]));
-        }
+    if arguments.command.starts_an_agent() && seal == Seal::Open {
+        return end(Err(seal::seal(&words[1..])));
+    }
+    if let Err(error) = ending::end_on_request() {
+        return end(Err(error));
+    }
+    if seal == Seal::Sealed && matches!(arguments.command, Command::Run(_)) {
+        return end(seal::guard(&words[1..]));
     }
     // A closed pipe (`ramp goals | head -1`) ends the program without a message, as usual.
     let data = arguments.data.map_or_else(|| Ok(Data::built_in()), |folder| Data::folder(&folder));

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use super::episodes::{self, Batch, Episode, Outcome, Tapes};
 use super::seeds;
 use crate::output::print;
-use crate::status::{DONE, INCOMPLETE, STOPPED};
+use crate::status::{DONE, INCOMPLETE};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -71,8 +71,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     batch.secret = secret.map(seeds::read).transpose()?;
     let bench = Bench(batch);
     let mut episodes = bench.episodes();
-    if !bench.0.run(&mut episodes)? {
-        return Ok(STOPPED);
+    if let Some(status) = bench.0.run(&mut episodes)? {
+        return Ok(status);
     }
     print(&if shared.json { bench.sums_json(&episodes)? } else { bench.sums_text(&episodes) })?;
     let lost = episodes.iter().any(|episode| matches!(episode.outcome, Outcome::Lost(_)));

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 use super::episodes::{self, Batch, Episode, Outcome};
 use crate::output::print;
-use crate::status::{DONE, INCOMPLETE, STOPPED};
+use crate::status::{DONE, INCOMPLETE};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -62,8 +62,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let shared = &arguments.shared;
     let batch = shared.batch(data, &arguments.output, goals, arguments.seeds, "--seeds", None)?;
     let mut episodes = plan(&batch, &faults);
-    if !batch.run(&mut episodes)? {
-        return Ok(STOPPED);
+    if let Some(status) = batch.run(&mut episodes)? {
+        return Ok(status);
     }
     let rows = rows(&batch, &faults, &episodes);
     print(&if shared.json { as_json(&batch, &rows, &episodes)? } else { as_text(&batch, &rows, &episodes) })?;
