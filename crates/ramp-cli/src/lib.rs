@@ -6,7 +6,9 @@
 //! 129 HUP.
 
 mod admission;
+mod columns;
 mod command;
+mod completion;
 mod ending;
 mod film;
 mod options;
@@ -135,6 +137,8 @@ pub fn main() -> ExitCode {
     if std::env::args_os().skip(1).eq([ending::ENDED]) {
         return ExitCode::from(BAD_INPUT);
     }
+    completion::answer();
+    output::set_form_of_errors();
     match seal::arguments() {
         Ok((words, seal)) => work(&words, seal),
         Err(error) => {
@@ -185,7 +189,7 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
         Command::Skills(arguments) => command::skills::run(&data, &arguments),
         Command::Twin(arguments) => command::twin::run(&data, &arguments),
         Command::Data(arguments) => command::data::run(&arguments),
-        Command::Completions(arguments) => command::completions::run(&arguments, crate::arguments()),
+        Command::Completions(arguments) => command::completions::run(&arguments),
         Command::Man(arguments) => command::man::run(&arguments, crate::arguments()),
         Command::JudgeLog(arguments) => admission::judge(&arguments),
         Command::AgentProcess(_) => Ok(BAD_INPUT),

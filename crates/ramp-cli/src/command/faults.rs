@@ -12,6 +12,7 @@ use ramp_twin::{Fault, FaultKind};
 use serde_json::{Value, json};
 
 use super::episodes::{self, Batch, Episode, Outcome};
+use crate::columns::{Table, terminal_width};
 use crate::output::print;
 use crate::status::{DONE, INCOMPLETE};
 
@@ -136,24 +137,18 @@ fn as_text(batch: &Batch, rows: &[Row], episodes: &[Episode]) -> String {
     let (first, last) = (batch.seeds.start(), batch.seeds.end());
     let world = &batch.worlds[0].title;
     let mut text = format!("world {world}, track {}, seeds {first} to {last}\n", batch.track);
-    let width = batch.goals.iter().map(|goal| goal.name.chars().count()).max().unwrap_or(0).max(9);
-    let _ = writeln!(
-        text,
-        "{:<16}  {:<width$}  {:>6}  {:>8}  {:<26}  recovered",
-        "fault", "goal", "struck", "harmless", "diagnosed"
-    );
+    let mut table = Table::new(2, ["fault", "goal", "struck", "harmless", "diagnosed", "recovered"]);
     for Row { fault, goal, tally } in rows {
-        let _ = writeln!(
-            text,
-            "{:<16}  {:<width$}  {:>6}  {:>8}  {:<26}  {}",
+        table.add([
             fault.to_string(),
-            goal.unwrap_or("all goals"),
+            goal.unwrap_or("all goals").to_string(),
             format!("{}/{}", tally.struck, tally.episodes),
-            tally.harmless,
+            tally.harmless.to_string(),
             share(&tally.diagnosed),
             share(&tally.recovered),
-        );
+        ]);
     }
+    text.push_str(&table.text(terminal_width()));
     let mut heading = "not diagnosed, or not complete:\n";
     for (episode, why) in shortfalls(episodes) {
         text.push_str(heading);

@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::ramp;
-use ramp_testing::program::words;
+use ramp_testing::program::{text, words};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -92,6 +92,12 @@ fn what_is_killed_and_started_again_gives_the_same_sums() {
     assert_eq!(whole["goals"][0]["sum"]["finished"], 2);
     assert_eq!(whole["goals"][0]["sum"]["pegs"], 6);
     assert_eq!(whole["classes"][0]["class"], "easy");
+
+    // On a narrow terminal, the table is split.
+    let narrow = command(&folder, &with(&["-o", "whole"])).env("COLUMNS", "60").output().unwrap();
+    let table = text(&narrow.stdout);
+    assert!(table.contains("completion") && table.contains("reference"), "{table}");
+    assert!(table.lines().all(|line| line.chars().count() <= 60), "{table}");
 
     // Killed in the middle: its episodes end with it.
     let arguments = with(&["-o", "killed", "--json"]);
