@@ -66,12 +66,15 @@ __all__ = [
 
 
 def _register() -> None:
-    """Registers the environments with Gymnasium, where it is installed."""
-    import importlib.util
+    """Registers the environments with Gymnasium, where it is installed.
 
-    if importlib.util.find_spec("gymnasium") is not None:
-        from ramp.gym import register
+    Gymnasium is optional, so an installation of it that does not work must not stop this package.
+    """
+    import contextlib
 
+    from ramp._register import register
+
+    with contextlib.suppress(Exception):
         register()
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import functools
+import operator
 import os
 import pathlib
 import sys
+from typing import SupportsIndex
 
 # Another libmujoco of this process, such as that of the package `mujoco`, must not take the place of our own.
 if hasattr(sys, "setdlopenflags"):
@@ -19,6 +21,7 @@ try:
         Command,
         Driver,
         Env,
+        EpisodePictures,
         InputError,
         Observation,
         PlanningError,
@@ -46,6 +49,7 @@ __all__ = [
     "CompiledTwin",
     "Driver",
     "Env",
+    "EpisodePictures",
     "InputError",
     "Observation",
     "PlanningError",
@@ -60,8 +64,20 @@ __all__ = [
     "curve_svg",
     "data",
     "describe_event",
+    "integer",
     "run_episode",
 ]
+
+MAX_SEED = 2**64 - 1
+"""The largest seed."""
+
+
+def integer(name: str, value: SupportsIndex, least: int, most: int) -> int:
+    """The integer that the argument `name` was given, if it is within its limits."""
+    number = operator.index(value)
+    if not least <= number <= most:
+        raise InputError(f"{name}: found {number}, expected an integer from {least} to {most}")
+    return number
 
 
 def data() -> pathlib.Path:

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
-from ramp._core import InputError, benchmark, run_episode
+from ramp._core import MAX_SEED, InputError, benchmark, integer, run_episode
 from ramp.agent import Agent, Skill
 from ramp.goal import Goal, as_goal, goals
 from ramp.plan import Plan
@@ -23,6 +23,9 @@ Progress = Callable[[float, int, int], None]
 
 # Names of the benchmark's own agents.
 RESERVED = ("baseline", "blind-tape")
+
+MAX_JOBS = 1024
+"""Largest number of episodes at a time."""
 
 
 def run(
@@ -208,6 +211,9 @@ def bench(
         options: Passed to :func:`run`: world, start, track, domain and so on.
 
     """
+    integer("repeats", repeats, 1, 2**32 - 1)
+    integer("first_seed", first_seed, 0, MAX_SEED - repeats + 1)
+    integer("jobs", jobs, 1, MAX_JOBS)
     classes = {"easy", "medium", "hard"}
     names: list[GoalLike]
     if isinstance(what, str):
@@ -234,8 +240,8 @@ def bench(
 
     done: list[Result] = []
     bar = _Bar(len(wanted)) if show else None
-    with concurrent.futures.ThreadPoolExecutor(max_workers=max(1, jobs)) as pool:
-        if jobs <= 1:
+    with concurrent.futures.ThreadPoolExecutor(max_workers=jobs) as pool:
+        if jobs == 1:
             # On this thread, so that Ctrl-C reaches the episode.
             for it in wanted:
                 done.append(one(*it))

@@ -1,5 +1,6 @@
 """Environments for Gymnasium."""
 
+import os
 import pickle
 import warnings
 
@@ -12,7 +13,7 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 from gymnasium.vector import AutoresetMode  # noqa: E402
 
 import ramp  # noqa: E402
-from ramp.gym import CHAIN, IDS, RampEnv, RampVectorEnv  # noqa: E402
+from ramp.gym import CHAIN, IDS, RampChainEnv, RampEnv, RampVectorEnv  # noqa: E402
 from ramp.policies.fasten import SETTINGS, Features, linear, load  # noqa: E402
 
 FASTEN = {"goals": ["easy-3"], "starts": (1, 2)}
@@ -44,7 +45,6 @@ def test_images_pass_the_check_and_show_something():
         assert seen[camera].shape == (48, 48, 3) and seen[camera].std() > 10
         assert seen[f"{camera}-depth"].shape == (48, 48)
     assert 0.02 < seen["wrist-depth"].min() < 0.2
-    assert env.render().shape == (48, 48, 3)
 
 
 def rollout(env, seed, steps=15):
@@ -156,7 +156,11 @@ def test_what_is_no_action_ends_the_episode_with_its_cause():
         ({"skill": "push", "action": "dance"}, "there is no action `dance`"),
         ({"skill": "push", "rate": 2.0}, "not within 5 and 1000"),
         ({"skill": "push", "cameras": ["nose"]}, "there is no camera `nose`"),
-        ({"skill": "push", "image_size": 4000, "cameras": ["wrist"]}, "the image size 4000"),
+        ({"skill": "push", "image_size": 4000, "cameras": ["wrist"]}, "image_size: found 4000"),
+        ({"skill": "push", "image_size": -1}, "image_size: found -1"),
+        ({"skill": "push", "starts": (-1, 3)}, "starts: found -1"),
+        ({"skill": "push", "starts": (1, 2**70)}, "starts: found"),
+        ({"skill": "push", "render_mode": "ansi"}, "render_mode: found 'ansi'"),
         ({"skill": "push", "leash": (0.1, -1.0, 0.1)}, "leash must be more than 0"),
         ({"skill": "push", "world": "moon"}, "there is no world `moon`"),
         ({}, "a goal is needed"),
@@ -170,13 +174,63 @@ def test_bad_arguments_say_what_is_wrong(arguments, words):
 
 def test_seeds_and_options_that_have_no_effect_are_refused():
     env = RampEnv("push", ["medium-1"], starts=(1, 1))
-    for seed in (-1, 2**64):
-        with pytest.raises(ramp.InputError, match="expected a number from 0 to"):
-            env.reset(seed=seed)
+    vector = RampVectorEnv(2, "push", ["medium-1"], starts=(1, 1))
+    for seed in (-1, 2**64, 2**70):
+        for each in (env, vector, RampChainEnv()):
+            with pytest.raises(ramp.InputError, match="seed: found .* expected an integer from 0 to"):
+                each.reset(seed=seed)
+    with pytest.raises(ramp.InputError, match="seed: found -2"):
+        vector.reset(seed=[1, -2])
+    assert vector.reset(seed=np.int64(3))[0]["tip"].shape == (2, 7)
     with pytest.raises(ramp.InputError, match="no option 'reset_mask'"):
         env.reset(options={"reset_mask": [True]})
     with pytest.raises(ramp.InputError, match="expected seeds below"):
         RampEnv("push", ["medium-1"], starts=(2**64 - 1, 2))
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        ("num_envs", {"num_envs": 0}),
+        ("num_envs", {"num_envs": 2**70}),
+        ("threads", {"threads": -1}),
+        ("max_episode_steps", {"max_episode_steps": 0}),
+    ],
+)
+def test_numbers_of_environments_out_of_range_are_refused(name, arguments):
+    with pytest.raises(ramp.InputError, match=f"{name}: found"):
+        RampVectorEnv(skill="fasten", **FASTEN, **arguments)
+
+
+def shows_the_work(picture):
+    """Whether a picture for a person has its size, and shows more than a table."""
+    assert picture.shape == (480, 640, 3) and picture.dtype == np.uint8
+    assert picture[120:360, 160:480].std() > 30
+
+
+def test_pictures_for_a_person_change_with_the_work():
+    env = gymnasium.make("RAMP/Fasten-v0", **FASTEN, render_mode="rgb_array")
+    env.reset(seed=1)
+    before = env.render()
+    shows_the_work(before)
+    for _ in range(10):
+        env.step(np.array([0, 0, -1], np.float32))
+    assert np.abs(env.render().astype(int) - before).max() > 50
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        RampEnv("fasten", **FASTEN, render_mode="rgb_array").render()
+
+
+def test_a_window_shows_the_work_where_there_is_a_display():
+    if "DISPLAY" not in os.environ:
+        with pytest.raises(ramp.InputError, match='"human" needs'):
+            RampEnv("fasten", **FASTEN, render_mode="human").reset(seed=1)
+        pytest.skip("no display")
+    pytest.importorskip("tkinter", reason="this Python has no tkinter")
+    env = gymnasium.make("RAMP/Fasten-v0", **FASTEN, render_mode="human")
+    env.reset(seed=1)
+    env.step(np.zeros(3, np.float32))
+    assert env.render() is None
+    env.close()
 
 
 def test_a_start_can_be_that_of_a_trial():
@@ -186,8 +240,10 @@ def test_a_start_can_be_that_of_a_trial():
 
 
 def test_a_chain_builds_a_whole_goal_with_a_policy_for_one_action():
-    env = gymnasium.make(CHAIN, goal="easy-1", speed=SETTINGS["speed"], leash=SETTINGS["leash"])
+    arguments = {"speed": SETTINGS["speed"], "leash": SETTINGS["leash"], "render_mode": "rgb_array"}
+    env = gymnasium.make(CHAIN, goal="easy-1", **arguments)
     seen, _ = env.reset(seed=1)
+    shows_the_work(env.render())
     first = {name: value.copy() for name, value in seen.items()}
     weights, features = load(), Features(1)
     parts, terminated = 0, False

@@ -47,6 +47,72 @@ def test_bad_input_is_a_value_error_that_says_what(call, words):
     assert isinstance(error.value, ValueError)
 
 
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda: ramp.run("easy-1", seed=-1), "seed"),
+        (lambda: ramp.run("easy-1", seed=2**64), "seed"),
+        (lambda: ramp.run("easy-1", repeat=0), "repeat"),
+        (lambda: ramp.run("easy-1", repeat=2**40), "repeat"),
+        (lambda: ramp.bench("easy-1", repeats=0), "repeats"),
+        (lambda: ramp.bench("easy-1", first_seed=2**64 - 4), "first_seed"),
+        (lambda: ramp.bench("easy-1", jobs=-1), "jobs"),
+        (lambda: ramp.Twin(seed=-1), "seed"),
+        (lambda: ramp.Twin(seed=2**70), "seed"),
+        (lambda: ramp.Twin().render(size=2**70), "size"),
+        (lambda: ramp.Twin().step(ramp.Command.joint_positions([0.0] * 7), periods=-1), "periods"),
+    ],
+)
+def test_an_integer_out_of_range_is_bad_input(call, name):
+    with pytest.raises(ramp.InputError, match=f"^{name}: found -?[0-9]+, expected an integer from [0-9]+ to [0-9]+$"):
+        call()
+
+
+GYMNASIUM = """
+__version__ = "{version}"
+registry = {{}}
+
+
+def register(env_id, entry_point, **_):
+    registry[env_id] = entry_point
+"""
+
+
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        (
+            GYMNASIUM.format(version="0.29.1"),
+            "need Gymnasium 1.1 or newer: pip install 'gymnasium>=1.1' (found 0.29.1)",
+        ),
+        (GYMNASIUM.format(version="1.0.0"), "(found 1.0.0)"),
+        ("raise RuntimeError('built for another numpy')", "built for another numpy"),
+    ],
+)
+def test_a_gymnasium_that_does_not_fit_disturbs_only_the_environments(code, words, tmp_path):
+    (tmp_path / "gymnasium.py").write_text(code)
+    script = """
+import ramp
+print(ramp.Goal.load("easy-1").base)
+try:
+    import gymnasium
+    gymnasium.registry["RAMP/Fasten-v0"](goals=["easy-3"])
+except (ImportError, RuntimeError) as error:
+    print(error)
+try:
+    import ramp.gym
+except ImportError as error:
+    print(error)
+"""
+    env = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    child = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=env)
+    assert child.returncode == 0, child.stderr
+    base, made, imported = child.stdout.splitlines()
+    assert base == "b7" and words in made and words in imported
+    command = subprocess.run([sys.executable, "-m", "ramp", "goals"], capture_output=True, text=True, env=env)
+    assert command.returncode == 0 and "easy-1" in command.stdout, command.stderr
+
+
 def test_a_plan_goes_out_and_comes_back(tmp_path):
     plan = ramp.plan("easy-1")
     assert len(plan) == 35 and plan.coarse[0]["action"] == "pick_up" and len(plan.fine) > 35

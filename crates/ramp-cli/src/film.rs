@@ -9,12 +9,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use miette::{IntoDiagnostic, Report, miette};
-use nalgebra::{Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::Point3;
 use ramp_kit::strokes::{self, Align};
+use ramp_render::free_camera::FreeCamera;
 use ramp_render::looks::HOUSING;
 use ramp_render::{Looks, Renderer, Sensor};
-use ramp_robot::camera::Mount;
-use ramp_robot::{Camera, CameraModel, Pose, Robot};
+use ramp_robot::{Camera, CameraModel, Robot};
 use ramp_twin::{Setup, Twin};
 use resvg::{tiny_skia, usvg};
 
@@ -30,8 +30,6 @@ const OFFSET: [f64; 3] = [0.68, -0.80, 0.66];
 const FOCAL: f64 = 1.05;
 /// Height of the target, m.
 const LOOKED_AT: f64 = 0.14;
-/// The free camera follows when the tip is further than this from the centre, in half image widths.
-const AWAY: f64 = 0.7;
 
 /// Camera that the film is taken with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -49,12 +47,11 @@ pub struct Film {
     from: From,
     looks: Arc<Looks>,
     model: CameraModel,
+    free: FreeCamera,
     renderer: Renderer,
     sensor: Sensor,
     writer: Writer,
     next: f64,
-    /// Target of the free camera, m.
-    target: Option<Point3<f64>>,
     title: String,
     caption: String,
 }
@@ -102,15 +99,9 @@ impl Film {
         let looks = Looks::shared(&setup.assembly.kit, setup.arm).into_diagnostic()?;
         let [width, height] = SIZE;
         let (w, h) = (width * FINER, height * FINER);
+        let free = FreeCamera::new([w, h], FOCAL, OFFSET);
         let model = match from {
-            From::Free => CameraModel {
-                width: w,
-                height: h,
-                focal: [FOCAL * w as f64; 2],
-                centre: [w as f64 / 2.0, h as f64 / 2.0],
-                distortion: [0.0; 5],
-                mount: Mount::World(Pose::identity()),
-            },
+            From::Free => free.model().clone(),
             From::Wrist => scaled(CameraModel::nominal(Camera::Wrist, setup.arm.hand.tip), w),
             From::BirdsEye => scaled(CameraModel::nominal(Camera::BirdsEye, setup.arm.hand.tip), w),
         };
@@ -122,11 +113,11 @@ impl Film {
             from,
             looks,
             model,
+            free,
             renderer,
             sensor: Sensor::ideal(),
             writer,
             next: 0.0,
-            target: None,
             title,
             caption: String::new(),
         })
@@ -164,7 +155,10 @@ impl Film {
         let mut scene = twin.picture(&self.looks);
         let x_wt = twin.observe().x_wt;
         let x_wc = match self.from {
-            From::Free => self.follow(&x_wt),
+            From::Free => {
+                let tip = x_wt.translation.vector;
+                self.free.follow(Point3::new(tip.x, tip.y, LOOKED_AT))
+            }
             From::Wrist => {
                 let housing = self.looks.body(HOUSING);
                 scene.bodies.retain(|(index, _)| Some(*index) != housing);
@@ -187,34 +181,6 @@ impl Film {
         }
         self.write_caption(&mut pixmap, twin.time())?;
         Ok(pixmap)
-    }
-
-    /// Pose of the free camera. Its target stays fixed until the tip has moved too far from it.
-    fn follow(&mut self, x_wt: &Pose) -> Pose {
-        let tip = x_wt.translation.vector;
-        let view = |target: &Point3<f64>| {
-            let back = Vector3::from(OFFSET);
-            let forward = -back.normalize();
-            let right = forward.cross(&Vector3::z()).normalize();
-            let axes = Matrix3::from_columns(&[right, forward.cross(&right), forward]);
-            let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
-            Pose::from_parts(Translation3::from(target.coords + back), rotation)
-        };
-        if let Some(target) = &self.target {
-            let x_wc = view(target);
-            let place =
-                self.model.project(&(x_wc.inverse() * Point3::from(Vector3::new(tip.x, tip.y, LOOKED_AT))));
-            let away = |pixel: [f64; 2]| {
-                let half = [self.model.width as f64 / 2.0, self.model.height as f64 / 2.0];
-                (0..2).any(|axis| (pixel[axis] - half[axis]).abs() > AWAY * half[axis])
-            };
-            if !place.is_none_or(away) {
-                return x_wc;
-            }
-        }
-        let target = Point3::new(tip.x, tip.y, LOOKED_AT);
-        self.target = Some(target);
-        view(&target)
     }
 
     fn write_caption(&self, pixmap: &mut tiny_skia::Pixmap, time: f64) -> Result<(), Report> {

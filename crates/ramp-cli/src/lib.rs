@@ -2,10 +2,13 @@
 //!
 //! Results go to standard output, everything else to standard error. Exit status: 0 done; 1 the run ended
 //! without completing the goal, or a check failed; 2 bad usage or bad input; 3 the machine failed, so that
-//! nothing of it counts; 130 stopped by Ctrl-C or a request to end.
+//! nothing of it counts; 128 and the signal's number if it was stopped by one: 130 INT (Ctrl-C), 143 TERM,
+//! 129 HUP.
 
 mod admission;
+mod columns;
 mod command;
+mod completion;
 mod ending;
 mod film;
 mod options;
@@ -134,6 +137,8 @@ pub fn main() -> ExitCode {
     if std::env::args_os().skip(1).eq([ending::ENDED]) {
         return ExitCode::from(BAD_INPUT);
     }
+    completion::answer();
+    output::set_form_of_errors();
     match seal::arguments() {
         Ok((words, seal)) => work(&words, seal),
         Err(error) => {
@@ -149,13 +154,14 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
     if let Command::AgentProcess(arguments) = &arguments.command {
         return command::agent::become_agent(arguments);
     }
-    if arguments.command.starts_an_agent() {
-        if seal == Seal::Open {
-            return end(Err(seal::seal(&words[1..])));
-        }
-        if seal == Seal::Sealed && matches!(arguments.command, Command::Run(_)) {
-            return end(seal::guard(&words[1..]));
-        }
+    if arguments.command.starts_an_agent() && seal == Seal::Open {
+        return end(Err(seal::seal(&words[1..])));
+    }
+    if let Err(error) = ending::end_on_request() {
+        return end(Err(error));
+    }
+    if seal == Seal::Sealed && matches!(arguments.command, Command::Run(_)) {
+        return end(seal::guard(&words[1..]));
     }
     // A closed pipe (`ramp goals | head -1`) ends the program without a message, as usual.
     let data = arguments.data.map_or_else(|| Ok(Data::built_in()), |folder| Data::folder(&folder));
@@ -183,7 +189,7 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
         Command::Skills(arguments) => command::skills::run(&data, &arguments),
         Command::Twin(arguments) => command::twin::run(&data, &arguments),
         Command::Data(arguments) => command::data::run(&arguments),
-        Command::Completions(arguments) => command::completions::run(&arguments, crate::arguments()),
+        Command::Completions(arguments) => command::completions::run(&arguments),
         Command::Man(arguments) => command::man::run(&arguments, crate::arguments()),
         Command::JudgeLog(arguments) => admission::judge(&arguments),
         Command::AgentProcess(_) => Ok(BAD_INPUT),

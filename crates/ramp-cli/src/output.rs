@@ -5,8 +5,9 @@ use std::io::Write;
 use std::path::Path;
 
 use crate::status::MachineFault;
-use miette::{IntoDiagnostic, Report, miette};
+use miette::{IntoDiagnostic, MietteHandlerOpts, Report, miette};
 use ramp_kit::source::{MAX_SENTENCE, plain, read_text, write_whole};
+use textwrap::WordSplitter;
 
 /// Largest size of an organiser's file, bytes.
 const LARGEST: usize = 16 << 20;
@@ -29,6 +30,14 @@ pub fn print(text: &str) -> Result<(), Report> {
 /// lost: it never ends the work that it is about.
 pub fn tell(text: &str) {
     let _ = std::io::stderr().write_all(format!("{text}\n").as_bytes());
+}
+
+/// Makes messages of errors break between words only, so that names stay whole.
+pub fn set_form_of_errors() {
+    let _ = miette::set_hook(Box::new(|_| {
+        let form = MietteHandlerOpts::new().break_words(false).word_splitter(WordSplitter::NoHyphenation);
+        Box::new(form.build())
+    }));
 }
 
 /// Rejects a path that cannot be written, before any work starts. Creates nothing: [`write_file`] does.

@@ -11,16 +11,14 @@ use std::io::{Read, Seek, Write};
 use std::os::unix::ffi::{OsStrExt, OsStringExt};
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, Stdio};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use miette::{IntoDiagnostic, Report};
 use ramp_external_agent::{adopt_orphans, end_orphans, hide};
 
-use crate::ending::end_of;
+use crate::ending::{defer_requests, end_of, requested};
 use crate::output::tell;
-use crate::status::{INCOMPLETE, MachineFault, STOPPED};
+use crate::status::{INCOMPLETE, MachineFault};
 
 /// Only argument of a program that reads its other arguments from standard input.
 const SEALED: &str = "sealed";
@@ -135,9 +133,7 @@ pub fn child(words: &[OsString], prepare: impl FnOnce(&mut Command)) -> std::io:
 /// If the system cannot start it.
 pub fn guard(words: &[OsString]) -> Result<u8, Report> {
     adopt_orphans();
-    let stop = Arc::new(AtomicBool::new(false));
-    let handler = stop.clone();
-    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).into_diagnostic()?;
+    defer_requests();
     // Temporary files of a killed child lie in this folder, which this process removes.
     let folder = tempfile::tempdir().map_err(MachineFault::of)?;
     let mut child = child(words, |command| {
@@ -148,7 +144,7 @@ pub fn guard(words: &[OsString]) -> Result<u8, Report> {
         if let Some(status) = child.try_wait().into_diagnostic()? {
             break Some(status);
         }
-        if stop.load(Ordering::Relaxed) {
+        if requested().is_some() {
             break None;
         }
         std::thread::sleep(LOOK);
@@ -158,7 +154,7 @@ pub fn guard(words: &[OsString]) -> Result<u8, Report> {
         let _ = child.wait();
     }
     end_orphans(&[]);
-    let Some(status) = status else { return Ok(STOPPED) };
+    let Some(status) = status else { return Ok(requested().unwrap_or(INCOMPLETE)) };
     Ok(status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or_else(|| {
         tell(&format!("the run was {}; it has no result", end_of(status)));
         INCOMPLETE

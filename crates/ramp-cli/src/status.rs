@@ -8,8 +8,8 @@ pub const INCOMPLETE: u8 = 1;
 pub const BAD_INPUT: u8 = 2;
 /// The machine failed, such as a full disk: what was being made counts as neither done nor failed.
 pub const MACHINE: u8 = 3;
-/// Stopped by Ctrl-C, or by a request to end.
-pub const STOPPED: u8 = 130;
+/// Stopped by a signal: this and the signal's number, such as 130 for Ctrl-C.
+pub const STOPPED_BY: u8 = 128;
 
 /// The machine failed.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]

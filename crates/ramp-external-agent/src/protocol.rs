@@ -1,6 +1,7 @@
 //! The messages of the protocol: one JSON object a line, its only key the kind of message. An image is
 //! followed by its pixels as bytes.
 
+use anstream::adapter::strip_str;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector6};
 use ramp_kit::source::{A_NAME, is_name, is_text, plain, shorten};
 use ramp_robot::{
@@ -18,6 +19,8 @@ pub const PROTOCOL: u32 = 1;
 pub const LONGEST_MESSAGE: usize = 4 << 20;
 /// The longest reason that may hold an agent's own words, characters.
 const LONGEST_REASON: usize = 200;
+/// Longest beginning of a line that is no message in the reason of an end, characters.
+const LONGEST_QUOTE: usize = 80;
 /// The longest text of an older event, characters.
 const LONGEST_WHAT: usize = 200;
 /// The longest message of the parser about an event, characters: it lists all kinds.
@@ -304,9 +307,23 @@ pub fn parse(line: &[u8]) -> Result<Request, String> {
         let no_number = ["NaN", "Infinity"].into_iter().find(|word| text.contains(word));
         match no_number {
             Some(word) if error.is_syntax() => format!("holds {word}, which is no number for a robot"),
-            _ => format!("is not understood: {}", plain(&error.to_string(), LONGEST_REASON)),
+            _ if !text.trim_start().starts_with('{') => format!(
+                "is no message: `{}`. Standard output is for messages; print all else to standard error",
+                quoted(&text)
+            ),
+            _ => {
+                let error = plain(&error.to_string(), LONGEST_REASON);
+                format!("is not understood: {error}: `{}`", quoted(&text))
+            }
         }
     })
+}
+
+/// The beginning of a line for a message to a person, without escape sequences.
+fn quoted(line: &str) -> String {
+    // What lies beyond cannot be among the first characters.
+    let begin: String = line.chars().take(2 * LONGEST_QUOTE).collect();
+    plain(strip_str(&begin).to_string().trim(), LONGEST_QUOTE)
 }
 
 /// An answer to an agent.
@@ -436,6 +453,21 @@ mod tests {
             let refused = event(wrong.clone());
             assert!(refused.as_ref().is_err_and(|it| it.contains(why)), "{wrong}: {refused:?}");
         }
+    }
+
+    #[test]
+    fn what_is_no_message_is_quoted_in_short_and_without_escape_sequences() {
+        let why = |line: &str| parse(line.as_bytes()).unwrap_err();
+        let text = why("\u{1b}[1;31mbeam\u{1b}[0m b4\u{7} found");
+        assert!(text.starts_with("is no message: `beam b4 found`. Standard output is"), "{text}");
+        assert!(text.ends_with("print all else to standard error"), "{text}");
+        assert!(why("42").starts_with("is no message: `42`"));
+        assert!(why("").starts_with("is no message: ``"));
+        let long = why(&"é\u{1b}]".repeat(1 << 20));
+        assert!(long.chars().count() < 200 && long.contains('…') && !long.contains('\u{1b}'), "{long}");
+        let python = why("{'step': 1}");
+        assert!(python.starts_with("is not understood: key must be a string"), "{python}");
+        assert!(python.ends_with(": `{'step': 1}`"), "{python}");
     }
 
     #[test]

@@ -10,7 +10,7 @@ use ramp_twin::Twin;
 use crate::benchmark::Benchmark;
 
 /// Samples along each side of a pixel.
-const SAMPLES: usize = 2;
+pub(crate) const SAMPLES: usize = 2;
 /// The smallest and largest side of an image, pixels.
 pub const SIZES: [usize; 2] = [16, 512];
 
@@ -85,18 +85,7 @@ impl Painter {
         let x_wc = self.model.x_wc(&twin.observe().x_wt);
         let samples = self.renderer.render(&scene, &x_wc, &mut self.sensor);
         let size = self.view.size;
-        let row = size * SAMPLES * 3;
-        for y in 0..size {
-            for x in 0..size {
-                for channel in 0..3 {
-                    let at = |dy: usize, dx: usize| {
-                        u32::from(samples[(y * SAMPLES + dy) * row + (x * SAMPLES + dx) * 3 + channel])
-                    };
-                    let sum = at(0, 0) + at(0, 1) + at(1, 0) + at(1, 1);
-                    self.colour[(y * size + x) * 3 + channel] = (sum / 4) as u8;
-                }
-            }
-        }
+        self.colour = average(&samples, [size, size]);
         if self.view.depth {
             let depth = self.renderer.depth();
             for y in 0..size {
@@ -106,4 +95,21 @@ impl Painter {
             }
         }
     }
+}
+
+/// The mean colour of the samples of each pixel, for an image of `width` by `height` pixels.
+pub(crate) fn average(samples: &[u8], [width, height]: [usize; 2]) -> Vec<u8> {
+    let row = width * SAMPLES * 3;
+    let mut image = Vec::with_capacity(width * height * 3);
+    for y in 0..height {
+        for x in 0..width {
+            for channel in 0..3 {
+                let at = |dy: usize, dx: usize| {
+                    u32::from(samples[(y * SAMPLES + dy) * row + (x * SAMPLES + dx) * 3 + channel])
+                };
+                image.push(((at(0, 0) + at(0, 1) + at(1, 0) + at(1, 1)) / 4) as u8);
+            }
+        }
+    }
+    image
 }

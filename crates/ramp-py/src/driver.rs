@@ -14,7 +14,8 @@ use crate::convert::{Numbers, Observation, all, exactly, pose};
 use crate::errors::{Interrupts, detached, input};
 use crate::files::Benchmark;
 use crate::gym::action_kind;
-use crate::robot::{Robot, check_periods};
+use crate::integers;
+use crate::robot::Robot;
 
 /// Turns actions into commands, as an environment does.
 #[pyclass(frozen, module = "ramp._ramp")]
@@ -64,9 +65,8 @@ impl Driver {
         py: Python<'_>,
         robot: &Bound<'_, Robot>,
         action: Numbers<'_>,
-        periods: u32,
+        #[pyo3(from_py_with = integers::periods)] periods: u32,
     ) -> PyResult<Observation> {
-        check_periods(periods)?;
         let action = all(&action);
         if action.len() != self.numbers || !action.iter().all(|it| it.is_finite()) {
             return Err(input(format!("{} finite numbers were expected", self.numbers)));

@@ -27,6 +27,8 @@ use ramp_twin::{Setup, Twin};
 use crate::convert::seven;
 use crate::errors::{EVERY, Interrupts, PlanningError, caught, data, detached, input};
 use crate::files::Benchmark;
+use crate::gym::EpisodePictures;
+use crate::integers;
 use crate::robot::Robot;
 use crate::twin::{fault, track};
 use numpy::IntoPyArray;
@@ -361,7 +363,7 @@ type OwnPart = (String, String, Py<PyAny>);
 /// very episode that the file already has is returned instead.
 #[pyfunction]
 #[pyo3(signature = (benchmark, goal, *, track, world, start, seed, agent=None, skills=Vec::new(), plan=None, plans=None, domain=None,
-    parameters=None, fault=None, record=None, output=None, repeat=1, progress=None))]
+    parameters=None, fault=None, record=None, output=None, repeat=1, progress=None, pictures=None))]
 #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn run(
     py: Python<'_>,
@@ -370,7 +372,7 @@ pub fn run(
     track: &str,
     world: &str,
     start: &str,
-    seed: u64,
+    #[pyo3(from_py_with = integers::seed)] seed: u64,
     agent: Option<Own>,
     skills: Vec<OwnPart>,
     plan: Option<String>,
@@ -380,8 +382,9 @@ pub fn run(
     fault: Option<&str>,
     record: Option<PathBuf>,
     output: Option<PathBuf>,
-    repeat: u32,
+    #[pyo3(from_py_with = integers::repeat)] repeat: u32,
     progress: Option<Py<PyAny>>,
+    pictures: Option<Py<EpisodePictures>>,
 ) -> PyResult<String> {
     let files = benchmark.get();
     let inner = Arc::clone(&files.inner);
@@ -442,7 +445,10 @@ pub fn run(
             return Ok(result.to_json());
         }
         let mut told = Interrupts::new();
-        let mut watcher = |now: &Progress, _: &Twin| {
+        let mut watcher = |now: &Progress, twin: &Twin| {
+            if let Some(pictures) = &pictures {
+                pictures.get().onlooker.lock().unwrap_or_else(PoisonError::into_inner).look(twin);
+            }
             let Some(progress) = progress.as_ref().filter(|_| !raised.is_there()) else { return };
             if let Some(Err(error)) = told
                 .due(|| Python::attach(|py| progress.call1(py, (now.time, now.seated, now.pegs)).map(|_| ())))

@@ -1,6 +1,6 @@
 //! Environments: one, and many at a time.
 
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadwriteArray1, PyReadwriteArray2};
 use pyo3::exceptions::PyRuntimeError;
@@ -10,12 +10,14 @@ use ramp_gym::action::{Cartesian, Joint};
 use ramp_gym::batch::Outcome;
 use ramp_gym::pictures::SIZES;
 use ramp_gym::{
-    ActionKind, Batch as InnerBatch, Begin, Env as Inner, Options, Scenario, Step, View, Weights,
+    ActionKind, Batch as InnerBatch, Begin, Env as Inner, Onlooker, Options, Scenario, Step, View, Weights,
+    onlooker,
 };
 
 use crate::convert::{Numbers, all, camera, picture, seven};
 use crate::errors::{data, detached, env as env_error, input, scenario as scenario_error};
 use crate::files::Benchmark;
+use crate::integers;
 use crate::twin::track;
 
 /// A setting, if it is given, as a type of Rust.
@@ -126,6 +128,35 @@ type FieldRow = (&'static str, Vec<usize>, usize, &'static str);
 #[pyclass(frozen, module = "ramp._ramp")]
 pub struct Env {
     inner: Mutex<Inner>,
+    /// Draws the pictures for a person, from the first one on.
+    onlooker: Mutex<Option<Onlooker>>,
+}
+
+/// Pictures for a person of an episode that runs elsewhere: it looks now and then, and draws when asked.
+#[pyclass(frozen, module = "ramp._ramp")]
+pub struct EpisodePictures {
+    pub onlooker: Mutex<Onlooker>,
+}
+
+#[pymethods]
+impl EpisodePictures {
+    #[new]
+    fn new(benchmark: &Bound<'_, Benchmark>) -> PyResult<EpisodePictures> {
+        let onlooker = Onlooker::new(&benchmark.get().inner).map_err(input)?;
+        Ok(EpisodePictures { onlooker: Mutex::new(onlooker) })
+    }
+
+    /// A picture, shape (480, 640, 3); nothing before the episode has begun.
+    fn picture<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, numpy::PyArray3<u8>>>> {
+        let pixels = py.detach(|| self.onlooker.lock().unwrap_or_else(PoisonError::into_inner).picture());
+        pixels.map(|pixels| person_picture(py, pixels)).transpose()
+    }
+}
+
+/// A picture for a person as an array.
+fn person_picture<'py>(py: Python<'py>, pixels: Vec<u8>) -> PyResult<Bound<'py, numpy::PyArray3<u8>>> {
+    let [width, height] = onlooker::SIZE;
+    picture(py, pixels, [height, width])
 }
 
 impl Env {
@@ -196,11 +227,15 @@ impl Env {
             };
             Inner::new(Arc::new(scenario), options).map_err(env_error)
         })?;
-        Ok(Env { inner: Mutex::new(env) })
+        Ok(Env { inner: Mutex::new(env), onlooker: Mutex::new(None) })
     }
 
     #[pyo3(signature = (seed=None))]
-    fn reset(&self, py: Python<'_>, seed: Option<u64>) -> PyResult<()> {
+    fn reset(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = integers::maybe_seed)] seed: Option<u64>,
+    ) -> PyResult<()> {
         detached(py, || self.env()?.reset(seed).map_err(env_error))
     }
 
@@ -218,7 +253,11 @@ impl Env {
     }
 
     /// Colour image of a view, shape (size, size, 3).
-    fn image<'py>(&self, py: Python<'py>, view: usize) -> PyResult<Bound<'py, numpy::PyArray3<u8>>> {
+    fn image<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = integers::view)] view: usize,
+    ) -> PyResult<Bound<'py, numpy::PyArray3<u8>>> {
         let env = self.env()?;
         let none = || input("there is no such view");
         let size = env.views().nth(view).ok_or_else(none)?.size;
@@ -226,11 +265,31 @@ impl Env {
     }
 
     /// Depth image of a view, m, shape (size, size).
-    fn depth<'py>(&self, py: Python<'py>, view: usize) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    fn depth<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = integers::view)] view: usize,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let env = self.env()?;
         let none = || input("there is no such view");
         let size = env.views().nth(view).ok_or_else(none)?.size;
         env.depth(view).ok_or_else(none)?.to_vec().into_pyarray(py).reshape([size, size])
+    }
+
+    /// A picture of the work for a person, shape (480, 640, 3); nothing before the first `reset`.
+    fn picture<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, numpy::PyArray3<u8>>>> {
+        let pixels = detached(py, || {
+            let env = self.env()?;
+            let Some(twin) = env.twin() else { return Ok(None) };
+            let mut onlooker = self.onlooker.lock().unwrap_or_else(PoisonError::into_inner);
+            let onlooker = match &mut *onlooker {
+                Some(onlooker) => onlooker,
+                none => none.insert(Onlooker::new(&env.scenario().benchmark).map_err(input)?),
+            };
+            onlooker.look(twin);
+            Ok(onlooker.picture())
+        })?;
+        pixels.map(|pixels| person_picture(py, pixels)).transpose()
     }
 
     /// Name, shape and place of the numbers of an observation, and what they are.
@@ -328,10 +387,12 @@ fn numbers<'py>(
 #[pymethods]
 impl Batch {
     #[new]
-    fn new(py: Python<'_>, env: &Bound<'_, Env>, count: usize, threads: usize) -> PyResult<Batch> {
-        if count == 0 || threads == 0 || count > 4096 || threads > 1024 {
-            return Err(input("the number of environments is 1 to 4096, that of threads 1 to 1024"));
-        }
+    fn new(
+        py: Python<'_>,
+        env: &Bound<'_, Env>,
+        #[pyo3(from_py_with = integers::environments)] count: usize,
+        #[pyo3(from_py_with = integers::threads)] threads: usize,
+    ) -> PyResult<Batch> {
         let env = env.get();
         let batch = detached(py, || InnerBatch::new(&*env.env()?, count, threads).map_err(env_error))?;
         Ok(Batch { inner: Mutex::new(batch) })
@@ -345,7 +406,7 @@ impl Batch {
             seeds.push(match it.extract::<bool>() {
                 Ok(false) => None,
                 Ok(true) => Some(None),
-                Err(_) => Some(Some(it.extract::<u64>().map_err(|_| input("a seed is a number from 0"))?)),
+                Err(_) => Some(Some(integers::seed(&it)?)),
             });
         }
         detached(py, || {
@@ -398,14 +459,22 @@ impl Batch {
     }
 
     /// Writes the colour images of a view into a flat array.
-    fn images(&self, view: usize, mut out: PyReadwriteArray1<'_, u8>) -> PyResult<()> {
+    fn images(
+        &self,
+        #[pyo3(from_py_with = integers::view)] view: usize,
+        mut out: PyReadwriteArray1<'_, u8>,
+    ) -> PyResult<()> {
         let out = out.as_slice_mut().map_err(|_| input("the array is not contiguous"))?;
         self.batch()?.images(view, out);
         Ok(())
     }
 
     /// Writes the depth images of a view into a flat array.
-    fn depths(&self, view: usize, mut out: PyReadwriteArray1<'_, f32>) -> PyResult<()> {
+    fn depths(
+        &self,
+        #[pyo3(from_py_with = integers::view)] view: usize,
+        mut out: PyReadwriteArray1<'_, f32>,
+    ) -> PyResult<()> {
         let out = out.as_slice_mut().map_err(|_| input("the array is not contiguous"))?;
         self.batch()?.depths(view, out);
         Ok(())

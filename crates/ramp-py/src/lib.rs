@@ -7,6 +7,7 @@ mod episode;
 mod errors;
 mod files;
 mod gym;
+mod integers;
 mod robot;
 mod twin;
 
@@ -31,6 +32,7 @@ fn _ramp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<driver::Driver>()?;
     module.add_class::<gym::Env>()?;
     module.add_class::<gym::Batch>()?;
+    module.add_class::<gym::EpisodePictures>()?;
     module.add_function(wrap_pyfunction!(episode::run, module)?)?;
     module.add_function(wrap_pyfunction!(episode::curve_svg, module)?)?;
     module.add_function(wrap_pyfunction!(episode::current_result, module)?)?;

@@ -10,7 +10,8 @@ use pyo3::types::PyDict;
 use ramp_robot::{Command as Inner, Observation as Seen, PartReading, Robot as Seam};
 
 use crate::convert::{CameraImage, Command, Observation, camera as camera_of, seven};
-use crate::errors::{Interrupts, detached, input, robot};
+use crate::errors::{Interrupts, detached, robot};
+use crate::integers;
 
 /// A robot that somebody else owns.
 #[derive(Clone, Copy)]
@@ -111,8 +112,12 @@ pub fn readings<'py>(py: Python<'py>, readings: Vec<PartReading>) -> PyResult<Bo
 impl Robot {
     /// Lets `periods` control periods of 1 ms pass under `command`; what is sensed after the last.
     #[pyo3(signature = (command, periods=1))]
-    fn step(&self, py: Python<'_>, command: &Bound<'_, Command>, periods: u32) -> PyResult<Observation> {
-        check_periods(periods)?;
+    fn step(
+        &self,
+        py: Python<'_>,
+        command: &Bound<'_, Command>,
+        #[pyo3(from_py_with = integers::periods)] periods: u32,
+    ) -> PyResult<Observation> {
         let command = &command.get().inner;
         detached(py, || self.with(|robot| Ok(Observation { inner: step(robot, command, periods)? })))
     }
@@ -140,12 +145,4 @@ impl Robot {
         let look = |it: &mut dyn Seam| it.look(which).map(CameraImage::from).map_err(|error| robot(&error));
         detached(py, || self.with(look))
     }
-}
-
-/// Bad numbers of periods.
-pub fn check_periods(periods: u32) -> PyResult<()> {
-    if periods > 1_800_000 {
-        return Err(input("more periods than an episode has: 1800000 is the most"));
-    }
-    Ok(())
 }

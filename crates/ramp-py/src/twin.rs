@@ -7,7 +7,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use ramp_gym::View;
-use ramp_gym::pictures::{Painter, SIZES};
+use ramp_gym::pictures::Painter;
 use ramp_referee::Referee;
 use ramp_robot::{Robot as _, Track};
 use ramp_twin::{Fault, Setup, Twin as Inner};
@@ -15,7 +15,8 @@ use ramp_twin::{Fault, Setup, Twin as Inner};
 use crate::convert::{CameraImage, Command, Observation, camera as camera_of, picture, seven};
 use crate::errors::{data, detached, input, robot};
 use crate::files::Benchmark;
-use crate::robot::{check_periods, readings, step};
+use crate::integers;
+use crate::robot::{readings, step};
 
 /// The state of a twin, to go back to.
 #[pyclass(frozen, module = "ramp")]
@@ -76,7 +77,7 @@ impl Twin {
         track: &str,
         world: &str,
         start: &str,
-        seed: u64,
+        #[pyo3(from_py_with = integers::seed)] seed: u64,
         fault: Option<&str>,
     ) -> PyResult<Twin> {
         let benchmark = Arc::clone(&benchmark.get().inner);
@@ -103,8 +104,12 @@ impl Twin {
     }
 
     #[pyo3(signature = (command, periods=1))]
-    fn step(&self, py: Python<'_>, command: &Bound<'_, Command>, periods: u32) -> PyResult<Observation> {
-        check_periods(periods)?;
+    fn step(
+        &self,
+        py: Python<'_>,
+        command: &Bound<'_, Command>,
+        #[pyo3(from_py_with = integers::periods)] periods: u32,
+    ) -> PyResult<Observation> {
         let command = &command.get().inner;
         detached(py, || Ok(Observation { inner: step(&mut self.cell()?.twin, command, periods)? }))
     }
@@ -158,12 +163,13 @@ impl Twin {
     }
 
     #[pyo3(signature = (camera="birds-eye", size=256))]
-    fn render<'py>(&self, py: Python<'py>, camera: &str, size: usize) -> PyResult<Bound<'py, PyArray3<u8>>> {
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        camera: &str,
+        #[pyo3(from_py_with = integers::size)] size: usize,
+    ) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let camera = camera_of(camera)?;
-        let [least, most] = SIZES;
-        if !(least..=most).contains(&size) {
-            return Err(input(format!("the size {size} is not within {least} and {most} pixels")));
-        }
         let pixels = detached(py, || {
             let cell = self.cell()?;
             let view = View { camera, size, depth: false };

@@ -9,6 +9,7 @@
 
 pub mod draw;
 mod error;
+pub mod free_camera;
 pub mod lens;
 pub mod looks;
 pub mod mesh;

@@ -2,11 +2,45 @@
 
 use maud::{Markup, html};
 
+use crate::columns::{Column, name, number, sentences, table};
 use crate::format::{NONE, share, small, time};
 use ramp_result::collection::Collection;
 use ramp_result::manipulation::sums::{SkillSum, sums};
 use ramp_result::perception::{FALSE, PerceptionVerdict};
 use ramp_result::planning::PlanVerdict;
+
+const PLANS: [Column; 6] = [
+    name("planner"),
+    name("goal"),
+    name("verdict"),
+    number("coarse actions", ""),
+    number("planning", "s"),
+    sentences("refused at"),
+];
+
+const DETECTIONS: [Column; 7] = [
+    name("camera"),
+    number("distance", "m"),
+    number("angle", "°"),
+    number("parts", ""),
+    number("found", "%"),
+    number("position", "mm, median / 95 %"),
+    number("turn", "°, median / 95 %"),
+];
+
+const SKILLS: [Column; 11] = [
+    name("skill"),
+    name("track"),
+    name("world"),
+    name("agent"),
+    number("trials", ""),
+    number("done", "trials"),
+    number("share", "%"),
+    number("tried again", "trials"),
+    number("time", "s, median / 95 %"),
+    number("force", "N"),
+    sentences("causes of failure"),
+];
 
 /// A section for each ability with at least one verdict.
 pub(super) fn sections(collection: &Collection) -> Markup {
@@ -26,26 +60,14 @@ fn plans(plans: &[PlanVerdict]) -> Markup {
             "Plans judged by the planner's replayer, without a robot: every action must be possible and do what it says, and \
              the end must be the goal. The time is the planner's own account."
         }
-        div.wide {
-            table {
-                thead { tr {
-                    th.name { "planner" } th.name { "goal" } th.name { "verdict" } th { "coarse actions" }
-                    th { "planning" small { "s" } } th.name { "refused at" }
-                } }
-                tbody {
-                    @for it in plans {
-                        tr {
-                            td.name { (it.planner) }
-                            td.name { (it.goal) }
-                            td.name.bad[!it.accepted] { (if it.accepted { "accepted" } else { "refused" }) }
-                            td { (it.coarse) }
-                            td { (it.seconds.map_or_else(|| NONE.to_string(), |it| format!("{it:.3}"))) }
-                            td.long { (it.refused.as_deref().unwrap_or_default()) }
-                        }
-                    }
-                }
-            }
-        }
+        (table(&PLANS, plans.iter().map(|it| vec![
+            html! { (it.planner) },
+            html! { (it.goal) },
+            html! { span.bad[!it.accepted] { (if it.accepted { "accepted" } else { "refused" }) } },
+            html! { (it.coarse) },
+            html! { (it.seconds.map_or_else(|| NONE.to_string(), |it| format!("{it:.3}"))) },
+            html! { (it.refused.as_deref().unwrap_or_default()) },
+        ])))
     }
 }
 
@@ -75,27 +97,15 @@ fn perception(verdicts: &[PerceptionVerdict]) -> Markup {
                 span.bad[!it.false_poses.is_empty()] { (it.false_poses.len()) " false" } ". "
                 span.soft { "ramp " (it.software.version) " (" (it.software.commit) ")" }
             }
-            div.wide {
-                table {
-                    thead { tr {
-                        th.name { "camera" } th { "distance" small { "m" } } th { "angle" small { "°" } } th { "parts" }
-                        th { "found" small { "%" } } th { "position" small { "mm" } } th { "turn" small { "°" } }
-                    } }
-                    tbody {
-                        @for cell in &it.cells {
-                            tr {
-                                td.name { (cell.camera) }
-                                td { (range(cell.distance, 2)) }
-                                td { (range(cell.angle, 0)) }
-                                td { (cell.parts) }
-                                td { (share(cell.found as f64 / cell.parts.max(1) as f64)) }
-                                td { (pair(cell.position, 1e3)) }
-                                td { (pair(cell.turn, 1f64.to_degrees())) }
-                            }
-                        }
-                    }
-                }
-            }
+            (table(&DETECTIONS, it.cells.iter().map(|cell| vec![
+                html! { (cell.camera) },
+                html! { (range(cell.distance, 2)) },
+                html! { (range(cell.angle, 0)) },
+                html! { (cell.parts) },
+                html! { (share(cell.found as f64 / cell.parts.max(1) as f64)) },
+                html! { (pair(cell.position, 1e3)) },
+                html! { (pair(cell.turn, 1f64.to_degrees())) },
+            ])))
         }
     }
 }
@@ -109,38 +119,25 @@ fn manipulation(skills: &[SkillSum]) -> Markup {
              them, and nothing that was built before undone. Below the share stands Wilson's interval of 95 %. Time is robot \
              time: median, and 95 %. Force is the largest between the hand and what it touched or held."
         }
-        div.wide {
-            table {
-                thead { tr {
-                    th.name { "skill" } th.name { "track" } th.name { "world" } th.name { "agent" } th { "trials" } th { "done" }
-                    th { "share" small { "%" } } th { "tried again" } th { "time" small { "s" } } th { "force" small { "N" } }
-                    th.name { "causes of failure" }
-                } }
-                tbody {
-                    @for it in skills {
-                        tr {
-                            td.name { (it.skill) }
-                            td.name { (it.track) }
-                            td.name { (it.world) }
-                            td.name { (it.agent) small { "ramp " (it.software.version) " (" (it.software.commit) ")" } }
-                            td { (it.trials) }
-                            td { (it.successes) }
-                            td {
-                                (share(it.successes as f64 / it.trials.max(1) as f64))
-                                (small(Some(it.interval), share))
-                            }
-                            td { (it.retried) }
-                            td { (time(it.time[0])) " / " (time(it.time[1])) }
-                            td { (format!("{:.0}", it.largest_force)) }
-                            td.long {
-                                @for (cause, count, seed) in &it.failures {
-                                    div { (count) " × " (cause) " " span.soft { "(seed " (seed) ")" } }
-                                }
-                            }
-                        }
-                    }
+        (table(&SKILLS, skills.iter().map(|it| vec![
+            html! { (it.skill) },
+            html! { (it.track) },
+            html! { (it.world) },
+            html! { (it.agent) small { "ramp " (it.software.version) " (" (it.software.commit) ")" } },
+            html! { (it.trials) },
+            html! { (it.successes) },
+            html! {
+                (share(it.successes as f64 / it.trials.max(1) as f64))
+                (small(Some(it.interval), share))
+            },
+            html! { (it.retried) },
+            html! { (time(it.time[0])) " / " (time(it.time[1])) },
+            html! { (format!("{:.0}", it.largest_force)) },
+            html! {
+                @for (cause, count, seed) in &it.failures {
+                    div { (count) " × " (cause) " " span.soft { "(seed " (seed) ")" } }
                 }
-            }
-        }
+            },
+        ])))
     }
 }

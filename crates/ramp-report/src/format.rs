@@ -6,6 +6,11 @@ use ramp_result::statistics::Interval;
 /// Placeholder for a missing value.
 pub(crate) const NONE: &str = "–";
 
+/// A count with its noun.
+pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
 /// A share as per cent, without the sign.
 pub(crate) fn share(share: f64) -> String {
     format!("{:.1}", 100.0 * share)

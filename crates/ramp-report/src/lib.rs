@@ -7,6 +7,7 @@
 //! results against a quantity of the world. This crate links no physics engine.
 
 mod alone;
+mod columns;
 pub mod curve;
 pub mod curves;
 mod format;

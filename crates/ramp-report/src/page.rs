@@ -13,7 +13,8 @@ use self::details::{episodes_over_time, failures, origin};
 use self::method::method;
 use self::view::View;
 use crate::alone;
-use crate::format::{NONE, percent, seconds, share, small, time};
+use crate::columns::{self, Column, Row, name, number};
+use crate::format::{NONE, counted, percent, seconds, share, small, time};
 use crate::report::{ClassPart, MOST, Report, TrackPart};
 use crate::shell::page;
 use crate::sums::{self, Line, Scope};
@@ -43,10 +44,12 @@ fn whole(report: &Report, back: Option<(&str, &str)>) -> String {
             (track(view, part))
         }
         (alone::sections(&report.collection))
-        @if !report.collection.entrants.is_empty() { (failures(view)) }
-        @if !report.collection.entrants.is_empty() { (episodes_over_time(view)) }
-        (method())
-        (origin(view))
+        @if !report.collection.entrants.is_empty() {
+            (failures(view))
+            (episodes_over_time(view))
+        }
+        @if !report.tracks.is_empty() { (method()) }
+        @if !report.collection.entrants.is_empty() { (origin(view)) }
     };
     page("RAMP report", &body)
 }
@@ -81,14 +84,21 @@ fn intro(view: View) -> Markup {
             div {
                 h1 { "RAMP report" }
                 p.soft {
-                    (episodes) (if episodes == 1 { " episode" } else { " episodes" }) " of "
-                    (agents) (if agents == 1 { " agent" } else { " agents" }) ", "
-                    (if tracks.len() == 1 { "track " } else { "tracks " }) (tracks.join(", "))
-                    ". Intervals are of 95 %."
+                    @if agents == 0 {
+                        "Verdicts on single abilities."
+                    } @else {
+                        (counted(episodes, "episode", "episodes")) " of " (counted(agents, "agent", "agents"))
+                        @if tracks.len() == 1 { ", track " (tracks[0]) }
+                        ". Intervals are of 95 %."
+                    }
                     @if view.folder.is_some() {
                         " Tiles, charts and comparisons are of the " (MOST) " best agents of each class. Each agent has \
                          a page of its own, with its goals, failures, episodes and files."
                     }
+                }
+                @if tracks.len() > 1 {
+                    p.soft { "Results of these are never added up or compared:" }
+                    ul.soft { @for it in &tracks { li { "track " (it) } } }
                 }
             }
             button type="button" { "light / dark" }
@@ -130,20 +140,14 @@ fn shown_lines(class: &ClassPart) -> impl Iterator<Item = &Line> {
 fn agents(view: View) -> Markup {
     html! {
         h2 { "All agents" }
-        div.wide {
-            table {
-                thead { tr { th.name { "agent" } th.name { "track" } th { "episodes" } } }
-                tbody {
-                    @for (index, entrant) in view.report.collection.entrants.iter().enumerate() {
-                        tr {
-                            td.name { (view.name(index)) }
-                            td.name { (entrant.identity.track) }
-                            td { (entrant.files.len() + entrant.lost.len()) }
-                        }
-                    }
-                }
-            }
-        }
+        (columns::table(
+            &[name("agent"), name("track"), number("episodes", "")],
+            view.report.collection.entrants.iter().enumerate().map(|(index, entrant)| vec![
+                view.name(index),
+                html! { (entrant.identity.track) },
+                html! { (entrant.files.len() + entrant.lost.len()) },
+            ]),
+        ))
     }
 }
 
@@ -151,7 +155,7 @@ fn tile(view: View, part: &TrackPart, class: &ClassPart, line: &Line) -> Markup 
     html! {
         div.tile {
             div.name { (view.name(line.entrant)) }
-            div.soft { (class.name()) ", track " (part.title()) ", " (line.summary.episodes) " episodes" }
+            div.soft { (class.name()) ", track " (part.title()) ", " (counted(line.summary.episodes, "episode", "episodes")) }
             div.figure { (percent(line.summary.completion.mean)) }
             @if let Some(time) = line.summary.time {
                 div { "in " (seconds(time.total)) " on average" }
@@ -168,7 +172,7 @@ fn track(view: View, part: &TrackPart) -> Markup {
             h2 { (capital(class.name())) ", track " (part.title()) }
             @if !class.lines.is_empty() {
                 p.soft {
-                    "Complete: episodes with every peg. ± is one sample standard deviation, over episodes; below it stands \
+                    "Complete: episodes with every peg, below it the interval of their share. ± is one sample standard deviation, over episodes; below it stands \
                      the interval of 95 %. How it is made is told at the end."
                 }
                 (table(view, class))
@@ -214,71 +218,78 @@ fn table(view: View, class: &ClassPart) -> Markup {
     } else {
         lines.splice(..0, &class.goal_lines);
     }
+    let columns: Vec<Column> = COLUMNS
+        .into_iter()
+        .enumerate()
+        .filter(|(index, _)| !(one && *index == AGENT))
+        .map(|it| it.1)
+        .collect();
     html! {
         @if lines.len() < class.lines.len() {
             p.soft { "The " (LINES) " best of " (class.lines.len()) " agents." }
         }
-        div.wide {
-            table {
-                thead { tr {
-                    th.name { "goal" }
-                    @if !one { th.name { "agent" } }
-                    th { "episodes" }
-                    th { "complete" small { "%" } }
-                    th { "completion" small { "%" } }
-                    th { "best" small { "%" } }
-                    th { "pegs" }
-                    th { "total time" small { "s" } }
-                    th { "planning" small { "s" } }
-                    th { "compute" small { "s" } }
-                    th { "robot" small { "s" } }
-                    th { "bound" small { "s" } }
-                    th { "reference" small { "s" } }
-                } }
-                tbody {
-                    @for line in lines { (row(view, line, one)) }
-                }
-            }
-        }
+        (columns::table(&columns, lines.into_iter().map(|line| row(view, line, one))))
     }
 }
 
-fn row(view: View, line: &Line, one: bool) -> Markup {
+/// The columns of a class.
+const COLUMNS: [Column; 13] = [
+    name("goal"),
+    name("agent"),
+    number("episodes", ""),
+    number("complete", "episodes"),
+    number("completion", "%"),
+    number("best", "%"),
+    number("pegs", ""),
+    number("total time", "s"),
+    number("planning", "s"),
+    number("compute", "s"),
+    number("robot", "s"),
+    number("bound", "s"),
+    number("reference", "s"),
+];
+/// The index of the agent's column, which a report of one agent does not need.
+const AGENT: usize = 1;
+
+fn row(view: View, line: &Line, one: bool) -> Row {
     let sum = &line.summary;
-    let class = view.folder.is_none() && matches!(line.scope, Scope::Class(_));
-    html! {
-        tr.sum[class] {
-            td.name { (line.scope.name()) }
-            @if !one { td.name { (view.name(line.entrant)) } }
-            td { (sum.episodes) @if sum.technical > 0 { small.bad { (sum.technical) " technical" } } }
-            td { (line.complete) (small(Some(line.complete_interval), share)) }
-            td {
-                (share(sum.completion.mean))
-                @if let Some(deviation) = sum.completion.deviation { " ± " (share(deviation)) }
-                (small(line.completion_interval, share))
-            }
-            td {
-                @if let Some(best) = sum.best { (share(best.completion)) small { "in " (time(best.total)) " s" } }
-                @else { (NONE) }
-            }
-            td { (sum.pegs_counted) "/" (sum.pegs) }
-            @if let Some(mean) = sum.time {
-                td {
+    let mut cells = vec![html! { (line.scope.name()) }];
+    if !one {
+        cells.push(view.name(line.entrant));
+    }
+    cells.extend([
+        html! { (sum.episodes) @if sum.technical > 0 { small.bad { (sum.technical) " technical" } } },
+        html! { (line.complete) " of " (sum.episodes) (small(Some(line.complete_interval), percent)) },
+        html! {
+            (share(sum.completion.mean))
+            @if let Some(deviation) = sum.completion.deviation { " ± " (share(deviation)) }
+            (small(line.completion_interval, share))
+        },
+        html! {
+            @if let Some(best) = sum.best { (share(best.completion)) small { "in " (time(best.total)) " s" } }
+            @else { (NONE) }
+        },
+        html! { (sum.pegs_counted) "/" (sum.pegs) },
+    ]);
+    match sum.time {
+        Some(mean) => {
+            let compared = |it: Option<f64>| html! { (it.map_or_else(|| NONE.to_string(), time)) };
+            cells.extend([
+                html! {
                     (time(mean.total))
                     @if let Some(deviation) = mean.total_deviation { " ± " (time(deviation)) }
                     (small(line.total_interval, time))
-                }
-                td { (format!("{:.2}", mean.planning)) }
-                td { (format!("{:.2}", mean.compute)) }
-                td { (time(mean.robot)) }
-                @for it in [mean.compared.map(|it| it.bound), mean.compared.map(|it| it.reference)] {
-                    td { (it.map_or_else(|| NONE.to_string(), time)) }
-                }
-            } @else {
-                @for _ in 0..6 { td { (NONE) } }
-            }
+                },
+                html! { (format!("{:.2}", mean.planning)) },
+                html! { (format!("{:.2}", mean.compute)) },
+                html! { (time(mean.robot)) },
+                compared(mean.compared.map(|it| it.bound)),
+                compared(mean.compared.map(|it| it.reference)),
+            ]);
         }
+        None => cells.extend([NONE; 6].map(|none| html! { (none) })),
     }
+    Row { cells, is_sum: view.folder.is_none() && matches!(line.scope, Scope::Class(_)) }
 }
 
 fn published(class: &ClassPart) -> Markup {
@@ -286,8 +297,9 @@ fn published(class: &ClassPart) -> Markup {
         @for it in &class.published {
             p {
                 strong { (it.name) } ": " (percent(it.completion)) " in " (seconds(it.total)) ", planning "
-                (format!("{:.0}", it.planning[0])) " to " (seconds(it.planning[1])) ", mean of " (it.goals)
-                (if it.goals == 1 { " goal" } else { " goals" }) " run " (it.repeats) " times on " (it.robot)
+                (format!("{:.0}", it.planning[0])) " to " (seconds(it.planning[1])) ", mean of "
+                (counted(it.goals as usize, "goal", "goals")) " run " (it.repeats)
+                (if it.repeats == 1 { " time" } else { " times" }) " on " (it.robot)
                 ". Published as means alone, so that there is no interval and no test against them. "
                 span.soft { (it.source) }
             }

@@ -9,9 +9,9 @@ use ramp_result::episode::EpisodeResult;
 use ramp_robot::EventKind;
 
 /// Names of colours, with their values on light and dark ground. Those of agents and activities are the set
-/// of Okabe and Ito, which people with any kind of colour vision can tell apart; some are lighter where the
-/// ground is dark.
-pub const COLOURS: [(&str, &str, &str); 20] = [
+/// of Okabe and Ito, which people with any kind of colour vision can tell apart, and from the seventh agent on
+/// further ones; some are lighter where the ground is dark.
+pub const COLOURS: [(&str, &str, &str); 24] = [
     ("paper", "#ffffff", "#14181d"),
     ("card", "#f6f7f9", "#1c2128"),
     ("ink", "#1b1f24", "#e6e9ed"),
@@ -24,6 +24,10 @@ pub const COLOURS: [(&str, &str, &str); 20] = [
     ("agent3", "#cc79a7", "#e6a3c8"),
     ("agent4", "#b07c00", "#f0c04a"),
     ("agent5", "#57606a", "#c3cad2"),
+    ("agent6", "#6a3d9a", "#b79ae0"),
+    ("agent7", "#8c510a", "#cf9d62"),
+    ("agent8", "#6b7d00", "#bccd3f"),
+    ("agent9", "#a50f3c", "#ff7d9c"),
     ("planning", "#cc79a7", "#cc79a7"),
     ("compute", "#8c959f", "#8c959f"),
     ("moving", "#56b4e9", "#56b4e9"),
@@ -34,8 +38,8 @@ pub const COLOURS: [(&str, &str, &str); 20] = [
     ("untold", "#d5dae0", "#434c56"),
 ];
 
-/// Number of agent colours; further agents reuse them with other dashes.
-const AGENTS: usize = 6;
+/// Number of agent colours, enough for one page; further agents reuse them with other dashes.
+const AGENTS: usize = crate::report::MOST;
 
 /// The colour of an agent, by its index on its track.
 pub fn agent_colour(place: usize) -> String {
@@ -43,7 +47,7 @@ pub fn agent_colour(place: usize) -> String {
 }
 
 fn agent_dash(place: usize) -> &'static str {
-    ["", "7 3", "2 3", "9 3 2 3"][(place / AGENTS).min(3)]
+    ["", "7 3", "2 3", "9 3 2 3"][place / AGENTS % 4]
 }
 
 /// The colour of an activity.

@@ -28,8 +28,8 @@ pub struct Report {
     pub notes: Vec<String>,
 }
 
-/// Track, world and start.
-type Setting = (String, Option<String>, Option<String>);
+/// Track, world and start, and whether the robot is a real one.
+type Setting = (String, Option<String>, Option<String>, bool);
 
 /// The report on one track.
 #[derive(Clone, Debug)]
@@ -40,6 +40,8 @@ pub struct TrackPart {
     pub world: Option<String>,
     /// Unambiguous name of the start; `None` for real runs and published results.
     pub start: Option<String>,
+    /// True for real robots.
+    pub real: bool,
     /// Its agents, as indices into the collection.
     pub entrants: Vec<usize>,
     /// One for each class.
@@ -85,17 +87,18 @@ impl Report {
     /// Computes all sums.
     pub fn new(collection: Collection) -> Report {
         let of = |it: &Entrant| {
-            let (track, world, start) = it.identity.setting();
-            (track.clone(), world.clone(), start.clone())
+            let (track, world, start, real) = it.identity.setting();
+            (track.clone(), world.clone(), start.clone(), real)
         };
         let mut settings: Vec<Setting> = collection.entrants.iter().map(of).collect();
         for published in &collection.published {
             if !settings.iter().any(|(track, ..)| *track == published.track) {
-                settings.push((published.track.clone(), None, None));
+                settings.push((published.track.clone(), None, None, true));
             }
         }
         let rank = |name: &String| ramp_robot::Track::ALL.iter().position(|track| track.name() == name);
-        settings.sort_by_key(|(track, world, start)| (rank(track), world.clone(), start.clone()));
+        settings
+            .sort_by_key(|(track, world, start, real)| (rank(track), *real, world.clone(), start.clone()));
         settings.dedup();
         let mut parts: Vec<TrackPart> =
             settings.into_iter().map(|setting| TrackPart::new(&collection, setting)).collect();
@@ -114,11 +117,25 @@ impl Report {
         Report::new(one_agent(&self.collection, entrant))
     }
 
-    /// The index of an agent among the plotted ones of its track, which determines its colour.
+    /// The index of an agent among the plotted ones, which determines its colour: the same on all tracks. Where
+    /// there are too many for one page, it is the index on its track.
     pub fn place(&self, entrant: usize) -> Option<usize> {
-        let part = self.tracks.iter().find(|part| part.entrants.contains(&entrant))?;
-        let drawn = |it: &&usize| part.classes.iter().any(|class| class.shown.contains(it));
-        part.entrants.iter().filter(drawn).position(|it| *it == entrant)
+        let drawn = |it: &usize| {
+            self.tracks.iter().flat_map(|part| &part.classes).any(|class| class.shown.contains(it))
+        };
+        if !drawn(&entrant) {
+            return None;
+        }
+        let who = |index: usize| self.collection.entrants[index].identity.who();
+        let own = self.tracks.iter().find(|part| part.entrants.contains(&entrant))?;
+        let together = |other: &usize| !self.is_large() || own.entrants.contains(other);
+        let mut agents = Vec::new();
+        for index in (0..self.collection.entrants.len()).filter(|it| drawn(it) && together(it)) {
+            if !agents.contains(&who(index)) {
+                agents.push(who(index));
+            }
+        }
+        agents.iter().position(|it| *it == who(entrant))
     }
 
     /// The label of an agent.
@@ -233,25 +250,27 @@ fn file_name(text: &str, others: &[Named]) -> String {
 }
 
 impl TrackPart {
-    /// Track, world and start, for a person.
+    /// Track, real robot or twin, world and start, for a person.
     pub fn title(&self) -> String {
+        let robot = if self.real { ", real robot" } else { ", twin" };
         let world = self.world.iter().map(|world| format!(", world {world}"));
         let start = self.start.iter().map(|start| format!(", start {start}"));
-        [self.track.clone()].into_iter().chain(world).chain(start).collect()
+        [self.track.clone(), robot.to_string()].into_iter().chain(world).chain(start).collect()
     }
 
     /// The same for a file name: letters, digits and hyphens.
     pub fn slug(&self) -> String {
+        let robot = if self.real { "-real-robot" } else { "-twin" };
         let conditions = self.world.iter().chain(&self.start).map(|it| format!("-{it}"));
         let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
-        let name: String = [self.track.clone()].into_iter().chain(conditions).collect();
+        let name: String = [self.track.clone(), robot.to_string()].into_iter().chain(conditions).collect();
         name.chars().map(plain).collect()
     }
 
-    fn new(collection: &Collection, (track, world, start): Setting) -> TrackPart {
+    fn new(collection: &Collection, (track, world, start, real): Setting) -> TrackPart {
         let of = |index: &usize| &collection.entrants[*index].identity;
         let entrants: Vec<usize> = (0..collection.entrants.len())
-            .filter(|index| of(index).setting() == (&track, &world, &start))
+            .filter(|index| of(index).setting() == (&track, &world, &start, real))
             .collect();
         let worked_on = |name: &str| {
             entrants.iter().any(|index| {
@@ -300,7 +319,7 @@ impl TrackPart {
                 ClassPart { lines, class, goals, goal_lines, comparisons, shown, published }
             })
             .collect();
-        TrackPart { track, world, start, entrants, classes }
+        TrackPart { track, world, start, real, entrants, classes }
     }
 }
 

@@ -9,6 +9,7 @@ use ramp_result::statistics::{Interval, wilson};
 use ramp_result::summary::Spread;
 use serde::Serialize;
 
+use crate::columns::{Column, name, number, table};
 use crate::format::{share, small};
 use crate::plot::{agent_colour, axis_step, head, label, standalone, words};
 use crate::shell;
@@ -171,39 +172,39 @@ impl Sweep {
                 "An episode is complete when all its pegs count. The interval is Wilson's, 95 %. The time is robot time of \
                  complete episodes: mean and standard deviation."
             }
-            div.wide { (self.table()) }
+            (self.table())
         };
         shell::page(&format!("Sweep of {}", self.quantity), &body)
     }
 
     fn table(&self) -> Markup {
-        let many = self.curves.len() > 1;
-        html! {
-            table {
-                thead { tr {
-                    @if many { th.name { "curve" } }
-                    th { (self.quantity) small { (self.unit) } } th { "complete" } th { "share" small { "%" } } th { "pegs" }
-                    th { "robot time" small { "s" } }
-                } }
-                tbody {
-                    @for curve in &self.curves {
-                        @for it in &curve.points {
-                            tr {
-                                @if many { td.name { (curve.label) } }
-                                td { (it.value) }
-                                td { (it.complete) " of " (it.episodes) }
-                                td {
-                                    (share(it.complete as f64 / it.episodes.max(1) as f64))
-                                    (small(Some(it.interval), share))
-                                }
-                                td { (it.pegs[0]) " of " (it.pegs[1]) }
-                                td { (robot(it.robot)) }
-                            }
-                        }
-                    }
-                }
-            }
-        }
+        let curve = (self.curves.len() > 1).then(|| name("curve"));
+        let numbers = [
+            number(&self.quantity, &self.unit),
+            number("complete", "episodes"),
+            number("share", "%"),
+            number("pegs", ""),
+            number("robot time", "s"),
+        ];
+        let columns: Vec<Column> = curve.into_iter().chain(numbers).collect();
+        let points = self.curves.iter().flat_map(|curve| curve.points.iter().map(move |it| (curve, it)));
+        table(
+            &columns,
+            points.map(|(curve, it)| {
+                let label = (self.curves.len() > 1).then(|| html! { (curve.label) });
+                let numbers = [
+                    html! { (it.value) },
+                    html! { (it.complete) " of " (it.episodes) },
+                    html! {
+                        (share(it.complete as f64 / it.episodes.max(1) as f64))
+                        (small(Some(it.interval), share))
+                    },
+                    html! { (it.pegs[0]) " of " (it.pegs[1]) },
+                    html! { (robot(it.robot)) },
+                ];
+                label.into_iter().chain(numbers).collect::<Vec<Markup>>()
+            }),
+        )
     }
 
     /// As text, for a terminal.

@@ -268,9 +268,16 @@ impl Identity {
         Track::ALL.iter().position(|known| known.name() == self.track).unwrap_or(Track::ALL.len())
     }
 
-    /// The conditions that entrants who are compared share: track, world and start.
-    pub fn setting(&self) -> (&String, &Option<String>, &Option<String>) {
-        (&self.track, &self.world, &self.start)
+    /// The conditions that entrants who are compared share: track, world and start, and whether the robot is a
+    /// real one.
+    pub fn setting(&self) -> (&String, &Option<String>, &Option<String>, bool) {
+        (&self.track, &self.world, &self.start, self.real.is_some())
+    }
+
+    /// The agent and, if it is a real one, the robot, whatever the conditions.
+    pub fn who(&self) -> (&str, &str, Option<&str>, Option<&str>) {
+        let robot = self.real.as_ref().map(|real| real.robot.as_str());
+        (&self.agent, &self.agent_version, self.agent_sha256.as_deref(), robot)
     }
 
     fn of(result: &EpisodeResult) -> Identity {

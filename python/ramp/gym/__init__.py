@@ -1,4 +1,4 @@
-"""Environments for Gymnasium 1.x: the goals of the benchmark, and its skills alone.
+"""Environments for Gymnasium 1.1 or newer: the goals of the benchmark, and its skills alone.
 
 They are registered as ``RAMP/Fasten-v0`` and so on when :mod:`ramp` is imported and Gymnasium is there:
 
@@ -10,9 +10,13 @@ They are registered as ``RAMP/Fasten-v0`` and so on when :mod:`ramp` is imported
 >>> env.close()
 """
 
-from ramp.gym.chain import RampChainEnv
-from ramp.gym.env import RampEnv
-from ramp.gym.register import CHAIN, IDS, register
-from ramp.gym.vector import RampVectorEnv
+from ramp._register import CHAIN, IDS, problem, register
+
+if _problem := problem():
+    raise ImportError(_problem)
+
+from ramp.gym.chain import RampChainEnv  # noqa: E402
+from ramp.gym.env import RampEnv  # noqa: E402
+from ramp.gym.vector import RampVectorEnv  # noqa: E402
 
 __all__ = ["CHAIN", "IDS", "RampChainEnv", "RampEnv", "RampVectorEnv", "register"]

@@ -13,12 +13,12 @@ import numpy as np
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
-from ramp._core import Driver, InputError, Robot, benchmark
+from ramp._core import Driver, EpisodePictures, InputError, Robot, benchmark, run_episode
 from ramp._core import Observation as Sensed
 from ramp.agent import Skill, Task
-from ramp.bench import run
-from ramp.goal import Goal
+from ramp.goal import Goal, as_goal
 from ramp.gym.spaces import LIMITS, check_options, check_seed
+from ramp.gym.window import MODES, Window, check_mode
 from ramp.result import Result
 
 Observation = dict[str, NDArray[np.float32]]
@@ -75,7 +75,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     episode.
     """
 
-    metadata: dict[str, Any] = {"render_modes": []}
+    metadata: dict[str, Any] = {"render_modes": MODES, "render_fps": 20}
 
     def __init__(
         self,
@@ -111,7 +111,8 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             stiffness: Stiffness along (N/m) and about (N·m/rad) the axes of the world, six numbers.
             rate: Actions per second, 5 to 100.
             limit: Time limit of one action, s of robot time.
-            render_mode: ``None``; it renders no images.
+            render_mode: ``rgb_array``: :meth:`render` returns a picture of the work, shape (480, 640, 3);
+                ``human``: a window shows it, also while the baseline works; default: no pictures.
 
         """
         EzPickle.__init__(
@@ -122,7 +123,12 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             raise InputError("`rate` is expected within 5 to 100, and `limit` above 0")
         self.goal, self.skill, self.track = goal, skill, track
         self.world, self.start = os.fspath(world), os.fspath(start)
-        self.gripper, self.limit, self.render_mode = gripper, limit, render_mode
+        self.gripper, self.limit = gripper, limit
+        check_mode(render_mode)
+        self.render_mode = render_mode
+        self.metadata = {**type(self).metadata, "render_fps": round(rate)}
+        self._window: Window | None = None
+        self._pictures: EpisodePictures | None = None
         settings = {
             "action": "cartesian", "turns": turns, "speed": speed, "turn_speed": turn_speed,
             "leash": None if leash is None else list(leash),
@@ -149,13 +155,14 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         check_seed(seed)
         check_options(options)
         super().reset(seed=seed)
-        self.close()
+        self._abort()
         # An aborted episode may have left items in them.
         self.actions, self.told = queue.Queue(1), queue.Queue(1)
         own = int(self.np_random.integers(2**31))
+        self._pictures = None if self.render_mode is None else EpisodePictures(benchmark())
         self._thread = threading.Thread(target=self._build, args=(own,), daemon=True)
         self._thread.start()
-        told = self.told.get()
+        told = self._wait()
         if isinstance(told, Result):
             raise InputError(f"the plan of {told.goal} has no action of the kind {self.skill}")
         if isinstance(told, BaseException):
@@ -167,8 +174,18 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     def _build(self, seed: int) -> None:
         """Runs the whole episode, in a thread of its own."""
         try:
-            told: Result | BaseException = run(
-                self.goal, skills=[_Relay(self)], track=self.track, world=self.world, start=self.start, seed=seed
+            relay = _Relay(self)
+            told: Result | BaseException = Result.from_json(
+                run_episode(
+                    benchmark(),
+                    as_goal(self.goal).source,
+                    track=self.track,
+                    world=self.world,
+                    start=self.start,
+                    seed=seed,
+                    skills=[(relay.serves, relay.name, relay)],
+                    pictures=self._pictures,
+                )
             )
         except BaseException as error:
             told = error
@@ -183,7 +200,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         if numbers.shape != (self.numbers,) or not np.isfinite(numbers).all():
             raise InputError(f"an action of {self.numbers} finite numbers is expected")
         self.actions.put(np.clip(numbers, -1.0, 1.0))
-        told = self.told.get()
+        told = self._wait()
         if isinstance(told, Result):
             self._thread = None
             info = {"success": told.completion == 1.0, "completion": told.completion, "result": told}
@@ -194,7 +211,46 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         self._last = told
         return told, 0.0, False, False, {"success": False}
 
+    def _wait(self) -> Observation | Result | BaseException:
+        """What the episode tells next. Meanwhile the window shows it."""
+        if self.render_mode != "human":
+            return self.told.get()
+        while True:
+            try:
+                told = self.told.get(timeout=1.0 / self.metadata["render_fps"])
+            except queue.Empty:
+                self._show()
+            else:
+                self._show()
+                return told
+
+    def render(self) -> Any:
+        """A picture of the work from beside the hand, shape (480, 640, 3); with ``human``, it goes to the window."""
+        if self.render_mode == "rgb_array":
+            picture = None if self._pictures is None else self._pictures.picture()
+            if picture is None:
+                raise gymnasium.error.ResetNeeded("call `reset` before `render`")
+            return picture
+        self._show()
+        return None
+
+    def _show(self) -> None:
+        """Shows a picture in the window, in the mode ``human``."""
+        picture = None if self._pictures is None else self._pictures.picture()
+        if self.render_mode != "human" or picture is None:
+            return
+        if self._window is None:
+            self._window = Window("RAMP", self.metadata["render_fps"])
+        self._window.show(picture)
+
     def close(self) -> None:
+        """Ends the running episode, and closes the window."""
+        self._abort()
+        if self._window is not None:
+            self._window.close()
+            self._window = None
+
+    def _abort(self) -> None:
         """Ends the running episode."""
         if self._thread is not None:
             self.actions.put(None)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ramp.goal import Goal
 from ramp.gym import spaces
+from ramp.gym.window import MODES, Window, check_mode
 
 Observation = dict[str, Any]
 
@@ -24,7 +25,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     observations, actions and rewards.
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 20}
+    metadata: dict[str, Any] = {"render_modes": MODES, "render_fps": 20}
 
     def __init__(
         self,
@@ -83,7 +84,8 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             cameras: Images in observations: ``wrist``, ``birds-eye``.
             image_size: Pixels along each side, 16 to 512.
             depth: Depth images as well.
-            render_mode: ``rgb_array``, or nothing.
+            render_mode: ``rgb_array``: :meth:`render` returns a picture of the work, shape (480, 640, 3);
+                ``human``: a window shows it; default: no pictures.
 
         """
         EzPickle.__init__(
@@ -98,16 +100,14 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             "stiffness": None if stiffness is None else list(stiffness), "rate": rate, "limit": limit,
             "reward": reward, "belief_error": belief_error, "starts": tuple(starts),
         }  # fmt: skip
+        check_mode(render_mode)
         self.render_mode = render_mode
+        self._window: Window | None = None
         self.cameras = tuple(cameras)
         self.depth = depth
-        shown = self.cameras
-        if render_mode is not None and "birds-eye" not in shown:
-            shown = (*shown, "birds-eye")
-        self._shown = shown
         self.core = spaces.make_core(
             skill, goals, track=track, world=world, start=start, begin=begin,
-            whole_scene=whole_scene, cameras=shown,
+            whole_scene=whole_scene, cameras=self.cameras,
             image_size=image_size, depth=depth, settings=settings,
         )  # fmt: skip
         self.observation_space = spaces.observation_space(self.core, self.cameras, image_size, depth)
@@ -127,6 +127,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             seed = int(self.np_random.integers(2**31))
         self._seeded = True
         self.core.reset(seed)
+        self._show()
         return self._observe(), self.core.start()
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
@@ -136,19 +137,39 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         terminated, truncated = bool(told.pop("terminated")), bool(told.pop("truncated"))
         if told["cause"] is None:
             del told["cause"]
+        self._show()
         return self._observe(), reward, terminated, truncated, told
 
     def _observe(self) -> Observation:
         observation: Observation = self._cutter.cut(self.core.observe())
-        for view, camera in enumerate(self._shown):
-            if camera in self.cameras:
-                observation[camera] = self.core.image(view)
-                if self.depth:
-                    observation[f"{camera}-depth"] = np.minimum(self.core.depth(view), np.float32(10.0))
+        for view, camera in enumerate(self.cameras):
+            observation[camera] = self.core.image(view)
+            if self.depth:
+                observation[f"{camera}-depth"] = np.minimum(self.core.depth(view), np.float32(10.0))
         return observation
 
     def render(self) -> Any:
-        """The image of the bird's-eye camera."""
-        if self.render_mode is None:
-            return None
-        return self.core.image(self._shown.index("birds-eye"))
+        """A picture of the work from beside the hand, shape (480, 640, 3); with ``human``, it goes to the window."""
+        if self.render_mode == "rgb_array":
+            picture = self.core.picture()
+            if picture is None:
+                raise gymnasium.error.ResetNeeded("call `reset` before `render`")
+            return picture
+        self._show()
+        return None
+
+    def _show(self) -> None:
+        """Shows a picture in the window, in the mode ``human``."""
+        if self.render_mode != "human":
+            return
+        if self._window is None:
+            self._window = Window("RAMP", self.metadata["render_fps"])
+        picture = self.core.picture()
+        if picture is not None:
+            self._window.show(picture)
+
+    def close(self) -> None:
+        """Closes the window."""
+        if self._window is not None:
+            self._window.close()
+            self._window = None

@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from ramp._core import Env, InputError, benchmark
+from ramp._core import MAX_SEED, Env, InputError, benchmark, integer
 from ramp.goal import Goal, as_goal
 
 # Limits of each field, above all values in practice: ranges and speeds of the arm, table size, forces of the
@@ -31,10 +31,14 @@ LIMITS = {
 }
 
 
+SIZES = (16, 512)
+"""Smallest and largest side of an image, pixels."""
+
+
 def check_seed(seed: int | None) -> None:
     """Raises an error for a seed that the simulator cannot take."""
-    if seed is not None and not 0 <= int(seed) < 2**64:
-        raise InputError(f"found the seed {seed}, expected a number from 0 to 2**64 - 1")
+    if seed is not None:
+        integer("seed", seed, 0, MAX_SEED)
 
 
 def check_options(options: dict[str, Any] | None, known: Sequence[str] = ()) -> None:
@@ -60,6 +64,9 @@ def make_core(
     settings: dict[str, Any],
 ) -> Env:
     """The compiled environment behind both kinds."""
+    integer("image_size", image_size, *SIZES)
+    first, number = settings["starts"]
+    settings["starts"] = (integer("starts", first, 0, MAX_SEED), integer("starts", number, 0, MAX_SEED))
     views = [(camera, image_size, depth) for camera in cameras]
     if len(set(cameras)) != len(cameras):
         raise InputError("a camera is named twice")

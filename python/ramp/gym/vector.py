@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, SupportsIndex
 
 import gymnasium
 import numpy as np
@@ -12,12 +12,17 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from ramp._core import Batch, InputError
+from ramp._core import MAX_SEED, Batch, InputError, integer
 from ramp.goal import Goal
 from ramp.gym import spaces
 
 Observation = dict[str, Any]
 Flags = NDArray[np.bool_]
+
+MAX_ENVS = 4096
+"""Largest number of environments at a time."""
+MAX_THREADS = 1024
+"""Largest number of threads."""
 
 
 class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
@@ -68,6 +73,11 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             settings: All other arguments of a single environment.
 
         """
+        integer("num_envs", num_envs, 1, MAX_ENVS)
+        if threads is not None:
+            integer("threads", threads, 1, MAX_THREADS)
+        if max_episode_steps is not None:
+            integer("max_episode_steps", max_episode_steps, 1, MAX_SEED)
         if render_mode is not None:
             raise InputError("many environments are not rendered: render one")
         self.autoreset_mode = _mode(autoreset_mode)
@@ -110,6 +120,8 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         ``options={"reset_mask": flags}`` resets only the environments whose flag is set.
         """
         spaces.check_options(options, ["reset_mask"])
+        if isinstance(seed, SupportsIndex):
+            seed = integer("seed", seed, 0, MAX_SEED - self.num_envs + 1)
         super().reset(seed=seed if isinstance(seed, int) else None)
         if seed is None and not self._seeded:
             seed = int(self.np_random.integers(2**31))

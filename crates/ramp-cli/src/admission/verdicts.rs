@@ -1,10 +1,12 @@
 //! Verdicts on logs, stored between builds of a leaderboard.
 
 use std::collections::BTreeMap;
-use std::io::Read;
+use std::io::{IsTerminal, Read};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
+use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Report as Failure};
 use ramp_log::Facts;
 use ramp_result::episode::Software;
@@ -12,7 +14,7 @@ use ramp_result::write_whole;
 use serde::{Deserialize, Serialize};
 
 use super::judge::{self, Allowance, LogFile, Verdict};
-use crate::output::print;
+use crate::output::{print, tell};
 use crate::pool;
 use crate::software::software;
 use crate::status::MachineFault;
@@ -92,10 +94,13 @@ impl Verdicts {
     /// # Errors
     /// The reason for the first log that is not valid.
     pub fn facts(&self, logs: &[LogFile], allowance: &Allowance) -> Result<Vec<Facts>, String> {
-        let found = in_parallel(logs.len(), |index| match self.remembered.logs.get(&logs[index].sha256) {
-            Some(verdict) => Ok(verdict.clone()),
-            None => judge::read(&logs[index], allowance),
-        });
+        let known = |log: &&LogFile| self.remembered.logs.contains_key(&log.sha256);
+        let counts = [logs.len(), logs.iter().filter(known).count()];
+        let found =
+            in_parallel("reading", counts, |index| match self.remembered.logs.get(&logs[index].sha256) {
+                Some(verdict) => Ok(verdict.clone()),
+                None => judge::read(&logs[index], allowance),
+            });
         let mut facts = Vec::new();
         // A log without an outcome comes after one that is not valid.
         for (log, found) in logs.iter().zip(found) {
@@ -120,7 +125,8 @@ impl Verdicts {
         if self.refused(logs).is_some() {
             new.clear();
         }
-        let found = in_parallel(new.len(), |index| judge::replay(new[index], allowance));
+        let found =
+            in_parallel("running again", [new.len(), 0], |index| judge::replay(new[index], allowance));
         self.counts[0] += found.iter().flatten().count();
         self.counts[1] += old.len();
         let mut failure = None;
@@ -172,15 +178,46 @@ fn read(path: &Path) -> Result<Option<Remembered>, String> {
     Ok(Some(found))
 }
 
-/// Judges logs in parallel on all cores. After the first log that is not valid, no further log starts; the
-/// outcome of a log that did not start is `None`.
+/// Progress on standard error: a bar on a terminal, one line elsewhere; nothing without work.
+fn progress(work: &str, count: usize) -> Option<ProgressBar> {
+    if count == 0 {
+        return None;
+    }
+    if !std::io::stderr().is_terminal() {
+        tell(&format!("{work}: {count} {}", if count == 1 { "log" } else { "logs" }));
+        return None;
+    }
+    let bar = ProgressBar::new(count as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} logs  {elapsed}, {eta} left  {msg}")
+    {
+        bar.set_style(style);
+    }
+    bar.set_message(work.to_string());
+    bar.enable_steady_tick(Duration::from_millis(200));
+    Some(bar)
+}
+
+/// Judges logs in parallel on all cores, and shows the progress of this work. After the first log that is not
+/// valid, no further log starts; the outcome of a log that did not start is `None`. `known` logs take no time.
 fn in_parallel(
-    count: usize,
+    work: &str,
+    [count, known]: [usize; 2],
     judge: impl Fn(usize) -> Result<Verdict, String> + Sync,
 ) -> Vec<Option<Result<Verdict, String>>> {
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    pool::work(count, cores, |index| match judge(index) {
-        Ok(valid @ Verdict::Valid(_)) => ControlFlow::Continue(Ok(valid)),
-        other => ControlFlow::Break(other),
-    })
+    let bar = progress(work, count - known);
+    let outcomes = pool::work(count, cores, |index| {
+        let outcome = judge(index);
+        if let Some(bar) = &bar {
+            bar.inc(1);
+        }
+        match outcome {
+            Ok(valid @ Verdict::Valid(_)) => ControlFlow::Continue(Ok(valid)),
+            other => ControlFlow::Break(other),
+        }
+    });
+    if let Some(bar) = bar {
+        bar.finish_and_clear();
+    }
+    outcomes
 }

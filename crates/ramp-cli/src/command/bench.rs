@@ -13,8 +13,9 @@ use serde_json::{Value, json};
 
 use super::episodes::{self, Batch, Episode, Outcome, Tapes};
 use super::seeds;
+use crate::columns::{Table, terminal_width};
 use crate::output::print;
-use crate::status::{DONE, INCOMPLETE, STOPPED};
+use crate::status::{DONE, INCOMPLETE};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -71,8 +72,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     batch.secret = secret.map(seeds::read).transpose()?;
     let bench = Bench(batch);
     let mut episodes = bench.episodes();
-    if !bench.0.run(&mut episodes)? {
-        return Ok(STOPPED);
+    if let Some(status) = bench.0.run(&mut episodes)? {
+        return Ok(status);
     }
     print(&if shared.json { bench.sums_json(&episodes)? } else { bench.sums_text(&episodes) })?;
     let lost = episodes.iter().any(|episode| matches!(episode.outcome, Outcome::Lost(_)));
@@ -208,19 +209,29 @@ impl Bench<'_> {
             let _ = write!(text, " with the secret {}", secret.commitment());
         }
         text.push('\n');
-        let width = self.0.goals.iter().map(|goal| goal.name.chars().count()).max().unwrap_or(0).max(16);
-        let _ = writeln!(
-            text,
-            "{:<width$}  episodes  completion  deviation    best      pegs   {:<18}  {:>7}  {:>7}  {:>9}",
-            "goal", "mean total time", "robot", "bound", "reference"
+        let mut table = Table::new(
+            1,
+            [
+                "goal",
+                "episodes",
+                "completion",
+                "deviation",
+                "best",
+                "pegs",
+                "mean total time",
+                "robot",
+                "bound",
+                "reference",
+            ],
         );
         for (goal, sum) in self.0.goals.iter().zip(&goals) {
-            line(&mut text, &goal.name, width, sum);
+            table.add(row(goal.name.clone(), sum));
         }
         for (class, count, sum) in &classes {
             let goals = if *count == 1 { "goal" } else { "goals" };
-            line(&mut text, &format!("{}: {count} {goals}", class.name()), width, sum);
+            table.add(row(format!("{}: {count} {goals}", class.name()), sum));
         }
+        text.push_str(&table.text(terminal_width()));
         for (technical, heading) in [
             (false, "not complete:\n"),
             (true, "technical failures, not the agent's; what is missing counts as no peg:\n"),
@@ -251,15 +262,14 @@ impl Bench<'_> {
     }
 }
 
-/// One line of the table.
-fn line(text: &mut String, name: &str, width: usize, sum: &Summary) {
+/// A row of the table.
+fn row(name: String, sum: &Summary) -> [String; 10] {
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     let none = || "-".to_string();
     let seconds = |time: Option<f64>| time.map_or_else(none, |time| format!("{time:.1} s"));
     let compared = sum.time.and_then(|it| it.compared);
-    let _ = writeln!(
-        text,
-        "{name:<width$}  {:>8}  {:>10}  {:>9}  {:>6}  {:>8}   {:<18}  {:>7}  {:>7}  {:>9}",
+    [
+        name,
         format!("{}/{}", sum.finished, sum.episodes),
         percent(sum.completion.mean),
         sum.completion.deviation.map_or_else(none, percent),
@@ -272,5 +282,5 @@ fn line(text: &mut String, name: &str, width: usize, sum: &Summary) {
         seconds(sum.time.map(|it| it.robot)),
         seconds(compared.map(|it| it.bound)),
         seconds(compared.map(|it| it.reference)),
-    );
+    ]
 }

@@ -12,8 +12,9 @@ use ramp_twin::{Fault, FaultKind};
 use serde_json::{Value, json};
 
 use super::episodes::{self, Batch, Episode, Outcome};
+use crate::columns::{Table, terminal_width};
 use crate::output::print;
-use crate::status::{DONE, INCOMPLETE, STOPPED};
+use crate::status::{DONE, INCOMPLETE};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -62,8 +63,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let shared = &arguments.shared;
     let batch = shared.batch(data, &arguments.output, goals, arguments.seeds, "--seeds", None)?;
     let mut episodes = plan(&batch, &faults);
-    if !batch.run(&mut episodes)? {
-        return Ok(STOPPED);
+    if let Some(status) = batch.run(&mut episodes)? {
+        return Ok(status);
     }
     let rows = rows(&batch, &faults, &episodes);
     print(&if shared.json { as_json(&batch, &rows, &episodes)? } else { as_text(&batch, &rows, &episodes) })?;
@@ -136,24 +137,18 @@ fn as_text(batch: &Batch, rows: &[Row], episodes: &[Episode]) -> String {
     let (first, last) = (batch.seeds.start(), batch.seeds.end());
     let world = &batch.worlds[0].title;
     let mut text = format!("world {world}, track {}, seeds {first} to {last}\n", batch.track);
-    let width = batch.goals.iter().map(|goal| goal.name.chars().count()).max().unwrap_or(0).max(9);
-    let _ = writeln!(
-        text,
-        "{:<16}  {:<width$}  {:>6}  {:>8}  {:<26}  recovered",
-        "fault", "goal", "struck", "harmless", "diagnosed"
-    );
+    let mut table = Table::new(2, ["fault", "goal", "struck", "harmless", "diagnosed", "recovered"]);
     for Row { fault, goal, tally } in rows {
-        let _ = writeln!(
-            text,
-            "{:<16}  {:<width$}  {:>6}  {:>8}  {:<26}  {}",
+        table.add([
             fault.to_string(),
-            goal.unwrap_or("all goals"),
+            goal.unwrap_or("all goals").to_string(),
             format!("{}/{}", tally.struck, tally.episodes),
-            tally.harmless,
+            tally.harmless.to_string(),
             share(&tally.diagnosed),
             share(&tally.recovered),
-        );
+        ]);
     }
+    text.push_str(&table.text(terminal_width()));
     let mut heading = "not diagnosed, or not complete:\n";
     for (episode, why) in shortfalls(episodes) {
         text.push_str(heading);

@@ -53,8 +53,9 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Failure> {
     let mut admission = Admission::new(data, &arguments.options, Verdicts::open(&arguments.output)?)?;
     let mut board = Board { boards: Boards::default(), refused: Vec::new(), site, agents: 0 };
     let mut admitted = 0;
-    for path in &paths {
+    for (index, path) in paths.iter().enumerate() {
         let name = admission::name(path);
+        tell(&format!("entry {} of {}: {name}", index + 1, paths.len()));
         // An invalid entry is left out; the others are still listed.
         let outcome = match Admission::open(path)? {
             Ok(entry) => admission.admit(&entry)?,

@@ -13,7 +13,6 @@ use ramp_robot::{Event, EventKind};
 use ramp_twin::Twin;
 use serde_json::json;
 
-use crate::ending::end_on_request;
 use crate::output::print;
 use crate::pictures::{self, Pictures};
 use crate::software::software;
@@ -33,7 +32,6 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<u8, Report> {
     let log = Log::read(&arguments.log).into_diagnostic()?;
     let world = LoggedSetup::of(&log).into_diagnostic()?;
-    end_on_request()?;
     let mut pictures = Pictures::new(&arguments.pictures, &world.setup())?;
     let bar = std::io::stderr().is_terminal().then(|| {
         let bar = ProgressBar::new(log.result.time.robot.clamp(0.0, 1e6) as u64);

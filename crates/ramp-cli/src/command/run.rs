@@ -22,7 +22,6 @@ use ramp_skills::{ReferenceTimes, reference_times_of_goal};
 use ramp_twin::{Fault, Setup, Twin};
 
 use crate::command::agent;
-use crate::ending::end_on_request;
 use crate::options::{StartOption, TrackName, WorldOption};
 use crate::output::{check_place, make_folder_of, print, tell, write_file};
 use crate::pictures::{self, Pictures};
@@ -139,7 +138,6 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         agent::tell_open_ends(sandbox);
     }
     let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
-    end_on_request()?;
     let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
     make_folder_of(&log)?;
     let display = Display::new(assembly.connections.len());

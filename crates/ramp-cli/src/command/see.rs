@@ -118,6 +118,12 @@ const DRAWN: u32 = 10;
 const LABELS: &str = "labels.json";
 const ESTIMATES: [&str; 2] = ["estimates.json", "estimates-lying.json"];
 const COCO: &str = "coco.json";
+/// Conditions of each of the two estimates.
+const TITLES: [&str; 2] = [
+    "each image alone. Nothing is known of the parts, and the cameras' poses are nominal.\n\
+     A pose that is too uncertain is not given: from above, the tags are too small for one without prior knowledge.",
+    "like the baseline in an episode. The heights of the parts are known, and the cameras are calibrated.",
+];
 
 fn data_set(
     mut photographer: Photographer<'_>,
@@ -188,10 +194,10 @@ fn data_set(
         write_json(&folder.join(COCO), &coco(&labels.views, &all_areas, &names))?;
     }
     let mut text = String::new();
-    let titles = ["nothing known of the parts", "parts known to lie at their heights, cameras calibrated"];
-    for ((file, estimates), title) in ESTIMATES.iter().zip(&estimates).zip(titles) {
+    // The baseline's conditions first.
+    for ((file, estimates), title) in ESTIMATES.iter().zip(&estimates).zip(TITLES).rev() {
         write_json(&folder.join(file), estimates)?;
-        let _ = write!(text, "{title} ({file})\n{}\n", table(&judge(&labels, estimates)));
+        let _ = write!(text, "{file}, {title}\n{}\n", table(&judge(&labels, estimates)));
     }
     print(&text)?;
     Ok(DONE)

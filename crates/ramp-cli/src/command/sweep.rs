@@ -11,7 +11,7 @@ use ramp_world::World;
 
 use super::episodes::{self, Batch, BatchWorld, Episode, Outcome};
 use crate::output::{print, write_file};
-use crate::status::{DONE, INCOMPLETE, STOPPED};
+use crate::status::{DONE, INCOMPLETE};
 
 /// Largest number of values in a list.
 const MOST: usize = 1000;
@@ -82,8 +82,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         write_file(Path::new(&file.argument), &world.text)?;
     }
     let mut episodes = plan(&batch, &worlds);
-    if !batch.run(&mut episodes)? {
-        return Ok(STOPPED);
+    if let Some(status) = batch.run(&mut episodes)? {
+        return Ok(status);
     }
     let sweep = sum_up(&batch, &episodes, &base, (quantity, &values), &curves);
     let files = [("csv", sweep.csv()), ("svg", sweep.figure()), ("html", sweep.page())];

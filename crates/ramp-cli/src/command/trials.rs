@@ -25,6 +25,7 @@ use ramp_skills::Piece;
 use ramp_twin::Setup;
 use ramp_world::{Start, World};
 
+use crate::columns::{Table, terminal_width};
 use crate::command::agent;
 use crate::command::own_skill::{self, SkillHost};
 use crate::command::parts::{self, Parts};
@@ -339,29 +340,33 @@ impl Trials<'_> {
 
 /// The table of all skills, with the reasons for failures.
 fn table(text: &mut String, sums: &[SkillSum]) {
-    let width = sums.iter().map(|sum| sum.skill.len()).max().unwrap_or(0).max(5);
-    let _ = writeln!(
-        text,
-        "{:<width$}  trials  done    share  95 % interval      retried  time, median / 95 %  largest force",
-        "skill"
+    let mut table = Table::new(
+        1,
+        [
+            "skill",
+            "trials",
+            "done",
+            "share",
+            "95 % interval",
+            "retried",
+            "time, median / 95 %",
+            "largest force",
+        ],
     );
     for sum in sums {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-        let _ = writeln!(
-            text,
-            "{:<width$}  {:>6}  {:>4}  {:>7}  {:>7} – {:<7}  {:>7}  {:>8.1} s / {:>5.1} s  {:>11.0} N",
-            sum.skill,
-            sum.trials,
-            sum.successes,
+        table.add([
+            sum.skill.clone(),
+            sum.trials.to_string(),
+            sum.successes.to_string(),
             percent(sum.successes as f64 / sum.trials as f64),
-            percent(sum.interval.low),
-            percent(sum.interval.high),
-            sum.retried,
-            sum.time[0],
-            sum.time[1],
-            sum.largest_force
-        );
+            format!("{} – {}", percent(sum.interval.low), percent(sum.interval.high)),
+            sum.retried.to_string(),
+            format!("{:.1} s / {:.1} s", sum.time[0], sum.time[1]),
+            format!("{:.0} N", sum.largest_force),
+        ]);
     }
+    text.push_str(&table.text(terminal_width()));
     for sum in sums {
         for (cause, count, seed) in &sum.failures {
             let _ = writeln!(text, "  {}: {count} × {cause} (first with seed {seed})", sum.skill);

@@ -5,14 +5,17 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::ramp;
-use ramp_testing::program::words;
+use ramp_testing::program::{text, words};
 use serde_json::Value;
 use tempfile::TempDir;
 
 const BENCH: [&str; 8] = ["bench", "easy-1", "--track", "state", "--repeats", "2", "--jobs", "2"];
 
 fn command(folder: &TempDir, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_ramp"));
+    started(Command::new(env!("CARGO_BIN_EXE_ramp")), folder, arguments)
+}
+
+fn started(mut command: Command, folder: &TempDir, arguments: &[&str]) -> Command {
     command.current_dir(folder).args(arguments).stdin(Stdio::null());
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     command
@@ -69,18 +72,32 @@ fn file(folder: &Path, name: &str) -> Value {
     sums(&std::fs::read(folder.join(name)).unwrap())
 }
 
-/// Undisturbed; and killed in the middle, stopped by Ctrl-C, robbed of an episode, and started again.
+/// Protected by `nohup`; and killed in the middle, stopped by Ctrl-C, robbed of an episode, and started again.
 #[test]
 fn what_is_killed_and_started_again_gives_the_same_sums() {
     let folder = TempDir::new().unwrap();
     let with = |more: &[&'static str]| [&BENCH[..], more].concat();
 
-    let output = ramp(&folder, &with(&["-o", "whole", "--json"]));
+    // Neither the bench nor an episode ends when its terminal closes.
+    let mut protected = Command::new("nohup");
+    protected.arg(env!("CARGO_BIN_EXE_ramp"));
+    let bench = started(protected, &folder, &with(&["-o", "whole", "--json"])).spawn().unwrap();
+    wait_for("two episodes", || episodes_of(&bench).len() == 2);
+    for process in [vec![bench.id()], episodes_of(&bench)].concat() {
+        send("-HUP", process);
+    }
+    let output = bench.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", words(&output.stderr));
     let whole = sums(&output.stdout);
     assert_eq!(whole["goals"][0]["sum"]["finished"], 2);
     assert_eq!(whole["goals"][0]["sum"]["pegs"], 6);
     assert_eq!(whole["classes"][0]["class"], "easy");
+
+    // On a narrow terminal, the table is split.
+    let narrow = command(&folder, &with(&["-o", "whole"])).env("COLUMNS", "60").output().unwrap();
+    let table = text(&narrow.stdout);
+    assert!(table.contains("completion") && table.contains("reference"), "{table}");
+    assert!(table.lines().all(|line| line.chars().count() <= 60), "{table}");
 
     // Killed in the middle: its episodes end with it.
     let arguments = with(&["-o", "killed", "--json"]);
@@ -92,8 +109,10 @@ fn what_is_killed_and_started_again_gives_the_same_sums() {
     bench.wait().unwrap();
     wait_for("the end of the episodes", || orphans.iter().all(|&it| is_gone(it)));
 
-    // Stopped by Ctrl-C.
-    let bench = command(&folder, &arguments).spawn().unwrap();
+    // Stopped by Ctrl-C. Tests that run in the background hand on that it is ignored.
+    let mut stoppable = Command::new("env");
+    stoppable.args(["--default-signal", env!("CARGO_BIN_EXE_ramp")]);
+    let bench = started(stoppable, &folder, &arguments).spawn().unwrap();
     wait_for("two episodes", || episodes_of(&bench).len() == 2);
     let second = ramp(&folder, &arguments);
     assert_eq!(second.status.code(), Some(2));

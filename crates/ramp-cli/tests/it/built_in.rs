@@ -1,6 +1,10 @@
 //! The program away from its repository: built-in data, data of one's own, completions and manual pages.
 
+use std::path::Path;
+use std::process::Command;
+
 use crate::ramp;
+use ramp_testing::program::text;
 use tempfile::TempDir;
 
 /// Standard output of a command that is done.
@@ -59,11 +63,72 @@ fn missing_folders_of_results_are_made() {
     assert!(folder.path().join("parts").is_dir());
 }
 
+/// On a narrow terminal, help and messages break between words.
+#[test]
+fn help_and_messages_break_between_words() {
+    let output = |arguments: &[&str]| {
+        Command::new(env!("CARGO_BIN_EXE_ramp")).args(arguments).env("COLUMNS", "60").output().unwrap()
+    };
+    for command in ["run", "bench", "leaderboard"] {
+        let help = text(&output(&[command, "--help"]).stdout);
+        assert!(help.lines().count() > 20);
+        for line in help.lines() {
+            assert!(line.chars().count() <= 60, "{command}: {line}");
+        }
+    }
+    let message = text(&output(&["trials", "fasten"]).stderr);
+    assert!(message.lines().count() > 3);
+    for line in message.lines() {
+        assert!(!line.ends_with('-'), "{message}");
+    }
+}
+
+/// The words that bash offers at the end of a line of a `ramp` command.
+fn completed(folder: &TempDir, line: &str) -> Vec<String> {
+    let script = r#"source <(ramp completions bash)
+        read -ra COMP_WORDS <<< "ramp $LINE"
+        [[ "$LINE" == *" " ]] && COMP_WORDS+=("")
+        COMP_CWORD=$((${#COMP_WORDS[@]} - 1)) COMP_TYPE=9
+        _clap_complete_ramp ramp "${COMP_WORDS[COMP_CWORD]}"
+        printf '%s\n' "${COMPREPLY[@]}""#;
+    let program = Path::new(env!("CARGO_BIN_EXE_ramp")).parent().unwrap();
+    let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
+    let output = Command::new("bash")
+        .args(["-c", script])
+        .current_dir(folder)
+        .env("PATH", path)
+        .env("LINE", line)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{line}: {}", text(&output.stderr));
+    text(&output.stdout).lines().map(|it| it.trim().to_string()).collect()
+}
+
 #[test]
 fn shells_complete_and_manual_pages_are_there_for_each_command() {
     let folder = TempDir::new().unwrap();
-    for shell in ["bash", "zsh", "fish"] {
-        assert!(done(&folder, &["completions", shell]).contains("leaderboard"), "{shell}");
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        assert!(done(&folder, &["completions", shell]).contains("RAMP_COMPLETE"), "{shell}");
+    }
+    std::fs::write(folder.path().join("mine.xml"), "").unwrap();
+    for (line, expected) in [
+        ("leader", &["leaderboard"][..]),
+        ("run ea", &["easy-1", "easy-2", "easy-3"]),
+        ("run mi", &["mine.xml"]),
+        ("plan hard-", &["hard-1", "hard-2", "hard-3"]),
+        ("bench ea", &["easy", "easy-1", "easy-2", "easy-3"]),
+        ("bench easy-1 ha", &["hard", "hard-1", "hard-2", "hard-3"]),
+        ("run easy-1 --world ", &["ideal", "real", "hard", "mine.xml"]),
+        ("run easy-1 --start m", &["moved", "mine.xml"]),
+        ("run easy-1 --fault peg-", &["peg-dropped", "peg-tilted", "peg-missing"]),
+        ("run easy-1 --skill fast", &["fasten="]),
+        ("run easy-1 --skill fasten=mi", &["fasten=mine.xml"]),
+        ("trials fasten-in-f", &["fasten-in-f", "fasten-in-f-end"]),
+        ("world show r", &["real"]),
+        ("start show s", &["sheet"]),
+        ("score --form medium-", &["medium-1", "medium-2", "medium-3"]),
+    ] {
+        assert_eq!(completed(&folder, line), expected, "{line}");
     }
     done(&folder, &["man", "man1"]);
     for page in ["ramp.1", "ramp-run.1", "ramp-goals-generate.1"] {

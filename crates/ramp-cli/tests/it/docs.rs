@@ -50,6 +50,7 @@ fn commands(block: &str) -> Vec<String> {
 /// The error in the arguments of a `ramp` command; `None` for other programs.
 fn wrong(command: &str) -> Option<String> {
     let command = command.split(" > ").next().unwrap_or(command).split(" | ").next().unwrap_or(command);
+    let command = command.trim_start_matches("nohup ").trim_end_matches(" &");
     let Some(words) = shlex::split(command) else {
         // A quoted text that continues on the next line.
         return command.starts_with("ramp ").then(|| "it is no command of a shell".to_string());

@@ -58,6 +58,42 @@ fn a_program_rehearses_its_motions() {
     assert!(!events.iter().any(|event| event["kind"] == "not_rehearsed" || event["kind"] == "motion"));
 }
 
+/// The tutorial of the planner deletes a rule: the beam is then laid down where it should be inserted, and no peg
+/// counts. With the rule, the same goal is built.
+#[test]
+fn the_rule_that_the_tutorial_removes_matters() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let page = std::fs::read_to_string(root.join("docs/src/tutorials/your-planner.md")).unwrap();
+    let rules = std::fs::read_to_string(root.join("data/domains/coarse.al")).unwrap();
+    let rule = page.lines().find(|line| line.starts_with("impossible assemble(B) if")).unwrap();
+    assert_eq!(rules.matches(rule).count(), 1, "{rule}");
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| words(folder.path().join(name));
+    std::fs::write(place("mine.al"), rules.replace(rule, "")).unwrap();
+    let corner = r#"<assembly>
+  <component beam="b7" base="True"/>
+  <component beam="b4"/>
+  <connection name="C1">
+    <element component="b4" joint="b4j1"/>
+    <element component="b7" joint="b7j1"/>
+  </connection>
+</assembly>"#;
+    std::fs::write(place("corner.xml"), corner).unwrap();
+    let (goal, mine, out) = (place("corner.xml"), place("mine.al"), place("out.json"));
+    for (domain, planned, pegs) in
+        [(&[][..], "insert b4 by b4j1", 1), (&["--domain", &mine][..], "lay down b4 at its place", 0)]
+    {
+        let plan = ramp(&[&["plan", &goal][..], domain].concat());
+        let plan = String::from_utf8(plan.stdout).unwrap();
+        assert!(plan.contains(planned), "{plan}");
+        let fast = ["--track", "state", "--world", "ideal", "--force", "-o", &out];
+        ramp(&[&["run", &goal][..], domain, &fast].concat());
+        let counted =
+            result(Path::new(&out))["pegs"].as_array().unwrap().iter().filter(|it| !it.is_null()).count();
+        assert_eq!(counted, pegs, "{domain:?}");
+    }
+}
+
 #[test]
 fn a_plan_that_cannot_be_is_bad_input() {
     let folder = tempfile::tempdir().unwrap();

@@ -24,7 +24,13 @@ fn a_data_set_is_the_same_again_and_can_be_judged() {
     let folder = tempfile::tempdir().unwrap();
     let make = |name: &str| {
         let path = folder.path().join(name);
-        ramp().args(["see", "easy-1", "--count", "10", "-o"]).arg(&path).assert().success();
+        let output = ramp().args(["see", "easy-1", "--count", "10", "-o"]).arg(&path).assert().success();
+        // Each of the two tables stands below its conditions, the baseline's first.
+        let text = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+        let tables: Vec<&str> = text.split("\n\n").filter(|part| part.contains("distance m")).collect();
+        assert_eq!(tables.len(), 2, "{text}");
+        assert!(tables[0].starts_with("estimates-lying.json, like the baseline in an episode."), "{text}");
+        assert!(tables[1].starts_with("estimates.json, each image alone. Nothing is known"), "{text}");
         path
     };
     let (first, second) = (make("first"), make("second"));

@@ -456,7 +456,7 @@ fn a_board_has_the_baseline_as_its_control_row() {
     let place = Place::new();
     place.enter("a", "one", 1);
     let (_, told) = place.board(&[]);
-    assert!(!place.page(&board_page()).contains("<td>control</td>"), "{told}");
+    assert!(!place.page(&board_page()).contains("data-label=\"place\"><div>control</div>"), "{told}");
     let control = |more: &[&str]| {
         let words = [&["--data", "data", "leaderboard", "entries", "-o", "site"], more].concat();
         let output = place.ramp(&words);
@@ -466,9 +466,15 @@ fn a_board_has_the_baseline_as_its_control_row() {
     let told = control(&["--control"]);
     assert!(told.contains("1 of 1 entries admitted"), "{told}");
     let board = place.page(&board_page());
-    assert!(board.contains("<td>control</td>") && board.contains(">baseline "), "{board}");
+    assert!(
+        board.contains("data-label=\"place\"><div>control</div>") && board.contains(">baseline "),
+        "{board}"
+    );
     assert!(board.contains("5/5"), "the baseline builds two beams: {board}");
-    assert!(board.contains("<td>floor</td>") && board.contains(">blind-tape "), "{board}");
+    assert!(
+        board.contains("data-label=\"place\"><div>floor</div>") && board.contains(">blind-tape "),
+        "{board}"
+    );
     // Its results stay in the site, and the next board has the row without running it.
     let folder = place.path("site/control").join(board_page().replace("board-", "").replace(".html", ""));
     let result = folder.join("easy-1-state-1.json");
@@ -477,7 +483,7 @@ fn a_board_has_the_baseline_as_its_control_row() {
     assert!(told.contains("0 logs run again"), "{told}");
     control(&[]);
     assert_eq!(std::fs::metadata(&result).unwrap().modified().unwrap(), before);
-    assert!(place.page(&board_page()).contains("<td>control</td>"));
+    assert!(place.page(&board_page()).contains("data-label=\"place\"><div>control</div>"));
     // Damaged results are no row.
     std::fs::write(folder.join("easy-1-state-2.mcap"), "no log").unwrap();
     let told = control(&[]);

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use ramp_external_agent::sandbox::{graphics, is_available};
 use ramp_testing::trials::{Trial, check, check_unless};
+use rustix::process::Signal;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -196,17 +197,18 @@ fn names(folder: &Path) -> Vec<String> {
     entries.map(|entry| entry.file_name().into_string().unwrap()).collect()
 }
 
-/// A request to end (SIGTERM) leaves nothing that is half done: no file, no process, no folder of an agent.
+/// A request to end leaves nothing that is half done: no file, no process, no folder of an agent.
 fn a_request_to_end_leaves_nothing_behind() {
     let (_folder, agent) = silent();
-    ends_cleanly(&["run", "easy-1", "-o", "out.json", "--video", "film.gif"], None);
-    ends_cleanly(&["run", "easy-1", "-o", "out.json"], Some(&agent));
-    ends_cleanly(&["bench", "easy-1", "-o", "."], Some(&agent));
+    ends_cleanly(&["run", "easy-1", "-o", "out.json", "--video", "film.gif"], None, Signal::TERM);
+    ends_cleanly(&["run", "easy-1", "-o", "out.json"], Some(&agent), Signal::HUP);
+    ends_cleanly(&["bench", "easy-1", "-o", "."], Some(&agent), Signal::INT);
+    ends_cleanly(&["trials", "fasten-in-f", "-o", "."], Some(&agent), Signal::HUP);
 }
 
 fn a_request_to_end_leaves_nothing_of_a_sandbox_behind() {
     let (_folder, agent) = silent();
-    ends_cleanly(&["run", "easy-1", "-o", "out.json", "--sandbox"], Some(&agent));
+    ends_cleanly(&["run", "easy-1", "-o", "out.json", "--sandbox"], Some(&agent), Signal::TERM);
 }
 
 /// An agent that says nothing, in a folder of its own.
@@ -217,10 +219,12 @@ fn silent() -> (TempDir, PathBuf) {
     (folder, agent)
 }
 
-/// The command is asked to end while it is at work. It exits with 130 and leaves no file.
-fn ends_cleanly(arguments: &[&str], agent: Option<&Path>) {
+/// The command gets a signal while it is at work. It exits with 128 and the signal's number, and leaves no file.
+fn ends_cleanly(arguments: &[&str], agent: Option<&Path>, signal: Signal) {
     let (results, temporary) = (TempDir::new().unwrap(), TempDir::new().unwrap());
-    let mut command = Command::new(env!("CARGO_BIN_EXE_ramp"));
+    // Tests that run in the background hand on that INT is ignored.
+    let mut command = Command::new("env");
+    command.args(["--default-signal", env!("CARGO_BIN_EXE_ramp")]);
     command.current_dir(&results).args(arguments).env("TMPDIR", temporary.path());
     command.stdout(Stdio::null()).stderr(Stdio::null());
     if let Some(agent) = agent {
@@ -231,9 +235,9 @@ fn ends_cleanly(arguments: &[&str], agent: Option<&Path>) {
     std::thread::sleep(Duration::from_secs(3));
     assert!(run.try_wait().unwrap().is_none(), "{arguments:?} ended by itself");
     let pid = rustix::process::Pid::from_child(&run);
-    rustix::process::kill_process(pid, rustix::process::Signal::TERM).unwrap();
+    rustix::process::kill_process(pid, signal).unwrap();
     let status = run.wait().unwrap();
-    assert_eq!(status.code(), Some(130), "{arguments:?}");
+    assert_eq!(status.code(), Some(128 + signal.as_raw()), "{arguments:?}");
     let mut left = names(results.path());
     left.retain(|name| name != ".lock");
     assert_eq!(left, Vec::<String>::new(), "{arguments:?}");

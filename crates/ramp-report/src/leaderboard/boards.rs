@@ -47,13 +47,13 @@ impl Key {
     pub fn title(&self) -> String {
         let class =
             self.class.as_ref().map_or("Goals without a class".to_string(), |it| format!("Class {it}"));
-        let real = if self.real { ", real robots" } else { "" };
+        let robot = if self.real { ", real robot" } else { ", twin" };
         let version = |kind: &str, file: &Option<Named>| {
             file.as_ref()
                 .map_or(String::new(), |it| format!(", {kind} {} ({})", it.name, begin(it, SHOWN_HASH)))
         };
         let (world, start) = (version("world", &self.world), version("start", &self.start));
-        format!("{class}, track {}{world}{start}{real}", self.track)
+        format!("{class}, track {}{robot}{world}{start}", self.track)
     }
 
     /// For the name of a file: letters, digits and hyphens.

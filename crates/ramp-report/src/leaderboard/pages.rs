@@ -4,7 +4,8 @@
 use maud::{Markup, html};
 
 use super::boards::{Board, Boards, Control, Standing};
-use crate::format::{NONE, share, small};
+use crate::columns::{self, Column, name, number, sentences};
+use crate::format::{NONE, counted, share, small};
 use crate::shell::page;
 
 /// Entries on one page.
@@ -55,14 +56,12 @@ pub fn pages(boards: &Boards, refused: &[Refusal], compared: &[(String, String)]
         let body = html! {
             (way_back())
             h1 { "Refused" }
-            p.soft { (count(refused.len(), "entry is", "entries are")) " on no board, each with the first reason found." }
+            p.soft { (counted(refused.len(), "entry is", "entries are")) " on no board, each with the first reason found." }
             (turn(REFUSED, number, chunks.len()))
-            div.wide {
-                table {
-                    thead { tr { th.name { "entry" } th.name { "reason" } } }
-                    tbody { @for it in *chunk { tr { td.name { (it.entry) } td.long { (it.reason) } } } }
-                }
-            }
+            (columns::table(
+                &[name("entry"), sentences("reason")],
+                chunk.iter().map(|it| vec![html! { (it.entry) }, html! { (it.reason) }]),
+            ))
             (turn(REFUSED, number, chunks.len()))
         };
         pages.push((file(REFUSED, number), page(&format!("{TITLE}: refused"), &body)));
@@ -77,10 +76,6 @@ const REFUSED: &str = "refused";
 /// The file of a page, from 0.
 fn file(stem: &str, number: usize) -> String {
     if number == 0 { format!("{stem}.html") } else { format!("{stem}-{}.html", number + 1) }
-}
-
-fn count(count: usize, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 fn way_back() -> Markup {
@@ -116,13 +111,13 @@ fn front(boards: &Boards, refused: usize) -> String {
         }
         @for board in boards.boards() {
             h2 { a href=(file(&format!("board-{}", board.key.slug()), 0)) { (board.key.title()) } }
-            p.soft { (count(board.standings.len(), "entry", "entries")) ", rules " (board.key.rules) "." }
+            p.soft { (counted(board.standings.len(), "entry", "entries")) ", rules " (board.key.rules) "." }
             (table(&board.standings[..board.standings.len().min(BEST)], 0, &board.controls))
         }
         @if boards.boards().is_empty() { p { "No entry is on a board." } }
         @if refused > 0 {
             h2 { a href=(file(REFUSED, 0)) { "Refused" } }
-            p { (count(refused, "entry was", "entries were")) " refused; the page gives the reasons." }
+            p { (counted(refused, "entry was", "entries were")) " refused; the page gives the reasons." }
         }
     };
     page(TITLE, &body)
@@ -132,7 +127,7 @@ fn front(boards: &Boards, refused: usize) -> String {
 fn board_words(board: &Board) -> Markup {
     html! {
         p.soft {
-            (count(board.standings.len(), "entry", "entries")) ", rules " (board.key.rules)
+            (counted(board.standings.len(), "entry", "entries")) ", rules " (board.key.rules)
             ". Higher completion first, then less total time. Intervals are of 95 %. The bound is a lower one for the robot's \
              time; the reference is the time of the same plan without looks and retries. "
             @if board.key.real {
@@ -166,52 +161,55 @@ fn hashes(board: &Board, compared: &[(String, String)]) -> Markup {
     }
 }
 
+const COLUMNS: [Column; 14] = [
+    name("place"),
+    name("agent").with("entry"),
+    number("completion", "%"),
+    number("complete", "episodes"),
+    number("pegs", ""),
+    number("technical", "failures"),
+    number("total time", "s"),
+    number("planning", "s, told"),
+    number("compute", "s, told"),
+    number("robot", "s"),
+    number("bound", "s"),
+    number("reference", "s"),
+    sentences("robot or computer").with("told"),
+    name("software").with("told"),
+];
+
 fn table(standings: &[Standing], above: usize, controls: &[Control]) -> Markup {
-    html! {
-        div.wide {
-            table {
-                thead { tr {
-                    th { "" } th.name { "agent" small { "entry" } } th { "completion" small { "%" } } th { "complete" } th { "pegs" }
-                    th { "technical" small { "failures" } }
-                    th { "total time" small { "s" } } th { "planning" small { "s, told" } } th { "compute" small { "s, told" } }
-                    th { "robot" small { "s" } } th { "bound" small { "s" } } th { "reference" small { "s" } }
-                    th.name { "robot or computer" small { "told" } } th.name { "software" small { "told" } }
-                } }
-                tbody {
-                    @for (index, it) in standings.iter().enumerate() { (row(it, &(above + index + 1).to_string())) }
-                    @for it in controls { (row(&it.standing, &it.label)) }
-                }
-            }
-        }
-    }
+    let places = standings.iter().enumerate().map(|(index, it)| row(it, &(above + index + 1).to_string()));
+    let others = controls.iter().map(|it| row(&it.standing, &it.label));
+    columns::table(&COLUMNS, places.chain(others))
 }
 
-fn row(it: &Standing, place: &str) -> Markup {
+fn row(it: &Standing, place: &str) -> Vec<Markup> {
     let sum = &it.line.summary;
     let compared = sum.time.and_then(|time| time.compared);
     let mean = |digits: usize, time: Option<f64>| {
-        time.map_or_else(|| NONE.to_string(), |time| format!("{time:.digits$}"))
+        let text = time.map_or_else(|| NONE.to_string(), |time| format!("{time:.digits$}"));
+        html! { (text) }
     };
-    html! {
-        tr {
-            td { (place) }
-            td.name {
-                a href=(it.page) { (it.agent) }
-                small { (it.entry) }
-                @for warning in &it.warnings { div.warning { (warning) } }
-            }
-            td { (share(sum.completion.mean)) (small(it.line.completion_interval, share)) }
-            td { (it.line.complete) "/" (sum.episodes) }
-            td { (sum.pegs_counted) "/" (sum.pegs) }
-            td { (sum.technical) }
-            td { (mean(1, sum.time.map(|time| time.total))) }
-            td { (mean(2, sum.time.map(|time| time.planning))) @if it.timed_here { small { "timed here" } } }
-            td { (mean(2, sum.time.map(|time| time.compute))) @if it.timed_here { small { "timed here" } } }
-            td { (mean(1, sum.time.map(|time| time.robot))) }
-            td { (mean(1, compared.map(|it| it.bound))) }
-            td { (mean(1, compared.map(|it| it.reference))) }
-            td.long { @if let Some(real) = &it.real { (real.robot) } @else { (it.host) } }
-            td.name { "ramp " (it.software[0]) small { (it.software[1]) } }
-        }
-    }
+    let told = |time: Option<f64>| html! { (mean(2, time)) @if it.timed_here { small { "timed here" } } };
+    vec![
+        html! { (place) },
+        html! {
+            a href=(it.page) { (it.agent) }
+            small { (it.entry) }
+            @for warning in &it.warnings { div.warning { (warning) } }
+        },
+        html! { (share(sum.completion.mean)) (small(it.line.completion_interval, share)) },
+        html! { (it.line.complete) "/" (sum.episodes) },
+        html! { (sum.pegs_counted) "/" (sum.pegs) },
+        html! { (sum.technical) },
+        mean(1, sum.time.map(|time| time.total)),
+        told(sum.time.map(|time| time.planning)),
+        told(sum.time.map(|time| time.compute)),
+        mean(1, sum.time.map(|time| time.robot)),
+        mean(1, compared.map(|it| it.bound)),
+        mean(1, compared.map(|it| it.reference)),
+        html! { @if let Some(real) = &it.real { (real.robot) } @else { (it.host) } },
+        html! { "ramp " (it.software[0]) small { (it.software[1]) } },
+    ]
 }

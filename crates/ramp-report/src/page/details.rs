@@ -3,8 +3,23 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::view::View;
+use crate::columns::{Column, name, number, sentences, table};
 use crate::format::{NONE, percent, seconds};
 use crate::sums;
+
+const FAILURES: [Column; 3] =
+    [number("episodes", ""), sentences("cause"), sentences("which, and what was said")];
+
+const FILES: [Column; 8] = [
+    name("file"),
+    name("goal"),
+    number("seed", ""),
+    number("completion", ""),
+    number("total time", ""),
+    sentences("ended"),
+    name("SHA-256"),
+    name("SHA-256 of its log"),
+];
 
 /// Causes of the incomplete episodes.
 pub fn failures(view: View) -> Markup {
@@ -17,24 +32,15 @@ pub fn failures(view: View) -> Markup {
             @if failures.is_empty() {
                 p { "Every episode is complete." }
             } @else {
-                div.wide {
-                    table {
-                        thead { tr { th { "episodes" } th.name { "cause" } th.name { "which, and what was said" } } }
-                        tbody {
-                            @for failure in &failures {
-                                tr {
-                                    td { (failure.episodes.len()) }
-                                    td.long { (failure.cause) @if failure.technical { small { "technical: no failure of the agent" } } }
-                                    td.long {
-                                        @for (goal, seed, reason) in &failure.episodes {
-                                            div { (goal) ", seed " (seed) ": " span.soft { (reason) } }
-                                        }
-                                    }
-                                }
-                            }
+                (table(&FAILURES, failures.iter().map(|failure| vec![
+                    html! { (failure.episodes.len()) },
+                    html! { (failure.cause) @if failure.technical { small { "technical: no failure of the agent" } } },
+                    html! {
+                        @for (goal, seed, reason) in &failure.episodes {
+                            div { (goal) ", seed " (seed) ": " span.soft { (reason) } }
                         }
-                    }
-                }
+                    },
+                ])))
             }
         }
     }
@@ -86,28 +92,16 @@ pub fn origin(view: View) -> Markup {
                     " Computer: " (file.result.host.cpu) ", " (file.result.host.cores) " threads."
                 }
             }
-            div.wide {
-                table {
-                    thead { tr {
-                        th.name { "file" } th.name { "goal" } th { "seed" } th { "completion" } th { "total time" }
-                        th.name { "ended" } th.name { "SHA-256" } th.name { "of its log" }
-                    } }
-                    tbody {
-                        @for file in &entrant.files {
-                            tr {
-                                td.name { (file.path.file_name().unwrap_or_default().to_string_lossy()) }
-                                td.name { (file.result.goal) }
-                                td { (file.result.seed) }
-                                td { (percent(file.result.completion)) }
-                                td { (seconds(file.result.time.total)) }
-                                td.long { (file.result.ended.reason) }
-                                td.name { code { (&file.sha256[..16]) } }
-                                td.name { code { (short(file.result.log.as_deref())) } }
-                            }
-                        }
-                    }
-                }
-            }
+            (table(&FILES, entrant.files.iter().map(|file| vec![
+                html! { (file.path.file_name().unwrap_or_default().to_string_lossy()) },
+                html! { (file.result.goal) },
+                html! { (file.result.seed) },
+                html! { (percent(file.result.completion)) },
+                html! { (seconds(file.result.time.total)) },
+                html! { (file.result.ended.reason) },
+                html! { code { (&file.sha256[..16]) } },
+                html! { code { (short(file.result.log.as_deref())) } },
+            ])))
         }
     }
 }

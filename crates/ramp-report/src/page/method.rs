@@ -29,8 +29,8 @@ pub fn method() -> Markup {
             ": the same results give the same report to the last bit."
         }
         p {
-            "Robot time is cut by the events of a result: an action begins with " code { "start" } " and ends with "
-            code { "done" } ", or where the next one starts. Time outside actions, and all time of an agent that tells no \
+            "Robot time is cut by the events of a result: an action begins with " code { "action_begun" } " and ends with "
+            code { "action_ended" } ", or where the next one starts. Time outside actions, and all time of an agent that tells no \
              events, is “between actions”."
         }
     }

@@ -20,9 +20,12 @@ pub(super) fn notes(collection: &Collection) -> Vec<String> {
                 .collect();
             seeds.sort_unstable();
             if !seeds.is_empty() && seeds != (1..=REPEATS).collect::<Vec<u64>>() {
+                // A real robot has no seeds, but numbers its repeats.
+                let noun = if entrant.identity.real.is_some() { "repeat" } else { "seed" };
+                let many = if seeds.len() == 1 { "" } else { "s" };
                 let seeds: Vec<String> = seeds.iter().map(u64::to_string).collect();
                 notes.push(format!(
-                    "{name}: {} was run with seeds {}, the protocol asks for 1 to {REPEATS}",
+                    "{name}: {} was run with {noun}{many} {}, the protocol asks for {noun}s 1 to {REPEATS}",
                     goal.name,
                     seeds.join(", ")
                 ));

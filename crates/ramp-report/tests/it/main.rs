@@ -5,5 +5,6 @@
 
 mod leaderboard;
 mod many;
+mod readers;
 mod results_fuzz;
 mod technical;

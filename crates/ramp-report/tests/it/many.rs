@@ -55,7 +55,7 @@ fn the_front_page_of_many_has_sums_and_links_and_the_tables_have_all() {
     assert!(front.len() < whole.len(), "{} and {}", front.len(), whole.len());
     assert!(!front.contains("Every episode over time"));
     // The best are compared, and the tables contain every pair.
-    let pairs = front.matches("<td class=\"name\">completion</td>").count();
+    let pairs = front.matches("data-label=\"measure\"><div>completion</div>").count();
     assert_eq!(pairs, 10 * 9 / 2);
     let comparisons = table::tables(&report).into_iter().find(|it| it.name == "comparisons").unwrap();
     let rows = comparisons.text.lines().filter(|line| line.contains(",completion,")).count();
@@ -96,11 +96,15 @@ fn a_board_has_fifty_on_a_page_and_the_front_page_the_best_of_each() {
         "index.html".into(),
     ];
     assert_eq!(names, expected);
-    let rows = |text: &str| text.matches("<tr><td>").count();
+    let rows = |text: &str| text.matches("data-label=\"place\"><div>").count();
     assert_eq!(pages.iter().map(|(_, text)| rows(text)).collect::<Vec<_>>(), [50, 5, 5, 0, 0, 6]);
-    assert!(pages[1].1.contains("<tr><td>51</td>") && pages[1].1.contains(&format!("href=\"{state}.html\"")));
     assert!(
-        pages[0].1.contains("<td>11.2</td><td>33.8</td>"),
+        pages[1].1.contains("data-label=\"place\"><div>51</div>")
+            && pages[1].1.contains(&format!("href=\"{state}.html\""))
+    );
+    assert!(
+        pages[0].1.contains("data-label=\"bound, s\"><div>11.2</div>")
+            && pages[0].1.contains("data-label=\"reference, s\"><div>33.8</div>"),
         "bound and reference are beside the robot's time"
     );
     assert!(pages[0].1.contains("kit") && pages[0].1.contains("&lt;u&gt;hash"), "a board names hashes");

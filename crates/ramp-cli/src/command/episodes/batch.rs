@@ -9,7 +9,7 @@ use std::ops::{ControlFlow, RangeInclusive};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use miette::{IntoDiagnostic, Report, miette};
@@ -25,7 +25,7 @@ use super::display::Display;
 use super::episode::{Episode, Outcome};
 use super::goals::{BatchError, BatchGoal};
 use super::tapes::Tapes;
-use crate::ending::end_of;
+use crate::ending::{defer_requests, end_of, requested};
 use crate::output::tell;
 use crate::pool;
 use crate::seal;
@@ -142,12 +142,12 @@ impl Batch<'_> {
         (1..).zip(self.seeds.clone())
     }
 
-    /// Runs the episodes that have no result in the folder yet. Returns false, after printing a message, if
-    /// it was stopped by Ctrl-C.
+    /// Runs the episodes that have no result in the folder yet. Returns the exit status, after printing a
+    /// message, if it was stopped by a signal.
     ///
     /// # Errors
     /// If the folder belongs to another version or agent, is in use, or cannot be written to.
-    pub fn run(&self, episodes: &mut [Episode]) -> Result<bool, Report> {
+    pub fn run(&self, episodes: &mut [Episode]) -> Result<Option<u8>, Report> {
         let folder = self.folder;
         if folder.exists() && !folder.is_dir() {
             return Err(miette!(help = "name a folder with -o", "{} is not a folder", folder.display()));
@@ -167,9 +167,7 @@ impl Batch<'_> {
             }
             Err(TryLockError::Error(error)) => return Err(error).into_diagnostic(),
         }
-        let stop = Arc::new(AtomicBool::new(false));
-        let handler = stop.clone();
-        ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).into_diagnostic()?;
+        defer_requests();
         for episode in episodes.iter_mut() {
             let path = folder.join(format!("{}.json", episode.stem));
             match self.read(&path, episode) {
@@ -183,15 +181,15 @@ impl Batch<'_> {
                 None => {}
             }
         }
-        let whole = self.work(episodes, &stop)?;
-        if !whole {
+        let stopped = if self.work(episodes)? { None } else { requested() };
+        if stopped.is_some() {
             let finished = episodes.iter().filter(|it| matches!(it.outcome, Outcome::Finished(_))).count();
             tell(&format!(
                 "stopped: {finished} of {} episodes are finished; run the same command to resume",
                 episodes.len()
             ));
         }
-        Ok(whole)
+        Ok(stopped)
     }
 
     /// Conditions that all results of the folder share.
@@ -237,7 +235,7 @@ impl Batch<'_> {
     }
 
     /// Runs the open episodes. Returns false if it was stopped.
-    fn work(&self, episodes: &mut [Episode], stop: &AtomicBool) -> Result<bool, Report> {
+    fn work(&self, episodes: &mut [Episode]) -> Result<bool, Report> {
         let open: Vec<usize> =
             (0..episodes.len()).filter(|&it| matches!(episodes[it].outcome, Outcome::Open)).collect();
         let running = self.folder.join(RUNNING);
@@ -255,7 +253,7 @@ impl Batch<'_> {
         let state = Mutex::new(State { episodes, display, at_work: BTreeMap::new() });
         let halt = AtomicBool::new(false);
         let outcomes = pool::work(open.len(), self.jobs, |item| {
-            let stopped = || stop.load(Ordering::Relaxed) || halt.load(Ordering::Relaxed);
+            let stopped = || requested().is_some() || halt.load(Ordering::Relaxed);
             let outcome = self.episode(open[item], &state, (&running, temporary.path()), &stopped);
             if outcome.is_err() {
                 halt.store(true, Ordering::Relaxed);

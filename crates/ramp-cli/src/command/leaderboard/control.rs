@@ -2,10 +2,11 @@
 //! control, which is the baseline, and the floor, which is the blind tape of the control's logs. Their
 //! results stay in the site, so that they are made once for each board, version and rules.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
-use miette::{IntoDiagnostic, Report as Failure};
+use miette::Report as Failure;
 use ramp_data::Data;
 use ramp_report::leaderboard::Key;
 use ramp_report::report::REPEATS;
@@ -14,6 +15,7 @@ use ramp_result::sha256;
 use ramp_world::World;
 
 use crate::ending::end_of;
+use crate::seal;
 use crate::software::software;
 use crate::status::{DONE, INCOMPLETE, MACHINE, MachineFault};
 
@@ -68,29 +70,22 @@ pub fn make(
     if folder.exists() && !is_of_this_program(&folder) {
         std::fs::remove_dir_all(&folder).map_err(MachineFault::of)?;
     }
-    let mut command = Command::new(std::env::current_exe().into_diagnostic()?);
-    command.args(data.arguments()).args([
-        "bench",
-        "--track",
-        &key.track,
-        "--world",
-        &world.name,
-        "--start",
-        start,
-    ]);
-    command.args(["--repeats", &REPEATS.to_string()]).arg("-o").arg(&folder);
+    let mut words = data.arguments();
+    words.extend(
+        ["bench", "--track", &key.track, "--world", &world.name, "--start", start].map(OsString::from),
+    );
+    words.extend(["--repeats".into(), REPEATS.to_string().into(), "-o".into(), folder.into()]);
     if row == Row::Floor {
-        command.arg("--tape").arg(Row::Control.folder(site, key));
+        words.extend(["--tape".into(), Row::Control.folder(site, key).into()]);
     }
-    if let Some(secret) = secret {
-        command.arg("--secret").arg(secret);
-    }
-    let status = command
-        .args(["--", class])
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .status()
-        .map_err(MachineFault::of)?;
+    words.extend(secret.iter().flat_map(|secret| ["--secret".into(), OsString::from(secret)]));
+    words.extend(["--", class].map(OsString::from));
+    // The bench ends with this program.
+    let mut bench = seal::child(&words, |command| {
+        command.stdout(Stdio::null());
+    })
+    .map_err(MachineFault::of)?;
+    let status = bench.wait().map_err(MachineFault::of)?;
     match status.code().and_then(|code| u8::try_from(code).ok()) {
         Some(DONE | INCOMPLETE) => Ok(Ok(())),
         Some(MACHINE) => {

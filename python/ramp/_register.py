@@ -1,10 +1,16 @@
-"""The ids of the environments."""
+"""The ids of the environments, and the version of Gymnasium that they need.
+
+Gymnasium is optional: nothing here fails without it, or beside a version that is too old.
+"""
 
 from __future__ import annotations
 
+import importlib
+import re
 from typing import Any
 
-import gymnasium
+NEEDED = (1, 1)
+"""Oldest version of Gymnasium with which the environments work."""
 
 GOALS = {
     "Easy1": "easy-1", "Easy2": "easy-2", "Easy3": "easy-3",
@@ -43,17 +49,37 @@ def _arguments(name: str) -> dict[str, Any]:
     return {"skill": skill, "speed": 0.06, "leash": (0.01, 0.01, 0.016), "limit": 15.0}
 
 
+def problem() -> str | None:
+    """Why the environments do not work here; nothing if they do."""
+    needed = ".".join(map(str, NEEDED))
+    remedy = f"the environments of ramp need Gymnasium {needed} or newer: pip install 'gymnasium>={needed}'"
+    try:
+        found = str(importlib.import_module("gymnasium").__version__)
+    except Exception as error:
+        return f"{remedy} (Gymnasium cannot be imported: {error})"
+    numbers = re.match(r"(\d+)\.(\d+)", found)
+    if numbers is None or (int(numbers[1]), int(numbers[2])) < NEEDED:
+        return f"{remedy} (found {found})"
+    return None
+
+
+def _refuse(**_: Any) -> Any:
+    """Takes the place of each environment beside a version of Gymnasium that is too old."""
+    raise ImportError(problem())
+
+
 def register() -> None:
-    """Registers all ids with Gymnasium; idempotent."""
-    if CHAIN not in gymnasium.registry:
-        gymnasium.register(CHAIN, entry_point="ramp.gym.chain:RampChainEnv")
+    """Registers all ids with Gymnasium; idempotent. Beside an old version, each id says which one it needs."""
+    import gymnasium
+
+    fits = problem() is None
+    entries: dict[str, dict[str, Any]] = {CHAIN: {"entry_point": "ramp.gym.chain:RampChainEnv"}}
     for name in (*GOALS, *SKILLS):
-        env_id = f"RAMP/{name}-v0"
-        if env_id in gymnasium.registry:
-            continue
-        gymnasium.register(
-            env_id,
-            entry_point="ramp.gym.env:RampEnv",
-            vector_entry_point="ramp.gym.vector:RampVectorEnv",
-            kwargs=_arguments(name),
-        )
+        entries[f"RAMP/{name}-v0"] = {
+            "entry_point": "ramp.gym.env:RampEnv",
+            "vector_entry_point": "ramp.gym.vector:RampVectorEnv",
+            "kwargs": _arguments(name),
+        }
+    for env_id, entry in entries.items():
+        if env_id not in gymnasium.registry:
+            gymnasium.register(env_id, **(entry if fits else {"entry_point": _refuse}))
