@@ -69,7 +69,7 @@ def _refuse(**_: Any) -> Any:
 
 
 def register() -> None:
-    """Registers all ids with Gymnasium; idempotent. Beside an old version, each id says which one it needs."""
+    """Registers all ids with Gymnasium; idempotent. Beside an old version, each id names the one it needs."""
     import gymnasium
 
     fits = problem() is None

@@ -33,8 +33,8 @@ impl Table {
         self.rows.push(cells.to_vec());
     }
 
-    /// The lines of the table. With more columns than fit into `width` characters, the names are repeated with
-    /// the columns that are left, after an empty line.
+    /// The lines of the table. With more columns than fit into `width` characters, the names are repeated
+    /// with the columns that are left, after an empty line.
     pub fn text(&self, width: Option<usize>) -> String {
         let widths: Vec<usize> = (0..self.rows[0].len())
             .map(|column| {

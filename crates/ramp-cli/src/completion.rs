@@ -1,5 +1,5 @@
-//! Completion of names in a shell: goals, worlds, starts, faults, skills and actions, besides commands, options and
-//! files. The script of `ramp completions` asks this program for every word.
+//! Completion of names in a shell: goals, worlds, starts, faults, skills and actions, besides commands,
+//! options and files. The script of `ramp completions` asks this program for every word.
 
 use std::ffi::OsStr;
 

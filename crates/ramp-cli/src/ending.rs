@@ -1,7 +1,7 @@
 //! Describes how a process ended, and ends this one on request.
 //!
-//! A terminal, a shell or a cluster asks a program to end with one of three signals. A signal that this program
-//! was started to ignore, as `nohup` does, stays ignored, also in the programs that it starts.
+//! A terminal, a shell or a cluster asks a program to end with one of three signals. A signal that this
+//! program was started to ignore, as `nohup` does, stays ignored, also in the programs that it starts.
 
 use std::os::unix::process::CommandExt;
 use std::process::{Command, ExitStatus, Stdio};

@@ -43,8 +43,8 @@ impl Onlooker {
         self.seen = Some((twin.picture(self.renderer.looks()), tip));
     }
 
-    /// What was last looked at: red, green and blue of each pixel, row by row from the top left. Nothing if the
-    /// twin was never looked at.
+    /// What was last looked at: red, green and blue of each pixel, row by row from the top left. Nothing if
+    /// the twin was never looked at.
     pub fn picture(&mut self) -> Option<Vec<u8>> {
         let (scene, tip) = self.seen.as_ref()?;
         let x_wc = self.camera.follow(*tip);

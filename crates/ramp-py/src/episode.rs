@@ -6,11 +6,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use ramp_assembly::Assembly;
 use ramp_data::{Plans, PlansError, Texts};
 use ramp_episode::{EpisodeError, Label, Progress, Recorded, Watcher, record_episode, run_episode};
 use ramp_gym::outline::read_outline;
 use ramp_gym::own::{Body, BodyError, Moment, OwnSkill, kind};
 use ramp_kit::source::read_text;
+use ramp_planner::{Domains, Plan};
 use ramp_report::curve::completion_svg;
 use ramp_result::EpisodeResult;
 use ramp_result::collection::LARGEST;
@@ -396,18 +398,7 @@ pub fn run(
     let raised = Raised::default();
     // What runs Python's code does so on this thread; all else on one that can be left behind.
     let python = agent.is_some() || !skills.is_empty();
-    let plans = match (plan, plans) {
-        (Some(text), _) => Some(Plans::of_text(Path::new("the plan"), text)),
-        (None, Some(path)) => Some(Plans::read(&path).map_err(of_plans)?),
-        (None, None) => None,
-    };
-    let plan = match &plans {
-        Some(plans) => {
-            let read = detached(py, || plans.plan(&assembly, &domains).map_err(of_plans));
-            Some((read?, plans.sha256().to_string()))
-        }
-        None => None,
-    };
+    let plan = given_plan(py, plan, plans, &assembly, &domains)?;
     let parameters = match parameters {
         Some(path) => Parameters::read(path.as_ref()).map_err(|error| input(format!("{error:#}")))?,
         None => Parameters::baseline(),
@@ -473,6 +464,23 @@ pub fn run(
         Ok(text)
     };
     if python { detached(py, work) } else { aside(py, &stopped, work) }
+}
+
+/// The plan that was given as a text, or as a file or folder, and its hash.
+fn given_plan(
+    py: Python<'_>,
+    text: Option<String>,
+    path: Option<PathBuf>,
+    assembly: &Assembly,
+    domains: &Domains,
+) -> PyResult<Option<(Plan, String)>> {
+    let plans = match (text, path) {
+        (Some(text), _) => Plans::of_text(Path::new("the plan"), text),
+        (None, Some(path)) => Plans::read(&path).map_err(of_plans)?,
+        (None, None) => return Ok(None),
+    };
+    let plan = detached(py, || plans.plan(assembly, domains).map_err(of_plans))?;
+    Ok(Some((plan, plans.sha256().to_string())))
 }
 
 /// A plan that is refused, or files that are no plans.

@@ -19,8 +19,8 @@ pub struct FreeCamera {
 }
 
 impl FreeCamera {
-    /// A camera for images of `width` by `height` pixels, with a focal length in image widths. `offset` is the way
-    /// from its target to the camera, m, axes of the world; it is not vertical.
+    /// A camera for images of `width` by `height` pixels, with a focal length in image widths. `offset` is
+    /// the vector from its target to the camera, m, axes of the world; it is not vertical.
     pub fn new([width, height]: [usize; 2], focal: f64, offset: [f64; 3]) -> FreeCamera {
         let model = CameraModel {
             width,

@@ -1,5 +1,5 @@
-//! Tables of a page. On a narrow screen each row becomes a list, in which every value stands beside the heading of
-//! its column.
+//! Tables of a page. On a narrow screen each row becomes a list, in which every value stands beside the
+//! heading of its column.
 
 use maud::{Markup, html};
 

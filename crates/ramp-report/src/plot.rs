@@ -8,9 +8,9 @@ use ramp_result::activity::{self, Activity};
 use ramp_result::episode::EpisodeResult;
 use ramp_robot::EventKind;
 
-/// Names of colours, with their values on light and dark ground. Those of agents and activities are the set
-/// of Okabe and Ito, which people with any kind of colour vision can tell apart, and from the seventh agent on
-/// further ones; some are lighter where the ground is dark.
+/// Names of colours, with their values on light and dark ground. Those of activities and of the first six
+/// agents are the set of Okabe and Ito, which people with any kind of colour vision can tell apart; some are
+/// lighter where the ground is dark.
 pub const COLOURS: [(&str, &str, &str); 24] = [
     ("paper", "#ffffff", "#14181d"),
     ("card", "#f6f7f9", "#1c2128"),
@@ -38,8 +38,8 @@ pub const COLOURS: [(&str, &str, &str); 24] = [
     ("untold", "#d5dae0", "#434c56"),
 ];
 
-/// Number of agent colours, enough for one page; further agents reuse them with other dashes.
-const AGENTS: usize = crate::report::MOST;
+/// Number of agent colours; further agents reuse them with other dashes.
+pub const AGENTS: usize = 10;
 
 /// The colour of an agent, by its index on its track.
 pub fn agent_colour(place: usize) -> String {

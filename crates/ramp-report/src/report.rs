@@ -14,8 +14,8 @@ use ramp_result::published::Published;
 use ramp_result::statistics::holm;
 
 /// Largest number of agents that one page shows in full. With more, a page plots and compares this
-/// number of the best ones of each class, and each agent has a page of its own.
-pub const MOST: usize = 10;
+/// number of the best ones of each class, and each agent has a page of its own. Each of them has a colour.
+pub const MOST: usize = plot::AGENTS;
 
 /// All numbers of the report.
 #[derive(Clone, Debug)]
@@ -117,8 +117,8 @@ impl Report {
         Report::new(one_agent(&self.collection, entrant))
     }
 
-    /// The index of an agent among the plotted ones, which determines its colour: the same on all tracks. Where
-    /// there are too many for one page, it is the index on its track.
+    /// The index of an agent among the plotted ones, which determines its colour: the same on all tracks.
+    /// Where there are too many for one page, it is the index on its track.
     pub fn place(&self, entrant: usize) -> Option<usize> {
         let drawn = |it: &usize| {
             self.tracks.iter().flat_map(|part| &part.classes).any(|class| class.shown.contains(it))

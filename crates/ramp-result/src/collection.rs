@@ -268,8 +268,8 @@ impl Identity {
         Track::ALL.iter().position(|known| known.name() == self.track).unwrap_or(Track::ALL.len())
     }
 
-    /// The conditions that entrants who are compared share: track, world and start, and whether the robot is a
-    /// real one.
+    /// The conditions that entrants who are compared share: track, world and start, and whether the robot is
+    /// a real one.
     pub fn setting(&self) -> (&String, &Option<String>, &Option<String>, bool) {
         (&self.track, &self.world, &self.start, self.real.is_some())
     }

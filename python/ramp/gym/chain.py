@@ -225,7 +225,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
                 return told
 
     def render(self) -> Any:
-        """A picture of the work from beside the hand, shape (480, 640, 3); with ``human``, it goes to the window."""
+        """A picture of the work, shape (480, 640, 3); with ``human``, it goes to the window."""
         if self.render_mode == "rgb_array":
             picture = None if self._pictures is None else self._pictures.picture()
             if picture is None:

@@ -149,7 +149,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         return observation
 
     def render(self) -> Any:
-        """A picture of the work from beside the hand, shape (480, 640, 3); with ``human``, it goes to the window."""
+        """A picture of the work, shape (480, 640, 3); with ``human``, it goes to the window."""
         if self.render_mode == "rgb_array":
             picture = self.core.picture()
             if picture is None:

@@ -45,7 +45,7 @@ class Window:
         self._open = True
 
     def show(self, image: Image) -> None:
-        """Shows a picture, not sooner than the rate allows. Nothing happens when the user closed the window."""
+        """Shows a picture, not sooner than the rate allows. Does nothing after the user closed the window."""
         if not self._open:
             return
         import tkinter

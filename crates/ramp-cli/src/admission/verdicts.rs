@@ -198,7 +198,7 @@ fn progress(work: &str, count: usize) -> Option<ProgressBar> {
 }
 
 /// Judges logs in parallel on all cores, and shows the progress of this work. After the first log that is not
-/// valid, no further log starts; the outcome of a log that did not start is `None`. `known` logs take no time.
+/// valid, no further log starts; the outcome of a log that did not start is `None`. Known logs take no time.
 fn in_parallel(
     work: &str,
     [count, known]: [usize; 2],

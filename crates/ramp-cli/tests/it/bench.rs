@@ -1,7 +1,7 @@
 //! `ramp bench` as a user has it: stopped, killed and started again.
 
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::ramp;
@@ -72,32 +72,40 @@ fn file(folder: &Path, name: &str) -> Value {
     sums(&std::fs::read(folder.join(name)).unwrap())
 }
 
-/// Protected by `nohup`; and killed in the middle, stopped by Ctrl-C, robbed of an episode, and started again.
+/// The output of a bench that `nohup` protects: neither it nor an episode ends when the terminal closes.
+fn protected(folder: &TempDir, arguments: &[&str]) -> Output {
+    let mut protected = Command::new("nohup");
+    protected.arg(env!("CARGO_BIN_EXE_ramp"));
+    let bench = started(protected, folder, arguments).spawn().unwrap();
+    wait_for("two episodes", || episodes_of(&bench).len() == 2);
+    for process in [vec![bench.id()], episodes_of(&bench)].concat() {
+        send("-HUP", process);
+    }
+    bench.wait_with_output().unwrap()
+}
+
+/// A bench that is finished already prints its table in pieces that fit.
+fn has_a_table_for_a_narrow_terminal(folder: &TempDir, arguments: &[&str]) {
+    let narrow = command(folder, arguments).env("COLUMNS", "60").output().unwrap();
+    let table = text(&narrow.stdout);
+    assert!(table.contains("completion") && table.contains("reference"), "{table}");
+    assert!(table.lines().all(|line| line.chars().count() <= 60), "{table}");
+}
+
+/// Protected by `nohup`; and killed in the middle, stopped by Ctrl-C, robbed of an episode, and started anew.
 #[test]
 fn what_is_killed_and_started_again_gives_the_same_sums() {
     let folder = TempDir::new().unwrap();
     let with = |more: &[&'static str]| [&BENCH[..], more].concat();
 
-    // Neither the bench nor an episode ends when its terminal closes.
-    let mut protected = Command::new("nohup");
-    protected.arg(env!("CARGO_BIN_EXE_ramp"));
-    let bench = started(protected, &folder, &with(&["-o", "whole", "--json"])).spawn().unwrap();
-    wait_for("two episodes", || episodes_of(&bench).len() == 2);
-    for process in [vec![bench.id()], episodes_of(&bench)].concat() {
-        send("-HUP", process);
-    }
-    let output = bench.wait_with_output().unwrap();
+    let output = protected(&folder, &with(&["-o", "whole", "--json"]));
     assert_eq!(output.status.code(), Some(0), "{}", words(&output.stderr));
     let whole = sums(&output.stdout);
     assert_eq!(whole["goals"][0]["sum"]["finished"], 2);
     assert_eq!(whole["goals"][0]["sum"]["pegs"], 6);
     assert_eq!(whole["classes"][0]["class"], "easy");
 
-    // On a narrow terminal, the table is split.
-    let narrow = command(&folder, &with(&["-o", "whole"])).env("COLUMNS", "60").output().unwrap();
-    let table = text(&narrow.stdout);
-    assert!(table.contains("completion") && table.contains("reference"), "{table}");
-    assert!(table.lines().all(|line| line.chars().count() <= 60), "{table}");
+    has_a_table_for_a_narrow_terminal(&folder, &with(&["-o", "whole"]));
 
     // Killed in the middle: its episodes end with it.
     let arguments = with(&["-o", "killed", "--json"]);

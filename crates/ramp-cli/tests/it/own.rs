@@ -58,8 +58,8 @@ fn a_program_rehearses_its_motions() {
     assert!(!events.iter().any(|event| event["kind"] == "not_rehearsed" || event["kind"] == "motion"));
 }
 
-/// The tutorial of the planner deletes a rule: the beam is then laid down where it should be inserted, and no peg
-/// counts. With the rule, the same goal is built.
+/// The tutorial of the planner deletes a rule: the beam is then laid down where it should be inserted, and no
+/// peg counts. With the rule, the same goal is built.
 #[test]
 fn the_rule_that_the_tutorial_removes_matters() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

@@ -219,7 +219,8 @@ fn silent() -> (TempDir, PathBuf) {
     (folder, agent)
 }
 
-/// The command gets a signal while it is at work. It exits with 128 and the signal's number, and leaves no file.
+/// The command gets a signal while it is at work. It exits with 128 and the signal's number, and leaves no
+/// file.
 fn ends_cleanly(arguments: &[&str], agent: Option<&Path>, signal: Signal) {
     let (results, temporary) = (TempDir::new().unwrap(), TempDir::new().unwrap());
     // Tests that run in the background hand on that INT is ignored.
