@@ -260,7 +260,7 @@ impl TrackPart {
 
     /// The same for a file name: letters, digits and hyphens.
     pub fn slug(&self) -> String {
-        let robot = if self.real { "-real-robot" } else { "-twin" };
+        let robot = if self.real { "-real-robot" } else { "" };
         let conditions = self.world.iter().chain(&self.start).map(|it| format!("-{it}"));
         let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
         let name: String = [self.track.clone(), robot.to_string()].into_iter().chain(conditions).collect();

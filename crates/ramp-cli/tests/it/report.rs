@@ -61,7 +61,7 @@ fn from_the_stopwatch_to_the_page_to_the_same_bits() {
     let episodes = read("figures/episodes.csv");
     assert!(episodes.contains(",\"'=HYPERLINK("), "a spreadsheet runs this: {episodes}");
     assert_eq!(read("figures/sums.csv").lines().count(), 5);
-    assert!(read("figures/curves-tags-easy.svg").starts_with("<svg"));
+    assert!(read("figures/curves-tags-real-robot-easy.svg").starts_with("<svg"));
     done(&ramp(&folder, &report));
     assert_eq!(page, read("report.html"));
 }
