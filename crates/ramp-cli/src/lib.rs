@@ -8,6 +8,7 @@ mod admission;
 mod command;
 mod ending;
 mod film;
+mod lock;
 mod options;
 mod output;
 mod pictures;
