@@ -24,7 +24,7 @@ fn a_tape_builds_where_it_was_recorded_and_not_from_moved() {
         result.counted()
     };
     assert_eq!(counted(&setup), 3);
-    let moved = [11, 12, 13, 14, 15, 16]
-        .map(|seed| counted(&Setup { start: Start::moved(), seed, ..setup.clone() }));
+    let moved =
+        [11, 12, 13, 14, 15, 16].map(|seed| counted(&Setup { start: Start::moved(), seed, ..setup.clone() }));
     assert!(moved.iter().sum::<usize>() <= 3, "{moved:?} pegs of 3 each without sight");
 }
