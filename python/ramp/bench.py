@@ -52,8 +52,8 @@ def run(
         goal: A goal of the benchmark, a goal file, or a goal.
         agent: Who works; the baseline without one.
         skills: Skills that take the place of the baseline's.
-        plan: A plan that the baseline carries out, in place of its own: a plan, a file with one, or a folder with a
-            file for each goal.
+        plan: A plan that the baseline carries out, in place of its own: a plan, a file with one, or a folder
+            with a file for each goal.
         domain: A file of rules for the baseline's planner, in place of the one of its kind.
         world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
         start: Where the parts lie: ``moved``, ``sheet``, or a start file.

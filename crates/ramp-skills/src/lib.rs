@@ -5,8 +5,8 @@
 //! move the [`hand`]; only the hand talks to the robot. A skill knows the parts only through a [`belief`],
 //! which detections correct. [`piece`] is the same agent on a single piece of a plan, in an assembly begun by
 //! another agent. [`rehearsal`] simulates a plan without moving anything, and
-//! [`reference_times`](mod@reference_times) gives reference values for its robot time. [`replaced`](mod@replaced)
-//! names an agent whose parts are not all the baseline's.
+//! [`reference_times`](mod@reference_times) gives reference values for its robot time.
+//! [`replaced`](mod@replaced) names an agent whose parts are not all the baseline's.
 
 pub mod agent;
 pub mod belief;
