@@ -136,6 +136,10 @@ def test_an_episode_has_a_result(tmp_path):
     assert (tmp_path / "log.mcap").stat().st_size > 10_000
     assert result._repr_svg_().startswith("<svg") and "3 of 3 pegs" in str(result)
     assert ramp.Result.from_json(result.json) == result
+    # As an agent that is a program of its own has it.
+    value = json.loads(result.json)
+    value["time"]["agent_cpu"] = 1.5
+    assert ramp.Result.from_json(json.dumps(value)).time.agent_cpu == 1.5
     # The same seed, the same bits; the command's too.
     again = ramp.run("easy-1", track="state")
     assert again.state == result.state
