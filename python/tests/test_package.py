@@ -290,7 +290,8 @@ def test_a_skill_in_python_fastens_inside_the_baseline():
     assert any("not today" in it.get("why", "") for it in result.events)
     assert result.counted == 3, result
     # It does not rehearse, and the result says so once.
-    assert [it["skill"] for it in result.events if it["kind"] == "not_rehearsed"] == ["fasten-by-linear-policy"]
+    (skill,) = [it["skill"] for it in result.events if it["kind"] == "not_rehearsed"]
+    assert skill.startswith("fasten-by-linear-policy.")
 
 
 def test_a_skill_in_python_rehearses_its_motions():
@@ -317,7 +318,7 @@ def test_a_skill_in_python_rehearses_its_motions():
 
 
 def test_a_twin_goes_back_to_the_last_bit():
-    with ramp.Twin("easy-1") as twin:
+    with ramp.Twin("easy-1", world="ideal") as twin:
         seen = twin.observe()
         hold = ramp.Command.joint_positions(seen.positions)
         start = twin.snapshot()
