@@ -65,7 +65,7 @@ __all__ = [
 ]
 
 
-def _register() -> None:
+def _add_environments() -> None:
     """Registers the environments with Gymnasium, where it is installed.
 
     Gymnasium is optional, so an installation of it that does not work must not stop this package.
@@ -78,4 +78,4 @@ def _register() -> None:
         register()
 
 
-_register()
+_add_environments()

@@ -48,6 +48,10 @@ class Time:
     compute: float
     robot: float
     total: float
+    agent_cpu: float | None = None
+    """Processor time of an agent that is a program of its own."""
+    waiting: float | None = None
+    """Share of its time for which the program waited for a processor, 0 to 1."""
 
 
 @dataclasses.dataclass(frozen=True)

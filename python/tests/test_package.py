@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -64,8 +65,9 @@ def test_bad_input_is_a_value_error_that_says_what(call, words):
     ],
 )
 def test_an_integer_out_of_range_is_bad_input(call, name):
-    with pytest.raises(ramp.InputError, match=f"^{name}: found -?[0-9]+, expected an integer from [0-9]+ to [0-9]+$"):
+    with pytest.raises(ramp.InputError) as error:
         call()
+    assert re.fullmatch(f"{name}: found -?[0-9]+, expected an integer from [0-9]+ to [0-9]+", str(error.value))
 
 
 GYMNASIUM = """
@@ -134,6 +136,10 @@ def test_an_episode_has_a_result(tmp_path):
     assert (tmp_path / "log.mcap").stat().st_size > 10_000
     assert result._repr_svg_().startswith("<svg") and "3 of 3 pegs" in str(result)
     assert ramp.Result.from_json(result.json) == result
+    # As an agent that is a program of its own has it.
+    value = json.loads(result.json)
+    value["time"]["agent_cpu"] = 1.5
+    assert ramp.Result.from_json(json.dumps(value)).time.agent_cpu == 1.5
     # The same seed, the same bits; the command's too.
     again = ramp.run("easy-1", track="state")
     assert again.state == result.state
@@ -284,7 +290,8 @@ def test_a_skill_in_python_fastens_inside_the_baseline():
     assert any("not today" in it.get("why", "") for it in result.events)
     assert result.counted == 3, result
     # It does not rehearse, and the result says so once.
-    assert [it["skill"] for it in result.events if it["kind"] == "not_rehearsed"] == ["fasten-by-linear-policy"]
+    (skill,) = [it["skill"] for it in result.events if it["kind"] == "not_rehearsed"]
+    assert skill.startswith("fasten-by-linear-policy.")
 
 
 def test_a_skill_in_python_rehearses_its_motions():
@@ -311,7 +318,7 @@ def test_a_skill_in_python_rehearses_its_motions():
 
 
 def test_a_twin_goes_back_to_the_last_bit():
-    with ramp.Twin("easy-1") as twin:
+    with ramp.Twin("easy-1", world="ideal") as twin:
         seen = twin.observe()
         hold = ramp.Command.joint_positions(seen.positions)
         start = twin.snapshot()

@@ -161,8 +161,8 @@ fn hashes(board: &Board, compared: &[(String, String)]) -> Markup {
     }
 }
 
-const COLUMNS: [Column; 14] = [
-    name("place"),
+const COLUMNS: [Column; 13] = [
+    number("place", ""),
     name("agent").with("entry"),
     number("completion", "%"),
     number("complete", "episodes"),
@@ -174,8 +174,7 @@ const COLUMNS: [Column; 14] = [
     number("robot", "s"),
     number("bound", "s"),
     number("reference", "s"),
-    sentences("robot or computer").with("told"),
-    name("software").with("told"),
+    sentences("robot or computer").with("and software, told"),
 ];
 
 fn table(standings: &[Standing], above: usize, controls: &[Control]) -> Markup {
@@ -209,7 +208,9 @@ fn row(it: &Standing, place: &str) -> Vec<Markup> {
         mean(1, sum.time.map(|time| time.robot)),
         mean(1, compared.map(|it| it.bound)),
         mean(1, compared.map(|it| it.reference)),
-        html! { @if let Some(real) = &it.real { (real.robot) } @else { (it.host) } },
-        html! { "ramp " (it.software[0]) small { (it.software[1]) } },
+        html! {
+            @if let Some(real) = &it.real { (real.robot) } @else { (it.host) }
+            small { "ramp " (it.software[0]) " (" (it.software[1]) ")" }
+        },
     ]
 }
