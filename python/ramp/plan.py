@@ -41,7 +41,7 @@ class Plan:
     @staticmethod
     def from_json(text: str) -> Plan:
         """From what :meth:`to_json` gives."""
-        value = json.loads(text)
+        value = json.loads(text.removeprefix("\ufeff"))
         plan = value["plan"]
         return Plan(goal=value["goal"], steps=plan["steps"], entries=plan.get("entries", []))
 

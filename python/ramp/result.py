@@ -92,6 +92,7 @@ class Result:
     @staticmethod
     def from_json(text: str) -> Result:
         """From a result file. One of the two schemas before is converted."""
+        text = text.removeprefix("\ufeff")
         value = json.loads(text)
         if value.get("schema") in ("ramp-episode-3", "ramp-episode-4"):
             value = json.loads(current_result(text))

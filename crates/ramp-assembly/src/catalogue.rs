@@ -1,7 +1,7 @@
 //! The goals in a folder, by name.
 
 use crate::assembly::Class;
-use ramp_source::{nearest, shorten};
+use ramp_source::{is_debris, nearest, shorten};
 use std::path::Path;
 
 /// The names of the goals in a folder: its `.xml` files without their extension, easy ones first,
@@ -13,6 +13,9 @@ pub fn goal_names(folder: &Path) -> std::io::Result<Vec<String>> {
     let mut names = Vec::new();
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
+        if is_debris(&path) {
+            continue;
+        }
         if path.extension().is_some_and(|ending| ending == "xml") && path.is_file() {
             names.extend(path.file_stem().map(|stem| stem.to_string_lossy().into_owned()));
         }

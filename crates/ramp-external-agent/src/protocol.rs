@@ -3,7 +3,7 @@
 
 use anstream::adapter::strip_str;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector6};
-use ramp_kit::source::{A_NAME, is_name, is_text, plain, shorten};
+use ramp_kit::source::{A_NAME, is_name, is_text, plain, shorten, without_mark};
 use ramp_robot::{
     ArmCommand, Camera, Command, DOF, Event, EventKind, GripperCommand, Image, Impedance, MOST_EVENT,
     OLDER_KINDS, Observation, PartReading, Pose, RobotError, is_reserved,
@@ -302,6 +302,8 @@ impl EventText {
 /// # Errors
 /// Why it is no message, to be put after "message 7 of the agent".
 pub fn parse(line: &[u8]) -> Result<Request, String> {
+    // Some runtimes begin their output with a byte order mark.
+    let line = without_mark(line);
     serde_json::from_slice(line).map_err(|error| {
         let text = String::from_utf8_lossy(line);
         let no_number = ["NaN", "Infinity"].into_iter().find(|word| text.contains(word));

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use ramp_kit::source::{MAX_SENTENCE, plain};
+use ramp_kit::source::{MAX_SENTENCE, plain, shorten};
 
 use crate::error::LogError;
 
@@ -81,7 +81,13 @@ impl Wrong {
 
 impl From<mcap::McapError> for Wrong {
     fn from(error: mcap::McapError) -> Wrong {
-        Wrong::File(error)
+        match error {
+            mcap::McapError::UnsupportedCompression(name) => Wrong::Content(format!(
+                "it is compressed with `{}`, expected zstd, lz4 or no compression",
+                shorten(&name)
+            )),
+            error => Wrong::File(error),
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod cells;
 mod run;
+mod separator;
 
 use std::ops::Range;
 
@@ -26,6 +27,8 @@ pub const MEANS: &str = published::SCHEMA;
 const LIMIT: f64 = 1800.0;
 /// Largest value of a stopwatch, s.
 const LONGEST: f64 = 1e6;
+/// Shortest time of a run that is taken for one in milliseconds, s.
+const SHORTEST: f64 = 5.0;
 /// Columns of the table of episodes.
 const COLUMNS: [&str; 6] = ["goal", "repeat", "what", "time", "peg", "note"];
 /// Columns of the table of means.
@@ -248,7 +251,11 @@ impl Reader<'_> {
         let robot = seconds - run.planning.unwrap_or(seconds);
         if robot > LIMIT {
             let words = format!("this is after {robot} s of robot time");
-            let help = format!("the rules end an episode after {LIMIT} s; what comes later does not count");
+            let mut help =
+                format!("the rules end an episode after {LIMIT} s; what comes later does not count");
+            if robot / 1e3 <= LIMIT && robot / 1e3 >= SHORTEST {
+                help += "; are the times in milliseconds (expected seconds)?";
+            }
             return Err(self.fault(time.span, words, &format!("expected up to {LIMIT} s"), Some(help)));
         }
         self.enter(run, &what, seconds, &peg, &note)?;

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use ramp_assembly::Class;
-use ramp_kit::source::{is_name, shorten};
+use ramp_kit::source::{describe_debris, is_debris, is_name, shorten};
 use ramp_robot::Track;
 use serde::Serialize;
 
@@ -123,7 +123,8 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
             continue;
         }
         seen.push(place);
-        let paths = list(folder)?;
+        let (paths, debris) = list(folder)?;
+        notes.extend(describe_debris(debris, &shown(folder)));
         let mut found = false;
         for path in &paths {
             match path.extension().and_then(|ending| ending.to_str()) {
@@ -212,15 +213,18 @@ fn once(mut trials: Vec<(PathBuf, Trial)>) -> Result<Vec<Trial>, CollectError> {
     Ok(trials.into_iter().map(|(_, trial)| trial).collect())
 }
 
-/// The files of a folder, by name.
-fn list(folder: &Path) -> Result<Vec<PathBuf>, CollectError> {
+/// The files of a folder, by name, and the number of those that a file manager left there.
+fn list(folder: &Path) -> Result<(Vec<PathBuf>, usize), CollectError> {
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(|error| unreadable(folder, &error))? {
         paths.push(entry.map_err(|error| unreadable(folder, &error))?.path());
     }
+    let all = paths.len();
+    paths.retain(|path| !is_debris(path));
+    let debris = all - paths.len();
     paths.retain(|path| path.is_file());
     paths.sort();
-    Ok(paths)
+    Ok((paths, debris))
 }
 
 /// The goals of some results, each once.

@@ -1,6 +1,7 @@
 //! Results of the two versions before: they name no start, and the events of the older one are a kind and a
 //! text.
 
+use ramp_kit::source::without_mark;
 use ramp_robot::{Event, EventKind};
 use ramp_world::Start;
 use serde::de::{DeserializeOwned, Error};
@@ -17,6 +18,7 @@ pub(crate) fn read<T: DeserializeOwned>(
     [oldest, older]: [&str; 2],
     newest: &str,
 ) -> Result<T, serde_json::Error> {
+    let bytes = without_mark(bytes);
     // From the bytes, so that a message has its line and column.
     let Ok(mut value) = serde_json::from_slice::<Value>(bytes) else { return serde_json::from_slice(bytes) };
     if value["schema"] != oldest && value["schema"] != older {

@@ -268,6 +268,7 @@ impl<const N: usize> ArmModel<N> {
     /// # Errors
     /// As [`ArmModel::read`].
     pub fn from_json(path: &Path, text: &str) -> Result<ArmModel<N>, ArmError> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let at = |line, column, message| ArmError::Format { path: path.to_path_buf(), line, column, message };
         let model: ArmModel<N> = serde_json::from_str(text)
             .map_err(|error| at(error.line(), error.column(), plain(&error.to_string(), MAX_SENTENCE)))?;

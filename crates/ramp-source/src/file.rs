@@ -23,8 +23,9 @@ impl fmt::Debug for SourceFile {
 }
 
 impl SourceFile {
-    /// A file that is already in memory; `name` is its name in messages.
+    /// A file that is already in memory; `name` is its name in messages. A byte order mark is dropped.
     pub fn new(name: &str, text: &str) -> SourceFile {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         SourceFile { name: plain(name, usize::MAX).into(), text: Some(text.into()) }
     }
 

@@ -20,11 +20,11 @@ pub enum FormProblem {
     /// The file is larger than [`MAX_FILE`].
     #[error("this file is larger than {} kB", MAX_FILE / 1024)]
     TooLarge,
-    /// The file is not UTF-8.
-    #[error("this file is not UTF-8 text: found the byte 0x{byte:02x}")]
+    /// The file is no text that [`decode`](crate::decode) reads.
+    #[error("this file is not UTF-8 text: found {found}")]
     NotUtf8 {
-        /// The first invalid byte.
-        byte: u8,
+        /// What was found instead.
+        found: String,
     },
     /// The file is not XML.
     #[error("this is not valid XML: {why}")]

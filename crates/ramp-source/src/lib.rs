@@ -8,7 +8,7 @@
 //! for XML files. [`nearest`] finds the name that a misspelt one was meant to be.
 //!
 //! Rules that hold for every untrusted file are here as well: names ([`is_name`]), text for a
-//! person ([`is_text`]), size limits ([`read_bytes`], [`read_text`]), atomic writing
+//! person ([`is_text`]), encodings ([`decode`]), size limits ([`read_bytes`], [`read_text`]), atomic writing
 //! ([`write_whole`]) and cells of a spreadsheet ([`cell`]).
 //!
 //! ```
@@ -30,6 +30,8 @@
 //! ```
 
 mod cell;
+mod debris;
+mod decode;
 mod fault;
 mod file;
 mod form;
@@ -41,6 +43,8 @@ mod xml;
 mod xml_size;
 
 pub use cell::cell;
+pub use debris::{describe_debris, is_debris};
+pub use decode::{NoText, decode, without_mark};
 pub use fault::{Fault, Problem};
 pub use file::{MAX_FILE, Place, SourceFile};
 pub use form::FormProblem;

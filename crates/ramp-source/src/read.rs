@@ -1,5 +1,6 @@
 //! Reads untrusted files within limits: as bytes, as text, and as a [`SourceFile`].
 
+use crate::decode::{NoText, decode};
 use crate::fault::{Fault, Problem};
 use crate::file::{MAX_FILE, SourceFile};
 use crate::form::FormProblem;
@@ -27,13 +28,13 @@ pub enum ReadError {
         /// The limit, bytes.
         most: usize,
     },
-    /// It is not UTF-8.
-    #[error("{file} is not UTF-8 text: found the byte 0x{byte:02x}")]
+    /// It is no text that [`decode`] reads.
+    #[error("{file} is not UTF-8 text: found {found}")]
     NotUtf8 {
         /// The file.
         file: String,
-        /// The first invalid byte.
-        byte: u8,
+        /// What was found instead.
+        found: String,
     },
 }
 
@@ -54,20 +55,22 @@ pub fn read_bytes(path: &Path, most: usize) -> Result<Vec<u8>, ReadError> {
 /// The text of a file of at most `most` bytes.
 ///
 /// # Errors
-/// When the system cannot read it, it is larger, or not UTF-8.
+/// When the system cannot read it, it is larger, or no text that [`decode`] reads.
 pub fn read_text(path: &Path, most: usize) -> Result<String, ReadError> {
-    String::from_utf8(read_bytes(path, most)?).map_err(|error| ReadError::NotUtf8 {
-        file: plain(&path.display().to_string(), usize::MAX),
-        byte: error.as_bytes().get(error.utf8_error().valid_up_to()).copied().unwrap_or_default(),
-    })
+    match decode(&read_bytes(path, most)?) {
+        Ok(text) => Ok(text.into_owned()),
+        Err(NoText { found, .. }) => {
+            Err(ReadError::NotUtf8 { file: plain(&path.display().to_string(), usize::MAX), found })
+        }
+    }
 }
 
 impl SourceFile {
-    /// Reads a UTF-8 file of at most [`MAX_FILE`] bytes.
+    /// Reads a text file of at most [`MAX_FILE`] bytes.
     ///
     /// # Errors
-    /// When the system cannot read it, when it is too large, or at its first byte that is not
-    /// UTF-8.
+    /// When the system cannot read it, when it is too large, or where it is no text that [`decode`]
+    /// reads.
     pub fn read<P: Problem + From<FormProblem>>(path: &Path) -> Result<SourceFile, Fault<P>> {
         let name = plain(&path.display().to_string(), usize::MAX);
         let unreadable = |why: String| {
@@ -78,14 +81,12 @@ impl SourceFile {
             ReadError::Unreadable { why, .. } => unreadable(why),
             _ => unreadable(FormProblem::TooLarge.to_string()),
         })?;
-        match String::from_utf8(bytes) {
+        match decode(&bytes) {
             Ok(text) => Ok(SourceFile::new(&name, &text)),
-            Err(error) => {
-                let valid = error.utf8_error().valid_up_to();
-                let file = SourceFile::new(&name, &String::from_utf8_lossy(error.as_bytes()));
-                // The bytes before it are valid, so the offset is the same in the lossy text.
-                let byte = error.as_bytes()[valid];
-                Err(Fault::new(FormProblem::NotUtf8 { byte }.into(), file.place(valid..valid)))
+            Err(NoText { found, before }) => {
+                let end = before.len();
+                let file = SourceFile::new(&name, &(before + "\u{fffd}"));
+                Err(Fault::new(FormProblem::NotUtf8 { found }.into(), file.place(end..end)))
             }
         }
     }

@@ -88,6 +88,11 @@ pub fn unpack(path: &Path, limits: &EntryLimits) -> Result<TempDir, ArchiveError
         }
         let bytes = entry.header().path_bytes().into_owned();
         let name = shorten(&String::from_utf8_lossy(&bytes));
+        if let Some(folder_of_macos) = debris_folder(&bytes) {
+            // Its folder is made, so that the entry shows that something was left out.
+            let _ = std::fs::create_dir(folder.path().join(folder_of_macos));
+            continue;
+        }
         // Sparse files, links and long names have types of their own.
         if entry.header().entry_type() != EntryType::Regular {
             return Err(ArchiveError::NoFile { name });
@@ -113,6 +118,15 @@ pub fn unpack(path: &Path, limits: &EntryLimits) -> Result<TempDir, ArchiveError
         }
     }
     Ok(folder)
+}
+
+/// The folder beside the files in which an archiver put what is no part of the entry.
+fn debris_folder(bytes: &[u8]) -> Option<PathBuf> {
+    let path = Path::new(std::ffi::OsStr::from_bytes(bytes));
+    let mut parts = path.components().filter(|part| *part != Component::CurDir);
+    let first = PathBuf::from(parts.next()?.as_os_str());
+    let inside = parts.all(|part| matches!(part, Component::Normal(_)));
+    (first.as_os_str() == "__MACOSX" && inside).then_some(first)
 }
 
 /// The name of a file that lies beside the others.
@@ -188,6 +202,26 @@ mod tests {
         let folder = unpack(file.path(), &LIMITS).unwrap();
         let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
         assert_eq!([read("a.json"), read("b.mcap"), read("empty")], ["{}", "log", ""]);
+    }
+
+    #[test]
+    fn what_an_archiver_of_macos_adds_is_left_out() {
+        let file = archive(&[
+            (EntryType::Directory, b"__MACOSX/", b""),
+            (EntryType::Regular, b"__MACOSX/._a.json", b"x"),
+            (EntryType::Regular, b"a.json", b"{}"),
+        ]);
+        let folder = unpack(file.path(), &LIMITS).unwrap();
+        let names = |folder: &Path| -> Vec<String> {
+            let files = std::fs::read_dir(folder).unwrap();
+            files.map(|file| file.unwrap().file_name().to_string_lossy().into_owned()).collect()
+        };
+        let mut found = names(folder.path());
+        found.sort();
+        assert_eq!(found, ["__MACOSX", "a.json"]);
+        assert!(names(&folder.path().join("__MACOSX")).is_empty());
+        let why = refusal(&[(EntryType::Regular, b"__MACOSX/../../x", b"x")]);
+        assert!(why.contains("no plain name"), "{why}");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, Report as Failure, miette};
-use ramp_kit::source::plain;
+use ramp_kit::source::{describe_debris, is_debris, plain};
 use ramp_log::{ENDING, Facts, Limits};
 use ramp_report::leaderboard::{BoardTerms, Stream, agent, check_log, check_whole, one_agent};
 use ramp_result::collection::{Collection, Identity, ResultFile, collect};
@@ -16,6 +16,7 @@ use super::archive::{self, ArchiveError};
 use super::judge::{Allowance, LogFile};
 use super::limits::LIMITS;
 use super::verdicts::Verdicts;
+use crate::output::tell;
 
 /// Longest shown name of an entry or agent, characters.
 const LONGEST_NAME: usize = 80;
@@ -75,16 +76,20 @@ fn key(identity: &Identity, goal: &str, seed: u64) -> String {
     serde_json::json!([identity, goal, seed]).to_string()
 }
 
-/// The entries in a folder, sorted by name: its subfolders and its archives (`.tar`). Other files and names
-/// that start with a dot are ignored.
+/// The entries in a folder, sorted by name: its subfolders and its archives (`.tar`). Other files, names that
+/// start with a dot, and what a file manager left there are ignored.
 ///
 /// # Errors
 /// If it cannot be read, or contains no entry.
 pub fn entries(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let fail = |error| miette!("{} cannot be read: {error}", folder.display());
-    let mut entries = Vec::new();
+    let (mut entries, mut debris) = (Vec::new(), 0);
     for entry in std::fs::read_dir(folder).map_err(fail)? {
         let entry = entry.map_err(fail)?;
+        if is_debris(&entry.path()) {
+            debris += 1;
+            continue;
+        }
         let hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
         let is_file = entry.file_type().map_err(fail)?.is_file();
         if !hidden && (!is_file || archive::is_archive(&entry.path())) {
@@ -92,6 +97,9 @@ pub fn entries(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         }
     }
     entries.sort();
+    if let Some(note) = describe_debris(debris, &folder.display().to_string()) {
+        tell(&note);
+    }
     if entries.is_empty() {
         return Err(miette!(
             help = "put each entry into it as a folder of its own, or as a file of `ramp entry pack`",
@@ -139,7 +147,9 @@ impl Entry {
         verdicts: &Verdicts,
         allowance: &Allowance,
     ) -> Result<Checked, Failure> {
-        self.check_files()?;
+        if let Some(note) = describe_debris(self.check_files()?, &self.name) {
+            tell(&note);
+        }
         let collection = collect(std::slice::from_ref(&self.folder))?;
         let agent = plain(&agent(one_agent(&collection).into_diagnostic()?), LONGEST_NAME);
         check_whole(&collection, terms).into_diagnostic()?;
@@ -175,12 +185,13 @@ impl Entry {
     /// Checks that an entry is a folder of regular files, within the limits on number and size. Links are not
     /// followed, since they may lead anywhere. Pipes and devices are not opened, since reading them may never
     /// end.
-    fn check_files(&self) -> Result<(), Failure> {
+    /// Returns the number of files that a file manager left in it.
+    fn check_files(&self) -> Result<usize, Failure> {
         let fail = |error: std::io::Error| miette!("it cannot be read: {error}");
         if !std::fs::symlink_metadata(&self.folder).map_err(fail)?.is_dir() {
             return Err(miette!("it is no folder; links are not followed"));
         }
-        let (mut files, mut results, mut total) = (0, 0_u64, 0_u64);
+        let (mut files, mut debris, mut results, mut total) = (0, 0, 0_u64, 0_u64);
         for entry in std::fs::read_dir(&self.folder).map_err(fail)? {
             let entry = entry.map_err(fail)?;
             let name = entry.file_name();
@@ -191,6 +202,9 @@ impl Entry {
             }
             if !meta.is_file() && !meta.is_dir() {
                 return Err(miette!("{name} is no ordinary file"));
+            }
+            if is_debris(Path::new(&*name)) {
+                debris += 1;
             }
             files += 1;
             if files > LIMITS.files {
@@ -207,7 +221,7 @@ impl Entry {
         if total > LIMITS.total {
             return Err(miette!("it is larger than {} MiB", LIMITS.total >> 20));
         }
-        Ok(())
+        Ok(debris)
     }
 
     /// The reason for rejection, in one line. Files of the entry are given by name.

@@ -9,7 +9,7 @@ use ramp_abilities::perception::{
     Estimate, Labels, Photographer, PoseLabel, SCHEMA, Verdict, areas, coco, judge,
 };
 use ramp_data::Data;
-use ramp_kit::source::{A_NAME, MAX_SENTENCE, is_name, plain, read_bytes, shorten, to_name};
+use ramp_kit::source::{A_NAME, MAX_SENTENCE, decode, is_name, plain, read_bytes, shorten, to_name};
 use ramp_kit::strokes::{self, Align};
 use ramp_result::perception::FALSE;
 use ramp_result::sha256;
@@ -206,7 +206,8 @@ fn data_set(
 /// The content of a JSON file, and its hash.
 fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<(T, String), Report> {
     let bytes = read_bytes(path, LARGEST)?;
-    let value = serde_json::from_slice(&bytes)
+    let text = decode(&bytes).map_err(|error| miette!("{}: {error}", path.display()))?;
+    let value = serde_json::from_str(&text)
         .map_err(|error| miette!("{}: {}", path.display(), plain(&error.to_string(), MAX_SENTENCE)))?;
     Ok((value, sha256(&bytes)))
 }

@@ -13,6 +13,7 @@ mod kit;
 mod machine;
 mod names;
 mod own;
+mod people;
 mod plan;
 mod ramp;
 mod reference;

@@ -5,14 +5,19 @@ use std::ops::Range;
 use ramp_kit::source::{A_NAME, Fault, MAX_TITLE, is_name, is_text, nearest, shorten};
 use ramp_robot::Track;
 
+use super::separator::Separator;
 use super::{CsvCell, Head, LONGEST, LogProblem, Read, Reader};
 
 impl Reader<'_> {
     /// All non-empty rows, without empty cells at their ends.
     pub(super) fn rows(&self) -> Read<Vec<Vec<CsvCell>>> {
-        let text = self.file.text();
+        let whole = self.file.text();
+        let separator = Separator::of(whole);
+        let begin = separator.begin;
+        let text = &whole[begin..];
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
+            .delimiter(separator.byte)
             .flexible(true)
             .trim(csv::Trim::All)
             .comment(Some(b'#'))
@@ -20,7 +25,7 @@ impl Reader<'_> {
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(|error| {
-                let at = error.position().map_or(0, |it| it.byte() as usize);
+                let at = begin + error.position().map_or(0, |it| it.byte() as usize);
                 self.fault(at..at, "this is not CSV".to_string(), "here", Some(error.to_string()))
             })?;
             let mut from = record.position().map_or(0, |it| it.byte() as usize);
@@ -28,7 +33,8 @@ impl Reader<'_> {
             for field in &record {
                 // A quoted cell that contains quotes is not found literally; its row is.
                 let at = text.get(from..).and_then(|rest| rest.find(field)).map_or(from, |at| from + at);
-                let cell = CsvCell { text: field.to_string(), span: at..at + field.len() };
+                let span = begin + at..begin + at + field.len();
+                let cell = CsvCell { text: field.to_string(), span };
                 if !is_text(field, MAX_TITLE) {
                     let words = format!("found `{}`", shorten(field));
                     let expected =
@@ -124,7 +130,8 @@ impl Reader<'_> {
             if let Some(cell) = row.get(columns.len()) {
                 let words = format!("this line has {} cells", row.len());
                 let expected = format!("expected {} at most", columns.len());
-                let help = "a comma inside a cell needs the cell in quotation marks".to_string();
+                let character = char::from(Separator::of(self.file.text()).byte).escape_default();
+                let help = format!("a `{character}` inside a cell needs the cell in quotation marks");
                 return Err(self.fault(cell.span.clone(), words, &expected, Some(help)));
             }
         }
@@ -138,7 +145,7 @@ impl Reader<'_> {
     }
 
     pub(super) fn number(&self, cell: &CsvCell, name: &str, low: f64, high: f64) -> Read<f64> {
-        let value: Option<f64> = cell.text.parse().ok();
+        let value: Option<f64> = self.with_point(cell)?.parse().ok();
         match value {
             Some(value) if (low..=high).contains(&value) => Ok(value),
             _ => Err(self.fault(
@@ -162,6 +169,18 @@ impl Reader<'_> {
         }
     }
 
+    /// The text of a number with a decimal point, also where it is written with a comma.
+    fn with_point(&self, cell: &CsvCell) -> Read<String> {
+        let after = cell.text.split_once(',').map(|(_, after)| after);
+        // Where commas separate cells, three digits after one may be a group of thousands.
+        if Separator::of(self.file.text()).byte == b',' && after.is_some_and(|after| after.len() == 3) {
+            let words = format!("the comma in `{}` may be a decimal comma or separate thousands", cell.text);
+            let help = "write the number with a decimal point".to_string();
+            return Err(self.fault(cell.span.clone(), words, "expected one meaning", Some(help)));
+        }
+        Ok(if cell.text.contains('.') { cell.text.clone() } else { cell.text.replacen(',', ".", 1) })
+    }
+
     /// Seconds, `m:ss` or `h:mm:ss`.
     pub(super) fn seconds(&self, cell: &CsvCell) -> Read<f64> {
         let bad = |help: &str| {
@@ -173,7 +192,8 @@ impl Reader<'_> {
                 Some(help.to_string()).filter(|help| !help.is_empty()),
             ))
         };
-        let parts: Vec<&str> = cell.text.split(':').collect();
+        let text = self.with_point(cell)?;
+        let parts: Vec<&str> = text.split(':').collect();
         if parts.len() > 3 {
             return bad("");
         }

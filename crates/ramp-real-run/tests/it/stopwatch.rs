@@ -108,3 +108,46 @@ fn what_cannot_have_happened_is_refused_where_it_stands() {
         assert!(message.contains(words), "{to}: {message}");
     }
 }
+
+/// Spreadsheets separate cells by semicolons or tabs where the comma is the decimal sign.
+#[test]
+fn a_spreadsheet_of_a_country_with_decimal_commas_is_read() {
+    let points = example();
+    let sound = episodes(&points);
+    let commas = |separator: &str| {
+        let rows = points.lines().map(|line| match line {
+            "source,\"bench 2 of our lab, 3 May 2026\"" => {
+                format!("source{separator}bench 2 of our lab, 3 May 2026")
+            }
+            line if line.starts_with("easy-") => {
+                // Only times have points.
+                line.replace(',', separator).replace('.', ",")
+            }
+            line => line.replace(',', separator),
+        });
+        rows.collect::<Vec<String>>().join("\r\n")
+    };
+    for text in [
+        commas(";"),
+        commas("\t"),
+        format!("sep=;\r\n{}", commas(";")),
+        format!("sep=,\n{points}"),
+        points.replace("48.0", "\"48,0\"").replace("3.4", "\"3,4\""),
+        // Empty cells at the ends of rows.
+        commas(";").replace("\r\n", ";;;\r\n"),
+    ] {
+        let read = episodes(&text);
+        let times = |results: &[EpisodeResult]| -> Vec<(f64, usize)> {
+            results.iter().map(|it| (it.time.total, it.counted())).collect()
+        };
+        assert_eq!(times(&read), times(&sound), "{text}");
+        assert_eq!(read[0].pegs, sound[0].pegs, "{text}");
+        assert_eq!(read[0].real, sound[0].real);
+    }
+    let thousands = points.replace("48.0", "\"1,480\"");
+    let why = read(&thousands).unwrap_err();
+    assert!(why.contains("the comma in `1,480` may be a decimal comma or separate thousands"), "{why}");
+    // Milliseconds.
+    let late = points.replace("easy-1,1,end,2:44", "easy-1,1,end,164000");
+    assert!(read(&late).unwrap_err().contains("of robot time"));
+}

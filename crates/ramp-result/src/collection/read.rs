@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use ramp_kit::source::{ReadError, plain, read_bytes, shorten};
+use ramp_kit::source::{ReadError, decode, plain, read_bytes, shorten};
 use serde_json::Value;
 
 use super::check::check;
@@ -164,6 +164,9 @@ pub fn parse(name: &str, bytes: &[u8]) -> Result<Option<Parsed>, CollectError> {
         let why = plain(text.split(" at line ").next().unwrap_or(&text), LONGEST_WHY);
         CollectError::Form { place: format!("{name}:{}:{}", error.line(), error.column()), why }
     };
+    let text = decode(bytes)
+        .map_err(|error| CollectError::Form { place: name.to_string(), why: error.to_string() })?;
+    let bytes = text.as_bytes();
     // Parsed twice, so that a wrong schema is reported before the errors that follow from it.
     let value: Value = serde_json::from_slice(bytes).map_err(bad)?;
     let schema = value["schema"].as_str().unwrap_or_default();

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, Report, miette};
+use ramp_kit::source::is_debris;
 use ramp_log::{ENDING, Log};
 
 use super::goals::BatchGoal;
@@ -22,7 +23,7 @@ impl Tapes {
         for entry in std::fs::read_dir(folder).map_err(fail)? {
             paths.push(entry.map_err(fail)?.path());
         }
-        paths.retain(|path| path.extension().is_some_and(|ending| ending == ENDING));
+        paths.retain(|path| path.extension().is_some_and(|ending| ending == ENDING) && !is_debris(path));
         paths.sort();
         let mut tapes: BTreeMap<String, Vec<(u64, PathBuf)>> = BTreeMap::new();
         for path in paths {
