@@ -5,19 +5,29 @@
 //! format of the twin's logs (`foxglove.FrameTransforms`, `data/schema/log/parts.schema.json`). The
 //! pose of a tag on a part is accepted instead of the part's pose.
 //! `docs/src/reference/real-runs.md` describes the format. Impossible messages are refused with
-//! their number and time.
+//! their number and time, and impossible poses with the likely cause.
 
-use std::collections::BTreeMap;
+mod cause;
+mod message;
+mod order;
+mod possible;
+
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use nalgebra::{Quaternion, Translation3, UnitQuaternion};
+use nalgebra::Vector3;
 use ramp_assembly::Assembly;
 use ramp_assembly::Truth;
-use ramp_kit::source::{A_NAME, MAX_TITLE, is_name, is_text, nearest, plain, shorten};
+use ramp_kit::source::{A_NAME, MAX_TITLE, is_name, is_text, nearest, plain, shorten, without_mark};
 use ramp_kit::tags::{self, SHEET_ID, TagPlace};
 use ramp_kit::{Kit, Pose};
 use ramp_robot::Track;
 use serde::Deserialize;
+
+use cause::{Measured, length_unit, time_unit};
+use message::{Head, Rotation, Sight, Stamp, Transform, Vector};
+pub use order::QuaternionOrder;
+use possible::{check_clamped, check_loose};
 
 use ramp_log::LogError;
 use ramp_log::records::{Limits, Record, bytes_of, walk};
@@ -37,90 +47,18 @@ const WORLD: &str = "world";
 const LIMIT: f64 = 1800.0;
 /// Longest time of planning, s.
 const LONGEST: f64 = 1.0e6;
-/// Largest distance of the clamped beam from its nominal pose, m; beyond that, the poses are not in
-/// the expected frame.
-const CLAMPED: f64 = 10.0e-3;
+/// Shortest time of a run that is taken for one in another unit, s.
+const SHORTEST: f64 = 5.0;
 /// Largest distance of a part from the origin, m.
 const FAR: f64 = 10.0;
 /// Largest deviation of a quaternion's norm from one.
 const UNIT: f64 = 1.0e-3;
 /// Coordinate of a part that was not detected yet, m: far from every hole.
 const UNSEEN: f64 = 1.0e3;
-
-/// Identity of the run.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Head {
-    /// Checked before all other fields.
-    #[serde(rename = "schema")]
-    _schema: String,
-    rules: String,
-    goal: String,
-    repeat: u32,
-    track: String,
-    agent: String,
-    version: String,
-    robot: String,
-    computer: String,
-    cores: usize,
-    scorer: String,
-    source: String,
-    begin: Stamp,
-    planning: f64,
-    end: Stamp,
-    ended: String,
-}
-
-/// A time by the clock of the poses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Stamp {
-    sec: u64,
-    nsec: u32,
-}
-
-impl Stamp {
-    /// Seconds since `begin`, with the resolution of a nanosecond for any epoch.
-    fn since(self, begin: Stamp) -> f64 {
-        let whole = i128::from(self.sec) - i128::from(begin.sec);
-        let nanoseconds = whole * 1_000_000_000 + i128::from(self.nsec) - i128::from(begin.nsec);
-        nanoseconds as f64 / 1e9
-    }
-}
-
-/// Measured poses of parts.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Sight {
-    transforms: Vec<Transform>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Transform {
-    timestamp: Stamp,
-    parent_frame_id: String,
-    child_frame_id: String,
-    translation: Vector,
-    rotation: Rotation,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Vector {
-    x: f64,
-    y: f64,
-    z: f64,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Rotation {
-    x: f64,
-    y: f64,
-    z: f64,
-    w: f64,
-}
+/// Number of different fractions of seconds that tell their unit.
+const FRACTIONS: usize = 3;
+/// Fractions of seconds are not all smaller than this, ns.
+const COARSE: u32 = 1_000_000;
 
 /// Reference data for reading a log.
 pub struct Reader<'a> {
@@ -130,14 +68,25 @@ pub struct Reader<'a> {
     pub goals: &'a [Assembly],
     /// The program that made the results.
     pub software: &'a Software,
+    /// The order of the numbers of its quaternions.
+    pub order: QuaternionOrder,
+}
+
+/// A run that was judged.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// Its result.
+    pub result: EpisodeResult,
+    /// Whether the clamped beam was measured: without it, nothing tells that the frame is right.
+    pub clamped_seen: bool,
 }
 
 impl Reader<'_> {
     /// Reads and judges the log in a file.
     ///
     /// # Errors
-    /// When it cannot be read, or contains impossible events.
-    pub fn read(&self, path: &Path) -> Result<EpisodeResult, LogError> {
+    /// When it cannot be read, or contains impossible events or poses.
+    pub fn read(&self, path: &Path) -> Result<Judged, LogError> {
         self.from_bytes(path, &bytes_of(path, &Limits::default())?)
     }
 
@@ -145,7 +94,7 @@ impl Reader<'_> {
     ///
     /// # Errors
     /// As [`Reader::read`].
-    pub fn from_bytes(&self, path: &Path, bytes: &[u8]) -> Result<EpisodeResult, LogError> {
+    pub fn from_bytes(&self, path: &Path, bytes: &[u8]) -> Result<Judged, LogError> {
         let mut channels: BTreeMap<u16, bool> = BTreeMap::new();
         let mut run: Option<Run> = None;
         let mut number = 0;
@@ -191,6 +140,7 @@ impl Reader<'_> {
         struct Only {
             schema: String,
         }
+        let data = without_mark(data);
         let Only { schema } =
             serde_json::from_slice(data).map_err(|error| plain(&error.to_string(), MAX_TITLE))?;
         if schema != SCHEMA {
@@ -243,14 +193,16 @@ impl Reader<'_> {
         let total = head.end.since(head.begin);
         if !(0.0..=LONGEST).contains(&head.planning) || head.planning > total {
             return Err(format!(
-                "the robot was free to move after {} s, expected a time between begin and end, 0 to {total} s",
-                head.planning
+                "the robot was free to move after {} s, expected a time between begin and end, 0 to {total} s{}",
+                head.planning,
+                time_unit(head.planning, |planning| (0.0..=total).contains(&planning))
             ));
         }
-        if total - head.planning > LIMIT {
+        let robot = total - head.planning;
+        if robot > LIMIT {
             return Err(format!(
-                "it ends after {:.0} s of robot time, and the rules end an episode after {LIMIT} s",
-                total - head.planning
+                "it ends after {robot:.0} s of robot time, and the rules end an episode after {LIMIT} s{}",
+                time_unit(robot, |robot| (SHORTEST..=LIMIT).contains(&robot))
             ));
         }
         let (beams, pegs) = (self.kit.beams.iter(), self.kit.pegs.iter());
@@ -265,7 +217,19 @@ impl Reader<'_> {
         let referee = Referee::new(goal, parts.iter().map(String::as_str));
         let truth = Truth { time: 0.0, x_wp };
         let tags = tags::places(self.kit);
-        Ok(Run { kit: self.kit, goal, head, parts, tags, truth, referee, seen: None })
+        Ok(Run {
+            kit: self.kit,
+            goal,
+            head,
+            seen_parts: vec![false; parts.len()],
+            parts,
+            tags,
+            truth,
+            referee,
+            seen: None,
+            order: self.order,
+            fractions: BTreeSet::new(),
+        })
     }
 }
 
@@ -282,13 +246,18 @@ struct Run<'a> {
     referee: Referee,
     /// The time of the last message.
     seen: Option<Stamp>,
+    /// Whether each part was measured.
+    seen_parts: Vec<bool>,
+    order: QuaternionOrder,
+    /// Some of the fractions of seconds of the messages, ns.
+    fractions: BTreeSet<u32>,
 }
 
 impl Run<'_> {
     /// Reads one message, and passes it to the referee.
     fn see(&mut self, data: &[u8]) -> Result<(), String> {
-        let sight: Sight =
-            serde_json::from_slice(data).map_err(|error| plain(&error.to_string(), MAX_TITLE))?;
+        let sight: Sight = serde_json::from_slice(without_mark(data))
+            .map_err(|error| plain(&error.to_string(), MAX_TITLE))?;
         // Number of tags that measured each part, by its index.
         let mut tags = BTreeMap::new();
         for transform in &sight.transforms {
@@ -316,14 +285,19 @@ impl Run<'_> {
         if let Some(before) = self.seen.filter(|before| transform.timestamp < *before) {
             return Err(format!("time runs backwards, after {:.3} s", before.since(self.head.begin)));
         }
-        if time < 0.0 {
-            return Err("a part was seen before the beginning".to_string());
+        let total = self.head.end.since(self.head.begin);
+        if !(0.0..=total).contains(&time) {
+            // The same clock in another unit counts from the same beginning.
+            let end = self.head.end.since(Stamp { sec: 0, nsec: 0 });
+            let stamp = transform.timestamp.since(Stamp { sec: 0, nsec: 0 });
+            let cause = time_unit(stamp, |stamp| (end - total..=end).contains(&stamp));
+            return Err(match time < 0.0 {
+                true => "a part was seen before the beginning".to_string(),
+                false => format!("a part was seen after the end, {total:.3} s{cause}"),
+            });
         }
-        if transform.timestamp > self.head.end {
-            return Err(format!(
-                "a part was seen after the end, {:.3} s",
-                self.head.end.since(self.head.begin)
-            ));
+        if self.fractions.len() < FRACTIONS && transform.timestamp.nsec > 0 {
+            self.fractions.insert(transform.timestamp.nsec);
         }
         let name = &transform.child_frame_id;
         // A tag is `tag` and its id.
@@ -343,53 +317,55 @@ impl Run<'_> {
         let Vector { x, y, z } = transform.translation;
         let Rotation { x: i, y: j, z: k, w } = transform.rotation;
         if [x, y, z].iter().any(|value| !value.is_finite() || value.abs() > FAR) {
-            return Err(format!("{name} is at ({x}, {y}, {z}) m, expected it within {FAR} m"));
+            let cause = length_unit([x, y, z], FAR);
+            return Err(format!("{name} is at ({x}, {y}, {z}) m, expected it within {FAR} m{cause}"));
         }
-        let quaternion = Quaternion::new(w, i, j, k);
-        if (quaternion.norm() - 1.0).abs() > UNIT || !quaternion.norm().is_finite() {
-            return Err(format!(
-                "the rotation of {name} has the length {}, expected a unit quaternion",
-                quaternion.norm()
-            ));
+        let norm = [w, i, j, k].iter().map(|value| value * value).sum::<f64>().sqrt();
+        if (norm - 1.0).abs() > UNIT || !norm.is_finite() {
+            return Err(format!("the rotation of {name} has the length {norm}, expected a unit quaternion"));
         }
-        let seen = Pose::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_quaternion(quaternion));
         // The sheet's own tag belongs to no part.
         let Some(index) = index else { return Ok(()) };
-        let x_wp = match place {
-            None => seen,
-            Some(place) => {
-                // The mean over all tags on a part in one message.
-                let x_wp = seen * place.x_pg.inverse();
-                let count = tags.entry(index).or_insert(0.0);
-                *count += 1.0;
-                if *count > 1.0 {
-                    let mean = self.truth.x_wp[index].try_lerp_slerp(&x_wp, 1.0 / *count, UNIT);
-                    mean.ok_or_else(|| {
-                        format!("{name} and the other tags on {part} disagree on its orientation")
-                    })?
-                } else {
-                    x_wp
-                }
-            }
-        };
-        let base = &self.goal.beams[self.goal.base];
-        if *part == base.beam.name {
-            let nominal = self.kit.x_wa() * base.x_ab;
-            let off = (x_wp.translation.vector - nominal.translation.vector).norm();
-            if off > CLAMPED {
-                return Err(format!(
-                    "{part}, which is clamped, is {:.0} mm from its place: are the poses in the frame of the robot's base?",
-                    off * 1e3
-                ));
+        let measured =
+            Measured { at: Vector3::new(x, y, z), wxyz: [w, i, j, k], order: self.order, tag: place };
+        let mut x_wp = measured.x_wp();
+        if place.is_some() {
+            // The mean over all tags on a part in one message.
+            let count = tags.entry(index).or_insert(0.0);
+            *count += 1.0;
+            if *count > 1.0 {
+                let mean = self.truth.x_wp[index].try_lerp_slerp(&x_wp, 1.0 / *count, UNIT);
+                x_wp = mean.ok_or_else(|| {
+                    format!("{name} and the other tags on {part} disagree on its orientation")
+                })?;
             }
         }
+        let base = &self.goal.beams[self.goal.base];
+        let x_wa = self.kit.x_wa();
+        if *part == base.beam.name {
+            check_clamped(part, &measured, &x_wp, &(x_wa * base.x_ab), &x_wa)?;
+        } else {
+            let placed = self.goal.beams.iter().find(|placed| placed.beam.name == *part);
+            let goal = placed.map(|placed| x_wa * placed.x_ab);
+            check_loose(self.kit, part, &measured, !self.seen_parts[index], goal.as_ref())?;
+        }
+        self.seen_parts[index] = true;
         self.truth.x_wp[index] = x_wp;
         Ok(())
     }
 
-    fn result(self, software: &Software, log: &str) -> Result<EpisodeResult, String> {
+    fn result(self, software: &Software, log: &str) -> Result<Judged, String> {
         if self.seen.is_none() {
             return Err("it has no pose on /parts".to_string());
+        }
+        let base = &self.goal.beams[self.goal.base].beam.name;
+        let clamped = self.parts.iter().position(|part| part == base);
+        let clamped_seen = clamped.is_some_and(|index| self.seen_parts[index]);
+        if self.fractions.len() == FRACTIONS && self.fractions.iter().all(|nsec| *nsec < COARSE) {
+            return Err(format!(
+                "no `nsec` on /parts is {COARSE} or more: are they milliseconds or microseconds (expected \
+                 nanoseconds)?"
+            ));
         }
         let head = self.head;
         let mut pegs = Vec::new();
@@ -400,8 +376,11 @@ impl Run<'_> {
             };
             if seated.since < head.planning {
                 return Err(format!(
-                    "{} is pinned since {:.3} s, and the robot was not free to move before {} s",
-                    connection.name, seated.since, head.planning
+                    "{} is pinned since {:.3} s, and the robot was not free to move before {} s{}",
+                    connection.name,
+                    seated.since,
+                    head.planning,
+                    time_unit(head.planning, |planning| (0.0..=seated.since).contains(&planning))
                 ));
             }
             pegs.push(Some(PegResult {
@@ -414,7 +393,7 @@ impl Run<'_> {
             }));
         }
         let total = head.end.since(head.begin);
-        Ok(EpisodeResult {
+        let result = EpisodeResult {
             schema: EPISODE.to_string(),
             rules: RULES.to_string(),
             goal: self.goal.name.clone(),
@@ -447,6 +426,7 @@ impl Run<'_> {
             fault: None,
             ended: Ended { reason: head.ended, kind: None },
             log: Some(log.to_string()),
-        })
+        };
+        Ok(Judged { result, clamped_seen })
     }
 }

@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use ramp_fuzz::{GOALS, KIT, mcap_file, shows, software, target};
-use ramp_real_run::poses::Reader;
+use ramp_real_run::poses::{QuaternionOrder, Reader};
 use ramp_result::collection::parse;
 use serde_json::{Value, json};
 
@@ -16,7 +16,7 @@ fn check(bytes: &[u8]) {
     let topics = std::iter::once("/run").chain(std::iter::repeat("/parts"));
     let messages: Vec<(&str, &[u8])> = topics.zip(bytes.split(|byte| *byte == b'\n')).collect();
     let file = mcap_file(&messages, None);
-    match (Reader { kit: &KIT, goals: &GOALS, software: &software() }).from_bytes(Path::new("x.mcap"), &file)
+    match (Reader { kit: &KIT, goals: &GOALS, software: &software(), order: QuaternionOrder::default() }).from_bytes(Path::new("x.mcap"), &file)
     {
         // A report accepts every value from a log.
         Ok(result) => {

@@ -9,11 +9,11 @@ use ramp_data::Data;
 use ramp_kit::drawing::pdf;
 use ramp_log::ENDING;
 use ramp_real_run::form::form;
-use ramp_real_run::poses;
+use ramp_real_run::poses::{self, QuaternionOrder};
 use ramp_real_run::stopwatch::{Log, read_log};
 use ramp_result::write_whole;
 
-use crate::output::{check_place, print, write_file};
+use crate::output::{check_place, print, tell, write_file};
 use crate::software::software;
 use crate::status::DONE;
 
@@ -28,6 +28,16 @@ pub struct Arguments {
     /// Folder for the results [default: results/score]; with --form, the PDF to write
     #[arg(short, long, value_name = "DIR|FILE")]
     output: Option<PathBuf>,
+    /// Numbers that the fields w, x, y, z of the rotations in a log of poses hold
+    #[arg(long, value_name = "ORDER", default_value = "wxyz", value_parser = order, conflicts_with = "form")]
+    quaternion: QuaternionOrder,
+}
+
+fn order(name: &str) -> Result<QuaternionOrder, String> {
+    let all = QuaternionOrder::ALL;
+    all.into_iter()
+        .find(|order| order.name() == name)
+        .ok_or_else(|| format!("expected {}", all.map(QuaternionOrder::name).join(", ")))
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
@@ -44,9 +54,19 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let kit = data.kit()?;
     let software = software();
     let log = if path.extension().is_some_and(|ending| ending == ENDING) {
-        let reader = poses::Reader { kit, goals: &goals, software: &software };
-        Log::Episodes(vec![reader.read(path).into_diagnostic()?])
+        let reader = poses::Reader { kit, goals: &goals, software: &software, order: arguments.quaternion };
+        let judged = reader.read(path).into_diagnostic()?;
+        if !judged.clamped_seen {
+            tell(
+                "the clamped beam was never measured, so nothing shows that frame, units and axes are right",
+            );
+        }
+        Log::Episodes(vec![judged.result])
     } else {
+        if arguments.quaternion != QuaternionOrder::default() {
+            let help = "leave out --quaternion";
+            return Err(miette!(help = help, "{} is no log of poses, and has no rotations", path.display()));
+        }
         read_log(path, kit, &goals, &software)?
     };
     let mut text = String::new();

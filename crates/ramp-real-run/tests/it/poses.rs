@@ -5,7 +5,7 @@ use std::path::Path;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use ramp_kit::Pose;
 use ramp_kit::joint::FEMALE_HEIGHT;
-use ramp_real_run::poses::Reader;
+use ramp_real_run::poses::{QuaternionOrder, Reader};
 use ramp_result::EpisodeResult;
 use ramp_result::episode::Software;
 use ramp_testing::episode::Swing;
@@ -14,7 +14,7 @@ use ramp_testing::{GoalFiles, data};
 use serde_json::{Value, json};
 
 /// The clock's reading at the handover of the goal, s.
-const BEGIN: u64 = 1_700_000_000;
+pub(crate) const BEGIN: u64 = 1_700_000_000;
 
 fn run() -> Value {
     json!({
@@ -26,7 +26,7 @@ fn run() -> Value {
 }
 
 /// Measured poses of some parts at a time, s.
-fn sight(time: f64, parts: &[(&str, Pose)]) -> Value {
+pub(crate) fn sight(time: f64, parts: &[(&str, Pose)]) -> Value {
     let stamp = json!({"sec": BEGIN + time.floor() as u64, "nsec": (time.fract() * 1e9).round() as u64});
     let transform = |(name, x): &(&str, Pose)| {
         let (p, q) = (x.translation.vector, x.rotation.quaternion());
@@ -38,12 +38,21 @@ fn sight(time: f64, parts: &[(&str, Pose)]) -> Value {
     json!({"transforms": parts.iter().map(transform).collect::<Vec<_>>()})
 }
 
+/// The pose of a transform.
+pub(crate) fn pose_of(transform: &Value) -> Pose {
+    let number = |it: &str, axis: &str| transform[it][axis].as_f64().unwrap();
+    let [x, y, z] = ["x", "y", "z"].map(|axis| number("translation", axis));
+    let [i, j, k, w] = ["x", "y", "z", "w"].map(|axis| number("rotation", axis));
+    let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, i, j, k));
+    Pose::from_parts(Translation3::new(x, y, z), turn)
+}
+
 /// The beams in their goal poses, and a peg at this height (m) above its seat in the connection of
 /// that number.
-struct Bench(GoalFiles);
+pub(crate) struct Bench(pub GoalFiles);
 
 impl Bench {
-    fn beams(&self) -> Vec<(&str, Pose)> {
+    pub(crate) fn beams(&self) -> Vec<(&str, Pose)> {
         let x_wa = self.0.assembly.kit.x_wa();
         let beams = self.0.assembly.beams.iter();
         beams.map(|placed| (placed.beam.name.as_str(), x_wa * placed.x_ab)).collect()
@@ -57,7 +66,7 @@ impl Bench {
 
     /// p1 is seated at 60 s. p2 is seated at 90.25 s, comes out at 120 s and is seated again at
     /// 150.5 s.
-    fn messages(&self) -> Vec<(String, Value)> {
+    pub(crate) fn messages(&self) -> Vec<(String, Value)> {
         let sights = [
             sight(0.5, &self.beams()),
             sight(20.0, &[("p1", self.seat(0, 0.05))]),
@@ -71,16 +80,43 @@ impl Bench {
         std::iter::once(("/run".to_string(), run())).chain(parts).collect()
     }
 
-    fn bytes(&self, messages: &[(String, Value)]) -> Vec<u8> {
+    pub(crate) fn bytes(&self, messages: &[(String, Value)]) -> Vec<u8> {
         let text = |(topic, value): &(String, Value)| (topic.clone(), value.to_string().into_bytes());
         as_log(&messages.iter().map(text).collect::<Vec<_>>())
     }
 
-    fn judge(&self, bytes: &[u8]) -> Result<EpisodeResult, String> {
+    pub(crate) fn judge(&self, bytes: &[u8]) -> Result<EpisodeResult, String> {
+        self.judge_in(bytes, QuaternionOrder::default())
+    }
+
+    pub(crate) fn judge_in(&self, bytes: &[u8], order: QuaternionOrder) -> Result<EpisodeResult, String> {
         let software = Software { version: "test".into(), commit: "test".into() };
         let goals = std::slice::from_ref(&self.0.assembly);
-        let reader = Reader { kit: &self.0.assembly.kit, goals, software: &software };
-        reader.from_bytes(Path::new("run.mcap"), bytes).map_err(|error| error.to_string())
+        let reader = Reader { kit: &self.0.assembly.kit, goals, software: &software, order };
+        let judged = reader.from_bytes(Path::new("run.mcap"), bytes);
+        judged.map(|judged| judged.result).map_err(|error| error.to_string())
+    }
+
+    /// [`Bench::messages`] as the tags on the parts, and that of the sheet, tell them.
+    pub(crate) fn by_tags(&self) -> Vec<(String, Value)> {
+        let places = ramp_kit::tags::places(&self.0.assembly.kit);
+        let mut messages = self.messages();
+        for (_, message) in messages.iter_mut().filter(|(topic, _)| topic == "/parts") {
+            let mut of_tags = Vec::new();
+            for transform in message["transforms"].as_array().unwrap() {
+                let part = transform["child_frame_id"].as_str().unwrap();
+                for place in places.iter().filter(|place| place.part == part) {
+                    of_tags.push((format!("tag{}", place.id), pose_of(transform) * place.x_pg));
+                }
+            }
+            of_tags.push(("tag0".to_string(), ramp_kit::tags::x_wg_sheet(&self.0.assembly.kit)));
+            let time = &message["transforms"][0]["timestamp"];
+            let time = (time["sec"].as_u64().unwrap() - BEGIN) as f64 + time["nsec"].as_f64().unwrap() * 1e-9;
+            let of_tags: Vec<(&str, Pose)> = of_tags.iter().map(|(name, x)| (name.as_str(), *x)).collect();
+            assert!(of_tags.len() > 1);
+            *message = sight(time, &of_tags);
+        }
+        messages
     }
 }
 
@@ -112,31 +148,7 @@ fn the_referee_judges_what_cameras_saw() {
 #[test]
 fn tags_tell_where_parts_are() {
     let bench = Bench(GoalFiles::new("easy-1"));
-    let places = ramp_kit::tags::places(&bench.0.assembly.kit);
-    let mut messages = bench.messages();
-    for (topic, message) in &mut messages {
-        if topic == "/run" {
-            continue;
-        }
-        let mut of_tags = Vec::new();
-        for transform in message["transforms"].as_array().unwrap() {
-            let number = |it: &str, axis: &str| transform[it][axis].as_f64().unwrap();
-            let [x, y, z] = ["x", "y", "z"].map(|axis| number("translation", axis));
-            let [i, j, k, w] = ["x", "y", "z", "w"].map(|axis| number("rotation", axis));
-            let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, i, j, k));
-            let x_wp = Pose::from_parts(Translation3::new(x, y, z), turn);
-            let part = transform["child_frame_id"].as_str().unwrap();
-            for place in places.iter().filter(|place| place.part == part) {
-                of_tags.push((format!("tag{}", place.id), x_wp * place.x_pg));
-            }
-        }
-        of_tags.push(("tag0".to_string(), ramp_kit::tags::x_wg_sheet(&bench.0.assembly.kit)));
-        let time = &message["transforms"][0]["timestamp"];
-        let time = (time["sec"].as_u64().unwrap() - BEGIN) as f64 + time["nsec"].as_f64().unwrap() * 1e-9;
-        let of_tags: Vec<(&str, Pose)> = of_tags.iter().map(|(name, x)| (name.as_str(), *x)).collect();
-        assert!(of_tags.len() > 1);
-        *message = sight(time, &of_tags);
-    }
+    let messages = bench.by_tags();
     let by_parts = bench.judge(&bench.bytes(&bench.messages())).unwrap();
     let by_tags = bench.judge(&bench.bytes(&messages)).unwrap();
     assert_eq!(by_tags.pegs, by_parts.pegs);
@@ -230,4 +242,26 @@ fn whatever_the_bytes_there_is_a_result_or_a_message() {
         }
         let _ = bench.judge(&mangled);
     }
+}
+
+/// Each compression of the format is read, and another one is named.
+#[test]
+fn a_log_may_be_compressed_in_each_way_of_the_format() {
+    let bench = Bench(GoalFiles::new("easy-1"));
+    let text = |(topic, value): &(String, Value)| (topic.clone(), value.to_string().into_bytes());
+    let messages: Vec<_> = bench.messages().iter().map(text).collect();
+    let compressed = |how: Option<mcap::Compression>| {
+        let options = mcap::WriteOptions::new().compression(how);
+        ramp_testing::log::write_log(&messages, options)
+    };
+    let pegs = bench.judge(&bench.bytes(&bench.messages())).unwrap().pegs;
+    let lz4 = compressed(Some(mcap::Compression::Lz4));
+    for bytes in [&lz4, &compressed(Some(mcap::Compression::Zstd)), &compressed(None)] {
+        assert_eq!(bench.judge(bytes).unwrap().pegs, pegs);
+    }
+    let mut other = lz4.clone();
+    let name = other.windows(7).position(|it| it == b"\x03\0\0\0lz4").unwrap() + 4;
+    other[name..name + 3].copy_from_slice(b"br7");
+    let why = bench.judge(&other).unwrap_err();
+    assert!(why.contains("compressed with `br7`, expected zstd, lz4 or no compression"), "{why}");
 }
