@@ -11,6 +11,7 @@ mod command;
 mod completion;
 mod ending;
 mod film;
+mod lock;
 mod options;
 mod output;
 mod pictures;

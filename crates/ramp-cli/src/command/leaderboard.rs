@@ -2,8 +2,8 @@
 
 mod control;
 
-use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use miette::{Report as Failure, miette};
 use ramp_data::Data;
@@ -12,12 +12,13 @@ use ramp_report::{Report, page};
 
 use self::control::Row;
 use crate::admission::{self, Admission, Admitted, Entry, Options, Verdicts};
+use crate::lock::{FolderLock, LockError};
 use crate::output::{print, tell};
 use crate::site::Site;
 use crate::status::{DONE, INCOMPLETE, MachineFault};
 
-/// Lock file in the site's folder: one board at a time holds it.
-const LOCK: &str = ".lock";
+/// Interval at which a board looks whether another has left the site.
+const WAIT: Duration = Duration::from_millis(500);
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -94,19 +95,24 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Failure> {
 }
 
 /// Waits until no other board writes to the site, and keeps it for this one.
-fn lock(site: &Path) -> Result<File, Failure> {
-    let fail =
-        |error: std::io::Error| MachineFault::of(format!("{} cannot be locked: {error}", site.display()));
-    let lock = File::create(site.join(LOCK)).map_err(fail)?;
-    match lock.try_lock() {
-        Ok(()) => {}
-        Err(TryLockError::WouldBlock) => {
-            tell(&format!("another board writes to {}: waiting for it", site.display()));
-            lock.lock().map_err(fail)?;
+fn lock(site: &Path) -> Result<FolderLock, Failure> {
+    let mut told = false;
+    loop {
+        match FolderLock::take(site) {
+            Ok(lock) => return Ok(lock),
+            Err(LockError::Busy { who }) => {
+                if !told {
+                    let (site, who) = (site.display(), who.unwrap_or_default());
+                    tell(&format!("another board writes to {site}{who}: waiting for it"));
+                    told = true;
+                }
+                std::thread::sleep(WAIT);
+            }
+            Err(LockError::Failed(error)) => {
+                return Err(MachineFault::of(format!("{} cannot be locked: {error}", site.display())).into());
+            }
         }
-        Err(TryLockError::Error(error)) => return Err(fail(error).into()),
     }
-    Ok(lock)
 }
 
 impl Board {

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
-use std::fs::{File, TryLockError};
+use std::fs::File;
 use std::io::Write;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::path::{Path, PathBuf};
@@ -26,6 +26,7 @@ use super::episode::{Episode, Outcome};
 use super::goals::{BatchError, BatchGoal};
 use super::tapes::Tapes;
 use crate::ending::{defer_requests, end_of, requested};
+use crate::lock::{FolderLock, LockError};
 use crate::output::tell;
 use crate::pool;
 use crate::seal;
@@ -33,8 +34,6 @@ use crate::status::{DONE, INCOMPLETE, MACHINE, MachineFault};
 
 /// Folder inside the results folder for unfinished files.
 const RUNNING: &str = ".running";
-/// Lock file in the results folder: one run at a time holds it.
-const LOCK: &str = ".lock";
 /// Wall-clock time reserved for scoring an episode whose agent has not finished.
 const SCORING: Duration = Duration::from_secs(20);
 /// Length of the end of an episode's standard error that is shown when the machine fails, bytes.
@@ -158,15 +157,13 @@ impl Batch<'_> {
         self.refuse_foreign()?;
         std::fs::create_dir_all(folder)
             .map_err(|error| miette!("cannot make the folder {}: {error}", folder.display()))?;
-        let lock = File::create(folder.join(LOCK))
-            .map_err(|error| miette!("cannot write to {}: {error}", folder.display()))?;
-        match lock.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                return Err(BatchError::Busy { folder: folder.display().to_string() }.into());
-            }
-            Err(TryLockError::Error(error)) => return Err(error).into_diagnostic(),
-        }
+        let _lock = FolderLock::take(folder).map_err(|error| match error {
+            LockError::Busy { who } => Report::from(BatchError::Busy {
+                folder: folder.display().to_string(),
+                who: who.unwrap_or_default(),
+            }),
+            LockError::Failed(error) => miette!("cannot write to {}: {error}", folder.display()),
+        })?;
         defer_requests();
         for episode in episodes.iter_mut() {
             let path = folder.join(format!("{}.json", episode.stem));

@@ -47,9 +47,9 @@ pub enum BatchError {
     #[error("{file} is of the start {theirs}, and not of this one")]
     #[diagnostic(help("a folder is of one start: name another folder with -o, or give the same --start"))]
     OtherStart { file: String, theirs: String },
-    #[error("another bench is at work in {folder}")]
+    #[error("another bench is at work in {folder}{who}")]
     #[diagnostic(help("wait for it, or name another folder with -o"))]
-    Busy { folder: String },
+    Busy { folder: String, who: String },
 }
 
 impl BatchError {
