@@ -47,7 +47,8 @@
 //! ```
 //!
 //! A domain passes `lex` (tokens), `parse` (statements, `ast`) and `check` (names and sorts) to
-//! become a [`Domain`]. `translate`, `interpreter`, `unroll` and `pddl` are its four uses. The
+//! become a [`Domain`]. `translate`, `interpreter`, `unroll`, `pddl` and `strips` are its
+//! five uses. The
 //! language is one of the AL_d family (M. Gelfond, D. Inclezan, *Some properties of system
 //! descriptions of AL_d*, Journal of Applied Non-Classical Logics 23, 2013);
 //! `docs/src/reference/action-language.md` describes every construct.
@@ -60,6 +61,7 @@ mod lex;
 mod parse;
 mod pddl;
 mod problem;
+mod strips;
 mod term;
 mod translate;
 mod unroll;
@@ -69,5 +71,6 @@ pub use interpreter::{Model, Reason, Refusal, State};
 pub use pddl::{Pddl, PddlError};
 pub use problem::{LanguageError, LanguageProblem};
 pub use ramp_source::SourceFile;
+pub use strips::Strips;
 pub use term::Term;
 pub use unroll::{GroundRule, Literal, Prospect, Unrolled};

@@ -42,7 +42,7 @@ pub use error::{PlanError, Refused};
 pub use explain::{Explanation, Reason, why};
 pub use limits::{Exceeded, Limit, Limits, Watch};
 pub use motion::{End, Impossible, InTheWay, MotionFact};
-pub use pddl::{pddl, pddl_plan};
+pub use pddl::{pddl, pddl_plan, strips};
 pub use plan::{
     ActionKind, Area, CoarseAction, CoarseStep, Entry, FineAction, Grasp, Item, Place, Plan, State,
     Statistics, Target,

@@ -6,7 +6,7 @@ use crate::plan::{CoarseStep, State};
 use crate::planner::{Options, Planner};
 use crate::replay::Replayer;
 use crate::state;
-use ramp_action_language::Pddl;
+use ramp_action_language::{Pddl, Strips};
 use ramp_assembly::Assembly;
 
 /// Writes the coarse domain and a goal in PDDL.
@@ -36,7 +36,34 @@ pub fn pddl(assembly: &Assembly, state: &State, domains: &Domains) -> Result<Pdd
     Ok(written)
 }
 
-/// Completes another planner's plan for the files of [`pddl`]: it is judged, gets pegs of the kit,
+/// Writes the same problem in STRIPS, for planners that read neither derived predicates nor conditional
+/// effects.
+///
+/// # Errors
+/// As [`pddl`].
+///
+/// ```
+/// use ramp_planner::{Domains, State, strips};
+///
+/// let kit = ramp_kit::read_kit("../../data/kit.xml".as_ref())?;
+/// let assembly = ramp_assembly::read_goal("../../data/goals/easy-1.xml".as_ref(), &kit)?;
+/// let domains = Domains::read("../../data/domains".as_ref())?;
+/// let written = strips(&assembly, &State::default(), &domains)?;
+/// assert!(written.domain.contains("(:requirements :strips)"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn strips(assembly: &Assembly, state: &State, domains: &Domains) -> Result<Strips, PlanError> {
+    let known = state::look_up(assembly, state)?;
+    let planner = Planner::new(assembly, domains, Options::default(), known.motion.clone());
+    let start = planner.fluents(&known)?;
+    let file = domains.coarse().file().name();
+    let mut written = Strips::new(&planner.model, &start, "ramp", &assembly.name)?;
+    written.domain.insert_str(0, &format!("; Written from {file} by ramp plan --pddl.\n"));
+    written.problem.insert_str(0, &format!("; The goal {}.\n", assembly.name));
+    Ok(written)
+}
+
+/// Completes another planner's plan for the files of [`pddl`] or of [`strips`]: it is judged, gets pegs of the kit,
 /// and fine actions under every coarse one.
 ///
 /// # Errors
@@ -49,7 +76,14 @@ pub fn pddl_plan(
     text: &str,
 ) -> Result<Vec<CoarseStep>, PlanError> {
     let written = pddl(assembly, state, domains)?;
-    let actions = written.read_plan(domains.coarse(), text)?;
+    let actions = match written.read_plan(domains.coarse(), text) {
+        Ok(actions) => actions,
+        // A plan for the other files names none of these actions.
+        Err(error) => {
+            let other = strips(assembly, state, domains).ok().and_then(|strips| strips.read_plan(text));
+            other.unwrap_or(Err(error))?
+        }
+    };
     let known = state::look_up(assembly, state)?;
     let mut planner = Planner::new(assembly, domains, Options::default(), known.motion.clone());
     let mut now = planner.fluents(&known)?;

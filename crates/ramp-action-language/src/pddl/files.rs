@@ -3,7 +3,7 @@
 
 use super::error::PddlError;
 use super::text::plain;
-use super::writer::Writer;
+use super::writer::{Objects, Writer};
 use crate::domain::{Kind, Leaf};
 use crate::interpreter::{Model, State};
 use crate::term::Term;
@@ -17,8 +17,8 @@ pub struct Pddl {
     pub domain: String,
     /// The problem file.
     pub problem: String,
-    /// PDDL's name of each object, by its name in the facts.
-    pub(crate) objects: BTreeMap<String, String>,
+    /// PDDL's name of each object.
+    pub(crate) objects: Objects,
 }
 
 impl Pddl {
@@ -53,7 +53,7 @@ impl Pddl {
     ) -> Result<Pddl, PddlError> {
         let domain = model.domain;
         let statics = model.static_facts();
-        let mut writer = Writer { domain, objects: BTreeMap::new(), quoted: BTreeSet::new() };
+        let mut writer = Writer { domain, objects: Objects::new(), quoted: BTreeSet::new() };
         // Objects by type; the constants of a sort belong to the domain.
         let mut objects: BTreeMap<&str, Vec<String>> = BTreeMap::new();
         for (sort, leaves) in domain.sorts.iter().map(|(name, sort)| (name.as_str(), &sort.leaves)) {
@@ -62,7 +62,7 @@ impl Pddl {
                     if let Some((name, [Term::Text(object)])) = fact.parts()
                         && name == sort
                     {
-                        let object = writer.object(object);
+                        let object = writer.object(sort, object);
                         objects.entry(sort).or_default().push(object);
                     }
                 }

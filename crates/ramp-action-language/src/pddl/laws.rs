@@ -3,7 +3,7 @@
 use super::error::PddlError;
 use super::text::{all_of, marked, parameters, quantified, spaced, variable};
 use super::writer::Writer;
-use crate::ast::{Atom, Comparison, Condition, Law, Literal, Operator};
+use crate::ast::{Atom, Comparison, Condition, Expression, Law, Literal, Operator, Shape};
 use crate::domain::{CheckedLaw, FluentKind, Kind, NUMBER};
 use std::fmt::Write;
 
@@ -84,7 +84,7 @@ impl Writer<'_> {
         depth: usize,
         effects: &mut Vec<Effect>,
     ) -> Result<(), PddlError> {
-        let terms = self.expressions(law, &head.atom.arguments)?;
+        let terms = self.expressions(law, &head.atom)?;
         self.follow(&head.atom.name.text, &terms, head.positive, variables, conditions, depth, effects)
     }
 
@@ -132,7 +132,7 @@ impl Writer<'_> {
             let (more, mut parts) = self.matched_to(law, &trigger.atom, terms, &mark)?;
             parts.extend(self.conditions_but(law, trigger, &mark)?);
             let inner: Vec<String> =
-                self.expressions(law, &head.atom.arguments)?.iter().map(|term| marked(term, &mark)).collect();
+                self.expressions(law, &head.atom)?.iter().map(|term| marked(term, &mark)).collect();
             let variables = [&variables[..], &more[..]].concat();
             let conditions = [&conditions[..], &parts[..]].concat();
             self.follow(
@@ -173,7 +173,7 @@ impl Writer<'_> {
             }
             variables.push(format!("{} - {sort}", marked(&variable(name), mark)));
         }
-        let inner = self.expressions(law, &atom.arguments)?;
+        let inner = self.expressions(law, atom)?;
         let equal = terms.iter().zip(&inner).map(|(term, own)| format!("(= {term} {})", marked(own, mark)));
         Ok((variables, equal.collect()))
     }
@@ -196,12 +196,14 @@ impl Writer<'_> {
     fn condition(&mut self, law: &CheckedLaw, condition: &Condition) -> Result<String, PddlError> {
         match condition {
             Condition::Literal(Literal { positive, atom }) => {
-                let terms = self.expressions(law, &atom.arguments)?;
+                let terms = self.expressions(law, atom)?;
                 let text = spaced(&atom.name.text, &terms);
                 Ok(if *positive { text } else { format!("(not {text})") })
             }
             Condition::Comparison(Comparison { left, operator, right }) => {
-                let sides = format!("(= {} {})", self.expression(law, left)?, self.expression(law, right)?);
+                let sort = sort_of(law, left).or_else(|| sort_of(law, right)).unwrap_or_default();
+                let [left, right] = [self.expression(law, left, sort)?, self.expression(law, right, sort)?];
+                let sides = format!("(= {left} {right})");
                 match operator {
                     Operator::Equal => Ok(sides),
                     Operator::NotEqual => Ok(format!("(not {sides})")),
@@ -211,5 +213,13 @@ impl Writer<'_> {
                 }
             }
         }
+    }
+}
+
+/// The sort of a variable.
+fn sort_of<'l>(law: &'l CheckedLaw, term: &Expression) -> Option<&'l str> {
+    match &term.what {
+        Shape::Variable(name) => law.variables.get(name).map(String::as_str),
+        _ => None,
     }
 }

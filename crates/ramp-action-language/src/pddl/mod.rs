@@ -19,3 +19,5 @@ mod writer;
 
 pub use error::PddlError;
 pub use files::Pddl;
+pub(crate) use plan::words_of_plan;
+pub(crate) use text::plain;

@@ -20,5 +20,6 @@ mod relax;
 mod step;
 mod unrolled;
 
+pub(crate) use candidate::Candidate;
 pub use program::{GroundRule, Literal, Prospect};
 pub use unrolled::Unrolled;

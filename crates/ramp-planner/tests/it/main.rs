@@ -14,3 +14,4 @@ mod motion;
 mod pddl;
 mod plans;
 mod quicker;
+mod strips;

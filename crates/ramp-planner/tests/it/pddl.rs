@@ -4,7 +4,7 @@ use crate::common::{EASY, domains, goal, kit, replay};
 use ramp_planner::{CoarseAction, Item, PlanError, State, pddl, pddl_plan, plan};
 
 /// Our own plan, in the format of a PDDL planner.
-fn as_pddl(name: &str) -> String {
+pub(crate) fn as_pddl(name: &str) -> String {
     let steps = plan(&goal(name), &State::default(), domains()).unwrap().steps;
     let assembly = goal(name);
     let connection = |peg: &str| {
@@ -88,4 +88,61 @@ fn what_is_written_says_what_stands_and_has_no_two_objects_of_one_name() {
         ramp_assembly::generate(kit(), ramp_assembly::Request { beams: 12, seed: 1, class: None }).unwrap();
     let written = pddl(&made.assembly, &State::default(), domains()).unwrap();
     assert!(written.problem.contains(" c1_2"), "{}", written.problem);
+}
+
+/// Connections named like a beam, a way and a word of PDDL are objects of their own, and come back from a plan
+/// as what they are.
+#[test]
+fn objects_of_one_name_get_names_of_their_own() {
+    let text = std::fs::read_to_string("../../data/goals/easy-1.xml").unwrap();
+    let text = text.replace("\"C1\"", "\"b4\"").replace("\"C2\"", "\"down\"").replace("\"C3\"", "\"not\"");
+    let file = ramp_kit::source::SourceFile::new("clash.xml", &text);
+    let assembly = ramp_assembly::read_goal_file(&file, kit()).unwrap();
+    let written = pddl(&assembly, &State::default(), domains()).unwrap();
+    // The declarations of both files: each name once.
+    let mut declared: Vec<&str> = Vec::new();
+    for line in written.problem.lines().chain(written.domain.lines()) {
+        if let Some((names, _)) =
+            line.trim_start_matches("(:constants").split_once(" - ").filter(|_| !line.contains('?'))
+        {
+            declared.extend(names.split_whitespace().filter(|name| !name.starts_with('(')));
+        }
+    }
+    let objects = declared.iter().filter(|name| ["b4", "down", "not"].contains(name)).count();
+    assert!(objects <= 2, "{}", written.problem);
+    for name in ["b4_2", "not_2"] {
+        assert!(written.problem.contains(name), "{}", written.problem);
+    }
+    // Our own plan with these names is accepted, and pins the connections of the goal.
+    let names = |name: &str| {
+        match name {
+            "c1" => "b4_2",
+            "c2" if written.problem.contains("down_2") => "down_2",
+            "c2" => "down",
+            "c3" => "not_2",
+            other => other,
+        }
+        .to_string()
+    };
+    let text: Vec<String> = as_pddl("easy-1")
+        .lines()
+        .map(|line| {
+            let words = line.split_inclusive([' ', ')']);
+            let rename = |word: &str| {
+                let end = word.len() - word.trim_end_matches([' ', ')']).len();
+                let (name, tail) = word.split_at(word.len() - end);
+                names(name) + tail
+            };
+            words.map(rename).collect()
+        })
+        .collect();
+    let steps = pddl_plan(&assembly, &State::default(), domains(), &text.join("\n")).unwrap();
+    let pinned: Vec<&str> = steps
+        .iter()
+        .filter_map(|step| match &step.coarse {
+            CoarseAction::Fasten { connection, .. } => Some(connection.as_str()),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(pinned, ["b4", "down", "not"]);
 }
