@@ -125,7 +125,7 @@ class Twin:
 
     @property
     def scene(self) -> str:
-        """The scene as MJCF, which any MuJoCo of version 3.17 or newer loads."""
+        """The scene as MJCF, which MuJoCo 3.13 or newer loads."""
         return self._twin.scene
 
     @property

@@ -11,6 +11,7 @@ pub mod cameras;
 mod command;
 mod drive;
 mod engine;
+mod export;
 pub mod fault;
 mod joint_friction;
 pub mod layout;
@@ -31,6 +32,7 @@ pub mod twin;
 pub mod view;
 mod witness;
 
+pub use export::ForMujoco;
 pub use fault::{Fault, FaultError, FaultKind, FaultReport};
 pub use layout::Layout;
 pub use mjcf::SceneOptions;

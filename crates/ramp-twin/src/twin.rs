@@ -114,20 +114,14 @@ impl Twin {
         self.state.observe(&self.scene, &self.data);
     }
 
-    /// The scene as MJCF.
+    /// The scene as MJCF, as the engine has it. [`Twin::export`] writes it for other programs.
     pub fn scene(&self) -> &str {
         &self.scene.xml
     }
 
-    /// The scene as MJCF with named keyframes, each a full set of positions ([`Twin::qpos`]).
-    pub fn scene_with_keyframes(&self, keyframes: &[(&str, &[f64])]) -> String {
-        let mut block = String::from("<keyframe>\n");
-        for (name, qpos) in keyframes {
-            let numbers: Vec<String> = qpos.iter().map(f64::to_string).collect();
-            block.push_str(&format!("<key name=\"{name}\" qpos=\"{}\"/>\n", numbers.join(" ")));
-        }
-        block.push_str("</keyframe>\n</mujoco>\n");
-        self.scene.xml.replace("</mujoco>\n", &block)
+    /// Distance from the hand's frame to the tip along z, m.
+    pub(crate) fn hand_tip(&self) -> f64 {
+        self.scene.arm.hand.tip
     }
 
     /// MuJoCo's model.

@@ -19,7 +19,7 @@ use ramp_result::episode::{EpisodeResult, RobotTime, StartInfo, WorldLabel};
 use ramp_result::resume::{Identity, Shared, Wanted};
 use ramp_robot::{Agent, Event, EventKind};
 use ramp_skills::{ReferenceTimes, reference_times_of_goal};
-use ramp_twin::{Fault, Setup, Twin};
+use ramp_twin::{Fault, ForMujoco, Setup, Twin};
 
 use crate::command::agent;
 use crate::options::{StartOption, TrackName, WorldOption};
@@ -62,7 +62,7 @@ pub struct Arguments {
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
-    /// Also write the scene as MJCF, with keyframes `start` and `end`, for any MuJoCo viewer
+    /// Also write the scene as MJCF, with keyframes `start` and `end`, for MuJoCo 3.13 or newer
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
     #[command(flatten)]
@@ -180,7 +180,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     pictures.end()?;
     if let Some(path) = &arguments.scene {
         let start = Twin::new(&setup).into_diagnostic()?;
-        let scene = start.scene_with_keyframes(&[("start", start.qpos()), ("end", &end)]);
+        let scene = start.export(ForMujoco::Newest, &[("start", start.qpos()), ("end", &end)]);
         write_file(path, &scene)?;
     }
     print(&if arguments.json { result.to_json() } else { summary(&result, [&output, &curve, &log]) })?;

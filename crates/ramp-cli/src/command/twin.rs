@@ -1,14 +1,14 @@
-//! `ramp twin export`: the scene as MJCF that stock MuJoCo loads.
+//! `ramp twin export`: the scene as MJCF, for the twin's MuJoCo and for older ones.
 
 use std::path::PathBuf;
 
 use miette::{IntoDiagnostic, Report};
 use ramp_data::Data;
 use ramp_robot::Track;
-use ramp_twin::{Setup, Twin};
+use ramp_twin::{ForMujoco, Setup, Twin};
 
 use crate::options::{StartOption, WorldOption};
-use crate::output::{check_place, print, write_file};
+use crate::output::{check_place, print, tell, write_file};
 use crate::status::DONE;
 
 #[derive(clap::Args)]
@@ -30,14 +30,28 @@ enum Command {
         world: WorldOption,
         #[command(flatten)]
         start: StartOption,
+        /// Version of MuJoCo that reads it
+        #[arg(long = "for", value_name = "VERSION", value_enum, default_value_t = Version::Newest)]
+        version: Version,
         /// File to write; without it the scene goes to standard output
         #[arg(short, long, value_name = "FILE")]
         output: Option<PathBuf>,
     },
 }
 
+/// Versions of MuJoCo.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Version {
+    /// 3.13 or newer: the twin's own scene
+    #[value(name = "3.13")]
+    Newest,
+    /// 3.3 or newer: another integrator, and no part sleeps
+    #[value(name = "3.3")]
+    V3_3,
+}
+
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
-    let Command::Export { goal, seed, world, start, output } = &arguments.command;
+    let Command::Export { goal, seed, world, start, version, output } = &arguments.command;
     let assembly = data.goal(goal)?;
     let arm = data.arm()?;
     let (world, start) = (world.read(data)?, start.read(data)?);
@@ -54,9 +68,20 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         fault: None,
     };
     let twin = Twin::new(&setup).into_diagnostic()?;
+    let version = match version {
+        Version::Newest => ForMujoco::Newest,
+        Version::V3_3 => {
+            tell(
+                "for MuJoCo 3.3: the integrator is implicitfast and no part sleeps, so motions differ from the \
+                 twin's",
+            );
+            ForMujoco::V3_3
+        }
+    };
+    let scene = twin.export(version, &[]);
     match output {
-        Some(path) => write_file(path, twin.scene())?,
-        None => print(twin.scene())?,
+        Some(path) => write_file(path, scene)?,
+        None => print(&scene)?,
     }
     Ok(DONE)
 }

@@ -10,6 +10,13 @@ use ramp_world::Physics;
 use ramp_world::groups::Parts;
 use std::fmt::Write;
 
+/// The engine's integrator, of MuJoCo 3.13 and newer.
+pub(crate) const INTEGRATOR: &str = r#"integrator="discrete""#;
+/// Parts that rest sleep, in MuJoCo 3.13 and newer.
+pub(crate) const SLEEP: &str = r#"<flag sleep="enable"/>"#;
+/// Smallest mass of a body, kg.
+pub(crate) const LEAST_MASS: &str = r#"boundmass="1e-6""#;
+
 /// Options, defaults, meshes and lights; `look` names the arm whose meshes are shown, `memory` is in MiB.
 pub(super) fn header(xml: &mut String, look: &str, memory: u32, physics: &Physics, stems: Vec<(&str, f64)>) {
     let Parts { friction, metal_friction, peg_friction, table_friction, pad_friction, .. } = &physics.parts;
@@ -20,8 +27,8 @@ pub(super) fn header(xml: &mut String, look: &str, memory: u32, physics: &Physic
     let _ = write!(
         xml,
         r#"<mujoco model="ramp">
-<compiler angle="radian" autolimits="true" boundmass="1e-6"/>
-<option timestep="0.001" integrator="discrete" cone="elliptic" impratio="10" noslip_iterations="{noslip}" iterations="100" tolerance="1e-8"><flag sleep="enable"/></option>
+<compiler angle="radian" autolimits="true" {LEAST_MASS}/>
+<option timestep="0.001" {INTEGRATOR} cone="elliptic" impratio="10" noslip_iterations="{noslip}" iterations="100" tolerance="1e-8">{SLEEP}</option>
 <size memory="{memory}M"/>
 <visual><global offwidth="1280" offheight="800" fovy="40"/><headlight ambient="0.35 0.35 0.35" diffuse="0.4 0.4 0.4"/><map znear="0.005"/></visual>
 <default>

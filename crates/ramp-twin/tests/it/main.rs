@@ -5,6 +5,7 @@
 
 mod cameras;
 mod effects;
+mod export;
 mod extending;
 mod geometry;
 mod grip;
