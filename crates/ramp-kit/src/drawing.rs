@@ -26,6 +26,8 @@ pub const RED: Colour = [196, 43, 36];
 
 /// A4, upright, mm.
 pub const A4: [f64; 2] = [210.0, 297.0];
+/// US Letter, standing, mm.
+pub const LETTER: [f64; 2] = [215.9, 279.4];
 /// A2, lying, mm.
 pub const A2: [f64; 2] = [594.0, 420.0];
 
@@ -81,12 +83,38 @@ pub struct Drawing {
     /// Width and height, mm.
     pub size: [f64; 2],
     shapes: Vec<Shape>,
+    inset: Option<Inset>,
+}
+
+/// A part of another page, below the shapes of this one.
+#[derive(Clone, Debug, PartialEq)]
+struct Inset {
+    shapes: Vec<Shape>,
+    /// Corner with the smallest coordinates, and size, mm. Nothing outside is shown.
+    at: [f64; 2],
+    size: [f64; 2],
 }
 
 impl Drawing {
     /// An empty page.
     pub fn new(title: &str, size: [f64; 2]) -> Drawing {
-        Drawing { title: title.to_string(), size, shapes: Vec::new() }
+        Drawing { title: title.to_string(), size, shapes: Vec::new(), inset: None }
+    }
+
+    /// Shows a part of another page below everything else: the rectangle at `from` of this size, at true scale,
+    /// with its corner at `at`. It replaces an earlier one.
+    pub fn inset(&mut self, page: &Drawing, from: [f64; 2], size: [f64; 2], at: [f64; 2]) {
+        let moved = |[x, y]: [f64; 2]| [x - from[0] + at[0], y - from[1] + at[1]];
+        let shapes = page.shapes.iter().map(|shape| {
+            let line = shape.line.iter().map(|segment| match *segment {
+                Segment::Move(p) => Segment::Move(moved(p)),
+                Segment::Line(p) => Segment::Line(moved(p)),
+                Segment::Curve(a, b, p) => Segment::Curve(moved(a), moved(b), moved(p)),
+                Segment::Close => Segment::Close,
+            });
+            Shape { line: line.collect(), ..shape.clone() }
+        });
+        self.inset = Some(Inset { shapes: shapes.collect(), at, size });
     }
 
     /// Adds a path with its fill.
@@ -181,7 +209,22 @@ impl Drawing {
         );
         let _ = writeln!(svg, "<title>{}</title>", strokes::escape(&self.title));
         let _ = writeln!(svg, "<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>");
-        for shape in &self.shapes {
+        if let Some(Inset { shapes, at: [x, y], size: [width, height] }) = &self.inset {
+            let _ = writeln!(
+                svg,
+                r#"<clipPath id="inset"><rect x="{x}" y="{y}" width="{width}" height="{height}"/></clipPath>"#
+            );
+            svg.push_str("<g clip-path=\"url(#inset)\">\n");
+            Drawing::write_shapes(&mut svg, shapes);
+            svg.push_str("</g>\n");
+        }
+        Drawing::write_shapes(&mut svg, &self.shapes);
+        svg.push_str("</svg>\n");
+        svg
+    }
+
+    fn write_shapes(svg: &mut String, shapes: &[Shape]) {
+        for shape in shapes {
             svg.push_str("<path ");
             if let Some(words) = &shape.words {
                 let _ = write!(svg, "aria-label=\"{}\" ", strokes::escape(words));
@@ -221,8 +264,6 @@ impl Drawing {
             }
             svg.push_str("/>\n");
         }
-        svg.push_str("</svg>\n");
-        svg
     }
 }
 
@@ -307,6 +348,12 @@ pub fn pdf(title: &str, pages: &[Drawing]) -> Vec<u8> {
         // From here on in mm, y down.
         content.transform([single(POINT), 0.0, 0.0, single(-POINT), 0.0, height]);
         content.set_line_cap(LineCapStyle::RoundCap).set_line_join(LineJoinStyle::RoundJoin);
+        if let Some(Inset { shapes, at, size }) = &drawing.inset {
+            let [[x, y], [width, height]] = [at, size].map(|it| it.map(|v| single(mm(v))));
+            content.save_state().rect(x, y, width, height).clip_nonzero().end_path();
+            shapes.iter().for_each(|shape| write_shape(&mut content, shape, single));
+            content.restore_state();
+        }
         for shape in &drawing.shapes {
             write_shape(&mut content, shape, single);
         }

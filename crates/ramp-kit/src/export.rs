@@ -6,10 +6,10 @@
 
 use crate::beam::Kit;
 use crate::bill::{self, Printed};
-use crate::drawing::{self, Drawing};
+use crate::drawing::{self, A4, Drawing, LETTER};
 use crate::solid::{self, SolidError};
 use crate::threemf::Item;
-use crate::{guide, sheet, stl, threemf};
+use crate::{guide, sheet, stl, threemf, tiles};
 use ramp_source::{MAX_FILE, read_bytes, read_text, write_whole};
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -114,9 +114,15 @@ pub fn files(kit: &Kit) -> Result<Vec<File>, ExportError> {
             add(format!("{name}{number}.svg"), page.svg().into_bytes());
         }
     };
-    draw("sheet", "RAMP start sheet", &[sheet::start_sheet(kit)?]);
-    draw("tags", "RAMP tags", &sheet::tag_sheets(kit));
+    let whole = sheet::start_sheet(kit)?;
+    draw("sheet", "RAMP start sheet", std::slice::from_ref(&whole));
+    draw("tags", "RAMP tags", &sheet::tag_sheets(kit, A4));
     draw("guide", "RAMP assembly guide", &guide::guide(kit)?);
+    for (name, paper) in [("a4", A4), ("letter", LETTER)] {
+        let pages = tiles::tiles(&whole, paper);
+        add(format!("sheet-tiles-{name}.pdf"), drawing::pdf("RAMP start sheet in tiles", &pages));
+    }
+    add("tags-letter.pdf".into(), drawing::pdf("RAMP tags", &sheet::tag_sheets(kit, LETTER)));
     Ok(files)
 }
 

@@ -40,6 +40,8 @@ pub mod tags;
 #[cfg(feature = "export")]
 pub mod threemf;
 #[cfg(feature = "export")]
+pub mod tiles;
+#[cfg(feature = "export")]
 mod view;
 pub mod write;
 

@@ -7,7 +7,7 @@
 
 use crate::beam::{Beam, Holder, Kit, Link, StartPose};
 use crate::dimensions::HOLE_RADIUS;
-use crate::drawing::{A4, BLACK, Drawing, GREY, Pen, RED, WHITE};
+use crate::drawing::{BLACK, Drawing, GREY, Pen, RED, WHITE};
 use crate::solid::{self, Solid, SolidError};
 use crate::strokes::{self, Align};
 use crate::tags;
@@ -188,12 +188,15 @@ struct Sticker {
     place: String,
 }
 
-/// The stickers of a kit, on as many pages as needed.
-pub fn tag_sheets(kit: &Kit) -> Vec<Drawing> {
+/// The stickers of a kit, on as many pages of this size (mm) as needed.
+pub fn tag_sheets(kit: &Kit, paper: [f64; 2]) -> Vec<Drawing> {
     const COLUMNS: usize = 5;
-    const ROWS: usize = 6;
     const PITCH: [f64; 2] = [36.0, 40.0];
     const FIRST: [f64; 2] = [33.0, 50.0];
+    /// Room for the last row's words and the ruler, mm.
+    const BELOW: f64 = 36.5;
+    let rows = 1 + ((paper[1] - FIRST[1] - BELOW) / PITCH[1]) as usize;
+    let on_page = COLUMNS * rows;
     let mut stickers = Vec::new();
     for beam in &kit.beams {
         for joint in &beam.joints {
@@ -206,10 +209,10 @@ pub fn tag_sheets(kit: &Kit) -> Vec<Drawing> {
     for peg in &kit.pegs {
         stickers.push(Sticker { id: peg.tag, name: peg.name.clone(), place: "on the head".into() });
     }
-    let count = stickers.len().div_ceil(COLUMNS * ROWS);
+    let count = stickers.len().div_ceil(on_page);
     let page = |(number, stickers): (usize, &[Sticker])| {
         let title = format!("RAMP tags, page {} of {count}", number + 1);
-        let mut drawing = Drawing::new(&title, A4);
+        let mut drawing = Drawing::new(&title, paper);
         drawing.text([20.0, 20.0], Align::Left, 4.2, BLACK, &title);
         let words = "AprilTags tag25h9, black edge 19 mm, on stickers of 25 mm: cut along the marks.";
         drawing.text([20.0, 26.0], Align::Left, 2.5, BLACK, words);
@@ -219,10 +222,10 @@ pub fn tag_sheets(kit: &Kit) -> Vec<Drawing> {
             let (column, row) = ((index % COLUMNS) as f64, (index / COLUMNS) as f64);
             draw_sticker(&mut drawing, sticker, [FIRST[0] + PITCH[0] * column, FIRST[1] + PITCH[1] * row]);
         }
-        drawing.ruler([20.0, A4[1] - 12.0]);
+        drawing.ruler([20.0, paper[1] - 12.0]);
         drawing
     };
-    stickers.chunks(COLUMNS * ROWS).enumerate().map(page).collect()
+    stickers.chunks(on_page).enumerate().map(page).collect()
 }
 
 fn draw_sticker(drawing: &mut Drawing, sticker: &Sticker, at: [f64; 2]) {

@@ -2,7 +2,7 @@
 
 use apriltag::{DetectorBuilder, Family, Image};
 use ramp_kit::drawing::{self, Drawing};
-use ramp_kit::{Kit, read_kit, sheet, tags};
+use ramp_kit::{Kit, read_kit, sheet, tags, tiles};
 use resvg::{tiny_skia, usvg};
 use std::path::Path;
 
@@ -161,11 +161,18 @@ fn the_tag_on_the_sheet_is_read_where_it_is() {
 #[test]
 fn every_sticker_is_read_with_the_right_id() {
     let kit = kit();
+    for paper in [drawing::A4, drawing::LETTER] {
+        assert_eq!(ids_on(&sheet::tag_sheets(&kit, paper), paper), (1..=33).collect::<Vec<usize>>());
+    }
+}
+
+/// The tags of the pages in order; each has its size and its label.
+fn ids_on(pages: &[Drawing], paper: [f64; 2]) -> Vec<usize> {
     let mut ids = Vec::new();
-    for page in sheet::tag_sheets(&kit) {
-        assert_eq!(page.size, drawing::A4);
+    for page in pages {
+        assert_eq!(page.size, paper);
         let svg = page.svg();
-        for (id, _, corners) in Pixels::of(&page, 8.0).tags() {
+        for (id, _, corners) in Pixels::of(page, 8.0).tags() {
             for side in 0..4 {
                 let (a, b) = (corners[side], corners[(side + 1) % 4]);
                 near((a[0] - b[0]).hypot(a[1] - b[1]), 19.0);
@@ -176,5 +183,51 @@ fn every_sticker_is_read_with_the_right_id() {
         }
     }
     ids.sort_unstable();
-    assert_eq!(ids, (1..=33).collect::<Vec<usize>>());
+    ids
+}
+
+/// Each tile shows its part of the sheet at true scale, and the tiles together all of it.
+#[test]
+fn tiles_of_small_paper_join_to_the_sheet() {
+    let sheet = sheet::start_sheet(&kit()).unwrap();
+    let whole = Pixels::of(&sheet, 2.0);
+    for paper in [drawing::A4, drawing::LETTER] {
+        let tiles = tiles::tiles(&sheet, paper);
+        assert_eq!(tiles.len(), 8);
+        let mut covered = vec![false; whole.grey.len()];
+        for (index, tile) in tiles.iter().enumerate() {
+            assert_eq!(tile.size, paper);
+            let pixels = Pixels::of(tile, 2.0);
+            // Four tiles in a row: 156 mm of the sheet each, 146 mm apart; two rows of 215 mm.
+            let from = [(index % 4) as f64 * 146.0, (index / 4) as f64 * 205.0];
+            let at = [(paper[0] - 156.0) / 2.0, (paper[1] - 215.0) / 2.0];
+            let (mut dark, mut missing) = (0, 0);
+            for y in 4..426 {
+                for x in 4..308 {
+                    let place = |from: [f64; 2], pixels: &Pixels| {
+                        let [x, y] =
+                            [(x, 0), (y, 1)].map(|(v, axis)| v + (from[axis] * 2.0).round() as usize);
+                        y * pixels.width + x
+                    };
+                    let here = place(from, &whole);
+                    covered[here] = true;
+                    // Black ink of the sheet is black on the tile; marks may add some.
+                    if whole.grey[here] < 20 {
+                        dark += 1;
+                        missing += usize::from(pixels.grey[place(at, &pixels)] > 200);
+                    }
+                }
+            }
+            assert!(dark > 100 && missing * 50 < dark, "tile {index}: {missing} of {dark}");
+            if index == 7 {
+                let [(0, _, corners)] = pixels.tags()[..] else { panic!("no tag 0 on the last tile") };
+                near((corners[0][0] - corners[1][0]).hypot(corners[0][1] - corners[1][1]), 75.5);
+            }
+        }
+        let inside = |index: &usize| {
+            let (x, y) = (index % whole.width, index / whole.width);
+            (4..whole.width - 4).contains(&x) && (4..whole.height - 4).contains(&y)
+        };
+        assert!((0..covered.len()).filter(inside).all(|index| covered[index]));
+    }
 }
