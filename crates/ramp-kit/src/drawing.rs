@@ -101,8 +101,8 @@ impl Drawing {
         Drawing { title: title.to_string(), size, shapes: Vec::new(), inset: None }
     }
 
-    /// Shows a part of another page below everything else: the rectangle at `from` of this size, at true scale,
-    /// with its corner at `at`. It replaces an earlier one.
+    /// Shows a part of another page below everything else: the rectangle at `from` of this size, at true
+    /// scale, with its corner at `at`. It replaces an earlier one.
     pub fn inset(&mut self, page: &Drawing, from: [f64; 2], size: [f64; 2], at: [f64; 2]) {
         let moved = |[x, y]: [f64; 2]| [x - from[0] + at[0], y - from[1] + at[1]];
         let shapes = page.shapes.iter().map(|shape| {

@@ -91,7 +91,8 @@ fn marks(columns: &Axis, rows: &Axis) -> Vec<[f64; 2]> {
     upright.chain(level).collect()
 }
 
-/// The edges of a tile: dashed where it is cut and lies on its neighbour to the left or above, plain elsewhere.
+/// The edges of a tile: dashed where it is cut and lies on its neighbour to the left or above, plain
+/// elsewhere.
 fn frame(tile: &mut Drawing, [x, y]: [f64; 2], [width, height]: [f64; 2], joins: [bool; 4]) {
     let (right, bottom) = (x + width, y + height);
     let edges = [

@@ -63,8 +63,8 @@ pub fn strips(assembly: &Assembly, state: &State, domains: &Domains) -> Result<S
     Ok(written)
 }
 
-/// Completes another planner's plan for the files of [`pddl`] or of [`strips`]: it is judged, gets pegs of the kit,
-/// and fine actions under every coarse one.
+/// Completes another planner's plan for the files of [`pddl`] or of [`strips`]: it is judged, gets
+/// pegs of the kit, and fine actions under every coarse one.
 ///
 /// # Errors
 /// When a line is not an action, an action is impossible, the goal is not reached, or the fine

@@ -78,8 +78,8 @@ pub(crate) fn words_of_plan(text: &str) -> Result<Vec<(usize, Vec<String>)>, Pdd
     Ok(lines)
 }
 
-/// The words of a line: an action and its objects, as `(action object …)` or `action(object, …)`. Some planners
-/// write a number or a time before it and a duration after it.
+/// The words of a line: an action and its objects, as `(action object …)` or `action(object, …)`.
+/// Some planners write a number or a time before it and a duration after it.
 fn words(line: &str) -> Option<Vec<&str>> {
     let (before, rest) = match line.split_once('(') {
         Some(parts) => parts,

@@ -42,7 +42,8 @@ pub(crate) struct Writer<'d> {
 }
 
 impl Writer<'_> {
-    /// The PDDL name of an object of a sort. No other object, constant, sort, predicate or word of PDDL has it.
+    /// The PDDL name of an object of a sort. No other object, constant, sort, predicate or word of PDDL
+    /// has it.
     pub(crate) fn object(&mut self, sort: &str, name: &str) -> String {
         let key = (self.open_sort(sort, name), name.to_string());
         if let Some(known) = self.objects.get(&key) {

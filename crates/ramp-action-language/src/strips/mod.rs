@@ -1,10 +1,10 @@
 //! A problem in STRIPS: ground actions whose conditions are positive atoms, for planners that read no more.
 //!
-//! `ground` finds what actions can reach. `write` gives each literal that a condition needs an atom, and
-//! proves those of defined fluents by auxiliary actions: one that needs `-full` comes after an action
-//! `derive_N` that concludes it from atoms of inertial fluents. An action of the domain deletes the conclusions
-//! that depend on what it changes. So a plan has the actions of the domain in order, with auxiliary ones
-//! between them.
+//! `ground` finds what actions can reach. `write` gives each literal that a condition needs an atom,
+//! and proves those of defined fluents by auxiliary actions: one that needs `-full` comes after an
+//! action `derive_N` that concludes it from atoms of inertial fluents. An action of the domain
+//! deletes the conclusions that depend on what it changes. So a plan has the actions of the domain
+//! in order, with auxiliary ones between them.
 
 mod ground;
 mod write;
@@ -48,7 +48,9 @@ impl Strips {
     /// ```
     pub fn new(model: &Model, start: &State, domain: &str, problem: &str) -> Result<Strips, PddlError> {
         let grounded = ground::Grounded::new(model, start)?;
-        write::write(model, start, &grounded, domain, problem)
+        let write::Files { domain, problem, actions } =
+            write::write(model, start, &grounded, domain, problem)?;
+        Ok(Strips { domain, problem, actions })
     }
 
     /// The actions of a plan in the terms of the rules; `None` if it is not a plan for these files.

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
-use super::Strips;
 use super::ground::{Action, All, Grounded, Literal};
 use crate::interpreter::{Ground, Model, State};
 use crate::pddl::{PddlError, plain};
@@ -11,6 +10,14 @@ use crate::term::Term;
 
 /// Most conditional effects of an action: it is written once for each set of those that happen.
 const MOST_CONDITIONS: usize = 8;
+
+/// The two files.
+pub(super) struct Files {
+    pub domain: String,
+    pub problem: String,
+    /// The action of the domain for each action; `None` for an auxiliary one.
+    pub actions: BTreeMap<String, Option<Term>>,
+}
 
 /// What an atom of the files says.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -52,7 +59,7 @@ pub(super) fn write(
     grounded: &Grounded,
     domain: &str,
     problem: &str,
-) -> Result<Strips, PddlError> {
+) -> Result<Files, PddlError> {
     let mut writer = Writer {
         model,
         grounded,
@@ -100,7 +107,7 @@ pub(super) fn write(
     let goals = goals.unwrap_or_else(|| vec!["never".to_string()]);
     let goals: Vec<String> = goals.iter().map(|goal| format!("({goal})")).collect();
     let _ = writeln!(facts, ")\n(:goal (and\n  {})))", goals.join("\n  "));
-    Ok(Strips { domain: text, problem: facts, actions: names })
+    Ok(Files { domain: text, problem: facts, actions: names })
 }
 
 fn action_text(name: &str, conditions: &BTreeSet<String>, effects: &[String]) -> String {

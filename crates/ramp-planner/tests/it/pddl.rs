@@ -90,8 +90,8 @@ fn what_is_written_says_what_stands_and_has_no_two_objects_of_one_name() {
     assert!(written.problem.contains(" c1_2"), "{}", written.problem);
 }
 
-/// Connections named like a beam, a way and a word of PDDL are objects of their own, and come back from a plan
-/// as what they are.
+/// Connections named like a beam, a way and a word of PDDL are objects of their own, and come back from
+/// a plan as what they are.
 #[test]
 fn objects_of_one_name_get_names_of_their_own() {
     let text = std::fs::read_to_string("../../data/goals/easy-1.xml").unwrap();

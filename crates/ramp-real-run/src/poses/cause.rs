@@ -126,18 +126,3 @@ pub(super) fn length_unit(at: [f64; 3], far: f64) -> String {
         None => String::new(),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn there_are_23_turns_from_axes_to_axes() {
-        let turns = axis_turns();
-        assert_eq!(turns.len(), 23);
-        for (index, turn) in turns.iter().enumerate() {
-            assert!(turn.angle() > 0.1);
-            assert!(turns[..index].iter().all(|other| turn.angle_to(other) > 0.1), "{index}");
-        }
-    }
-}

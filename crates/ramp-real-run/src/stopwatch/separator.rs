@@ -39,23 +39,3 @@ impl Separator {
         Separator { byte: found.unwrap_or(b','), begin: 0 }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_separator_is_named_or_that_of_the_first_row() {
-        let of = |text: &str| {
-            let Separator { byte, begin } = Separator::of(text);
-            (char::from(byte), begin)
-        };
-        assert_eq!(of("log,a;b\n"), (',', 0));
-        assert_eq!(of("# a, b\n\nlog;a,b\n"), (';', 0));
-        assert_eq!(of("\"a,b\"\tc"), ('\t', 0));
-        assert_eq!(of("sep=;\r\nlog;a"), (';', 7));
-        assert_eq!(of("sep=\t\nlog\ta"), ('\t', 6));
-        assert_eq!(of("log"), (',', 0));
-        assert_eq!(of(""), (',', 0));
-    }
-}

@@ -40,8 +40,8 @@ pub struct Arguments {
     /// Print the domain and this goal as an answer set program for clingo's incremental mode
     #[arg(long, value_name = "LEVEL", num_args = 0..=1, default_missing_value = "coarse")]
     pub(super) emit_asp: Option<Level>,
-    /// Write the coarse domain and this goal to a folder, for other planners: as domain.pddl and problem.pddl,
-    /// and in STRIPS as strips-domain.pddl and strips-problem.pddl
+    /// Write the coarse domain and this goal to a folder, for other planners: as domain.pddl and
+    /// problem.pddl, and in STRIPS as strips-domain.pddl and strips-problem.pddl
     #[arg(long, value_name = "DIR", conflicts_with_all = ["emit_asp", "from", "why", "history", "disassemble"])]
     pub(super) pddl: Option<PathBuf>,
     /// Plan from the state in this file (JSON) instead of from the empty table
