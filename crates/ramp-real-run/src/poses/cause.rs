@@ -119,10 +119,8 @@ pub(crate) fn time_unit(seconds: f64, is_right: impl Fn(f64) -> bool) -> String 
 }
 
 /// The same for a position that is farther than `far` from the origin.
-pub(super) fn length_unit(at: [f64; 3], far: f64) -> String {
-    let is_near = |scale: f64| at.iter().all(|value| (value * scale).abs() <= far / 2.0);
-    match LENGTHS.iter().find(|(scale, _)| is_near(*scale)) {
-        Some((_, unit)) => format!(": are the positions in {unit}?"),
-        None => String::new(),
-    }
+pub(super) fn length_unit(at: [f64; 3], far: f64) -> &'static str {
+    let smallest = LENGTHS[0].0;
+    let is_near = at.iter().all(|value| (value * smallest).abs() <= far);
+    if is_near { ": are the positions in millimetres or centimetres?" } else { "" }
 }

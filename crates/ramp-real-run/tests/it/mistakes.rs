@@ -105,9 +105,9 @@ fn another_unit_of_length_is_refused_with_its_name() {
     refused(
         &bench,
         &scaled(1e3),
-        &["b7 is at", "expected it within 10 m", "are the positions in millimetres?"],
+        &["b7 is at", "expected it within 10 m", "are the positions in millimetres or centimetres?"],
     );
-    refused(&bench, &scaled(1e2), &["are the positions in centimetres?"]);
+    refused(&bench, &scaled(1e2), &["are the positions in millimetres or centimetres?"]);
     // Near the origin, where numbers are small.
     refused(&bench, &scaled(10.0), &["b7, which is clamped, is", "in metres,"]);
 }

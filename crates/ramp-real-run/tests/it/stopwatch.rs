@@ -116,9 +116,7 @@ fn a_spreadsheet_of_a_country_with_decimal_commas_is_read() {
     let sound = episodes(&points);
     let commas = |separator: &str| {
         let rows = points.lines().map(|line| match line {
-            "source,\"bench 2 of our lab, 3 May 2026\"" => {
-                format!("source{separator}bench 2 of our lab, 3 May 2026")
-            }
+            line if line.starts_with("source,") => format!("source{separator}an example, made up"),
             line if line.starts_with("easy-") => {
                 // Only times have points.
                 line.replace(',', separator).replace('.', ",")
