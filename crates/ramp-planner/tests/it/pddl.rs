@@ -131,7 +131,7 @@ fn objects_of_one_name_get_names_of_their_own() {
             let rename = |word: &str| {
                 let end = word.len() - word.trim_end_matches([' ', ')']).len();
                 let (name, tail) = word.split_at(word.len() - end);
-                names(name) + tail
+                names(&name.to_lowercase()) + tail
             };
             words.map(rename).collect()
         })

@@ -17,7 +17,11 @@ struct Action {
 /// The atoms `(a)` of a conjunction; those in `(not (a))` come second.
 fn atoms(text: &str) -> [Vec<String>; 2] {
     let mut sides = [Vec::new(), Vec::new()];
-    for part in text.split('(').map(|part| part.trim_matches([' ', ')'])).filter(|part| !part.is_empty()) {
+    for part in text
+        .split('(')
+        .map(|part| part.trim_matches(|c: char| c.is_whitespace() || c == ')'))
+        .filter(|part| !part.is_empty())
+    {
         match part {
             "and" => {}
             "not" => sides[1].push(String::new()),
