@@ -9,7 +9,7 @@ use ramp_twin::ForMujoco;
 
 #[test]
 fn an_exported_scene_has_the_twins_cameras() {
-    let mut twin = GoalFiles::new("easy-1").twin(Track::State, 2);
+    let twin = GoalFiles::new("easy-1").twin(Track::State, 2);
     let x_wt = twin.observe().x_wt;
     for version in [ForMujoco::Newest, ForMujoco::V3_3] {
         let model = MjModel::from_xml_string(&twin.export(version, &[])).unwrap();
