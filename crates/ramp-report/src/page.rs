@@ -298,7 +298,7 @@ fn published(class: &ClassPart) -> Markup {
             p {
                 strong { (it.name) } ": " (percent(it.completion)) " in " (seconds(it.total)) ", planning "
                 (format!("{:.0}", it.planning[0])) " to " (seconds(it.planning[1])) ", mean of "
-                (counted(it.goals as usize, "goal", "goals")) " run " (it.repeats)
+                (counted(it.goals, "goal", "goals")) " run " (it.repeats)
                 (if it.repeats == 1 { " time" } else { " times" }) " on " (it.robot)
                 ". Published as means alone, so that there is no interval and no test against them. "
                 span.soft { (it.source) }

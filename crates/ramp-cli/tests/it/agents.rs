@@ -32,8 +32,12 @@ fn file(folder: &TempDir, name: &str) -> Value {
 fn an_agent_in_python_gets_what_its_track_gives() {
     let folder = TempDir::new().unwrap();
     for track in ["state", "noisy", "tags"] {
-        let output =
-            ramp(&folder, &["run", "easy-2", "--track", track, "-o", "out.json"], &agent("good.py"), "");
+        let output = ramp(
+            &folder,
+            &["run", "easy-2", "--track", track, "--force", "-o", "out.json"],
+            &agent("good.py"),
+            "",
+        );
         assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
         let result = file(&folder, "out.json");
         assert_eq!(result["ended"]["reason"], "done", "{}", text(&output.stderr));

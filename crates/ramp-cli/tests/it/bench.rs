@@ -52,7 +52,7 @@ fn is_gone(process: u32) -> bool {
 fn without_clock(value: &mut Value) {
     match value {
         Value::Object(map) => {
-            for name in ["planning", "compute", "total", "total_deviation", "t_total", "log"] {
+            for name in ["planning", "compute", "total", "total_deviation", "t_total", "waiting", "log"] {
                 map.remove(name);
             }
             map.values_mut().for_each(without_clock);

@@ -11,7 +11,7 @@ use ramp_twin::{Start, World};
 fn in_the_twin(agent: &str, track: &str, seed: u64) -> EpisodeResult {
     let mut result = episode("easy-1", seed, &[20.0, 40.0], 3);
     let (world, start) = (World::shipped("real").unwrap(), Start::moved());
-    result.world = Some(WorldInfo::of(&world, seed));
+    result.world = Some(WorldInfo::of(world, seed));
     result.start = Some(StartInfo::of(start));
     (result.agent.name, result.track) = (agent.into(), track.into());
     result

@@ -146,7 +146,7 @@ impl<'a> Rehearsal<'a> {
     ///
     /// # Errors
     /// The first step that the arm or the hand cannot carry out.
-    pub fn check_steps(mut self, plan: &Plan) -> Result<Findings, Stuck> {
+    pub fn check_steps(mut self, plan: &Plan) -> Result<Findings, Box<Stuck>> {
         self.go_through(plan)?;
         Ok(Findings { grasps: self.grasps, not_rehearsed: self.unknown })
     }
@@ -182,7 +182,7 @@ impl<'a> Rehearsal<'a> {
         self.walk.legs.unwrap_or_default()
     }
 
-    fn go_through(&mut self, plan: &Plan) -> Result<(), Stuck> {
+    fn go_through(&mut self, plan: &Plan) -> Result<(), Box<Stuck>> {
         self.scene.follow_paths(&plan.entries);
         let script = Script::new(plan);
         let mut index = 0;
@@ -204,7 +204,7 @@ impl<'a> Rehearsal<'a> {
                     Some(fact) => {
                         let step = script.actions[failure.action].0;
                         let action = plan.steps[step].coarse.to_string();
-                        return Err(Stuck { step: step + 1, action, fact });
+                        return Err(Box::new(Stuck { step: step + 1, action, fact }));
                     }
                     None => self.count_as_possible(&script, index..end),
                 }
