@@ -85,6 +85,8 @@ pub fn make(
         command.stdout(Stdio::null());
     })
     .map_err(MachineFault::of)?;
+    // Waiting closes the child's standard input, and a child whose input is closed ends.
+    let _leash = bench.stdin.take();
     let status = bench.wait().map_err(MachineFault::of)?;
     match status.code().and_then(|code| u8::try_from(code).ok()) {
         Some(DONE | INCOMPLETE) => Ok(Ok(())),
