@@ -324,8 +324,13 @@ pub fn parse(line: &[u8]) -> Result<Request, String> {
 /// The beginning of a line for a message to a person, without escape sequences.
 fn quoted(line: &str) -> String {
     // What lies beyond cannot be among the first characters.
-    let begin: String = line.chars().take(2 * LONGEST_QUOTE).collect();
-    plain(strip_str(&begin).to_string().trim(), LONGEST_QUOTE)
+    let mut characters = line.chars();
+    let begin: String = characters.by_ref().take(2 * LONGEST_QUOTE).collect();
+    let mut short = plain(strip_str(&begin).to_string().trim(), LONGEST_QUOTE);
+    if characters.next().is_some() && !short.ends_with('…') {
+        short.push('…');
+    }
+    short
 }
 
 /// An answer to an agent.
