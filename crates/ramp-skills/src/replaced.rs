@@ -64,12 +64,12 @@ mod tests {
     fn each_part_is_in_the_name_and_no_name_is_too_long() {
         let hash = |digit: &str| Some(digit.repeat(64));
         let mut all = Replaced {
-            skills: vec!["fasten-by-mine.0123abcd".to_string()],
+            skills: vec!["fasten-by-my.0123abcd".to_string()],
             parameters: hash("a"),
             domain: None,
             plan: hash("c"),
         };
-        assert_eq!(all.name(), "baseline+fasten-by-mine.0123abcd+parameters.aaaaaaaa+plan.cccccccc");
+        assert_eq!(all.name(), "baseline+fasten-by-my.0123abcd+parameters.aaaaaaaa+plan.cccccccc");
         all.domain = hash("b");
         let long = all.name();
         assert!(long.len() <= MAX_NAME && long.starts_with("baseline+4-parts."), "{long}");

@@ -97,7 +97,7 @@ mod tests {
         assert_eq!(found(b"gr\xf6sser"), "the byte 0xf6");
         assert_eq!(found(&little[2..]), "zero bytes, as in UTF-16 without a byte order mark");
         assert_eq!(found(&big[2..]), "zero bytes, as in UTF-16 without a byte order mark");
-        assert_eq!(found(&little[..little.len() - 1]), "UTF-16 with an odd number of bytes");
+        assert_eq!(found(b"\xff\xfea\0b"), "UTF-16 with an odd number of bytes");
         assert_eq!(found(&little[..little.len() - 2]), "UTF-16 with half a character, 0xd835");
         assert_eq!(found(b"\xff\xfe\0\0a\0\0\0"), "UTF-32");
         assert_eq!(decode(b"\xef\xbb\xbfab\xff").unwrap_err().before, "ab");
