@@ -43,7 +43,7 @@ fn the_model_has_nothing_that_could_hold_parts_together() {
 #[test]
 fn the_code_writes_only_commands_after_the_start() {
     let twin = include_str!("../../src/twin.rs");
-    let constructor = twin.find("pub fn new(").unwrap()..twin.find("/// The scene as MJCF.").unwrap();
+    let constructor = twin.find("pub fn new(").unwrap()..twin.find("/// The scene as MJCF,").unwrap();
     for (at, _) in twin.match_indices("_mut()") {
         let call = twin[..at].rsplit('.').next().unwrap();
         assert!(constructor.contains(&at), "writes to {call} after the start");
