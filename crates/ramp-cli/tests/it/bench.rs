@@ -52,7 +52,9 @@ fn is_gone(process: u32) -> bool {
 fn without_clock(value: &mut Value) {
     match value {
         Value::Object(map) => {
-            for name in ["planning", "compute", "total", "total_deviation", "t_total", "waiting", "log"] {
+            for name in
+                ["planning", "compute", "total", "total_deviation", "t_total", "waiting", "loaded", "log"]
+            {
                 map.remove(name);
             }
             map.values_mut().for_each(without_clock);
