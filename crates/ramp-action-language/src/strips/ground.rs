@@ -12,12 +12,12 @@ pub(super) type Literal = (Ground, bool);
 /// Conditions that all hold.
 pub(super) type All = BTreeSet<Literal>;
 
-/// An action with what forbids it and what it does.
+/// An action with the conditions that forbid it, and its effects.
 pub(super) struct Action {
     pub action: Ground,
     /// None of these holds.
     pub forbidden: BTreeSet<All>,
-    /// What becomes true or false, if all of these hold.
+    /// Conditions, and the literal that becomes true if all of them hold.
     pub effects: BTreeSet<(All, Literal)>,
 }
 
@@ -59,7 +59,7 @@ impl Grounded {
     }
 }
 
-/// What may and what must be true after any actions.
+/// The fluents that may be true, and those that must be, after any actions.
 struct Reach<'m, 'd> {
     bounds: Unrolled<'m, 'd>,
     model: &'m Model<'d>,
@@ -146,7 +146,7 @@ impl Reach<'_, '_> {
         Ok(links)
     }
 
-    /// What an action does, with what follows from it.
+    /// The effects of an action, with their consequences.
     fn effects(&self, action: &Ground, links: &Links) -> BTreeSet<(All, Literal)> {
         let mut effects = BTreeSet::new();
         let mut open: Vec<(All, Literal)> = Vec::new();

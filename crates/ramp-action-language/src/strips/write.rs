@@ -19,9 +19,9 @@ pub(super) struct Files {
     pub actions: BTreeMap<String, Option<Term>>,
 }
 
-/// What an atom of the files says.
+/// The meaning of an atom of the files.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
-enum Saying {
+enum Meaning {
     /// A literal.
     Literal(Literal),
     /// All of several hold.
@@ -41,11 +41,11 @@ struct Written {
 struct Writer<'p> {
     model: &'p Model<'p>,
     grounded: &'p Grounded,
-    atoms: BTreeMap<Saying, String>,
+    atoms: BTreeMap<Meaning, String>,
     taken: BTreeSet<String>,
     /// Auxiliary actions: conditions and conclusion.
     proofs: Vec<(BTreeSet<String>, String)>,
-    /// What each conclusion depends on.
+    /// The fluents on which each conclusion depends.
     depends: BTreeMap<String, BTreeSet<Ground>>,
 }
 
@@ -97,7 +97,7 @@ pub(super) fn write(
     text.push_str(")\n");
     let mut facts = format!("(define (problem {})\n(:domain {})\n(:init\n", plain(problem), plain(domain));
     for (saying, atom) in &writer.atoms {
-        if let Saying::Literal((fluent, truth)) = saying
+        if let Meaning::Literal((fluent, truth)) = saying
             && grounded.inertial.contains(fluent)
             && model.has(fluent.predicate, &fluent.row, start) == *truth
         {
@@ -130,7 +130,7 @@ impl Writer<'_> {
     }
 
     /// The atom of a saying, and whether it is new.
-    fn atom(&mut self, saying: Saying, base: impl FnOnce() -> String) -> (String, bool) {
+    fn atom(&mut self, saying: Meaning, base: impl FnOnce() -> String) -> (String, bool) {
         if let Some(known) = self.atoms.get(&saying) {
             return (known.clone(), false);
         }
@@ -144,7 +144,7 @@ impl Writer<'_> {
         let (fluent, truth) = literal;
         let term = self.model.atom_term(fluent);
         let base = || if *truth { flat(&term) } else { format!("not_{}", flat(&term)) };
-        let (atom, new) = self.atom(Saying::Literal(literal.clone()), base);
+        let (atom, new) = self.atom(Meaning::Literal(literal.clone()), base);
         let Some(bodies) = self.grounded.defined.get(fluent).filter(|_| new) else { return atom };
         if *truth {
             for body in bodies {
@@ -162,7 +162,7 @@ impl Writer<'_> {
         if let (Some(only), 1) = (body.first(), body.len()) {
             return self.literal(only);
         }
-        let (atom, new) = self.atom(Saying::All(body.clone()), || "all".to_string());
+        let (atom, new) = self.atom(Meaning::All(body.clone()), || "all".to_string());
         if new {
             let conditions = body.iter().map(|literal| self.literal(literal)).collect();
             self.proofs.push((conditions, atom.clone()));
@@ -174,7 +174,7 @@ impl Writer<'_> {
         if let (Some((fluent, truth)), 1) = (body.first(), body.len()) {
             return self.literal(&(fluent.clone(), !truth));
         }
-        let (atom, new) = self.atom(Saying::NotAll(body.clone()), || "not_all".to_string());
+        let (atom, new) = self.atom(Meaning::NotAll(body.clone()), || "not_all".to_string());
         if new {
             for (fluent, truth) in body {
                 let condition = self.literal(&(fluent.clone(), !truth));
@@ -236,7 +236,7 @@ impl Writer<'_> {
     /// Finds the inertial fluents on which each conclusion depends.
     fn follow_dependencies(&mut self) {
         for (saying, atom) in &self.atoms {
-            if let Saying::Literal((fluent, _)) = saying
+            if let Meaning::Literal((fluent, _)) = saying
                 && self.grounded.inertial.contains(fluent)
             {
                 self.depends.insert(atom.clone(), BTreeSet::from([fluent.clone()]));
@@ -263,7 +263,7 @@ impl Writer<'_> {
         let mut effects = Vec::new();
         for (fluent, truth) in changes {
             for side in [true, false] {
-                if let Some(atom) = self.atoms.get(&Saying::Literal((fluent.clone(), side))) {
+                if let Some(atom) = self.atoms.get(&Meaning::Literal((fluent.clone(), side))) {
                     effects.push(if side == *truth {
                         format!("({atom})")
                     } else {

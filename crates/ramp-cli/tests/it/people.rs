@@ -68,7 +68,7 @@ fn every_reader_takes_marks_and_utf_16() {
     }
 }
 
-/// What macOS and Windows leave in a folder is ignored, and said once for each folder.
+/// Files that macOS and Windows leave in a folder are ignored, with one message for each folder.
 #[test]
 fn files_of_a_file_manager_are_ignored() {
     let folder = TempDir::new().unwrap();
