@@ -1,14 +1,14 @@
 //! Frames that only look finished, in the real physics: pegs that fell, flew or were pushed into their place,
 //! and pegs that only the hand holds.
 
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_episode::run_episode_in;
 use ramp_kit::Pose;
 use ramp_kit::joint::{FEMALE_HEIGHT, HEAD_HEIGHT};
 use ramp_motion::Kinematics;
 use ramp_result::EpisodeResult;
 use ramp_result::episode::RejectReason;
-use ramp_robot::{Account, Agent, ArmCommand, Command, GripperCommand, Robot, RobotError, Track};
+use ramp_robot::{Account, Agent, ArmCommand, Command, GripperCommand, Impedance, Robot, RobotError, Track};
 use ramp_testing::GoalFiles;
 use ramp_testing::episode::label;
 use ramp_twin::{Layout, Setup, Twin, World};
@@ -31,14 +31,21 @@ impl Stage {
 
     /// With the hand above the seat at the start, so that it closes on the head of a peg there.
     fn with_hand_over_seat() -> Stage {
-        let mut stage = Stage::new();
-        let kinematics = Kinematics::new(&stage.goal.arm);
-        let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+        let stage = Stage::new();
         let tip = stage.seat.translation.vector + Vector3::new(0.0, 0.0, HEAD_HEIGHT / 2.0);
-        let home = stage.goal.arm.home.into();
+        stage.with_hand_at(tip, 0.0)
+    }
+
+    /// With the tip of the hand at `tip` (m, world) at the start, pointing down and turned by `yaw` (rad). At
+    /// 0 it closes along y.
+    fn with_hand_at(mut self, tip: Vector3<f64>, yaw: f64) -> Stage {
+        let kinematics = Kinematics::new(&self.goal.arm);
+        let down = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw)
+            * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+        let home = self.goal.arm.home.into();
         let q = kinematics.inverse(&Pose::from_parts(Translation3::from(tip), down), &home, &home).unwrap();
-        stage.goal.arm.home = q.into();
-        stage
+        self.goal.arm.home = q.into();
+        self
     }
 
     fn setup(&self, world: &'static World) -> Setup<'_> {
@@ -47,6 +54,10 @@ impl Stage {
 
     /// The twin with the peg p1 at `x_peg` in the frame of the seat.
     fn twin(&self, setup: &Setup, x_peg: Pose) -> Twin {
+        Twin::with_layout(setup, self.layout(setup, x_peg)).unwrap()
+    }
+
+    fn layout(&self, setup: &Setup, x_peg: Pose) -> Layout {
         let assembly = setup.assembly;
         let mut layout = Layout::new(assembly, setup.start, setup.seed);
         for joint in [assembly.connections[0].female, assembly.connections[0].male] {
@@ -56,7 +67,7 @@ impl Stage {
         }
         let (_, x_wp) = layout.pegs.iter_mut().find(|(name, _)| name == "p1").unwrap();
         *x_wp = self.seat * x_peg;
-        Twin::with_layout(setup, layout).unwrap()
+        layout
     }
 
     /// The result of an episode that only waits.
@@ -87,6 +98,38 @@ impl Agent for Waiter {
         let arm = ArmCommand::JointPositions(robot.observe().positions);
         let command = Command { arm, gripper: GripperCommand { width: self.width, force: 20.0 } };
         (0..self.periods).try_for_each(|_| robot.step(&command).map(|_| ()))
+    }
+}
+
+/// An agent that closes the hand, moves the setpoint of an impedance `by` so many metres within a second, and
+/// ends there.
+struct Pusher {
+    by: Vector3<f64>,
+}
+
+impl Agent for Pusher {
+    fn name(&self) -> (&str, &str) {
+        ("pusher", "1")
+    }
+
+    fn account(&self) -> Account {
+        Account::default()
+    }
+
+    fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {
+        let seen = robot.observe();
+        (1..=1500).try_for_each(|period| {
+            let shift = Translation3::from(self.by * (f64::from(period) / 1000.0 - 0.5).max(0.0));
+            let impedance = Impedance {
+                x_wt: shift * seen.x_wt,
+                stiffness: Vector6::new(1500.0, 1500.0, 1500.0, 50.0, 50.0, 50.0),
+                damping_ratio: 1.0,
+                feed_forward: Vector6::zeros(),
+                posture: seen.positions,
+            };
+            let arm = ArmCommand::CartesianImpedance(impedance);
+            robot.step(&Command { arm, gripper: GripperCommand { width: 0.0, force: 20.0 } }).map(|_| ())
+        })
     }
 }
 
@@ -181,6 +224,49 @@ fn a_peg_in_the_hand_is_judged_without_the_hand() {
         assert!(rested.abs() < 0.1e-3, "the peg does not fall: {rested}");
         assert_eq!(result.counted(), counted, "{height}");
     }
+}
+
+/// The hand holds up the end of a frame: the beam b4, in b7 and pinned, with its far end 5 mm over its place.
+/// The peg is in its place, in the raised frame and in the one that has fallen.
+#[test]
+fn a_frame_that_the_hand_holds_up_is_judged_where_it_falls() {
+    const RAISED: f64 = 5e-3;
+    let stage = Stage::new();
+    let assembly = &stage.goal.assembly;
+    let placed = &assembly.beams[assembly.connections[0].male.beam];
+    let beam = placed.beam.clone();
+    let link = beam.links.last().unwrap().grasp;
+    let grip = assembly.kit.x_wa() * placed.x_ab * Point3::new((link[0] + link[1]) / 2.0, 0.0, 0.0);
+    let stage = stage.with_hand_at(grip.coords + Vector3::new(0.0, 0.0, 17e-3), 0.0);
+    let setup = stage.setup(World::ideal());
+    let mut twin = stage.twin(&setup, up(0.0));
+    let mut agent = Pusher { by: Vector3::new(0.0, 0.0, RAISED) };
+    let result = run_episode_in(&mut twin, &setup, &mut agent, &label(), &mut |_, _| {});
+    let index = twin.part_names().position(|name| name == beam.name).unwrap();
+    let end = |x_wb: &Pose| (x_wb * Point3::new(beam.span(), 0.0, 0.0)).z;
+    let held = end(&twin.truth().x_wp[index]);
+    let rested = end(&twin.without_arm(2.0, 10).last().unwrap().truth.x_wp[index]);
+    assert!(held - rested > 0.5 * RAISED, "the frame does not fall: {held} {rested}");
+    assert_eq!((result.counted(), reasons(&result)), (1, vec![]));
+}
+
+/// The arm pushes the clamped beam aside with 40 N while the episode ends: the clamp gives a little, and the
+/// peg is judged where the beam is when the arm is gone.
+#[test]
+fn a_clamped_beam_that_is_pushed_springs_back() {
+    let beside = Vector3::new(0.31 + 45e-3, -0.2, 0.035);
+    let stage = Stage::new().with_hand_at(beside, std::f64::consts::FRAC_PI_2);
+    let setup = stage.setup(World::shipped("real").unwrap());
+    let mut twin = stage.twin(&setup, up(0.0));
+    let index = twin.part_names().position(|name| name == "b7").unwrap();
+    let place = twin.truth().x_wp[index].translation.vector;
+    let off = |x_wb: &Pose| (x_wb.translation.vector - place).norm();
+    let mut agent = Pusher { by: Vector3::new(-60e-3, 0.0, 0.0) };
+    let result = run_episode_in(&mut twin, &setup, &mut agent, &label(), &mut |_, _| {});
+    let pushed = off(&twin.truth().x_wp[index]);
+    let rested = off(&twin.without_arm(2.0, 10).last().unwrap().truth.x_wp[index]);
+    assert!(pushed > 10e-6 && rested < 0.1 * pushed, "{pushed} {rested}");
+    assert_eq!((result.counted(), reasons(&result)), (1, vec![]), "{:?}", result.ended);
 }
 
 /// An agent that reports more planning than it thought, or less than nothing: the parts of the time stay
