@@ -35,7 +35,8 @@ pub struct Layout {
 
 impl Layout {
     /// The start of the episode with this seed. Each part in turn is moved from its outline until it is clear
-    /// of all others; one for which a thousand draws find no place stays on its outline.
+    /// of all others, and the hand can still grip each link that it could grip with all parts on their
+    /// outlines; one for which a thousand draws find no place stays on its outline.
     pub fn new(assembly: &Assembly, start: &Start, seed: u64) -> Layout {
         let kit = &assembly.kit;
         let base = &assembly.beams[assembly.base];
@@ -53,19 +54,20 @@ impl Layout {
             bodies.push(Body::holder(holder, Pose::translation(at.x, at.y, 0.0)));
         }
         let on_outline: Vec<Pose> = bodies.iter().map(|body| body.x).collect();
+        let needed = grippable(&bodies);
         let mut stream = Stream::new(seed, "layout");
         for index in 0..bodies.len() {
             if bodies[index].name == base.beam.name {
                 continue;
             }
-            let body = &bodies[index];
-            let others: Vec<&Body> =
-                bodies.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, it)| it).collect();
-            let place = (0..TRIES).map(|_| displace(body, &start.places, &mut stream)).find(|x| {
+            let found = (0..TRIES).any(|_| {
+                bodies[index].x = displace(&bodies[index], &on_outline[index], &start.places, &mut stream);
                 start.places.clearance == 0.0
-                    || others.iter().all(|other| body.is_clear(x, other, start.places.clearance))
+                    || is_clear(&bodies, index, start.places.clearance) && grips(&bodies, &needed)
             });
-            bodies[index].x = place.unwrap_or(bodies[index].x);
+            if !found {
+                bodies[index].x = on_outline[index];
+            }
         }
         let mut layout =
             Layout { beams: Vec::new(), holders: Vec::new(), pegs: Vec::new(), in_holder: BTreeMap::new() };
@@ -97,12 +99,33 @@ impl Layout {
     }
 }
 
-/// A place for a body, from its outline.
-fn displace(body: &Body, places: &Places, stream: &mut Stream) -> Pose {
+/// All bodies but one.
+fn others(bodies: &[Body], but: usize) -> Vec<&Body> {
+    bodies.iter().enumerate().filter(|(index, _)| *index != but).map(|(_, body)| body).collect()
+}
+
+/// Whether a body is at least `clearance` (m) from all others.
+fn is_clear(bodies: &[Body], index: usize, clearance: f64) -> bool {
+    let body = &bodies[index];
+    others(bodies, index).iter().all(|other| body.is_clear(&body.x, other, clearance))
+}
+
+/// Which links of each body the hand can grip.
+fn grippable(bodies: &[Body]) -> Vec<Vec<bool>> {
+    (0..bodies.len()).map(|index| bodies[index].grippable(&others(bodies, index))).collect()
+}
+
+/// Whether the hand can grip all links that it has to.
+fn grips(bodies: &[Body], needed: &[Vec<bool>]) -> bool {
+    grippable(bodies).iter().flatten().zip(needed.iter().flatten()).all(|(can, needs)| *can || !needs)
+}
+
+/// A place for a body whose outline is at `on_outline`.
+fn displace(body: &Body, on_outline: &Pose, places: &Places, stream: &mut Stream) -> Pose {
     let shift = Translation3::new(stream.symmetric(places.shift), stream.symmetric(places.shift), 0.0);
     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), stream.symmetric(places.turn));
-    let there = Translation3::from(body.x * body.middle);
-    shift * there * turn * there.inverse() * body.x
+    let there = Translation3::from(on_outline * body.middle);
+    shift * there * turn * there.inverse() * on_outline
 }
 
 /// True pose of the table in its nominal frame.

@@ -1,8 +1,17 @@
-//! A beam or a holder on the table, and whether it is clear of another one.
+//! A beam or a holder on the table: whether it is clear of another one, and whether the fingers have room
+//! beside its links.
 
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 use ramp_kit::shape::{Cuboid, Shape, beam_shapes};
 use ramp_kit::{Beam, Holder, Pose};
+
+/// Half of what a finger covers along a beam, m: 20 mm, and room on both sides.
+const FINGER_HALF: f64 = 12.0e-3;
+/// What a finger of the open hand covers across a beam, from the beam's axis, m: from 18 to 28 mm with the
+/// fingers 38 mm apart, and room on both sides.
+const FINGER_ACROSS: [f64; 2] = [16.0e-3, 30.0e-3];
+/// Distance between the points of a link at which the fingers are tried, m.
+const STEP: f64 = 4.0e-3;
 
 /// A beam or a holder on the table.
 pub struct Body {
@@ -16,6 +25,8 @@ pub struct Body {
     boxes: Vec<Cuboid>,
     /// Radius of a circle about its middle that holds it, m.
     radius: f64,
+    /// The stretch of each link on which the hand may grip, m from the j1 hole.
+    links: Vec<[f64; 2]>,
 }
 
 /// A rectangle on the table, seen from above.
@@ -31,7 +42,10 @@ impl Body {
     /// A beam.
     pub fn beam(beam: &Beam, x_wb: Pose) -> Body {
         let middle = Point3::new(beam.span() / 2.0, 0.0, 0.0);
-        Body::new(&beam.name, x_wb, middle, beam_shapes(beam).iter().map(Shape::bounds).collect())
+        let boxes = beam_shapes(beam).iter().map(Shape::bounds).collect();
+        let mut body = Body::new(&beam.name, x_wb, middle, boxes);
+        body.links = beam.links.iter().map(|link| link.grasp).collect();
+        body
     }
 
     /// A holder.
@@ -45,13 +59,42 @@ impl Body {
             x.hypot(y)
         };
         let radius = boxes.iter().map(reach).fold(0.0, f64::max);
-        Body { name: name.to_string(), x, middle, boxes, radius }
+        Body { name: name.to_string(), x, middle, boxes, radius, links: Vec::new() }
+    }
+
+    /// Which of its links, from j1 on, the hand can grip at some point, with no bodies around but these. A
+    /// hand that closes on a beam is over everything else, so only its fingers need room.
+    pub fn grippable(&self, others: &[&Body]) -> Vec<bool> {
+        let near: Vec<&&Body> =
+            others.iter().filter(|other| self.is_near(&self.x, other, FINGER_ACROSS[1])).collect();
+        let free = |s: f64| {
+            let [low, high] = FINGER_ACROSS;
+            [[low, high], [-high, -low]].into_iter().all(|across| {
+                let finger = Cuboid::new([s - FINGER_HALF, s + FINGER_HALF], across, [0.0, 0.0]);
+                let finger = Footprint::new(&self.x, &finger);
+                near.iter().all(|other| {
+                    other.boxes.iter().all(|their| finger.is_clear(&Footprint::new(&other.x, their), 0.0))
+                })
+            })
+        };
+        let points = |[from, to]: [f64; 2]| {
+            let room = (to - from - 2.0 * FINGER_HALF).max(0.0);
+            let first = (from + to - room) / 2.0;
+            (0..=(room / STEP) as usize).map(move |step| first + step as f64 * STEP)
+        };
+        self.links.iter().map(|link| points(*link).any(free)).collect()
+    }
+
+    /// Whether another body may be nearer than `clearance` (m) to this one at `x`: by the circles that hold
+    /// them.
+    fn is_near(&self, x: &Pose, other: &Body, clearance: f64) -> bool {
+        let apart = (x * self.middle).xy() - (other.x * other.middle).xy();
+        apart.norm() <= self.radius + other.radius + clearance
     }
 
     /// Whether this body, put at `x`, is at least `clearance` (m) from another one, seen from above.
     pub fn is_clear(&self, x: &Pose, other: &Body, clearance: f64) -> bool {
-        let apart = (x * self.middle).xy() - (other.x * other.middle).xy();
-        if apart.norm() > self.radius + other.radius + clearance {
+        if !self.is_near(x, other, clearance) {
             return true;
         }
         let own = self.boxes.iter().map(|cuboid| Footprint::new(x, cuboid));

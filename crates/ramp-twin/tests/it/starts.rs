@@ -91,6 +91,44 @@ fn parts_are_moved_and_trade_places() {
     assert!(slots_of_p1.len() > 10, "{slots_of_p1:?}");
 }
 
+/// The hand can grip each link of every beam that it can grip on the outlines: with seed 4, b6 once lay beside
+/// one link of b1, and a holder beside the other, so that no plan could build easy-1.
+#[test]
+fn the_fingers_have_room_beside_every_link() {
+    let files = GoalFiles::new("easy-1");
+    let kit = &files.assembly.kit;
+    // Corners of both fingers of the open hand beside the point at `s`, in the beam's frame.
+    let fingers = |s: f64| {
+        [-1.0, 1.0]
+            .map(|side| [-0.01, 0.01].map(|x| [0.018, 0.028].map(|y| Point3::new(s + x, side * y, 0.0))))
+    };
+    for seed in 1..=100 {
+        let layout = Layout::new(&files.assembly, Start::moved(), seed);
+        let covered = |p: &Point3<f64>, but: &str| {
+            let in_beam = layout.beams.iter().filter(|(name, _)| name != but).any(|(name, x_wb)| {
+                let p_b = x_wb.inverse_transform_point(p);
+                (-0.02..kit.beam(name).unwrap().span() + 0.02).contains(&p_b.x) && p_b.y.abs() < 0.011
+            });
+            in_beam
+                || layout.holders.iter().any(|(_, x_wh)| {
+                    let p_h = x_wh.inverse_transform_point(p);
+                    p_h.x.abs() < ramp_kit::Holder::BASE[0] / 2.0
+                        && p_h.y.abs() < ramp_kit::Holder::BASE[1] / 2.0
+                })
+        };
+        for (name, x_wb) in layout.beams.iter().filter(|(name, _)| name != "b7") {
+            for link in &kit.beam(name).unwrap().links {
+                let [from, to] = link.grasp;
+                let free = (0..=20).any(|step| {
+                    let s = from + (to - from) * f64::from(step) / 20.0;
+                    fingers(s).iter().flatten().flatten().all(|p| !covered(&(x_wb * p), name))
+                });
+                assert!(free, "seed {seed}: {name} cannot be gripped at {}", link.name);
+            }
+        }
+    }
+}
+
 /// The places that the seeds draw are free: nothing moves in the first half second.
 #[test]
 fn moved_parts_lie_still() {
