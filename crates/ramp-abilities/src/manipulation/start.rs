@@ -110,6 +110,8 @@ pub fn draw(setup: &Setup, task: &Task, cast: &Cast) -> Result<Start, StartError
         let mut layout = layout(setup, task, &mut stream);
         cast.cut(setup, task, &mut layout);
         let mut twin = Twin::with_options(setup, layout.clone(), &cast.options)?;
+        // As the twin puts them.
+        layout.tilt(&setup.world.draw(setup.seed).table);
         let knocks = knocks(setup, task, &mut stream);
         let settled = settle(&mut twin, &knocks);
         why = match settled {
@@ -194,7 +196,9 @@ fn knocks(setup: &Setup, task: &Task, stream: &mut Stream) -> Vec<Knock> {
 
 /// Lets the world come to rest. Returns where all parts were a tenth of a second before.
 fn settle(twin: &mut Twin, knocks: &[Knock]) -> Result<Vec<Pose>, RobotError> {
+    // Printed parts that are put at their nominal places can be in each other by their errors, and part.
     twin.settle(PERIODS[0])?;
+    twin.begin();
     for (beam, linear, angular) in knocks {
         twin.knock(beam, linear, angular);
     }
