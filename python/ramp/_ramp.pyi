@@ -150,7 +150,7 @@ class Twin:
         benchmark: Benchmark,
         goal: str,
         track: str = "state",
-        world: str = "ideal",
+        world: str = "real",
         start: str = "moved",
         seed: int = 1,
         fault: str | None = None,

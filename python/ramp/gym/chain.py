@@ -83,7 +83,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         *,
         skill: str = "fasten",
         track: str = "state",
-        world: str | os.PathLike[str] = "ideal",
+        world: str | os.PathLike[str] = "real",
         start: str | os.PathLike[str] = "moved",
         turns: bool = False,
         gripper: bool = False,

@@ -33,7 +33,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         goals: Sequence[str | os.PathLike[str] | Goal] = (),
         *,
         track: str = "state",
-        world: str | os.PathLike[str] = "ideal",
+        world: str | os.PathLike[str] = "real",
         start: str | os.PathLike[str] = "moved",
         begin: str = "ready",
         starts: tuple[int, int] = (1, 64),

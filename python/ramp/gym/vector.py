@@ -41,7 +41,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         copy: bool = True,
         max_episode_steps: int | None = None,
         track: str = "state",
-        world: str | os.PathLike[str] = "ideal",
+        world: str | os.PathLike[str] = "real",
         start: str | os.PathLike[str] = "moved",
         begin: str = "ready",
         whole_scene: bool = False,

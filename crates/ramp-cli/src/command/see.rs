@@ -16,7 +16,7 @@ use ramp_result::sha256;
 use ramp_robot::{Camera, CameraModel, Image, Pose, Robot, Track};
 use ramp_twin::{Setup, Twin};
 use ramp_vision::{Lying, PartFinder, Sighting};
-use ramp_world::{Start, World};
+use ramp_world::Start;
 use resvg::{tiny_skia, usvg};
 
 use crate::output::{check_place, print, write_file};
@@ -90,7 +90,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         track: Track::Tags,
         seed: arguments.seed,
         start: Start::sheet(),
-        world: World::ideal(),
+        world: &data.world("real")?,
         fault: None,
     };
     let mut twin = Twin::new(&setup).into_diagnostic()?;

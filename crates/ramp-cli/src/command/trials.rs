@@ -35,11 +35,7 @@ use crate::pool;
 use crate::software::software;
 use crate::status::DONE;
 
-/// The default world of trials. A trial begins in a half-built frame, which in `real` does not always stand.
-const WORLD: &str = "ideal";
-
 #[derive(clap::Args)]
-#[command(mut_arg("world", |world| world.default_value(WORLD)))]
 pub struct Arguments {
     /// Skills to run [default: all that the nine goals need]
     #[arg(value_name = "SKILL")]
