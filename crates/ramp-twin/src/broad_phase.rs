@@ -4,38 +4,31 @@
 //! sleep or are fixed; in the whole scene with its rings of boxes around holes that is more than half of a
 //! step. Here, a body that nothing can touch in this step is left out before: one that is neither awake nor
 //! near anything that is, or that may wake. The engine finds the same contacts in the same order, so no bit
-//! of the physics changes.
+//! of the physics changes. Of the bodies that are left, pieces that nothing can meet are left out as well
+//! ([`pieces`](crate::pieces)).
 
 use std::sync::Arc;
 
 use mujoco_rs::mujoco_c::mj_step;
 use mujoco_rs::prelude::*;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
+
+use crate::extent::Extent;
+use crate::mjcf::classes::is_arm;
+use crate::pieces::{Piece, Pieces, part_of};
 
 /// Enlargement of the boxes, m: poses are those of the step before, and no body moves at 20 m/s.
 const MOTION: f64 = 20e-3;
 
-/// A box, along the axes of whatever frame it is in.
-#[derive(Clone, Copy)]
-struct Extent {
-    centre: Vector3<f64>,
-    half: Vector3<f64>,
-}
-
-impl Extent {
-    fn touches(&self, other: &Extent) -> bool {
-        let (apart, reach) = ((self.centre - other.centre).abs(), self.half + other.half);
-        apart.x <= reach.x && apart.y <= reach.y && apart.z <= reach.z
-    }
-}
-
-/// Leaves out what nothing can touch. Keeps nothing from one step to the next.
+/// Leaves out what nothing can touch. Keeps nothing from one step to the next but the boxes of bodies that
+/// have not moved.
 #[derive(Clone)]
 pub(crate) struct BroadPhase {
     /// The extent of what can collide of each body, in its frame; `None` where nothing can.
     extents: Vec<Option<Extent>>,
-    /// The same in the world, enlarged.
+    /// The same in the world, enlarged, and the poses for which they were placed.
     boxes: Vec<Option<Extent>>,
+    poses: Vec<([f64; 3], [f64; 4])>,
     /// Whether a body is left in.
     near: Vec<bool>,
     /// Bodies whose neighbours are to be left in.
@@ -44,23 +37,46 @@ pub(crate) struct BroadPhase {
     masks: [Vec<i32>; 2],
     /// Bodies that touch nothing.
     gone: Vec<usize>,
+    /// Pieces of parts, of which only some are needed.
+    pieces: Pieces,
+    /// The bodies of the arm.
+    arm: Vec<usize>,
+    /// The number of geoms of the world and the arm, which come first in the model.
+    first_geoms: i64,
 }
 
 impl BroadPhase {
     pub fn new(model: &MjModel) -> BroadPhase {
         let bodies = model.body_geomnum().len();
         let mut extents = vec![None; bodies];
+        let (mut arm, mut first_geoms) = (Vec::new(), 0);
         let masks = model.geom_contype().iter().zip(model.geom_conaffinity());
         for (geom, (contype, conaffinity)) in masks.enumerate() {
             let Ok(body) = usize::try_from(model.geom_bodyid()[geom]) else { continue };
             if body > 0 && (*contype != 0 || *conaffinity != 0) {
                 let own = extent(model, geom);
-                extents[body] = Some(extents[body].map_or(own, |other| union(&other, &own)));
+                extents[body] = Some(extents[body].map_or(own, |other: Extent| other.union(&own)));
             }
+            if is_arm(*contype) {
+                first_geoms = geom as i64 + 1;
+                if arm.last() != Some(&body) {
+                    arm.push(body);
+                }
+            }
+        }
+        let pieces = Pieces::new(model, &extents);
+        // A part is as large as all of its pieces.
+        for body in (0..bodies).filter(|body| Piece::of(model, *body).is_some()) {
+            let Some(piece) = extents[body].take() else { continue };
+            let moved = Extent { centre: piece.centre + Vector3::from(model.body_pos()[body]), ..piece };
+            let part = part_of(model, body);
+            extents[part] = Some(extents[part].map_or(moved, |own| own.union(&moved)));
         }
         let masks = [vec![0; bodies], vec![0; bodies]];
         let near = vec![false; bodies];
-        BroadPhase { boxes: extents.clone(), extents, near, queue: Vec::new(), masks, gone: Vec::new() }
+        let (boxes, queue, gone) = (extents.clone(), Vec::new(), Vec::new());
+        let poses = vec![([f64::NAN; 3], [f64::NAN; 4]); bodies];
+        BroadPhase { extents, boxes, poses, near, queue, masks, gone, pieces, arm, first_geoms }
     }
 
     /// Lets these bodies touch nothing any more.
@@ -77,20 +93,24 @@ impl BroadPhase {
         // The whole world's geoms collide with whatever is awake.
         self.near[0] = true;
         self.gone.iter().for_each(|body| self.near[*body] = false);
+        self.pieces.choose(data, &mut self.near, &self.boxes, &self.arm, MOTION / 2.0);
         for (mask, all) in self.masks.iter_mut().zip([model.body_contype(), model.body_conaffinity()]) {
             for ((mask, all), near) in mask.iter_mut().zip(all).zip(&self.near) {
                 *mask = if *near { *all } else { 0 };
             }
         }
-        // The model is shared and never changes: the engine gets a table of contents of its own, with two
-        // other columns.
+        // The model is shared and never changes: the engine gets a table of contents of its own, with other
+        // columns: what can touch something. The engine sorts bodies along
+        // the axes in which all geoms spread most, and takes that spread anew at every step. The geoms of the
+        // arm do as well: the pairs that it finds do not depend on the axes.
         let mut view = model.ffi().clone();
         let [contype, conaffinity] = &mut self.masks;
         (view.body_contype, view.body_conaffinity) = (contype.as_mut_ptr(), conaffinity.as_mut_ptr());
+        view.ngeom = self.first_geoms;
         #[expect(unsafe_code, reason = "the engine's own step takes no model but the data's")]
         // SAFETY: all pointers of `view` are those of the data's model, which lives as long as the data, but
-        // for two arrays of the same length, which live longer than the call. The engine keeps no pointer to
-        // a model.
+        // for arrays of the same lengths, which live longer than the call. The engine keeps no pointer to a
+        // model.
         unsafe {
             mj_step(&raw const view, data.ffi_mut());
         }
@@ -100,9 +120,12 @@ impl BroadPhase {
     fn place(&mut self, data: &MjData<Arc<MjModel>>) {
         for (body, (extent, placed)) in self.extents.iter().zip(&mut self.boxes).enumerate() {
             let Some(extent) = extent else { continue };
-            let turn = Matrix3::from_row_slice(&data.xmat()[body]);
-            let centre = Vector3::from(data.xpos()[body]) + turn * extent.centre;
-            *placed = Some(Extent { centre, half: turn.abs() * extent.half + Vector3::repeat(MOTION / 2.0) });
+            let pose = (data.xpos()[body], data.xquat()[body]);
+            if self.poses[body] == pose {
+                continue;
+            }
+            self.poses[body] = pose;
+            *placed = Some(extent.placed(&data.xpos()[body], &data.xmat()[body], MOTION / 2.0));
         }
     }
 
@@ -177,11 +200,4 @@ fn extent(model: &MjModel, geom: usize) -> Extent {
         centre: Vector3::from(model.geom_pos()[geom]) + turn * Vector3::new(x, y, z),
         half: turn.abs() * Vector3::new(a, b, c) + Vector3::repeat(margin),
     }
-}
-
-/// The smallest box around two.
-fn union(one: &Extent, other: &Extent) -> Extent {
-    let low = (one.centre - one.half).inf(&(other.centre - other.half));
-    let high = (one.centre + one.half).sup(&(other.centre + other.half));
-    Extent { centre: (low + high) / 2.0, half: (high - low) / 2.0 }
 }

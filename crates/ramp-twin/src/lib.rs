@@ -8,10 +8,12 @@
 
 mod broad_phase;
 pub mod cameras;
+mod clamp;
 mod command;
 mod drive;
 mod engine;
 mod export;
+mod extent;
 pub mod fault;
 mod joint_friction;
 pub mod layout;
@@ -19,6 +21,7 @@ mod line;
 mod looks;
 pub mod mjcf;
 mod period;
+mod pieces;
 mod rest;
 mod scene;
 mod sensors;

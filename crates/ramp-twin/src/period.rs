@@ -77,6 +77,9 @@ fn advance(
     }
     let before = state.arm.clone();
     actuate(scene, data, state, &before, command)?;
+    if let Some(clamp) = &scene.clamp {
+        clamp.step(data);
+    }
     broad_phase.step(data);
     state.targets.command = Some(command.clone());
     state.steps += 1;

@@ -39,6 +39,9 @@ pub(crate) fn without_arm(
     let mut moments = Vec::new();
     let all = (seconds / PERIOD).round() as u64;
     for period in 1..=all {
+        if let Some(clamp) = &scene.clamp {
+            clamp.step(&mut copy);
+        }
         broad_phase.step(&mut copy);
         if period == 1 {
             copy.xfrc_applied_mut().fill([0.0; 6]);

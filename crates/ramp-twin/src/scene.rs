@@ -14,11 +14,13 @@ use ramp_robot::{DOF, Track};
 use ramp_world::Physics;
 
 use crate::cameras::Cameras;
+use crate::clamp::Clamp;
 use crate::engine::body_pose;
 use crate::fault::Start;
 use crate::joint_friction::JointFriction;
 use crate::layout::Layout;
 use crate::mjcf::{Printed, SceneOptions, scene_xml};
+use crate::pieces;
 use crate::setup::{Setup, TwinError};
 
 /// Everything of a twin that does not change during an episode.
@@ -34,6 +36,8 @@ pub(crate) struct Scene {
     pub holders: Vec<(String, usize)>,
     /// The holder in which each peg starts, by the peg's name.
     pub in_holder: BTreeMap<String, String>,
+    /// The clamp of the base beam; `None` for one that gives nothing.
+    pub clamp: Option<Clamp>,
     /// For each geom: does it belong to a beam, a peg or a holder?
     is_part: Vec<bool>,
     /// For each geom: the index in `parts` of the beam or peg to which it belongs.
@@ -84,9 +88,12 @@ impl Scene {
         let parts = parts.collect::<Result<Vec<_>, _>>()?;
         let holders = layout.holders.iter().map(|(name, _)| named(name)).collect::<Result<Vec<_>, _>>()?;
         let part_bodies: Vec<usize> = parts.iter().chain(&holders).map(|(_, id)| *id).collect();
-        let is_part = model.geom_bodyid().iter().map(|id| part_bodies.contains(&(*id as usize))).collect();
-        let part_of = |id: &i32| parts.iter().position(|(_, body)| usize::try_from(*id) == Ok(*body));
-        let part_of = model.geom_bodyid().iter().map(part_of).collect();
+        let bodies = model.geom_bodyid().iter().map(|id| pieces::part_of(&model, *id as usize));
+        let bodies: Vec<usize> = bodies.collect();
+        let is_part = bodies.iter().map(|id| part_bodies.contains(id)).collect();
+        let part_of = |id: &usize| parts.iter().position(|(_, body)| id == body);
+        let part_of = bodies.iter().map(part_of).collect();
+        let clamp = Clamp::new(&model, body(base)?, physics.table.clamp_give);
         let covered = start.covered.as_ref().map(|(tag, _)| *tag);
         Ok(Scene {
             xml,
@@ -95,6 +102,7 @@ impl Scene {
             parts,
             holders,
             in_holder: layout.in_holder,
+            clamp,
             is_part,
             part_of,
             arm_bodies: arm_bodies(&model, body("link0")?),

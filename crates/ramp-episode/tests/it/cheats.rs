@@ -4,7 +4,7 @@
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_episode::run_episode_in;
 use ramp_kit::Pose;
-use ramp_kit::joint::{FEMALE_HEIGHT, HEAD_HEIGHT};
+use ramp_kit::joint::FEMALE_HEIGHT;
 use ramp_motion::Kinematics;
 use ramp_result::EpisodeResult;
 use ramp_result::episode::RejectReason;
@@ -32,7 +32,7 @@ impl Stage {
     /// With the hand above the seat at the start, so that it closes on the head of a peg there.
     fn with_hand_over_seat() -> Stage {
         let stage = Stage::new();
-        let tip = stage.seat.translation.vector + Vector3::new(0.0, 0.0, HEAD_HEIGHT / 2.0);
+        let tip = stage.seat.translation.vector + Vector3::new(0.0, 0.0, OVER_SEAT);
         stage.with_hand_at(tip, 0.0)
     }
 
@@ -133,6 +133,8 @@ impl Agent for Pusher {
     }
 }
 
+/// The tip of a hand whose fingers are clear of the plate, over that plate, m.
+const OVER_SEAT: f64 = 21e-3;
 /// The width of the open hand at the start, m.
 const OPEN: f64 = 0.04;
 
@@ -171,7 +173,7 @@ fn a_peg_that_was_flung_through_a_plate_does_not_count() {
     for world in worlds() {
         let setup = stage.setup(world);
         for aside in [0.0, 1e-3, 3e-3] {
-            let mut twin = stage.twin(&setup, Pose::translation(0.0, aside, 0.1));
+            let mut twin = stage.twin(&setup, Pose::translation(0.0, aside, 0.15));
             let result = stage.wait(&setup, &mut twin, 1500, OPEN);
             assert_eq!(result.counted(), 0, "{} {aside}", world.name);
             for reason in reasons(&result) {

@@ -9,6 +9,7 @@ use ramp_kit::Pose;
 
 use super::kind::FaultKind;
 use crate::engine::body_pose;
+use crate::pieces;
 use crate::scene::Scene;
 use crate::setup::Setup;
 use ramp_robot::PERIOD;
@@ -70,7 +71,7 @@ pub(super) struct Bodies {
     geom_body: Vec<usize>,
     body_part: Vec<Option<usize>>,
     /// The geoms of each part that touch others, each with the radius of the sphere around it, m.
-    solids: Vec<Vec<(usize, f64)>>,
+    solids: Vec<Vec<(usize, f64, [i32; 2])>>,
 }
 
 impl Bodies {
@@ -88,7 +89,8 @@ impl Bodies {
                 holder: scene.in_holder.get(name).cloned(),
             })
             .collect();
-        let geom_body: Vec<usize> = model.geom_bodyid().iter().map(|id| *id as usize).collect();
+        let part = |id: &i32| pieces::part_of(model, *id as usize);
+        let geom_body: Vec<usize> = model.geom_bodyid().iter().map(part).collect();
         let mut body_part = vec![None; geom_body.iter().max().map_or(0, |last| last + 1)];
         for (index, part) in parts.iter().enumerate() {
             if let Some(slot) = body_part.get_mut(part.body) {
@@ -99,7 +101,7 @@ impl Bodies {
         let touches = model.geom_contype().iter().zip(model.geom_conaffinity());
         for (geom, (own, others)) in touches.enumerate() {
             if let Some(part) = body_part[geom_body[geom]].filter(|_| own | others != 0) {
-                solids[part].push((geom, model.geom_rbound()[geom]));
+                solids[part].push((geom, model.geom_rbound()[geom], [*own, *others]));
             }
         }
         let placed = setup
@@ -163,8 +165,11 @@ impl Bodies {
             if !placed.clamped && !self.in_place(data, placed) {
                 continue;
             }
-            for (one, reach) in &self.solids[part] {
-                for (other, radius) in &self.solids[placed.part] {
+            for (one, reach, [is, meets]) in &self.solids[part] {
+                for (other, radius, [are, met]) in &self.solids[placed.part] {
+                    if is & met == 0 && are & meets == 0 {
+                        continue;
+                    }
                     let centre = |geom: usize| Vector3::from(data.geom_xpos()[geom]);
                     if (centre(*one) - centre(*other)).norm() > reach + radius + ENTERED {
                         continue;

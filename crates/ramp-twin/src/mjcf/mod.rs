@@ -8,6 +8,7 @@
 //! docs/src/explanation/twin.md.
 
 mod arm;
+pub(crate) mod classes;
 mod parts;
 mod print;
 mod table;
@@ -64,9 +65,8 @@ pub fn scene_xml(
     let mut meshes = String::new();
     for (name, x_wb) in &layout.beams {
         if let Some(beam) = kit.beam(name) {
-            let clamp = (name == base).then_some(physics.table.clamp_give);
             let mut part = printed.part(name);
-            beam_body(&mut xml, beam, x_wb, clamp, &mut part);
+            beam_body(&mut xml, beam, x_wb, name == base, &mut part);
             meshes.push_str(&part.meshes);
         }
     }

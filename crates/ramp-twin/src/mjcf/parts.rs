@@ -1,22 +1,22 @@
 //! The parts: beams, holders and pegs with their shapes and masses.
 
 use super::print::PrintedPart;
-use super::text::{box_geom, capsule_geom, inertial, numbers, placed, plate_geoms};
+use super::text::{box_geom, capsule_geom, hole_boxes, inertial, numbers, placed, plate_geoms, ring_boxes};
+use crate::pieces::Piece;
 use nalgebra::Vector3;
 use ramp_kit::joint::{
     BODY_WIDTH, EXTRUSION, EXTRUSION_MASS, HEAD_HEIGHT, HEAD_ROUNDING, HEAD_WIDTH, HOLE_RADIUS, MALE_CHAMFER,
     MALE_TIP, PLA_DENSITY, SOCKET_DEPTH, STEM_CONE, STEM_LENGTH, STEM_RADIUS, STEM_TIP_RADIUS,
 };
-use ramp_kit::shape::{Cuboid, Piece, Shape, beam_rests, beam_shapes, peg_head};
+use ramp_kit::shape::{Cuboid, Piece as TurnedPiece, Shape, beam_rests, beam_shapes, peg_head};
 use ramp_kit::{Beam, Holder, Pose};
 use ramp_robot::arm::Capsule;
+use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 
 /// Edges of the polygon of a peg's cone.
 const CONE_EDGES: usize = 24;
-/// Damping ratio of a clamp. Chosen: it does not ring.
-const CLAMP_DAMPING: f64 = 0.5;
 /// Mass of a peg in solid PLA, kg.
 pub const PEG_MASS: f64 = 26.9e-3;
 /// Dry friction of a holder that can be pushed over the table, N along each axis, and its mass, kg.
@@ -59,34 +59,17 @@ pub(super) fn cone_mesh(name: &str, radius: f64) -> String {
     format!("<mesh name=\"{name}\" vertex=\"{}\"/>\n", numbers(&vertices))
 }
 
-/// A beam at its place. `clamp` is by how much the clamp gives that holds it, m/N; without one it lies free.
+/// A beam at its place: fixed if it is `clamped`, else free. The [clamp](crate::clamp) moves a fixed one.
 pub(super) fn beam_body(
     xml: &mut String,
     beam: &Beam,
     x_wb: &Pose,
-    clamp: Option<f64>,
+    clamped: bool,
     printed: &mut PrintedPart,
 ) {
     let beam = &printed.beam(beam);
-    let gives = clamp.filter(|give| *give > 0.0);
-    // The clamp carries the weight of its beam, so gravity does not act on it.
-    let carried = if gives.is_some() { " gravcomp=\"1\"" } else { "" };
-    let _ = write!(xml, "<body name=\"{}\" {}{carried}>", beam.name, placed(x_wb));
-    if let Some(give) = gives {
-        let (mass, centre, [along, across, upright]) = beam_inertia(beam);
-        inertial(xml, mass, &centre, &[along, across, upright, 0.0, 0.0, 0.0]);
-        let stiffness = 1.0 / give;
-        // Wood and plastic damp well.
-        let damping = 2.0 * CLAMP_DAMPING * (stiffness * mass).sqrt();
-        for (axis, along) in [("x", "1 0 0"), ("y", "0 1 0"), ("z", "0 0 1")] {
-            let _ = write!(
-                xml,
-                r#"<joint name="{}{axis}" type="slide" axis="{along}" stiffness="{stiffness}" damping="{damping}"/>"#,
-                beam.name
-            );
-        }
-    }
-    if clamp.is_none() {
+    let _ = write!(xml, "<body name=\"{}\" {}>", beam.name, placed(x_wb));
+    if !clamped {
         let (mass, centre, diagonal) = beam_inertia(beam);
         let _ = write!(
             xml,
@@ -96,27 +79,61 @@ pub(super) fn beam_body(
             numbers(&diagonal)
         );
     }
+    // The holes and rings of each joint.
+    let mut around_holes: BTreeMap<(usize, Piece), String> = BTreeMap::new();
     for shape in beam_shapes(beam) {
         let [middle, ..] = shape.bounds().centre();
         printed.go_to(beam, middle);
-        let Some([x, y, turn]) = printed.bent(beam, middle) else {
-            shape_geoms(xml, shape, printed);
-            continue;
-        };
-        let _ = write!(xml, r#"<frame pos="{}" euler="0 0 {turn}">"#, numbers(&[x, y, 0.0]));
-        shape_geoms(xml, shape, printed);
-        xml.push_str("</frame>");
+        let mut geoms = Geoms::default();
+        shape_geoms(&mut geoms, shape, printed);
+        if let Some([x, y, turn]) = printed.bent(beam, middle) {
+            geoms.place(&[x, y, 0.0], turn);
+        }
+        xml.push_str(&geoms.solid);
+        for (piece, text) in [(Piece::Hole, geoms.hole), (Piece::Ring, geoms.ring)] {
+            around_holes.entry((printed.joint(), piece)).or_default().push_str(&text);
+        }
     }
     // The clamped beam needs no table below.
-    if gives.is_none() {
+    if !clamped {
         for rest in beam_rests(beam) {
             box_geom(xml, "rest", &rest);
         }
     }
+    for ((joint, piece), geoms) in around_holes.iter().filter(|(_, geoms)| !geoms.is_empty()) {
+        // At the hole.
+        let x = beam.joints[*joint].offset;
+        let at = printed
+            .bent(beam, x)
+            .map_or([x, 0.0, 0.0], |[dx, dy, turn]| [dx + x * turn.cos(), dy + x * turn.sin(), 0.0]);
+        let (name, back) = (piece.name(&beam.name, *joint), at.map(|it| -it));
+        let (at, back) = (numbers(&at), numbers(&back));
+        let _ = write!(xml, r#"<body name="{name}" pos="{at}"><frame pos="{back}">{geoms}</frame></body>"#);
+    }
     xml.push_str("</body>\n");
 }
 
-fn shape_geoms(xml: &mut String, shape: Shape, printed: &mut PrintedPart) {
+/// The geoms of a shape: what everything meets, and what only stems meet.
+#[derive(Default)]
+struct Geoms {
+    solid: String,
+    hole: String,
+    ring: String,
+}
+
+impl Geoms {
+    /// Moves all of them to a place (m), turned by an angle (rad).
+    fn place(&mut self, at: &[f64; 3], turn: f64) {
+        for text in [&mut self.solid, &mut self.hole, &mut self.ring] {
+            if !text.is_empty() {
+                *text = format!(r#"<frame pos="{}" euler="0 0 {turn}">{text}</frame>"#, numbers(at));
+            }
+        }
+    }
+}
+
+fn shape_geoms(geoms: &mut Geoms, shape: Shape, printed: &mut PrintedPart) {
+    let xml = &mut geoms.solid;
     match shape {
         Shape::Solid(cuboid) => {
             let metal = cuboid.max[1] - cuboid.min[1] < BODY_WIDTH * 0.9
@@ -130,22 +147,24 @@ fn shape_geoms(xml: &mut String, shape: Shape, printed: &mut PrintedPart) {
         }
         Shape::Plate { cuboid, hole } => {
             let (cuboid, radius) = (printed.cuboid(cuboid), printed.hole(HOLE_RADIUS));
-            plate_geoms(xml, "part", &cuboid, hole, radius);
+            box_geom(xml, "plate", &cuboid);
+            hole_boxes(&mut geoms.hole, "hole", &cuboid, hole, radius);
+            ring_boxes(&mut geoms.ring, "hole", &cuboid, hole, radius);
         }
         Shape::Nose { x0, x1 } => nose_geom(xml, [x0, x1], &shape.bounds(), printed),
         Shape::Foot(cuboid) => box_geom(xml, "feet", &printed.cuboid(cuboid)),
         Shape::Turned { about, angle, piece } => {
-            let _ = write!(xml, r#"<frame pos="{}" euler="0 0 {angle}">"#, numbers(&[about, 0.0, 0.0]));
-            shape_geoms(
-                xml,
-                match piece {
-                    Piece::Solid(cuboid) => Shape::Solid(cuboid),
-                    Piece::Plate(cuboid) => Shape::Plate { cuboid, hole: [0.0, 0.0] },
-                    Piece::Nose { x0, x1 } => Shape::Nose { x0, x1 },
-                },
-                printed,
-            );
-            xml.push_str("</frame>");
+            let mut turned = Geoms::default();
+            let shape = match piece {
+                TurnedPiece::Solid(cuboid) => Shape::Solid(cuboid),
+                TurnedPiece::Plate(cuboid) => Shape::Plate { cuboid, hole: [0.0, 0.0] },
+                TurnedPiece::Nose { x0, x1 } => Shape::Nose { x0, x1 },
+            };
+            shape_geoms(&mut turned, shape, printed);
+            turned.place(&[about, 0.0, 0.0], angle);
+            geoms.solid.push_str(&turned.solid);
+            geoms.hole.push_str(&turned.hole);
+            geoms.ring.push_str(&turned.ring);
         }
     }
 }
@@ -250,14 +269,17 @@ pub(super) fn peg_body(xml: &mut String, name: &str, x_wp: &Pose, printed: &mut 
         numbers(&[centre]),
         numbers(&[across, across, along])
     );
+    box_geom(xml, "head", &peg_head());
+    let _ = write!(xml, r#"<body name="{}">"#, Piece::Grip.name(name, 0));
     head_geoms(xml);
+    let _ = write!(xml, r#"</body><body name="{}">"#, Piece::Stem.name(name, 0));
     // The capsule's round end stays inside the cone.
     let end = -(STEM_LENGTH - STEM_CONE) + radius;
     let cone = if radius == STEM_RADIUS { "cone".to_string() } else { format!("cone-{name}") };
     let stem = Vector3::new(0.0, 0.0, end);
     let _ = write!(
         xml,
-        r#"<geom class="peg" type="capsule" fromto="0 0 0.005 {}" size="{radius}"/><geom class="peg" type="mesh" mesh="{cone}"/></body>"#,
+        r#"<geom class="stem" type="capsule" fromto="0 0 0.005 {}" size="{radius}"/><geom class="stem" type="mesh" mesh="{cone}"/></body></body>"#,
         numbers(stem.as_slice())
     );
     xml.push('\n');
@@ -274,7 +296,7 @@ fn head_geoms(xml: &mut String) {
             piece.min[axis] += r;
             piece.max[axis] -= r;
         }
-        box_geom(xml, "peg", &piece);
+        box_geom(xml, "grip", &piece);
         // The four edges along this direction.
         let (u, v) = ((long + 1) % 3, (long + 2) % 3);
         for (u_end, v_end) in [
@@ -291,7 +313,7 @@ fn head_geoms(xml: &mut String) {
                 point
             };
             let edge = Capsule { from: end(min[long] + r), to: end(max[long] - r), radius: r };
-            capsule_geom(xml, "peg", &edge);
+            capsule_geom(xml, "grip", &edge);
         }
     }
 }

@@ -80,6 +80,11 @@ impl PrintedPart {
         self.joint = nearest.unwrap_or_default();
     }
 
+    /// The joint that was selected.
+    pub fn joint(&self) -> usize {
+        self.joint
+    }
+
     /// A name for the next of its meshes.
     pub fn mesh_name(&self, kind: &str) -> String {
         format!("{kind}-{}-{}", self.name, self.meshes.lines().count())

@@ -1,5 +1,6 @@
 //! The head of the file, and the table with the sheet on it.
 
+use super::classes::{FEET, HEAD_BOX, HEAD_GRIP, HOLE, OF_ARM, PLATE, REST, SOLID, STEM_ROD, TABLE};
 use super::parts::{cone_mesh, nose_mesh};
 use super::text::{CONTACT, grip, numbers, placed};
 use crate::layout::x_table;
@@ -32,15 +33,19 @@ pub(super) fn header(xml: &mut String, look: &str, memory: u32, physics: &Physic
 <size memory="{memory}M"/>
 <visual><global offwidth="1280" offheight="800" fovy="40"/><headlight ambient="0.35 0.35 0.35" diffuse="0.4 0.4 0.4"/><map znear="0.005"/></visual>
 <default>
-<default class="part"><geom mass="0" friction="{friction} 0.005 0.0001" condim="3" {CONTACT} contype="2" conaffinity="3" rgba="0.93 0.53 0.18 1"/></default>
-<default class="metal"><geom mass="0" friction="{metal_friction} 0.005 0.0001" condim="3" {CONTACT} contype="2" conaffinity="3" rgba="0.78 0.80 0.83 1"/></default>
-<default class="peg"><geom mass="0" friction="{peg_friction} 0.005 0.0001" condim="3" {CONTACT} contype="6" conaffinity="3" rgba="0.20 0.45 0.80 1"/></default>
-<default class="feet"><geom mass="0" friction="{table_friction} 0.005 0.0001" condim="3" {CONTACT} contype="6" conaffinity="3" rgba="0.93 0.53 0.18 1"/></default>
-<default class="rest"><geom mass="0" friction="{table_friction} 0.005 0.0001" condim="3" {CONTACT} contype="4" conaffinity="0" group="4" rgba="1 0 0 0.2"/></default>
-<default class="arm"><geom mass="0" {CONTACT} contype="9" conaffinity="8" group="3" rgba="0.92 0.93 0.95 1"/></default>
-<default class="tool"><geom mass="0" {CONTACT} contype="9" conaffinity="8" rgba="0.30 0.31 0.34 1"/></default>
+<default class="part"><geom mass="0" friction="{friction} 0.005 0.0001" condim="3" {CONTACT} {SOLID} rgba="0.93 0.53 0.18 1"/></default>
+<default class="plate"><geom mass="0" friction="{friction} 0.005 0.0001" condim="3" {CONTACT} {PLATE} group="4" rgba="0.93 0.53 0.18 1"/></default>
+<default class="hole"><geom mass="0" friction="{friction} 0.005 0.0001" condim="3" {CONTACT} {HOLE} rgba="0.93 0.53 0.18 1"/></default>
+<default class="metal"><geom mass="0" friction="{metal_friction} 0.005 0.0001" condim="3" {CONTACT} {SOLID} rgba="0.78 0.80 0.83 1"/></default>
+<default class="head"><geom mass="0" friction="{peg_friction} 0.005 0.0001" condim="3" {CONTACT} {HEAD_BOX} group="4" rgba="0.20 0.45 0.80 1"/></default>
+<default class="grip"><geom mass="0" friction="{peg_friction} 0.005 0.0001" condim="3" {CONTACT} {HEAD_GRIP} rgba="0.20 0.45 0.80 1"/></default>
+<default class="stem"><geom mass="0" friction="{peg_friction} 0.005 0.0001" condim="3" {CONTACT} {STEM_ROD} rgba="0.20 0.45 0.80 1"/></default>
+<default class="feet"><geom mass="0" friction="{table_friction} 0.005 0.0001" condim="3" {CONTACT} {FEET} rgba="0.93 0.53 0.18 1"/></default>
+<default class="rest"><geom mass="0" friction="{table_friction} 0.005 0.0001" condim="3" {CONTACT} {REST} group="4" rgba="1 0 0 0.2"/></default>
+<default class="arm"><geom mass="0" {CONTACT} {OF_ARM} group="3" rgba="0.92 0.93 0.95 1"/></default>
+<default class="tool"><geom mass="0" {CONTACT} {OF_ARM} rgba="0.30 0.31 0.34 1"/></default>
 <default class="look"><geom type="mesh" mass="0" contype="0" conaffinity="0"/></default>
-<default class="pad"><geom mass="0" friction="{pad_friction} 0.01 0.0005" condim="4" priority="1" {grip} contype="9" conaffinity="8" rgba="0.18 0.19 0.21 1"/></default>
+<default class="pad"><geom mass="0" friction="{pad_friction} 0.01 0.0005" condim="4" priority="1" {grip} {OF_ARM} rgba="0.18 0.19 0.21 1"/></default>
 </default>
 <asset>
 <texture name="sky" type="skybox" builtin="gradient" rgb1="0.85 0.90 0.95" rgb2="0.55 0.62 0.70" width="256" height="256"/>
@@ -62,7 +67,7 @@ pub(super) fn table(xml: &mut String, kit: &Kit, physics: &Physics) {
     let place = if x_table == Pose::identity() { String::new() } else { placed(&x_table) + " " };
     let _ = writeln!(
         xml,
-        r#"<geom name="table" type="plane" {place}size="2 2 0.1" contype="0" conaffinity="5" condim="3" friction="{} 0.005 0.0001" {CONTACT} rgba="0.62 0.60 0.57 1"/>"#,
+        r#"<geom name="table" type="plane" {place}size="2 2 0.1" {TABLE} condim="3" friction="{} 0.005 0.0001" {CONTACT} rgba="0.62 0.60 0.57 1"/>"#,
         physics.parts.table_friction
     );
     let [width, height] = kit.sheet.size;

@@ -75,8 +75,14 @@ pub(super) fn inertial(xml: &mut String, mass: f64, centre: &[f64; 3], inertia: 
     );
 }
 
-/// A plate with a round hole along z: four boxes around the hole's square, turned boxes in its corners.
+/// A plate with a round hole along z: the boxes around its square, and those in the corners.
 pub(super) fn plate_geoms(xml: &mut String, class: &str, cuboid: &Cuboid, hole: [f64; 2], radius: f64) {
+    hole_boxes(xml, class, cuboid, hole, radius);
+    ring_boxes(xml, class, cuboid, hole, radius);
+}
+
+/// The four boxes of a plate around the square of its hole.
+pub(super) fn hole_boxes(xml: &mut String, class: &str, cuboid: &Cuboid, hole: [f64; 2], radius: f64) {
     let ([x0, y0, z0], [x1, y1, z1]) = (cuboid.min, cuboid.max);
     let [cx, cy] = hole;
     let z = [z0, z1];
@@ -88,6 +94,12 @@ pub(super) fn plate_geoms(xml: &mut String, class: &str, cuboid: &Cuboid, hole: 
     ] {
         box_geom(xml, class, &piece);
     }
+}
+
+/// The rotated boxes in the corners of that square, which make the hole round.
+pub(super) fn ring_boxes(xml: &mut String, class: &str, cuboid: &Cuboid, hole: [f64; 2], radius: f64) {
+    let (z0, z1) = (cuboid.min[2], cuboid.max[2]);
+    let [cx, cy] = hole;
     for edge in 0..HOLE_EDGES {
         if edge % (HOLE_EDGES / 4) == 0 {
             continue;

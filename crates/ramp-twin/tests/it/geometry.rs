@@ -1,7 +1,7 @@
 //! The twin's collision geometry is that of the printed parts: random points are drawn around every part, and
 //! the twin's geoms and the kit's solids must agree on which are inside, up to 0.1 mm at their surfaces.
 //! Cavities, holes and rounded edges are among them, so no clearance is smaller or larger than it is in
-//! plastic.
+//! plastic. Each is asked for what can get there: holes for stems, rounded heads for fingers.
 
 use std::path::Path;
 
@@ -30,10 +30,12 @@ fn from_box(p: &Point3<f64>, cuboid: &Cuboid) -> f64 {
     (0..3).map(|axis| (cuboid.min[axis] - p[axis]).max(p[axis] - cuboid.max[axis])).fold(f64::MIN, f64::max)
 }
 
-/// Signed distance of a point from a printed beam, m, as nearly as its flats and holes give it.
-fn from_beam(p: &Point3<f64>, shapes: &[Shape]) -> f64 {
+/// Signed distance of a point from a printed beam, m, as nearly as its flats and holes give it. Without
+/// `holes`, as something meets it that is too large for them.
+fn from_beam(p: &Point3<f64>, shapes: &[Shape], holes: bool) -> f64 {
     let one = |shape: &Shape| match shape {
         Shape::Solid(cuboid) | Shape::Foot(cuboid) => from_box(p, cuboid),
+        Shape::Plate { cuboid, .. } if !holes => from_box(p, cuboid),
         Shape::Plate { cuboid, hole } => {
             let outside_hole = HOLE_RADIUS - (p.x - hole[0]).hypot(p.y - hole[1]);
             from_box(p, cuboid).max(outside_hole)
@@ -49,9 +51,8 @@ fn from_beam(p: &Point3<f64>, shapes: &[Shape]) -> f64 {
     shapes.iter().map(one).fold(f64::MAX, f64::min)
 }
 
-/// Signed distance of a point from a printed peg, m.
-fn from_peg(p: &Point3<f64>) -> f64 {
-    let r = HEAD_ROUNDING;
+/// Signed distance of a point from a printed peg, m, whose head is rounded with the radius `r`, m.
+fn from_peg(p: &Point3<f64>, r: f64) -> f64 {
     let half = [HEAD_WIDTH / 2.0 - r, HEAD_WIDTH / 2.0 - r, HEAD_HEIGHT / 2.0 - r];
     let q: [f64; 3] = [p.x.abs() - half[0], p.y.abs() - half[1], (p.z - HEAD_HEIGHT / 2.0).abs() - half[2]];
     let outside = q.iter().map(|value| value.max(0.0).powi(2)).sum::<f64>().sqrt();
@@ -69,14 +70,20 @@ enum Geom {
     Capsule(Isometry3<f64>, f64, f64),
 }
 
-/// The geoms of a body that can touch another part, meshes aside.
-fn geoms(model: &MjModel, body: usize) -> Vec<Geom> {
+/// The geoms of a part that one of `who` can touch, meshes aside: `who` are the kinds of a geom, and
+/// those that it meets.
+fn geoms(model: &MjModel, part: &str, who: [i32; 2]) -> Vec<Geom> {
     let mut list = Vec::new();
     for id in 0..model.geom_bodyid().len() {
-        if model.geom_bodyid()[id] as usize != body || model.geom_contype()[id] & 2 == 0 {
+        let body = model.geom_bodyid()[id] as usize;
+        let name = model.id_to_name(MjtObjBase::mjOBJ_BODY, body).unwrap_or("");
+        let own = name == part || name.split_once('/').is_some_and(|(whole, _)| whole == part);
+        if !own || model.geom_contype()[id] & who[1] == 0 && model.geom_conaffinity()[id] & who[0] == 0 {
             continue;
         }
-        let p = model.geom_pos()[id];
+        // Pieces are not turned in their part.
+        let at = if name == part { [0.0; 3] } else { model.body_pos()[body] };
+        let p: [f64; 3] = std::array::from_fn(|axis| model.geom_pos()[id][axis] + at[axis]);
         let q = model.geom_quat()[id];
         let x = Isometry3::from_parts(
             Translation3::new(p[0], p[1], p[2]),
@@ -152,34 +159,58 @@ fn agree(
     assert!(inside > POINTS / 20, "{name}: hardly any point was inside");
 }
 
+/// Kinds and met kinds of the first geom of a body that touches something.
+fn masks(model: &MjModel, body: &str) -> [i32; 2] {
+    let body = model.name_to_id(MjtObjBase::mjOBJ_BODY, body).unwrap();
+    let own = |id: &usize| {
+        let masks = model.geom_contype()[*id] | model.geom_conaffinity()[*id];
+        model.geom_bodyid()[*id] as usize == body && masks != 0
+    };
+    let id = (0..model.geom_bodyid().len()).find(own).unwrap();
+    [model.geom_contype()[id], model.geom_conaffinity()[id]]
+}
+
 #[test]
 fn beams_collide_as_they_are_printed() {
     let (kit, twin) = world();
-    for beam in &kit.beams {
-        let body = twin.model().name_to_id(MjtObjBase::mjOBJ_BODY, &beam.name).unwrap();
-        let geoms = geoms(twin.model(), body);
-        let shapes = beam_shapes(beam);
-        // The noses are convex hulls of the very corners used here; they are compared by their own formula.
-        let nose = |p: &Point3<f64>| {
-            let noses: Vec<Shape> =
-                shapes.iter().filter(|shape| matches!(shape, Shape::Nose { .. })).copied().collect();
-            if noses.is_empty() { f64::MAX } else { from_beam(p, &noses) }
-        };
-        let around = Cuboid::new([-0.02, beam.span() + 0.02], [-0.018, 0.018], [-0.018, 0.018]);
-        agree(&beam.name, &around, |p| from_beam(p, &shapes), |p| from_geoms(p, &geoms).min(nose(p)));
+    let model = twin.model();
+    let metal = kit.beams.iter().find(|beam| !beam.links.is_empty()).unwrap();
+    for (who, holes) in [
+        (masks(model, "p1/stem0"), true),
+        (masks(model, &metal.name), false),
+        (masks(model, "p1"), false),
+        (masks(model, "finger1"), false),
+    ] {
+        for beam in &kit.beams {
+            let geoms = geoms(model, &beam.name, who);
+            let shapes = beam_shapes(beam);
+            // The noses are convex hulls of the very corners used here; they are compared by their own
+            // formula.
+            let nose = |p: &Point3<f64>| {
+                let noses: Vec<Shape> =
+                    shapes.iter().filter(|shape| matches!(shape, Shape::Nose { .. })).copied().collect();
+                if noses.is_empty() { f64::MAX } else { from_beam(p, &noses, holes) }
+            };
+            let around = Cuboid::new([-0.02, beam.span() + 0.02], [-0.018, 0.018], [-0.018, 0.018]);
+            let printed = |p: &Point3<f64>| from_beam(p, &shapes, holes);
+            agree(&beam.name, &around, printed, |p| from_geoms(p, &geoms).min(nose(p)));
+        }
     }
 }
 
 #[test]
 fn pegs_collide_as_they_are_printed() {
     let (kit, twin) = world();
-    let peg = &kit.pegs[0].name;
-    let body = twin.model().name_to_id(MjtObjBase::mjOBJ_BODY, peg).unwrap();
-    let geoms = geoms(twin.model(), body);
-    // The cone, with the last 4 mm of the stem above it, is a hull of 24 corners on each of its circles: at
-    // most 0.034 mm inside them.
-    let hull = 4.0e-3 - (STEM_LENGTH - STEM_CONE);
-    let cone = |p: &Point3<f64>| if p.z < hull { from_peg(p) } else { f64::MAX };
-    let around = Cuboid::new([-0.016, 0.016], [-0.016, 0.016], [-0.035, 0.026]);
-    agree(peg, &around, from_peg, |p| from_geoms(p, &geoms).min(cone(p)));
+    let model = twin.model();
+    // A finger meets the rounded head, a plate the sharp one, which is outside of it.
+    for (who, rounding) in [("finger1", HEAD_ROUNDING), (kit.holders[0].name.as_str(), 0.0)] {
+        let peg = &kit.pegs[0].name;
+        let geoms = geoms(model, peg, masks(model, who));
+        // The cone, with the last 4 mm of the stem above it, is a hull of 24 corners on each of its circles:
+        // at most 0.034 mm inside them.
+        let hull = 4.0e-3 - (STEM_LENGTH - STEM_CONE);
+        let cone = |p: &Point3<f64>| if p.z < hull { from_peg(p, rounding) } else { f64::MAX };
+        let around = Cuboid::new([-0.016, 0.016], [-0.016, 0.016], [-0.035, 0.026]);
+        agree(peg, &around, |p| from_peg(p, rounding), |p| from_geoms(p, &geoms).min(cone(p)));
+    }
 }

@@ -10,6 +10,7 @@ mod extending;
 mod geometry;
 mod grip;
 mod limits;
+mod pieces;
 mod readings;
 mod snapshot;
 mod starts;

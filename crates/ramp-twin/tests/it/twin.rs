@@ -109,6 +109,13 @@ fn nothing_else_writes_to_the_physics() {
             assert!(source.contains("let mut copy = data.clone();") && !source.contains("ffi_mut"));
             continue;
         }
+        // The clamp moves the beam that it holds, and nothing else.
+        if path.ends_with("src/clamp.rs") {
+            let places = ["data.xpos_mut()[*body]", "data.xipos_mut()[*body]", "data.geom_xpos_mut()[*geom]"];
+            let moved = places.iter().map(|place| source.matches(place).count()).sum::<usize>();
+            assert_eq!((moved, source.matches("_mut()").count()), (3, 3));
+            continue;
+        }
         if fault || ["src/twin.rs", "src/period.rs", "src/view.rs"].iter().any(|file| path.ends_with(file)) {
             continue;
         }

@@ -1,0 +1,66 @@
+//! The clamp that holds the base beam. It gives a little under a force.
+//!
+//! A beam on springs would connect all that stands on it: the engine would solve the whole frame at once, and
+//! wake it for every touch. So the base beam is fixed for the engine, at a place that follows the forces of
+//! the step before. The engine computes the places of fixed bodies once, and leaves them where they are put.
+//! The way is short (0.1 mm under 25 N) and slow (some milliseconds), so the contacts follow.
+
+use std::sync::Arc;
+
+use mujoco_rs::prelude::*;
+use nalgebra::Vector3;
+use ramp_robot::PERIOD;
+
+use crate::pieces::part_of;
+
+/// Time in which the clamp follows a force, s. Chosen: as a beam of half a kilogram on 200 N/mm, half of the
+/// critical damping.
+const TIME: f64 = 3e-3;
+
+/// The clamp of a scene.
+#[derive(Clone)]
+pub(crate) struct Clamp {
+    /// The body of the base beam, and that with its pieces.
+    body: usize,
+    bodies: Vec<usize>,
+    /// All of their geoms.
+    geoms: Vec<usize>,
+    /// Where the beam is without a force, m.
+    place: Vector3<f64>,
+    /// m/N.
+    give: f64,
+}
+
+impl Clamp {
+    /// The clamp of a beam that gives by `give` (m/N) along each axis; `None` for one that gives nothing.
+    pub fn new(model: &MjModel, body: usize, give: f64) -> Option<Clamp> {
+        let of_beam = |other: &usize| part_of(model, *other) == body;
+        let geom_body = |geom: &usize| model.geom_bodyid()[*geom].max(0) as usize;
+        Some(Clamp {
+            body,
+            bodies: (0..model.body_pos().len()).filter(of_beam).collect(),
+            geoms: (0..model.geom_bodyid().len()).filter(|geom| of_beam(&geom_body(geom))).collect(),
+            place: Vector3::from(model.body_pos()[body]),
+            give,
+        })
+        .filter(|clamp| clamp.give > 0.0)
+    }
+
+    /// Moves the beam by the forces of the last step. Where nothing touches it, for example because all of the
+    /// frame sleeps, it stays.
+    pub fn step(&self, data: &mut MjData<Arc<MjModel>>) {
+        let [.., x, y, z] = data.cfrc_ext()[self.body];
+        let force = Vector3::new(x, y, z);
+        if force == Vector3::zeros() {
+            return;
+        }
+        let off = Vector3::from(data.xpos()[self.body]) - self.place;
+        let change = (force * self.give - off) * (PERIOD / TIME);
+        let shift = |at: &mut [f64; 3]| *at = (Vector3::from(*at) + change).into();
+        for body in &self.bodies {
+            shift(&mut data.xpos_mut()[*body]);
+            shift(&mut data.xipos_mut()[*body]);
+        }
+        self.geoms.iter().for_each(|geom| shift(&mut data.geom_xpos_mut()[*geom]));
+    }
+}
