@@ -307,8 +307,8 @@ mod tests {
         }
     }
 
-    /// An arm that moves when positions are commanded brakes, and comes back slowly: one that came back as fast
-    /// as it can would pass its target by millimetres.
+    /// An arm that moves when positions are commanded brakes, and comes back slowly: one that came back as
+    /// fast as it can would pass its target by millimetres.
     #[test]
     fn an_arm_that_moved_comes_back_slowly() {
         let arm = panda();

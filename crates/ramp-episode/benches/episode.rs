@@ -2,9 +2,9 @@
 //! commands.
 //!
 //! Raw stepping walks through all shapes, also those that nothing can meet. Prints the real-time factors and
-//! their ratio, and until when the states are equal to the last bit: until the first peg is seated, whose stem
-//! the twin lets meet a simpler hole. Then the steps a second of the twin in the world `real` over those in
-//! `ideal`.
+//! their ratio, and until when the states are equal to the last bit: until the first peg is seated, whose
+//! stem the twin lets meet a simpler hole. Then the steps a second of the twin in the world `real` over those
+//! in `ideal`.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 

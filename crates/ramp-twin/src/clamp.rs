@@ -46,8 +46,8 @@ impl Clamp {
         .filter(|clamp| clamp.give > 0.0)
     }
 
-    /// Moves the beam by the forces of the last step. Where nothing touches it, for example because all of the
-    /// frame sleeps, it stays.
+    /// Moves the beam by the forces of the last step. Where nothing touches it, for example because all of
+    /// the frame sleeps, it stays.
     pub fn step(&self, data: &mut MjData<Arc<MjModel>>) {
         let [.., x, y, z] = data.cfrc_ext()[self.body];
         let force = Vector3::new(x, y, z);

@@ -137,7 +137,8 @@ impl Pieces {
     }
 }
 
-/// Whether a peg is seated in a hole, by its stem: its head lies on the plate, and its axis is that of the hole.
+/// Whether the peg of a stem is seated in a hole: its head lies on the plate, and its axis is that of the
+/// hole.
 fn is_seated(data: &MjData<Arc<MjModel>>, stem: &Placed, hole: &Placed) -> bool {
     let apart = Vector3::from(data.xpos()[stem.body]) - Vector3::from(data.xpos()[hole.body]);
     let at = Matrix3::from_row_slice(&data.xmat()[hole.body]).transpose() * apart;

@@ -2,8 +2,8 @@
 //!
 //! Two shapes meet if one of them is of a kind that the other one [`Class::meets`]. Most of a frame's shapes
 //! are seldom needed: only a stem notices that a plate has a hole, and only a finger that the edges of a head
-//! are round. Those shapes are in bodies of their own, rigid pieces of the part, which the search for contacts
-//! leaves out as a whole where nothing that meets them is near ([`pieces`](crate::pieces)).
+//! are round. Those shapes are in bodies of their own, rigid pieces of the part, which the search for
+//! contacts leaves out as a whole where nothing that meets them is near ([`pieces`](crate::pieces)).
 
 /// The kinds, one bit each.
 mod kind {

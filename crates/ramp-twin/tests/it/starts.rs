@@ -91,8 +91,8 @@ fn parts_are_moved_and_trade_places() {
     assert!(slots_of_p1.len() > 10, "{slots_of_p1:?}");
 }
 
-/// The hand can grip each link of every beam that it can grip on the outlines: with seed 4, b6 once lay beside
-/// one link of b1, and a holder beside the other, so that no plan could build easy-1.
+/// The hand can grip each link of every beam that it can grip on the outlines: with seed 4, b6 once lay
+/// beside one link of b1, and a holder beside the other, so that no plan could build easy-1.
 #[test]
 fn the_fingers_have_room_beside_every_link() {
     let files = GoalFiles::new("easy-1");
