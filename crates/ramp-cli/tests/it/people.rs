@@ -5,7 +5,9 @@ use std::path::Path;
 use std::process::Output;
 
 use crate::ramp;
+use ramp_testing::log::as_log;
 use ramp_testing::program::words;
+use serde_json::json;
 use tempfile::TempDir;
 
 fn data(name: &str) -> String {
@@ -96,4 +98,50 @@ fn files_of_a_file_manager_are_ignored() {
     assert_eq!(sums(&done(&output)), sums(&report));
     let told = words(&output.stderr) + &words(&output.stdout);
     assert_eq!(told.matches("of a file manager").count(), 1, "{told}");
+}
+
+/// A log of measured poses whose clamped beam is turned, in metres or millimetres, is refused with the likely
+/// cause, and leaves nothing behind. With the order of the quaternions it is read.
+#[test]
+fn a_log_of_poses_that_cannot_be_is_refused_and_leaves_nothing() {
+    let folder = TempDir::new().unwrap();
+    // The clamped beam in its place: turned by -90° about the vertical.
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let log = |[x, y, z]: [f64; 3], [w, i, j, k]: [f64; 4]| {
+        let stamp = json!({"sec": 1_700_000_001, "nsec": 0});
+        let run = json!({
+            "schema": "ramp-poses-1", "rules": ramp_result::episode::RULES, "goal": "easy-1", "repeat": 1,
+            "track": "tags", "agent": "ours", "version": "1", "robot": "an arm", "computer": "a laptop",
+            "cores": 8, "scorer": "A. Person", "source": "a bench", "begin": {"sec": 1_700_000_000, "nsec": 0},
+            "planning": 1.0, "end": {"sec": 1_700_000_100, "nsec": 0}, "ended": "done",
+        });
+        let parts = json!({"transforms": [{
+            "timestamp": stamp, "parent_frame_id": "world", "child_frame_id": "b7",
+            "translation": {"x": x, "y": y, "z": z}, "rotation": {"w": w, "x": i, "y": j, "z": k},
+        }]});
+        as_log(
+            &[("/run", run), ("/parts", parts)].map(|(topic, it)| (topic.to_string(), it.to_string().into())),
+        )
+    };
+    let place = [0.31, 0.0268, 0.0166];
+    let score = |bytes: Vec<u8>, more: &[&str]| {
+        std::fs::write(folder.path().join("log.mcap"), bytes).unwrap();
+        ramp(&folder, &[&["score", "log.mcap", "-o", "scored"], more].concat())
+    };
+    // The numbers of x y z w in the fields of w x y z.
+    let reordered = [0.0, 0.0, -half, half];
+    for (bytes, cause) in [
+        (log(place, reordered), "--quaternion xyzw"),
+        (log(place.map(|it| it * 1e3), [half, 0.0, 0.0, -half]), "millimetres"),
+        (log([0.31, 0.0268, 0.2], [half, 0.0, 0.0, -half]), "mm from its place"),
+    ] {
+        let output = score(bytes, &[]);
+        let said = words(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains("b7") && said.contains(cause), "{cause}: {said}");
+        assert!(!folder.path().join("scored").exists(), "{cause}: something was written");
+    }
+    done(&score(log(place, reordered), &["--quaternion", "xyzw"]));
+    assert!(folder.path().join("scored").exists());
 }
