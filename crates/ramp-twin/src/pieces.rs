@@ -13,7 +13,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::extent::Extent;
 
-/// What separates the name of a part from that of its piece: no part has it in its name.
+/// Separates the name of a part from that of its piece: no part has it in its name.
 const SEPARATOR: char = '/';
 /// A stem's axis is at most so far from that of its hole, m. Chosen: six times its play.
 const ASIDE: f64 = 1.5e-3;
@@ -65,7 +65,7 @@ struct Placed {
     body: usize,
     part: usize,
     kind: Piece,
-    /// What can collide of it, in its frame.
+    /// The extent of its shapes, in its frame.
     extent: Extent,
 }
 

@@ -5,9 +5,9 @@ use nalgebra::{Point2, Point3, Vector2, Vector3};
 use ramp_kit::shape::{Cuboid, Shape, beam_shapes};
 use ramp_kit::{Beam, Holder, Pose};
 
-/// Half of what a finger covers along a beam, m: 20 mm, and room on both sides.
+/// Half of the extent of a finger along a beam, m: 20 mm, and room on both sides.
 const FINGER_HALF: f64 = 12.0e-3;
-/// What a finger of the open hand covers across a beam, from the beam's axis, m: from 18 to 28 mm with the
+/// Extent of a finger of the open hand across a beam, from the beam's axis, m: from 18 to 28 mm with the
 /// fingers 38 mm apart, and room on both sides.
 const FINGER_ACROSS: [f64; 2] = [16.0e-3, 30.0e-3];
 /// Distance between the points of a link at which the fingers are tried, m.

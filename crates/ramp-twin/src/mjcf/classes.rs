@@ -11,7 +11,7 @@ mod kind {
     pub const ARM: u32 = 1;
     /// Beams and holders.
     pub const PART: u32 = 2;
-    /// Whatever the table carries.
+    /// Shapes that meet the table.
     pub const LOW: u32 = 4;
     /// A link of the arm to other links.
     pub const LINK: u32 = 8;
@@ -39,7 +39,7 @@ pub(super) const FEET: Class = Class { is: PART | LOW, meets: SOLID.meets };
 pub(super) const REST: Class = Class { is: LOW, meets: 0 };
 /// A plate of a joint without its hole.
 pub(super) const PLATE: Class = Class { is: PART, meets: ARM | PART | HEAD };
-/// What is around a hole.
+/// The boxes around a hole.
 pub(super) const HOLE: Class = Class { is: 0, meets: STEM };
 /// A head as parts meet it: a box.
 pub(super) const HEAD_BOX: Class = Class { is: LOW | HEAD, meets: HEAD | STEM };
