@@ -100,17 +100,17 @@ impl BroadPhase {
             }
         }
         // The model is shared and never changes: the engine gets a table of contents of its own, with other
-        // columns: what can touch something. The engine sorts bodies along
-        // the axes in which all geoms spread most, and takes that spread anew at every step. The geoms of the
-        // arm do as well: the pairs that it finds do not depend on the axes.
+        // columns for what can touch something. It also sorts bodies along the axes in which all geoms spread
+        // most, and takes that spread anew at every step. The geoms of the arm do as well: the pairs that it
+        // finds do not depend on the axes.
         let mut view = model.ffi().clone();
         let [contype, conaffinity] = &mut self.masks;
         (view.body_contype, view.body_conaffinity) = (contype.as_mut_ptr(), conaffinity.as_mut_ptr());
         view.ngeom = self.first_geoms;
         #[expect(unsafe_code, reason = "the engine's own step takes no model but the data's")]
         // SAFETY: all pointers of `view` are those of the data's model, which lives as long as the data, but
-        // for arrays of the same lengths, which live longer than the call. The engine keeps no pointer to a
-        // model.
+        // for two arrays of the same length, which live longer than the call. It has fewer geoms than they
+        // hold. The engine keeps no pointer to a model.
         unsafe {
             mj_step(&raw const view, data.ffi_mut());
         }

@@ -25,7 +25,7 @@ pub(crate) struct Clamp {
     bodies: Vec<usize>,
     /// All of their geoms.
     geoms: Vec<usize>,
-    /// Where the beam is without a force, m.
+    /// Place of the beam without a force, m in the world.
     place: Vector3<f64>,
     /// m/N.
     give: f64,

@@ -14,6 +14,7 @@ use ramp_kit::joint::FEMALE_HEIGHT;
 use ramp_robot::RobotError;
 use ramp_robot::random::Stream;
 use ramp_twin::{Layout, SceneOptions, Setup, Twin, TwinError};
+use ramp_world::groups::Parts;
 
 use ramp_result::manipulation::Draw;
 
@@ -111,11 +112,12 @@ pub fn draw(setup: &Setup, task: &Task, cast: &Cast) -> Result<Start, StartError
         cast.cut(setup, task, &mut layout);
         let mut twin = Twin::with_options(setup, layout.clone(), &cast.options)?;
         // As the twin puts them.
-        layout.tilt(&setup.world.draw(setup.seed).table);
+        let physics = setup.world.draw(setup.seed);
+        layout.tilt(&physics.table);
         let knocks = knocks(setup, task, &mut stream);
-        let settled = settle(&mut twin, &knocks);
+        let settled = settle(&mut twin, &knocks, &physics.parts);
         why = match settled {
-            Err(error) => error.to_string(),
+            Err(why) => why,
             Ok(last) => match fit(setup, task, &layout, &twin, last) {
                 Err(why) => why,
                 Ok(displaced) => {
@@ -194,27 +196,35 @@ fn knocks(setup: &Setup, task: &Task, stream: &mut Stream) -> Vec<Knock> {
     task.build.standing.iter().map(knock).collect()
 }
 
-/// Lets the world come to rest. Returns where all parts were a tenth of a second before.
-fn settle(twin: &mut Twin, knocks: &[Knock]) -> Result<Vec<Pose>, RobotError> {
-    // Printed parts that are put at their nominal places can be in each other by their errors, and part.
-    twin.settle(PERIODS[0])?;
+/// Lets the world come to rest. Returns where all parts were a tenth of a second before, or why the start does
+/// not hold.
+fn settle(twin: &mut Twin, knocks: &[Knock], parts: &Parts) -> Result<Vec<Pose>, String> {
+    let failed = |error: RobotError| error.to_string();
+    twin.settle(PERIODS[0]).map_err(failed)?;
+    // Two parts at their nominal places can be in each other by the errors of both, and part.
+    let printed = 2.0 * (parts.face.max(parts.radius) + parts.length);
+    check_penetration(twin, PENETRATION + printed)?;
     twin.begin();
     for (beam, linear, angular) in knocks {
         twin.knock(beam, linear, angular);
     }
-    twin.settle(PERIODS[1] - 100)?;
+    twin.settle(PERIODS[1] - 100).map_err(failed)?;
     let before = twin.truth().x_wp;
-    twin.settle(100)?;
+    twin.settle(100).map_err(failed)?;
     Ok(before)
+}
+
+/// Whether no two parts were deeper in each other than `most` (m) so far.
+fn check_penetration(twin: &Twin, most: f64) -> Result<(), String> {
+    let deepest = twin.deepest_penetration();
+    if deepest > most { Err(format!("parts are {:.2} mm in each other", deepest * 1e3)) } else { Ok(()) }
 }
 
 /// How far an end of a beam that stands is from its place at most, m, or why a start does not hold; `last` is
 /// where all parts were a tenth of a second before.
 fn fit(setup: &Setup, task: &Task, layout: &Layout, twin: &Twin, last: Vec<Pose>) -> Result<f64, String> {
     let (build, assembly) = (&task.build, setup.assembly);
-    if twin.deepest_penetration() > PENETRATION {
-        return Err(format!("parts are {:.2} mm in each other", twin.deepest_penetration() * 1e3));
-    }
+    check_penetration(twin, PENETRATION)?;
     let moved = |a: &Pose, b: &Pose| (a.translation.vector - b.translation.vector).norm();
     let world = NamedTruth::of(setup, twin);
     let parts = || twin.part_names().zip(twin.truth().x_wp);
