@@ -196,8 +196,8 @@ fn knocks(setup: &Setup, task: &Task, stream: &mut Stream) -> Vec<Knock> {
     task.build.standing.iter().map(knock).collect()
 }
 
-/// Lets the world come to rest. Returns where all parts were a tenth of a second before, or why the start does
-/// not hold.
+/// Lets the world come to rest. Returns where all parts were a tenth of a second before, or why the start
+/// does not hold.
 fn settle(twin: &mut Twin, knocks: &[Knock], parts: &Parts) -> Result<Vec<Pose>, String> {
     let failed = |error: RobotError| error.to_string();
     twin.settle(PERIODS[0]).map_err(failed)?;
