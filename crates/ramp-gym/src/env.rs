@@ -16,7 +16,7 @@ use crate::observe::{Field, Row, error, fields};
 use crate::pictures::{Painter, View};
 use crate::reward::{Outcome, RewardTerms, Weights};
 use crate::scenario::{Mission, Scenario};
-use crate::start::{BeginError, Pool, Prepared};
+use crate::start::{BeginError, KEPT, Pool, Prepared};
 
 /// A part that was in the hand at the start and is further from the tip than this, m, is lost.
 const DROPPED: f64 = 0.06;
@@ -253,6 +253,17 @@ impl Env {
     /// The parts whose poses an observation tells.
     pub fn part_names(&self) -> &[String] {
         &self.part_names
+    }
+
+    /// Makes all starts that episodes are drawn from, on so many threads: later resets take microseconds. At
+    /// most 1024 are kept. Does nothing where each episode has its own.
+    ///
+    /// # Errors
+    /// When one of them cannot be made.
+    pub fn prepare(&self, threads: usize) -> Result<(), EnvError> {
+        let (first, count) = self.options.starts;
+        let count = count.min(KEPT as u64);
+        Ok(self.pool.fill(&self.scenario, first..first.saturating_add(count), threads)?)
     }
 
     /// Begins a new episode. With a seed, the episodes from here on are those of the seed; without one, the

@@ -32,4 +32,4 @@ pub use env::{Env, EnvError, Options, Step};
 pub use onlooker::Onlooker;
 pub use pictures::View;
 pub use reward::{RewardTerms, Weights};
-pub use scenario::{Begin, Mission, SKILLS, Scenario, ScenarioError};
+pub use scenario::{Begin, Frame, Mission, SKILLS, Scenario, ScenarioError};

@@ -45,6 +45,16 @@ pub enum Begin {
     Home,
 }
 
+/// How the parts of a frame that stands hold each other while a skill is done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Frame {
+    /// They are one rigid body, without those that the skill moves.
+    #[default]
+    Rigid,
+    /// By contact alone, as in `ramp trials`.
+    Free,
+}
+
 /// The task.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mission {
@@ -78,6 +88,8 @@ pub struct Scenario {
     /// Whether a skill's scene has all parts of the kit, as `ramp trials` has it, and not only those that it
     /// needs.
     pub whole_scene: bool,
+    /// How the frame holds that stands before a skill.
+    pub frame: Frame,
 }
 
 impl Scenario {
@@ -99,6 +111,7 @@ impl Scenario {
             start,
             begin: Begin::Home,
             whole_scene: true,
+            frame: Frame::Free,
         }
     }
 
@@ -137,7 +150,8 @@ impl Scenario {
             return Err(ScenarioError::UnknownSkill { skill: shorten(name), help });
         }
         let mission = Mission::Skill { name: name.to_string(), steps };
-        Ok(Scenario { benchmark, goals, mission, track, world, start, begin, whole_scene: false })
+        let (whole_scene, frame) = (false, Frame::default());
+        Ok(Scenario { benchmark, goals, mission, track, world, start, begin, whole_scene, frame })
     }
 
     /// The setup of an episode of one of the goals.

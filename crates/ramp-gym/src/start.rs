@@ -4,6 +4,8 @@
 //! Every seed has a scene of its own, since holders stand a little elsewhere, so a start keeps its own model.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use ramp_abilities::manipulation::{Aim, StartError, draw, missing};
@@ -12,16 +14,16 @@ use ramp_robot::GripperCommand;
 use ramp_robot::random::Stream;
 use ramp_twin::{Layout, Setup, Twin, TwinError};
 
-use crate::cast::{cut, whole};
+use crate::cast::{cut, standing, whole};
 use crate::known::Known;
 use crate::ready::bring;
-use crate::scenario::{Begin, Mission, Scenario};
+use crate::scenario::{Begin, Frame, Mission, Scenario};
 
 /// So many starts are tried before an episode is given up: the baseline does not always get to where a skill
 /// begins.
 const TRIES: u64 = 20;
 /// So many starts are kept at most.
-const KEPT: usize = 1024;
+pub(crate) const KEPT: usize = 1024;
 
 /// Why there is no start.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -96,6 +98,9 @@ pub(crate) fn prepare(scenario: &Scenario, seed: u64) -> Result<Prepared, BeginE
             start => start?,
         };
         let (mut twin, places) = (start.twin, start.places);
+        if scenario.frame == Frame::Rigid {
+            twin = twin.with_rigid(&setup, standing(setup.assembly, step), &cast.options)?;
+        }
         if scenario.begin == Begin::Home {
             let known = nominal(&setup, &step.task.aim, &twin);
             return Ok(Prepared { twin, seed: own, task, places, known: Some(known) });
@@ -177,5 +182,30 @@ impl Pool {
             }
         };
         slot.get_or_init(|| prepare(scenario, seed).map(Arc::new)).clone()
+    }
+
+    /// Makes the starts with these seeds, on so many threads.
+    ///
+    /// # Errors
+    /// The first seed without a start, once all are made.
+    pub fn fill(&self, scenario: &Scenario, seeds: Range<u64>, threads: usize) -> Result<(), BeginError> {
+        let next = AtomicU64::new(seeds.start);
+        std::thread::scope(|scope| {
+            for _ in 0..threads.max(1) {
+                scope.spawn(|| {
+                    loop {
+                        let seed = next.fetch_add(1, Ordering::Relaxed);
+                        if !seeds.contains(&seed) {
+                            return;
+                        }
+                        // An error is kept with its seed.
+                        let _ = self.get(scenario, seed);
+                    }
+                });
+            }
+        });
+        let starts = self.starts.lock().unwrap_or_else(PoisonError::into_inner);
+        let failed = |slot: &Slot| slot.get().and_then(|made| made.as_ref().err()).cloned();
+        starts.range(seeds).find_map(|(_, slot)| failed(slot)).map_or(Ok(()), Err)
     }
 }

@@ -10,8 +10,8 @@ use ramp_gym::action::{Cartesian, Joint};
 use ramp_gym::batch::Outcome;
 use ramp_gym::pictures::SIZES;
 use ramp_gym::{
-    ActionKind, Batch as InnerBatch, Begin, Env as Inner, Onlooker, Options, Scenario, Step, View, Weights,
-    onlooker,
+    ActionKind, Batch as InnerBatch, Begin, Env as Inner, Frame, Onlooker, Options, Scenario, Step, View,
+    Weights, onlooker,
 };
 
 use crate::convert::{Numbers, all, camera, picture, seven};
@@ -189,7 +189,7 @@ fn told<'py>(py: Python<'py>, step: &Step) -> PyResult<Bound<'py, PyDict>> {
 impl Env {
     /// `skill` is a skill, or `None` for the whole goal; `goals` are its goals.
     #[new]
-    #[pyo3(signature = (benchmark, skill, goals, *, track, world, start, begin, whole_scene, settings))]
+    #[pyo3(signature = (benchmark, skill, goals, *, track, world, start, begin, whole_scene, frame, settings))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
         py: Python<'_>,
@@ -201,6 +201,7 @@ impl Env {
         start: &str,
         begin: &str,
         whole_scene: bool,
+        frame: &str,
         settings: &Bound<'_, PyDict>,
     ) -> PyResult<Env> {
         let files = Arc::clone(&benchmark.get().inner);
@@ -212,12 +213,17 @@ impl Env {
             "home" => Begin::Home,
             other => return Err(input(format!("there is no begin `{other}`; there are ready, home"))),
         };
+        let frame = match frame {
+            "rigid" => Frame::Rigid,
+            "free" => Frame::Free,
+            other => return Err(input(format!("there is no frame `{other}`; there are rigid, free"))),
+        };
         let options = options(settings)?;
         let env = detached(py, || {
             let scenario = match (skill, goals.first()) {
                 (Some(skill), _) => {
                     let scenario = Scenario::skill(files, skill, &goals, track, world, start, begin);
-                    Scenario { whole_scene, ..scenario.map_err(scenario_error)? }
+                    Scenario { whole_scene, frame, ..scenario.map_err(scenario_error)? }
                 }
                 (None, Some(goal)) => {
                     let assembly = files.goal(goal).map_err(data)?;
@@ -228,6 +234,15 @@ impl Env {
             Inner::new(Arc::new(scenario), options).map_err(env_error)
         })?;
         Ok(Env { inner: Mutex::new(env), onlooker: Mutex::new(None) })
+    }
+
+    /// Makes all starts, on so many threads.
+    fn prepare(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = integers::threads)] threads: usize,
+    ) -> PyResult<()> {
+        detached(py, || self.env()?.prepare(threads).map_err(env_error))
     }
 
     #[pyo3(signature = (seed=None))]

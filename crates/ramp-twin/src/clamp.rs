@@ -1,4 +1,4 @@
-//! The clamp that holds the base beam. It gives a little under a force.
+//! The clamp that holds the base beam, and what is rigid with it. It gives a little under a force.
 //!
 //! A beam on springs would connect all that stands on it: the engine would solve the whole frame at once, and
 //! wake it for every touch. So the base beam is fixed for the engine, at a place that follows the forces of
@@ -20,8 +20,7 @@ const TIME: f64 = 3e-3;
 /// The clamp of a scene.
 #[derive(Clone)]
 pub(crate) struct Clamp {
-    /// The body of the base beam, and that with its pieces.
-    body: usize,
+    /// The base beam and what is rigid with it, with all of their pieces; the base beam comes first.
     bodies: Vec<usize>,
     /// All of their geoms.
     geoms: Vec<usize>,
@@ -32,15 +31,18 @@ pub(crate) struct Clamp {
 }
 
 impl Clamp {
-    /// The clamp of a beam that gives by `give` (m/N) along each axis; `None` for one that gives nothing.
-    pub fn new(model: &MjModel, body: usize, give: f64) -> Option<Clamp> {
-        let of_beam = |other: &usize| part_of(model, *other) == body;
+    /// The clamp of a `frame` that gives by `give` (m/N) along each axis: the base beam, then the parts that
+    /// are rigid with it. `None` for one that gives nothing.
+    pub fn new(model: &MjModel, frame: &[usize], give: f64) -> Option<Clamp> {
+        let base = *frame.first()?;
+        let belongs = |other: &usize| frame.contains(&part_of(model, *other));
         let geom_body = |geom: &usize| model.geom_bodyid()[*geom].max(0) as usize;
+        let mut bodies: Vec<usize> = (0..model.body_pos().len()).filter(belongs).collect();
+        bodies.sort_by_key(|body| *body != base);
         Some(Clamp {
-            body,
-            bodies: (0..model.body_pos().len()).filter(of_beam).collect(),
-            geoms: (0..model.geom_bodyid().len()).filter(|geom| of_beam(&geom_body(geom))).collect(),
-            place: Vector3::from(model.body_pos()[body]),
+            bodies,
+            geoms: (0..model.geom_bodyid().len()).filter(|geom| belongs(&geom_body(geom))).collect(),
+            place: Vector3::from(model.body_pos()[base]),
             give,
         })
         .filter(|clamp| clamp.give > 0.0)
@@ -49,12 +51,14 @@ impl Clamp {
     /// Moves the beam by the forces of the last step. Where nothing touches it, for example because all of
     /// the frame sleeps, it stays.
     pub fn step(&self, data: &mut MjData<Arc<MjModel>>) {
-        let [.., x, y, z] = data.cfrc_ext()[self.body];
-        let force = Vector3::new(x, y, z);
-        if force == Vector3::zeros() {
-            return;
-        }
-        let off = Vector3::from(data.xpos()[self.body]) - self.place;
+        // Pieces have forces of their own.
+        let force = |body: &usize| {
+            let [.., x, y, z] = data.cfrc_ext()[*body];
+            Vector3::new(x, y, z)
+        };
+        let force: Vector3<f64> = self.bodies.iter().map(force).sum();
+        let Some(base) = self.bodies.first().filter(|_| force != Vector3::zeros()) else { return };
+        let off = Vector3::from(data.xpos()[*base]) - self.place;
         let change = (force * self.give - off) * (PERIOD / TIME);
         let shift = |at: &mut [f64; 3]| *at = (Vector3::from(*at) + change).into();
         for body in &self.bodies {

@@ -4,7 +4,7 @@
 mod body;
 mod outlines;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::Assembly;
@@ -21,7 +21,7 @@ use self::outlines::Outlines;
 const TRIES: usize = 1000;
 
 /// Start poses in the world.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Layout {
     /// Each beam's frame; the clamped beam stands exactly at its place.
     pub beams: Vec<(String, Pose)>,
@@ -31,6 +31,8 @@ pub struct Layout {
     pub pegs: Vec<(String, Pose)>,
     /// The holder in which each peg starts, by the peg's name.
     pub in_holder: BTreeMap<String, String>,
+    /// Beams and pegs that are one rigid body with the clamped beam. Without any, contact alone holds parts.
+    pub rigid: BTreeSet<String>,
 }
 
 impl Layout {
@@ -69,8 +71,7 @@ impl Layout {
                 bodies[index].x = on_outline[index];
             }
         }
-        let mut layout =
-            Layout { beams: Vec::new(), holders: Vec::new(), pegs: Vec::new(), in_holder: BTreeMap::new() };
+        let mut layout = Layout::default();
         for (body, on_outline) in bodies.iter().zip(on_outline) {
             let Some(holder) = kit.holders.iter().find(|holder| holder.name == body.name) else {
                 layout.beams.push((body.name.clone(), body.x));

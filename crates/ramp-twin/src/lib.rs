@@ -22,6 +22,7 @@ mod looks;
 pub mod mjcf;
 mod period;
 mod pieces;
+pub mod profile;
 mod rest;
 mod scene;
 mod sensors;

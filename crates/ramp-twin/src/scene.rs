@@ -41,7 +41,7 @@ pub(crate) struct Scene {
     /// For each geom: does it belong to a beam, a peg or a holder?
     is_part: Vec<bool>,
     /// For each geom: the index in `parts` of the beam or peg to which it belongs.
-    part_of: Vec<Option<usize>>,
+    pub(crate) part_of: Vec<Option<usize>>,
     /// Bodies of the arm: its links, the hand and the fingers.
     pub arm_bodies: Vec<usize>,
     /// Site of the wrist sensor.
@@ -74,6 +74,20 @@ impl Scene {
         let physics = setup.world.draw(setup.seed);
         layout.tilt(&physics.table);
         layout.pegs.retain(|(name, _)| Some(name) != start.missing.as_ref());
+        Scene::compile(setup, physics, layout, options, start)
+    }
+
+    /// Compiles the scene with every part exactly at its place in `layout`.
+    ///
+    /// # Errors
+    /// As [`Scene::new`].
+    pub fn compile(
+        setup: &Setup,
+        physics: Physics,
+        layout: Layout,
+        options: &SceneOptions,
+        start: &Start,
+    ) -> Result<Scene, TwinError> {
         let base = &setup.assembly.beams[setup.assembly.base].beam.name;
         let printed = Printed { physics: &physics, seed: setup.seed };
         let xml =
@@ -93,7 +107,9 @@ impl Scene {
         let is_part = bodies.iter().map(|id| part_bodies.contains(id)).collect();
         let part_of = |id: &usize| parts.iter().position(|(_, body)| id == body);
         let part_of = bodies.iter().map(part_of).collect();
-        let clamp = Clamp::new(&model, body(base)?, physics.table.clamp_give);
+        let rigid = parts.iter().filter(|(name, _)| layout.rigid.contains(name)).map(|(_, id)| *id);
+        let frame: Vec<usize> = std::iter::once(body(base)?).chain(rigid).collect();
+        let clamp = Clamp::new(&model, &frame, physics.table.clamp_give);
         let covered = start.covered.as_ref().map(|(tag, _)| *tag);
         Ok(Scene {
             xml,

@@ -2,6 +2,7 @@
 //!
 //! A twin is a scene that is built once, MuJoCo's data and a state that change, and buffers.
 
+mod rigid;
 pub mod snapshot;
 
 use std::sync::Arc;
@@ -30,8 +31,8 @@ use crate::{period, rest, sensors, witness};
 
 /// The simulated world with its robot.
 pub struct Twin {
-    scene: Arc<Scene>,
-    data: MjData<Arc<MjModel>>,
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) data: MjData<Arc<MjModel>>,
     state: State,
     workspace: Workspace,
 }

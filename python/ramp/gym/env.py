@@ -38,6 +38,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         begin: str = "ready",
         starts: tuple[int, int] = (1, 64),
         whole_scene: bool = False,
+        frame: str = "rigid",
         action: str = "cartesian",
         turns: bool = True,
         gripper: bool = True,
@@ -69,6 +70,9 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             starts: First seed and number of the starts from which episodes are drawn; with a number of 0,
                 each episode gets a new one, which takes longer.
             whole_scene: Simulate all parts of the kit instead of those that the task needs.
+            frame: How the frame holds that stands before a skill: ``rigid``, as one body without the parts
+                that the skill moves, or ``free``, by contact alone as in ``ramp trials``. A whole goal is
+                always free.
             action: ``cartesian``, ``joint`` or ``raw``.
             turns: Whether a Cartesian action rotates the hand.
             gripper: Whether an action moves the fingers.
@@ -90,8 +94,8 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         """
         EzPickle.__init__(
             self, skill, goals, track=track, world=world, start=start, begin=begin, starts=starts,
-            whole_scene=whole_scene, action=action, turns=turns, gripper=gripper, strict=strict, speed=speed,
-            turn_speed=turn_speed, leash=leash, stiffness=stiffness, rate=rate, limit=limit, reward=reward,
+            whole_scene=whole_scene, frame=frame, action=action, turns=turns, gripper=gripper, strict=strict,
+            speed=speed, turn_speed=turn_speed, leash=leash, stiffness=stiffness, rate=rate, limit=limit, reward=reward,
             belief_error=belief_error, cameras=cameras, image_size=image_size, depth=depth, render_mode=render_mode,
         )  # fmt: skip
         settings: dict[str, Any] = {
@@ -107,7 +111,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         self.depth = depth
         self.core = spaces.make_core(
             skill, goals, track=track, world=world, start=start, begin=begin,
-            whole_scene=whole_scene, cameras=self.cameras,
+            whole_scene=whole_scene, frame=frame, cameras=self.cameras,
             image_size=image_size, depth=depth, settings=settings,
         )  # fmt: skip
         self.observation_space = spaces.observation_space(self.core, self.cameras, image_size, depth)
@@ -115,6 +119,10 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         self.metadata = {**type(self).metadata, "render_fps": round(rate)}
         self._seeded = False
         self._cutter = spaces.Cutter(self.core)
+
+    def prepare(self, threads: int | None = None) -> None:
+        """Makes all starts that episodes are drawn from, by default on all processors."""
+        self.core.prepare((os.cpu_count() or 1) if threads is None else threads)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

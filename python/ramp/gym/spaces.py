@@ -58,6 +58,7 @@ def make_core(
     start: str | os.PathLike[str],
     begin: str,
     whole_scene: bool,
+    frame: str,
     cameras: Sequence[str],
     image_size: int,
     depth: bool,
@@ -79,6 +80,7 @@ def make_core(
         start=os.fspath(start),
         begin=begin,
         whole_scene=whole_scene,
+        frame=frame,
         settings={**settings, "views": views},
     )
 

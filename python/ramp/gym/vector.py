@@ -45,6 +45,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         start: str | os.PathLike[str] = "moved",
         begin: str = "ready",
         whole_scene: bool = False,
+        frame: str = "rigid",
         cameras: Sequence[str] = (),
         image_size: int = 84,
         depth: bool = False,
@@ -66,6 +67,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             start: Likewise.
             begin: Likewise.
             whole_scene: Likewise.
+            frame: Likewise.
             cameras: Likewise.
             image_size: Likewise.
             depth: Likewise.
@@ -88,7 +90,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
                 settings[name] = tuple(settings[name]) if name == "starts" else list(settings[name])
         self.core = spaces.make_core(
             skill, goals, track=track, world=world, start=start, begin=begin,
-            whole_scene=whole_scene, cameras=cameras,
+            whole_scene=whole_scene, frame=frame, cameras=cameras,
             image_size=image_size, depth=depth, settings=settings,
         )  # fmt: skip
         self.num_envs = num_envs
@@ -101,7 +103,8 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         self.single_action_space = spaces.action_space(self.core)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self.batch = Batch(self.core, num_envs, threads or os.cpu_count() or 1)
+        self.threads = threads or os.cpu_count() or 1
+        self.batch = Batch(self.core, num_envs, self.threads)
         width = self.core.observe().shape[0]
         self._rows = np.zeros((num_envs, width), np.float32)
         size = num_envs * image_size * image_size
@@ -111,6 +114,10 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         self._steps = np.zeros(num_envs, np.int64)
         self._seeded = False
         self._cutter = spaces.Cutter(self.core)
+
+    def prepare(self) -> None:
+        """Makes all starts that episodes are drawn from, on all threads. Later resets are fast."""
+        self.core.prepare(self.threads)
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None

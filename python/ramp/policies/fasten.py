@@ -149,7 +149,13 @@ def turned(quat_wxyz: Array, vector: Array) -> Array:
 
 
 def environments(
-    world: str, count: int, starts: tuple[int, int], error: float, threads: int | None = None, limit: float = LIMIT
+    world: str,
+    count: int,
+    starts: tuple[int, int],
+    error: float,
+    threads: int | None = None,
+    limit: float = LIMIT,
+    frame: str = "rigid",
 ) -> Any:
     """Environments for training and judging: all pinned joints, holes believed off by ``error`` (m)."""
     from ramp.gym import RampVectorEnv
@@ -157,7 +163,7 @@ def environments(
     settings = {key: value for key, value in SETTINGS.items() if key != "action"}
     return RampVectorEnv(
         count, "fasten", track="noisy", world=world, starts=starts, belief_error=error, gripper=False,
-        rate=RATE, limit=limit, reward="shaped", autoreset_mode="DISABLED", threads=threads, **settings,
+        frame=frame, rate=RATE, limit=limit, reward="shaped", autoreset_mode="DISABLED", threads=threads, **settings,
     )  # fmt: skip
 
 

@@ -110,7 +110,7 @@ def main() -> None:
     }
     for world in told.worlds.split(","):
         for error in told.errors.split(","):
-            env = environments(world, 20, (100_001, told.episodes), 1e-3 * float(error))
+            env = environments(world, 20, (100_001, told.episodes), 1e-3 * float(error), frame="free")
             for name, rival in rivals.items():
                 won, median = judge(env, rival(), told.episodes)
                 low, high = interval(won, told.episodes)

@@ -3,8 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use ramp_abilities::manipulation::Aim;
 use ramp_gym::start::Prepared;
-use ramp_gym::{Batch, Begin, Benchmark, Env, EnvError, Options, SKILLS, Scenario, Step, Weights};
+use ramp_gym::{
+    Batch, Begin, Benchmark, Env, EnvError, Frame, Mission, Options, SKILLS, Scenario, Step, Weights,
+};
 use ramp_robot::random::Stream;
 use ramp_robot::{Robot, Track};
 use ramp_twin::{Start, World};
@@ -151,6 +154,7 @@ fn a_start_at_home_is_that_of_a_trial() {
     let mut scenario = scenario("push", &["medium-1"], Track::State);
     scenario.begin = Begin::Home;
     scenario.whole_scene = true;
+    scenario.frame = Frame::Free;
     let mut env = Env::new(Arc::new(scenario), Options { starts: (4, 1), ..Options::default() }).unwrap();
     env.reset(Some(1)).unwrap();
     let start = env.start().unwrap();
@@ -160,6 +164,80 @@ fn a_start_at_home_is_that_of_a_trial() {
     let trial = ramp_abilities::manipulation::draw(&setup, task, &Default::default()).unwrap();
     assert_eq!(trial.twin.state_hash(), start.twin.state_hash());
     assert_eq!(trial.twin.observe(), start.twin.observe());
+}
+
+/// In a rigid frame the parts that stand have no joint, but for those that a step moves: the peg in the hand,
+/// and the beam that it pins. In a free one all but the clamped beam have one.
+#[test]
+fn only_what_a_skill_moves_is_free_in_a_rigid_frame() {
+    let free_parts = |frame: Frame| {
+        let mut scenario = scenario("fasten", &["medium-2"], Track::State);
+        let Mission::Skill { steps, .. } = &mut scenario.mission else { panic!("it is a skill") };
+        steps.drain(..steps.len() - 1);
+        scenario.frame = frame;
+        let mut env = Env::new(Arc::new(scenario), Options { starts: (1, 1), ..Options::default() }).unwrap();
+        env.reset(Some(1)).unwrap();
+        let twin = env.twin().unwrap();
+        let names: Vec<String> = twin.part_names().map(str::to_string).collect();
+        let is_free = |name: &String| twin.scene().contains(&format!(r#"<freejoint name="{name}"/>"#));
+        let (free, fixed): (Vec<String>, Vec<String>) = names.into_iter().partition(is_free);
+        (free, fixed, env)
+    };
+    let (free, fixed, env) = free_parts(Frame::Rigid);
+    let start = env.start().unwrap();
+    let goal = &env.scenario().goals[start.task.0];
+    let Aim::Pinned { connection } = goal.steps[start.task.1].task.aim else { panic!("it fastens") };
+    let male = goal.assembly.connections[connection].male.beam;
+    let peg = &start.known.as_ref().unwrap().held.as_ref().unwrap().part;
+    let mut moved = vec![goal.assembly.beams[male].beam.name.clone(), peg.clone()];
+    moved.sort();
+    assert_eq!(free, moved, "fixed: {fixed:?}");
+    let (free, fixed, _) = free_parts(Frame::Free);
+    assert_eq!(fixed, [goal.assembly.beams[goal.assembly.base].beam.name.clone()], "free: {free:?}");
+}
+
+/// A peg that is moved straight down slides to its seat with little force, in both frames.
+#[test]
+fn a_straight_insertion_takes_little_force() {
+    for frame in [Frame::Rigid, Frame::Free] {
+        let mut scenario = scenario("fasten", &["easy-3"], Track::State);
+        scenario.frame = frame;
+        let options = Options { starts: (1, 1), periods: 10, ..Options::default() };
+        let mut env = Env::new(Arc::new(scenario), options).unwrap();
+        env.reset(Some(1)).unwrap();
+        let weight = env.twin().unwrap().observe().wrench.z;
+        let mut on_the_way = 0.0_f64;
+        let mut is_done = false;
+        for _ in 0..800 {
+            let mut action = vec![0.0; env.actions()];
+            action[2] = -0.5;
+            let step = env.step(&action).unwrap();
+            let force = weight - env.twin().unwrap().observe().wrench.z;
+            if step.progress.height > 1e-3 && step.progress.height < 15e-3 {
+                on_the_way = on_the_way.max(force.abs());
+            }
+            is_done = step.success;
+            if step.terminated {
+                break;
+            }
+        }
+        assert!(is_done, "{frame:?}: it meets something before its seat");
+        assert!(on_the_way < 5.0, "{frame:?}: {on_the_way} N on the way");
+    }
+}
+
+/// Starts that were made ahead on threads are those of later resets.
+#[test]
+fn starts_made_ahead_are_those_of_resets() {
+    let mut late = fasten();
+    let mut early = fasten();
+    early.prepare(2).unwrap();
+    for seed in 1..4 {
+        late.reset(Some(seed)).unwrap();
+        early.reset(Some(seed)).unwrap();
+        let hash = |env: &Env| env.twin().unwrap().state_hash();
+        assert_eq!(hash(&late), hash(&early));
+    }
 }
 
 /// A whole goal: the pegs that count are rewarded, and time ends it.

@@ -44,7 +44,8 @@ impl Default for SceneOptions {
 }
 
 /// The MJCF text of a scene, whose parts are as they were `printed`. `base` names the beam that is clamped to
-/// the table. Holders are fixed to it, or with `loose_holders` slide on it when they are pushed hard.
+/// the table; parts that are rigid with it are fixed as well. Holders are fixed to the table, or with
+/// `loose_holders` slide on it when they are pushed hard.
 pub fn scene_xml(
     kit: &Kit,
     arm: &ArmModel,
@@ -66,7 +67,7 @@ pub fn scene_xml(
     for (name, x_wb) in &layout.beams {
         if let Some(beam) = kit.beam(name) {
             let mut part = printed.part(name);
-            beam_body(&mut xml, beam, x_wb, name == base, &mut part);
+            beam_body(&mut xml, beam, x_wb, name == base || layout.rigid.contains(name), &mut part);
             meshes.push_str(&part.meshes);
         }
     }
@@ -74,7 +75,7 @@ pub fn scene_xml(
         holder_body(&mut xml, name, x_wh, loose_holders);
     }
     for (name, x_wp) in &layout.pegs {
-        peg_body(&mut xml, name, x_wp, &mut printed.part(name));
+        peg_body(&mut xml, name, x_wp, layout.rigid.contains(name), &mut printed.part(name));
     }
     xml.push_str("</worldbody>\n");
     if !meshes.is_empty() {

@@ -59,17 +59,12 @@ pub(super) fn cone_mesh(name: &str, radius: f64) -> String {
     format!("<mesh name=\"{name}\" vertex=\"{}\"/>\n", numbers(&vertices))
 }
 
-/// A beam at its place: fixed if it is `clamped`, else free. The [clamp](crate::clamp) moves a fixed one.
-pub(super) fn beam_body(
-    xml: &mut String,
-    beam: &Beam,
-    x_wb: &Pose,
-    clamped: bool,
-    printed: &mut PrintedPart,
-) {
+/// A beam at its place: without a joint if it is `fixed`, else free. The [clamp](crate::clamp) moves a fixed
+/// one.
+pub(super) fn beam_body(xml: &mut String, beam: &Beam, x_wb: &Pose, fixed: bool, printed: &mut PrintedPart) {
     let beam = &printed.beam(beam);
     let _ = write!(xml, "<body name=\"{}\" {}>", beam.name, placed(x_wb));
-    if !clamped {
+    if !fixed {
         let (mass, centre, diagonal) = beam_inertia(beam);
         let _ = write!(
             xml,
@@ -94,8 +89,8 @@ pub(super) fn beam_body(
             around_holes.entry((printed.joint(), piece)).or_default().push_str(&text);
         }
     }
-    // The clamped beam needs no table below.
-    if !clamped {
+    // A fixed beam needs no table below.
+    if !fixed {
         for rest in beam_rests(beam) {
             box_geom(xml, "rest", &rest);
         }
@@ -250,7 +245,7 @@ pub(super) fn holder_body(xml: &mut String, name: &str, x_wh: &Pose, loose: bool
 }
 
 /// A peg at its place.
-pub(super) fn peg_body(xml: &mut String, name: &str, x_wp: &Pose, printed: &mut PrintedPart) {
+pub(super) fn peg_body(xml: &mut String, name: &str, x_wp: &Pose, fixed: bool, printed: &mut PrintedPart) {
     let radius = printed.stem();
     // Head and stem as one solid each, of the printed part's mass.
     let head_mass = HEAD_WIDTH * HEAD_WIDTH * HEAD_HEIGHT * PLA_DENSITY;
@@ -262,9 +257,10 @@ pub(super) fn peg_body(xml: &mut String, name: &str, x_wp: &Pose, printed: &mut 
     let across = head_mass * ((HEAD_WIDTH.powi(2) + HEAD_HEIGHT.powi(2)) / 12.0 + (head_z - centre).powi(2))
         + stem_mass * ((3.0 * STEM_RADIUS.powi(2) + STEM_LENGTH.powi(2)) / 12.0 + (stem_z - centre).powi(2));
     let along = head_mass * HEAD_WIDTH.powi(2) / 6.0 + stem_mass * STEM_RADIUS.powi(2) / 2.0;
+    let joint = if fixed { String::new() } else { format!(r#"<freejoint name="{name}"/>"#) };
     let _ = write!(
         xml,
-        r#"<body name="{name}" {}><freejoint name="{name}"/><inertial mass="{PEG_MASS}" pos="0 0 {}" diaginertia="{}"/>"#,
+        r#"<body name="{name}" {}>{joint}<inertial mass="{PEG_MASS}" pos="0 0 {}" diaginertia="{}"/>"#,
         placed(x_wp),
         numbers(&[centre]),
         numbers(&[across, across, along])

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 
 mod cameras;
+mod clamp;
 mod effects;
 mod export;
 mod extending;
@@ -12,6 +13,7 @@ mod grip;
 mod limits;
 mod pieces;
 mod readings;
+mod rigid;
 mod snapshot;
 mod starts;
 mod twin;

@@ -5,8 +5,12 @@
 //! their ratio, and until when the states are equal to the last bit: until the first peg is seated, whose
 //! stem the twin lets meet a simpler hole. Then the steps a second of the twin in the world `real` over those
 //! in `ideal`.
+//!
+//! `-- --profile [GOAL] [WORLD]` prints another table: where the engine's steps go, by situation.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
+
+mod profile;
 
 use std::time::{Duration, Instant};
 
@@ -64,7 +68,12 @@ impl Alteration<Twin> for Recorder {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // `-- --short` asks whether it still runs to its end.
-    let short = std::env::args().any(|argument| argument == "--short");
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|it| it != "--bench").collect();
+    if let Some(at) = arguments.iter().position(|it| it == "--profile") {
+        let named = |offset: usize| arguments.get(at + offset).map(String::as_str);
+        return profile::print(named(1).unwrap_or("hard-1"), named(2).unwrap_or("real"));
+    }
+    let short = arguments.iter().any(|it| it == "--short");
     let repeats = if short { 1 } else { 3 };
     let world = GoalFiles::new("easy-3");
     let label = Label::new(Software { version: "bench".into(), commit: "bench".into() }, 1);
