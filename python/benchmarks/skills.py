@@ -4,8 +4,8 @@
     python python/benchmarks/skills.py            some minutes
     python python/benchmarks/skills.py --short    one row
 
-Random actions push downwards at 20 Hz, the same in every row of a task. One environment on one core. The first
-start of a seed is built and settled; a later reset copies it.
+Random actions push downwards at 20 Hz, the same in every row of a task. One environment on one core. The
+first start of a seed is built and settled; a later reset copies it.
 """
 
 from __future__ import annotations

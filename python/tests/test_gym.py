@@ -98,6 +98,73 @@ def test_next_step_resets_on_the_step_after_the_end():
     assert reward.shape == (2,) and info["_success"].all()
 
 
+def test_same_step_resets_at_the_end_and_keeps_the_last_observation():
+    env = gymnasium.make_vec("RAMP/Fasten-v0", num_envs=2, **FASTEN, limit=0.2, autoreset_mode="SAME_STEP")
+    _, begun = env.reset(seed=[1, 2])
+    idle = np.zeros(env.action_space.shape, np.float32)
+    for _ in range(3):
+        _, _, _, truncated, info = env.step(idle)
+        assert not truncated.any() and "final_obs" not in info
+    seen, _, _, truncated, info = env.step(idle)
+    assert truncated.all() and seen["time"][:, 0].tolist() == [1.0, 1.0]
+    assert [float(last["time"][0]) for last in info["final_obs"]] == [0.0, 0.0]
+    assert info["_final_obs"].all() and info["final_info"]["success"].tolist() == [False, False]
+    assert set(info["goal"]) == {"easy-3"} == set(begun["goal"])
+
+
+def test_a_vector_tells_at_reset_what_one_environment_tells():
+    env = RampVectorEnv(3, "fasten", "easy-3", starts=(1, 2))
+    _, infos = env.reset(seed=[4, 5, 6])
+    for index, seed in enumerate([4, 5, 6]):
+        alone = RampEnv("fasten", "easy-3", starts=(1, 2))
+        _, info = alone.reset(seed=seed)
+        for name, value in info.items():
+            assert np.array_equal(infos[name][index], value), name
+    _, infos = env.reset(options={"reset_mask": np.array([False, True, False])})
+    assert infos["_scene_seed"].tolist() == [False, True, False]
+
+
+def test_normalised_observations_are_the_same_in_other_units():
+    plain, scaled = (RampEnv("fasten", ["easy-3"], starts=(1, 1), normalise=it) for it in (False, True))
+    before, after = plain.reset(seed=1)[0], scaled.reset(seed=1)[0]
+    assert scaled.observation_space.contains(after)
+    for name, unit in (("error", 0.01), ("wrench", 10.0), ("tip", 1.0)):
+        assert np.allclose(before[name] / unit, after[name]), name
+        high = scaled.observation_space[name].high
+        assert np.allclose(plain.observation_space[name].high / unit, high), name
+
+
+def test_the_truth_is_told_on_request_only():
+    idle = np.zeros(7, np.float32)
+    for truth in (False, True):
+        env = RampEnv("fasten", ["easy-3"], starts=(1, 1), truth=truth, belief_error=0.003, track="noisy")
+        seen, info = env.reset(seed=1)
+        assert "truth" not in info
+        seen, _, _, _, info = env.step(idle)
+        assert ("truth" in info) == truth
+        if truth:
+            # The believed error and the true one differ by the error of the belief.
+            off = np.linalg.norm(seen["error"][:2] + info["truth"]["off"][:2])
+            assert 1e-4 < off < 0.02
+        vector = RampVectorEnv(2, "fasten", ["easy-3"], starts=(1, 1), truth=truth)
+        vector.reset(seed=1)
+        info = vector.step(np.zeros((2, 7), np.float32))[4]
+        assert ("truth" in info) == truth
+        if truth:
+            assert info["truth"]["off"].shape == (2, 3)
+
+
+def test_a_limit_is_told_in_actions():
+    env = gymnasium.make("RAMP/Fasten-v0", goals="easy-3", starts=(1, 1), limit=0.5, rate=30)
+    # Periods of 33 ms.
+    assert env.spec is not None and env.spec.max_episode_steps == 16 == env.unwrapped.max_episode_steps
+    env.reset(seed=1)
+    idle = np.zeros(env.action_space.shape, np.float32)
+    ends = [env.step(idle)[3] for _ in range(16)]
+    assert ends == [False] * 15 + [True]
+    assert RampVectorEnv(1, "fasten", "easy-3", limit=0.5).max_episode_steps == 10
+
+
 def test_disabled_leaves_ended_environments_and_resets_those_of_a_mask():
     env = gymnasium.make_vec(
         "RAMP/Fasten-v0", num_envs=3, **FASTEN, limit=0.1, vector_kwargs=None, autoreset_mode="DISABLED"
@@ -155,7 +222,7 @@ def test_what_is_no_action_ends_the_episode_with_its_cause():
         ({"skill": "fastn"}, "there is no skill `fastn`"),
         ({"skill": "slide", "goals": ["easy-1"]}, "none of the goals easy-1 has a step"),
         ({"skill": "push", "action": "dance"}, "there is no action `dance`"),
-        ({"skill": "push", "rate": 2.0}, "not within 5 and 1000"),
+        ({"skill": "push", "rate": 2.0}, "not within 5 and 100 "),
         ({"skill": "push", "cameras": ["nose"]}, "there is no camera `nose`"),
         ({"skill": "push", "image_size": 4000, "cameras": ["wrist"]}, "image_size: found 4000"),
         ({"skill": "push", "image_size": -1}, "image_size: found -1"),
@@ -164,6 +231,8 @@ def test_what_is_no_action_ends_the_episode_with_its_cause():
         ({"skill": "push", "render_mode": "ansi"}, "render_mode: found 'ansi'"),
         ({"skill": "push", "leash": (0.1, -1.0, 0.1)}, "leash must be more than 0"),
         ({"skill": "push", "world": "moon"}, "there is no world `moon`"),
+        ({"skill": "push", "frame": "stiff"}, "there is no frame `stiff`; there are rigid, free"),
+        ({"skill": "push", "rate": 101}, "the rate 101 is not within 5 and 100 Hz"),
         ({}, "a goal is needed"),
     ],
 )
@@ -242,7 +311,7 @@ def test_a_start_can_be_that_of_a_trial():
 
 def test_a_chain_builds_a_whole_goal_with_a_policy_for_one_action():
     arguments = {"speed": SETTINGS["speed"], "leash": SETTINGS["leash"], "render_mode": "rgb_array"}
-    env = gymnasium.make(CHAIN, goal="easy-1", **arguments)
+    env = gymnasium.make(CHAIN, goals="easy-1", **arguments)
     seen, _ = env.reset(seed=1)
     shows_the_work(env.render())
     first = {name: value.copy() for name, value in seen.items()}
@@ -267,8 +336,8 @@ def test_a_chain_builds_a_whole_goal_with_a_policy_for_one_action():
 
 def test_a_chain_says_what_is_wrong():
     with pytest.raises(ramp.InputError, match="no action of the kind slide"):
-        gymnasium.make(CHAIN, goal="easy-1", skill="slide").reset(seed=1)
+        gymnasium.make(CHAIN, goals="easy-1", skill="slide").reset(seed=1)
     with pytest.raises(ramp.InputError, match="rate"):
         gymnasium.make(CHAIN, rate=1.0)
     with pytest.raises(ramp.InputError, match="goal"):
-        gymnasium.make(CHAIN, goal="no-goal").reset(seed=1)
+        gymnasium.make(CHAIN, goals="no-goal").reset(seed=1)

@@ -211,6 +211,14 @@ impl Batch {
         self.shared.slots.iter().map(|slot| lock(slot).outcome.clone()).collect()
     }
 
+    /// Looks at one of the environments.
+    ///
+    /// # Panics
+    /// When there is none with this index.
+    pub fn with<T>(&self, index: usize, look: impl FnOnce(&Env) -> T) -> T {
+        look(&lock(&self.shared.slots[index]).env)
+    }
+
     /// Ends the episodes of some environments from outside, as a limit of steps does.
     pub fn end(&mut self, which: &[bool]) {
         for (slot, end) in self.shared.slots.iter().zip(which) {

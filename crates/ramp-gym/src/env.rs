@@ -42,6 +42,8 @@ pub struct Options {
     pub weights: Weights,
     /// Images.
     pub views: Vec<View>,
+    /// Whether to tell the truth about the task with each step: for labels and training, never for a policy.
+    pub truth: bool,
 }
 
 impl Default for Options {
@@ -55,6 +57,7 @@ impl Default for Options {
             belief_error: 0.0,
             weights: Weights::sparse(),
             views: Vec::new(),
+            truth: false,
         }
     }
 }

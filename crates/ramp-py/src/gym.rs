@@ -87,8 +87,8 @@ fn options(settings: &Bound<'_, PyDict>) -> PyResult<Options> {
     let flag = |name: &str| setting::<bool>(settings, name);
     let action = action_kind(settings)?;
     let rate = get("rate")?.unwrap_or(20.0);
-    if !(5.0..=1000.0).contains(&rate) {
-        return Err(input(format!("the rate {rate} is not within 5 and 1000 Hz")));
+    if !(5.0..=100.0).contains(&rate) {
+        return Err(input(format!("the rate {rate} is not within 5 and 100 Hz")));
     }
     let reward: String = setting(settings, "reward")?.unwrap_or_else(|| "sparse".to_string());
     let weights = match reward.as_str() {
@@ -118,6 +118,7 @@ fn options(settings: &Bound<'_, PyDict>) -> PyResult<Options> {
         belief_error: error,
         weights,
         views,
+        truth: flag("truth")?.unwrap_or(other.truth),
     })
 }
 
@@ -167,8 +168,26 @@ impl Env {
     }
 }
 
-/// Outcome of an action, as a dictionary.
-fn told<'py>(py: Python<'py>, step: &Step) -> PyResult<Bound<'py, PyDict>> {
+/// Knowledge at the start of the running episode; nothing before the first reset.
+fn start<'py>(py: Python<'py>, env: &Inner) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    let Some(start) = env.start() else { return Ok(dict) };
+    let goal = &env.scenario().goals[start.task.0];
+    dict.set_item("scene_seed", start.seed)?;
+    dict.set_item("goal", &goal.assembly.name)?;
+    if let Some(step) = goal.steps.get(start.task.1) {
+        dict.set_item("skill", &step.task.skill)?;
+        dict.set_item("action", &step.task.action)?;
+    }
+    if let Some(known) = &start.known {
+        dict.set_item("part", &known.part)?;
+        dict.set_item("goal_pose", seven(&known.x_goal).into_pyarray(py))?;
+    }
+    Ok(dict)
+}
+
+/// Outcome of an action, as a dictionary; with the `truth` on request.
+fn told<'py>(py: Python<'py>, step: &Step, truth: bool) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("reward", step.terms.sum())?;
     dict.set_item("reward_progress", step.terms.progress)?;
@@ -179,9 +198,13 @@ fn told<'py>(py: Python<'py>, step: &Step) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("terminated", step.terminated)?;
     dict.set_item("truncated", step.truncated)?;
     dict.set_item("cause", &step.cause)?;
-    dict.set_item("beside", step.progress.beside)?;
-    dict.set_item("height", step.progress.height)?;
     dict.set_item("completion", step.completion)?;
+    if truth {
+        let off: [f64; 3] = step.progress.off.into();
+        let truth = PyDict::new(py);
+        truth.set_item("off", off.to_vec().into_pyarray(py))?;
+        dict.set_item("truth", truth)?;
+    }
     Ok(dict)
 }
 
@@ -257,7 +280,7 @@ impl Env {
     fn step<'py>(&self, py: Python<'py>, action: Numbers<'py>) -> PyResult<Bound<'py, PyDict>> {
         let action = all(&action);
         let step = detached(py, || self.env()?.step(&action).map_err(env_error))?;
-        told(py, &step)
+        told(py, &step, self.env()?.options().truth)
     }
 
     fn observe<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
@@ -331,21 +354,7 @@ impl Env {
 
     /// Knowledge at the start of the running episode.
     fn start<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let env = self.env()?;
-        let dict = PyDict::new(py);
-        let Some(start) = env.start() else { return Ok(dict) };
-        let goal = &env.scenario().goals[start.task.0];
-        dict.set_item("scene_seed", start.seed)?;
-        dict.set_item("goal", &goal.assembly.name)?;
-        if let Some(step) = goal.steps.get(start.task.1) {
-            dict.set_item("skill", &step.task.skill)?;
-            dict.set_item("action", &step.task.action)?;
-        }
-        if let Some(known) = &start.known {
-            dict.set_item("part", &known.part)?;
-            dict.set_item("goal_pose", seven(&known.x_goal).into_pyarray(py))?;
-        }
-        Ok(dict)
+        start(py, &*self.env()?)
     }
 
     #[getter]
@@ -371,6 +380,7 @@ impl Env {
 #[pyclass(frozen, module = "ramp._ramp")]
 pub struct Batch {
     inner: Mutex<InnerBatch>,
+    truth: bool,
 }
 
 impl Batch {
@@ -409,8 +419,9 @@ impl Batch {
         #[pyo3(from_py_with = integers::threads)] threads: usize,
     ) -> PyResult<Batch> {
         let env = env.get();
+        let truth = env.env()?.options().truth;
         let batch = detached(py, || InnerBatch::new(&*env.env()?, count, threads).map_err(env_error))?;
-        Ok(Batch { inner: Mutex::new(batch) })
+        Ok(Batch { inner: Mutex::new(batch), truth })
     }
 
     /// Resets the environments that have an entry which is not `False`: a seed, or `True` for the next
@@ -448,8 +459,6 @@ impl Batch {
         dict.set_item("reward_success", numbers(py, &outcomes, |it| it.step.terms.success))?;
         dict.set_item("reward_lost", numbers(py, &outcomes, |it| it.step.terms.lost))?;
         dict.set_item("reward_force", numbers(py, &outcomes, |it| it.step.terms.force))?;
-        dict.set_item("beside", numbers(py, &outcomes, |it| it.step.progress.beside))?;
-        dict.set_item("height", numbers(py, &outcomes, |it| it.step.progress.height))?;
         dict.set_item("completion", numbers(py, &outcomes, |it| it.step.completion))?;
         dict.set_item("success", flags(py, &outcomes, |it| it.step.success))?;
         dict.set_item("terminated", flags(py, &outcomes, |it| it.step.terminated))?;
@@ -457,7 +466,17 @@ impl Batch {
         dict.set_item("reset", flags(py, &outcomes, |it| it.reset))?;
         let causes: Vec<Option<&str>> = outcomes.iter().map(|it| it.step.cause.as_deref()).collect();
         dict.set_item("cause", causes)?;
+        if self.truth {
+            let offs: Vec<f64> = outcomes.iter().flat_map(|it| <[f64; 3]>::from(it.step.progress.off)).collect();
+            dict.set_item("off", offs.into_pyarray(py).reshape([outcomes.len(), 3])?)?;
+        }
         Ok(dict)
+    }
+
+    /// Knowledge at the start of the running episode of each environment.
+    fn starts<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let batch = self.batch()?;
+        (0..batch.len()).map(|index| batch.with(index, |env| start(py, env))).collect()
     }
 
     /// Ends the episodes of some environments from outside, as a limit of steps does.

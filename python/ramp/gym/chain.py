@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from ramp._core import Driver, EpisodePictures, InputError, Robot, benchmark, run_episode
 from ramp._core import Observation as Sensed
 from ramp.agent import Skill, Task
-from ramp.goal import Goal, as_goal
-from ramp.gym.spaces import LIMITS, check_options, check_seed
+from ramp.gym.spaces import LIMITS, Goals, as_goals, check_options, check_seed
 from ramp.gym.window import MODES, Window, check_mode
 from ramp.result import Result
 
@@ -79,7 +78,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
 
     def __init__(
         self,
-        goal: str | os.PathLike[str] | Goal = "easy-1",
+        goals: Goals = "easy-1",
         *,
         skill: str = "fasten",
         track: str = "state",
@@ -98,7 +97,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         """Makes the environment.
 
         Args:
-            goal: The goal to build.
+            goals: The goal to build: alone, or in a sequence of one.
             skill: The kind of action that is yours, as ``serves`` of :class:`ramp.Skill`.
             track: How parts are observed: ``state``, ``noisy`` or ``tags``.
             world: The physics: ``ideal``, ``real``, ``hard``, or a world file.
@@ -116,12 +115,15 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
 
         """
         EzPickle.__init__(
-            self, goal, skill=skill, track=track, world=world, start=start, turns=turns, gripper=gripper, speed=speed,
+            self, goals, skill=skill, track=track, world=world, start=start, turns=turns, gripper=gripper, speed=speed,
             turn_speed=turn_speed, leash=leash, stiffness=stiffness, rate=rate, limit=limit, render_mode=render_mode,
         )  # fmt: skip
         if not (5.0 <= rate <= 100.0 and limit > 0.0):
             raise InputError("`rate` is expected within 5 to 100, and `limit` above 0")
-        self.goal, self.skill, self.track = goal, skill, track
+        several = as_goals(goals)
+        if len(several) != 1:
+            raise InputError(f"{len(several)} goals, and one was expected")
+        self.goal, self.skill, self.track = several[0], skill, track
         self.world, self.start = os.fspath(world), os.fspath(start)
         self.gripper, self.limit = gripper, limit
         check_mode(render_mode)
@@ -178,7 +180,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             told: Result | BaseException = Result.from_json(
                 run_episode(
                     benchmark(),
-                    as_goal(self.goal).source,
+                    self.goal.source,
                     track=self.track,
                     world=self.world,
                     start=self.start,

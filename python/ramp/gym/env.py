@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import copy
 import os
 from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
-from ramp.goal import Goal
 from ramp.gym import spaces
 from ramp.gym.window import MODES, Window, check_mode
 
@@ -26,11 +27,12 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     """
 
     metadata: dict[str, Any] = {"render_modes": MODES, "render_fps": 20}
+    _spec: EnvSpec | None = None
 
     def __init__(
         self,
         skill: str | None = None,
-        goals: Sequence[str | os.PathLike[str] | Goal] = (),
+        goals: spaces.Goals = (),
         *,
         track: str = "state",
         world: str | os.PathLike[str] = "real",
@@ -51,6 +53,8 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         limit: float = 10.0,
         reward: str = "sparse",
         belief_error: float = 0.0,
+        normalise: bool = False,
+        truth: bool = False,
         cameras: Sequence[str] = (),
         image_size: int = 84,
         depth: bool = False,
@@ -61,7 +65,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         Args:
             skill: One of the twelve skills of ``ramp trials``, or ``fasten`` for all joints; default: the
                 whole goal.
-            goals: Goals whose steps are drawn, or the one goal; default for a skill: all nine of the
+            goals: Goals whose steps are drawn, or one goal; default for a skill: all nine of the
                 benchmark.
             track: How parts are observed: ``state``, ``noisy`` or ``tags``.
             world: The physics: ``ideal``, ``real``, ``hard``, or a world file.
@@ -85,6 +89,8 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             limit: Robot time after which an episode is truncated, s.
             reward: ``sparse`` or ``shaped``.
             belief_error: Standard deviation of an error of the goal pose along x and y, m.
+            normalise: Observations in units in which ordinary values are of order one.
+            truth: ``info["truth"]`` has the true place of the part of a skill, for labels and training.
             cameras: Images in observations: ``wrist``, ``birds-eye``.
             image_size: Pixels along each side, 16 to 512.
             depth: Depth images as well.
@@ -96,13 +102,14 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             self, skill, goals, track=track, world=world, start=start, begin=begin, starts=starts,
             whole_scene=whole_scene, frame=frame, action=action, turns=turns, gripper=gripper, strict=strict,
             speed=speed, turn_speed=turn_speed, leash=leash, stiffness=stiffness, rate=rate, limit=limit, reward=reward,
-            belief_error=belief_error, cameras=cameras, image_size=image_size, depth=depth, render_mode=render_mode,
+            belief_error=belief_error, normalise=normalise, truth=truth, cameras=cameras, image_size=image_size,
+            depth=depth, render_mode=render_mode,
         )  # fmt: skip
         settings: dict[str, Any] = {
             "action": action, "turns": turns, "gripper": gripper, "strict": strict, "speed": speed,
             "turn_speed": turn_speed, "leash": None if leash is None else list(leash),
             "stiffness": None if stiffness is None else list(stiffness), "rate": rate, "limit": limit,
-            "reward": reward, "belief_error": belief_error, "starts": tuple(starts),
+            "reward": reward, "belief_error": belief_error, "truth": truth, "starts": tuple(starts),
         }  # fmt: skip
         check_mode(render_mode)
         self.render_mode = render_mode
@@ -114,11 +121,25 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             whole_scene=whole_scene, frame=frame, cameras=self.cameras,
             image_size=image_size, depth=depth, settings=settings,
         )  # fmt: skip
-        self.observation_space = spaces.observation_space(self.core, self.cameras, image_size, depth)
+        self.observation_space = spaces.observation_space(self.core, self.cameras, image_size, depth, normalise)
         self.action_space = spaces.action_space(self.core)
         self.metadata = {**type(self).metadata, "render_fps": round(rate)}
         self._seeded = False
-        self._cutter = spaces.Cutter(self.core)
+        self._cutter = spaces.Cutter(self.core, normalise)
+        self.max_episode_steps = spaces.steps(limit, self.core)
+        """Actions after which an episode is truncated."""
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """The registered description, with the number of actions after which an episode is truncated."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = spec
+        if spec is not None and spec.max_episode_steps is None:
+            self._spec = copy.copy(spec)
+            self._spec.max_episode_steps = self.max_episode_steps
 
     def prepare(self, threads: int | None = None) -> None:
         """Makes all starts that episodes are drawn from, by default on all processors."""
@@ -145,6 +166,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         terminated, truncated = bool(told.pop("terminated")), bool(told.pop("truncated"))
         if told["cause"] is None:
             del told["cause"]
+        told["is_success"] = told["success"]
         self._show()
         return self._observe(), reward, terminated, truncated, told
 

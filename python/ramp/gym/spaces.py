@@ -31,6 +31,22 @@ LIMITS = {
 }
 
 
+UNITS = {
+    "positions": 1.0,
+    "velocities": 0.5,
+    "torques": 10.0,
+    "tip": 1.0,
+    "width": 0.08,
+    "wrench": 10.0,
+    "lead": 0.01,
+    "part": 1.0,
+    "error": 0.01,
+    "parts": 1.0,
+    "time": 1.0,
+}
+"""With ``normalise``, each field is in these units: of the size that its values have in ordinary work. A unit
+per field, in rad, rad/s, N·m, m, N and s; rotation vectors have 0.01 rad."""
+
 SIZES = (16, 512)
 """Smallest and largest side of an image, pixels."""
 
@@ -51,7 +67,7 @@ def check_options(options: dict[str, Any] | None, known: Sequence[str] = ()) -> 
 
 def make_core(
     skill: str | None,
-    goals: Sequence[str | os.PathLike[str] | Goal],
+    goals: Goals,
     *,
     track: str,
     world: str | os.PathLike[str],
@@ -74,7 +90,7 @@ def make_core(
     return Env(
         benchmark(),
         skill,
-        [as_goal(goal).source for goal in goals],
+        [goal.source for goal in as_goals(goals)],
         track=track,
         world=os.fspath(world),
         start=os.fspath(start),
@@ -85,11 +101,28 @@ def make_core(
     )
 
 
-def observation_space(core: Env, cameras: Sequence[str], size: int, depth: bool) -> spaces.Dict:
+Goals = str | os.PathLike[str] | Goal | Sequence[str | os.PathLike[str] | Goal]
+"""Goals: a sequence, or one alone."""
+
+
+def as_goals(goals: Goals) -> list[Goal]:
+    """The goals of a sequence, or the one that is named alone."""
+    several = [goals] if isinstance(goals, str | os.PathLike | Goal) else goals
+    return [as_goal(goal) for goal in several]
+
+
+def steps(limit: float, core: Env) -> int:
+    """Actions within a robot time of ``limit`` (s)."""
+    return math.ceil(round(1000.0 * limit) / core.periods)
+
+
+def observation_space(
+    core: Env, cameras: Sequence[str], size: int, depth: bool, normalise: bool = False
+) -> spaces.Dict:
     """The space of observations: a box of 32-bit floats per field, and one per image."""
     boxes: dict[str, spaces.Space[Any]] = {}
     for name, shape, _, _ in core.fields():
-        limit = LIMITS[name]
+        limit = LIMITS[name] / (UNITS[name] if normalise else 1.0)
         boxes[name] = spaces.Box(-limit, limit, tuple(shape), np.float32)
     for camera in cameras:
         boxes[camera] = spaces.Box(0, 255, (size, size, 3), np.uint8)
@@ -108,14 +141,18 @@ def action_space(core: Env) -> spaces.Space[NDArray[np.float32]]:
 class Cutter:
     """Splits rows of numbers into the fields of an observation."""
 
-    def __init__(self, core: Env) -> None:
+    def __init__(self, core: Env, normalise: bool = False) -> None:
         self.pieces = [
             (name, slice(offset, offset + math.prod(shape)), tuple(shape)) for name, shape, offset, _ in core.fields()
         ]
         limits = [np.full(math.prod(shape), LIMITS[name], np.float32) for name, shape, _, _ in core.fields()]
         self.limits = np.concatenate(limits)
+        units = [np.full(math.prod(shape), UNITS[name], np.float32) for name, shape, _, _ in core.fields()]
+        self.units = np.concatenate(units) if normalise else None
 
     def cut(self, rows: NDArray[np.float32]) -> dict[str, NDArray[np.float32]]:
-        """The fields of ``rows`` along its last axis; values are clipped to their limits, in place."""
+        """The fields of ``rows`` along its last axis, clipped to their limits and scaled in place."""
         np.clip(rows, -self.limits, self.limits, out=rows)
+        if self.units is not None:
+            rows /= self.units
         return {name: rows[..., at].reshape(rows.shape[:-1] + shape) for name, at, shape in self.pieces}

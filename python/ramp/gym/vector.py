@@ -13,7 +13,6 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from ramp._core import MAX_SEED, Batch, InputError, integer
-from ramp.goal import Goal
 from ramp.gym import spaces
 
 Observation = dict[str, Any]
@@ -34,7 +33,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         self,
         num_envs: int = 1,
         skill: str | None = None,
-        goals: Sequence[str | os.PathLike[str] | Goal] = (),
+        goals: spaces.Goals = (),
         *,
         threads: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
@@ -49,6 +48,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         cameras: Sequence[str] = (),
         image_size: int = 84,
         depth: bool = False,
+        normalise: bool = False,
         render_mode: str | None = None,
         **settings: Any,
     ) -> None:
@@ -59,7 +59,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             skill: As :class:`ramp.gym.RampEnv`, like all arguments that are not described here.
             goals: Likewise.
             threads: Number of threads; default: the number of processors.
-            autoreset_mode: ``NEXT_STEP`` or ``DISABLED``.
+            autoreset_mode: ``NEXT_STEP``, ``SAME_STEP`` or ``DISABLED``.
             copy: Return new arrays at each step; otherwise views of buffers that the next step overwrites.
             max_episode_steps: Truncate an episode after this number of actions.
             track: Likewise.
@@ -71,6 +71,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             cameras: Likewise.
             image_size: Likewise.
             depth: Likewise.
+            normalise: Likewise.
             render_mode: ``None``; only a single environment renders.
             settings: All other arguments of a single environment.
 
@@ -99,7 +100,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         self.cameras = tuple(cameras)
         self.depth = depth
         self.limit = max_episode_steps
-        self.single_observation_space = spaces.observation_space(self.core, cameras, image_size, depth)
+        self.single_observation_space = spaces.observation_space(self.core, cameras, image_size, depth, normalise)
         self.single_action_space = spaces.action_space(self.core)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -113,7 +114,10 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         self._size = image_size
         self._steps = np.zeros(num_envs, np.int64)
         self._seeded = False
-        self._cutter = spaces.Cutter(self.core)
+        self._cutter = spaces.Cutter(self.core, normalise)
+        limit = settings.get("limit", 10.0)
+        self.max_episode_steps = max_episode_steps or spaces.steps(limit, self.core)
+        """Actions after which an episode is truncated."""
 
     def prepare(self) -> None:
         """Makes all starts that episodes are drawn from, on all threads. Later resets are fast."""
@@ -151,7 +155,15 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         ]
         self.batch.reset(which)
         self._steps[chosen] = 0
-        return self._observe(), {}
+        return self._observe(), self._starts(chosen)
+
+    def _starts(self, chosen: Flags) -> dict[str, Any]:
+        """What is known at the start of the chosen environments."""
+        infos: dict[str, Any] = {}
+        for index, start in enumerate(self.batch.starts()):
+            if chosen[index]:
+                infos = self._add_info(infos, start, index)
+        return infos
 
     def step(
         self, actions: NDArray[np.float32]
@@ -171,12 +183,32 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         causes = told.pop("cause")
         infos: dict[str, Any] = {}
         stepped = ~reset
+        off = told.pop("off", None)
+        told["is_success"] = told["success"]
         for name, values in told.items():
             infos[name], infos[f"_{name}"] = values, stepped
+        if off is not None:
+            infos["truth"], infos["_truth"] = {"off": off, "_off": stepped}, stepped
         if any(cause is not None for cause in causes):
             infos["cause"] = np.array(causes, dtype=object)
             infos["_cause"] = np.array([cause is not None for cause in causes])
+        if self.autoreset_mode is AutoresetMode.SAME_STEP and (terminated | truncated).any():
+            return self._begin_again(terminated | truncated, infos), reward, terminated, truncated, infos
         return self._observe(), reward, terminated, truncated, infos
+
+    def _begin_again(self, ended: Flags, infos: dict[str, Any]) -> Observation:
+        """Resets the environments that ended; their last observations and infos go into ``infos``."""
+        last = self._observe()
+        final = np.full(self.num_envs, None, dtype=object)
+        for index in np.flatnonzero(ended):
+            final[index] = {name: values[index].copy() for name, values in last.items()}
+        told = {name: values for name, values in infos.items() if not name.startswith("_")}
+        infos["final_info"] = {**told, **{f"_{name}": ended for name in told}}
+        infos["final_obs"], infos["_final_obs"], infos["_final_info"] = final, ended, ended
+        self.batch.reset(ended.tolist())
+        self._steps[ended] = 0
+        infos.update(self._starts(ended))
+        return self._observe()
 
     def _observe(self) -> Observation:
         self.batch.observe(self._rows)
@@ -196,10 +228,10 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
 
 
 def _mode(mode: AutoresetMode | str) -> AutoresetMode:
-    named = mode if isinstance(mode, AutoresetMode) else AutoresetMode[str(mode).upper().removeprefix("AUTORESETMODE.")]
-    if named is AutoresetMode.SAME_STEP:
-        raise InputError("the autoreset modes are NEXT_STEP and DISABLED")
-    return named
+    name = str(mode).upper().removeprefix("AUTORESETMODE.")
+    if not isinstance(mode, AutoresetMode) and name not in AutoresetMode.__members__:
+        raise InputError(f"there is no autoreset mode {mode!r}; there are {', '.join(AutoresetMode.__members__)}")
+    return mode if isinstance(mode, AutoresetMode) else AutoresetMode[name]
 
 
 def make_vec(env_id: str, num_envs: int, **arguments: Any) -> gymnasium.vector.VectorEnv[Any, Any, Any]:

@@ -14,20 +14,18 @@ use super::world::{NamedTruth, far_end, open_joints};
 /// How far a task is from done.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// Along the table, m: of the point that is furthest from where it is to be.
-    pub beside: f64,
-    /// In height, m, without a sign.
-    pub height: f64,
+    /// From where a point is to be to where it is, axes of the world, m: of the point that is furthest off.
+    pub off: Vector3<f64>,
 }
 
 impl Progress {
     /// Straight, m.
     pub fn distance(&self) -> f64 {
-        self.beside.hypot(self.height)
+        self.off.norm()
     }
 
     fn of(off: Vector3<f64>) -> Progress {
-        Progress { beside: off.xy().norm(), height: off.z.abs() }
+        Progress { off }
     }
 
     fn further(self, other: Progress) -> Progress {
@@ -50,9 +48,11 @@ pub fn progress(
             let now = world.part(peg);
             let before = places.iter().find(|(name, _)| name == peg).map_or(now, |(_, x_wp)| *x_wp);
             let tip = twin.observe().x_wt.translation.vector;
+            // It is to be in the hand, and above where it was.
             let lacking = (LIFTED[0] - (now.translation.z - before.translation.z)).max(0.0);
-            let away = tip - now.translation.vector;
-            Progress { beside: away.xy().norm(), height: away.z.abs().max(lacking) }
+            let mut off = now.translation.vector - tip;
+            off.z = -off.z.abs().max(lacking);
+            Progress::of(off)
         }
         Aim::Pinned { connection } => {
             let Some(peg) = peg else { return Progress::default() };
@@ -93,7 +93,7 @@ pub fn progress(
             let placed = &world.assembly.beams[*beam].beam;
             let p = Point3::new(far_end(task, world.assembly, *beam), 0.0, 0.0);
             let off = world.part(&placed.name) * p - world.nominal(*beam, &p);
-            Progress { beside: off.xy().norm(), height: 0.0 }
+            Progress::of(Vector3::new(off.x, off.y, 0.0))
         }
     }
 }

@@ -213,7 +213,7 @@ fn a_straight_insertion_takes_little_force() {
             action[2] = -0.5;
             let step = env.step(&action).unwrap();
             let force = weight - env.twin().unwrap().observe().wrench.z;
-            if step.progress.height > 1e-3 && step.progress.height < 15e-3 {
+            if step.progress.off.z > 1e-3 && step.progress.off.z < 15e-3 {
                 on_the_way = on_the_way.max(force.abs());
             }
             is_done = step.success;
