@@ -1,8 +1,10 @@
 //! Hashes of the answers that an agent received. The log keeps them, so that a replay can check that its
 //! answers are the same.
 
+use ramp_result::file::sha256_of;
 use ramp_result::sha256;
 use ramp_robot::{Image, PartReading, Pose};
+use std::io::Read;
 
 /// Of a reading of the parts.
 pub(crate) fn of_readings(readings: &[PartReading]) -> u64 {
@@ -23,8 +25,8 @@ pub(crate) fn of_image(image: &Image) -> u64 {
     bytes.push(0);
     put(&mut bytes, &[image.time]);
     put(&mut bytes, &pose(&image.x_wt));
-    bytes.extend_from_slice(&image.pixels);
-    of(&bytes)
+    // Reading from memory does not fail.
+    sha256_of(bytes.as_slice().chain(&*image.pixels)).map(|hash| first_bits(&hash)).unwrap_or_default()
 }
 
 fn pose(x: &Pose) -> [f64; 7] {
@@ -38,5 +40,10 @@ fn put(bytes: &mut Vec<u8>, numbers: &[f64]) {
 
 /// The first 64 bits of SHA-256.
 fn of(bytes: &[u8]) -> u64 {
-    sha256(bytes).get(..16).and_then(|digits| u64::from_str_radix(digits, 16).ok()).unwrap_or_default()
+    first_bits(&sha256(bytes))
+}
+
+/// The first 64 bits of a hash in hexadecimal.
+fn first_bits(hash: &str) -> u64 {
+    hash.get(..16).and_then(|digits| u64::from_str_radix(digits, 16).ok()).unwrap_or_default()
 }

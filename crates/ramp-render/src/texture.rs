@@ -47,6 +47,47 @@ fn tiled(width: usize, height: usize, pixels: &[u32]) -> Vec<u8> {
     tiled
 }
 
+/// Edge of the squares of pixels of the finest level of which it is known whether anything is printed there:
+/// those of the levels up to [`BLANK_LEVEL`] lie in one of them each.
+const SQUARE: usize = 8;
+/// See [`SQUARE`].
+const BLANK_LEVEL: usize = SQUARE.trailing_zeros() as usize;
+
+/// How many squares in front of and above a place have something printed on them.
+#[derive(Clone, Debug)]
+struct Printed {
+    columns: usize,
+    /// By rows, one row and one column more than there are squares.
+    counts: Vec<u32>,
+}
+
+impl Printed {
+    /// Of pixels of which `is_paper` knows those without print.
+    fn new(width: usize, height: usize, is_paper: impl Fn(usize, usize) -> bool) -> Printed {
+        let (columns, rows) = (width.div_ceil(SQUARE) + 1, height.div_ceil(SQUARE) + 1);
+        let mut counts = vec![0; columns * rows];
+        for row in 1..rows {
+            let mut here = 0;
+            for column in 1..columns {
+                let within = |at: usize, end: usize| (at - 1) * SQUARE..(at * SQUARE).min(end);
+                let blank = within(row, height).all(|y| within(column, width).all(|x| is_paper(x, y)));
+                here += u32::from(!blank);
+                counts[row * columns + column] = counts[(row - 1) * columns + column] + here;
+            }
+        }
+        Printed { columns, counts }
+    }
+
+    /// Is nothing printed on these squares, the first and the last of both directions?
+    #[inline]
+    fn is_blank(&self, [left, right]: [usize; 2], [top, low]: [usize; 2]) -> bool {
+        let rows = [top, low + 1].map(|row| self.counts.get(row * self.columns..));
+        let [Some(above), Some(below)] = rows else { return false };
+        let count = |row: &[u32]| Some(row.get(right + 1)?.wrapping_sub(*row.get(left)?));
+        right + 1 < self.columns && count(above) == count(below)
+    }
+}
+
 /// A picture on the table.
 #[derive(Clone, Debug)]
 pub struct Texture {
@@ -59,6 +100,7 @@ pub struct Texture {
     pub per_metre: f32,
     /// The number of bare paper's colour.
     paper: u8,
+    printed: Printed,
 }
 
 impl Texture {
@@ -101,12 +143,14 @@ impl Texture {
             }
             levels.push((w, h, half));
         }
+        let paper = number(linear[255] * 0x01_01_01);
+        let (width, height, finest) = &levels[0];
+        let printed = Printed::new(*width, *height, |x, y| number(finest[y * width + x]) == paper);
         let levels = levels
             .iter()
             .map(|(width, height, pixels)| (*width, *height, tiled(*width, *height, pixels)))
             .collect();
-        let paper = number(linear[255] * 0x01_01_01);
-        Ok(Texture { levels, colours: colours(), per_metre: (SCALE * 1e3) as f32, paper })
+        Ok(Texture { levels, colours: colours(), per_metre: (SCALE * 1e3) as f32, paper, printed })
     }
 
     /// The level on which a pixel that covers `size` metres should be looked up.
@@ -147,6 +191,7 @@ impl Texture {
             pixels,
             colours,
             scale: self.per_metre / (1u32 << level) as f32,
+            printed: (level <= BLANK_LEVEL).then_some((&self.printed, self.per_metre)),
         }
     }
 }
@@ -158,6 +203,8 @@ pub struct Level<'a> {
     pixels: &'a [u8],
     colours: &'a [u32],
     scale: f32,
+    /// What is printed, and the finest level's pixels per metre; none on coarse levels.
+    printed: Option<(&'a Printed, f32)>,
 }
 
 impl Level<'_> {
@@ -171,6 +218,19 @@ impl Level<'_> {
     fn pixel(&self, column: usize, row: usize) -> u8 {
         let (column, row) = (column.min(self.width - 1), row.min(self.height - 1));
         self.pixels.get(place(self.width, column, row)).copied().unwrap_or_default()
+    }
+
+    /// Is nothing printed between two places, in metres from the upper left corner? Not always known.
+    #[inline]
+    pub fn is_blank(&self, a: [f32; 2], b: [f32; 2]) -> bool {
+        let Some((printed, per_metre)) = self.printed else { return false };
+        let squares = |a: f32, b: f32| {
+            // A pixel more on both sides, for what is rounded.
+            let low = (a.min(b) * per_metre - 1.0).max(0.0) as usize;
+            let high = (a.max(b) * per_metre + 1.0).max(0.0) as usize;
+            [low / SQUARE, high / SQUARE]
+        };
+        printed.is_blank(squares(a[0], b[0]), squares(a[1], b[1]))
     }
 
     /// The numbers of the colours along a straight line, from a place on the picture (as for [`Level::at`])

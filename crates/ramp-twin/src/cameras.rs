@@ -12,6 +12,7 @@ use ramp_robot::random::Stream;
 use ramp_robot::{Camera, CameraModel, PERIOD, Pose};
 use ramp_world::groups;
 
+use crate::fault::FaultKind;
 use crate::setup::Setup;
 pub use crate::shutters::EXPOSURE_STEPS;
 use crate::shutters::{Exposure, Shutters};
@@ -38,6 +39,8 @@ pub(crate) struct Cameras {
     physics: groups::Cameras,
     /// A tag that is covered with white.
     covered: Option<u32>,
+    /// Whether cameras may freeze.
+    freeze: bool,
     /// True models, in the order of [`index`].
     models: [CameraModel; 2],
     /// Meshes and textures of all bodies, loaded when they are first needed.
@@ -57,7 +60,7 @@ pub(crate) struct CamerasState {
 #[derive(Clone)]
 struct Eye {
     sensor: Sensor,
-    /// The last image: red, green and blue of each pixel.
+    /// The last image: red, green and blue of each pixel. Empty in an episode in which no camera freezes.
     last: Vec<u8>,
 }
 
@@ -90,6 +93,7 @@ impl Cameras {
             seed: setup.seed,
             physics: physics.clone(),
             covered,
+            freeze: setup.fault.as_ref().is_some_and(|fault| fault.kind == FaultKind::CameraFrozen),
             models: [model(Camera::Wrist), model(Camera::BirdsEye)],
             looks: OnceLock::new(),
         }
@@ -158,19 +162,24 @@ impl Cameras {
             sensor: Sensor::new(self.seed, camera.name()).with_light(self.physics.light),
             last: Vec::new(),
         });
-        if !exposure.frozen || eye.last.is_empty() {
-            let renderer = renderers[index(camera)].get_or_insert_with(|| Renderer::new(looks, model));
-            let seen = exposure.shown().into_iter().map(|moment| {
-                let mut scene = moment.scene.clone();
-                scene.bodies.retain(|(index, _)| Some(*index) != housing);
-                (scene, model.x_wc(&moment.x_wt))
-            });
-            let seen: Vec<(Scene, Pose)> = seen.collect();
-            eye.last = match &seen[..] {
-                [(scene, x_wc)] => renderer.render(scene, x_wc, &mut eye.sensor),
-                moving => renderer.render_moving(moving, &mut eye.sensor),
-            };
+        let size = (model.width, model.height);
+        if exposure.frozen && !eye.last.is_empty() {
+            return Ok((size.0, size.1, eye.last.clone()));
         }
-        Ok((model.width, model.height, eye.last.clone()))
+        let renderer = renderers[index(camera)].get_or_insert_with(|| Renderer::new(looks, model));
+        let seen = exposure.shown(camera).into_iter().map(|moment| {
+            let mut scene = moment.scene.clone();
+            scene.bodies.retain(|(index, _)| Some(*index) != housing);
+            (scene, model.x_wc(&moment.x_wt))
+        });
+        let seen: Vec<(Scene, Pose)> = seen.collect();
+        let image = match &seen[..] {
+            [(scene, x_wc)] => renderer.render(scene, x_wc, &mut eye.sensor),
+            moving => renderer.render_moving(moving, &mut eye.sensor),
+        };
+        if self.freeze {
+            eye.last.clone_from(&image);
+        }
+        Ok((size.0, size.1, image))
     }
 }

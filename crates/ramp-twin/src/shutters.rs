@@ -12,9 +12,16 @@ pub const EXPOSURE_STEPS: u32 = 8;
 const MOMENTS: [u64; 5] = [1, 3, 4, 5, 7];
 /// See [`MOMENTS`].
 const MIDDLE: usize = 2;
-/// Motion of the hand while the shutter is open (m, and rad) below which an image is not blurred: a fifth of
-/// a pixel or less.
-const AT_REST: (f64, f64) = (1.0e-4, 3.0e-4);
+/// Motion of the hand while the shutter is open (m, and rad) below which an image of a camera is not
+/// blurred: a fifth of a pixel or less. The wrist camera moves with the hand. The bird's-eye camera sees the
+/// hand move, from 1.7 m or more, where a pixel is 1.2 mm wide; the hand and what it holds reach 0.2 m from
+/// the tip.
+fn at_rest(camera: Camera) -> (f64, f64) {
+    match camera {
+        Camera::Wrist => (1.0e-4, 3.0e-4),
+        Camera::BirdsEye => (2.3e-4, 1.2e-3),
+    }
+}
 
 /// The poses of all bodies at one moment.
 #[derive(Clone)]
@@ -54,11 +61,13 @@ impl Exposure {
         self.moments.get(MIDDLE)
     }
 
-    /// The moments that the image shows: the middle one, or those before and after it if the hand moved.
-    pub fn shown(&self) -> Vec<&Moment> {
+    /// The moments that the image of a camera shows: the middle one, or those before and after it if the hand
+    /// moved.
+    pub fn shown(&self, camera: Camera) -> Vec<&Moment> {
         let ([first, .., last], Some(middle)) = (&self.moments[..], self.middle()) else { return Vec::new() };
         let moved = (last.x_wt.translation.vector - first.x_wt.translation.vector).norm();
-        if moved < AT_REST.0 && last.x_wt.rotation.angle_to(&first.x_wt.rotation) < AT_REST.1 {
+        let (shift, turn) = at_rest(camera);
+        if moved < shift && last.x_wt.rotation.angle_to(&first.x_wt.rotation) < turn {
             return vec![middle];
         }
         let aside = self.moments.iter().enumerate().filter(|(index, _)| *index != MIDDLE);

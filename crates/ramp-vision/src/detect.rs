@@ -5,6 +5,7 @@ use measurements::Angle;
 use noisy_float::types::r32;
 
 use crate::image::{Grey, SightError};
+use crate::regions::{Region, regions};
 
 /// A tag that was read.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,16 +22,25 @@ pub struct Detection {
 }
 
 impl Detection {
+    /// The mean of its corners, pixels.
+    pub fn middle(&self) -> [f64; 2] {
+        [0, 1].map(|axis| self.corners.iter().map(|corner| corner[axis]).sum::<f64>() / 4.0)
+    }
+
+    /// The area of its black square, pixels.
+    pub fn area(&self) -> f64 {
+        let [[ax, ay], [bx, by], [cx, cy], [dx, dy]] = self.corners;
+        0.5 * ((cx - ax) * (dy - by) - (dx - bx) * (cy - ay)).abs()
+    }
+
     /// Its extent in the direction in which it is narrowest, pixels.
     pub fn width(&self) -> f64 {
         let side = |index: usize| {
             let ([ax, ay], [bx, by]) = (self.corners[index], self.corners[(index + 1) % 4]);
             [bx - ax, by - ay]
         };
-        let cross = |a: [f64; 2], b: [f64; 2]| (a[0] * b[1] - a[1] * b[0]).abs();
-        let area = 0.5 * (cross(side(0), side(1)) + cross(side(2), side(3)));
         let longest = (0..4).map(|index| side(index)[0].hypot(side(index)[1])).fold(0.0, f64::max);
-        area / longest.max(1e-9)
+        self.area() / longest.max(1e-9)
     }
 
     /// Mean length of its edges, pixels.
@@ -55,28 +65,25 @@ const CONTRAST: u8 = 30;
 /// Finds tags of the family tag25h9.
 pub struct TagFinder {
     detector: Detector,
-    image: Option<apriltag::Image>,
 }
 
 impl TagFinder {
-    /// A finder that looks for candidates in an image made smaller by `decimate`; cells are read and edges
-    /// measured in the full image whatever it is.
+    /// A finder that measures in the full image.
     ///
     /// # Errors
     /// When the detector does not start.
-    pub fn new(decimate: f32) -> Result<TagFinder, SightError> {
+    pub fn new() -> Result<TagFinder, SightError> {
         let mut detector = DetectorBuilder::new()
             .add_family_bits(Family::tag_25h9(), CORRECTED)
             .build()
             .map_err(|error| SightError::Detector(error.to_string()))?;
-        detector.set_decimation(decimate);
         detector.set_thread_number(1);
         detector.set_refine_edges(true);
         // Its defaults, but for the contrast. The smallest angle at a corner is 10°, which it wants as a
         // cosine too.
         let least_angle = 10f64.to_radians();
         detector.set_thresholds(QuadThresholds {
-            min_cluster_pixels: 5,
+            min_cluster_pixels: 70,
             max_maxima_number: 10,
             min_angle: Angle::from_radians(least_angle),
             min_opposite_angle: Angle::from_radians(least_angle.cos()),
@@ -84,42 +91,77 @@ impl TagFinder {
             min_white_black_diff: CONTRAST,
             deglitch: false,
         });
-        Ok(TagFinder { detector, image: None })
+        Ok(TagFinder { detector })
     }
 
-    /// All tags, in the order of their ids and then from left to right.
+    /// All tags, in the order of their ids and then from left to right. Only the [`regions()`] in which a tag
+    /// can be are looked through.
     ///
     /// # Errors
-    /// When memory for a copy of the image cannot be allocated.
+    /// When memory for a copy of a region cannot be allocated.
     pub fn find(&mut self, grey: &Grey) -> Result<Vec<Detection>, SightError> {
-        let fits = |image: &apriltag::Image| image.width() == grey.width && image.height() == grey.height;
-        if !self.image.as_ref().is_some_and(fits) {
-            let image = apriltag::Image::zeros_with_alignment(grey.width, grey.height, 96)
-                .map_err(|error| SightError::Detector(error.to_string()))?;
-            self.image = Some(image);
-        }
-        let Some(image) = &mut self.image else { return Ok(Vec::new()) };
-        let stride = image.stride();
-        for (row, pixels) in grey.pixels.chunks_exact(grey.width).enumerate() {
-            image.as_slice_mut()[row * stride..][..grey.width].copy_from_slice(pixels);
-        }
-        let mut found: Vec<Detection> = self
-            .detector
-            .detect(image)
-            .iter()
-            .filter(|detection| f64::from(detection.decision_margin()) >= MARGIN)
-            .map(|detection| {
-                // From the lower left one on, anticlockwise.
-                let [lower_left, lower_right, upper_right, upper_left] = detection.corners();
-                Detection {
-                    id: detection.id() as u32,
-                    corners: [upper_left, upper_right, lower_right, lower_left],
-                    margin: f64::from(detection.decision_margin()),
-                    corrected: detection.hamming(),
+        self.find_in(grey, &regions(grey, CONTRAST))
+    }
+
+    /// As [`TagFinder::find`], in these regions.
+    ///
+    /// # Errors
+    /// When memory for a copy of a region cannot be allocated.
+    pub fn find_in(&mut self, grey: &Grey, regions: &[Region]) -> Result<Vec<Detection>, SightError> {
+        let mut found: Vec<Detection> = Vec::new();
+        for region in regions {
+            let image = copy(grey, region)?;
+            if region.is_large() && self.read(&image, region, region.coarse(grey)).is_empty() {
+                continue;
+            }
+            for tag in self.read(&image, region, 1.0) {
+                // One tag may have two regions.
+                let again =
+                    |other: &Detection| other.id == tag.id && region.is_for(other.middle(), other.area());
+                if !region.is_whole() && found.iter().any(again) {
+                    continue;
                 }
-            })
-            .collect();
+                found.push(tag);
+            }
+        }
         found.sort_by(|a, b| a.id.cmp(&b.id).then(a.corners[0][0].total_cmp(&b.corners[0][0])));
         Ok(found)
     }
+
+    /// The tags that a region is for, in its copy, with candidates from an image made smaller by `decimate`;
+    /// cells are read and edges measured in the full image whatever it is.
+    fn read(&mut self, image: &apriltag::Image, region: &Region, decimate: f32) -> Vec<Detection> {
+        self.detector.set_decimation(decimate);
+        let detections = self.detector.detect(image);
+        let believed = detections.iter().filter(|detection| f64::from(detection.decision_margin()) >= MARGIN);
+        let corner = |[x, y]: [f64; 2]| [x + region.left as f64, y + region.top as f64];
+        let tag = |detection: &apriltag::Detection| {
+            // From the lower left one on, anticlockwise.
+            let [lower_left, lower_right, upper_right, upper_left] = detection.corners();
+            Detection {
+                id: detection.id() as u32,
+                corners: [upper_left, upper_right, lower_right, lower_left].map(corner),
+                margin: f64::from(detection.decision_margin()),
+                corrected: detection.hamming(),
+            }
+        };
+        believed.map(tag).filter(|tag| region.is_for(tag.middle(), tag.area())).collect()
+    }
+}
+
+/// A region alone. Around it, it is as dark as in its darkest place: its white ends there, and its black
+/// does not.
+fn copy(grey: &Grey, region: &Region) -> Result<apriltag::Image, SightError> {
+    let mut image = apriltag::Image::zeros_with_alignment(region.width, region.height, 96)
+        .map_err(|error| SightError::Detector(error.to_string()))?;
+    let stride = image.stride();
+    let columns = |row: usize| &grey.pixels[row * grey.width..][region.columns(row)];
+    let rows = region.top..region.top + region.height;
+    let dark = rows.clone().filter_map(|row| columns(row).iter().min()).min().copied().unwrap_or_default();
+    for (row, copy) in rows.zip(image.as_slice_mut().chunks_mut(stride)) {
+        copy.fill(dark);
+        let from = region.columns(row).start - region.left;
+        copy[from..from + columns(row).len()].copy_from_slice(columns(row));
+    }
+    Ok(image)
 }

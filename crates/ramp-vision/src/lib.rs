@@ -28,12 +28,14 @@
 //! # }
 //! ```
 
+mod blobs;
 pub mod calibrate;
 pub mod detect;
 pub mod edges;
 pub mod find;
 pub mod fit;
 pub mod image;
+pub mod regions;
 
 pub use calibrate::Calibration;
 pub use find::{Lying, Oddity, PartFinder, SeenPart, Sighting};

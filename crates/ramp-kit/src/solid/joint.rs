@@ -3,6 +3,7 @@
 use super::body::{MM, PAST, Solid, SolidError};
 use crate::dimensions::{Dimensions, FEET, MALE_CHAMFER, MALE_TIP, SCREW, TAG_PLATE, TAG_RECESS};
 use crate::joint::{JointForm, JointType};
+use std::sync::{Mutex, PoisonError};
 
 /// A joint: the origin is on the axis of its peg hole at the underside of its body, y along the beam, z up.
 ///
@@ -16,10 +17,23 @@ use crate::joint::{JointForm, JointType};
 /// # Errors
 /// Dimensions that give an empty solid, or several pieces.
 pub fn joint(kind: JointType, dimensions: &Dimensions) -> Result<Solid, SolidError> {
+    // A joint takes tens of milliseconds, and a kit has many of a few types: those of the last dimensions are
+    // kept.
+    static MADE: Mutex<Option<(Dimensions, Vec<(JointType, Solid)>)>> = Mutex::new(None);
+    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    let (of, joints) = made.get_or_insert_with(|| (*dimensions, Vec::new()));
+    if of != dimensions {
+        (*of, *joints) = (*dimensions, Vec::new());
+    }
+    if let Some((_, solid)) = joints.iter().find(|(other, _)| *other == kind) {
+        return Ok(solid.clone());
+    }
     let form = kind.form();
     let sizes = Sizes::new(dimensions);
     let solid = if form.male { male(kind, form, &sizes) } else { female(kind, form, &sizes) };
-    solid.checked(kind.name())
+    let solid = solid.checked(kind.name())?;
+    joints.push((kind, solid.clone()));
+    Ok(solid)
 }
 
 /// Derived dimensions, mm.

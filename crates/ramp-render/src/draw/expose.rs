@@ -1,12 +1,59 @@
 //! Every pixel coloured once, and blurred as the lens does.
 
 use super::renderer::{Renderer, SeenTag, TAG};
-use super::table::Table;
+use super::table::{Node, Table};
 use crate::looks::Looks;
 use ramp_robot::Pose;
 
 /// Pixels along a row for which the way to the next direction is taken to be the same.
 const STRETCH: usize = 16;
+/// Values of a block of a row: 16 pixels. A block of one colour, with neighbours of the same, stays as it is.
+const BLOCK: usize = 3 * 16;
+
+/// A row of linear light after the blur along it.
+#[derive(Clone)]
+struct Blurred {
+    light: Vec<u16>,
+    /// Which of its blocks show one colour, as the pixels before and after them do.
+    even: Vec<bool>,
+}
+
+impl Blurred {
+    fn new(width: usize) -> Blurred {
+        Blurred { light: vec![0; 3 * width], even: vec![false; (3 * width).div_ceil(BLOCK)] }
+    }
+
+    /// Takes over a row, of which the first and the last pixel are there twice.
+    fn take(&mut self, light: &[u16]) {
+        for ((mixed, even), from) in
+            self.light.chunks_mut(BLOCK).zip(&mut self.even).zip((0..).step_by(BLOCK))
+        {
+            let end = from + mixed.len();
+            *even = light[from..end + 3] == light[from + 3..end + 6];
+            if *even {
+                copy(mixed, &light[from..end]);
+            } else {
+                blur(mixed, &light[from..end], &light[from + 3..end + 3], &light[from + 6..end + 6]);
+            }
+        }
+    }
+
+    /// Blurs across the rows: this one, and those above and below.
+    fn mix(&self, [above, below]: [&Blurred; 2], mixed: &mut [u16]) {
+        for ((mixed, index), from) in mixed.chunks_mut(BLOCK).zip(0..).zip((0..).step_by(BLOCK)) {
+            let block = from..from + mixed.len();
+            let colour = |row: &Blurred| row.even[index].then(|| [0, 1, 2].map(|at| row.light[from + at]));
+            let even =
+                colour(self).is_some_and(|here| [above, below].iter().all(|row| colour(row) == Some(here)));
+            let [above, here, below] = [above, self, below].map(|row| &row.light[block.clone()]);
+            if even {
+                copy(mixed, here);
+            } else {
+                blur(mixed, above, here, below);
+            }
+        }
+    }
+}
 
 impl Renderer {
     /// Colours every pixel, blurs as the lens does, and hands over the linear light of one row after another.
@@ -14,16 +61,26 @@ impl Renderer {
         let (width, height) = (self.lens.model.width, self.lens.model.height);
         // A row of linear light with its first and last pixel repeated, and the last three rows, blurred.
         let mut light = vec![0u16; 3 * (width + 2)];
-        let mut rows = vec![vec![0u16; 3 * width]; 3];
+        let mut rows = vec![Blurred::new(width); 3];
         let mut mixed = vec![0u16; 3 * width];
         let table = Table::new(looks, x_wc, &self.lens.model);
-        let mut nodes = vec![[0.0; 2]; width.div_ceil(table.stride) + 1];
+        let columns = width.div_ceil(table.stride) + 1;
+        // From a place that the camera has kept, the places that it sees on the table are the same.
+        let known = self.nodes_from == Some(*x_wc);
+        let mut nodes = std::mem::take(&mut self.nodes);
+        nodes.resize(columns * height, Node::default());
         for y in 0..=height {
             if y < height {
-                self.colour_row(looks, &table, y, &mut nodes, &mut light[3..3 * (width + 1)]);
+                let nodes = &mut nodes[y * columns..][..columns];
+                let map: (&[u8], &[u32]) = (&self.bare, &self.soft);
+                if !known {
+                    table.place_nodes(looks, map.0, self.lens.row(y), nodes);
+                }
+                table.light_nodes(map.1, nodes);
+                self.colour_row(looks, &table, y, nodes, &mut light[3..3 * (width + 1)]);
                 light.copy_within(3..6, 0);
                 light.copy_within(3 * width..3 * (width + 1), 3 * (width + 1));
-                blur(&mut rows[y % 3], &light, &light[3..], &light[6..]);
+                rows[y % 3].take(&light);
             }
             if y == 0 {
                 continue;
@@ -31,25 +88,16 @@ impl Renderer {
             let above = &rows[y.saturating_sub(2) % 3];
             let here = &rows[(y - 1) % 3];
             let below = &rows[y.min(height - 1) % 3];
-            blur(&mut mixed, above, here, below);
+            here.mix([above, below], &mut mixed);
             row(&mixed);
         }
+        (self.nodes, self.nodes_from) = (nodes, Some(*x_wc));
     }
 
-    fn colour_row(
-        &self,
-        looks: &Looks,
-        table: &Table<'_>,
-        y: usize,
-        nodes: &mut [[f32; 2]],
-        light: &mut [u16],
-    ) {
+    fn colour_row(&self, looks: &Looks, table: &Table<'_>, y: usize, nodes: &mut [Node], light: &mut [u16]) {
         let width = self.lens.model.width;
         let [dx, dy] = self.lens.row(y);
-        for (index, node) in nodes.iter_mut().enumerate() {
-            let x = (index * table.stride).min(width - 1);
-            *node = table.place(dx[x], dy[x]);
-        }
+        let map: (&[u8], &[u32]) = (&self.bare, &self.soft);
         let shown = &self.shown[y * width..][..width];
         let mut x = 0;
         while x < width {
@@ -59,14 +107,18 @@ impl Renderer {
             if what == 0 {
                 let mut from = x;
                 while from < end {
+                    if let Some((colour, to)) = table.even(nodes, from, end) {
+                        light[3 * from..3 * to].as_chunks_mut().0.fill(colour);
+                        from = to;
+                        continue;
+                    }
                     let to = end.min((from / table.stride + 1) * table.stride);
-                    let light = &mut light[3 * from..3 * to];
-                    table.stretch(looks, (&self.bare, &self.soft), [dx, dy], nodes, from, light);
+                    table.stretch(looks, map, [dx, dy], nodes, from, &mut light[3 * from..3 * to]);
                     from = to;
                 }
             } else if what & TAG == 0 {
                 let colour = self.palette[what as usize];
-                light[3 * x..3 * end].chunks_exact_mut(3).for_each(|light| light.copy_from_slice(&colour));
+                light[3 * x..3 * end].as_chunks_mut().0.fill(colour);
             } else {
                 let tag = &self.tags[(what & !TAG) as usize];
                 let mut steps = [[0.0; 2]; 2];
@@ -104,6 +156,15 @@ fn tag_pixel(tag: &SeenTag, steps: [[f32; 2]; 2], [dx, dy]: [f32; 2]) -> u16 {
         [(xx * sx + xy * sy - at[0] * fall) * one, (yx * sx + yy * sy - at[1] * fall) * one]
     });
     tag.light[tag.sticker.cells.white(at[0], at[1], right, below)]
+}
+
+/// Copies a block or what is left of one; a whole one without a call.
+#[inline]
+fn copy(to: &mut [u16], from: &[u16]) {
+    match (to.first_chunk_mut::<BLOCK>(), from.first_chunk::<BLOCK>()) {
+        (Some(to), Some(from)) => *to = *from,
+        _ => to.copy_from_slice(from),
+    }
 }
 
 /// The lens's blur across three neighbours, a standard deviation of 0.6 pixels.

@@ -2,6 +2,7 @@
 
 use super::map::{bare, shadow_size};
 use super::rigid::Rigid;
+use super::table::Node;
 use crate::lens::Lens;
 use crate::looks::{Looks, Sticker};
 use crate::texture::PLACES;
@@ -39,6 +40,9 @@ pub struct Renderer {
     /// Camera pose of the last picture.
     pub(super) x_wc: Pose,
     pub(super) screen: Vec<[f32; 3]>,
+    /// Places on the table by rows of the image, and the camera's pose that they are seen from.
+    pub(super) nodes: Vec<Node>,
+    pub(super) nodes_from: Option<Pose>,
     pub(super) shadow: Vec<u8>,
     /// Sums while shadows' edges are made soft.
     pub(super) sums: [Vec<u16>; 2],
@@ -64,6 +68,8 @@ impl Renderer {
             tags: Vec::new(),
             x_wc: Pose::identity(),
             screen: Vec::new(),
+            nodes: Vec::new(),
+            nodes_from: None,
             shadow: vec![0; cells[0] * cells[1]],
             sums: [0, 1].map(|_| vec![0; cells[0] * cells[1]]),
             soft: vec![0; cells[0] * cells[1]],

@@ -17,6 +17,29 @@ const WALL_COLOUR: [f32; 3] = [0.55, 0.57, 0.60];
 const STRIDES: [usize; 2] = [16, 8];
 const BARE: f32 = 20.0e-3;
 
+/// A place on the table.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Node {
+    /// m in the world.
+    at: [f32; 2],
+    /// Its content, [`DETAIL`] to [`WALL`].
+    kind: u8,
+    on_sheet: bool,
+    /// Light that reaches it, of 256.
+    left: u32,
+}
+
+impl Node {
+    fn is_close(&self, other: &Node) -> bool {
+        (other.at[0] - self.at[0]).abs().max((other.at[1] - self.at[1]).abs()) < BARE
+    }
+
+    /// Is there one thing between two places, and nothing to be seen on it?
+    fn is_plain(&self, other: &Node) -> bool {
+        self.kind == other.kind && self.kind != DETAIL
+    }
+}
+
 /// The view of the table.
 pub(super) struct Table<'a> {
     turn: [[f32; 3]; 3],
@@ -66,52 +89,97 @@ impl<'a> Table<'a> {
         [(self.eye[0], x), (self.eye[1], y)].map(|(eye, way)| if down { eye + t * way } else { ABOVE })
     }
 
-    /// Colours the pixels from `x` on, which all show the table. `nodes` are the places of each `stride`th
-    /// pixel of the row and of its last: between two that are close to each other, places and shadows go
-    /// straight.
+    /// Sets what there is at the places of each `stride`th pixel of a row and of its last.
+    pub(super) fn place_nodes(&self, looks: &Looks, bare: &[u8], [dx, dy]: [&[f32]; 2], nodes: &mut [Node]) {
+        for (index, node) in nodes.iter_mut().enumerate() {
+            let x = (index * self.stride).min(dx.len() - 1);
+            node.at = self.place(dx[x], dy[x]);
+            node.kind = kind(bare, node.at);
+            node.on_sheet = node.kind == PAPER || node.kind == DETAIL && on_sheet(looks, node.at);
+        }
+    }
+
+    /// Sets the light at these places.
+    pub(super) fn light_nodes(&self, soft: &[u32], nodes: &mut [Node]) {
+        for node in nodes {
+            node.left = if node.kind < FLOOR { shade_at(soft, node.at) } else { 256 };
+        }
+    }
+
+    /// Colours the pixels from `x` on, which all show the table and lie between two of the `nodes` of their
+    /// row: where these are close to each other, places and shadows go straight.
     pub(super) fn stretch(
         &self,
         looks: &Looks,
         (bare, soft): (&[u8], &[u32]),
         [dx, dy]: [&[f32]; 2],
-        nodes: &[[f32; 2]],
+        nodes: &[Node],
         x: usize,
         light: &mut [u16],
     ) {
         let (index, skip) = (x / self.stride, x % self.stride);
-        let (from, to) = (nodes[index], nodes[index + 1]);
-        let pixels = light.chunks_exact_mut(3);
-        let close = (to[0] - from[0]).abs().max((to[1] - from[1]).abs()) < BARE;
-        let (what, other) = (kind(bare, from), kind(bare, to));
-        let plain = what == other && what != DETAIL;
-        if close && (plain || on_sheet(looks, from) && on_sheet(looks, to)) {
-            let share = 1.0 / (dx.len() - 1 - index * self.stride).clamp(1, self.stride) as f32;
-            let [left, last] = if what < FLOOR { [from, to].map(|at| shade_at(soft, at)) } else { [256; 2] };
-            // In 65536th parts.
-            let fade = ((last as f32 - left as f32) * 65536.0 * share) as i32;
-            let begin = ((left as i32) << 16) + skip as i32 * fade;
-            let lefts = (0..).map(|step| ((begin + step * fade) >> 16) as u32);
-            if plain && fade == 0 {
-                let colour = dimmed(self.plain[usize::from(what)], left);
-                pixels.for_each(|light| light.copy_from_slice(&colour));
-            } else if plain {
-                let colour = self.plain[usize::from(what)];
-                pixels.zip(lefts).for_each(|(light, left)| light.copy_from_slice(&dimmed(colour, left)));
-            } else {
-                let step = [(to[0] - from[0]) * share, (from[1] - to[1]) * share];
+        let (from, to) = (&nodes[index], &nodes[index + 1]);
+        let pixels = light.as_chunks_mut().0;
+        if !from.is_close(to) {
+            return self.each(looks, (bare, soft), [&dx[x..], &dy[x..]], pixels);
+        }
+        let on_sheet = from.on_sheet && to.on_sheet;
+        let plain = if from.is_plain(to) {
+            Some(self.plain[usize::from(from.kind)])
+        } else if on_sheet && self.is_blank(looks, from, to) {
+            Some(self.plain[usize::from(PAPER)])
+        } else {
+            None
+        };
+        let share = 1.0 / (dx.len() - 1 - index * self.stride).clamp(1, self.stride) as f32;
+        // In 65536th parts.
+        let fade = ((to.left as f32 - from.left as f32) * 65536.0 * share) as i32;
+        let begin = ((from.left as i32) << 16) + skip as i32 * fade;
+        let lefts = (0..).map(|step| ((begin + step * fade) >> 16) as u32);
+        match plain {
+            Some(colour) if fade == 0 => pixels.fill(dimmed(colour, from.left)),
+            Some(colour) => {
+                pixels.iter_mut().zip(lefts).for_each(|(light, left)| *light = dimmed(colour, left))
+            }
+            None if on_sheet => {
+                let step = [(to.at[0] - from.at[0]) * share, (from.at[1] - to.at[1]) * share];
                 let skip = skip as f32;
                 let at = [
-                    from[0] - looks.sheet_corner[0] + skip * step[0],
-                    looks.sheet_corner[1] - from[1] + skip * step[1],
+                    from.at[0] - looks.sheet_corner[0] + skip * step[0],
+                    looks.sheet_corner[1] - from.at[1] + skip * step[1],
                 ];
-                for ((light, number), left) in pixels.zip(self.sheet.along(at, step)).zip(lefts) {
-                    light.copy_from_slice(&self.faded(number, left));
+                for ((light, number), left) in pixels.iter_mut().zip(self.sheet.along(at, step)).zip(lefts) {
+                    *light = self.faded(number, left);
                 }
             }
-            return;
+            None => self.each(looks, (bare, soft), [&dx[x..], &dy[x..]], pixels),
         }
-        for ((light, dx), dy) in pixels.zip(&dx[x..]).zip(&dy[x..]) {
-            light.copy_from_slice(&self.colour(looks, (bare, soft), self.place(*dx, *dy)));
+    }
+
+    /// From `x` on, which lies after a node, up to `end`: the one colour of the pixels up to another node,
+    /// if they all show the table and have one, and the first pixel after them.
+    pub(super) fn even(&self, nodes: &[Node], x: usize, end: usize) -> Option<([u16; 3], usize)> {
+        let first = x / self.stride;
+        let here = nodes[first];
+        let even = |pair: &[Node]| {
+            pair[0].is_close(&pair[1]) && here.is_plain(&pair[1]) && here.left == pair[1].left
+        };
+        let most = (end - 1) / self.stride + 1 - first;
+        let count = nodes[first..].windows(2).take(most).take_while(|pair| even(pair)).count();
+        let colour = || dimmed(self.plain[usize::from(here.kind)], here.left);
+        (count > 0).then(|| (colour(), end.min((first + count) * self.stride)))
+    }
+
+    /// Is nothing printed on the sheet between two places on it?
+    fn is_blank(&self, looks: &Looks, from: &Node, to: &Node) -> bool {
+        let on = |node: &Node| [node.at[0] - looks.sheet_corner[0], looks.sheet_corner[1] - node.at[1]];
+        self.sheet.is_blank(on(from), on(to))
+    }
+
+    /// Colours pixels, each by itself, that see the table along these directions.
+    fn each(&self, looks: &Looks, map: (&[u8], &[u32]), [dx, dy]: [&[f32]; 2], light: &mut [[u16; 3]]) {
+        for ((light, dx), dy) in light.iter_mut().zip(dx).zip(dy) {
+            *light = self.colour(looks, map, self.place(*dx, *dy));
         }
     }
 

@@ -69,3 +69,21 @@ fn what_is_in_front_hides_what_is_behind_and_is_labelled() {
         assert!((f64::from(renderer.depth()[middle + 300]) - 2.5).abs() < 1e-3);
     }
 }
+
+#[test]
+fn a_picture_depends_on_no_earlier_one() {
+    let kit = read_kit(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/kit.xml")).unwrap();
+    let looks = Arc::new(Looks::new(&kit, None).unwrap());
+    let model = CameraModel::nominal(Camera::BirdsEye, TIP);
+    let peg = looks.body("p1").unwrap();
+    let scene = |y: f64| Scene { bodies: vec![(peg, Pose::translation(0.6, y, 0.05))] };
+    let stays = model.x_wc(&Pose::identity());
+    let goes = Pose::translation(0.1, 0.05, 0.0) * stays;
+    let mut kept = Renderer::new(Arc::clone(&looks), &model);
+    // The camera stays, goes, and comes back, while the peg moves.
+    for (y, x_wc) in [(0.0, stays), (0.2, stays), (0.2, goes), (0.1, stays)] {
+        let image = kept.render(&scene(y), &x_wc, &mut Sensor::ideal());
+        let mut new = Renderer::new(Arc::clone(&looks), &model);
+        assert!(image == new.render(&scene(y), &x_wc, &mut Sensor::ideal()), "{y} {x_wc}");
+    }
+}

@@ -34,7 +34,7 @@ impl PartFinder {
         places.insert(sheet.id, sheet);
         let beams = kit.beams.iter().map(|beam| beam.name.clone());
         let order = beams.chain(kit.pegs.iter().map(|peg| peg.name.clone())).collect();
-        Ok(PartFinder { places, order, tags: TagFinder::new(1.0)? })
+        Ok(PartFinder { places, order, tags: TagFinder::new()? })
     }
 
     /// Poses of the tags on the parts.
