@@ -71,8 +71,8 @@ pub(crate) fn call_again(judged: &mut Judged, calls: Decoder) -> Result<Again, A
                 again.conduct.read(judged.twin.time(), &parts);
                 again.answer(judged, &mut entries, parts.map(|parts| answer::of_readings(&parts)))
             }
-            Entry::Look(camera) => {
-                let image = judged.look(camera);
+            Entry::Look(camera, width) => {
+                let image = judged.look_sized(camera, width);
                 again.conduct.looked(judged.twin.time(), &image);
                 again.answer(judged, &mut entries, image.map(|image| answer::of_image(&image)))
             }

@@ -5,7 +5,9 @@ use std::time::Instant;
 use ramp_log::Recorder;
 use ramp_referee::{REST, Reason, Referee};
 use ramp_result::episode::{FaultInfo, PegResult, Physics, RejectReason, RejectedPeg};
-use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
+use ramp_robot::{
+    Camera, CameraModel, Command, Image, ImageWidth, Observation, PartReading, Robot, RobotError,
+};
 use ramp_twin::{FaultReport, Moment, Setup, Twin};
 
 use crate::answer;
@@ -261,14 +263,14 @@ impl Robot for Judged<'_, '_> {
         self.answer(result)
     }
 
-    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+    fn look_sized(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, RobotError> {
         self.called();
         if let Some(recorder) = self.recorder() {
-            recorder.look(camera);
+            recorder.look(camera, width);
         }
         let result = match &self.stopped {
             Some(error) => Err(error.clone()),
-            None => self.twin.look(camera),
+            None => self.twin.look_sized(camera, width),
         };
         self.record_answer(&result, answer::of_image);
         self.judge();

@@ -224,7 +224,7 @@ impl<'a> ExternalAgent<'a> {
                 Err(error) if error.is_final() => Err(End::Robot(error)),
                 Err(error) => Ok(Answer::Refused(error)),
             },
-            Request::Look(look) => match robot.look(look.camera()) {
+            Request::Look(look) => match robot.look_sized(look.camera(), look.width().map_err(wrong)?) {
                 Ok(image) => Ok(Answer::Image(image)),
                 Err(error) if error.is_final() => Err(End::Robot(error)),
                 Err(error) => Ok(Answer::Refused(error)),

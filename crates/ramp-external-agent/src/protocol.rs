@@ -5,8 +5,8 @@ use anstream::adapter::strip_str;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector6};
 use ramp_kit::source::{A_NAME, is_name, is_text, plain, shorten, without_mark};
 use ramp_robot::{
-    ArmCommand, Camera, Command, DOF, Event, EventKind, GripperCommand, Image, Impedance, MOST_EVENT,
-    OLDER_KINDS, Observation, PartReading, Pose, RobotError, is_reserved,
+    ArmCommand, Camera, Command, DOF, Event, EventKind, GripperCommand, Image, ImageWidth, Impedance,
+    MOST_EVENT, OLDER_KINDS, Observation, PartReading, Pose, RobotError, is_reserved,
 };
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
@@ -204,11 +204,14 @@ impl CommandText {
     }
 }
 
-/// Which camera.
+/// Which camera, and how large an image.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Look {
     camera: CameraText,
+    /// Pixels in a row.
+    #[serde(default)]
+    size: Option<u64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -225,6 +228,18 @@ impl Look {
             CameraText::Wrist => Camera::Wrist,
             CameraText::BirdsEye => Camera::BirdsEye,
         }
+    }
+
+    /// The width of the image; `None` is the camera's own.
+    ///
+    /// # Errors
+    /// The mistake, for a person.
+    pub fn width(&self) -> Result<Option<ImageWidth>, String> {
+        let Some(size) = self.size else { return Ok(None) };
+        let (least, most) = (ImageWidth::LEAST, ImageWidth::MOST);
+        let width = ImageWidth::new(size)
+            .ok_or_else(|| format!("asks for an image of size {size}, and {least} to {most} are possible"))?;
+        Ok(Some(width))
     }
 }
 
@@ -475,6 +490,26 @@ mod tests {
         let python = why("{'step': 1}");
         assert!(python.starts_with("is not understood: key must be a string"), "{python}");
         assert!(python.ends_with(": `{'step': 1}`"), "{python}");
+    }
+
+    #[test]
+    fn an_image_has_a_size_that_a_camera_can_give() {
+        let width = |look: Value| {
+            let Request::Look(look) = parse(json!({ "look": look }).to_string().as_bytes())? else {
+                panic!("not a look");
+            };
+            look.width()
+        };
+        assert_eq!(width(json!({"camera": "wrist"})), Ok(None));
+        assert_eq!(width(json!({"camera": "wrist", "size": 224})), Ok(ImageWidth::new(224)));
+        for wrong in [0, 15, 1281, u64::MAX] {
+            let refused = width(json!({"camera": "wrist", "size": wrong}));
+            assert!(
+                refused.as_ref().is_err_and(|why| why.contains("16 to 1280 are possible")),
+                "{refused:?}"
+            );
+        }
+        assert!(width(json!({"camera": "wrist", "size": -1})).is_err());
     }
 
     #[test]

@@ -147,6 +147,11 @@ impl Driver {
         }
     }
 
+    /// Tells the gripper, from the next command on.
+    pub fn grip(&mut self, gripper: GripperCommand) {
+        self.gripper = gripper;
+    }
+
     /// Offset of the target from the tip: along and about the axes of the world, m and rad. Zero without a
     /// command.
     pub fn lead(&self, seen: &Observation) -> Vector6<f64> {

@@ -2,7 +2,9 @@
 //! [`Body`], such as a Python object or a program in another process.
 
 use ramp_planner::Impossible;
-use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
+use ramp_robot::{
+    Camera, CameraModel, Command, Image, ImageWidth, Observation, PartReading, Robot, RobotError,
+};
 use ramp_skills::cell::Workcell;
 use ramp_skills::hand::Hand;
 use ramp_skills::rehearsal::{Outline, Scene};
@@ -155,8 +157,8 @@ impl Robot for HandRobot<'_, '_> {
         self.0.expose()
     }
 
-    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
-        self.0.look(camera)
+    fn look_sized(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, RobotError> {
+        self.0.look_sized(camera, width)
     }
 
     fn camera(&self, camera: Camera) -> CameraModel {

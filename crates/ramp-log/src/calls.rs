@@ -7,7 +7,7 @@
 //! costs one bit; repeated commands cost only their count.
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector6};
-use ramp_robot::{ArmCommand, Camera, Command, DOF, GripperCommand, Impedance, Pose};
+use ramp_robot::{ArmCommand, Camera, Command, DOF, GripperCommand, ImageWidth, Impedance, Pose};
 
 /// Most periods that one entry may stand for: longer than the longest episode.
 const MOST_PERIODS: u64 = 4_000_000;
@@ -25,6 +25,9 @@ const STATE: u8 = 10;
 const ANSWERED: u8 = 11;
 const REFUSED: u8 = 12;
 const EXPOSE: u8 = 13;
+// Followed by the width of the image.
+const LOOK_WRIST_SIZED: u8 = 14;
+const LOOK_BIRDS_EYE_SIZED: u8 = 15;
 
 /// One entry of an episode's record.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,8 +36,8 @@ pub enum Entry {
     Step(Box<Command>, u64),
     /// The parts were read.
     ReadParts,
-    /// An image was taken.
-    Look(Camera),
+    /// An image was taken, of the camera's own width or of another one.
+    Look(Camera, Option<ImageWidth>),
     /// The shutters of the cameras were opened.
     Expose,
     /// Not a call: the reading or image above was delivered, and its content has this hash.
@@ -67,6 +70,14 @@ pub enum CallsError {
     Repeat {
         /// From 1.
         entry: u64,
+    },
+    /// An image is asked for with a width that no image has.
+    #[error("entry {entry} of the calls asks for an image that is {width} pixels wide")]
+    Width {
+        /// From 1.
+        entry: u64,
+        /// Pixels.
+        width: u64,
     },
     /// A number has more bytes than a number can have.
     #[error("entry {entry} of the calls holds a number that is too long")]
@@ -268,12 +279,17 @@ impl Encoder {
     }
 
     /// An image was taken.
-    pub fn look(&mut self, camera: Camera) {
+    pub fn look(&mut self, camera: Camera, width: Option<ImageWidth>) {
         self.end_repeats();
-        self.bytes.push(match camera {
-            Camera::Wrist => LOOK_WRIST,
-            Camera::BirdsEye => LOOK_BIRDS_EYE,
+        self.bytes.push(match (camera, width) {
+            (Camera::Wrist, None) => LOOK_WRIST,
+            (Camera::BirdsEye, None) => LOOK_BIRDS_EYE,
+            (Camera::Wrist, Some(_)) => LOOK_WRIST_SIZED,
+            (Camera::BirdsEye, Some(_)) => LOOK_BIRDS_EYE_SIZED,
         });
+        if let Some(width) = width {
+            put_number(&mut self.bytes, width.pixels() as u64);
+        }
     }
 
     /// The shutters of the cameras were opened.
@@ -364,13 +380,20 @@ impl<'b> Decoder<'b> {
         Err(CallsError::Number { entry: self.entry })
     }
 
+    fn width(&mut self) -> Result<ImageWidth, CallsError> {
+        let width = self.number()?;
+        ImageWidth::new(width).ok_or(CallsError::Width { entry: self.entry, width })
+    }
+
     fn entry(&mut self) -> Result<Entry, CallsError> {
         let entry = self.entry;
         let kind = self.byte()?;
         match kind {
             READ_PARTS => Ok(Entry::ReadParts),
-            LOOK_WRIST => Ok(Entry::Look(Camera::Wrist)),
-            LOOK_BIRDS_EYE => Ok(Entry::Look(Camera::BirdsEye)),
+            LOOK_WRIST => Ok(Entry::Look(Camera::Wrist, None)),
+            LOOK_BIRDS_EYE => Ok(Entry::Look(Camera::BirdsEye, None)),
+            LOOK_WRIST_SIZED => Ok(Entry::Look(Camera::Wrist, Some(self.width()?))),
+            LOOK_BIRDS_EYE_SIZED => Ok(Entry::Look(Camera::BirdsEye, Some(self.width()?))),
             EXPOSE => Ok(Entry::Expose),
             STATE => Ok(Entry::State(self.hash()?)),
             ANSWERED => Ok(Entry::Answered(self.hash()?)),
@@ -465,7 +488,7 @@ mod tests {
             if index % 700 == 0 {
                 encoder.read_parts();
                 encoder.refused();
-                encoder.look(Camera::BirdsEye);
+                encoder.look(Camera::BirdsEye, ImageWidth::new(16 + index as u64 / 10));
                 encoder.answered(index as u64);
                 encoder.state(index as u64);
                 bytes.extend(encoder.take());
@@ -496,6 +519,9 @@ mod tests {
             all(&[6, 255, 255, 255, 255, 255, 255, 255, 255, 255, 2]),
             Err(CallsError::Number { entry: 1 })
         );
+        assert_eq!(all(&[14, 224, 1]), Ok(vec![Entry::Look(Camera::Wrist, ImageWidth::new(224))]));
+        assert_eq!(all(&[15, 8]), Err(CallsError::Width { entry: 1, width: 8 }));
+        assert_eq!(all(&[15]), Err(CallsError::Short { entry: 1 }));
         let mut encoder = Encoder::default();
         encoder.step(&commands()[0]);
         let mut bytes = encoder.take();

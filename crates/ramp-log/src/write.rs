@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use mcap::records::{MessageHeader, Metadata};
 use nalgebra::Vector3;
 use ramp_assembly::Truth;
-use ramp_robot::{ArmCommand, Camera, Command, Observation, Pose};
+use ramp_robot::{ArmCommand, Camera, Command, ImageWidth, Observation, Pose};
 use serde_json::{Value, json};
 
 use ramp_referee::{Referee, Seated};
@@ -189,8 +189,8 @@ impl Recorder {
     }
 
     /// The agent is about to take an image.
-    pub fn look(&mut self, camera: Camera) {
-        self.calls.look(camera);
+    pub fn look(&mut self, camera: Camera, width: Option<ImageWidth>) {
+        self.calls.look(camera, width);
     }
 
     /// The agent is about to open the shutters of the cameras.

@@ -51,7 +51,15 @@ struct Steps {
     entries: Vec<Entry>,
 }
 
-/// Reads a plan that starts from nothing: the output of `ramp plan GOAL --json`, or the plan of a PDDL
+/// Reads a plan that starts from nothing, as [`read_plan_from`].
+///
+/// # Errors
+/// As [`read_plan_from`].
+pub fn read_plan(text: &str, assembly: &Assembly, domains: &Domains) -> Result<Plan, PlanFileError> {
+    read_plan_from(text, assembly, &State::default(), domains)
+}
+
+/// Reads a plan that starts from a state: the output of `ramp plan GOAL --json`, or the plan of a PDDL
 /// planner.
 ///
 /// Each step, coarse and fine, must be possible by the rules, and the last must leave the goal built.
@@ -59,8 +67,12 @@ struct Steps {
 ///
 /// # Errors
 /// If the text is not a plan, or the rules refuse a step.
-pub fn read_plan(text: &str, assembly: &Assembly, domains: &Domains) -> Result<Plan, PlanFileError> {
-    let state = State::default();
+pub fn read_plan_from(
+    text: &str,
+    assembly: &Assembly,
+    state: &State,
+    domains: &Domains,
+) -> Result<Plan, PlanFileError> {
     let Steps { steps, mut entries } = if text.trim_start().starts_with('{') {
         let file: Result<File, _> = serde_json::from_str(text);
         file.map_err(|error| PlanFileError::Form {
@@ -70,14 +82,15 @@ pub fn read_plan(text: &str, assembly: &Assembly, domains: &Domains) -> Result<P
         })?
         .plan
     } else {
-        Steps { steps: pddl_plan(assembly, &state, domains, text)?, entries: Vec::new() }
+        Steps { steps: pddl_plan(assembly, state, domains, text)?, entries: Vec::new() }
     };
-    Replayer::new(assembly, domains, &state)?.run(&steps)?;
+    Replayer::new(assembly, domains, state)?.run(&steps)?;
     let has = |entries: &[Entry], beam: &str| entries.iter().any(|entry| entry.beam == beam);
     let base = &assembly.beams[assembly.base].beam.name;
-    let names = assembly.beams.iter().map(|placed| &placed.beam.name).filter(|name| *name != base);
+    let missing = |name: &&String| *name != base && !state.in_assembly.contains(name);
+    let names = assembly.beams.iter().map(|placed| &placed.beam.name).filter(missing);
     if !names.clone().all(|name| has(&entries, name)) {
-        let own = plan(assembly, &state, domains)?;
+        let own = plan(assembly, state, domains)?;
         let (lacking, _): (Vec<Entry>, Vec<Entry>) =
             own.entries.into_iter().partition(|entry| !has(&entries, &entry.beam));
         entries.extend(lacking);

@@ -5,7 +5,8 @@ use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArray3, PyArrayLike1, PyAr
 use pyo3::prelude::*;
 use ramp_kit::Pose;
 use ramp_robot::{
-    ArmCommand, Camera, Command as Inner, DOF, GripperCommand, Image, Impedance, Observation as Seen,
+    ArmCommand, Camera, Command as Inner, DOF, GripperCommand, Image, ImageWidth, Impedance,
+    Observation as Seen,
 };
 
 use crate::errors::input;
@@ -61,6 +62,14 @@ pub fn seven(x: &Pose) -> Vec<f64> {
 pub fn camera(name: &str) -> PyResult<Camera> {
     let named = Camera::ALL.into_iter().find(|it| it.name() == name || it.name().replace('-', "_") == name);
     named.ok_or_else(|| input(format!("there is no camera `{name}`; there are wrist, birds-eye")))
+}
+
+/// The width of an image, pixels; `None` is the camera's own.
+pub fn width_of(size: Option<u64>) -> PyResult<Option<ImageWidth>> {
+    let Some(size) = size else { return Ok(None) };
+    let (least, most) = (ImageWidth::LEAST, ImageWidth::MOST);
+    let wrong = || input(format!("size: found {size}, expected an integer from {least} to {most}"));
+    Ok(Some(ImageWidth::new(size).ok_or_else(wrong)?))
 }
 
 /// An image as an array of shape (height, width, 3).
@@ -262,7 +271,8 @@ impl CameraImage {
         self.inner.time
     }
 
-    /// Red, green and blue of each pixel, gamma 2.2, shape (800, 1280, 3), uint8.
+    /// Red, green and blue of each pixel, gamma 2.2, shape (height, width, 3), uint8: (800, 1280, 3)
+    /// without a size.
     #[getter]
     fn pixels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
         picture(py, self.inner.pixels.clone(), [self.inner.height, self.inner.width])

@@ -19,8 +19,8 @@ use ramp_result::collection::LARGEST;
 use ramp_result::episode::{RobotTime, Software, StartInfo, WorldLabel};
 use ramp_result::resume::{Identity, Shared, Wanted};
 use ramp_robot::{
-    Account, Agent, Camera, CameraModel, Command, Event, Image, MOST_EVENT, MOST_EVENTS, Observation,
-    PartReading, Robot as Seam, RobotError, TIME_LIMIT,
+    Account, Agent, Camera, CameraModel, Command, Event, Image, ImageWidth, MOST_EVENT, MOST_EVENTS,
+    Observation, PartReading, Robot as Seam, RobotError, TIME_LIMIT,
 };
 use ramp_skills::rehearsal::Outline;
 use ramp_skills::{Baseline, Parameters, ReferenceTimes, reference_times_of_goal};
@@ -95,9 +95,9 @@ impl Seam for Watched<'_> {
         self.robot.expose()
     }
 
-    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+    fn look_sized(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, RobotError> {
         self.check()?;
-        self.robot.look(camera)
+        self.robot.look_sized(camera, width)
     }
 
     fn camera(&self, camera: Camera) -> CameraModel {
@@ -269,8 +269,8 @@ impl Seam for Kept<'_> {
         self.keep(result)
     }
 
-    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
-        let result = self.robot.look(camera);
+    fn look_sized(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, RobotError> {
+        let result = self.robot.look_sized(camera, width);
         self.keep(result)
     }
 

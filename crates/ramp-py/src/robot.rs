@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use ramp_robot::{Command as Inner, Observation as Seen, PartReading, Robot as Seam};
 
-use crate::convert::{CameraImage, Command, Observation, camera as camera_of, seven};
+use crate::convert::{CameraImage, Command, Observation, camera as camera_of, seven, width_of};
 use crate::errors::{Interrupts, detached, robot};
 use crate::integers;
 
@@ -139,10 +139,14 @@ impl Robot {
         self.with(|it| it.expose().map_err(|error| robot(&error)))
     }
 
-    /// An image of a camera, `wrist` or `birds-eye`. Robot time passes.
-    fn look(&self, py: Python<'_>, camera: &str) -> PyResult<CameraImage> {
-        let which = camera_of(camera)?;
-        let look = |it: &mut dyn Seam| it.look(which).map(CameraImage::from).map_err(|error| robot(&error));
+    /// An image of a camera, `wrist` or `birds-eye`. Robot time passes. `size`: pixels in a row, 16 to 1280,
+    /// for an image of the whole field of view that is drawn in this size at once; without it, 1280.
+    #[pyo3(signature = (camera, *, size=None))]
+    fn look(&self, py: Python<'_>, camera: &str, size: Option<u64>) -> PyResult<CameraImage> {
+        let (which, width) = (camera_of(camera)?, width_of(size)?);
+        let look = |it: &mut dyn Seam| {
+            it.look_sized(which, width).map(CameraImage::from).map_err(|error| robot(&error))
+        };
         detached(py, || self.with(look))
     }
 }

@@ -12,7 +12,7 @@ use ramp_referee::Referee;
 use ramp_robot::{Robot as _, Track};
 use ramp_twin::{Fault, Setup, Twin as Inner};
 
-use crate::convert::{CameraImage, Command, Observation, camera as camera_of, picture, seven};
+use crate::convert::{CameraImage, Command, Observation, camera as camera_of, picture, seven, width_of};
 use crate::errors::{data, detached, input, robot};
 use crate::files::Benchmark;
 use crate::integers;
@@ -127,9 +127,11 @@ impl Twin {
         self.cell()?.twin.expose().map_err(|error| robot(&error))
     }
 
-    fn look(&self, py: Python<'_>, camera: &str) -> PyResult<CameraImage> {
-        let camera = camera_of(camera)?;
-        let image = detached(py, || self.cell()?.twin.look(camera).map_err(|error| robot(&error)))?;
+    #[pyo3(signature = (camera, size=None))]
+    fn look(&self, py: Python<'_>, camera: &str, size: Option<u64>) -> PyResult<CameraImage> {
+        let (camera, width) = (camera_of(camera)?, width_of(size)?);
+        let look = || self.cell()?.twin.look_sized(camera, width).map_err(|error| robot(&error));
+        let image = detached(py, look)?;
         Ok(image.into())
     }
 

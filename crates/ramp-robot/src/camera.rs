@@ -8,6 +8,9 @@ use nalgebra::{Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 
 use crate::pose::Pose;
 
+/// Width and height of a full image, pixels.
+const NOMINAL_SIZE: [usize; 2] = [1280, 800];
+
 /// A camera of the robot's cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Camera {
@@ -27,6 +30,39 @@ impl Camera {
             Camera::Wrist => "wrist",
             Camera::BirdsEye => "birds-eye",
         }
+    }
+}
+
+/// Pixels in a row of an image that is smaller than the camera's own.
+///
+/// ```
+/// use ramp_robot::camera::ImageWidth;
+/// assert_eq!(ImageWidth::new(224).map(ImageWidth::pixels), Some(224));
+/// assert_eq!(ImageWidth::new(8), None);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ImageWidth(u16);
+
+impl ImageWidth {
+    /// The smallest.
+    pub const LEAST: u64 = 16;
+    /// The largest: the camera's own.
+    pub const MOST: u64 = NOMINAL_SIZE[0] as u64;
+
+    /// A width from [`ImageWidth::LEAST`] to [`ImageWidth::MOST`], or `None`.
+    pub fn new(pixels: u64) -> Option<ImageWidth> {
+        let fits = (ImageWidth::LEAST..=ImageWidth::MOST).contains(&pixels);
+        u16::try_from(pixels).ok().filter(|_| fits).map(ImageWidth)
+    }
+
+    /// The camera's own.
+    pub fn full() -> ImageWidth {
+        ImageWidth(ImageWidth::MOST as u16)
+    }
+
+    /// Pixels in a row.
+    pub fn pixels(self) -> usize {
+        usize::from(self.0)
     }
 }
 
@@ -86,7 +122,7 @@ impl CameraModel {
     /// the hand's frame to the tip's along z, m. Poses and fields of view are those of the
     /// published simulation; the distortion is typical of a lens with this field of view.
     pub fn nominal(camera: Camera, tip: f64) -> CameraModel {
-        let (width, height) = (1280, 800);
+        let [width, height] = NOMINAL_SIZE;
         // Half of the horizontal field of view, the coefficients, and the mounting.
         let (half, distortion, mount) = match camera {
             // (50, 0, 50) mm in the hand's frame, looking along the hand's z, up towards the hand's
@@ -110,6 +146,30 @@ impl CameraModel {
             centre: [width as f64 / 2.0, height as f64 / 2.0],
             distortion,
             mount,
+        }
+    }
+
+    /// The same lens with another number of pixels: the same field of view, `width` pixels in a row, and as
+    /// many rows as the ratio of the sides gives, rounded.
+    ///
+    /// ```
+    /// use ramp_robot::camera::{Camera, CameraModel, ImageWidth};
+    /// let small = CameraModel::nominal(Camera::Wrist, 0.1134).with_width(ImageWidth::new(224).unwrap());
+    /// assert_eq!((small.width, small.height), (224, 140));
+    /// ```
+    #[must_use]
+    pub fn with_width(&self, width: ImageWidth) -> CameraModel {
+        let width = width.pixels();
+        let scale = width as f64 / self.width as f64;
+        let rows = self.height as f64 * scale;
+        let height = (rows.round() as usize).max(1);
+        CameraModel {
+            width,
+            height,
+            focal: self.focal.map(|focal| focal * scale),
+            // Rows that rounding adds or drops are shared by both sides.
+            centre: [self.centre[0] * scale, self.centre[1] * scale + 0.5 * (height as f64 - rows)],
+            ..self.clone()
         }
     }
 

@@ -25,7 +25,7 @@ mod track;
 pub use action::{Action, Argument};
 pub use agent::{Account, Agent, BASELINE, BLIND_TAPE, is_reserved};
 pub use arm::DOF;
-pub use camera::{Camera, CameraModel, Image};
+pub use camera::{Camera, CameraModel, Image, ImageWidth};
 pub use cause::Cause;
 pub use command::{ArmCommand, Command, GripperCommand, Impedance};
 pub use error::RobotError;

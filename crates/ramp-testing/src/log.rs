@@ -57,7 +57,7 @@ pub fn with_entries(bytes: &[u8], entries: &[Entry]) -> Vec<u8> {
         match entry {
             Entry::Step(command, periods) => (0..*periods).for_each(|_| encoder.step(command)),
             Entry::ReadParts => encoder.read_parts(),
-            Entry::Look(camera) => encoder.look(*camera),
+            Entry::Look(camera, width) => encoder.look(*camera, *width),
             Entry::Expose => encoder.expose(),
             Entry::Answered(hash) => encoder.answered(*hash),
             Entry::Refused => encoder.refused(),

@@ -1,7 +1,9 @@
 //! Robots that a test changes: each call goes to the robot below, and the test alters what goes down or comes
 //! up.
 
-use ramp_robot::{Camera, CameraModel, Command, Image, Observation, PartReading, Robot, RobotError};
+use ramp_robot::{
+    Camera, CameraModel, Command, Image, ImageWidth, Observation, PartReading, Robot, RobotError,
+};
 
 /// An alteration of a robot in a test. By default none.
 pub trait Alteration<R: Robot + ?Sized> {
@@ -87,8 +89,8 @@ impl<R: Robot + ?Sized, A: Alteration<R>> Robot for Altered<'_, R, A> {
         self.alteration.exposed(given)
     }
 
-    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
-        let given = self.robot.look(camera);
+    fn look_sized(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, RobotError> {
+        let given = self.robot.look_sized(camera, width);
         self.alteration.image(camera, given)
     }
 

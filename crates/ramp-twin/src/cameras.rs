@@ -9,7 +9,7 @@ use ramp_render::{Looks, LooksError, Renderer, Scene, Sensor};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::camera::Mount;
 use ramp_robot::random::Stream;
-use ramp_robot::{Camera, CameraModel, PERIOD, Pose};
+use ramp_robot::{Camera, CameraModel, ImageWidth, PERIOD, Pose};
 use ramp_world::groups;
 
 use crate::fault::FaultKind;
@@ -60,12 +60,59 @@ pub(crate) struct CamerasState {
 #[derive(Clone)]
 struct Eye {
     sensor: Sensor,
-    /// The last image: red, green and blue of each pixel. Empty in an episode in which no camera freezes.
-    last: Vec<u8>,
+    /// The last image. Without pixels before the first, and in an episode in which no camera freezes.
+    last: Pixels,
 }
 
-/// Renderers of both cameras, made when they are first needed. They carry nothing from one image to the next.
-pub(crate) type Renderers = [Option<Renderer>; 2];
+/// An image without its time and place.
+#[derive(Clone, Default)]
+pub(crate) struct Pixels {
+    pub width: usize,
+    pub height: usize,
+    /// Red, green and blue of each pixel, row by row from the top left.
+    pub rgb: Vec<u8>,
+}
+
+impl Pixels {
+    /// With another number of pixels: each is the nearest of this image.
+    fn with_size(&self, width: usize, height: usize) -> Pixels {
+        if (self.width, self.height) == (width, height) {
+            return self.clone();
+        }
+        let nearest = |pixel: usize, count: usize, own: usize| (2 * pixel + 1) * own / (2 * count);
+        let mut rgb = Vec::with_capacity(3 * width * height);
+        for row in (0..height).map(|row| nearest(row, height, self.height)) {
+            for column in (0..width).map(|column| nearest(column, width, self.width)) {
+                rgb.extend_from_slice(&self.rgb[3 * (row * self.width + column)..][..3]);
+            }
+        }
+        Pixels { width, height, rgb }
+    }
+}
+
+/// Renderers of one camera, made when they are first needed: of its own width, and of the last other one.
+/// They carry nothing from one image to the next.
+#[derive(Default)]
+pub(crate) struct CameraRenderers {
+    own: Option<Renderer>,
+    other: Option<(ImageWidth, Renderer)>,
+}
+
+/// Renderers of both cameras.
+pub(crate) type Renderers = [CameraRenderers; 2];
+
+impl CameraRenderers {
+    /// The renderer for images of this width.
+    fn get(&mut self, looks: Arc<Looks>, model: &CameraModel, width: Option<ImageWidth>) -> &mut Renderer {
+        let Some(width) = width else {
+            return self.own.get_or_insert_with(|| Renderer::new(looks, model));
+        };
+        if self.other.as_ref().is_some_and(|(last, _)| *last != width) {
+            self.other = None;
+        }
+        &mut self.other.get_or_insert_with(|| (width, Renderer::new(looks, &model.with_width(width)))).1
+    }
+}
 
 /// Number of a camera in arrays.
 fn index(camera: Camera) -> usize {
@@ -141,8 +188,8 @@ impl Cameras {
         ((self.physics.interval / PERIOD).round() as u64).max(u64::from(EXPOSURE_STEPS))
     }
 
-    /// The image of an exposure: its width, its height, and red, green and blue of each pixel. A frozen
-    /// camera repeats its last image, if it has taken one.
+    /// The image of an exposure, of the camera's own width or of another one. A frozen camera repeats its
+    /// last image, if it has taken one.
     ///
     /// # Errors
     /// When meshes and textures cannot be loaded.
@@ -151,35 +198,36 @@ impl Cameras {
         state: &mut CamerasState,
         renderers: &mut Renderers,
         arm: &ArmModel,
-        camera: Camera,
+        (camera, width): (Camera, Option<ImageWidth>),
         exposure: &Exposure,
-    ) -> Result<(usize, usize, Vec<u8>), LooksError> {
+    ) -> Result<Pixels, LooksError> {
         let looks = self.looks(arm)?;
         // The wrist camera sits inside its own housing.
         let housing = looks.body(HOUSING).filter(|_| camera == Camera::Wrist);
         let model = self.model(camera);
+        let size = width.map_or_else(|| model.clone(), |width| model.with_width(width));
         let eye = state.eyes[index(camera)].get_or_insert_with(|| Eye {
             sensor: Sensor::new(self.seed, camera.name()).with_light(self.physics.light),
-            last: Vec::new(),
+            last: Pixels::default(),
         });
-        let size = (model.width, model.height);
-        if exposure.frozen && !eye.last.is_empty() {
-            return Ok((size.0, size.1, eye.last.clone()));
+        if exposure.frozen && !eye.last.rgb.is_empty() {
+            return Ok(eye.last.with_size(size.width, size.height));
         }
-        let renderer = renderers[index(camera)].get_or_insert_with(|| Renderer::new(looks, model));
+        let renderer = renderers[index(camera)].get(looks, model, width);
         let seen = exposure.shown(camera).into_iter().map(|moment| {
             let mut scene = moment.scene.clone();
             scene.bodies.retain(|(index, _)| Some(*index) != housing);
             (scene, model.x_wc(&moment.x_wt))
         });
         let seen: Vec<(Scene, Pose)> = seen.collect();
-        let image = match &seen[..] {
+        let rgb = match &seen[..] {
             [(scene, x_wc)] => renderer.render(scene, x_wc, &mut eye.sensor),
             moving => renderer.render_moving(moving, &mut eye.sensor),
         };
+        let image = Pixels { width: size.width, height: size.height, rgb };
         if self.freeze {
             eye.last.clone_from(&image);
         }
-        Ok((size.0, size.1, image))
+        Ok(image)
     }
 }

@@ -12,11 +12,12 @@ use nalgebra::Vector3;
 use ramp_assembly::Truth;
 use ramp_render::Looks;
 use ramp_robot::{
-    ArmCommand, Camera, CameraModel, Command, DOF, Image, Observation, PartReading, Robot, RobotError, Track,
+    ArmCommand, Camera, CameraModel, Command, DOF, Image, ImageWidth, Observation, PartReading, Robot,
+    RobotError, Track,
 };
 
 use crate::broad_phase::BroadPhase;
-use crate::cameras::Renderers;
+use crate::cameras::{Pixels, Renderers};
 use crate::engine::body_pose;
 use crate::fault::{FaultReport, Injector, Start};
 use crate::layout::Layout;
@@ -45,7 +46,7 @@ struct Workspace {
 
 impl Workspace {
     fn new(scene: &Scene) -> Workspace {
-        Workspace { broad_phase: BroadPhase::new(&scene.model), renderers: [None, None] }
+        Workspace { broad_phase: BroadPhase::new(&scene.model), renderers: Renderers::default() }
     }
 }
 
@@ -247,15 +248,20 @@ impl Twin {
     }
 
     /// The image of a camera from the exposure with this number.
-    fn image(&mut self, camera: Camera, number: usize) -> Result<Image, RobotError> {
+    fn image(
+        &mut self,
+        camera: Camera,
+        width: Option<ImageWidth>,
+        number: usize,
+    ) -> Result<Image, RobotError> {
         let stopped = RobotError::CameraStopped { camera };
         let exposure = self.state.cameras.shutters.take(camera, number);
         let Some(middle) = exposure.middle() else { return Err(stopped) };
         let Scene { cameras, arm, .. } = &*self.scene;
         let (state, renderers) = (&mut self.state.cameras, &mut self.workspace.renderers);
-        let image = cameras.take(state, renderers, arm, camera, &exposure);
-        let (width, height, pixels) = image.map_err(|_| stopped)?;
-        Ok(Image { camera, time: middle.time, x_wt: middle.x_wt, width, height, pixels })
+        let image = cameras.take(state, renderers, arm, (camera, width), &exposure);
+        let Pixels { width, height, rgb } = image.map_err(|_| stopped)?;
+        Ok(Image { camera, time: middle.time, x_wt: middle.x_wt, width, height, pixels: rgb })
     }
 }
 
@@ -295,7 +301,7 @@ impl Robot for Twin {
         Ok(())
     }
 
-    fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
+    fn look_sized(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, RobotError> {
         self.check_running()?;
         self.check_images()?;
         let now = self.state.steps;
@@ -308,7 +314,7 @@ impl Robot for Twin {
         });
         let wait = cameras.shutters.available(number).saturating_sub(now);
         self.hold(u32::try_from(wait).unwrap_or(u32::MAX))?;
-        self.image(camera, number)
+        self.image(camera, width, number)
     }
 
     fn camera(&self, camera: Camera) -> CameraModel {

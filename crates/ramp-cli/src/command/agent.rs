@@ -1,5 +1,6 @@
 //! The agent of an episode: the baseline or an external program.
 
+use std::cell::Cell;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -12,11 +13,15 @@ use ramp_external_agent::{
     AgentFile, ExternalAgent, GoalMessage, Patience, Sandbox, SandboxError, adopt_orphans,
 };
 use ramp_planner::Plan;
+use ramp_policy_client::{PolicyAgent, PolicyServer, PolicyUrl};
 use ramp_robot::{Agent, Event};
 use ramp_twin::Setup;
 
 use crate::command::parts::{self, Parts};
 use crate::output::tell;
+
+/// Help for a policy server that cannot be used.
+const POLICY_HELP: &str = "start the server first; docs/src/reference/policies.md says what it has to send";
 
 /// Agent options of `ramp run` and `ramp bench`.
 #[derive(clap::Args)]
@@ -24,7 +29,10 @@ pub struct Arguments {
     /// Run this agent instead of the baseline: an executable, or a Python file
     #[arg(long, value_name = "FILE", conflicts_with = "path")]
     pub agent: Option<PathBuf>,
-    /// Time limit for each message of the agent; if it is exceeded, the episode ends
+    /// Run the policy behind this server of openpi's or RoboArena's kind instead of the baseline
+    #[arg(long, value_name = "ws://HOST:PORT", conflicts_with_all = ["agent", "path", "skill", "plan", "domain"])]
+    pub policy: Option<PolicyUrl>,
+    /// Time limit for each message of the agent, or answer of the policy; if it is exceeded, the episode ends
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
     pub agent_limit: f64,
     /// Run the agent in a sandbox, without access to your files, the network and other processes
@@ -53,6 +61,14 @@ impl Arguments {
         self.agent.as_deref().map(AgentFile::find).transpose().into_diagnostic()
     }
 
+    /// The policy server, if there is one: it has said what its policy is.
+    ///
+    /// # Errors
+    /// If it cannot be reached, or is not one.
+    pub fn policy(&self) -> Result<Option<PolicyServer>, Report> {
+        self.policy.as_ref().map(|url| find_policy(url, self.agent_limit)).transpose()
+    }
+
     /// The agent's sandbox, if requested. `hidden` lists files and folders that the agent must not see.
     ///
     /// # Errors
@@ -72,6 +88,12 @@ impl Arguments {
         let sandbox = sandbox.with_rooms();
         Ok(Some(if rooms_stand(&sandbox).into_diagnostic()? { sandbox } else { sandbox.without_rooms() }))
     }
+}
+
+/// Connects to a policy server, within `limit` seconds.
+pub fn find_policy(url: &PolicyUrl, limit: f64) -> Result<PolicyServer, Report> {
+    PolicyServer::find(url, Duration::from_secs_f64(limit))
+        .map_err(|error| miette!(help = POLICY_HELP, "the policy server {url} {error}"))
 }
 
 /// Prints a warning about what a sandbox does not block on this system.
@@ -101,6 +123,10 @@ pub struct AgentSetup<'a> {
     pub parts: &'a Parts,
     /// Plan that the baseline executes instead of its own.
     pub plan: Option<Plan>,
+    /// The policy, if one runs instead of the baseline.
+    pub policy: Option<&'a PolicyServer>,
+    /// Whether every peg of the goal counts now.
+    pub complete: &'a Cell<bool>,
 }
 
 /// Starts the agent. It reports its actions to `listener`.
@@ -112,14 +138,18 @@ pub fn start<'a>(
     end: Option<Instant>,
     listener: impl FnMut(&Event) + 'a,
 ) -> Result<Box<dyn Agent + 'a>, Report> {
-    let AgentSetup { ref setup, texts, parts, ref plan } = *inputs;
+    let AgentSetup { ref setup, texts, parts, ref plan, policy, complete } = *inputs;
     let Setup { assembly, arm, track, start, .. } = *setup;
+    let patience = Patience { answer: Duration::from_secs_f64(limit), end };
+    if let Some(server) = policy {
+        let is_complete = Box::new(|| complete.get());
+        return Ok(Box::new(PolicyAgent::new(server, patience, assembly, arm, is_complete)));
+    }
     let Some(file) = file else {
         return Ok(Box::new(parts.agent(setup, texts, limit, plan.clone())?.with_listener(listener)));
     };
     adopt_orphans();
     let goal = GoalMessage::new(assembly, arm, track, start, texts.sources());
-    let patience = Patience { answer: Duration::from_secs_f64(limit), end };
     let mut command: Vec<OsString> = vec![
         std::env::current_exe().into_diagnostic()?.into(),
         "agent-process".into(),

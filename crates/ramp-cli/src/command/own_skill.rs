@@ -1,11 +1,13 @@
-//! Custom skills: programs in any language, each replacing one skill inside the baseline.
+//! Custom skills: programs in any language, or policies behind a server, each replacing one skill inside the
+//! baseline.
 //!
 //! The program uses the agent protocol. It starts when its action begins. Its goal message has a `task` with
 //! the action and the current knowledge. It drives the robot until it sends `done`. It reports a failure by
 //! an event of the kind `fault` before `done`.
 
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use miette::{IntoDiagnostic, Report, miette};
@@ -17,6 +19,7 @@ use ramp_gym::outline::read_outline;
 use ramp_gym::own::{Body, BodyError, Moment, OwnSkill, kind, kinds};
 use ramp_kit::source::to_name;
 use ramp_log::Sources;
+use ramp_policy_client::{PolicyServer, PolicySkill, PolicyUrl, UrlError};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Agent, EventKind, Robot, Track};
 use ramp_skills::rehearsal::Outline;
@@ -24,14 +27,47 @@ use ramp_skills::skill::ActionKind;
 use ramp_twin::{Setup, Start};
 use serde_json::{Value, json};
 
+use crate::command::agent::find_policy;
+
+/// How long a server may take for its metadata, s.
+const HANDSHAKE: f64 = 10.0;
 /// Largest length of the file name within the agent's name, characters.
 const LONGEST_STEM: usize = 24;
 
-/// `ACTION=FILE`, as on the command line.
+/// `ACTION=FILE` or `ACTION=ws://HOST:PORT`, as on the command line.
 #[derive(Clone, Debug)]
 pub struct Replacement {
     kind: ActionKind,
-    file: std::path::PathBuf,
+    place: Place,
+}
+
+/// Where the program is.
+#[derive(Clone, Debug)]
+enum Place {
+    File(PathBuf),
+    Server(PolicyUrl),
+}
+
+/// The program of a skill.
+#[derive(Clone)]
+pub enum Source {
+    File(AgentFile),
+    Server(Arc<PolicyServer>),
+}
+
+impl Source {
+    /// Returns true if it is a program that is started here.
+    pub fn is_program(&self) -> bool {
+        matches!(self, Source::File(_))
+    }
+
+    /// The name of the program, with the start of its hash.
+    fn label(&self) -> String {
+        match self {
+            Source::File(file) => label(file),
+            Source::Server(server) => server.metadata().name.clone(),
+        }
+    }
 }
 
 impl std::str::FromStr for Replacement {
@@ -43,7 +79,12 @@ impl std::str::FromStr for Replacement {
             let known: Vec<String> = kinds().map(|it| it.name().replace('_', "-")).collect();
             format!("there is no action `{name}` for a skill; there are {}", known.join(", "))
         })?;
-        Ok(Replacement { kind, file: file.into() })
+        let is_url = file.starts_with("ws://") || file.starts_with("wss://");
+        let place = match is_url {
+            true => Place::Server(file.parse().map_err(|error: UrlError| error.to_string())?),
+            false => Place::File(file.into()),
+        };
+        Ok(Replacement { kind, place })
     }
 }
 
@@ -153,17 +194,23 @@ fn task(moment: &Moment) -> Value {
 }
 
 /// The skill for an action.
-pub fn skill(kind: ActionKind, file: &AgentFile, cell: &SkillHost) -> Result<OwnSkill, Report> {
+pub fn skill(kind: ActionKind, source: &Source, cell: &SkillHost) -> Result<OwnSkill, Report> {
     if !kind.is_assembling() {
         return Err(miette!("no skill of one's own can carry out `{}`", kind.name().replace('_', "-")));
     }
-    let body = Program { file: file.clone(), cell: cell.clone() };
-    Ok(OwnSkill::new(kind, &label(file), Box::new(body)))
+    let body: Box<dyn Body> = match source {
+        Source::File(file) => Box::new(Program { file: file.clone(), cell: cell.clone() }),
+        Source::Server(server) => {
+            let patience = Patience { answer: cell.patience, end: None };
+            Box::new(PolicySkill::new(Arc::clone(server), patience, cell.arm.clone()))
+        }
+    };
+    Ok(OwnSkill::new(kind, &source.label(), body))
 }
 
 /// The name of the skill in results: the action, the file's name and the start of its hash.
-pub fn name(kind: ActionKind, file: &AgentFile) -> String {
-    to_name(&OwnSkill::name_of(kind, &label(file)))
+pub fn name(kind: ActionKind, source: &Source) -> String {
+    to_name(&OwnSkill::name_of(kind, &source.label()))
 }
 
 /// The name of a file and the start of its hash.
@@ -179,15 +226,27 @@ pub fn file(path: &Path) -> Result<AgentFile, Report> {
 }
 
 impl Replacement {
-    /// The action, and the program in its file.
-    pub fn read(&self) -> Result<(ActionKind, AgentFile), Report> {
-        Ok((self.kind, file(&self.file)?))
+    /// Returns true if it is a program that is started here.
+    pub fn is_program(&self) -> bool {
+        matches!(self.place, Place::File(_))
+    }
+
+    /// The action, and the program in its file or behind its server.
+    pub fn read(&self) -> Result<(ActionKind, Source), Report> {
+        let source = match &self.place {
+            Place::File(path) => Source::File(file(path)?),
+            Place::Server(url) => Source::Server(Arc::new(find_policy(url, HANDSHAKE)?)),
+        };
+        Ok((self.kind, source))
     }
 
     /// As on the command line.
     pub fn word(&self) -> OsString {
         let mut word = OsString::from(format!("{}=", self.kind.name().replace('_', "-")));
-        word.push(&self.file);
+        match &self.place {
+            Place::File(path) => word.push(path),
+            Place::Server(url) => word.push(url.to_string()),
+        }
         word
     }
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use miette::{Report, miette};
 use ramp_assembly::Assembly;
 use ramp_data::{Data, Plans, Texts};
-use ramp_external_agent::{AgentFile, adopt_orphans};
+use ramp_external_agent::adopt_orphans;
 use ramp_planner::{Domains, Plan, State};
 use ramp_robot::arm::ArmModel;
 use ramp_skills::rehearsal::check_for_arm;
@@ -17,15 +17,16 @@ use ramp_skills::skill::ActionKind;
 use ramp_skills::{Baseline, Parameters, Replaced};
 use ramp_twin::Setup;
 
-use crate::command::own_skill::{self, Replacement, SkillHost};
+use crate::command::own_skill::{self, Replacement, SkillHost, Source};
 use crate::command::skills;
 use crate::rules::domains;
 
 /// Options that replace parts of the baseline.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Replace a skill of the baseline by a program in any language, such as fasten=my.py
-    #[arg(long, value_name = "ACTION=FILE", conflicts_with = "agent")]
+    /// Replace a skill of the baseline by a program in any language, such as fasten=my.py, or by the policy
+    /// behind a server, such as fasten=ws://127.0.0.1:8000
+    #[arg(long, value_name = "ACTION=FILE|URL", conflicts_with = "agent")]
     skill: Vec<Replacement>,
     /// Let the baseline carry out this plan: the output of `ramp plan GOAL --json`, another planner's plan
     /// for the files of `ramp plan GOAL --pddl DIR`, or a folder with a file for each goal
@@ -45,7 +46,7 @@ pub struct Arguments {
 impl Arguments {
     /// Returns true if an external program runs.
     pub fn has_program(&self) -> bool {
-        !self.skill.is_empty()
+        self.skill.iter().any(Replacement::is_program)
     }
 
     /// Reads all files.
@@ -84,7 +85,7 @@ pub struct Parts {
     /// The parameters of the skills.
     pub parameters: Arc<Parameters>,
     /// Programs that replace skills; the last one for an action counts.
-    skills: BTreeMap<ActionKind, AgentFile>,
+    skills: BTreeMap<ActionKind, Source>,
     /// Plans that the baseline executes in place of its own.
     pub plans: Option<Plans>,
     /// The arm that must be able to carry them out, if that is to be checked.
@@ -94,7 +95,7 @@ pub struct Parts {
 impl Parts {
     /// The name and version in results.
     pub fn name(&self) -> (String, String) {
-        let skills = self.skills.iter().map(|(kind, file)| own_skill::name(*kind, file)).collect();
+        let skills = self.skills.iter().map(|(kind, source)| own_skill::name(*kind, source)).collect();
         let replaced = Replaced {
             skills,
             parameters: self.parameters.sha256.clone(),
@@ -102,6 +103,11 @@ impl Parts {
             plan: self.plans.as_ref().map(|plans| plans.sha256().to_string()),
         };
         (replaced.name(), Baseline::VERSION.to_string())
+    }
+
+    /// Replaces the skill for these actions.
+    pub fn replace(&mut self, kinds: impl IntoIterator<Item = ActionKind>, source: &Source) {
+        self.skills.extend(kinds.into_iter().map(|kind| (kind, source.clone())));
     }
 
     /// The given plan for a goal, if plans are given.
@@ -140,11 +146,13 @@ impl Parts {
             .from_start(setup.start)
             .with_parameters(self.parameters.clone());
         if !self.skills.is_empty() {
-            adopt_orphans();
+            if self.skills.values().any(Source::is_program) {
+                adopt_orphans();
+            }
             let host = SkillHost::new(setup, texts, limit);
             let mut table = ramp_skills::table::baseline(&self.parameters);
-            for (kind, file) in &self.skills {
-                table.replace(own_skill::skill(*kind, file, &host)?);
+            for (kind, source) in &self.skills {
+                table.replace(own_skill::skill(*kind, source, &host)?);
             }
             baseline = baseline.with_skills(table);
         }

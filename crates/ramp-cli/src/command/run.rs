@@ -1,6 +1,6 @@
 //! `ramp run`: plans a goal, assembles it in the twin, and scores it.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -13,6 +13,7 @@ use ramp_episode::{EpisodeError, Label, Progress, Recorded, Tape, record_episode
 use ramp_external_agent::AgentFile;
 use ramp_kit::source::read_text;
 use ramp_log::Log;
+use ramp_policy_client::PolicyServer;
 use ramp_report::curve::completion_svg;
 use ramp_result::collection::LARGEST;
 use ramp_result::episode::{EpisodeResult, RobotTime, StartInfo, WorldLabel};
@@ -49,7 +50,7 @@ pub struct Arguments {
     #[command(flatten)]
     agent: agent::Arguments,
     /// Play the commands of this log without sight: the floor of a board
-    #[arg(long, value_name = "LOG", conflicts_with_all = ["agent", "path", "skill", "plan", "domain"])]
+    #[arg(long, value_name = "LOG", conflicts_with_all = ["agent", "policy", "path", "skill", "plan", "domain"])]
     tape: Option<PathBuf>,
     /// Inject a fault at its Nth occasion, or at one drawn from the seed: peg-dropped, peg-tilted,
     /// beam-slipped, beam-turned, beam-bumped, holder-shifted, jam, peg-missing, tag-covered, camera-frozen,
@@ -106,6 +107,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let start = arguments.start.read(data)?;
     let agent_file = arguments.agent.file()?;
     let parts = arguments.agent.parts.read(data)?;
+    let policy = arguments.agent.policy()?;
     let plan = parts.plan(&assembly)?;
     let output = match &arguments.output {
         Some(path) => path.clone(),
@@ -125,11 +127,14 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         fault: arguments.fault,
     };
     if !arguments.force {
-        let own = match &arguments.tape {
-            Some(_) => (tape::NAME.to_string(), tape::VERSION.to_string()),
-            None => parts.name(),
+        let metadata = policy.as_ref().map(PolicyServer::metadata);
+        let own = match (&arguments.tape, metadata) {
+            (Some(_), _) => (tape::NAME.to_string(), tape::VERSION.to_string()),
+            (None, Some(metadata)) => (metadata.name.clone(), metadata.version.clone()),
+            (None, None) => parts.name(),
         };
-        let sha256 = agent_file.as_ref().map(AgentFile::sha256).or(parts.parameters.sha256.as_deref());
+        let sha256 = agent_file.as_ref().map(AgentFile::sha256);
+        let sha256 = sha256.or(metadata.map(|it| it.sha256.as_str())).or(parts.parameters.sha256.as_deref());
         let name = agent_file.is_none().then_some((own.0.as_str(), own.1.as_str()));
         refuse_other(&output, &setup, arguments, Identity { name, sha256 })?;
     }
@@ -141,7 +146,10 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
     make_folder_of(&log)?;
     let display = Display::new(assembly.connections.len());
-    let inputs = agent::AgentSetup { setup: setup.clone(), texts: &texts, parts: &parts, plan };
+    let complete = Cell::new(false);
+    let (policy, complete) = (policy.as_ref(), &complete);
+    let inputs =
+        agent::AgentSetup { setup: setup.clone(), texts: &texts, parts: &parts, plan, policy, complete };
     let robot_time = robot_time(data, &setup)?;
     let limit = arguments.agent.agent_limit;
     let mut agent: Box<dyn Agent + '_> = match &arguments.tape {
@@ -153,6 +161,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let mut end = Vec::new();
     let mut watcher = |progress: &Progress, twin: &Twin| {
         display.progress(progress);
+        complete.set(progress.seated == progress.pegs);
         if arguments.scene.is_some() {
             end.clear();
             end.extend_from_slice(twin.qpos());

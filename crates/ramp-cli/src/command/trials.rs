@@ -5,6 +5,7 @@ use std::fmt::Write;
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -12,8 +13,10 @@ use miette::{Diagnostic, IntoDiagnostic, Report, miette};
 use ramp_abilities::manipulation::{Aim, run_trial};
 use ramp_data::{Data, Texts};
 use ramp_external_agent::{AgentFile, adopt_orphans};
+use ramp_gym::own::kinds;
 use ramp_gym::tasks::{self, PlannedGoal, Step};
 use ramp_kit::source::{nearest, read_text, shorten};
+use ramp_policy_client::PolicyUrl;
 use ramp_result::collection::LARGEST;
 use ramp_result::episode::{Software, StartInfo, WorldLabel};
 use ramp_result::manipulation::sums::{SkillSum, sums};
@@ -22,12 +25,13 @@ use ramp_result::write_whole;
 use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
 use ramp_skills::Piece;
+use ramp_skills::skill::ActionKind;
 use ramp_twin::Setup;
 use ramp_world::{Start, World};
 
 use crate::columns::{Table, terminal_width};
 use crate::command::agent;
-use crate::command::own_skill::{self, SkillHost};
+use crate::command::own_skill::{self, SkillHost, Source};
 use crate::command::parts::{self, Parts};
 use crate::options::{StartOption, TrackName, WorldOption};
 use crate::output::{print, tell};
@@ -61,7 +65,11 @@ pub struct Arguments {
     /// Let this program carry out the whole trial
     #[arg(long, value_name = "FILE")]
     agent: Option<PathBuf>,
-    /// Time limit for each message of the program
+    /// Let the policy behind this server carry out the action that the skill is named after, inside the
+    /// baseline
+    #[arg(long, value_name = "ws://HOST:PORT", conflicts_with_all = ["agent", "skill"])]
+    policy: Option<PolicyUrl>,
+    /// Time limit for each message of the program, or answer of the policy
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = agent::seconds)]
     agent_limit: f64,
     /// Folder for the results; results that it already has are not run again
@@ -128,7 +136,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     if folder.exists() && !folder.is_dir() {
         return Err(miette!(help = "name a folder with -o", "{} is not a folder", folder.display()));
     }
-    let parts = arguments.parts.read(data)?;
+    let mut parts = arguments.parts.read(data)?;
     let (mut goals, mut texts) = (Vec::new(), Vec::new());
     for name in data.goal_names()? {
         let (goal, files) = data.goal_with_texts(&name)?;
@@ -152,6 +160,10 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         }
     }
     let skills = chosen(&arguments.skills, &steps)?;
+    if let Some(url) = &arguments.policy {
+        let server = agent::find_policy(url, arguments.agent_limit)?;
+        parts.replace(kinds_of(&skills)?, &Source::Server(Arc::new(server)));
+    }
     let trials = Trials {
         arm: data.arm()?,
         goals,
@@ -209,6 +221,22 @@ fn chosen(words: &[String], steps: &BTreeMap<String, Vec<(usize, usize)>>) -> Re
         }
     }
     Ok(skills)
+}
+
+/// The actions that skills are named after.
+fn kinds_of(skills: &[String]) -> Result<Vec<ActionKind>, Report> {
+    let kind_of = |skill: &String| {
+        let mut known: Vec<ActionKind> = kinds().collect();
+        // The longest name that fits: one may be the beginning of another.
+        known.sort_by_key(|kind| std::cmp::Reverse(kind.name().len()));
+        let kind = known.into_iter().find(|kind| skill.starts_with(&kind.name().replace('_', "-")));
+        kind.ok_or_else(|| {
+            let known: Vec<String> = kinds().map(|kind| kind.name().replace('_', "-")).collect();
+            let help = format!("a policy can carry out {}: name such a skill", known.join(", "));
+            miette!(help = help, "no policy can carry out the skill `{skill}`")
+        })
+    };
+    skills.iter().map(kind_of).collect()
 }
 
 impl Arguments {

@@ -174,6 +174,13 @@ fn cameras_repeat_their_images_and_miss_a_tag_and_a_peg() {
         let (one, two) = (frozen.look(camera).unwrap(), frozen.look(camera).unwrap());
         assert_eq!(one.pixels, two.pixels);
         assert!(two.time > one.time);
+        // In another size it is the same image, not a new one.
+        let small = frozen.look_sized(camera, ramp_robot::ImageWidth::new(320)).unwrap();
+        let at = |row: usize, column: usize| 3 * ((4 * row + 2) * two.width + 4 * column + 2);
+        for (row, column) in [(0, 0), (100, 160), (199, 319)] {
+            let own = &small.pixels[3 * (row * 320 + column)..][..3];
+            assert_eq!(own, &two.pixels[at(row, column)..][..3], "{camera:?}, {row}, {column}");
+        }
     }
     let before = frozen.look(Camera::Wrist).unwrap();
     for _ in 0..5000 {

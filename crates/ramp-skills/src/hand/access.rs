@@ -4,8 +4,8 @@ use nalgebra::{Point3, Vector6};
 use ramp_motion::Joints;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{
-    ArmCommand, Camera, CameraModel, Command, GripperCommand, Image, Observation, PERIOD, PartReading, Robot,
-    RobotError,
+    ArmCommand, Camera, CameraModel, Command, GripperCommand, Image, ImageWidth, Observation, PERIOD,
+    PartReading, Robot, RobotError,
 };
 
 use super::dead_time::DeadTime;
@@ -119,7 +119,15 @@ impl<'r> Hand<'r> {
     /// # Errors
     /// The robot's.
     pub fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
-        let image = self.robot.look(camera);
+        self.look_sized(camera, None)
+    }
+
+    /// As [`Hand::look`], with an image of this width.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn look_sized(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, RobotError> {
+        let image = self.robot.look_sized(camera, width);
         self.seen = self.robot.observe();
         image
     }

@@ -3,7 +3,7 @@
 
 use ramp_robot::camera::Mount;
 use ramp_robot::{
-    ArmCommand, Camera, Command, GripperCommand, Image, MOST_EXPOSURES, Robot, RobotError, Track,
+    ArmCommand, Camera, Command, GripperCommand, Image, ImageWidth, MOST_EXPOSURES, Robot, RobotError, Track,
 };
 use ramp_testing::GoalFiles;
 use ramp_twin::Twin;
@@ -29,6 +29,40 @@ fn an_image_takes_time_and_is_the_same_for_a_seed() {
     assert_eq!(one.state_hash(), two.state_hash());
     // Two images of one camera differ by their noise.
     assert_ne!(one.look(Camera::Wrist).unwrap().pixels, two.look(Camera::BirdsEye).unwrap().pixels);
+}
+
+/// A small image shows the same field of view, takes the same robot time, and changes nothing in the physics.
+#[test]
+fn a_small_image_shows_what_the_full_one_shows() {
+    const FACTOR: usize = 8;
+    let world = GoalFiles::new("easy-1");
+    let (mut one, mut two) = (world.twin(Track::Tags, 4), world.twin(Track::Tags, 4));
+    let width = ImageWidth::new(1280 / FACTOR as u64);
+    for camera in Camera::ALL {
+        let (full, small) = (one.look(camera).unwrap(), two.look_sized(camera, width).unwrap());
+        assert_eq!((small.width, small.height), (160, 100));
+        assert_eq!((small.time, small.pixels.len()), (full.time, 3 * 160 * 100));
+        let mean = |row: usize, column: usize, colour: usize| {
+            let block = (0..FACTOR * FACTOR).map(|it| {
+                let (row, column) = (FACTOR * row + it / FACTOR, FACTOR * column + it % FACTOR);
+                f64::from(full.pixels[3 * (row * full.width + column) + colour])
+            });
+            block.sum::<f64>() / (FACTOR * FACTOR) as f64
+        };
+        let off: f64 = small
+            .pixels
+            .iter()
+            .enumerate()
+            .map(|(index, own)| {
+                let (pixel, colour) = (index / 3, index % 3);
+                (f64::from(*own) - mean(pixel / 160, pixel % 160, colour)).abs()
+            })
+            .sum();
+        // One sample in place of the mean of 64: edges and the sensor's noise differ.
+        assert!(off / (small.pixels.len() as f64) < 8.0, "{camera:?}: {}", off / small.pixels.len() as f64);
+    }
+    assert_eq!(one.state_hash(), two.state_hash());
+    assert_eq!(two.look(Camera::Wrist).unwrap().width, 1280, "the next one is full again");
 }
 
 /// Shutters that are opened at once follow each other at the interval of the cameras, while the arm moves.

@@ -7,7 +7,7 @@ use miette::Report;
 use ramp_data::Data;
 use ramp_robot::Track;
 
-use super::batch::{Batch, BatchStart, BatchWorld};
+use super::batch::{Batch, BatchPolicy, BatchStart, BatchWorld};
 use super::goals::{BatchError, BatchGoal};
 use crate::command::agent;
 use crate::options::{StartOption, TrackName, WorldOption};
@@ -73,7 +73,15 @@ impl Arguments {
                 parts.plan(&data.goal(&goal.argument)?)?;
             }
         }
-        let name = agent.is_none().then(|| parts.name());
+        let policy = self.agent.policy()?.map(|server| BatchPolicy {
+            url: server.url().clone(),
+            sha256: server.metadata().sha256.clone(),
+            name: (server.metadata().name.clone(), server.metadata().version.clone()),
+        });
+        let name = match &policy {
+            Some(policy) => Some(policy.name.clone()),
+            None => agent.is_none().then(|| parts.name()),
+        };
         Ok(Batch {
             data,
             folder,
@@ -83,6 +91,7 @@ impl Arguments {
             limit: Duration::from_secs(self.limit),
             jobs: self.jobs as usize,
             agent,
+            policy,
             agent_limit: self.agent.agent_limit,
             sandbox: self.agent.sandbox,
             secret: None,

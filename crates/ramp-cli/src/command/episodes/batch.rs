@@ -16,6 +16,7 @@ use miette::{IntoDiagnostic, Report, miette};
 use ramp_data::Data;
 use ramp_external_agent::{AgentFile, adopt_orphans, end_orphans};
 use ramp_log::ENDING;
+use ramp_policy_client::PolicyUrl;
 use ramp_result::episode::{EpisodeResult, Software, StartInfo, WorldLabel};
 use ramp_result::resume::{Identity, Shared, Wanted};
 use ramp_result::secret::Secret;
@@ -100,6 +101,15 @@ impl BatchStart {
     }
 }
 
+/// Policy server that all episodes connect to.
+pub struct BatchPolicy {
+    pub url: PolicyUrl,
+    /// Hash of its metadata.
+    pub sha256: String,
+    /// Name and version in results.
+    pub name: (String, String),
+}
+
 /// Settings that all episodes of a batch share, and their results folder.
 pub struct Batch<'a> {
     pub data: &'a Data,
@@ -112,6 +122,7 @@ pub struct Batch<'a> {
     /// Number of parallel episodes.
     pub jobs: usize,
     pub agent: Option<AgentFile>,
+    pub policy: Option<BatchPolicy>,
     pub agent_limit: f64,
     /// True if the agent runs in a sandbox.
     pub sandbox: bool,
@@ -350,28 +361,25 @@ impl Batch<'_> {
         self.secret.as_ref().map(Secret::commitment)
     }
 
-    /// The hash of the agent's file, or of its parameter file.
+    /// The hash of the agent's file, of the policy's metadata, or of the parameter file.
     fn agent_hash(&self) -> Option<&str> {
-        self.agent.as_ref().map(AgentFile::sha256).or(self.parameters_hash.as_deref())
+        let policy = self.policy.as_ref().map(|policy| policy.sha256.as_str());
+        self.agent.as_ref().map(AgentFile::sha256).or(policy).or(self.parameters_hash.as_deref())
     }
 
     /// The agent's arguments for an episode. A slow agent is ended before the episode's own time limit, so
     /// that it is still scored.
     fn agent_arguments(&self) -> Vec<OsString> {
-        let Some(agent) = &self.agent else {
-            let limit = ["--agent-limit".into(), self.agent_limit.to_string().into()];
-            return self.parts.iter().cloned().chain(limit).collect();
+        let limit = ["--agent-limit".to_string(), self.agent_limit.to_string()];
+        let who: [OsString; 2] = match (&self.agent, &self.policy) {
+            (Some(agent), _) => ["--agent".into(), agent.path().into()],
+            (None, Some(policy)) => ["--policy".into(), policy.url.to_string().into()],
+            (None, None) => return self.parts.iter().cloned().chain(limit.map(OsString::from)).collect(),
         };
         let end_after = self.limit.saturating_sub(SCORING.min(self.limit / 2)).as_secs();
-        let words = [
-            "--agent-limit".into(),
-            self.agent_limit.to_string(),
-            "--end-after".into(),
-            end_after.to_string(),
-            "--agent".into(),
-        ];
+        let words = limit.into_iter().chain(["--end-after".to_string(), end_after.to_string()]);
         let sandbox = self.sandbox.then(|| "--sandbox".into());
-        words.into_iter().map(OsString::from).chain([agent.path().into()]).chain(sandbox).collect()
+        words.map(OsString::from).chain(who).chain(sandbox).collect()
     }
 
     /// Checks whether an episode has ended, and how. Moves its files to the results folder.

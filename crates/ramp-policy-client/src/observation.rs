@@ -1,0 +1,145 @@
+//! Observations: what a policy sees, with the names of the fields that policies for DROID have.
+
+use ramp_kit::Pose;
+use ramp_robot::{Camera, Image, ImageWidth, MOST_EXPOSURES, Observation, Robot, RobotError};
+use rmpv::Value;
+
+use crate::metadata::Metadata;
+use crate::wire;
+
+/// The widest the gripper opens, m.
+pub(crate) const WIDEST: f64 = 0.08;
+
+/// What a policy is told besides what the robot senses.
+#[derive(Clone, Debug)]
+pub(crate) struct Told {
+    /// What is to be done, as a sentence.
+    pub prompt: String,
+    /// The episode, for servers that keep several apart.
+    pub session: String,
+    /// For a skill: where the part is, and its place, as far as the agent knows.
+    pub poses: Option<[Pose; 2]>,
+}
+
+/// Takes the images that the policy sees and puts the observation together.
+///
+/// # Errors
+/// The robot's, where there is no image.
+pub(crate) fn observe(robot: &mut dyn Robot, metadata: &Metadata, told: &Told) -> Result<Value, RobotError> {
+    let mut fields: Vec<(&str, Value)> = Vec::new();
+    // RoboArena counts external cameras from 0. openpi's policies for DROID expect the second one.
+    let external = if metadata.endpoints { "exterior_image_0_left" } else { "exterior_image_1_left" };
+    let external = format!("observation/{external}");
+    let now = robot.observe().time;
+    if metadata.external {
+        fields.push((&external, picture(robot, metadata, Camera::BirdsEye, now)?));
+    }
+    if metadata.wrist {
+        fields.push(("observation/wrist_image_left", picture(robot, metadata, Camera::Wrist, now)?));
+    }
+    let seen = robot.observe();
+    fields.extend(sensed(&seen));
+    fields.push(("prompt", told.prompt.as_str().into()));
+    if metadata.session {
+        fields.push(("session_id", told.session.as_str().into()));
+    }
+    if metadata.endpoints {
+        fields.push(("endpoint", "infer".into()));
+    }
+    if metadata.ramp_fields {
+        fields.push(("ramp/time", seen.time.into()));
+        fields.push(("ramp/wrench", wire::doubles(seen.wrench.as_slice())));
+        fields.push(("ramp/tip_pose", wire::doubles(&seven(&seen.x_wt))));
+        for (name, pose) in ["ramp/part_pose", "ramp/goal_pose"].into_iter().zip(told.poses.iter().flatten())
+        {
+            fields.push((name, wire::doubles(&seven(pose))));
+        }
+    }
+    Ok(wire::map(fields))
+}
+
+/// The fields of arm and gripper.
+fn sensed(seen: &Observation) -> [(&'static str, Value); 3] {
+    let p = seen.x_wt.translation.vector;
+    let (roll, pitch, yaw) = seen.x_wt.rotation.euler_angles();
+    let closed = (1.0 - seen.width / WIDEST).clamp(0.0, 1.0);
+    [
+        ("observation/joint_position", wire::floats(&seen.positions)),
+        ("observation/cartesian_position", wire::floats(&[p.x, p.y, p.z, roll, pitch, yaw])),
+        ("observation/gripper_position", wire::floats(&[closed])),
+    ]
+}
+
+/// Position and quaternion w, x, y, z.
+fn seven(x: &Pose) -> [f64; 7] {
+    let (p, q) = (x.translation.vector, x.rotation.quaternion());
+    [p.x, p.y, p.z, q.w, q.i, q.j, q.k]
+}
+
+/// An image of the size that the policy wants: the whole field of view, between black bars. It is exposed
+/// from robot time `now` (s) on.
+fn picture(
+    robot: &mut dyn Robot,
+    metadata: &Metadata,
+    camera: Camera,
+    now: f64,
+) -> Result<Value, RobotError> {
+    let model = robot.camera(camera);
+    let width = metadata.image.map(|size| width_within(size, [model.height, model.width]));
+    let mut image = robot.look_sized(camera, width)?;
+    // Exposures from before the policy began may wait for someone to fetch them.
+    for _ in 0..MOST_EXPOSURES {
+        if image.time >= now {
+            break;
+        }
+        image = robot.look_sized(camera, width)?;
+    }
+    Ok(match metadata.image {
+        Some([rows, columns]) => wire::image(columns, rows, padded(&image, [rows, columns])),
+        None => wire::image(image.width, image.height, image.pixels),
+    })
+}
+
+/// The largest width with which an image of a camera of `full` rows and columns fits.
+fn width_within([rows, columns]: [usize; 2], full: [usize; 2]) -> ImageWidth {
+    let width = columns.min(rows * full[1] / full[0]).max(ImageWidth::LEAST as usize);
+    // Both sides of an image are within the limits of a width, so there is one.
+    ImageWidth::new(width as u64).unwrap_or_else(ImageWidth::full)
+}
+
+/// The image in the middle of a black one.
+fn padded(image: &Image, [rows, columns]: [usize; 2]) -> Vec<u8> {
+    let (height, width) = (image.height.min(rows), image.width.min(columns));
+    let (top, left) = ((rows - height) / 2, (columns - width) / 2);
+    let mut rgb = vec![0; 3 * rows * columns];
+    for (row, line) in image.pixels.chunks_exact(3 * image.width).take(height).enumerate() {
+        rgb[3 * ((top + row) * columns + left)..][..3 * width].copy_from_slice(&line[..3 * width]);
+    }
+    rgb
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_image_fits_whole_between_black_bars() {
+        assert_eq!(width_within([224, 224], [800, 1280]).pixels(), 224);
+        assert_eq!(width_within([180, 320], [800, 1280]).pixels(), 288);
+        assert_eq!(width_within([16, 16], [800, 1280]).pixels(), 16);
+        assert_eq!(width_within([1280, 1280], [800, 1280]).pixels(), 1280);
+        let image = Image {
+            camera: Camera::Wrist,
+            time: 0.0,
+            x_wt: Pose::identity(),
+            width: 4,
+            height: 2,
+            pixels: vec![9; 24],
+        };
+        let square = padded(&image, [4, 4]);
+        assert_eq!(square, [vec![0; 12], vec![9; 24], vec![0; 12]].concat());
+        let wide = padded(&image, [2, 6]);
+        assert_eq!(wide[..3], [0; 3]);
+        assert_eq!(wide[3..15], [9; 12]);
+    }
+}
