@@ -2,9 +2,9 @@
 
     ramp run easy-1 --planner examples/planners/greedy.py
 
-It needs no package. It reads the problem as one line of JSON, asks for the problem in PDDL, and writes its plan, one
-action a line (docs/src/tutorials/your-planner.md). The search is guided by the additive heuristic: the sum, over the
-goals, of the number of actions that each needs if nothing is ever undone.
+It needs no package. It reads the problem as one line of JSON, asks for the problem in PDDL, and writes its
+plan, one action a line (docs/src/tutorials/your-planner.md). The search is guided by the additive heuristic:
+the sum, over the goals, of the number of actions that each needs if nothing is ever undone.
 """
 
 import heapq
@@ -56,11 +56,12 @@ class Heuristic:
                 self.users.setdefault(atom, []).append(index)
 
     def __call__(self, state):
+        """The estimate; infinite where a goal cannot be reached."""
         cost = dict.fromkeys(state, 0)
         missing = [len(needs) for _, needs, _, _ in self.actions]
         spent = [1] * len(self.actions)
         queue = [(0, atom) for atom in sorted(state)]
-        for index, (_, needs, adds, _) in enumerate(self.actions):
+        for _, needs, adds, _ in self.actions:
             if not needs:
                 self.reach(adds, 1, cost, queue)
         closed = set()

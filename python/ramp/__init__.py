@@ -25,9 +25,11 @@ from ramp._core import (
 )
 from ramp.agent import Agent, EventKind, Motion, Skill, Task
 from ramp.bench import Results, bench, run
+from ramp.driver import Driver
 from ramp.film import Film
 from ramp.goal import Connection, Goal, goals
 from ramp.plan import Plan, plan
+from ramp.planner import Problem
 from ramp.result import Peg, Result, Time, describe
 from ramp.twin import Twin
 
@@ -36,6 +38,7 @@ __all__ = [
     "CameraImage",
     "Command",
     "Connection",
+    "Driver",
     "EventKind",
     "Film",
     "Goal",
@@ -44,6 +47,7 @@ __all__ = [
     "Peg",
     "Plan",
     "PlanningError",
+    "Problem",
     "Refused",
     "Result",
     "Results",

@@ -16,6 +16,7 @@ from ramp._core import MAX_SEED, InputError, benchmark, integer, run_episode
 from ramp.agent import Agent, Skill
 from ramp.goal import Goal, as_goal, goals
 from ramp.plan import Plan
+from ramp.planner import Planner, asker, planner_name
 from ramp.result import Result
 
 GoalLike = str | os.PathLike[str] | Goal
@@ -34,6 +35,7 @@ def run(
     agent: Agent | None = None,
     skills: Sequence[Skill] = (),
     plan: Plan | str | os.PathLike[str] | None = None,
+    planner: Planner | None = None,
     domain: str | os.PathLike[str] | None = None,
     world: str | os.PathLike[str] = "real",
     start: str | os.PathLike[str] = "moved",
@@ -54,6 +56,8 @@ def run(
         skills: Skills that take the place of the baseline's.
         plan: A plan that the baseline carries out, in place of its own: a plan, a file with one, or a folder
             with a file for each goal.
+        planner: Makes the plans of the baseline, at the start and whenever it plans again. It gets a
+            :class:`ramp.Problem`, and returns a plan, or the text of one as ``ramp plan --from`` reads it.
         domain: A file of rules for the baseline's planner, in place of the one of its kind.
         world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
         start: Where the parts lie: ``moved``, ``sheet``, or a start file.
@@ -83,6 +87,10 @@ def run(
         own = (agent, _agent_name(agent.name), _name(agent.version), whole)
     parts = [(skill.serves, _skill_name(skill), skill) for skill in skills]
     text = plan.to_json() if isinstance(plan, Plan) else None
+    if planner is not None and (agent is not None or plan is not None):
+        raise InputError("a planner of one's own makes the plans of the baseline, and no other plan is carried out")
+    rules = None if domain is None else os.fspath(domain)
+    asked = None if planner is None else (asker(planner, whole, rules), planner_name(planner))
     files = None if plan is None or isinstance(plan, Plan) else os.fspath(plan)
     return Result.from_json(
         run_episode(
@@ -96,7 +104,8 @@ def run(
             skills=parts,
             plan=text,
             plans=files,
-            domain=None if domain is None else os.fspath(domain),
+            planner=asked,
+            domain=rules,
             parameters=None if parameters is None else os.fspath(parameters),
             fault=fault,
             record=None if record is None else os.fspath(record),

@@ -103,8 +103,9 @@ class Twin:
 
         Args:
             camera: Which camera.
-            size: Pixels in a row, 16 to 1280, for an image of the whole field of view that is drawn in this size at
-                once, which takes less time than a full one. Each pixel is one sample. None: 1280 by 800.
+            size: Pixels in a row, 16 to 1280, for an image of the whole field of view that is drawn in this
+                size at once, which takes less time than a full one. Each pixel is one sample. None: 1280 by
+                800.
 
         >>> ramp.Twin("easy-1", track="tags").look("birds-eye", size=64).pixels.shape
         (40, 64, 3)

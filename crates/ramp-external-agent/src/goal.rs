@@ -109,6 +109,21 @@ impl<'a> GoalMessage<'a> {
         goal
     }
 
+    /// As plain data for a planner: what is to be built of what, and no robot.
+    pub fn to_planner_json(&self) -> Value {
+        let assembly = self.assembly;
+        let pegs: Vec<&str> = assembly.kit.pegs.iter().map(|peg| peg.name.as_str()).collect();
+        json!({
+            "name": assembly.name,
+            "class": assembly.class.map(|class| class.name()),
+            "beams": self.beams(),
+            "pegs": pegs,
+            "connections": self.connections(),
+            "insertions": self.insertions(),
+            "files": {"goal": self.texts.goal, "kit": self.texts.kit},
+        })
+    }
+
     /// The beams with their joints and links, at the goal and on the sheet.
     fn beams(&self) -> Vec<Value> {
         let assembly = self.assembly;

@@ -197,6 +197,11 @@ impl Process {
         Silence::Ended { how }
     }
 
+    /// Whether it has ended by itself, with status 0.
+    pub(crate) fn ended_well(&mut self) -> bool {
+        !self.was_ended() && self.wait_for_end(FAREWELL).is_some_and(|status| status.success())
+    }
+
     fn wait_for_end(&mut self, longest: Duration) -> Option<ExitStatus> {
         let begin = Instant::now();
         loop {

@@ -47,7 +47,7 @@ pub use plan::{
     ActionKind, Area, CoarseAction, CoarseStep, Entry, FineAction, Grasp, Item, Place, Plan, State,
     Statistics, Target,
 };
-pub use plan_file::{PlanFileError, read_plan};
+pub use plan_file::{PlanFileError, read_plan, read_plan_from};
 pub use planner::{Options, asp, plan, plan_with};
 pub use quicker::quicker;
 pub use ramp_action_language as language;

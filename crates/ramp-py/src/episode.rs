@@ -27,31 +27,14 @@ use ramp_skills::{Baseline, Parameters, ReferenceTimes, reference_times_of_goal}
 use ramp_twin::{Setup, Twin};
 
 use crate::convert::seven;
-use crate::errors::{EVERY, Interrupts, PlanningError, caught, data, detached, input};
+use crate::errors::{EVERY, Interrupts, PlanningError, Raised, caught, data, detached, input};
 use crate::files::Benchmark;
 use crate::gym::EpisodePictures;
 use crate::integers;
+use crate::planner::planned;
 use crate::robot::Robot;
 use crate::twin::{fault, track};
 use numpy::IntoPyArray;
-
-/// An exception that something in Python raised while Rust was at work.
-#[derive(Clone, Default)]
-struct Raised(Arc<Mutex<Option<PyErr>>>);
-
-impl Raised {
-    fn keep(&self, error: PyErr) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-    }
-
-    fn is_there(&self) -> bool {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).is_some()
-    }
-
-    fn take(&self) -> Option<PyErr> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
-    }
-}
 
 /// Reason of the robot whose episode is thrown away.
 fn stop() -> RobotError {
@@ -364,7 +347,7 @@ type OwnPart = (String, String, Py<PyAny>);
 /// Runs an episode; the result as JSON. With `output`, the result is written to that file; a result of this
 /// very episode that the file already has is returned instead.
 #[pyfunction]
-#[pyo3(signature = (benchmark, goal, *, track, world, start, seed, agent=None, skills=Vec::new(), plan=None, plans=None, domain=None,
+#[pyo3(signature = (benchmark, goal, *, track, world, start, seed, agent=None, skills=Vec::new(), plan=None, plans=None, planner=None, domain=None,
     parameters=None, fault=None, record=None, output=None, repeat=1, progress=None, pictures=None))]
 #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn run(
@@ -379,6 +362,7 @@ pub fn run(
     skills: Vec<OwnPart>,
     plan: Option<String>,
     plans: Option<PathBuf>,
+    planner: Option<(Py<PyAny>, String)>,
     domain: Option<&str>,
     parameters: Option<&str>,
     fault: Option<&str>,
@@ -397,7 +381,7 @@ pub fn run(
     let domains = files.domains(domain)?;
     let raised = Raised::default();
     // What runs Python's code does so on this thread; all else on one that can be left behind.
-    let python = agent.is_some() || !skills.is_empty();
+    let python = agent.is_some() || planner.is_some() || !skills.is_empty();
     let plan = given_plan(py, plan, plans, &assembly, &domains)?;
     let parameters = match parameters {
         Some(path) => Parameters::read(path.as_ref()).map_err(|error| input(format!("{error:#}")))?,
@@ -422,10 +406,7 @@ pub fn run(
                     .from_start(setup.start)
                     .with_parameters(parameters)
                     .with_skills(table);
-                Box::new(match plan {
-                    Some((plan, sha256)) => baseline.with_plan(plan, &sha256),
-                    None => baseline,
-                })
+                Box::new(planned(baseline, (&assembly, &domains), plan, planner, &raised))
             }
         };
         let mut worker = Stoppable { agent: worker, looks: python, raised: raised.clone() };

@@ -1,6 +1,7 @@
 //! Errors as exceptions, with the same words; and Ctrl-C while Rust is at work.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use miette::Diagnostic;
@@ -111,5 +112,26 @@ impl Interrupts {
     /// `KeyboardInterrupt`, if Ctrl-C was pressed.
     pub fn check(&mut self) -> PyResult<()> {
         self.due(|| Python::attach(|py| py.check_signals())).unwrap_or(Ok(()))
+    }
+}
+
+/// An exception that something in Python raised while Rust was at work.
+#[derive(Clone, Default)]
+pub struct Raised(Arc<Mutex<Option<PyErr>>>);
+
+impl Raised {
+    /// Keeps the first one.
+    pub fn keep(&self, error: PyErr) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+    }
+
+    /// Whether there is one.
+    pub fn is_there(&self) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
+    /// Takes it.
+    pub fn take(&self) -> Option<PyErr> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 }

@@ -81,6 +81,28 @@ impl Benchmark {
         Ok(json!({ "goal": assembly.name, "plan": plan }).to_string())
     }
 
+    /// The coarse domain and a goal with a state (JSON) as PDDL: domain and problem, then both in STRIPS;
+    /// none for what cannot be written.
+    #[pyo3(signature = (goal, state, domain=None))]
+    fn pddl(
+        &self,
+        py: Python<'_>,
+        goal: &str,
+        state: &str,
+        domain: Option<&str>,
+    ) -> PyResult<[Option<String>; 4]> {
+        let assembly = self.inner.goal(goal).map_err(data)?;
+        let domains = self.domains(domain)?;
+        let state: State = serde_json::from_str(state).map_err(|error| input(error.to_string()))?;
+        detached(py, || {
+            let full = ramp_planner::pddl(&assembly, &state, &domains).ok();
+            let (domain, problem) = full.map(|it| (it.domain, it.problem)).unzip();
+            let strips = ramp_planner::strips(&assembly, &state, &domains).ok();
+            let (strips_domain, strips_problem) = strips.map(|it| (it.domain, it.problem)).unzip();
+            Ok([domain, problem, strips_domain, strips_problem])
+        })
+    }
+
     /// The skills that the goals of the benchmark need.
     #[staticmethod]
     fn skills() -> Vec<&'static str> {

@@ -8,6 +8,7 @@ mod errors;
 mod files;
 mod gym;
 mod integers;
+mod planner;
 mod robot;
 mod twin;
 

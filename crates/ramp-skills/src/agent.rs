@@ -24,6 +24,9 @@ use crate::table::{SkillTable, baseline};
 /// Version of the agent in results.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
+/// A planner of one's own: from a state, and the events so far, to a plan, or the reason why there is none.
+pub type OwnPlanner<'a> = Box<dyn FnMut(&State, &[Event]) -> Result<Plan, String> + 'a>;
+
 /// The baseline agent.
 pub struct Baseline<'a> {
     assembly: &'a Assembly,
@@ -41,6 +44,8 @@ pub struct Baseline<'a> {
     plan: Option<Plan>,
     /// A given plan that it executes.
     fixed: Option<Plan>,
+    /// Who makes its plans, if not its own planner.
+    planner: Option<OwnPlanner<'a>>,
     /// Limits of the arm that skills have found.
     learned: Vec<MotionFact>,
     /// Limits of the arm that events have reported.
@@ -76,6 +81,7 @@ impl<'a> Baseline<'a> {
             account: Account::default(),
             plan: None,
             fixed: None,
+            planner: None,
             learned: Vec::new(),
             told: Vec::new(),
             not_rehearsed: Vec::new(),
@@ -152,6 +158,16 @@ impl<'a> Baseline<'a> {
         self
     }
 
+    /// Asks this planner for its plans, at the start and whenever it plans again. Its time counts as
+    /// planning. `name` becomes part of the agent's name in results.
+    #[must_use]
+    pub fn with_planner(mut self, planner: OwnPlanner<'a>, name: &str) -> Baseline<'a> {
+        self.replaced.planner = Some(name.to_string());
+        self.name = self.replaced.name();
+        self.planner = Some(planner);
+        self
+    }
+
     /// The first plan, once there is one.
     pub fn plan(&self) -> Option<&Plan> {
         self.plan.as_ref()
@@ -159,9 +175,19 @@ impl<'a> Baseline<'a> {
 
     /// Plans from a state, given the limits of the arm there. If no such plan is left, the goal is built as
     /// far as possible without them.
-    fn make_plan(&mut self, cell: &mut Workcell, mut state: State) -> Result<Plan, PlanError> {
+    fn make_plan(&mut self, cell: &mut Workcell, mut state: State) -> Result<Plan, String> {
         let begin = Instant::now();
         state.motion.clone_from(&self.learned);
+        let plan = match &mut self.planner {
+            Some(planner) => planner(&state, &self.account.events),
+            None => self.own_plan(cell, state).map_err(|error| error.to_string()),
+        };
+        self.account.planning += begin.elapsed().as_secs_f64();
+        plan
+    }
+
+    /// The plan of its own planner.
+    fn own_plan(&mut self, cell: &mut Workcell, mut state: State) -> Result<Plan, PlanError> {
         let kit = &self.assembly.kit;
         let parts = kit.beams.iter().map(|beam| &beam.name).chain(kit.pegs.iter().map(|peg| &peg.name));
         let believed: Vec<_> =
@@ -173,7 +199,7 @@ impl<'a> Baseline<'a> {
             let rehearsal = Rehearsal::new(scene, self.skills.clone());
             rehearsal.from_here(believed.clone(), q, self.seed).with_holders(holders.clone())
         });
-        let plan = match rehearsed {
+        match rehearsed {
             Ok(rehearsed) => {
                 for fact in rehearsed.facts {
                     if !self.told.contains(&fact) {
@@ -205,9 +231,7 @@ impl<'a> Baseline<'a> {
                 ramp_planner::plan(self.assembly, &state, self.domains)
             }
             Err(error) => Err(error),
-        };
-        self.account.planning += begin.elapsed().as_secs_f64();
-        plan
+        }
     }
 
     /// Records the arm's limit that the error of an action shows.

@@ -27,7 +27,7 @@ pub mod skill;
 pub mod table;
 pub mod way;
 
-pub use agent::Baseline;
+pub use agent::{Baseline, OwnPlanner};
 pub use fault::{Fault, SkillError};
 pub use parameters::Parameters;
 pub use piece::Piece;

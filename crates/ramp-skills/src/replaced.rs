@@ -31,6 +31,8 @@ pub struct Replaced {
     pub domain: Option<String>,
     /// SHA-256 of the given plan, or of the folder of plans, in hex.
     pub plan: Option<String>,
+    /// The name of the planner, with its file's hash in it.
+    pub planner: Option<String>,
 }
 
 impl Replaced {
@@ -41,7 +43,8 @@ impl Replaced {
         };
         let files =
             [short("parameters", &self.parameters), short("domain", &self.domain), short("plan", &self.plan)];
-        let parts: Vec<String> = self.skills.iter().cloned().chain(files.into_iter().flatten()).collect();
+        let parts: Vec<String> =
+            self.skills.iter().chain(&self.planner).cloned().chain(files.into_iter().flatten()).collect();
         if parts.is_empty() {
             return BASELINE.to_string();
         }
@@ -68,6 +71,7 @@ mod tests {
             parameters: hash("a"),
             domain: None,
             plan: hash("c"),
+            planner: None,
         };
         assert_eq!(all.name(), "baseline+fasten-by-my.0123abcd+parameters.aaaaaaaa+plan.cccccccc");
         all.domain = hash("b");

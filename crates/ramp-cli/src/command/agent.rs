@@ -18,25 +18,24 @@ use ramp_robot::{Agent, Event};
 use ramp_twin::Setup;
 
 use crate::command::parts::{self, Parts};
+use crate::command::program::{command_of, find_policy, words_of};
 use crate::output::tell;
-
-/// Help for a policy server that cannot be used.
-const POLICY_HELP: &str = "start the server first; docs/src/reference/policies.md says what it has to send";
 
 /// Agent options of `ramp run` and `ramp bench`.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Run this agent instead of the baseline: an executable, or a Python file
-    #[arg(long, value_name = "FILE", conflicts_with = "path")]
+    #[arg(long, value_name = "FILE", conflicts_with = "path", group = "program")]
     pub agent: Option<PathBuf>,
     /// Run the policy behind this server of openpi's or RoboArena's kind instead of the baseline
-    #[arg(long, value_name = "ws://HOST:PORT", conflicts_with_all = ["agent", "path", "skill", "plan", "domain"])]
+    #[arg(long, value_name = "ws://HOST:PORT", conflicts_with_all = ["agent", "path", "skill", "plan", "planner", "domain"])]
     pub policy: Option<PolicyUrl>,
     /// Time limit for each message of the agent, or answer of the policy; if it is exceeded, the episode ends
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
     pub agent_limit: f64,
-    /// Run the agent in a sandbox, without access to your files, the network and other processes
-    #[arg(long, requires = "agent")]
+    /// Run the agent, or the planner, in a sandbox, without access to your files, the network and other
+    /// processes
+    #[arg(long, requires = "program")]
     pub sandbox: bool,
     #[command(flatten)]
     pub parts: parts::Arguments,
@@ -90,12 +89,6 @@ impl Arguments {
     }
 }
 
-/// Connects to a policy server, within `limit` seconds.
-pub fn find_policy(url: &PolicyUrl, limit: f64) -> Result<PolicyServer, Report> {
-    PolicyServer::find(url, Duration::from_secs_f64(limit))
-        .map_err(|error| miette!(help = POLICY_HELP, "the policy server {url} {error}"))
-}
-
 /// Prints a warning about what a sandbox does not block on this system.
 pub fn tell_open_ends(sandbox: &Sandbox) {
     tell(&format!("the sandbox does not hide: {}", open_ends(sandbox.has_rooms()).join("; ")));
@@ -146,24 +139,13 @@ pub fn start<'a>(
         return Ok(Box::new(PolicyAgent::new(server, patience, assembly, arm, is_complete)));
     }
     let Some(file) = file else {
-        return Ok(Box::new(parts.agent(setup, texts, limit, plan.clone())?.with_listener(listener)));
+        return Ok(Box::new(
+            parts.agent(setup, texts, limit, plan.clone(), sandbox)?.with_listener(listener),
+        ));
     };
     adopt_orphans();
     let goal = GoalMessage::new(assembly, arm, track, start, texts.sources());
-    let mut command: Vec<OsString> = vec![
-        std::env::current_exe().into_diagnostic()?.into(),
-        "agent-process".into(),
-        std::process::id().to_string().into(),
-    ];
-    let program = match &sandbox {
-        Some(sandbox) => {
-            command.extend(words_of(&sandbox.inside()));
-            sandbox.command().to_vec()
-        }
-        None => file.command(),
-    };
-    command.push("--".into());
-    command.extend(program);
+    let command = command_of(file, sandbox.as_ref())?;
     let agent = ExternalAgent::start(file, &command, goal, patience, sandbox).into_diagnostic()?;
     Ok(Box::new(agent.with_listener(listener)))
 }
@@ -194,16 +176,6 @@ pub struct ProcessArguments {
     /// The agent's program and its arguments
     #[arg(last = true, required = true)]
     command: Vec<OsString>,
-}
-
-/// The arguments for [`ProcessArguments`] that set up a sandbox.
-fn words_of(inside: &Inside) -> Vec<OsString> {
-    let Inside { readable, folder, disk, tasks, rooms } = inside;
-    let mut words: Vec<OsString> = vec!["--folder".into(), folder.into()];
-    words.extend(["--disk".into(), disk.to_string().into(), "--tasks".into(), tasks.to_string().into()]);
-    words.extend(readable.iter().flat_map(|path| ["--readable".into(), path.into()]));
-    words.extend(rooms.then(|| "--rooms".into()));
-    words
 }
 
 /// Replaces this process by the agent's program (`exec`).

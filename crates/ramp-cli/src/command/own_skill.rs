@@ -27,7 +27,7 @@ use ramp_skills::skill::ActionKind;
 use ramp_twin::{Setup, Start};
 use serde_json::{Value, json};
 
-use crate::command::agent::find_policy;
+use crate::command::program::{command_of, find_policy};
 
 /// How long a server may take for its metadata, s.
 const HANDSHAKE: f64 = 10.0;
@@ -126,20 +126,8 @@ impl SkillHost {
         let goal =
             GoalMessage::new(&self.assembly, &self.arm, self.track, &self.start, texts).with_task(task);
         let patience = Patience { answer: self.patience, end: None };
-        ExternalAgent::start(file, &command(file)?, goal, patience, None).into_diagnostic()
+        ExternalAgent::start(file, &command_of(file, None)?, goal, patience, None).into_diagnostic()
     }
-}
-
-/// The command line that starts a program which ends with this process.
-fn command(file: &AgentFile) -> Result<Vec<OsString>, Report> {
-    let mut command: Vec<OsString> = vec![
-        std::env::current_exe().into_diagnostic()?.into(),
-        "agent-process".into(),
-        std::process::id().to_string().into(),
-        "--".into(),
-    ];
-    command.extend(file.command());
-    Ok(command)
 }
 
 /// A program that executes an action.

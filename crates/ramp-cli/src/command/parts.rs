@@ -9,7 +9,7 @@ use std::sync::Arc;
 use miette::{Report, miette};
 use ramp_assembly::Assembly;
 use ramp_data::{Data, Plans, Texts};
-use ramp_external_agent::adopt_orphans;
+use ramp_external_agent::{AgentFile, Sandbox, adopt_orphans, planner_name};
 use ramp_planner::{Domains, Plan, State};
 use ramp_robot::arm::ArmModel;
 use ramp_skills::rehearsal::check_for_arm;
@@ -17,6 +17,7 @@ use ramp_skills::skill::ActionKind;
 use ramp_skills::{Baseline, Parameters, Replaced};
 use ramp_twin::Setup;
 
+use crate::command::own_planner;
 use crate::command::own_skill::{self, Replacement, SkillHost, Source};
 use crate::command::skills;
 use crate::rules::domains;
@@ -39,6 +40,10 @@ pub struct Arguments {
     /// Replace the rule file of the same kind: a coarse or fine domain (.al), or the order of the beams (.lp)
     #[arg(long, value_name = "FILE", conflicts_with = "agent")]
     domain: Option<PathBuf>,
+    /// Let this program plan, at the start and whenever the baseline plans again: an executable, or a Python
+    /// file
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["agent", "plan", "check_motion"], group = "program")]
+    planner: Option<PathBuf>,
     #[command(flatten)]
     parameters: skills::File,
 }
@@ -46,7 +51,7 @@ pub struct Arguments {
 impl Arguments {
     /// Returns true if an external program runs.
     pub fn has_program(&self) -> bool {
-        self.skill.iter().any(Replacement::is_program)
+        self.skill.iter().any(Replacement::is_program) || self.planner.is_some()
     }
 
     /// Reads all files.
@@ -59,6 +64,7 @@ impl Arguments {
             parameters: self.parameters.read(data)?,
             skills: self.skill.iter().map(Replacement::read).collect::<Result<_, Report>>()?,
             plans: self.plan.as_deref().map(Plans::read).transpose()?,
+            planner: self.planner.as_deref().map(own_skill::file).transpose()?,
             checked_for: if self.check_motion { Some(data.arm()?) } else { None },
         })
     }
@@ -69,8 +75,12 @@ impl Arguments {
         for skill in &self.skill {
             words.extend(["--skill".into(), skill.word()]);
         }
-        let files =
-            [("--plan", &self.plan), ("--domain", &self.domain), ("--parameters", &self.parameters.path)];
+        let files = [
+            ("--plan", &self.plan),
+            ("--domain", &self.domain),
+            ("--planner", &self.planner),
+            ("--parameters", &self.parameters.path),
+        ];
         for (option, path) in files {
             words.extend(path.iter().flat_map(|path| [option.into(), path.clone().into_os_string()]));
         }
@@ -88,6 +98,8 @@ pub struct Parts {
     skills: BTreeMap<ActionKind, Source>,
     /// Plans that the baseline executes in place of its own.
     pub plans: Option<Plans>,
+    /// The program that plans.
+    pub planner: Option<AgentFile>,
     /// The arm that must be able to carry them out, if that is to be checked.
     checked_for: Option<ArmModel>,
 }
@@ -101,6 +113,7 @@ impl Parts {
             parameters: self.parameters.sha256.clone(),
             domain: self.domains.replaced(),
             plan: self.plans.as_ref().map(|plans| plans.sha256().to_string()),
+            planner: self.planner.as_ref().map(planner_name),
         };
         (replaced.name(), Baseline::VERSION.to_string())
     }
@@ -130,7 +143,7 @@ impl Parts {
     }
 
     /// The agent for an episode. `limit` is the time, s, that a program has for a message; `plan` is the
-    /// given plan.
+    /// given plan, and `sandbox` that of the planner.
     ///
     /// # Errors
     /// If a skill cannot be replaced.
@@ -140,6 +153,7 @@ impl Parts {
         texts: &Texts,
         limit: f64,
         plan: Option<Plan>,
+        sandbox: Option<Sandbox>,
     ) -> Result<Baseline<'a>, Report> {
         let mut baseline = Baseline::new(setup.assembly, setup.arm, &self.domains, setup.seed)
             .on_track(setup.track)
@@ -155,6 +169,11 @@ impl Parts {
                 table.replace(own_skill::skill(*kind, source, &host)?);
             }
             baseline = baseline.with_skills(table);
+        }
+        if let Some(file) = &self.planner {
+            adopt_orphans();
+            let planner = own_planner::planner(setup, texts, file, &self.domains, limit, sandbox)?;
+            baseline = baseline.with_planner(planner, &planner_name(file));
         }
         if let (Some(plans), Some(plan)) = (&self.plans, plan) {
             baseline = baseline.with_plan(plan, plans.sha256());

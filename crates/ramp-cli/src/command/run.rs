@@ -23,6 +23,7 @@ use ramp_skills::{ReferenceTimes, reference_times_of_goal};
 use ramp_twin::{Fault, ForMujoco, Setup, Twin};
 
 use crate::command::agent;
+use crate::command::parts::Parts;
 use crate::options::{StartOption, TrackName, WorldOption};
 use crate::output::{check_place, make_folder_of, print, tell, write_file};
 use crate::pictures::{self, Pictures};
@@ -50,7 +51,7 @@ pub struct Arguments {
     #[command(flatten)]
     agent: agent::Arguments,
     /// Play the commands of this log without sight: the floor of a board
-    #[arg(long, value_name = "LOG", conflicts_with_all = ["agent", "policy", "path", "skill", "plan", "domain"])]
+    #[arg(long, value_name = "LOG", conflicts_with_all = ["agent", "policy", "path", "skill", "plan", "planner", "domain"])]
     tape: Option<PathBuf>,
     /// Inject a fault at its Nth occasion, or at one drawn from the seed: peg-dropped, peg-tilted,
     /// beam-slipped, beam-turned, beam-bumped, holder-shifted, jam, peg-missing, tag-covered, camera-frozen,
@@ -127,18 +128,12 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         fault: arguments.fault,
     };
     if !arguments.force {
-        let metadata = policy.as_ref().map(PolicyServer::metadata);
-        let own = match (&arguments.tape, metadata) {
-            (Some(_), _) => (tape::NAME.to_string(), tape::VERSION.to_string()),
-            (None, Some(metadata)) => (metadata.name.clone(), metadata.version.clone()),
-            (None, None) => parts.name(),
-        };
-        let sha256 = agent_file.as_ref().map(AgentFile::sha256);
-        let sha256 = sha256.or(metadata.map(|it| it.sha256.as_str())).or(parts.parameters.sha256.as_deref());
-        let name = agent_file.is_none().then_some((own.0.as_str(), own.1.as_str()));
-        refuse_other(&output, &setup, arguments, Identity { name, sha256 })?;
+        let known =
+            Known { tape: arguments.tape.is_some(), file: agent_file.as_ref(), policy: policy.as_ref() };
+        refuse_other(&output, &setup, arguments, &known.identity(&parts))?;
     }
-    let sandbox = arguments.agent.sandbox(agent_file.as_ref(), &[&output, &log])?;
+    let sandbox =
+        arguments.agent.sandbox(agent_file.as_ref().or(parts.planner.as_ref()), &[&output, &log])?;
     if let Some(sandbox) = &sandbox {
         agent::tell_open_ends(sandbox);
     }
@@ -147,9 +142,14 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     make_folder_of(&log)?;
     let display = Display::new(assembly.connections.len());
     let complete = Cell::new(false);
-    let (policy, complete) = (policy.as_ref(), &complete);
-    let inputs =
-        agent::AgentSetup { setup: setup.clone(), texts: &texts, parts: &parts, plan, policy, complete };
+    let inputs = agent::AgentSetup {
+        setup: setup.clone(),
+        texts: &texts,
+        parts: &parts,
+        plan,
+        policy: policy.as_ref(),
+        complete: &complete,
+    };
     let robot_time = robot_time(data, &setup)?;
     let limit = arguments.agent.agent_limit;
     let mut agent: Box<dyn Agent + '_> = match &arguments.tape {
@@ -218,11 +218,18 @@ fn check_places(output: &Path, curve: &Path, log: &Path, scene: Option<&Path>) -
 }
 
 /// Rejects an output file that is not a result of this very episode and agent: it would be lost.
-fn refuse_other(output: &Path, setup: &Setup, arguments: &Arguments, agent: Identity) -> Result<(), Report> {
+fn refuse_other(
+    output: &Path,
+    setup: &Setup,
+    arguments: &Arguments,
+    (name, sha256): &KnownIdentity,
+) -> Result<(), Report> {
     if !output.exists() {
         return Ok(());
     }
     let software = software();
+    let name = name.as_ref().map(|(name, version)| (name.as_str(), version.as_str()));
+    let agent = Identity { name, sha256: sha256.as_deref() };
     let (world, start) = (WorldLabel::of(setup.world).sha256, StartInfo::of(setup.start).sha256);
     let shared = Shared {
         worlds: vec![&world],
@@ -249,6 +256,34 @@ fn refuse_other(output: &Path, setup: &Setup, arguments: &Arguments, agent: Iden
         "{} exists already: {what}",
         output.display()
     ))
+}
+
+/// What is known of the agent before it starts.
+struct Known<'a> {
+    tape: bool,
+    file: Option<&'a AgentFile>,
+    policy: Option<&'a PolicyServer>,
+}
+
+/// Name and version of an agent, if no program says them, and the hash of what it was read from.
+type KnownIdentity = (Option<(String, String)>, Option<String>);
+
+impl Known<'_> {
+    /// The agent's identity; `parts` are those of the baseline.
+    fn identity(&self, parts: &Parts) -> KnownIdentity {
+        if let Some(file) = self.file {
+            return (None, Some(file.sha256().to_string()));
+        }
+        if let Some(server) = self.policy {
+            let it = server.metadata();
+            return (Some((it.name.clone(), it.version.clone())), Some(it.sha256.clone()));
+        }
+        let own = match self.tape {
+            true => (tape::NAME.to_string(), tape::VERSION.to_string()),
+            false => parts.name(),
+        };
+        (Some(own), parts.parameters.sha256.clone())
+    }
 }
 
 /// Bound and reference of the robot time, if the baseline has a plan for the goal.

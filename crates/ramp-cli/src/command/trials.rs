@@ -33,6 +33,7 @@ use crate::columns::{Table, terminal_width};
 use crate::command::agent;
 use crate::command::own_skill::{self, SkillHost, Source};
 use crate::command::parts::{self, Parts};
+use crate::command::program::find_policy;
 use crate::options::{StartOption, TrackName, WorldOption};
 use crate::output::{print, tell};
 use crate::pool;
@@ -161,7 +162,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     }
     let skills = chosen(&arguments.skills, &steps)?;
     if let Some(url) = &arguments.policy {
-        let server = agent::find_policy(url, arguments.agent_limit)?;
+        let server = find_policy(url, arguments.agent_limit)?;
         parts.replace(kinds_of(&skills)?, &Source::Server(Arc::new(server)));
     }
     let trials = Trials {
@@ -354,7 +355,7 @@ impl Trials<'_> {
             return Ok(trial);
         }
         let given = self.parts.plans.as_ref().map(|_| step.plan.clone());
-        let baseline = self.parts.agent(&setup, texts, self.agent_limit, given)?;
+        let baseline = self.parts.agent(&setup, texts, self.agent_limit, given, None)?;
         let next = match &step.task.aim {
             Aim::Placed { connections } => connections.clone(),
             _ => Vec::new(),

@@ -15,6 +15,7 @@ mod names;
 mod own;
 mod people;
 mod plan;
+mod planners;
 mod policies;
 mod ramp;
 mod reference;

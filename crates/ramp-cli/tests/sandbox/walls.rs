@@ -57,6 +57,30 @@ fn an_agent_in_a_sandbox_keeps_no_notes_between_episodes() {
     assert!(kept.is_empty(), "{kept:?}");
 }
 
+/// A planner reads a file of its user, and in a sandbox it cannot.
+fn a_planner_in_a_sandbox_cannot_read_other_files() {
+    let (planners, results) = (TempDir::new().unwrap(), TempDir::new().unwrap());
+    let secret = results.path().join("secret");
+    std::fs::write(&secret, "x").unwrap();
+    let planner = planners.path().join("planner.py");
+    let spy = format!(
+        "import sys\ntry:\n    open({secret:?}).read()\nexcept OSError:\n    sys.exit(0)\nsys.exit(9)\n"
+    );
+    std::fs::write(&planner, spy).unwrap();
+    for (sandbox, why) in [
+        (&[][..], "no plan: the planner crashed: it ended with status 9"),
+        (&["--sandbox"], "no plan: the planner wrote no plan"),
+    ] {
+        let run = ["run", "easy-1", "--track", "state", "--world", "ideal", "--force", "-o", "out.json"];
+        let mut command = Command::new(env!("CARGO_BIN_EXE_ramp"));
+        let output =
+            command.current_dir(&results).args(run).arg("--planner").arg(&planner).args(sandbox).output();
+        let output = output.unwrap();
+        assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+        assert_eq!(result(&results, "out.json")["ended"]["reason"], why);
+    }
+}
+
 /// Space of files without a name and shared memory count: 64 MiB is the limit here.
 fn unlinked_files_and_shared_memory_are_within_the_quota() {
     let agents = agents();
@@ -144,6 +168,11 @@ pub fn checks() -> Vec<Trial> {
             "an_agent_in_a_sandbox_keeps_no_notes_between_episodes",
             missing,
             an_agent_in_a_sandbox_keeps_no_notes_between_episodes,
+        ),
+        check_unless(
+            "a_planner_in_a_sandbox_cannot_read_other_files",
+            missing,
+            a_planner_in_a_sandbox_cannot_read_other_files,
         ),
         check_unless(
             "unlinked_files_and_shared_memory_are_within_the_quota",

@@ -61,12 +61,12 @@ impl Arguments {
     ) -> Result<Batch<'a>, Report> {
         let last = self.first_seed.checked_add(u64::from(count) - 1);
         let agent = self.agent.file()?;
+        let parts = self.agent.parts.read(data)?;
         // Report problems of the sandbox before any episode starts.
         let hidden = Vec::from_iter([Some(folder), hidden].into_iter().flatten());
-        if let Some(sandbox) = self.agent.sandbox(agent.as_ref(), &hidden)? {
+        if let Some(sandbox) = self.agent.sandbox(agent.as_ref().or(parts.planner.as_ref()), &hidden)? {
             agent::tell_open_ends(&sandbox);
         }
-        let parts = self.agent.parts.read(data)?;
         if let Some(plans) = &parts.plans {
             plans.check(goals.iter().map(|goal| goal.name.as_str()))?;
             for goal in &goals {

@@ -124,7 +124,7 @@ pub struct Batch<'a> {
     pub agent: Option<AgentFile>,
     pub policy: Option<BatchPolicy>,
     pub agent_limit: f64,
-    /// True if the agent runs in a sandbox.
+    /// True if the agent, or the planner, runs in a sandbox.
     pub sandbox: bool,
     /// Secret that is mixed into the seeds.
     pub secret: Option<Secret>,
@@ -370,15 +370,18 @@ impl Batch<'_> {
     /// The agent's arguments for an episode. A slow agent is ended before the episode's own time limit, so
     /// that it is still scored.
     fn agent_arguments(&self) -> Vec<OsString> {
+        let sandbox = self.sandbox.then(|| "--sandbox".into());
         let limit = ["--agent-limit".to_string(), self.agent_limit.to_string()];
         let who: [OsString; 2] = match (&self.agent, &self.policy) {
             (Some(agent), _) => ["--agent".into(), agent.path().into()],
             (None, Some(policy)) => ["--policy".into(), policy.url.to_string().into()],
-            (None, None) => return self.parts.iter().cloned().chain(limit.map(OsString::from)).collect(),
+            (None, None) => {
+                let limit = limit.map(OsString::from);
+                return self.parts.iter().cloned().chain(limit).chain(sandbox).collect();
+            }
         };
         let end_after = self.limit.saturating_sub(SCORING.min(self.limit / 2)).as_secs();
         let words = limit.into_iter().chain(["--end-after".to_string(), end_after.to_string()]);
-        let sandbox = self.sandbox.then(|| "--sandbox".into());
         words.map(OsString::from).chain(who).chain(sandbox).collect()
     }
 
