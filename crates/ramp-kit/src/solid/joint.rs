@@ -17,23 +17,27 @@ use std::sync::{Mutex, PoisonError};
 /// # Errors
 /// Dimensions that give an empty solid, or several pieces.
 pub fn joint(kind: JointType, dimensions: &Dimensions) -> Result<Solid, SolidError> {
-    // A joint takes tens of milliseconds, and a kit has many of a few types: those of the last dimensions are
-    // kept.
-    static MADE: Mutex<Option<(Dimensions, Vec<(JointType, Solid)>)>> = Mutex::new(None);
+    static MADE: Mutex<Option<Made>> = Mutex::new(None);
     let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
-    let (of, joints) = made.get_or_insert_with(|| (*dimensions, Vec::new()));
-    if of != dimensions {
-        (*of, *joints) = (*dimensions, Vec::new());
+    if made.as_ref().is_none_or(|made| made.dimensions != *dimensions) {
+        *made = None;
     }
-    if let Some((_, solid)) = joints.iter().find(|(other, _)| *other == kind) {
+    let made = made.get_or_insert_with(|| Made { dimensions: *dimensions, joints: Vec::new() });
+    if let Some((_, solid)) = made.joints.iter().find(|(other, _)| *other == kind) {
         return Ok(solid.clone());
     }
     let form = kind.form();
     let sizes = Sizes::new(dimensions);
     let solid = if form.male { male(kind, form, &sizes) } else { female(kind, form, &sizes) };
     let solid = solid.checked(kind.name())?;
-    joints.push((kind, solid.clone()));
+    made.joints.push((kind, solid.clone()));
     Ok(solid)
+}
+
+/// The joints of the last dimensions: one takes tens of milliseconds, and a kit has many of a few types.
+struct Made {
+    dimensions: Dimensions,
+    joints: Vec<(JointType, Solid)>,
 }
 
 /// Derived dimensions, mm.
