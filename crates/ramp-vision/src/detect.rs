@@ -77,6 +77,7 @@ impl TagFinder {
             .add_family_bits(Family::tag_25h9(), CORRECTED)
             .build()
             .map_err(|error| SightError::Detector(error.to_string()))?;
+        detector.set_decimation(1.0);
         detector.set_thread_number(1);
         detector.set_refine_edges(true);
         // Its defaults, but for the contrast. The smallest angle at a corner is 10°, which it wants as a
@@ -111,10 +112,7 @@ impl TagFinder {
         let mut found: Vec<Detection> = Vec::new();
         for region in regions {
             let image = copy(grey, region)?;
-            if region.is_large() && self.read(&image, region, region.coarse(grey)).is_empty() {
-                continue;
-            }
-            for tag in self.read(&image, region, 1.0) {
+            for tag in self.read(&image, region) {
                 // One tag may have two regions.
                 let again =
                     |other: &Detection| other.id == tag.id && region.is_for(other.middle(), other.area());
@@ -128,10 +126,8 @@ impl TagFinder {
         Ok(found)
     }
 
-    /// The tags that a region is for, in its copy, with candidates from an image made smaller by `decimate`;
-    /// cells are read and edges measured in the full image whatever it is.
-    fn read(&mut self, image: &apriltag::Image, region: &Region, decimate: f32) -> Vec<Detection> {
-        self.detector.set_decimation(decimate);
+    /// The tags that a region is for, in its copy.
+    fn read(&mut self, image: &apriltag::Image, region: &Region) -> Vec<Detection> {
         let detections = self.detector.detect(image);
         let believed = detections.iter().filter(|detection| f64::from(detection.decision_margin()) >= MARGIN);
         let corner = |[x, y]: [f64; 2]| [x + region.left as f64, y + region.top as f64];

@@ -41,8 +41,6 @@ const MARGIN: f64 = 2.0;
 /// around its region, and in pixels: a view from nearby shifts it.
 const OFF_MIDDLE: (f64, f64) = (0.1, 1.0);
 
-/// Area of the hull from which on a region is large, pixels: the cells of its tag are 14 pixels wide.
-const LARGE: f64 = 1.0e4;
 /// Least and largest area of the tag over that of its blob's hull, which the edges of the image may cut.
 const AREA: [f64; 2] = [0.7, 1.6];
 
@@ -107,19 +105,6 @@ impl Region {
         let Some(hull) = &self.hull else { return true };
         let near = (0..2).all(|axis| (middle[axis] - hull.middle[axis]).abs() <= hull.off);
         near && within(area / hull.area, AREA)
-    }
-
-    /// Is it so large that a tag which fills it is found in a much smaller image too?
-    pub fn is_large(&self) -> bool {
-        self.hull.is_some_and(|hull| hull.area > LARGE)
-    }
-
-    /// By how much it can be made smaller for that: not much at the edge of the image, where a tag may have
-    /// hardly any white beside it.
-    pub fn coarse(&self, grey: &Grey) -> f32 {
-        let (right, end) = (self.left + self.width, self.top + self.height);
-        let inside = self.left > 0 && self.top > 0 && right < grey.width && end < grey.height;
-        if inside { 4.0 } else { 1.5 }
     }
 
     /// Is it all of an image?
