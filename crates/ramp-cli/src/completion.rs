@@ -37,7 +37,7 @@ fn with_values(arg: Arg, path: &str) -> Arg {
         (Some("CLASS|GOAL"), _) => Names::GoalsAndClasses,
         (Some("KIND[@N]"), _) => Names::Faults,
         (Some("SKILL"), _) => Names::Skills,
-        (Some("ACTION=FILE"), _) => Names::Actions,
+        (Some("ACTION=FILE|URL"), _) => Names::Actions,
         (Some("NAME|FILE"), Some("world")) => Names::Worlds,
         (Some("NAME|FILE"), Some("start")) => Names::Starts,
         (Some("NAME"), None) if path == "world show" => Names::Worlds,

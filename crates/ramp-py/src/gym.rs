@@ -467,7 +467,8 @@ impl Batch {
         let causes: Vec<Option<&str>> = outcomes.iter().map(|it| it.step.cause.as_deref()).collect();
         dict.set_item("cause", causes)?;
         if self.truth {
-            let offs: Vec<f64> = outcomes.iter().flat_map(|it| <[f64; 3]>::from(it.step.progress.off)).collect();
+            let offs: Vec<f64> =
+                outcomes.iter().flat_map(|it| <[f64; 3]>::from(it.step.progress.off)).collect();
             dict.set_item("off", offs.into_pyarray(py).reshape([outcomes.len(), 3])?)?;
         }
         Ok(dict)
