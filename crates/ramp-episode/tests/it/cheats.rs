@@ -173,13 +173,14 @@ fn a_peg_that_was_flung_through_a_plate_does_not_count() {
     for world in worlds() {
         let setup = stage.setup(world);
         for aside in [0.0, 1e-3, 3e-3] {
-            let mut twin = stage.twin(&setup, Pose::translation(0.0, aside, 0.15));
+            let mut twin = stage.twin(&setup, Pose::translation(0.0, aside, 0.25));
             let result = stage.wait(&setup, &mut twin, 1500, OPEN);
             assert_eq!(result.counted(), 0, "{} {aside}", world.name);
             for reason in reasons(&result) {
                 rejected += 1;
                 let RejectReason::Penetration { parts, depth } = reason else { panic!("{reason:?}") };
-                assert_eq!(parts, &["b7".to_string(), "p1".to_string()]);
+                // A plate of either beam that the peg joins.
+                assert!(["b4", "b7"].contains(&parts[0].as_str()) && parts[1] == "p1", "{parts:?}");
                 assert!(*depth > 1.5e-3 && *depth <= twin.deepest_penetration(), "{depth}");
             }
         }
