@@ -34,7 +34,7 @@ def literals(formula):
 
 
 def read(domain, problem):
-    """Actions as (name, needs, adds, deletes), the state at the begin, and the goals."""
+    """Actions as (name, needs, adds, deletes), the state at the start, and the goals."""
     actions = []
     for part in parse(domain)[1:]:
         if part[0] == ":action":

@@ -232,6 +232,7 @@ def test_what_is_no_action_ends_the_episode_with_its_cause():
         ({"skill": "push", "leash": (0.1, -1.0, 0.1)}, "leash must be more than 0"),
         ({"skill": "push", "world": "moon"}, "there is no world `moon`"),
         ({"skill": "push", "frame": "stiff"}, "there is no frame `stiff`; there are rigid, free"),
+        ({"goals": "easy-1", "truth": True}, "`truth` is the place of the part of a skill"),
         ({"skill": "push", "rate": 101}, "the rate 101 is not within 5 and 100 Hz"),
         ({}, "a goal is needed"),
     ],

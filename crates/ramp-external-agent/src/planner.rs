@@ -14,7 +14,7 @@ use crate::sandbox::Sandbox;
 /// Largest plan, bytes: as for a plan file.
 const LARGEST: usize = 16 << 20;
 
-/// Why there is no plan.
+/// The reason why there is no plan.
 #[derive(Debug, thiserror::Error)]
 pub enum PlannerError {
     /// The system does not start the program.
@@ -37,7 +37,7 @@ pub enum PlannerError {
     Nothing,
 }
 
-/// What is said of an agent, said of a planner.
+/// The words about an agent that is silent, about a planner.
 fn of_planner(silence: &Silence) -> String {
     silence.to_string().replacen("the agent", "the planner", 1)
 }

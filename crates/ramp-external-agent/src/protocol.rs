@@ -204,7 +204,7 @@ impl CommandText {
     }
 }
 
-/// Which camera, and how large an image.
+/// A camera, and the size of an image.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Look {

@@ -45,7 +45,7 @@ pub enum Begin {
     Home,
 }
 
-/// How the parts of a frame that stands hold each other while a skill is done.
+/// The hold of the parts of a standing frame on each other while a skill is done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Frame {
     /// They are one rigid body, without those that the skill moves.
@@ -88,7 +88,7 @@ pub struct Scenario {
     /// Whether a skill's scene has all parts of the kit, as `ramp trials` has it, and not only those that it
     /// needs.
     pub whole_scene: bool,
-    /// How the frame holds that stands before a skill.
+    /// The hold of the frame that stands before a skill.
     pub frame: Frame,
 }
 

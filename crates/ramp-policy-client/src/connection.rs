@@ -18,7 +18,7 @@ const LARGEST: usize = 1 << 20;
 /// The longest words of a server in a message, characters.
 const LONGEST_WORDS: usize = 200;
 
-/// Where a server is: `ws://HOST:PORT`, with a path behind it where the server wants one.
+/// The address of a server: `ws://HOST:PORT`, with a path behind it where the server wants one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PolicyUrl {
     uri: Uri,
@@ -26,7 +26,7 @@ pub struct PolicyUrl {
     port: u16,
 }
 
-/// Why a text is no address of a server.
+/// The reason why a text is no address of a server.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum UrlError {
     /// Encryption is not built in.
@@ -102,7 +102,7 @@ impl Write for Timed {
     }
 }
 
-/// What a server answered.
+/// The answer of a server.
 pub(crate) enum Heard {
     Bytes(Vec<u8>),
     /// The words of a server that cannot answer, or that has nothing to say.
@@ -178,7 +178,7 @@ fn last_words(words: &str) -> String {
     plain(&words[from..], LONGEST_WORDS)
 }
 
-/// Why the exchange has failed.
+/// The reason why the exchange has failed.
 fn failed(error: tungstenite::Error) -> PolicyError {
     match error {
         tungstenite::Error::Io(error) if error.kind() == ErrorKind::TimedOut => PolicyError::Silent,

@@ -1,6 +1,6 @@
 //! Errors of a policy server.
 
-/// Why nothing can be had from a server, to be put after "the policy server".
+/// The reason why a server gives no actions, as words after "the policy server".
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PolicyError {
     /// Nobody answers at its address.

@@ -5,10 +5,9 @@
 //! Nothing that a server sends can stop a bench: a message that is too long, of the wrong shape or not finite
 //! ends the episode, which is scored, with a reason that names the field.
 //!
-//! Data passes one way: [`wire`] turns bytes into values; a [`Connection`](connection) carries them, within
-//! limits of size and time; [`Metadata`] says what the policy sees and does; [`Rollout`](rollout) drives the
-//! robot by its actions; [`PolicyAgent`] is a policy for a whole goal, [`PolicySkill`] one for a single
-//! action.
+//! Data passes one way: [`wire`] turns bytes into values; a connection carries them, within limits of size and
+//! time; [`Metadata`] says what the policy sees and does; a rollout drives the robot by its actions;
+//! [`PolicyAgent`] is a policy for a whole goal, [`PolicySkill`] one for a single action.
 
 mod agent;
 mod chunk;

@@ -1,4 +1,5 @@
-//! What a server says of its policy when a connection begins: what the policy sees and what its actions mean.
+//! The metadata that a server sends when a connection begins: what its policy sees, and the meaning of its
+//! actions.
 //!
 //! A server of RoboArena's kind names its action space. A plain openpi server does not: what it then gets is
 //! what a policy for DROID expects.

@@ -10,10 +10,10 @@ use crate::wire;
 /// The widest the gripper opens, m.
 pub(crate) const WIDEST: f64 = 0.08;
 
-/// What a policy is told besides what the robot senses.
+/// Knowledge that a policy gets beside the sensors of the robot.
 #[derive(Clone, Debug)]
 pub(crate) struct Told {
-    /// What is to be done, as a sentence.
+    /// The task, as a sentence.
     pub prompt: String,
     /// The episode, for servers that keep several apart.
     pub session: String,

@@ -25,18 +25,18 @@ const TURN_SPEED: f64 = 0.15 * 15.0;
 /// Force of each finger that opens, N: as the baseline has it (`grip.opening_force`).
 const OPENING_FORCE: f64 = 20.0;
 
-/// How a policy came to its end.
+/// The end of a policy that came to one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Finish {
     /// It said that it is done.
     Said,
-    /// What it is there for is done.
+    /// Its task is done.
     Settled,
     /// Its time is over.
     OutOfTime,
 }
 
-/// Why it did not come to its end.
+/// The reason why it was stopped before.
 #[derive(Debug)]
 pub(crate) enum Stopped {
     /// The robot stopped it.
@@ -57,7 +57,7 @@ impl From<PolicyError> for Stopped {
     }
 }
 
-/// What a policy has in its hand, and when it is to end.
+/// The part in the hand of a policy, and the conditions of its end.
 pub(crate) struct Bounds<'s> {
     /// Tells the gripper to close.
     pub closed: GripperCommand,
@@ -65,7 +65,7 @@ pub(crate) struct Bounds<'s> {
     pub held: Option<Held>,
     /// Robot time after which it is stopped, s.
     pub limit: f64,
-    /// Whether what it is there for is done.
+    /// Whether its task is done.
     pub settled: &'s dyn Fn(&Observation) -> bool,
     /// For how long that has to hold, s.
     pub for_seconds: f64,
@@ -160,7 +160,7 @@ fn deadline(patience: Patience) -> Instant {
 struct Watch<'s> {
     /// Robot time at which the policy began, s.
     begin: f64,
-    /// Since when what it is there for is done, s.
+    /// Robot time since which its task is done, s.
     since: Option<f64>,
     bounds: &'s Bounds<'s>,
 }

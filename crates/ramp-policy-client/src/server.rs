@@ -28,7 +28,7 @@ impl PolicyServer {
         &self.url
     }
 
-    /// What it said of its policy.
+    /// Its metadata.
     pub fn metadata(&self) -> &Metadata {
         &self.metadata
     }

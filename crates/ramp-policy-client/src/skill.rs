@@ -16,7 +16,7 @@ use crate::server::PolicyServer;
 
 /// Robot time after which a policy that names no limit is stopped, s.
 const LIMIT: f64 = 20.0;
-/// How high over its place a peg may be believed to be that is seated, m. As for the policies in Python.
+/// Largest height over its place at which a peg is believed to be seated, m. As for the policies in Python.
 const SEATED: f64 = 3.0e-4;
 /// For how long it is pressed on, s, so that its head comes to rest on the plate. Likewise.
 const PRESSED: f64 = 0.3;

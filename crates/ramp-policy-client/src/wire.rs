@@ -3,7 +3,7 @@
 
 use rmpv::Value;
 
-/// How deep values may be nested.
+/// Largest depth of nested values.
 const DEEPEST: usize = 16;
 /// The most dimensions of an array.
 const MOST_DIMENSIONS: usize = 4;

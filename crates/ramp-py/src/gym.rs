@@ -242,6 +242,9 @@ impl Env {
             other => return Err(input(format!("there is no frame `{other}`; there are rigid, free"))),
         };
         let options = options(settings)?;
+        if options.truth && skill.is_none() {
+            return Err(input("`truth` is the place of the part of a skill, and this is a whole goal"));
+        }
         let env = detached(py, || {
             let scenario = match (skill, goals.first()) {
                 (Some(skill), _) => {

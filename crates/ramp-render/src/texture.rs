@@ -53,7 +53,7 @@ const SQUARE: usize = 8;
 /// See [`SQUARE`].
 const BLANK_LEVEL: usize = SQUARE.trailing_zeros() as usize;
 
-/// How many squares in front of and above a place have something printed on them.
+/// Number of squares in front of and above a place that have something printed on them.
 #[derive(Clone, Debug)]
 struct Printed {
     columns: usize,
@@ -203,7 +203,7 @@ pub struct Level<'a> {
     pixels: &'a [u8],
     colours: &'a [u32],
     scale: f32,
-    /// What is printed, and the finest level's pixels per metre; none on coarse levels.
+    /// The print, and the finest level's pixels per metre; none on coarse levels.
     printed: Option<(&'a Printed, f32)>,
 }
 

@@ -44,7 +44,7 @@ pub struct Baseline<'a> {
     plan: Option<Plan>,
     /// A given plan that it executes.
     fixed: Option<Plan>,
-    /// Who makes its plans, if not its own planner.
+    /// The maker of its plans, if not its own planner.
     planner: Option<OwnPlanner<'a>>,
     /// Limits of the arm that skills have found.
     learned: Vec<MotionFact>,

@@ -87,7 +87,7 @@ impl Situation {
     }
 }
 
-/// What a period was, and what the engine had to solve in it.
+/// A period: its situation, and the size of the problem that the engine solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
     /// The situation.
@@ -115,7 +115,7 @@ impl Twin {
         }
     }
 
-    /// What the last period was.
+    /// The last period.
     pub fn load(&self) -> Load {
         self.scene.load(&self.data)
     }

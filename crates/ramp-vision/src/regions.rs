@@ -62,7 +62,7 @@ pub struct Region {
 /// The hull of a blob.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Hull {
-    /// Where the middle of the tag is, pixels.
+    /// Middle of the tag, pixels.
     middle: [f64; 2],
     /// Within this distance along both axes, pixels.
     off: f64,
@@ -127,6 +127,9 @@ impl Region {
 /// The regions in which a tag can be. `contrast` is the least difference between black and white nearby,
 /// levels of 255.
 pub fn regions(grey: &Grey, contrast: u8) -> Vec<Region> {
+    if grey.width < TILE || grey.height < TILE {
+        return Vec::new();
+    }
     let limits = Limits::new(grey, contrast);
     let found = blobs(grey.height, |row, runs| limits.runs(grey, row, runs));
     let largest = LARGEST * (grey.width * grey.height) as f64;

@@ -29,7 +29,7 @@ use serde_json::{Value, json};
 
 use crate::command::program::{command_of, find_policy};
 
-/// How long a server may take for its metadata, s.
+/// Time that a server has for its metadata, s.
 const HANDSHAKE: f64 = 10.0;
 /// Largest length of the file name within the agent's name, characters.
 const LONGEST_STEM: usize = 24;
@@ -41,7 +41,7 @@ pub struct Replacement {
     place: Place,
 }
 
-/// Where the program is.
+/// The place of the program.
 #[derive(Clone, Debug)]
 enum Place {
     File(PathBuf),

@@ -258,7 +258,7 @@ fn refuse_other(
     ))
 }
 
-/// What is known of the agent before it starts.
+/// The agent, as far as it is known before it starts.
 struct Known<'a> {
     tape: bool,
     file: Option<&'a AgentFile>,

@@ -44,7 +44,7 @@ fn the_example_plans_and_plans_again() {
     assert!(result["time"]["planning"].as_f64().unwrap() > 0.05);
 }
 
-/// What a planner gets, and a plan in JSON.
+/// The problem that a planner gets, and a plan in JSON.
 #[test]
 fn a_planner_gets_goal_state_and_history() {
     let folder = TempDir::new().unwrap();

@@ -13,10 +13,10 @@ use serde_json::Value;
 use tempfile::TempDir;
 use tungstenite::Message;
 
-/// What a server does with an observation.
+/// The reaction of a server to an observation.
 type Policy = dyn Fn(&mut Memory, &Packed) -> Reply + Send + Sync;
 
-/// What it does with each.
+/// The reactions of a server, one for each observation.
 type Replier = Box<dyn Fn() -> Reply + Send + Sync>;
 
 enum Reply {
@@ -25,10 +25,10 @@ enum Reply {
     Die,
 }
 
-/// What a policy remembers of an episode.
+/// The memory of a policy within an episode.
 #[derive(Default)]
 struct Memory {
-    /// Tip of the arm, and force on it, at the begin.
+    /// Tip of the arm, and force on it, at the start.
     begin: Option<([f64; 3], f64)>,
     angle: f64,
     calls: usize,

@@ -1,4 +1,4 @@
-//! Where the engine's steps go, by situation: from the engine's own timers, on track `state`, seed 1.
+//! Time in the stages of the engine's steps, by situation: from its own timers, on track `state`, seed 1.
 
 use std::collections::BTreeMap;
 use std::time::Instant;

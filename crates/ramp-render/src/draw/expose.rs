@@ -14,7 +14,7 @@ const BLOCK: usize = 3 * 16;
 #[derive(Clone)]
 struct Blurred {
     light: Vec<u16>,
-    /// Which of its blocks show one colour, as the pixels before and after them do.
+    /// For each of its blocks: does it show one colour, as the pixels before and after it do?
     even: Vec<bool>,
 }
 

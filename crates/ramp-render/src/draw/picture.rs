@@ -21,7 +21,7 @@ impl Renderer {
     }
 
     /// As [`Renderer::render`], of what moved while the shutter was open: the light of these moments
-    /// together, at most [`MOST_MOMENTS`], each with the scene and the pose of the optical frame. Depth and
+    /// together, at most sixteen, each with the scene and the pose of the optical frame. Depth and
     /// segmentation are those of the last.
     pub fn render_moving(&mut self, moments: &[(Scene, Pose)], sensor: &mut Sensor) -> Vec<u8> {
         let moments = &moments[..moments.len().min(MOST_MOMENTS)];

@@ -11,7 +11,7 @@ fn names(parts: &[&str]) -> BTreeSet<String> {
     parts.iter().map(|it| (*it).to_string()).collect()
 }
 
-/// What is rigid stays where it is, however it is knocked; all else moves as before, and the robot goes on.
+/// A rigid part stays in its place, however it is knocked; all else moves as before, and the robot goes on.
 #[test]
 fn only_the_rigid_parts_stay() {
     let goal = GoalFiles::new("easy-1");

@@ -98,6 +98,9 @@ fn an_image_without_black_squares_has_none() {
     // Plain, and with a black line and a black square without white inside.
     let mut grey = Grey { width, height, pixels: vec![200; width * height] };
     assert_eq!(regions(&grey, CONTRAST), []);
+    for [width, height] in [[1, 9], [9, 1]] {
+        assert_eq!(regions(&Grey { width, height, pixels: vec![0; 9] }, CONTRAST), []);
+    }
     for y in 50..100 {
         grey.pixels[y * width + 50..][..50].fill(10);
         grey.pixels[y * width + 150..][..2].fill(10);
