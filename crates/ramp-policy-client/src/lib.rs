@@ -5,8 +5,8 @@
 //! Nothing that a server sends can stop a bench: a message that is too long, of the wrong shape or not finite
 //! ends the episode, which is scored, with a reason that names the field.
 //!
-//! Data passes one way: [`wire`] turns bytes into values; a connection carries them, within limits of size and
-//! time; [`Metadata`] says what the policy sees and does; a rollout drives the robot by its actions;
+//! Data passes one way: [`wire`] turns bytes into values; a connection carries them, within limits of size
+//! and time; [`Metadata`] says what the policy sees and does; a rollout drives the robot by its actions;
 //! [`PolicyAgent`] is a policy for a whole goal, [`PolicySkill`] one for a single action.
 
 mod agent;
