@@ -187,8 +187,9 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
     // Before the results are there, which are not for the agent.
     agent.finish();
     judged.judge_end();
-    let Account { planning, coarse, fine, replans, mut events } = agent.account();
-    let thought = judged.thought;
+    let Account { planning, coarse, fine, replans, overlapped, mut events } = agent.account();
+    let overlapped = if agent.is_asynchronous() { overlapped.max(0.0) } else { 0.0 };
+    let thought = (judged.thought - overlapped).max(0.0);
     let planning = planning.clamp(0.0, thought);
     let robot = judged.twin.time();
     let pegs = judged.pegs(setup);
@@ -217,6 +218,7 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
             name: name.to_string(),
             version: version.to_string(),
             sha256: agent.file_hash().map(str::to_string),
+            asynchronous: agent.is_asynchronous(),
         },
         software: label.software.clone(),
         host: Host::here(),

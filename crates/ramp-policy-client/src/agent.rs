@@ -8,9 +8,11 @@ use ramp_external_agent::Patience;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Account, Agent, GripperCommand, Robot, RobotError};
 
+use crate::asynchronous;
 use crate::error::PolicyError;
+use crate::motion::{Bounds, Finish, Player};
 use crate::observation::Told;
-use crate::rollout::{Bounds, Finish, Rollout, Stopped};
+use crate::rollout::{Rollout, Stopped};
 use crate::server::PolicyServer;
 
 /// Force of each finger that closes, N: as the baseline has it (`grip.force`).
@@ -28,6 +30,8 @@ pub struct PolicyAgent<'a> {
     arm: &'a ArmModel,
     prompt: String,
     is_complete: IsComplete<'a>,
+    asynchronous: bool,
+    overlapped: f64,
     failure: Option<String>,
     late: bool,
 }
@@ -48,9 +52,17 @@ impl<'a> PolicyAgent<'a> {
             arm,
             prompt: sentence(assembly),
             is_complete,
+            asynchronous: false,
+            overlapped: 0.0,
             failure: None,
             late: false,
         }
+    }
+
+    /// Lets the robot go on while the server computes: the last chunk plays on.
+    #[must_use]
+    pub fn asynchronous(self, asynchronous: bool) -> PolicyAgent<'a> {
+        PolicyAgent { asynchronous, ..self }
     }
 }
 
@@ -73,7 +85,11 @@ impl Agent for PolicyAgent<'_> {
     }
 
     fn account(&self) -> Account {
-        Account::default()
+        Account { overlapped: self.overlapped, ..Account::default() }
+    }
+
+    fn is_asynchronous(&self) -> bool {
+        self.asynchronous
     }
 
     fn file_hash(&self) -> Option<&str> {
@@ -98,9 +114,17 @@ impl Agent for PolicyAgent<'_> {
             for_seconds: SETTLED,
         };
         let told = Told { prompt: self.prompt.clone(), session: next_session(), poses: None };
-        let outcome = Rollout::begin(self.server, self.patience, told)
-            .map_err(Stopped::from)
-            .and_then(|mut rollout| rollout.run(robot, self.arm, &bounds));
+        let mut overlapped = 0.0;
+        let outcome =
+            Rollout::begin(self.server, self.patience, told).map_err(Stopped::from).and_then(|rollout| {
+                let mut player = Player::new(robot, self.arm, self.server.metadata(), &bounds);
+                match self.asynchronous {
+                    true => asynchronous::run(rollout, &mut player, &mut overlapped),
+                    false => rollout.run(&mut player),
+                }
+            });
+        drop(bounds);
+        self.overlapped = overlapped;
         match outcome {
             Ok(Finish::Said | Finish::Settled) => Ok(()),
             Ok(Finish::OutOfTime) => {

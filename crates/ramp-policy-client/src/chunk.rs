@@ -22,7 +22,7 @@ pub(crate) struct Action {
 /// The answer of a server.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Chunk {
-    /// The actions to be carried out, at least one.
+    /// All of its actions, at least one.
     pub actions: Vec<Action>,
     /// The policy is done once they are.
     pub done: bool,
@@ -58,7 +58,6 @@ pub(crate) fn read(bytes: &[u8], metadata: &Metadata) -> Result<Chunk, String> {
     let actions = array
         .numbers
         .chunks_exact(width)
-        .take(metadata.horizon)
         .map(|numbers| Action { arm: numbers[..width - 1].to_vec(), closed: numbers[width - 1] > CLOSED });
     let done = match wire::get(&answer, "done") {
         None | Some(Value::Nil) => false,
@@ -81,12 +80,15 @@ mod tests {
     }
 
     #[test]
-    fn a_chunk_is_cut_to_the_horizon_and_its_mistakes_name_the_field() {
+    fn the_mistakes_of_a_chunk_name_the_field() {
         let metadata = Metadata::read(&to_bytes(&map([("open_loop_horizon", 1.into())]))).unwrap();
         let read = |value: &Value| read(&to_bytes(value), &metadata);
         let mut one = [0.25; 8];
         let chunk = read(&map([("actions", rows(&[one, one])), ("done", true.into())])).unwrap();
-        assert_eq!(chunk, Chunk { actions: vec![Action { arm: vec![0.25; 7], closed: false }], done: true });
+        assert_eq!(
+            chunk,
+            Chunk { actions: vec![Action { arm: vec![0.25; 7], closed: false }; 2], done: true }
+        );
         one[7] = 0.75;
         // RoboArena's servers answer with the array alone.
         assert!(read(&rows(&[one])).unwrap().actions[0].closed);

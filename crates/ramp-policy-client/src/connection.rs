@@ -163,6 +163,14 @@ impl Connection {
         }
     }
 
+    /// Another handle of its stream.
+    ///
+    /// # Errors
+    /// If the system has no more handles.
+    pub(crate) fn stream(&self) -> std::io::Result<TcpStream> {
+        self.socket.get_ref().stream.try_clone()
+    }
+
     /// Says goodbye, as far as that takes no time.
     pub(crate) fn close(&mut self) {
         self.socket.get_mut().end = Instant::now() + Duration::from_millis(100);

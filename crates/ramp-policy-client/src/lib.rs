@@ -6,14 +6,17 @@
 //! ends the episode, which is scored, with a reason that names the field.
 //!
 //! Data passes one way: [`wire`] turns bytes into values; a connection carries them, within limits of size
-//! and time; [`Metadata`] says what the policy sees and does; a rollout drives the robot by its actions;
+//! and time; [`Metadata`] says what the policy sees and does; a rollout drives the robot by its actions,
+//! waiting for each answer or not;
 //! [`PolicyAgent`] is a policy for a whole goal, [`PolicySkill`] one for a single action.
 
 mod agent;
+mod asynchronous;
 mod chunk;
 mod connection;
 mod error;
 mod metadata;
+mod motion;
 mod observation;
 mod rollout;
 mod server;

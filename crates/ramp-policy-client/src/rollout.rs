@@ -3,38 +3,16 @@
 use std::time::Instant;
 
 use ramp_external_agent::Patience;
-use ramp_gym::known::Held;
-use ramp_gym::{ActionKind, Cartesian, Driver, Joint};
-use ramp_robot::arm::ArmModel;
-use ramp_robot::{Command, DOF, GripperCommand, Observation, PERIOD, Robot, RobotError};
+use ramp_robot::{Robot, RobotError};
 
-use crate::chunk::{self, Action, Chunk};
+use crate::chunk::{self, Chunk};
 use crate::connection::{Connection, Heard};
 use crate::error::PolicyError;
-use crate::metadata::{ActionSpace, Metadata};
-use crate::observation::{Told, WIDEST, observe};
+use crate::metadata::Metadata;
+use crate::motion::{Finish, Player};
+use crate::observation::{Told, observe};
 use crate::server::PolicyServer;
 use crate::wire;
-
-/// Speed of a joint whose velocity is 1, rad/s: DROID's largest change of a joint, 0.2 rad, at 15 Hz.
-const JOINT_SPEED: f64 = 0.2 * 15.0;
-/// Speed of the tip at velocity 1, m/s: DROID's largest change of position, 0.075 m, at 15 Hz.
-const TIP_SPEED: f64 = 0.075 * 15.0;
-/// Speed of its turn at velocity 1, rad/s: DROID's largest change of rotation, 0.15 rad, at 15 Hz.
-const TURN_SPEED: f64 = 0.15 * 15.0;
-/// Force of each finger that opens, N: as the baseline has it (`grip.opening_force`).
-const OPENING_FORCE: f64 = 20.0;
-
-/// The end of a policy that came to one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Finish {
-    /// It said that it is done.
-    Said,
-    /// Its task is done.
-    Settled,
-    /// Its time is over.
-    OutOfTime,
-}
 
 /// The reason why it was stopped before.
 #[derive(Debug)]
@@ -57,26 +35,12 @@ impl From<PolicyError> for Stopped {
     }
 }
 
-/// The part in the hand of a policy, and the conditions of its end.
-pub(crate) struct Bounds<'s> {
-    /// Tells the gripper to close.
-    pub closed: GripperCommand,
-    /// The part in the hand.
-    pub held: Option<Held>,
-    /// Robot time after which it is stopped, s.
-    pub limit: f64,
-    /// Whether its task is done.
-    pub settled: &'s dyn Fn(&Observation) -> bool,
-    /// For how long that has to hold, s.
-    pub for_seconds: f64,
-}
-
 /// A policy at work.
 pub(crate) struct Rollout<'a> {
-    metadata: &'a Metadata,
-    connection: Connection,
-    patience: Patience,
-    told: Told,
+    pub(crate) metadata: &'a Metadata,
+    pub(crate) connection: Connection,
+    pub(crate) patience: Patience,
+    pub(crate) told: Told,
 }
 
 impl<'a> Rollout<'a> {
@@ -106,36 +70,25 @@ impl<'a> Rollout<'a> {
     }
 
     /// The actions for what is seen now.
-    fn infer(&mut self, robot: &mut dyn Robot) -> Result<Chunk, Stopped> {
+    pub(crate) fn infer(&mut self, robot: &mut dyn Robot) -> Result<Chunk, Stopped> {
         let seen = observe(robot, self.metadata, &self.told)?;
-        match self.ask(&seen)? {
-            Heard::Words(words) => Err(PolicyError::Failed(words).into()),
-            Heard::Bytes(bytes) => Ok(chunk::read(&bytes, self.metadata).map_err(PolicyError::Wrong)?),
-        }
+        Ok(understand(self.ask(&seen)?, self.metadata)?)
     }
 
-    /// Lets the policy drive the robot.
-    pub(crate) fn run(
-        &mut self,
-        robot: &mut dyn Robot,
-        arm: &ArmModel,
-        bounds: &Bounds,
-    ) -> Result<Finish, Stopped> {
-        let periods = (1.0 / (self.metadata.rate * PERIOD)).round() as u32;
-        let seen = robot.observe();
-        let mut motion = Motion::new(self.metadata.action_space, arm, &seen, bounds);
-        let mut watch = Watch { begin: seen.time, since: None, bounds };
+    /// Lets the policy drive the robot, which waits for each answer.
+    pub(crate) fn run(mut self, player: &mut Player) -> Result<Finish, Stopped> {
+        let outcome = self.chunks(player);
+        self.connection.close();
+        outcome
+    }
+
+    fn chunks(&mut self, player: &mut Player) -> Result<Finish, Stopped> {
         loop {
-            let Chunk { actions, done } = self.infer(robot)?;
-            for action in &actions {
-                for period in 1..=periods {
-                    let share = f64::from(period) / f64::from(periods);
-                    let command = motion.command(action, share, &robot.observe());
-                    if let Some(finish) = watch.check(&robot.step(&command)?) {
-                        return Ok(finish);
-                    }
+            let Chunk { actions, done } = self.infer(player.robot)?;
+            for action in actions.iter().take(self.metadata.horizon) {
+                if let Some(finish) = player.play(action)? {
+                    return Ok(finish);
                 }
-                motion.end(action);
             }
             if done {
                 return Ok(Finish::Said);
@@ -144,85 +97,16 @@ impl<'a> Rollout<'a> {
     }
 }
 
-impl Drop for Rollout<'_> {
-    fn drop(&mut self) {
-        self.connection.close();
+/// The chunk in what was heard.
+pub(crate) fn understand(heard: Heard, metadata: &Metadata) -> Result<Chunk, PolicyError> {
+    match heard {
+        Heard::Words(words) => Err(PolicyError::Failed(words)),
+        Heard::Bytes(bytes) => chunk::read(&bytes, metadata).map_err(PolicyError::Wrong),
     }
 }
 
 /// When the next answer has to be there.
-fn deadline(patience: Patience) -> Instant {
+pub(crate) fn deadline(patience: Patience) -> Instant {
     let answer = Instant::now() + patience.answer;
     patience.end.map_or(answer, |end| end.min(answer))
-}
-
-/// Notices the end.
-struct Watch<'s> {
-    /// Robot time at which the policy began, s.
-    begin: f64,
-    /// Robot time since which its task is done, s.
-    since: Option<f64>,
-    bounds: &'s Bounds<'s>,
-}
-
-impl Watch<'_> {
-    fn check(&mut self, seen: &Observation) -> Option<Finish> {
-        if (self.bounds.settled)(seen) {
-            let since = *self.since.get_or_insert(seen.time);
-            if seen.time - since >= self.bounds.for_seconds {
-                return Some(Finish::Settled);
-            }
-        } else {
-            self.since = None;
-        }
-        (seen.time - self.begin >= self.bounds.limit).then_some(Finish::OutOfTime)
-    }
-}
-
-/// Turns actions into commands.
-struct Motion {
-    space: ActionSpace,
-    driver: Driver,
-    /// Joint positions that the last action ended with, rad.
-    last: [f64; DOF],
-    closed: GripperCommand,
-}
-
-impl Motion {
-    fn new(space: ActionSpace, arm: &ArmModel, seen: &Observation, bounds: &Bounds) -> Motion {
-        let kind = match space {
-            ActionSpace::JointPosition => ActionKind::Raw { strict: false },
-            ActionSpace::JointVelocity => ActionKind::Joint(Joint { speed: JOINT_SPEED, ..Joint::default() }),
-            ActionSpace::CartesianVelocity => ActionKind::Cartesian(Cartesian {
-                speed: TIP_SPEED,
-                turn_speed: TURN_SPEED,
-                ..Cartesian::default()
-            }),
-        };
-        let driver = Driver::new(&kind, arm, seen, bounds.closed, bounds.held.clone());
-        Motion { space, driver, last: seen.positions, closed: bounds.closed }
-    }
-
-    /// The command at this share of an action's time, from 0 to 1.
-    fn command(&mut self, action: &Action, share: f64, seen: &Observation) -> Command {
-        let open = GripperCommand { width: WIDEST, force: OPENING_FORCE };
-        self.driver.grip(if action.closed { self.closed } else { open });
-        match self.space {
-            ActionSpace::JointPosition => {
-                let between = |(from, to): (&f64, &f64)| from + share * (to - from);
-                let target: Vec<f64> = self.last.iter().zip(&action.arm).map(between).collect();
-                self.driver.command(&target, seen)
-            }
-            ActionSpace::JointVelocity | ActionSpace::CartesianVelocity => {
-                self.driver.command(&action.arm, seen)
-            }
-        }
-    }
-
-    /// An action is over.
-    fn end(&mut self, action: &Action) {
-        if self.space == ActionSpace::JointPosition {
-            self.last.copy_from_slice(&action.arm);
-        }
-    }
 }

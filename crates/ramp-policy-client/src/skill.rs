@@ -10,8 +10,9 @@ use ramp_robot::{Observation, Robot};
 use ramp_skills::skill::ActionKind;
 
 use crate::agent::next_session;
+use crate::motion::{Bounds, Finish, Player};
 use crate::observation::Told;
-use crate::rollout::{Bounds, Finish, Rollout, Stopped};
+use crate::rollout::{Rollout, Stopped};
 use crate::server::PolicyServer;
 
 /// Robot time after which a policy that names no limit is stopped, s.
@@ -55,9 +56,10 @@ impl Body for PolicySkill {
         };
         let poses = Some([known.x_wp, known.x_goal]);
         let told = Told { prompt: action.clone(), session: next_session(), poses };
-        let outcome = Rollout::begin(&self.server, self.patience, told)
-            .map_err(Stopped::from)
-            .and_then(|mut rollout| rollout.run(robot, &self.arm, &bounds));
+        let outcome =
+            Rollout::begin(&self.server, self.patience, told).map_err(Stopped::from).and_then(|rollout| {
+                rollout.run(&mut Player::new(robot, &self.arm, self.server.metadata(), &bounds))
+            });
         match outcome {
             Ok(Finish::Said | Finish::Settled) => Ok(()),
             Ok(Finish::OutOfTime) => {

@@ -509,7 +509,11 @@ fn kept(
         start: &start,
         secret: None,
         software,
-        agent: Identity { name: Some(agent.name()), sha256: agent.file_hash() },
+        agent: Identity {
+            name: Some(agent.name()),
+            sha256: agent.file_hash(),
+            asynchronous: agent.is_asynchronous(),
+        },
     };
     let wanted = Wanted {
         goal: &setup.assembly.name,

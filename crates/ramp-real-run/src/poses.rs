@@ -405,7 +405,7 @@ impl Run<'_> {
             seed: u64::from(head.repeat),
             secret: None,
             repeat: head.repeat,
-            agent: AgentInfo { name: head.agent, version: head.version, sha256: None },
+            agent: AgentInfo { name: head.agent, version: head.version, sha256: None, asynchronous: false },
             software: software.clone(),
             host: Host { cpu: head.computer, cores: head.cores },
             rejected: Vec::new(),

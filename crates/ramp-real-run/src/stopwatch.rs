@@ -173,8 +173,12 @@ impl Reader<'_> {
     }
 
     fn episodes(&self, head: &Head, table: &[Vec<CsvCell>]) -> Read<Vec<EpisodeResult>> {
-        let agent =
-            AgentInfo { name: self.name(head, "agent")?, version: self.name(head, "version")?, sha256: None };
+        let agent = AgentInfo {
+            name: self.name(head, "agent")?,
+            version: self.name(head, "version")?,
+            sha256: None,
+            asynchronous: false,
+        };
         let track = self.track(head)?;
         let real = RealRun {
             robot: self.text(head, "robot")?,

@@ -9,7 +9,7 @@ pub use self::notes::REPEATS;
 use self::notes::notes;
 use crate::sums::{Comparison, Line, Scope};
 use crate::{curves, plot, sums};
-use ramp_result::collection::{Collection, Entrant, class_rank};
+use ramp_result::collection::{Collection, Setting, class_rank};
 use ramp_result::published::Published;
 use ramp_result::statistics::holm;
 
@@ -28,20 +28,11 @@ pub struct Report {
     pub notes: Vec<String>,
 }
 
-/// Track, world and start, and whether the robot is a real one.
-type Setting = (String, Option<String>, Option<String>, bool);
-
 /// The report on one track.
 #[derive(Clone, Debug)]
 pub struct TrackPart {
-    /// The track.
-    pub track: String,
-    /// Unambiguous name of the world; `None` for real runs and published results.
-    pub world: Option<String>,
-    /// Unambiguous name of the start; `None` for real runs and published results.
-    pub start: Option<String>,
-    /// True for real robots.
-    pub real: bool,
+    /// The conditions that its agents share.
+    pub setting: Setting,
     /// Its agents, as indices into the collection.
     pub entrants: Vec<usize>,
     /// One for each class.
@@ -86,19 +77,17 @@ pub struct Named {
 impl Report {
     /// Computes all sums.
     pub fn new(collection: Collection) -> Report {
-        let of = |it: &Entrant| {
-            let (track, world, start, real) = it.identity.setting();
-            (track.clone(), world.clone(), start.clone(), real)
-        };
-        let mut settings: Vec<Setting> = collection.entrants.iter().map(of).collect();
+        let mut settings: Vec<Setting> = collection.entrants.iter().map(|it| it.identity.setting()).collect();
         for published in &collection.published {
-            if !settings.iter().any(|(track, ..)| *track == published.track) {
-                settings.push((published.track.clone(), None, None, true));
+            if !settings.iter().any(|it| it.track == published.track) {
+                let track = published.track.clone();
+                settings.push(Setting { track, world: None, start: None, real: true, asynchronous: false });
             }
         }
         let rank = |name: &String| ramp_robot::Track::ALL.iter().position(|track| track.name() == name);
-        settings
-            .sort_by_key(|(track, world, start, real)| (rank(track), *real, world.clone(), start.clone()));
+        settings.sort_by_key(|it| {
+            (rank(&it.track), it.real, it.asynchronous, it.world.clone(), it.start.clone())
+        });
         settings.dedup();
         let mut parts: Vec<TrackPart> =
             settings.into_iter().map(|setting| TrackPart::new(&collection, setting)).collect();
@@ -250,28 +239,32 @@ fn file_name(text: &str, others: &[Named]) -> String {
 }
 
 impl TrackPart {
-    /// Track, real robot or twin, world and start, for a person.
+    /// Track, real robot or twin, world, start and pace, for a person.
     pub fn title(&self) -> String {
-        let robot = if self.real { ", real robot" } else { ", twin" };
-        let world = self.world.iter().map(|world| format!(", world {world}"));
-        let start = self.start.iter().map(|start| format!(", start {start}"));
-        [self.track.clone(), robot.to_string()].into_iter().chain(world).chain(start).collect()
+        let Setting { track, world, start, real, asynchronous } = &self.setting;
+        let robot = if *real { ", real robot" } else { ", twin" };
+        let world = world.iter().map(|world| format!(", world {world}"));
+        let start = start.iter().map(|start| format!(", start {start}"));
+        let pace = asynchronous.then(|| ", async".to_string());
+        [track.clone(), robot.to_string()].into_iter().chain(world).chain(start).chain(pace).collect()
     }
 
     /// The same for a file name: letters, digits and hyphens.
     pub fn slug(&self) -> String {
-        let robot = if self.real { "-real-robot" } else { "" };
-        let conditions = self.world.iter().chain(&self.start).map(|it| format!("-{it}"));
+        let Setting { track, world, start, real, asynchronous } = &self.setting;
+        let robot = if *real { "-real-robot" } else { "" };
+        let pace = asynchronous.then(|| "async".to_string());
+        let conditions = world.iter().chain(start).chain(&pace).map(|it| format!("-{it}"));
         let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
-        let name: String = [self.track.clone(), robot.to_string()].into_iter().chain(conditions).collect();
+        let name: String = [track.clone(), robot.to_string()].into_iter().chain(conditions).collect();
         name.chars().map(plain).collect()
     }
 
-    fn new(collection: &Collection, (track, world, start, real): Setting) -> TrackPart {
+    fn new(collection: &Collection, setting: Setting) -> TrackPart {
+        let track = &setting.track;
         let of = |index: &usize| &collection.entrants[*index].identity;
-        let entrants: Vec<usize> = (0..collection.entrants.len())
-            .filter(|index| of(index).setting() == (&track, &world, &start, real))
-            .collect();
+        let entrants: Vec<usize> =
+            (0..collection.entrants.len()).filter(|index| of(index).setting() == setting).collect();
         let worked_on = |name: &str| {
             entrants.iter().any(|index| {
                 let entrant = &collection.entrants[*index];
@@ -284,7 +277,7 @@ impl TrackPart {
             .filter(|goal| worked_on(&goal.name))
             .map(|goal| goal.class.clone())
             .chain(
-                collection.published.iter().filter(|it| it.track == track).map(|it| Some(it.class.clone())),
+                collection.published.iter().filter(|it| it.track == *track).map(|it| Some(it.class.clone())),
             )
             .collect();
         classes.sort_by_key(|class| class_rank(class.as_deref()));
@@ -312,14 +305,15 @@ impl TrackPart {
                     .flat_map(|(index, one)| entrants[index + 1..].iter().map(move |two| [*one, *two]));
                 let comparisons = pairs.filter_map(|pair| sums::compare(collection, pair, &scope)).collect();
                 let published = collection.published.iter();
-                let published = published.filter(|it| Some(&it.class) == class.as_ref() && it.track == track);
+                let published =
+                    published.filter(|it| Some(&it.class) == class.as_ref() && it.track == *track);
                 let published = published.cloned().collect();
                 let lines = lines(&scope);
                 let shown = shown(&lines, is_large(collection));
                 ClassPart { lines, class, goals, goal_lines, comparisons, shown, published }
             })
             .collect();
-        TrackPart { track, world, start, real, entrants, classes }
+        TrackPart { setting, entrants, classes }
     }
 }
 

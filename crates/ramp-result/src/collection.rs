@@ -49,6 +49,9 @@ pub struct Identity {
     pub agent_version: String,
     /// SHA-256 of its file, where it has one.
     pub agent_sha256: Option<String>,
+    /// Whether the robot went on while it computed.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub asynchronous: bool,
     /// The version of this software.
     pub version: String,
     /// The commit it was built from.
@@ -58,6 +61,21 @@ pub struct Identity {
     pub secret: Option<String>,
     /// Description of the real run; `None` in the twin.
     pub real: Option<RealRun>,
+}
+
+/// The conditions that entrants who are compared share.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setting {
+    /// The track.
+    pub track: String,
+    /// Unambiguous name of the world; `None` for real runs and published results.
+    pub world: Option<String>,
+    /// Unambiguous name of the start; `None` for real runs and published results.
+    pub start: Option<String>,
+    /// True for real robots.
+    pub real: bool,
+    /// True if the robot goes on while the agent computes.
+    pub asynchronous: bool,
 }
 
 /// One agent on one track: all its episodes.
@@ -272,10 +290,15 @@ impl Identity {
         Track::ALL.iter().position(|known| known.name() == self.track).unwrap_or(Track::ALL.len())
     }
 
-    /// The conditions that entrants who are compared share: track, world and start, and whether the robot is
-    /// a real one.
-    pub fn setting(&self) -> (&String, &Option<String>, &Option<String>, bool) {
-        (&self.track, &self.world, &self.start, self.real.is_some())
+    /// The conditions that entrants who are compared share.
+    pub fn setting(&self) -> Setting {
+        Setting {
+            track: self.track.clone(),
+            world: self.world.clone(),
+            start: self.start.clone(),
+            real: self.real.is_some(),
+            asynchronous: self.asynchronous,
+        }
     }
 
     /// The agent and, if it is a real one, the robot, whatever the conditions.
@@ -286,7 +309,7 @@ impl Identity {
 
     fn of(result: &EpisodeResult) -> Identity {
         let EpisodeResult { track, agent, software, secret, real, .. } = result;
-        let AgentInfo { name, version: agent_version, sha256 } = agent;
+        let AgentInfo { name, version: agent_version, sha256, asynchronous } = agent;
         let Software { version, commit } = software;
         Identity {
             track: track.clone(),
@@ -300,6 +323,7 @@ impl Identity {
             agent: name.clone(),
             agent_version: agent_version.clone(),
             agent_sha256: sha256.clone(),
+            asynchronous: *asynchronous,
             version: version.clone(),
             commit: commit.clone(),
             secret: secret.clone(),

@@ -149,6 +149,10 @@ pub struct AgentInfo {
     /// SHA-256 of its file, in hex. For the baseline that of a file of parameters of its skills; `None` with
     /// its own ones, which the software's commit tells.
     pub sha256: Option<String>,
+    /// Whether the robot went on while it computed: such a result is no function of its seed. In the file
+    /// only if it did.
+    #[serde(default, rename = "async", skip_serializing_if = "std::ops::Not::not")]
+    pub asynchronous: bool,
 }
 
 /// A run of a real robot, in the words of its scorer.

@@ -50,6 +50,8 @@ pub struct Identity<'a> {
     pub name: Option<(&'a str, &'a str)>,
     /// SHA-256 of its file, or of the file of the skills' parameters, in hex.
     pub sha256: Option<&'a str>,
+    /// Whether the robot goes on while it computes.
+    pub asynchronous: bool,
 }
 
 /// Conditions that all results of a folder share.
@@ -121,8 +123,13 @@ impl Shared<'_> {
             .agent
             .name
             .is_some_and(|(name, version)| agent["name"] != name || agent["version"] != version);
-        if other_name || agent["sha256"].as_str() != self.agent.sha256 {
-            let theirs = format!("{} {}", part(agent, "name"), part(agent, "version"));
+        let asynchronous = agent["async"] == true;
+        if other_name
+            || agent["sha256"].as_str() != self.agent.sha256
+            || asynchronous != self.agent.asynchronous
+        {
+            let pace = if asynchronous { ", async" } else { "" };
+            let theirs = format!("{} {}{pace}", part(agent, "name"), part(agent, "version"));
             return Err(Foreign::Agent { theirs });
         }
         Ok(())

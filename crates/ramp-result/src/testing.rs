@@ -20,7 +20,7 @@ pub fn episode(goal: &str, seed: u64, since: &[f64], pegs: usize) -> EpisodeResu
         seed,
         secret: None,
         repeat: seed as u32,
-        agent: AgentInfo { name: "hand".into(), version: "1".into(), sha256: None },
+        agent: AgentInfo { name: "hand".into(), version: "1".into(), sha256: None, asynchronous: false },
         software: Software { version: "0.1.0".into(), commit: "abc".into() },
         host: Host { cpu: "cpu".into(), cores: 2 },
         rejected: Vec::new(),

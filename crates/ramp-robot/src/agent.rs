@@ -30,6 +30,8 @@ pub struct Account {
     pub fine: usize,
     /// How often it planned again.
     pub replans: usize,
+    /// Time that it waited while the robot went on, s: it is part of the robot's time, and not counted twice.
+    pub overlapped: f64,
     /// Its events, in order of time.
     pub events: Vec<Event>,
 }
@@ -46,6 +48,12 @@ pub trait Agent {
     /// part of the program.
     fn file_hash(&self) -> Option<&str> {
         None
+    }
+
+    /// Whether the robot goes on while the agent computes, as far as the robot's time follows the clock: what
+    /// happens is then no function of the seed.
+    fn is_asynchronous(&self) -> bool {
+        false
     }
 
     /// Why the agent itself could not go on, where it was not the robot that stopped it; read after

@@ -42,6 +42,7 @@ pub fn run_trial(
             name: name.to_string(),
             version: version.to_string(),
             sha256: agent.file_hash().map(str::to_string),
+            asynchronous: agent.is_asynchronous(),
         },
         software: software.clone(),
         host: Host::here(),

@@ -30,6 +30,10 @@ pub struct Arguments {
     /// Run the policy behind this server of openpi's or RoboArena's kind instead of the baseline
     #[arg(long, value_name = "ws://HOST:PORT", conflicts_with_all = ["agent", "path", "skill", "plan", "planner", "domain"])]
     pub policy: Option<PolicyUrl>,
+    /// Let the robot go on while the policy computes: its last actions play on, and then it holds still. Such
+    /// a result is no function of its seed, and is kept apart from others
+    #[arg(long = "async", requires = "policy")]
+    pub asynchronous: bool,
     /// Time limit for each message of the agent, or answer of the policy; if it is exceeded, the episode ends
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
     pub agent_limit: f64,
@@ -118,6 +122,8 @@ pub struct AgentSetup<'a> {
     pub plan: Option<Plan>,
     /// The policy, if one runs instead of the baseline.
     pub policy: Option<&'a PolicyServer>,
+    /// Whether the robot goes on while it computes.
+    pub asynchronous: bool,
     /// Whether every peg of the goal counts now.
     pub complete: &'a Cell<bool>,
 }
@@ -131,12 +137,13 @@ pub fn start<'a>(
     end: Option<Instant>,
     listener: impl FnMut(&Event) + 'a,
 ) -> Result<Box<dyn Agent + 'a>, Report> {
-    let AgentSetup { ref setup, texts, parts, ref plan, policy, complete } = *inputs;
+    let AgentSetup { ref setup, texts, parts, ref plan, policy, asynchronous, complete } = *inputs;
     let Setup { assembly, arm, track, start, .. } = *setup;
     let patience = Patience { answer: Duration::from_secs_f64(limit), end };
     if let Some(server) = policy {
         let is_complete = Box::new(|| complete.get());
-        return Ok(Box::new(PolicyAgent::new(server, patience, assembly, arm, is_complete)));
+        let agent = PolicyAgent::new(server, patience, assembly, arm, is_complete);
+        return Ok(Box::new(agent.asynchronous(asynchronous)));
     }
     let Some(file) = file else {
         return Ok(Box::new(

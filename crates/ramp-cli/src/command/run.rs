@@ -148,6 +148,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         parts: &parts,
         plan,
         policy: policy.as_ref(),
+        asynchronous: arguments.agent.asynchronous,
         complete: &complete,
     };
     let robot_time = robot_time(data, &setup)?;
@@ -229,7 +230,7 @@ fn refuse_other(
     }
     let software = software();
     let name = name.as_ref().map(|(name, version)| (name.as_str(), version.as_str()));
-    let agent = Identity { name, sha256: sha256.as_deref() };
+    let agent = Identity { name, sha256: sha256.as_deref(), asynchronous: arguments.agent.asynchronous };
     let (world, start) = (WorldLabel::of(setup.world).sha256, StartInfo::of(setup.start).sha256);
     let shared = Shared {
         worlds: vec![&world],

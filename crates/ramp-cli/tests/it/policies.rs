@@ -260,6 +260,54 @@ fn the_arm_moves_as_the_action_space_says() {
     assert!((*last.lock().unwrap() - 0.2).abs() < 0.01, "{last:?}");
 }
 
+/// With `--async` the last actions play on while the server computes: the joint goes further between two
+/// observations than the actions before each question say. The result says so, and is kept apart; its log
+/// replays to the last bit.
+#[test]
+fn a_robot_may_go_on_while_its_policy_computes() {
+    let folder = TempDir::new().unwrap();
+    let told = metadata(&[
+        ("n_external_cameras", 0.into()),
+        ("needs_wrist_camera", false.into()),
+        ("open_loop_horizon", 2.into()),
+    ]);
+    let seen_at = Arc::new(std::sync::Mutex::new(Vec::new()));
+    let keep = Arc::clone(&seen_at);
+    let server = Server::start(told, move |memory, seen| {
+        let joints = wire::to_array(wire::get(seen, "observation/joint_position").unwrap()).unwrap();
+        keep.lock().unwrap().push(joints.numbers[0]);
+        thread::sleep(std::time::Duration::from_millis(150));
+        let mut answer = chunk(&[0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 12);
+        if memory.calls == 4 {
+            let actions = wire::get(&answer, "actions").cloned().unwrap();
+            answer = wire::map([("actions", actions), ("done", true.into())]);
+        }
+        say(&answer)
+    });
+    let run = |arguments: &[&str]| {
+        let all =
+            [&["run", "easy-1", "--world", "ideal", "--policy", &server.url(), "-o", "v.json"], arguments];
+        ramp(&folder, &all.concat())
+    };
+    let ran = run(&["--async"]);
+    assert_eq!(ran.status.code(), Some(1), "{}", String::from_utf8_lossy(&ran.stderr));
+    let v = result(&folder, "v.json");
+    assert_eq!(v["ended"]["reason"], "done");
+    assert_eq!(v["agent"]["async"], true);
+    // An action is 0.02 rad: a robot that waits goes on by two, and 0.15 s of the server are three.
+    let positions = seen_at.lock().unwrap().clone();
+    assert!(positions.len() == 4 && positions[3] - positions[2] > 0.05, "{positions:?}");
+    let replay = ramp(&folder, &["replay", "v.mcap"]);
+    assert!(replay.status.success(), "{}", String::from_utf8_lossy(&replay.stdout));
+    let refused = run(&[]);
+    assert_eq!(refused.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&refused.stderr);
+    let said = said.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
+    assert!(said.contains("unknown, async"), "{said}");
+    let alone = ramp(&folder, &["run", "easy-1", "--async"]);
+    assert_eq!(alone.status.code(), Some(2));
+}
+
 /// Whatever a server does, the episode has a result, and the reason names the field.
 #[test]
 fn a_server_that_fails_ends_its_episode_with_a_reason() {

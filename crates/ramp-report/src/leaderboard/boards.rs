@@ -28,6 +28,8 @@ pub struct Key {
     pub rules: String,
     /// Whether the runs were on real robots.
     pub real: bool,
+    /// Whether the robot went on while the agent computed.
+    pub asynchronous: bool,
 }
 
 impl Key {
@@ -40,6 +42,7 @@ impl Key {
             start: result.start.as_ref().map(|it| Named { name: it.name.clone(), sha256: it.sha256.clone() }),
             rules: result.rules.clone(),
             real: result.real.is_some(),
+            asynchronous: result.agent.asynchronous,
         }
     }
 
@@ -53,30 +56,32 @@ impl Key {
                 .map_or(String::new(), |it| format!(", {kind} {} ({})", it.name, begin(it, SHOWN_HASH)))
         };
         let (world, start) = (version("world", &self.world), version("start", &self.start));
-        format!("{class}, track {}{robot}{world}{start}", self.track)
+        let pace = if self.asynchronous { ", async" } else { "" };
+        format!("{class}, track {}{robot}{world}{start}{pace}", self.track)
     }
 
     /// For the name of a file: letters, digits and hyphens.
     pub fn slug(&self) -> String {
         let class = self.class.as_deref().unwrap_or("no-class");
         let real = if self.real { "-real" } else { "" };
+        let pace = if self.asynchronous { "-async" } else { "" };
         let version = |file: &Option<Named>| {
             file.as_ref().map_or(String::new(), |it| format!("-{}-{}", it.name, begin(it, SLUG_HASH)))
         };
         let (world, start) = (version(&self.world), version(&self.start));
-        format!("{class}-{}{world}{start}{real}-{}", self.track, self.rules)
+        format!("{class}-{}{world}{start}{real}{pace}-{}", self.track, self.rules)
             .chars()
             .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' })
             .collect()
     }
 
     /// Easy classes first, tracks in their order, real robots last.
-    fn rank(&self) -> (usize, usize, bool, [Option<&Named>; 2], &str) {
+    fn rank(&self) -> (usize, usize, [bool; 2], [Option<&Named>; 2], &str) {
         let track = Track::ALL.iter().position(|known| known.name() == self.track);
         (
             class_rank(self.class.as_deref()),
             track.unwrap_or(Track::ALL.len()),
-            self.real,
+            [self.real, self.asynchronous],
             [self.world.as_ref(), self.start.as_ref()],
             &self.rules,
         )

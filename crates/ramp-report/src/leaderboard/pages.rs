@@ -135,6 +135,10 @@ fn board_words(board: &Board) -> Markup {
             } @else {
                 "Every result was run again from its log and is equal to the last bit. " (SOURCES)
             }
+            @if board.key.asynchronous {
+                " The robot went on while the policies computed: a result depends on their server's speed, and no run is the \
+                 same again, though its log is."
+            }
             @if !board.controls.is_empty() {
                 " Rows without a place are the organiser's own."
             }

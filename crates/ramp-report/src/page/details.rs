@@ -57,7 +57,7 @@ pub fn episodes_over_time(view: View) -> Markup {
                 @for &entrant in &part.entrants {
                     @if let Some(svg) = report.timeline(entrant, class) {
                         h3 {
-                            (view.swatch(entrant)) (report.label(entrant)) ": " (class.name()) ", track " (part.track)
+                            (view.swatch(entrant)) (report.label(entrant)) ": " (class.name()) ", track " (part.setting.track)
                         }
                         figure.wide { (PreEscaped(svg)) }
                     }

@@ -34,6 +34,9 @@ fn results() -> Collection {
         all.push(in_the_twin("baseline", "state", seed));
     }
     all.push(in_the_twin("other", "state", 1));
+    let mut hasty = in_the_twin("hasty", "state", 1);
+    hasty.agent.asynchronous = true;
+    all.push(hasty);
     for (index, result) in all.iter().enumerate() {
         std::fs::write(folder.path().join(format!("{index}.json")), result.to_json()).unwrap();
     }
@@ -46,7 +49,12 @@ fn a_real_robot_and_the_world_real_have_headings_that_say_so() {
     let titles: Vec<String> = report.tracks.iter().map(|part| part.title()).collect();
     assert_eq!(
         titles,
-        ["state, twin, world real, start moved", "tags, twin, world real, start moved", "tags, real robot"]
+        [
+            "state, twin, world real, start moved",
+            "state, twin, world real, start moved, async",
+            "tags, twin, world real, start moved",
+            "tags, real robot"
+        ]
     );
     let html = page::html(&report);
     for title in titles {
@@ -59,6 +67,7 @@ fn a_real_robot_and_the_world_real_have_headings_that_say_so() {
     let front = pages::pages(&boards, &[], &[]).pop().unwrap().1;
     assert!(front.contains("Class easy, track tags, real robot<"), "{front}");
     assert!(front.contains("Class easy, track tags, twin, world real ("), "{front}");
+    assert!(front.contains("), async<"), "{front}");
 }
 
 #[test]
@@ -75,8 +84,8 @@ fn each_agent_has_one_colour_on_all_tracks() {
         assert_eq!(places.len(), 1, "{colours:?}");
         places[0]
     };
-    let places = [of("baseline"), of("other"), of("hand")];
-    assert!((0..3).all(|place| places.contains(&place)), "{colours:?}");
+    let places = [of("baseline"), of("other"), of("hasty"), of("hand")];
+    assert!((0..4).all(|place| places.contains(&place)), "{colours:?}");
 }
 
 #[test]

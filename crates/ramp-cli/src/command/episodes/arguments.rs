@@ -76,6 +76,7 @@ impl Arguments {
         let policy = self.agent.policy()?.map(|server| BatchPolicy {
             url: server.url().clone(),
             sha256: server.metadata().sha256.clone(),
+            asynchronous: self.agent.asynchronous,
             name: (server.metadata().name.clone(), server.metadata().version.clone()),
         });
         let name = match &policy {

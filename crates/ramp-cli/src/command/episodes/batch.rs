@@ -108,6 +108,8 @@ pub struct BatchPolicy {
     pub sha256: String,
     /// Name and version in results.
     pub name: (String, String),
+    /// Whether the robot goes on while it computes.
+    pub asynchronous: bool,
 }
 
 /// Settings that all episodes of a batch share, and their results folder.
@@ -210,6 +212,7 @@ impl Batch<'_> {
             agent: Identity {
                 name: self.name.as_ref().map(|(name, version)| (name.as_str(), version.as_str())),
                 sha256: self.agent_hash(),
+                asynchronous: self.policy.as_ref().is_some_and(|policy| policy.asynchronous),
             },
         }
     }
@@ -372,9 +375,12 @@ impl Batch<'_> {
     fn agent_arguments(&self) -> Vec<OsString> {
         let sandbox = self.sandbox.then(|| "--sandbox".into());
         let limit = ["--agent-limit".to_string(), self.agent_limit.to_string()];
-        let who: [OsString; 2] = match (&self.agent, &self.policy) {
-            (Some(agent), _) => ["--agent".into(), agent.path().into()],
-            (None, Some(policy)) => ["--policy".into(), policy.url.to_string().into()],
+        let who: Vec<OsString> = match (&self.agent, &self.policy) {
+            (Some(agent), _) => vec!["--agent".into(), agent.path().into()],
+            (None, Some(policy)) => {
+                let pace = policy.asynchronous.then(|| "--async".into());
+                ["--policy".into(), policy.url.to_string().into()].into_iter().chain(pace).collect()
+            }
             (None, None) => {
                 let limit = limit.map(OsString::from);
                 return self.parts.iter().cloned().chain(limit).chain(sandbox).collect();
