@@ -8,7 +8,8 @@ import sys
 
 
 def main() -> None:
-    """Becomes the `ramp` command."""
+    """Becomes the `ramp` command, which starts this Python again where it needs the package."""
+    os.environ.setdefault("RAMP_PYTHON", sys.executable)
     program = pathlib.Path(__file__).parent / "bin" / "ramp"
     os.execv(program, [str(program), *sys.argv[1:]])
 

@@ -34,6 +34,8 @@ try:
         current_result,
         curve_svg,
         describe_event,
+        play_log,
+        view_lens,
     )
     from ramp._ramp import Twin as CompiledTwin
     from ramp._ramp import run as run_episode
@@ -65,7 +67,9 @@ __all__ = [
     "data",
     "describe_event",
     "integer",
+    "play_log",
     "run_episode",
+    "view_lens",
 ]
 
 MAX_SEED = 2**64 - 1

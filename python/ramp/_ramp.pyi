@@ -292,3 +292,16 @@ def current_result(result: str) -> str:
 
 def curve_svg(result: str) -> str:
     """The completion of a result over time, as SVG."""
+
+def play_log(
+    log: str,
+    see: Callable[[dict[str, Any]], None] | None = None,
+    *,
+    periods: int = 50,
+    size: int | None = None,
+) -> str:
+    """Runs the episode of a log again; ``see`` gets each sample. What the log says as JSON, with ``equal`` and
+    ``differences``."""
+
+def view_lens(benchmark: Benchmark, camera: str, size: int) -> str:
+    """The lens and the mounting of a camera's square images, as JSON."""

@@ -37,6 +37,7 @@ fn with_values(arg: Arg, path: &str) -> Arg {
         (Some("CLASS|GOAL"), _) => Names::GoalsAndClasses,
         (Some("KIND[@N]"), _) => Names::Faults,
         (Some("SKILL"), _) => Names::Skills,
+        (Some("SKILL|GOAL"), _) => Names::SkillsAndGoals,
         (Some("ACTION=FILE|URL"), _) => Names::Actions,
         (Some("NAME|FILE"), Some("world")) => Names::Worlds,
         (Some("NAME|FILE"), Some("start")) => Names::Starts,
@@ -56,6 +57,7 @@ enum Names {
     Starts,
     Faults,
     Skills,
+    SkillsAndGoals,
     /// Actions, each with `=` and a file.
     Actions,
 }
@@ -73,6 +75,7 @@ impl Names {
             Names::Starts => Start::names().map(String::from).collect(),
             Names::Faults => FaultKind::ALL.map(|kind| kind.name().to_string()).to_vec(),
             Names::Skills => SKILLS.map(String::from).to_vec(),
+            Names::SkillsAndGoals => SKILLS.map(String::from).into_iter().chain(goals()).collect(),
             Names::Actions => {
                 ramp_gym::own::kinds().map(|kind| format!("{}=", kind.name().replace('_', "-"))).collect()
             }
@@ -81,7 +84,10 @@ impl Names {
 
     /// Whether a file can take the place of a name.
     fn or_file(self) -> bool {
-        matches!(self, Names::Goals | Names::GoalsAndClasses | Names::Worlds | Names::Starts)
+        matches!(
+            self,
+            Names::Goals | Names::GoalsAndClasses | Names::SkillsAndGoals | Names::Worlds | Names::Starts
+        )
     }
 }
 

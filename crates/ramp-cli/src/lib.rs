@@ -81,7 +81,9 @@ enum Command {
     Faults(command::faults::Arguments),
     /// Run goals in worlds that differ in one quantity, and plot success and time against it
     Sweep(command::sweep::Arguments),
-    /// Repeat an episode from its log, and compare all bits
+    /// Record demonstrations as a data set for learning
+    Demos(command::demos::Arguments),
+    /// Repeat an episode from its log, or a data set of demonstrations, and compare all bits
     Replay(command::replay::Arguments),
     /// Make a report of results: tables, curves, comparisons
     Report(command::report::Arguments),
@@ -177,7 +179,8 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
         Command::Trials(arguments) => command::trials::run(&data, &arguments),
         Command::Faults(arguments) => command::faults::run(&data, &arguments),
         Command::Sweep(arguments) => command::sweep::run(&data, &arguments),
-        Command::Replay(arguments) => command::replay::run(&arguments),
+        Command::Demos(arguments) => command::demos::run(&data, &arguments),
+        Command::Replay(arguments) => command::replay::run(&data, &arguments),
         Command::Report(arguments) => command::report::run(&arguments),
         Command::Leaderboard(arguments) => command::leaderboard::run(&data, &arguments),
         Command::Entry(arguments) => command::entry::run(&data, &arguments),

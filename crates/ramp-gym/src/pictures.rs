@@ -25,6 +25,22 @@ pub struct View {
     pub depth: bool,
 }
 
+impl View {
+    /// The lens and the mounting of its images; `tip` is the distance from the hand's frame to the tip's
+    /// along z, m.
+    pub fn lens(&self, tip: f64) -> CameraModel {
+        let whole = CameraModel::nominal(self.camera, tip);
+        let scale = self.size as f64 / whole.height as f64;
+        CameraModel {
+            width: self.size,
+            height: self.size,
+            focal: whole.focal.map(|it| it * scale),
+            centre: [self.size as f64 / 2.0; 2],
+            ..whole
+        }
+    }
+}
+
 /// Draws what one camera sees.
 pub struct Painter {
     view: View,
@@ -50,16 +66,8 @@ impl Painter {
 
     /// With these looks; `tip` is the distance from the hand's frame to the tip's along z, m.
     pub fn new(view: View, looks: Arc<Looks>, tip: f64) -> Painter {
-        let whole = CameraModel::nominal(view.camera, tip);
-        let side = view.size * SAMPLES;
-        let scale = side as f64 / whole.height as f64;
-        let model = CameraModel {
-            width: side,
-            height: side,
-            focal: whole.focal.map(|it| it * scale),
-            centre: [side as f64 / 2.0; 2],
-            ..whole
-        };
+        // Of its samples.
+        let model = View { size: view.size * SAMPLES, ..view }.lens(tip);
         Painter {
             view,
             housing: looks.body(HOUSING),

@@ -9,6 +9,7 @@ mod files;
 mod gym;
 mod integers;
 mod planner;
+mod playback;
 mod robot;
 mod twin;
 
@@ -39,5 +40,7 @@ fn _ramp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(episode::current_result, module)?)?;
     module.add_function(wrap_pyfunction!(episode::check_event, module)?)?;
     module.add_function(wrap_pyfunction!(episode::describe_event, module)?)?;
+    module.add_function(wrap_pyfunction!(playback::play_log, module)?)?;
+    module.add_function(wrap_pyfunction!(playback::view_lens, module)?)?;
     Ok(())
 }

@@ -200,6 +200,11 @@ impl Twin {
         self.state.fault.as_ref().map(Injector::report)
     }
 
+    /// The last command; `None` before the first one.
+    pub fn commanded(&self) -> Option<&Command> {
+        self.state.targets.command.as_ref()
+    }
+
     /// Robot time, s: counted in steps, so that it carries no rounding error.
     pub fn time(&self) -> f64 {
         self.state.time()

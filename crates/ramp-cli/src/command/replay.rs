@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use miette::{IntoDiagnostic, Report};
+use miette::{IntoDiagnostic, Report, miette};
+use ramp_data::Data;
 use ramp_episode::Progress;
 use ramp_episode::replay::{LoggedSetup, Replayed, replay_watched};
 use ramp_log::Log;
@@ -13,6 +14,7 @@ use ramp_robot::{Event, EventKind};
 use ramp_twin::Twin;
 use serde_json::json;
 
+use crate::command::python;
 use crate::output::print;
 use crate::pictures::{self, Pictures};
 use crate::software::software;
@@ -21,7 +23,11 @@ use crate::status::{DONE, INCOMPLETE};
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Log of an episode, as `ramp run` and `ramp bench` write it
-    log: PathBuf,
+    #[arg(required_unless_present = "dataset")]
+    log: Option<PathBuf>,
+    /// Play the episodes of a data set that `ramp demos` has made instead
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["log", "video", "video_from", "rerun"])]
+    dataset: Option<PathBuf>,
     /// Print the comparison as JSON
     #[arg(long)]
     json: bool,
@@ -29,8 +35,20 @@ pub struct Arguments {
     pictures: pictures::Arguments,
 }
 
-pub fn run(arguments: &Arguments) -> Result<u8, Report> {
-    let log = Log::read(&arguments.log).into_diagnostic()?;
+pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    match (&arguments.dataset, &arguments.log) {
+        (Some(folder), _) => {
+            let asked = json!({ "dataset": folder, "json": arguments.json });
+            python::run(data, "ramp.demos", &["replay".into(), asked.to_string().into()])
+        }
+        (None, Some(log)) => replay(arguments, log),
+        (None, None) => Err(miette!("a log, or `--dataset`, is needed")),
+    }
+}
+
+/// Repeats the episode of a log.
+fn replay(arguments: &Arguments, log: &Path) -> Result<u8, Report> {
+    let log = Log::read(log).into_diagnostic()?;
     let world = LoggedSetup::of(&log).into_diagnostic()?;
     let mut pictures = Pictures::new(&arguments.pictures, &world.setup())?;
     let bar = std::io::stderr().is_terminal().then(|| {

@@ -1,0 +1,55 @@
+//! Modules of the Python package that a command starts.
+
+use std::ffi::{OsStr, OsString};
+use std::process::Command;
+
+use miette::{Report, miette};
+use ramp_data::Data;
+
+use crate::status::{BAD_INPUT, STOPPED_BY};
+
+/// Environment variable that names the Python with the package. The `ramp` command of the package sets it.
+const PYTHON: &str = "RAMP_PYTHON";
+
+/// Runs a module of the package with these arguments; its exit status.
+///
+/// # Errors
+/// If there is no Python, or no package in it.
+pub fn run(data: &Data, module: &str, arguments: &[OsString]) -> Result<u8, Report> {
+    let python = std::env::var_os(PYTHON).unwrap_or_else(|| "python3".into());
+    check(&python)?;
+    let mut command = Command::new(&python);
+    command.arg("-m").arg(module).args(arguments);
+    let words = data.arguments();
+    for pair in words.chunks(2) {
+        match pair {
+            [option, folder] if option == "--data" => drop(command.env("RAMP_DATA", folder)),
+            _ => return Err(miette!("`--kit` has no effect on the Python package; use `--data`")),
+        }
+    }
+    let status = command.status().map_err(|error| missing(&python, &error.to_string()))?;
+    Ok(status.code().map_or_else(|| stopped(status), |code| u8::try_from(code).unwrap_or(BAD_INPUT)))
+}
+
+/// The exit status for a program that a signal has stopped.
+fn stopped(status: std::process::ExitStatus) -> u8 {
+    use std::os::unix::process::ExitStatusExt;
+    STOPPED_BY + status.signal().and_then(|signal| u8::try_from(signal).ok()).unwrap_or_default()
+}
+
+/// Checks that the package is there.
+fn check(python: &OsStr) -> Result<(), Report> {
+    let found = Command::new(python).args(["-c", "import ramp.demos"]).output();
+    let output = found.map_err(|error| missing(python, &error.to_string()))?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    let why = text.lines().last().unwrap_or_default();
+    if output.status.success() { Ok(()) } else { Err(missing(python, why)) }
+}
+
+fn missing(python: &OsStr, why: &str) -> Report {
+    miette!(
+        help = "install it: pip install 'ramp-benchmark[data]'; RAMP_PYTHON names another Python",
+        "this command needs the Python package of RAMP, and {} does not have it: {why}",
+        python.display()
+    )
+}
