@@ -1,7 +1,7 @@
 """What `ramp demos` and `ramp replay --dataset` start: `python -m ramp.demos record|replay JSON`.
 
 The arguments come as one object of JSON, which the `ramp` command has checked. Exit status: 0 done; 1 an
-episode ends otherwise than it was recorded; 2 bad input.
+episode ends otherwise than it was recorded; 2 bad input; 3 the machine failed, such as a full disk.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ramp.demos.collect import collect
 from ramp.demos.episode import Episode
 from ramp.demos.replay import replay
 
-DONE, DIFFERENT, BAD_INPUT = 0, 1, 2
+DONE, DIFFERENT, BAD_INPUT, MACHINE = 0, 1, 2, 3
 
 
 def record(asked: dict[str, Any]) -> int:
@@ -123,6 +123,9 @@ def main(arguments: list[str]) -> int:
     except (InputError, ImportError) as error:
         print(f"Error: {error}", file=sys.stderr)
         return BAD_INPUT
+    except OSError as error:
+        print(f"Error: {error}; run the same command again to go on", file=sys.stderr)
+        return MACHINE
 
 
 if __name__ == "__main__":

@@ -43,7 +43,7 @@ def collect(
     for index, file in enumerate(files):
         if not file.is_file():
             record(index, stage).save(file)
-        facts.append(Episode.load(file).facts)
+        facts.append(Episode.facts_of(file))
         bar.show(facts)
     bar.end()
     told = _describe(form, request, description, files, facts)
@@ -138,7 +138,7 @@ def read_meta(folder: pathlib.Path) -> dict[str, Any]:
         told = json.loads(file.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise InputError(f"{folder} is no data set of `ramp demos`: there is no {META}") from None
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{file} cannot be read: {error}") from None
     if not isinstance(told, dict) or told.get("schema") != SCHEMA:
         found = told.get("schema") if isinstance(told, dict) else told

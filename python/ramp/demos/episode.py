@@ -52,6 +52,13 @@ class Episode:
         os.replace(part, file)
 
     @staticmethod
+    def facts_of(file: pathlib.Path) -> dict[str, Any]:
+        """The facts of what :meth:`save` wrote, without its arrays."""
+        with np.load(file, allow_pickle=False) as arrays:
+            facts: dict[str, Any] = json.loads(bytes(arrays["facts"]))
+            return facts
+
+    @staticmethod
     def load(file: pathlib.Path) -> Episode:
         """Reads what :meth:`save` wrote."""
         with np.load(file, allow_pickle=False) as arrays:

@@ -31,7 +31,7 @@ def replay(folder: pathlib.Path) -> dict[str, Any]:
                 differences.append({"episode": index, "why": why})
             bar.show(episodes[: index + 1])
         bar.end()
-    except (KeyError, TypeError, AttributeError) as error:
+    except (KeyError, TypeError, AttributeError, OverflowError) as error:
         raise InputError(f"{folder}: the data set is not whole: {error!r}") from None
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
