@@ -52,6 +52,11 @@ def test_an_unknown_task_is_named(plugin):
         plugin.Adapter("fastn")
 
 
+def test_lerobot_finds_the_plugin_by_its_name():
+    # The name as it is written counts: LeRobot does not take - for _.
+    assert '\nname = "lerobot_env_ramp"\n' in (PLUGIN / "pyproject.toml").read_text(encoding="utf-8")
+
+
 @pytest.mark.skipif(importlib.util.find_spec("lerobot") is None, reason="LeRobot is not installed")
 def test_lerobot_makes_the_environments(monkeypatch):
     monkeypatch.syspath_prepend(str(PLUGIN))
