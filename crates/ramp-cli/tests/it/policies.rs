@@ -220,7 +220,8 @@ fn the_arm_moves_as_the_action_space_says() {
             let actions = wire::get(&chunk(&[0.0; 8], 1), "actions").cloned().unwrap();
             return say(&wire::map([("actions", actions), ("done", true.into())]));
         }
-        say(&chunk(&[0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 8))
+        // Four actions more than are carried out.
+        say(&chunk(&[0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 12))
     });
     let run =
         ramp(&folder, &["run", "easy-1", "--world", "ideal", "--policy", &server.url(), "-o", "v.json"]);
