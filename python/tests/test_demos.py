@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("gymnasium")
 
 import ramp  # noqa: E402
-from ramp.demos import collect, formats, logs, statistics  # noqa: E402
+from ramp.demos import collect, formats, logs, skills, statistics  # noqa: E402
 from ramp.demos.__main__ import main  # noqa: E402
 from ramp.demos.episode import Episode  # noqa: E402
 from ramp.demos.skills import SkillRecorder  # noqa: E402
@@ -21,6 +21,23 @@ SKILL = {
     "what": "fasten", "skill": True, "logs": [], "goals": ["easy-1"], "world": "ideal", "start": "moved",
     "track": "noisy", "belief_error": 0.0, "agent": None, "rate": 20, "image_size": 32, "seed": 5, "episodes": 2,
 }  # fmt: skip
+
+
+MADE = {}
+
+
+@pytest.fixture(autouse=True)
+def made_once(monkeypatch):
+    """Makes each environment once, so that tests share its starts; an episode does not depend on those before."""
+    make = skills.make
+
+    def kept(environment, arguments):
+        key = json.dumps([environment, arguments])
+        if key not in MADE:
+            MADE[key] = make(environment, arguments)
+        return MADE[key]
+
+    monkeypatch.setattr(skills, "make", kept)
 
 
 def have(form):
