@@ -8,7 +8,15 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGES = ["README.md", "docs/src/tutorials/python.md"]
-MODULES = ["ramp", "ramp.agent", "ramp.twin", "ramp.driver", "ramp.gym", "ramp.policies.fasten"]
+MODULES = [
+    "ramp",
+    "ramp.agent",
+    "ramp.twin",
+    "ramp.driver",
+    "ramp.gym",
+    "ramp.policies.fasten",
+    "ramp.policies.looking",
+]
 
 
 def blocks(text):

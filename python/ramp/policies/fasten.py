@@ -123,7 +123,7 @@ class FastenPolicy(Skill):
             height = -float(error[2])
             if height < 3e-4:
                 break
-            action = linear(self.weights, features(_row(error, seen, rest, driver)))[0]
+            action = linear(self.weights, features(row(error, seen, rest, driver)))[0]
             features.action = action[None]
             seen = driver.act(robot, action, round(1000 / RATE))
         # Pressed for a moment, so that the head comes to rest on the plate.
@@ -131,7 +131,7 @@ class FastenPolicy(Skill):
         return None if height < 2e-3 else f"the peg stands {height * 1e3:.1f} mm high after {LIMIT:.0f} s"
 
 
-def _row(error: Array, seen: Seen, rest: Array, driver: Driver) -> Rows:
+def row(error: Array, seen: Seen, rest: Array, driver: Driver) -> Rows:
     """An observation with the fields of an environment."""
     return {
         "error": error[None],
@@ -156,21 +156,30 @@ def environments(
     threads: int | None = None,
     limit: float = LIMIT,
     frame: str = "rigid",
+    goals: tuple[str, ...] = (),
+    image: int | None = None,
 ) -> Any:
-    """Environments for training and judging: all pinned joints, holes believed off by ``error`` (m)."""
+    """Environments for training and judging: all pinned joints, holes believed off by ``error`` (m).
+
+    ``goals``: default all; ``image``: pixels along each side of images of the wrist camera, default none.
+    """
     from ramp.gym import RampVectorEnv
 
     settings = {key: value for key, value in SETTINGS.items() if key != "action"}
+    if image is not None:
+        settings.update(cameras=("wrist",), image_size=image)
     return RampVectorEnv(
-        count, "fasten", track="noisy", world=world, starts=starts, belief_error=error, gripper=False,
+        count, "fasten", goals, track="noisy", world=world, starts=starts, belief_error=error, gripper=False,
         frame=frame, rate=RATE, limit=limit, reward="shaped", autoreset_mode="DISABLED", threads=threads, **settings,
     )  # fmt: skip
 
 
 Policy = Callable[[Array], Array]
+Aim = Callable[[Rows], Rows]
+"""Sets the field ``error`` of observations right."""
 
 
-def episodes(env: Any, seeds: list[int], policy: Policy) -> tuple[Array, Array, Array]:
+def episodes(env: Any, seeds: list[int], policy: Policy, aim: Aim | None = None) -> tuple[Array, Array, Array]:
     """One episode in each environment: returns, successes, and times, s."""
     seen, _ = env.reset(seed=seeds)
     count = env.num_envs
@@ -178,7 +187,7 @@ def episodes(env: Any, seeds: list[int], policy: Policy) -> tuple[Array, Array, 
     over = np.zeros(count, bool)
     returns, success, times = np.zeros(count), np.zeros(count, bool), np.full(count, LIMIT)
     for step in range(int(LIMIT * RATE) + 1):
-        features.action = policy(features(seen))
+        features.action = policy(features(seen if aim is None else aim(seen)))
         seen, reward, terminated, truncated, told = env.step(features.action)
         returns += np.where(over, 0.0, reward)
         success |= ~over & told["success"]

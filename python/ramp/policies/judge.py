@@ -1,6 +1,7 @@
-"""Judges policies for `fasten` on held starts, beside rivals with and without a search.
+"""Judges policies for `fasten` on held starts, beside rivals with and without a search, and with eyes.
 
-python -m ramp.policies.judge weights.npy
+    python -m ramp.policies.judge weights.npy
+    python -m ramp.policies.judge --goals easy-3,medium-2,hard-2 --errors 0,2,4,6,8 --table curve.csv
 
 That takes an hour or more of CPU time for each world and error: steps are slow where the peg touches a large
 frame.
@@ -21,13 +22,17 @@ from ramp.policies.fasten import (
     SETTINGS,
     STIFFNESS,
     WEIGHTS,
+    Aim,
     Array,
     Policy,
+    Rows,
     environments,
     episodes,
     linear,
     load,
 )
+from ramp.policies.localise import IMAGE
+from ramp.policies.looking import aim
 
 
 def push(features: Array) -> Array:
@@ -75,14 +80,46 @@ HEAVY = Spiral(0.7e-3, 8.0e-3, 9.0)
 """Slower, finer and pressed harder: friction holds the tip until the hand is 1.8 mm ahead of it."""
 
 
-def judge(env: Any, policy: Policy, count: int = 200) -> tuple[int, float]:
-    """How many of ``count`` episodes succeed, and the median time of those, s."""
-    won, times = 0, []
-    for first in range(0, count, env.num_envs):
-        _, success, time_of = episodes(env, [500_000 + first + it for it in range(env.num_envs)], policy)
+def mistaken(error: float, count: int, seed: int) -> Aim:
+    """Holes believed off by ``error`` (m, 1 σ along x and y, a fifth of it along z) through an episode."""
+    off = np.random.default_rng(seed).normal(0.0, error, (count, 3)) * (1.0, 1.0, 0.2)
+
+    def believed(seen: Rows) -> Rows:
+        errors = np.asarray(seen["error"], float)
+        errors[:, :3] += off
+        return {**seen, "error": errors}
+
+    return believed
+
+
+def judge(env: Any, policy: Policy, error: float, count: int = 200, eyes: bool = False) -> tuple[int, float]:
+    """How many of ``count`` episodes with holes believed off by ``error`` (m) succeed, and their median time, s."""
+    won, times, at_once = 0, [], env.num_envs
+    for first in range(FIRST_SEED, FIRST_SEED + count, at_once):
+        believed, seeds = mistaken(error, at_once, first), [first + index for index in range(at_once)]
+        _, success, time_of = episodes(env, seeds, policy, _both(believed, aim(at_once)) if eyes else believed)
         won += int(success.sum())
         times += time_of[success].tolist()
     return won, float(np.median(times)) if times else float("nan")
+
+
+def _both(first: Aim, then: Aim) -> Aim:
+    return lambda seen: then(first(seen))
+
+
+LOOKING = "with images"
+RIVALS: dict[str, Callable[[Array], Policy]] = {
+    LOOKING: lambda weights: lambda features: linear(weights, features),
+    "linear policy": lambda weights: lambda features: linear(weights, features),
+    "light spiral": lambda _: LIGHT.policy(),
+    "heavy spiral": lambda _: HEAVY.policy(),
+    "straight push": lambda _: push,
+}
+"""The policies by name, each made with the weights of the linear policy."""
+FIRST_START = 100_001
+"""The first of the held starts: training has those below."""
+FIRST_SEED = 500_000
+"""Of the episodes."""
 
 
 def interval(won: int, count: int) -> tuple[float, float]:
@@ -100,22 +137,28 @@ def main() -> None:
     parser.add_argument("--worlds", default="ideal,real")
     parser.add_argument("--errors", default="0,1,2", help="errors of the hole's place to judge at, mm")
     parser.add_argument("--episodes", type=int, default=200, help="held starts to judge on")
+    parser.add_argument("--goals", default="", help="goals whose steps are drawn, default all")
+    parser.add_argument("--frame", default="free", choices=["free", "rigid"], help="how the standing parts hold")
+    parser.add_argument("--policies", default=",".join(RIVALS), help="which of them")
+    parser.add_argument("--table", help="a file to which a line for each policy is added: CSV")
     told = parser.parse_args()
-    weights = load(told.weights)
-    rivals: dict[str, Callable[[], Policy]] = {
-        "linear policy": lambda: lambda features: linear(weights, features),
-        "light spiral": LIGHT.policy,
-        "heavy spiral": HEAVY.policy,
-        "straight push": lambda: push,
-    }
+    weights, goals = load(told.weights), tuple(filter(None, told.goals.split(",")))
+    names, starts = told.policies.split(","), (FIRST_START, told.episodes)
     for world in told.worlds.split(","):
+        blind, seeing = (
+            environments(world, 20, starts, 0.0, frame=told.frame, goals=goals, image=image) for image in (None, IMAGE)
+        )
         for error in told.errors.split(","):
-            env = environments(world, 20, (100_001, told.episodes), 1e-3 * float(error), frame="free")
-            for name, rival in rivals.items():
-                won, median = judge(env, rival(), told.episodes)
+            for name in names:
+                eyes = name == LOOKING
+                env, policy = seeing if eyes else blind, RIVALS[name](weights)
+                won, median = judge(env, policy, 1e-3 * float(error), told.episodes, eyes)
                 low, high = interval(won, told.episodes)
                 share = f"{won} of {told.episodes}, {low:.1f} to {high:.1f} %"
                 print(f"{world}  {error} mm  {name:13}  {share}  {median:.2f} s", flush=True)
+                if told.table is not None:
+                    with open(told.table, "a", encoding="utf-8") as file:
+                        file.write(f"{world},{error},{name},{won},{told.episodes},{median:.2f}\n")
 
 
 if __name__ == "__main__":
