@@ -93,7 +93,7 @@ def mistaken(error: float, count: int, seed: int) -> Aim:
 
 
 def judge(env: Any, policy: Policy, error: float, count: int = 200, eyes: bool = False) -> tuple[int, float]:
-    """How many of ``count`` episodes with holes believed off by ``error`` (m) succeed, and their median time, s."""
+    """Successes in ``count`` episodes with holes believed off by ``error`` (m), and their median time, s."""
     won, times, at_once = 0, [], env.num_envs
     for first in range(FIRST_SEED, FIRST_SEED + count, at_once):
         believed, seeds = mistaken(error, at_once, first), [first + index for index in range(at_once)]

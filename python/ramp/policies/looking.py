@@ -55,7 +55,7 @@ class Sight:
         self.weight[which] += weight
 
     def corrected(self, errors: Array) -> Array:
-        """Ways from peg to place, m, shape (count, 3 or more), as the images tell them. Once for each action."""
+        """Ways from peg to place as images tell them, m, shape (count, 3 or more); once for each action."""
         self.steps += 1
         off = self.sum / np.maximum(self.weight, 1e-9)[:, None]
         if self.steps > PATIENCE * fasten.RATE:
