@@ -28,7 +28,7 @@ MADE = {}
 
 @pytest.fixture(autouse=True)
 def made_once(monkeypatch):
-    """Makes each environment once, so that tests share its starts; an episode does not depend on those before."""
+    """Makes each environment once: tests share its starts, and an episode does not depend on those before."""
     make = skills.make
 
     def kept(environment, arguments):

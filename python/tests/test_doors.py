@@ -74,14 +74,14 @@ def test_a_planner_that_fails_is_heard():
         ramp.run("easy-1", plan=ramp.plan("easy-1"), planner=refused)
 
 
-def test_pyperplan_plans():
-    pytest.importorskip("pyperplan", reason="SKIPPED: pyperplan is not installed")
+def test_fast_downward_plans():
+    pytest.importorskip("up_fast_downward", reason="SKIPPED: up-fast-downward is not installed")
     problem = ramp.Problem(ramp.Goal.load("easy-1"), {}, [])
     lines = [json.dumps({"goal": {"name": "easy-1"}}), json.dumps({"pddl": problem.pddl()})]
-    path = EXAMPLES / "planners" / "with_pyperplan.py"
+    path = EXAMPLES / "planners" / "with_fast_downward.py"
     done = subprocess.run([sys.executable, path], input="\n".join(lines), capture_output=True, text=True, check=True)
     steps = done.stdout.splitlines()[1:]
-    assert len(steps) > 30 and any("fasten" in step for step in steps)
+    assert len(steps) > 10 and any("fasten" in step for step in steps)
 
 
 @pytest.mark.parametrize("name", ["hold", "insert"])

@@ -7,6 +7,7 @@ mod agents;
 mod alone;
 mod bench;
 mod built_in;
+mod clusters;
 mod demos;
 mod docs;
 mod faults;

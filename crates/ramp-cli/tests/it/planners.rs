@@ -69,6 +69,25 @@ fn a_planner_gets_goal_state_and_history() {
     assert_eq!(ramp(&folder, &bench).status.code(), Some(2));
 }
 
+/// At a new plan the planner gets the events up to then.
+#[test]
+fn a_planner_gets_the_history_at_a_new_plan() {
+    let folder = TempDir::new().unwrap();
+    let made = ramp(&folder, &["plan", "easy-1", "--json"]);
+    std::fs::write(folder.path().join("plan.json"), &made.stdout).unwrap();
+    let plan = folder.path().join("plan.json").display().to_string();
+    let main = format!(
+        "kinds = [event['kind'] for event in problem['history']]\n\
+         if kinds: sys.exit(7 if 'fault' in kinds and 'action_begun' in kinds else 8)\n\
+         print(open({plan:?}).read())"
+    );
+    let own = planner(&folder, "own.py", &main);
+    let run = ["run", "easy-1", "--track", "state", "--fault", "peg-missing@1", "--planner", &own];
+    ramp(&folder, &[&run[..], &["-o", "out.json"]].concat());
+    let reason = result(&folder, "out.json")["ended"]["reason"].as_str().unwrap().to_string();
+    assert!(reason.ends_with("it ended with status 7"), "{reason}");
+}
+
 /// A planner that fails ends its episode, and the reason is in the result.
 #[test]
 fn a_planner_that_fails_ends_its_episode_with_a_reason() {
@@ -78,11 +97,17 @@ fn a_planner_that_fails_ends_its_episode_with_a_reason() {
         ("silent.py", "pass", "no plan: the planner wrote no plan"),
         ("slow.py", "time.sleep(30)", "no plan: the planner was not done after 1 s"),
         ("wrong.py", "print('(assemble b4)')", "no plan: the planner's plan: "),
+        (
+            "endless.py",
+            "while True: print('(' * 65536)",
+            "no plan: the planner wrote more than 16777216 bytes",
+        ),
         ("words.py", "print('{\"plan\": 7}')", "no plan: the planner's plan: "),
     ] {
         let own = planner(&folder, name, main);
         let out = format!("{name}.json");
-        let run = ["run", "easy-1", "--world", "ideal", "--track", "state", "--agent-limit", "1"];
+        let limit = if name == "slow.py" { "1" } else { "60" };
+        let run = ["run", "easy-1", "--world", "ideal", "--track", "state", "--agent-limit", limit];
         let run = ramp(&folder, &[&run[..], &["--planner", &own, "-o", &out]].concat());
         assert_eq!(run.status.code(), Some(1), "{name}: {}", String::from_utf8_lossy(&run.stderr));
         let result = result(&folder, &out);

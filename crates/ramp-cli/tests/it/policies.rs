@@ -383,6 +383,34 @@ fn a_handshake_that_fails_is_bad_input() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
+/// Another policy than at first behind the address ends the episode.
+#[test]
+fn a_policy_that_is_exchanged_is_noticed() {
+    let folder = TempDir::new().unwrap();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("ws://{}", listener.local_addr().unwrap());
+    thread::spawn(move || {
+        for (number, stream) in listener.incoming().flatten().enumerate() {
+            let Ok(mut socket) = tungstenite::accept(stream) else { continue };
+            let told = metadata(&[
+                ("version", number.to_string().into()),
+                ("n_external_cameras", 0.into()),
+                ("needs_wrist_camera", false.into()),
+                ("time_limit", 0.5.into()),
+            ]);
+            let _ = socket.send(Message::Binary(told.into()));
+            while socket.read().is_ok() {
+                let Reply::Say(message) = hold() else { return };
+                let _ = socket.send(message);
+            }
+        }
+    });
+    ramp(&folder, &["run", "easy-1", "--world", "ideal", "--policy", &url, "-o", "out.json"]);
+    let result = result(&folder, "out.json");
+    let reason = result["ended"]["reason"].as_str().unwrap();
+    assert!(reason.contains("other metadata than when the command began"), "{reason}");
+}
+
 /// Each episode of a bench has a connection of its own, and the folder is of one policy.
 #[test]
 fn a_bench_connects_for_each_episode() {
