@@ -5,19 +5,23 @@ use std::process::Command;
 
 use miette::{Report, miette};
 use ramp_data::Data;
+use ramp_kit::source::plain;
 
 use crate::status::{BAD_INPUT, STOPPED_BY};
 
 /// Environment variable that names the Python with the package. The `ramp` command of the package sets it.
 const PYTHON: &str = "RAMP_PYTHON";
 
+/// The longest text of a version in a message, characters.
+const LONGEST_VERSION: usize = 40;
+
 /// Runs a module of the package with these arguments; its exit status.
 ///
 /// # Errors
-/// If there is no Python, or no package in it.
+/// If there is no Python, or no package of this version in it.
 pub fn run(data: &Data, module: &str, arguments: &[OsString]) -> Result<u8, Report> {
     let python = std::env::var_os(PYTHON).unwrap_or_else(|| "python3".into());
-    check(&python)?;
+    check(&python, module)?;
     let mut command = Command::new(&python);
     command.arg("-m").arg(module).args(arguments);
     let words = data.arguments();
@@ -37,13 +41,26 @@ fn stopped(status: std::process::ExitStatus) -> u8 {
     STOPPED_BY + status.signal().and_then(|signal| u8::try_from(signal).ok()).unwrap_or_default()
 }
 
-/// Checks that the package is there.
-fn check(python: &OsStr) -> Result<(), Report> {
-    let found = Command::new(python).args(["-c", "import ramp.demos"]).output();
+/// Checks that the package is there, in this version.
+fn check(python: &OsStr, module: &str) -> Result<(), Report> {
+    let tell = format!("import ramp, {module}; print(ramp.__version__)");
+    let found = Command::new(python).args(["-c", &tell]).output();
     let output = found.map_err(|error| missing(python, &error.to_string()))?;
-    let text = String::from_utf8_lossy(&output.stderr);
-    let why = text.lines().last().unwrap_or_default();
-    if output.status.success() { Ok(()) } else { Err(missing(python, why)) }
+    if !output.status.success() {
+        let text = String::from_utf8_lossy(&output.stderr);
+        return Err(missing(python, text.lines().last().unwrap_or_default()));
+    }
+    let theirs = String::from_utf8_lossy(&output.stdout);
+    let (theirs, ours) = (theirs.trim(), env!("CARGO_PKG_VERSION"));
+    if theirs == ours {
+        return Ok(());
+    }
+    Err(miette!(
+        help = "install the package of this version, or let RAMP_PYTHON name a Python that has it",
+        "the Python package of {} is of version {}, and this program is {ours}",
+        python.display(),
+        plain(theirs, LONGEST_VERSION)
+    ))
 }
 
 fn missing(python: &OsStr, why: &str) -> Report {

@@ -1,6 +1,7 @@
 //! `ramp demos` and `ramp replay --dataset` before they start Python: bad arguments, and no package. What
 //! they do is tested in python/tests.
 
+use std::os::unix::fs::PermissionsExt;
 use std::process::{Command, Output};
 
 use tempfile::TempDir;
@@ -43,4 +44,23 @@ fn bad_arguments_and_a_missing_package_are_one_error_and_nothing_is_written() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_package_of_another_version_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let python = folder.path().join("python");
+    std::fs::write(&python, "#!/bin/sh\necho 9.9\n").unwrap();
+    std::fs::set_permissions(&python, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_ramp"))
+        .args(["demos", "fasten", "-o", "set"])
+        .current_dir(folder.path())
+        .env("RAMP_PYTHON", &python)
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    let words = told.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
+    assert!(words.contains("is of version 9.9, and this program is"), "{told}");
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(!folder.path().join("set").exists());
 }
