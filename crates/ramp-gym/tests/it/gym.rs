@@ -57,7 +57,7 @@ fn threads_change_no_bit() {
             actions(seed, 30, single.actions()).iter().map(|it| single.step(it).unwrap()).collect();
         alone.push((steps, row(&single), single.twin().unwrap().state_hash()));
     }
-    for threads in [1, 2, 3, 16] {
+    for threads in [1, 2, 3, 64] {
         let mut batch = Batch::new(&single, 4, threads).unwrap();
         let seeds: Vec<_> = (5..9).map(|seed| Some(Some(seed))).collect();
         batch.reset(&seeds).unwrap();
