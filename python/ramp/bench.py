@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
+from ramp import ray as cluster
 from ramp._core import MAX_SEED, InputError, benchmark, integer, run_episode
 from ramp.agent import Agent, Skill
 from ramp.goal import Goal, as_goal, goals
@@ -200,6 +201,7 @@ def bench(
     repeats: int = 5,
     first_seed: int = 1,
     jobs: int = 1,
+    backend: str | None = None,
     output: str | os.PathLike[str] | None = None,
     show: bool = True,
     **options: Any,
@@ -213,6 +215,8 @@ def bench(
         repeats: Episodes of each goal.
         first_seed: Seed of the first episode of each goal.
         jobs: Episodes at a time. An agent in Python holds Python's lock while it thinks.
+        backend: ``ray`` or ``ray:ADDRESS``: run the episodes on a cluster of Ray, one on each processor.
+            Files that options name travel; a lost worker's episode runs again. ``jobs`` has no effect then.
         output: Folder for the result files, for ``ramp report``. Results of these episodes that it already
             has are not run again, by the same rule as ``ramp bench``. A folder is of one world, start, agent
             and version. The log of each episode goes beside its result.
@@ -234,8 +238,27 @@ def bench(
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
 
+    def place(goal: Goal, seed: int) -> pathlib.Path | None:
+        return None if folder is None else folder / f"{goal.name}-{options.get('track', 'tags')}-{seed}.json"
+
+    bar = _Bar(len(wanted)) if show else None
+    if backend is not None:
+        address = cluster.parse(backend)
+        calls = [
+            cluster.Call({**options, "goal": goal, "seed": seed, "repeat": repeat}, agent, skills, place(goal, seed))
+            for goal, seed, repeat in wanted
+        ]
+        finished: dict[int, Result] = {}
+        for index, text in cluster.episodes(calls, address):
+            finished[index] = Result.from_json(text)
+            if bar is not None:
+                bar.show(list(finished.values()))
+        if bar is not None:
+            bar.end()
+        return Results(tuple(finished[index] for index in range(len(calls))))
+
     def one(goal: Goal, seed: int, repeat: int) -> Result:
-        file = None if folder is None else folder / f"{goal.name}-{options.get('track', 'tags')}-{seed}.json"
+        file = place(goal, seed)
         log = None if file is None else file.with_suffix(".mcap")
         return run(
             goal,
@@ -248,7 +271,6 @@ def bench(
         )
 
     done: list[Result] = []
-    bar = _Bar(len(wanted)) if show else None
     with concurrent.futures.ThreadPoolExecutor(max_workers=jobs) as pool:
         if jobs == 1:
             # On this thread, so that Ctrl-C reaches the episode.
