@@ -65,7 +65,7 @@ def test_a_lost_worker_and_a_lost_node_cost_no_episode(tmp_path):
                 losses[count]()
         assert [found[index] for index in range(4)] == local
         assert len(list(tmp_path.glob("*.mcap"))) == 4
-        # What the folder has is not run again.
+        # Episodes of the folder are not run again.
         begin = {path: path.stat().st_mtime_ns for path in tmp_path.glob("*.json")}
         again = ramp.bench("easy-1", repeats=4, backend="ray", output=tmp_path, **OPTIONS)
         assert [timeless(it) for it in again] == local

@@ -112,7 +112,7 @@ def play(asked: dict[str, Any]) -> int:
 
 def main(arguments: list[str]) -> int:
     """Does what the arguments say; the exit status."""
-    # What is finished is kept, so that a call may end at any moment.
+    # A call may end at any moment: finished episodes are kept.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     work = {"record": record, "replay": play}
     if len(arguments) != 2 or arguments[0] not in work:
