@@ -16,7 +16,7 @@ use crate::pictures::{Painter, View};
 /// One sample.
 #[derive(Clone, Debug)]
 pub struct Sample {
-    /// What the robot senses.
+    /// The readings of the robot's sensors.
     pub seen: Observation,
     /// Where the joints were told to go, rad: commanded positions, or those that bring the tip to a commanded
     /// pose. Where the joints are, for commands without a target, for poses out of reach, and before the
