@@ -27,6 +27,9 @@ RETRIES = 3
 FILES = ("world", "start", "domain", "parameters", "plan")
 """Options that may name a file."""
 
+NAMED = ("world", "start")
+"""Those that may be names instead."""
+
 Answer = tuple[str, str, bytes]
 """``result``, its JSON and the log; or ``refused``, the reason and nothing."""
 
@@ -118,6 +121,9 @@ def files(call: Call) -> dict[str, dict[str, bytes]]:
         if not isinstance(value, str | os.PathLike):
             continue
         path = pathlib.Path(value)
+        # A world or start without an ending and a folder is a name, whatever lies here.
+        if option in NAMED and path.suffix != ".toml" and len(path.parts) == 1:
+            continue
         if path.is_dir():
             found[option] = {f"{path.name}/{it.name}": it.read_bytes() for it in sorted(path.iterdir()) if it.is_file()}
         elif path.is_file():

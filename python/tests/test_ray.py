@@ -27,10 +27,13 @@ def test_an_unknown_backend_is_refused():
             ramp.bench("easy-1", backend=backend, **OPTIONS)
 
 
-def test_files_travel_and_a_node_of_another_build_is_refused(tmp_path):
+def test_files_travel_and_a_node_of_another_build_is_refused(tmp_path, monkeypatch):
     world = tmp_path / "mine.toml"
     world.write_text("name")
     call = cluster.Call({"goal": "easy-1", "world": world, "start": "moved"}, None, None, None)
+    # `moved` is a name, even where a folder is called so.
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "moved").mkdir()
     assert cluster.files(call) == {"world": {"mine.toml": b"name"}}
     assert cluster.work("another", call, {}, None)[0] == "refused"
     kind, why, _ = cluster.work(cluster.build(), call, cluster.files(call), None)

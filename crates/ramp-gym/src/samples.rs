@@ -18,11 +18,11 @@ use crate::pictures::{Painter, View};
 pub struct Sample {
     /// The readings of the robot's sensors.
     pub seen: Observation,
-    /// Where the joints were told to go, rad: commanded positions, or those that bring the tip to a commanded
-    /// pose. Where the joints are, for commands without a target, for poses out of reach, and before the
-    /// first command.
+    /// Targets of the joints, rad: commanded positions, or those that bring the tip to a commanded pose. The
+    /// present positions, for commands without a target, for poses out of reach, and before the first
+    /// command.
     pub joints: [f64; DOF],
-    /// What the gripper was told last; its present width before the first command.
+    /// The last command of the gripper; its present width before the first one.
     pub gripper: GripperCommand,
     /// An image for each camera, in the order of [`Camera::ALL`]: red, green and blue of each pixel. Empty
     /// without images.

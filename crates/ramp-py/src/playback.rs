@@ -19,7 +19,7 @@ use crate::errors::{Raised, detached, input};
 use crate::files::Benchmark;
 use crate::integers;
 
-/// What a log says of its episode, as JSON.
+/// The facts in a log about its episode, as JSON.
 fn facts(log: &Log) -> Value {
     let (header, result) = (&log.header, &log.result);
     let begun = result.events.iter().filter_map(|event| match &event.kind {
