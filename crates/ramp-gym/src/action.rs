@@ -9,12 +9,10 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_control::Smoother;
 use ramp_kit::Pose;
 use ramp_robot::arm::ArmModel;
-use ramp_robot::{ArmCommand, Command, DOF, GripperCommand, Impedance, Observation, PERIOD};
+use ramp_robot::{ArmCommand, Command, DOF, GRAVITY, GripperCommand, Impedance, Observation, PERIOD};
 
 use crate::known::Held;
 
-/// Standard gravity, m/s².
-const GRAVITY: f64 = 9.81;
 /// The widest the gripper opens, m.
 const WIDEST: f64 = 0.08;
 

@@ -5,14 +5,11 @@
 //! fingers and the held part count as part of the last link. Friction and the inertia of the motors are left
 //! out: arm files do not have them.
 
-use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use ramp_robot::DOF;
+use nalgebra::{Isometry3, Matrix3, Quaternion, SMatrix, Translation3, UnitQuaternion, Vector3};
 use ramp_robot::arm::ArmModel;
+use ramp_robot::{DOF, GRAVITY};
 
 use crate::space::Joints;
-
-/// Acceleration of free fall, m/s²: the standard value.
-const GRAVITY: f64 = 9.80665;
 
 /// A rigid body: a link, or the held part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,10 +32,15 @@ impl Inertia {
 
     /// The same body in another frame, in which its own frame stands at `x`.
     fn at(&self, x: &Isometry3<f64>) -> Inertia {
-        let turn = x.rotation.to_rotation_matrix().into_inner();
+        self.turned(&x.rotation.to_rotation_matrix().into_inner(), &x.translation.vector)
+    }
+
+    /// The same body in another frame, in which its own frame is turned by `turn` and has its origin at
+    /// `origin`.
+    fn turned(&self, turn: &Matrix3<f64>, origin: &Vector3<f64>) -> Inertia {
         Inertia {
             mass: self.mass,
-            centre: turn * self.centre + x.translation.vector,
+            centre: turn * self.centre + origin,
             moment: turn * self.moment * turn.transpose(),
         }
     }
@@ -133,6 +135,29 @@ impl<const N: usize> Chain<'_, N> {
         self.forces(velocity, acceleration, 0.0)
     }
 
+    /// The joint-space inertia, kg·m², without that of the motors: the algorithm of composite bodies.
+    pub fn inertia(&self) -> SMatrix<f64, N, N> {
+        let mut inertia = SMatrix::<f64, N, N>::zeros();
+        let mut outwards: Option<Inertia> = None;
+        for joint in (0..N).rev() {
+            let link = &self.dynamics.links[joint];
+            let body = outwards.map_or(*link, |outwards| link.with(&outwards));
+            // The body turns about the joint's axis with a unit of acceleration.
+            let mut force = Vector3::z().cross(&body.centre) * body.mass;
+            let mut moment = body.moment * Vector3::z() + body.centre.cross(&force);
+            inertia[(joint, joint)] = moment.z;
+            for inner in (0..joint).rev() {
+                let (turn, origin) = (&self.turns[inner + 1], &self.dynamics.fixed[inner + 1].1);
+                force = turn * force;
+                moment = turn * moment + origin.cross(&force);
+                inertia[(inner, joint)] = moment.z;
+                inertia[(joint, inner)] = moment.z;
+            }
+            outwards = Some(body.turned(&self.turns[joint], &self.dynamics.fixed[joint].1));
+        }
+        inertia
+    }
+
     fn forces(&self, velocity: &Joints<N>, acceleration: &Joints<N>, gravity: f64) -> Joints<N> {
         let axis = Vector3::z();
         let (mut spin, mut gain) = (Vector3::zeros(), Vector3::zeros());
@@ -190,6 +215,25 @@ mod tests {
             let weight = kinematics.jacobian(&frames).row(2).transpose() * load.mass * GRAVITY;
             let more = loaded.at(&q).holding() - empty.at(&q).holding();
             assert!((more - weight).amax() < 1e-10, "{more} {weight}");
+        }
+    }
+
+    /// The inertia's columns are the torques of unit accelerations.
+    #[test]
+    fn the_inertia_is_that_of_unit_accelerations() {
+        let arm: ArmModel = ArmModel::read(Path::new("../../data/arms/fr3.json")).unwrap();
+        let dynamics = Dynamics::new(&arm);
+        let mut stream = Stream::new(3, "inertia");
+        for _ in 0..100 {
+            let q = Joints::from_fn(|_, _| stream.symmetric(1.5));
+            let chain = dynamics.at(&q);
+            let inertia = chain.inertia();
+            for joint in 0..DOF {
+                let mut acceleration = Joints::zeros();
+                acceleration[joint] = 1.0;
+                let torques = chain.moving(&Joints::zeros(), &acceleration);
+                assert!((inertia.column(joint) - torques).amax() < 1e-12);
+            }
         }
     }
 

@@ -28,6 +28,12 @@ pub enum RobotError {
         /// rad/s.
         limit: f64,
     },
+    /// A real arm has stopped or cannot be reached.
+    #[error("{what}")]
+    Arm {
+        /// The arm's own words, or what is wrong with the line to it.
+        what: String,
+    },
     /// A command holds a number that is not finite, or an invalid pose, force or width.
     #[error("the command's {what} is not a finite, valid number")]
     BadCommand {

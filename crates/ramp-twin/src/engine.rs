@@ -6,9 +6,6 @@ use mujoco_rs::prelude::*;
 use nalgebra::{Matrix3, Translation3, UnitQuaternion};
 use ramp_robot::Pose;
 
-/// Standard gravity as MuJoCo's default has it, m/s².
-pub(crate) const GRAVITY: f64 = 9.81;
-
 /// Pose in the world of a body of the scene.
 pub(crate) fn body_pose(data: &MjData<Arc<MjModel>>, id: usize) -> Pose {
     let p = data.xpos()[id];

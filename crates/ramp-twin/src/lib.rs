@@ -3,13 +3,12 @@
 //!
 //! Data passes one way: [`layout`] disturbs the start poses from the seed; [`mjcf`] writes the MJCF; MuJoCo
 //! compiles it into a `Scene`, which never changes; `State` is what changes, and [`twin`] steps it once each
-//! millisecond, with the arm's inner loop from [`ramp_control`]. After the start only contact moves and holds
+//! millisecond, with the arm's controller from [`ramp_control`]. After the start only contact moves and holds
 //! a part, and in an episode with a [`fault`] the force of that fault.
 
 mod broad_phase;
 pub mod cameras;
 mod clamp;
-mod command;
 mod drive;
 mod engine;
 mod export;
@@ -30,7 +29,6 @@ pub mod setup;
 mod shutters;
 mod slow_gripper;
 mod state;
-mod targets;
 pub mod twin;
 #[cfg(feature = "view")]
 pub mod view;
@@ -42,6 +40,8 @@ pub use layout::Layout;
 pub use mjcf::SceneOptions;
 pub use ramp_world::{Start, World};
 pub use setup::{Setup, TwinError};
+pub use state::controller_settings;
 pub use twin::Twin;
+pub use twin::served::JointReport;
 pub use twin::snapshot::{RestoreError, Snapshot};
 pub use witness::Moment;

@@ -1,4 +1,4 @@
-//! The line between the program and the arm: commands come late, and some are lost.
+//! The line between the program and the motors: some commands are lost, and the others act late.
 
 use std::collections::VecDeque;
 
@@ -9,10 +9,10 @@ use ramp_world::groups;
 /// Number of commands lost in a row that stops the arm. From libfranka's documentation.
 pub(crate) const MOST_LOST: u32 = 20;
 
-/// Commands on their way to the arm.
+/// Commands on their way to the motors.
 #[derive(Clone)]
 pub(crate) struct Line {
-    /// Commands that have not arrived yet, the oldest first.
+    /// Commands that do not act yet, the oldest first.
     coming: VecDeque<JointVector>,
     /// In periods.
     delay: usize,
@@ -22,8 +22,10 @@ pub(crate) struct Line {
     /// Commands that are still to be lost in this row, and how many already were.
     losing: u32,
     in_row: u32,
-    /// The last torques that came.
-    last: JointVector,
+    /// The torques that the arm received last, N·m.
+    received: JointVector,
+    /// The torques that act, N·m.
+    acting: JointVector,
 }
 
 impl Line {
@@ -36,15 +38,14 @@ impl Line {
             stream: Stream::new(seed, "line"),
             losing: 0,
             in_row: 0,
-            last: JointVector::zeros(),
+            received: JointVector::zeros(),
+            acting: JointVector::zeros(),
         }
     }
 
-    /// Sends torques (N·m). Returns those that arrive at the motors now: the last ones while commands are
-    /// lost.
+    /// Sends torques (N·m). Returns those of the motors in this period. While commands are lost, the last
+    /// ones hold.
     pub fn send(&mut self, torques: JointVector) -> JointVector {
-        self.coming.push_back(torques);
-        let arrived = if self.coming.len() > self.delay { self.coming.pop_front() } else { None };
         if self.lost > 0.0 && self.losing == 0 && self.stream.uniform() < self.lost {
             // A row continues with the same probability after each command: its mean length is `lost_row`.
             self.losing = 1;
@@ -57,9 +58,18 @@ impl Line {
             self.in_row += 1;
         } else {
             self.in_row = 0;
-            self.last = arrived.unwrap_or(self.last);
+            self.received = torques;
         }
-        self.last
+        self.coming.push_back(self.received);
+        if self.coming.len() > self.delay {
+            self.acting = self.coming.pop_front().unwrap_or(self.received);
+        }
+        self.acting
+    }
+
+    /// The torques that the arm received last, N·m.
+    pub fn received(&self) -> JointVector {
+        self.received
     }
 
     /// Whether [`MOST_LOST`] commands or more were lost in a row, so that the arm stops.
@@ -67,9 +77,10 @@ impl Line {
         self.in_row >= MOST_LOST
     }
 
-    /// Makes the arm ready again: nothing is on its way any more.
+    /// Makes the arm ready again: nothing is on its way any more, and no torque is received.
     pub fn restart(&mut self) {
         self.coming.clear();
+        self.received = JointVector::zeros();
         self.losing = 0;
         self.in_row = 0;
     }

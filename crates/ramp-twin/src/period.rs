@@ -1,21 +1,19 @@
-//! One control period: command, inner loop, drives, fault, physics, sensors, cameras, limits.
+//! One control period: command, controller, drives, fault, physics, cameras, sensors, limits.
 
 use std::sync::Arc;
 
 use mujoco_rs::prelude::*;
 use nalgebra::Vector3;
-use ramp_control::{ArmState, Follower, JointMotion};
-use ramp_robot::{ArmCommand, Command, DOF, PERIOD, RobotError, TIME_LIMIT};
+use ramp_control::{ArmState, JointVector, check_command};
+use ramp_robot::{Command, DOF, PERIOD, RobotError, TIME_LIMIT};
 
 use crate::broad_phase::BroadPhase;
-use crate::command::check_command;
 use crate::engine::rotation_from_rows;
 use crate::fault::Injector;
 use crate::scene::Scene;
 use crate::sensors;
 use crate::shutters::Moment;
 use crate::state::State;
-use crate::targets::Targets;
 use crate::witness;
 
 /// Distance by which a joint may pass a soft stop before the robot reports it, rad.
@@ -23,8 +21,8 @@ const POSITION_MARGIN: f64 = 0.005;
 
 type Data = MjData<Arc<MjModel>>;
 
-/// One period under a command. If the line to the arm was silent for too long, also the stop and the recovery
-/// after it.
+/// One period under a command, or without one, in which the last one holds. If the line to the arm was silent
+/// for too long, also the stop and the recovery after it.
 ///
 /// # Errors
 /// When the command is refused, a limit is exceeded, or the physics diverge.
@@ -33,10 +31,10 @@ pub(crate) fn run(
     data: &mut Data,
     state: &mut State,
     broad_phase: &mut BroadPhase,
-    command: &Command,
+    command: Option<&Command>,
 ) -> Result<(), RobotError> {
     advance(scene, data, state, broad_phase, command)?;
-    if state.drive.has_stopped() && !state.targets.holding {
+    if state.drive.has_stopped() {
         recover(scene, data, state, broad_phase)?;
     }
     Ok(())
@@ -50,64 +48,76 @@ fn recover(
     broad_phase: &mut BroadPhase,
 ) -> Result<(), RobotError> {
     state.drive.restart();
-    let before = state.targets.clone();
-    let arm = ArmCommand::JointPositions(state.arm.positions.into());
-    let here = Command { arm, gripper: before.gripper() };
+    let interrupted = state.controller.stopped();
     let periods = (scene.physics.line.recovery / PERIOD).round() as u32;
-    state.targets.holding = true;
-    state.targets.joints = Some(JointMotion::at_rest(state.arm.positions));
-    state.targets.follower = Follower::Free;
-    let recovered = (0..periods).try_for_each(|_| advance(scene, data, state, broad_phase, &here));
-    // The arm goes on from where it stands.
-    state.targets = Targets { follower: Follower::Free, ..before };
+    let recovered = (0..periods).try_for_each(|_| advance(scene, data, state, broad_phase, None));
+    state.controller.resume(interrupted);
     recovered
 }
 
-/// One period under a command.
+/// One period of the controller and of the arm.
 fn advance(
     scene: &Scene,
     data: &mut Data,
     state: &mut State,
     broad_phase: &mut BroadPhase,
-    command: &Command,
+    command: Option<&Command>,
 ) -> Result<(), RobotError> {
-    check_command(command)?;
+    if let Some(command) = command {
+        check_command(command)?;
+    }
+    let torques = match command {
+        Some(command) => {
+            let torques = state.controller.torques(&command.arm)?;
+            state.command = Some(command.clone());
+            state.gripper_command = command.gripper;
+            torques
+        }
+        None => state.controller.late(),
+    };
+    actuate(scene, data, state, broad_phase, &torques)
+}
+
+/// One period of the arm under torques on top of those that hold it up (N·m): drives, physics, sensors and
+/// cameras, and the checks of its limits. The gripper holds its command.
+///
+/// # Errors
+/// When a limit is exceeded, the physics diverge or the time is over.
+pub(crate) fn actuate(
+    scene: &Scene,
+    data: &mut Data,
+    state: &mut State,
+    broad_phase: &mut BroadPhase,
+    torques: &JointVector,
+) -> Result<(), RobotError> {
     if state.time() >= TIME_LIMIT {
         return Err(RobotError::OutOfTime { limit: TIME_LIMIT });
     }
-    let before = state.arm.clone();
-    actuate(scene, data, state, &before, command)?;
+    let before = state.controller.state().clone();
+    drive(scene, data, state, &before, torques);
     if let Some(clamp) = &scene.clamp {
         clamp.step(data);
     }
     broad_phase.step(data);
-    state.targets.command = Some(command.clone());
+    // The engine has the poses of the bodies at the begin of the period.
+    expose(scene, data, state, &before);
     state.steps += 1;
     state.deepest = state.deepest.max(scene.deepest_penetration(data));
     witness::record(scene, data, &mut state.witness, state.steps);
     let reading = sensors::read_wrist(scene, data);
-    state.arm = sensors::arm_state(scene, data, &mut state.encoder_noise);
-    state.feel(scene, data, &before, &reading);
+    state.sense(scene, data, &before, &reading);
     state.observe(scene, data);
-    expose(scene, data, state);
     state.drive.check_reflex(&scene.physics.controller, state.wrench.fixed_rows::<3>(0).norm())?;
     check_limits(scene, state)
 }
 
 /// Sets motor torques, finger forces and external joint torques for the next step of the physics.
-fn actuate(
-    scene: &Scene,
-    data: &mut Data,
-    state: &mut State,
-    before: &ArmState,
-    command: &Command,
-) -> Result<(), RobotError> {
-    let wanted = state.targets.torques(&scene.arm, before, &command.arm)?;
-    let motors = state.drive.command(&scene.physics.controller, &scene.arm, &command.arm, wanted)?;
+fn drive(scene: &Scene, data: &mut Data, state: &mut State, before: &ArmState, torques: &JointVector) {
+    let motors = state.drive.command(torques);
     state.torques = motors;
     let q = [data.qpos()[DOF], data.qpos()[DOF + 1]];
     let v = [data.qvel()[DOF], data.qvel()[DOF + 1]];
-    let mut gripper = state.slow_gripper.step(command.gripper);
+    let mut gripper = state.slow_gripper.step(state.gripper_command);
     if let Some(fault) = &mut state.fault {
         let fingers = [q[0] + q[1], v[0] + v[1]];
         gripper = fault.step(data, &before.x_wt, state.steps, fingers, gripper);
@@ -123,24 +133,24 @@ fn actuate(
     let ctrl = data.ctrl_mut();
     ctrl[..DOF].copy_from_slice(motors.as_slice());
     ctrl[DOF..DOF + 2].copy_from_slice(&fingers);
-    Ok(())
 }
 
-/// Records the poses of all bodies for exposures that are under way.
-fn expose(scene: &Scene, data: &Data, state: &mut State) {
+/// Records the poses of all bodies for exposures that are under way, with the arm as it was reported then.
+fn expose(scene: &Scene, data: &Data, state: &mut State, arm: &ArmState) {
     if !state.cameras.shutters.are_due(state.steps) {
         return;
     }
     let Ok(looks) = scene.cameras.looks(&scene.arm) else { return };
-    let moment = Moment { scene: scene.picture(data, &looks), x_wt: state.arm.x_wt, time: state.time() };
+    let moment = Moment { scene: scene.picture(data, &looks), x_wt: arm.x_wt, time: state.time() };
     let frozen = state.fault.as_ref().is_some_and(Injector::freezes_cameras);
     state.cameras.shutters.record(state.steps, &moment, frozen);
 }
 
 /// Checks the arm's joints against their limits.
 fn check_limits(scene: &Scene, state: &State) -> Result<(), RobotError> {
+    let arm = state.controller.state();
     for (index, joint) in scene.arm.joints.iter().enumerate() {
-        let (position, velocity) = (state.arm.positions[index], state.arm.velocities[index]);
+        let (position, velocity) = (arm.positions[index], arm.velocities[index]);
         let [low, high] = joint.range;
         if !position.is_finite() || !velocity.is_finite() {
             return Err(RobotError::Diverged { time: state.time() });

@@ -46,8 +46,6 @@ pub(crate) struct Scene {
     pub arm_bodies: Vec<usize>,
     /// Site of the wrist sensor.
     pub wrist_site: usize,
-    /// Site of the tip.
-    pub tip_site: usize,
     /// Bodies of the hand and of both fingers. The wrist sensor's reading does not contain their weight.
     pub hand_bodies: [usize; 3],
     /// The values that the episode drew from its world.
@@ -123,7 +121,6 @@ impl Scene {
             part_of,
             arm_bodies: arm_bodies(&model, body("link0")?),
             wrist_site: find(MjtObjBase::mjOBJ_SITE, "wrist")?,
-            tip_site: find(MjtObjBase::mjOBJ_SITE, "tip")?,
             hand_bodies: [body("hand")?, body("finger1")?, body("finger2")?],
             friction: JointFriction::new(&physics.friction, &physics.arm),
             loaded: physics.friction.coulomb != [0.0; DOF] || physics.arm.unknown_mass != 0.0,

@@ -4,14 +4,14 @@
 use std::sync::Arc;
 
 use mujoco_rs::prelude::*;
-use nalgebra::{SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_control::{ArmState, Jacobian, JointVector};
 use ramp_robot::random::Stream;
-use ramp_robot::{DOF, PartReading, Pose};
+use ramp_robot::{DOF, GRAVITY, PartReading, Pose};
 use ramp_world::Physics;
 
-use crate::drive::believed;
-use crate::engine::{GRAVITY, body_pose, rotation_from_rows};
+use crate::drive::reported;
+use crate::engine::{body_pose, rotation_from_rows};
 use crate::scene::Scene;
 
 /// Standard deviation of a reading on track `noisy`: position of a part, m along each axis, and its rotation,
@@ -24,43 +24,15 @@ pub const READING_STEPS: u32 = 33;
 
 type Data = MjData<Arc<MjModel>>;
 
-/// State of the arm as its joint sensors report it: the true one, with the world's errors of the joint
-/// positions, and with the `noise` and the step of the encoders.
-pub(crate) fn arm_state(scene: &Scene, data: &Data, noise: &mut Stream) -> ArmState {
-    let p_wt = Vector3::from(data.site_xpos()[scene.tip_site]);
-    let rotation = rotation_from_rows(&data.site_xmat()[scene.tip_site]);
-    let mut jacobian = Jacobian::zeros();
-    for joint in 0..DOF {
-        let axis = Vector3::from(data.xaxis()[joint]);
-        let anchor = Vector3::from(data.xanchor()[joint]);
-        let linear = axis.cross(&(p_wt - anchor));
-        jacobian.fixed_view_mut::<3, 1>(0, joint).copy_from(&linear);
-        jacobian.fixed_view_mut::<3, 1>(3, joint).copy_from(&axis);
-    }
-    let state = ArmState {
-        positions: JointVector::from_column_slice(&data.qpos()[..DOF]),
-        velocities: JointVector::from_column_slice(&data.qvel()[..DOF]),
-        x_wt: Pose::from_parts(Translation3::from(p_wt), rotation),
-        jacobian,
-        inertia: arm_inertia(scene, data),
-    };
-    believed(&scene.physics, noise, state)
+/// Joint positions as their sensors report them, rad: the true ones, with the world's errors, and with the
+/// `noise` and the step of the encoders.
+pub(crate) fn positions(scene: &Scene, data: &Data, noise: &mut Stream) -> JointVector {
+    reported(&scene.physics, noise, &JointVector::from_column_slice(&data.qpos()[..DOF]))
 }
 
-/// The arm's joint-space inertia, kg·m²: the first rows of MuJoCo's sparse lower triangle.
-fn arm_inertia(scene: &Scene, data: &Data) -> SMatrix<f64, DOF, DOF> {
-    let model = &scene.model;
-    let values = data.m();
-    let mut inertia = SMatrix::<f64, DOF, DOF>::zeros();
-    for row in 0..DOF {
-        let from = model.m_rowadr()[row] as usize;
-        let to = from + model.m_rownnz()[row] as usize;
-        for (value, column) in values[from..to].iter().zip(&model.m_colind()[from..to]) {
-            inertia[(row, *column as usize)] = *value;
-            inertia[(*column as usize, row)] = *value;
-        }
-    }
-    inertia
+/// Joint velocities as their sensors report them, rad/s.
+pub(crate) fn velocities(data: &Data) -> JointVector {
+    JointVector::from_column_slice(&data.qvel()[..DOF])
 }
 
 /// Whether the arm of this world has a force/torque sensor at the wrist.
@@ -94,10 +66,9 @@ pub(crate) fn sensor_bias(scene: &Scene, data: &Data) -> Vector6<f64> {
     Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
 }
 
-/// The Jacobian of the wrist in the world, from that of the tip.
-pub(crate) fn wrist_jacobian(scene: &Scene, data: &Data, state: &ArmState) -> Jacobian {
-    let lever =
-        Vector3::from(data.site_xpos()[scene.wrist_site]) - Vector3::from(data.site_xpos()[scene.tip_site]);
+/// The Jacobian of the wrist in the world, from that of the tip, which is `tip` (m) before the wrist.
+pub(crate) fn wrist_jacobian(tip: f64, state: &ArmState) -> Jacobian {
+    let lever = state.x_wt.rotation * Vector3::new(0.0, 0.0, -tip);
     let mut jacobian = state.jacobian;
     for joint in 0..DOF {
         let axis = Vector3::from(jacobian.fixed_view::<3, 1>(3, joint));

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use mujoco_rs::prelude::*;
 use nalgebra::{Vector3, Vector6};
-use ramp_control::{ArmState, GripperLoop, JointVector};
+use ramp_control::{ArmController, ArmState, ControllerSettings, GripperLoop, JointVector, Sensed};
 use ramp_robot::random::Stream;
-use ramp_robot::{DOF, Observation, PERIOD, RobotError};
+use ramp_robot::{Command, DOF, GripperCommand, Observation, PERIOD, RobotError};
+use ramp_world::Physics;
 
 use crate::cameras::CamerasState;
 use crate::drive::{Drive, in_steps};
@@ -16,13 +17,34 @@ use crate::scene::Scene;
 use crate::sensors;
 use crate::setup::Setup;
 use crate::slow_gripper::SlowGripper;
-use crate::targets::{START_WIDTH, Targets};
 use crate::witness::Witness;
 
 /// Share of a new reading in the wrist sensor's low-pass filter: a time constant of 20 ms.
 const WRENCH_FILTER: f64 = 0.05;
+/// Width of the gripper at the start, m.
+pub(crate) const START_WIDTH: f64 = 0.04;
+/// Command of the gripper before the first command.
+const START_GRIPPER: GripperCommand = GripperCommand { width: START_WIDTH, force: 10.0 };
+/// Torque rate from which on it is not limited, N·m/s.
+const NO_RATE: f64 = 1e8;
 
 type Data = MjData<Arc<MjModel>>;
+
+/// The settings of a controller that knows the arm of these physics as the twin's own does.
+pub fn controller_settings(physics: &Physics) -> ControllerSettings {
+    let controller = &physics.controller;
+    let measures = physics.sensing.torque_sensors >= 0.5;
+    ControllerSettings {
+        armature: JointVector::from(physics.arm.armature),
+        friction: JointVector::from_fn(|joint, _| {
+            physics.friction.coulomb[joint] * (1.0 + controller.model_error[joint])
+        }),
+        // Nothing is compensated that is not measured.
+        compensation: if measures { controller.compensation } else { 0.0 },
+        compensation_rate: controller.compensation_rate,
+        torque_rate: (controller.torque_rate < NO_RATE).then_some(controller.torque_rate),
+    }
+}
 
 /// Everything of a twin that changes, except MuJoCo's data.
 #[derive(Clone)]
@@ -31,12 +53,15 @@ pub(crate) struct State {
     pub steps: u64,
     /// The error that stopped the arm. Every later call returns it again.
     pub failed: Option<RobotError>,
-    pub targets: Targets,
+    /// The arm's controller, with the state of the arm as its joints report it.
+    pub controller: ArmController,
+    /// The last command; `None` before the first one.
+    pub command: Option<Command>,
+    /// The command that the gripper holds.
+    pub gripper_command: GripperCommand,
     pub drive: Drive,
     pub gripper: GripperLoop,
     pub slow_gripper: SlowGripper,
-    /// State of the arm as its joint sensors report it.
-    pub arm: ArmState,
     /// Joint torques that the arm reports, N·m.
     pub torques: JointVector,
     /// Wrench of the hand on the world that the arm reports, N and N·m, axes of the world.
@@ -66,7 +91,9 @@ impl State {
     pub fn new(setup: &Setup, start: &Start, scene: &Scene, data: &Data) -> State {
         let physics = &scene.physics;
         let mut encoder_noise = Stream::new(setup.seed, "encoders");
-        let arm = sensors::arm_state(scene, data, &mut encoder_noise);
+        let positions = sensors::positions(scene, data, &mut encoder_noise);
+        let controller = ArmController::new(&scene.arm, &controller_settings(physics), &positions);
+        let arm = controller.state();
         let wrench = if sensors::has_wrist_sensor(physics) {
             sensors::read_wrist(scene, data)
         } else {
@@ -85,11 +112,12 @@ impl State {
         State {
             steps: 0,
             failed: None,
-            targets: Targets::new(&setup.arm.home),
+            command: None,
+            gripper_command: START_GRIPPER,
             drive: Drive::new(physics, &setup.arm.home, setup.seed),
             gripper: GripperLoop::new(START_WIDTH / 2.0),
             slow_gripper: SlowGripper::new(&physics.gripper, START_WIDTH),
-            arm,
+            controller,
             torques: JointVector::zeros(),
             wrench,
             encoder_noise,
@@ -109,10 +137,12 @@ impl State {
     pub fn time(&self) -> f64 {
         self.steps as f64 * PERIOD
     }
-    /// Updates torques and wrench after a period: the wrench from the sensor at the wrist, or as the arm
-    /// estimates it from its joint torques. `before` is the arm before the period, `reading` the noise-free
-    /// wrist reading after it.
-    pub fn feel(&mut self, scene: &Scene, data: &Data, before: &ArmState, reading: &Vector6<f64>) {
+
+    /// Reads the sensors of the joints and of the wrist after a period. The wrench is that of the sensor at
+    /// the wrist, or the one that the arm estimates from its joint torques. `before` is the arm before the
+    /// period, `reading` the noise-free wrist reading after it.
+    pub fn sense(&mut self, scene: &Scene, data: &Data, before: &ArmState, reading: &Vector6<f64>) {
+        let positions = sensors::positions(scene, data, &mut self.encoder_noise);
         let physics = &scene.physics;
         let sensing = &physics.sensing;
         let (force, moment) = (sensing.force_noise, sensing.moment_noise);
@@ -123,19 +153,24 @@ impl State {
             // Coriolis and centrifugal torques: the engine's bias without the weights that it compensates.
             let coriolis = JointVector::from_column_slice(&data.qfrc_bias()[..DOF])
                 - JointVector::from_column_slice(&data.qfrc_gravcomp()[..DOF]);
-            let after = JointVector::from_column_slice(&data.qvel()[..DOF]);
-            let velocities = [&before.velocities, &after];
+            let velocities = [&before.velocities, &sensors::velocities(data)];
             self.drive.sensed(physics, &before.inertia, velocities, &coriolis, &before.positions);
         }
         if has_torque_sensors {
             self.torques = *self.drive.torques();
         }
+        self.controller.sensed(&Sensed {
+            positions,
+            velocities: sensors::velocities(data),
+            torques: self.torques,
+            received: self.drive.received(),
+        });
         let fault_bias = self.fault_bias(scene, data);
         if sensors::has_wrist_sensor(physics) {
             let wrench = reading + fault_bias + sensors::sensor_bias(scene, data) + noise;
             self.wrench += (wrench - self.wrench) * WRENCH_FILTER;
         } else {
-            let jacobian = sensors::wrist_jacobian(scene, data, &self.arm);
+            let jacobian = sensors::wrist_jacobian(scene.arm.hand.tip, self.controller.state());
             self.wrench = self.drive.wrench(&jacobian) + fault_bias;
         }
         self.pressed += (reading.fixed_rows::<3>(0) - self.pressed) * WRENCH_FILTER;
@@ -152,17 +187,14 @@ impl State {
     /// Updates the observation.
     pub fn observe(&mut self, scene: &Scene, data: &Data) {
         let width = data.qpos()[DOF] + data.qpos()[DOF + 1];
-        let gripper = self.targets.command.as_ref().map(|command| command.gripper);
-        let (width, gripper_busy) = match gripper {
-            Some(gripper) => self.slow_gripper.sensed(width, gripper),
-            None => (width, false),
-        };
+        let (width, gripper_busy) = self.slow_gripper.sensed(width, self.gripper_command);
+        let arm = self.controller.state();
         self.observation = Observation {
             time: self.time(),
-            positions: self.arm.positions.into(),
-            velocities: self.arm.velocities.into(),
+            positions: arm.positions.into(),
+            velocities: arm.velocities.into(),
             torques: self.torques.into(),
-            x_wt: self.arm.x_wt,
+            x_wt: arm.x_wt,
             wrench: self.wrench,
             width: in_steps(width, scene.physics.gripper.width_step),
             gripper_busy,

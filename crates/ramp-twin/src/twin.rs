@@ -3,6 +3,7 @@
 //! A twin is a scene that is built once, MuJoCo's data and a state that change, and buffers.
 
 mod rigid;
+pub mod served;
 pub mod snapshot;
 
 use std::sync::Arc;
@@ -12,8 +13,7 @@ use nalgebra::Vector3;
 use ramp_assembly::Truth;
 use ramp_render::Looks;
 use ramp_robot::{
-    ArmCommand, Camera, CameraModel, Command, DOF, Image, ImageWidth, Observation, PartReading, Robot,
-    RobotError, Track,
+    Camera, CameraModel, Command, DOF, Image, ImageWidth, Observation, PartReading, Robot, RobotError, Track,
 };
 
 use crate::broad_phase::BroadPhase;
@@ -25,8 +25,7 @@ use crate::mjcf::SceneOptions;
 use crate::scene::Scene;
 pub use crate::sensors::{READING_DROPPED, READING_NOISE, READING_STEPS};
 use crate::setup::{Setup, TwinError};
-use crate::state::State;
-use crate::targets::START_WIDTH;
+use crate::state::{START_WIDTH, State};
 use crate::witness::Moment;
 use crate::{period, rest, sensors, witness};
 
@@ -202,7 +201,7 @@ impl Twin {
 
     /// The last command; `None` before the first one.
     pub fn commanded(&self) -> Option<&Command> {
-        self.state.targets.command.as_ref()
+        self.state.command.as_ref()
     }
 
     /// Robot time, s: counted in steps, so that it carries no rounding error.
@@ -225,18 +224,15 @@ impl Twin {
     /// Runs periods under the last command; before the first one the arm stays at home. Afterwards a
     /// commanded motion continues as if no period had passed.
     fn hold(&mut self, periods: u32) -> Result<(), RobotError> {
-        let targets = &self.state.targets;
-        let command = targets.command.clone().unwrap_or(Command {
-            arm: ArmCommand::JointPositions(self.scene.arm.home),
-            gripper: targets.gripper(),
-        });
-        let motion = (targets.joints, targets.pose);
-        self.state.targets.holding = true;
-        let held = (0..periods).try_for_each(|_| self.step(&command).map(|_| ()));
-        let targets = &mut self.state.targets;
-        targets.holding = false;
-        (targets.joints, targets.pose) = motion;
-        held
+        (0..periods).try_for_each(|_| self.advance(None))
+    }
+
+    /// Runs a period under a command, or under the last one.
+    fn advance(&mut self, command: Option<&Command>) -> Result<(), RobotError> {
+        self.check_running()?;
+        let broad_phase = &mut self.workspace.broad_phase;
+        let run = period::run(&self.scene, &mut self.data, &mut self.state, broad_phase, command);
+        run.inspect_err(|error| self.state.failed = Some(error.clone()))
     }
 
     /// The error that stopped the arm, if one did.
@@ -250,6 +246,19 @@ impl Twin {
             Track::Noisy => Err(RobotError::NotOnTrack { track: Track::Noisy, what: "images" }),
             Track::State | Track::Tags => Ok(()),
         }
+    }
+
+    /// The number of the exposure of which this camera gives an image next: the oldest that waits for it, or
+    /// a new one.
+    fn exposure(&mut self, camera: Camera) -> usize {
+        let now = self.state.steps;
+        let cameras = &mut self.state.cameras;
+        cameras.shutters.forget(now);
+        cameras.shutters.waiting(camera).unwrap_or_else(|| {
+            // This camera has delivered all its images, so they are available and make room.
+            self.scene.cameras.open(cameras, now, false);
+            cameras.shutters.newest()
+        })
     }
 
     /// The image of a camera from the exposure with this number.
@@ -272,15 +281,8 @@ impl Twin {
 
 impl Robot for Twin {
     fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
-        self.check_running()?;
-        let broad_phase = &mut self.workspace.broad_phase;
-        match period::run(&self.scene, &mut self.data, &mut self.state, broad_phase, command) {
-            Ok(()) => Ok(self.state.observation.clone()),
-            Err(error) => {
-                self.state.failed = Some(error.clone());
-                Err(error)
-            }
-        }
+        self.advance(Some(command))?;
+        Ok(self.state.observation.clone())
     }
 
     fn observe(&self) -> Observation {
@@ -309,15 +311,8 @@ impl Robot for Twin {
     fn look_sized(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, RobotError> {
         self.check_running()?;
         self.check_images()?;
-        let now = self.state.steps;
-        let cameras = &mut self.state.cameras;
-        cameras.shutters.forget(now);
-        let number = cameras.shutters.waiting(camera).unwrap_or_else(|| {
-            // This camera has delivered all its images, so they are available and make room.
-            self.scene.cameras.open(cameras, now, false);
-            cameras.shutters.newest()
-        });
-        let wait = cameras.shutters.available(number).saturating_sub(now);
+        let number = self.exposure(camera);
+        let wait = self.state.cameras.shutters.available(number).saturating_sub(self.state.steps);
         self.hold(u32::try_from(wait).unwrap_or(u32::MAX))?;
         self.image(camera, width, number)
     }

@@ -22,7 +22,7 @@ fn body(position: [f64; 3], turn: [f64; 4], mass: f64, centre: [f64; 3], inertia
 
 /// The arm with its closed hand alone, as a scene.
 fn scene<const N: usize>(arm: &ArmModel<N>) -> String {
-    let mut text = "<mujoco><option gravity='0 0 -9.80665'/><worldbody>".to_string();
+    let mut text = "<mujoco><option gravity='0 0 -9.81'/><worldbody>".to_string();
     for joint in &arm.joints {
         let link = &joint.link;
         text += &body(joint.position, joint.quat_wxyz, link.mass, link.centre, link.inertia);

@@ -5,11 +5,11 @@
 
 use nalgebra::{Point3, Vector3};
 use ramp_kit::Holder;
-use ramp_robot::{Cause, RobotError};
+use ramp_robot::{Cause, GRAVITY, RobotError};
 
 use super::journal::Stand;
 use super::workcell::Workcell;
-use crate::hand::{GRAVITY, Hand};
+use crate::hand::Hand;
 
 impl Workcell<'_, '_> {
     /// Diagnoses why a part is not where it was believed to be, `off` metres away.

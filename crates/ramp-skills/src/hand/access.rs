@@ -13,9 +13,6 @@ use crate::Pose;
 use crate::parameters::Parameters;
 use crate::parameters::hand::{HandParameters, TrimParameters};
 
-/// Standard gravity, m/s².
-pub const GRAVITY: f64 = 9.81;
-
 /// A part between the fingers.
 #[derive(Clone, Debug)]
 pub struct Held {

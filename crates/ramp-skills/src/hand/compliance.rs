@@ -2,9 +2,9 @@
 
 use nalgebra::{Vector3, Vector6};
 use ramp_motion::Joints;
-use ramp_robot::{ArmCommand, Command, Impedance, PERIOD, RobotError};
+use ramp_robot::{ArmCommand, Command, GRAVITY, Impedance, PERIOD, RobotError};
 
-use super::access::{GRAVITY, Hand};
+use super::access::Hand;
 use crate::fault::{Fault, SkillError};
 
 impl Hand<'_> {

@@ -12,5 +12,5 @@ mod straight;
 mod trajectory;
 mod trim;
 
-pub use access::{Arrival, GRAVITY, Hand, Held};
+pub use access::{Arrival, Hand, Held};
 pub use force::Rise;

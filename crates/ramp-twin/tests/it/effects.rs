@@ -229,3 +229,19 @@ fn told_positions_are_off() {
     let really = GoalFiles::new("easy-1").twin_in(ramp_twin::World::ideal(), 1).observe();
     assert!((seen.x_wt.translation.vector - really.x_wt.translation.vector).norm() > 0.5e-3);
 }
+
+/// The tip that the arm reports is where its joints have it, also while it moves.
+#[test]
+fn the_tip_belongs_to_the_joint_positions_of_the_same_period() {
+    let world = GoalFiles::new("easy-1");
+    let kinematics = ramp_motion::Kinematics::new(&world.arm);
+    let mut twin = twin(&[("arm.offset", 2e-3)]);
+    for period in 0..400 {
+        let speed = 0.5 * (f64::from(period) / 200.0).min(1.0);
+        let command = Command { arm: ArmCommand::JointVelocities([speed; DOF]), gripper: GRIPPER };
+        let seen = twin.step(&command).unwrap();
+        let tip = kinematics.tip(&seen.positions.into());
+        let off = (tip.translation.vector - seen.x_wt.translation.vector).norm();
+        assert!(off < 1e-9, "{off:e} m after {period} periods");
+    }
+}

@@ -1,22 +1,12 @@
 //! Checks of a command before the arm moves.
 
-use nalgebra::Vector6;
-use ramp_control::PoseMotion;
 use ramp_robot::{ArmCommand, Command, Impedance, Pose, RobotError};
 
-/// Velocity (m/s, rad/s) and acceleration (m/s², rad/s²) of the target of an impedance, as far as they are
-/// those of a motion and not of a jump: an impedance may jump.
-pub(crate) fn fed_forward(target: &PoseMotion) -> [Vector6<f64>; 2] {
-    const VELOCITY: f64 = 0.5;
-    const ACCELERATION: f64 = 5.0;
-    [
-        target.velocity.map(|value| value.clamp(-VELOCITY, VELOCITY)),
-        target.acceleration.map(|value| value.clamp(-ACCELERATION, ACCELERATION)),
-    ]
-}
-
 /// Refuses values that are not finite or out of range, before the arm moves.
-pub(crate) fn check_command(command: &Command) -> Result<(), RobotError> {
+///
+/// # Errors
+/// [`RobotError::BadCommand`].
+pub fn check_command(command: &Command) -> Result<(), RobotError> {
     let finite = |values: &[f64], what| {
         if values.iter().all(|value| value.is_finite()) {
             Ok(())
