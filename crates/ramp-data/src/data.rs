@@ -255,9 +255,20 @@ impl Data {
     /// # Errors
     /// The first problem in the arm's file.
     pub fn arm(&self) -> Result<ArmModel, DataError> {
-        let file = self.arm_file();
-        Ok(ArmModel::from_json(Path::new(&file.name()), &file.text()?)?)
+        read_arm(&self.arm_file())
     }
+
+    /// The arm of this name: `panda` or `fr3`.
+    ///
+    /// # Errors
+    /// As [`Data::arm`].
+    pub fn arm_named(&self, name: &str) -> Result<ArmModel, DataError> {
+        read_arm(&self.file(&format!("arms/{name}.json")))
+    }
+}
+
+fn read_arm(file: &File) -> Result<ArmModel, DataError> {
+    Ok(ArmModel::from_json(Path::new(&file.name()), &file.text()?)?)
 }
 
 /// The texts of the files that an episode is made from, for its log.

@@ -27,6 +27,7 @@ pub mod run;
 pub mod score;
 pub mod see;
 pub mod seeds;
+pub mod serve;
 pub mod show;
 pub mod skills;
 pub mod start;

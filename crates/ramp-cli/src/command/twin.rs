@@ -1,4 +1,5 @@
-//! `ramp twin export`: the scene as MJCF, for the twin's MuJoCo and for older ones.
+//! `ramp twin export`: the scene as MJCF, for the twin's MuJoCo and for older ones. [`serve`] has the other
+//! subcommand.
 
 use std::path::PathBuf;
 
@@ -7,6 +8,7 @@ use ramp_data::Data;
 use ramp_robot::Track;
 use ramp_twin::{ForMujoco, Setup, Twin};
 
+use crate::command::serve;
 use crate::options::{StartOption, WorldOption};
 use crate::output::{check_place, print, tell, write_file};
 use crate::status::DONE;
@@ -37,6 +39,8 @@ enum Command {
         #[arg(short, long, value_name = "FILE")]
         output: Option<PathBuf>,
     },
+    /// Serve the twin by Franka's protocol, as a real arm with its gripper (needs the feature `franka`)
+    Serve(Box<serve::Arguments>),
 }
 
 /// Versions of MuJoCo.
@@ -51,7 +55,12 @@ enum Version {
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
-    let Command::Export { goal, seed, world, start, version, output } = &arguments.command;
+    let (goal, seed, world, start, version, output) = match &arguments.command {
+        Command::Serve(arguments) => return serve::run(data, arguments),
+        Command::Export { goal, seed, world, start, version, output } => {
+            (goal, seed, world, start, version, output)
+        }
+    };
     let assembly = data.goal(goal)?;
     let arm = data.arm()?;
     let (world, start) = (world.read(data)?, start.read(data)?);

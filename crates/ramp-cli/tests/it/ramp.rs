@@ -244,6 +244,8 @@ fn view_without_a_window_says_how_to_get_one() {
     }
     let folder = TempDir::new().unwrap();
     refused(&folder, &["run", "easy-1", "--view"], &["without a window", "--features view"]);
+    #[cfg(not(feature = "franka"))]
+    refused(&folder, &["twin", "serve", "easy-1"], &["without Franka's protocol", "--features franka"]);
     #[cfg(not(feature = "rerun"))]
     refused(&folder, &["run", "easy-1", "--rerun", "it.rrd"], &["without Rerun", "--features rerun"]);
 }

@@ -1,0 +1,142 @@
+//! What a served twin tells of its cell beside Franka's protocol: lines of JSON, over a connection of its
+//! own. An image's pixels follow their line.
+
+use ramp_robot::{Camera, PartReading, Pose};
+use serde::{Deserialize, Serialize};
+
+/// What a client asks.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(tag = "ask", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Question {
+    /// Readings of the parts.
+    Parts,
+    /// The shutters are to open while the arm moves.
+    Expose,
+    /// An image.
+    Image {
+        /// Of this camera.
+        #[serde(with = "camera_name")]
+        camera: Camera,
+    },
+    /// The referee's verdict.
+    Verdict,
+}
+
+/// The answer.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(tag = "answer", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Answer {
+    /// It was done.
+    Done,
+    /// The readings.
+    Parts {
+        /// One for each part that was seen.
+        parts: Vec<Reading>,
+    },
+    /// The image comes after this number of control periods.
+    Wait {
+        /// Of a millisecond.
+        periods: u64,
+    },
+    /// An image, whose pixels follow: three bytes each, row by row from above.
+    Image(ImageHead),
+    /// The verdict.
+    Verdict(Verdict),
+    /// The question was refused.
+    Refused {
+        /// The reason.
+        why: String,
+    },
+}
+
+/// The reading of a part.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct Reading {
+    /// Its name.
+    pub part: String,
+    /// Its pose in the world.
+    pub x_wp: Numbers,
+    /// Standard deviations, m and rad.
+    pub sigma: [f64; 2],
+}
+
+/// The head of an image.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct ImageHead {
+    /// Its camera.
+    #[serde(with = "camera_name")]
+    pub camera: Camera,
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// The number of the arm's state at the middle of the exposure: a millisecond each.
+    pub message: u64,
+    /// Pose of the tip in the world then, as the arm reported it.
+    pub x_wt: Numbers,
+}
+
+/// The verdict of the referee, as the parts are now.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Pegs that count.
+    pub seated: usize,
+    /// Pegs of the goal.
+    pub pegs: usize,
+    /// Time of the twin, s.
+    pub time: f64,
+    /// Largest force of the hand so far, N.
+    pub largest_force: f64,
+    /// Hash of the twin's state.
+    pub state: u64,
+}
+
+/// A pose as numbers: x, y, z in m, then a unit quaternion w, x, y, z.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+pub struct Numbers(pub [f64; 7]);
+
+impl From<&Pose> for Numbers {
+    fn from(x: &Pose) -> Numbers {
+        let (p, r) = (&x.translation.vector, x.rotation.quaternion());
+        Numbers([p.x, p.y, p.z, r.w, r.i, r.j, r.k])
+    }
+}
+
+impl From<Numbers> for Pose {
+    fn from(Numbers([x, y, z, w, i, j, k]): Numbers) -> Pose {
+        let rotation = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, i, j, k));
+        Pose::from_parts(nalgebra::Translation3::new(x, y, z), rotation)
+    }
+}
+
+impl From<&PartReading> for Reading {
+    fn from(reading: &PartReading) -> Reading {
+        Reading { part: reading.part.clone(), x_wp: (&reading.x_wp).into(), sigma: reading.sigma }
+    }
+}
+
+impl From<Reading> for PartReading {
+    fn from(reading: Reading) -> PartReading {
+        PartReading { part: reading.part, x_wp: reading.x_wp.into(), sigma: reading.sigma }
+    }
+}
+
+/// Cameras by their names.
+mod camera_name {
+    use ramp_robot::Camera;
+    use serde::de::{Deserialize, Deserializer, Error};
+    use serde::ser::Serializer;
+
+    #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+    pub fn serialize<S: Serializer>(camera: &Camera, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(camera.name())
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Camera, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        Camera::ALL
+            .into_iter()
+            .find(|camera| camera.name() == name)
+            .ok_or_else(|| D::Error::custom(format!("no camera `{name}`")))
+    }
+}

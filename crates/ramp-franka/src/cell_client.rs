@@ -1,0 +1,62 @@
+//! The client of a served twin's cell.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+
+use crate::cell::{Answer, ImageHead, Question};
+use crate::error::FrankaError;
+
+/// The longest line of an answer, bytes, and the largest image.
+const LONGEST: u64 = 1 << 20;
+const LARGEST: usize = 1 << 26;
+
+/// A connected cell.
+pub(crate) struct Cell {
+    address: String,
+    stream: BufReader<TcpStream>,
+}
+
+impl Cell {
+    pub fn connect(address: &str) -> Result<Cell, FrankaError> {
+        let failed = |error| FrankaError::Cell { address: address.to_string(), error };
+        let stream = TcpStream::connect(address).map_err(failed)?;
+        stream.set_nodelay(true).map_err(failed)?;
+        Ok(Cell { address: address.to_string(), stream: BufReader::new(stream) })
+    }
+
+    /// Asks, and waits for the answer.
+    pub fn ask(&mut self, question: &Question) -> Result<Answer, FrankaError> {
+        let mut line = serde_json::to_vec(question).map_err(|error| self.wrong(&error.to_string()))?;
+        line.push(b'\n');
+        self.stream.get_mut().write_all(&line).map_err(|error| self.failed(error))?;
+        self.answer()
+    }
+
+    /// The next answer.
+    pub fn answer(&mut self) -> Result<Answer, FrankaError> {
+        let mut line = String::new();
+        let read = (&mut self.stream).take(LONGEST).read_line(&mut line);
+        read.map_err(|error| self.failed(error))?;
+        serde_json::from_str(&line).map_err(|error| self.wrong(&error.to_string()))
+    }
+
+    /// The pixels of an image whose head has come.
+    pub fn pixels(&mut self, head: &ImageHead) -> Result<Vec<u8>, FrankaError> {
+        let count = head.width.saturating_mul(head.height).saturating_mul(3);
+        if count > LARGEST {
+            return Err(self.wrong(&format!("an image of {} by {}", head.width, head.height)));
+        }
+        let mut pixels = vec![0; count];
+        self.stream.read_exact(&mut pixels).map_err(|error| self.failed(error))?;
+        Ok(pixels)
+    }
+
+    /// Something in an answer is wrong.
+    pub fn wrong(&self, why: &str) -> FrankaError {
+        FrankaError::CellAnswer { address: self.address.clone(), why: why.to_string() }
+    }
+
+    fn failed(&self, error: std::io::Error) -> FrankaError {
+        FrankaError::Cell { address: self.address.clone(), error }
+    }
+}

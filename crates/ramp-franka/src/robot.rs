@@ -1,0 +1,154 @@
+//! The robot that an agent drives.
+
+use ramp_control::ControllerSettings;
+use ramp_robot::arm::ArmModel;
+use ramp_robot::{
+    Camera, CameraModel, Command, Image, ImageWidth, Observation, PERIOD, PartReading, Robot, RobotError,
+    Track,
+};
+
+use crate::cell::{Answer, Question, Verdict};
+use crate::cell_client::Cell;
+use crate::connection::{Connection, Pace, Statistics};
+use crate::error::FrankaError;
+use crate::periods::Periods;
+
+/// A connected arm.
+pub struct FrankaRobot {
+    periods: Periods,
+    cell: Cell,
+    arm: ArmModel,
+    track: Track,
+    seen: Observation,
+    failed: Option<RobotError>,
+}
+
+impl FrankaRobot {
+    /// Connects to arm, gripper and cell, and begins to hold the arm where it is.
+    ///
+    /// # Errors
+    /// When one of them does not answer, or the arm cannot move now.
+    pub fn connect(
+        connection: &Connection,
+        arm: &ArmModel,
+        settings: &ControllerSettings,
+        track: Track,
+    ) -> Result<FrankaRobot, FrankaError> {
+        let cell = Cell::connect(&connection.cell)?;
+        let periods = Periods::begin(connection, arm, settings)?;
+        let seen = periods.observe()?;
+        Ok(FrankaRobot { periods, cell, arm: arm.clone(), track, seen, failed: None })
+    }
+
+    /// Numbers of the connection so far.
+    pub fn statistics(&self) -> Statistics {
+        self.periods.statistics()
+    }
+
+    /// The verdict of a served twin's referee.
+    ///
+    /// # Errors
+    /// When the cell does not answer.
+    pub fn verdict(&mut self) -> Result<Verdict, FrankaError> {
+        match self.cell.ask(&Question::Verdict)? {
+            Answer::Verdict(verdict) => Ok(verdict),
+            other => Err(self.unexpected(&other)),
+        }
+    }
+
+    fn unexpected(&self, answer: &Answer) -> FrankaError {
+        match answer {
+            Answer::Refused { why } => self.cell.wrong(why),
+            other => self.cell.wrong(&format!("an unexpected answer: {other:?}")),
+        }
+    }
+
+    fn check_running(&self) -> Result<(), RobotError> {
+        self.failed.clone().map_or(Ok(()), Err)
+    }
+
+    /// Remembers what stopped the arm.
+    fn kept<T>(&mut self, result: Result<T, RobotError>) -> Result<T, RobotError> {
+        if let Err(error) = &result
+            && error.is_final()
+        {
+            self.failed = Some(error.clone());
+        }
+        result
+    }
+
+    fn image(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, FrankaError> {
+        if let Some(width) = width {
+            return Err(self.cell.wrong(&format!("images of {width:?} are not served")));
+        }
+        let wait = match self.cell.ask(&Question::Image { camera })? {
+            Answer::Wait { periods } => periods,
+            other => return Err(self.unexpected(&other)),
+        };
+        if wait > 0 && self.periods.pace() == Pace::LockStep {
+            self.periods.wait(wait)?;
+        }
+        let head = match self.cell.answer()? {
+            Answer::Image(head) => head,
+            other => return Err(self.unexpected(&other)),
+        };
+        let pixels = self.cell.pixels(&head)?;
+        self.seen = self.periods.observe()?;
+        let since = head.message as f64 - self.periods.first_message() as f64;
+        Ok(Image {
+            camera,
+            time: since * PERIOD,
+            x_wt: head.x_wt.into(),
+            width: head.width,
+            height: head.height,
+            pixels,
+        })
+    }
+}
+
+impl Robot for FrankaRobot {
+    fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
+        self.check_running()?;
+        let seen = self.periods.step(command);
+        let seen = self.kept(seen)?;
+        self.seen = seen.clone();
+        Ok(seen)
+    }
+
+    fn observe(&self) -> Observation {
+        self.seen.clone()
+    }
+
+    fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
+        self.check_running()?;
+        if self.track == Track::Tags {
+            return Err(RobotError::NotOnTrack { track: Track::Tags, what: "poses of parts" });
+        }
+        let parts = match self.cell.ask(&Question::Parts) {
+            Ok(Answer::Parts { parts }) => Ok(parts.into_iter().map(Into::into).collect()),
+            Ok(other) => Err(self.unexpected(&other).into()),
+            Err(error) => Err(error.into()),
+        };
+        self.kept(parts)
+    }
+
+    fn expose(&mut self) -> Result<(), RobotError> {
+        self.check_running()?;
+        let done = match self.cell.ask(&Question::Expose) {
+            Ok(Answer::Done) => Ok(()),
+            Ok(other) => Err(self.unexpected(&other).into()),
+            Err(error) => Err(error.into()),
+        };
+        self.kept(done)
+    }
+
+    fn look_sized(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, RobotError> {
+        self.check_running()?;
+        let image = self.image(camera, width).map_err(RobotError::from);
+        self.kept(image)
+    }
+
+    fn camera(&self, camera: Camera) -> CameraModel {
+        CameraModel::nominal(camera, self.arm.hand.tip)
+    }
+}

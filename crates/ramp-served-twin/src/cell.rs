@@ -1,0 +1,128 @@
+//! The cell around the arm: readings of parts, images, and the referee's verdict, for the same client, over a
+//! connection of its own. Franka's protocol has none of them.
+
+use std::io::{ErrorKind, Read};
+use std::net::{TcpListener, TcpStream};
+
+use ramp_franka::cell::{Answer, ImageHead, Question, Verdict};
+use ramp_robot::{Camera, PERIOD, Robot};
+
+use crate::plant::Plant;
+use crate::session::send;
+
+/// The longest question, bytes.
+const LONGEST: usize = 4096;
+
+/// The connection of the cell, for one client.
+#[derive(Default)]
+pub(crate) struct Cell {
+    client: Option<TcpStream>,
+    inbox: Vec<u8>,
+    /// A camera whose image is due after so many more periods.
+    due: Option<(Camera, u64)>,
+}
+
+impl Cell {
+    /// Takes a client that waits, unless there is one.
+    pub fn accept(&mut self, listener: &TcpListener) {
+        if self.client.is_some() {
+            return;
+        }
+        let Ok((stream, _)) = listener.accept() else { return };
+        if stream.set_nonblocking(true).and(stream.set_nodelay(true)).is_ok() {
+            self.client = Some(stream);
+            self.inbox.clear();
+        }
+    }
+
+    /// Answers what the client asks; `message` is the number of the arm's last state.
+    pub fn listen(&mut self, plant: &mut Plant, message: u64, verdict: impl Fn(&Plant) -> Verdict) {
+        let Some(stream) = &mut self.client else { return };
+        let mut buffer = [0; 512];
+        loop {
+            match stream.read(&mut buffer) {
+                Ok(0) => {
+                    self.client = None;
+                    self.due = None;
+                    return;
+                }
+                Ok(count) => self.inbox.extend_from_slice(&buffer[..count]),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => break,
+                Err(_) => {
+                    self.client = None;
+                    return;
+                }
+            }
+            if self.inbox.len() > LONGEST {
+                self.client = None;
+                return;
+            }
+        }
+        while let Some(end) = self.inbox.iter().position(|byte| *byte == b'\n') {
+            let line: Vec<u8> = self.inbox.drain(..=end).collect();
+            let answer = match serde_json::from_slice(&line) {
+                Ok(question) => self.answer(plant, &question, &verdict),
+                Err(error) => Answer::Refused { why: error.to_string() },
+            };
+            self.say(&answer, &[]);
+            self.deliver(plant, message);
+        }
+    }
+
+    fn answer(
+        &mut self,
+        plant: &mut Plant,
+        question: &Question,
+        verdict: &impl Fn(&Plant) -> Verdict,
+    ) -> Answer {
+        let refused = |error: ramp_robot::RobotError| Answer::Refused { why: error.to_string() };
+        match question {
+            Question::Parts => plant.twin.read_parts().map_or_else(refused, |parts| Answer::Parts {
+                parts: parts.iter().map(Into::into).collect(),
+            }),
+            Question::Expose => plant.twin.expose().map_or_else(refused, |()| Answer::Done),
+            Question::Image { camera } => plant.twin.begin_image(*camera).map_or_else(refused, |periods| {
+                self.due = Some((*camera, periods));
+                Answer::Wait { periods }
+            }),
+            Question::Verdict => Answer::Verdict(verdict(plant)),
+        }
+    }
+
+    /// A period has passed.
+    pub fn passed(&mut self) {
+        if let Some((_, periods)) = &mut self.due {
+            *periods = periods.saturating_sub(1);
+        }
+    }
+
+    /// Gives the image that is due now.
+    pub fn deliver(&mut self, plant: &mut Plant, message: u64) {
+        let Some((camera, 0)) = self.due else { return };
+        self.due = None;
+        match plant.twin.look(camera) {
+            Ok(image) => {
+                // Images are stamped on the arm's clock, which is the number of its state.
+                let age = (plant.twin.time() - image.time) / PERIOD;
+                let head = ImageHead {
+                    camera,
+                    width: image.width,
+                    height: image.height,
+                    message: message.saturating_sub(age.round() as u64),
+                    x_wt: (&image.x_wt).into(),
+                };
+                self.say(&Answer::Image(head), &image.pixels);
+            }
+            Err(error) => self.say(&Answer::Refused { why: error.to_string() }, &[]),
+        }
+    }
+
+    fn say(&mut self, answer: &Answer, bytes: &[u8]) {
+        let Some(stream) = &mut self.client else { return };
+        // Answers are plain numbers and words: they always become JSON.
+        let Ok(mut line) = serde_json::to_vec(answer) else { return };
+        line.push(b'\n');
+        line.extend_from_slice(bytes);
+        send(stream, &line);
+    }
+}

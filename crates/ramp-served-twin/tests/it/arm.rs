@@ -1,0 +1,90 @@
+//! Motions, contacts and builds over the wire, beside the same in process.
+
+use nalgebra::{Translation3, Vector6};
+use ramp_robot::{Agent, ArmCommand, Command, GripperCommand, Impedance, Observation, Pose, Robot, Track};
+use ramp_served_twin::{FciVersion, Pace};
+
+use crate::served::{SEED, Served, goal_for, ideal, real, twin};
+
+const GRIPPER: GripperCommand = GripperCommand { width: 0.04, force: 10.0 };
+
+/// The share of a way at this share of its time, from rest to rest.
+fn course(share: f64) -> f64 {
+    let share = share.min(1.0);
+    share.powi(3) * (10.0 - 15.0 * share + 6.0 * share * share)
+}
+
+/// Joint 2 and 4 move for two seconds and stand for half of one.
+fn joint_motion(robot: &mut dyn Robot) -> Observation {
+    let start = robot.observe().positions;
+    for period in 1..=2500 {
+        let course = course(f64::from(period) / 2000.0);
+        let mut positions = start;
+        positions[1] += 0.3 * course;
+        positions[3] += 0.2 * course;
+        robot.step(&Command { arm: ArmCommand::JointPositions(positions), gripper: GRIPPER }).unwrap();
+    }
+    robot.observe()
+}
+
+/// The tip goes down under an impedance until it presses on the table, and goes on to press.
+fn press(robot: &mut dyn Robot) -> Observation {
+    let start = robot.observe();
+    for period in 1..=12500 {
+        // Slowly: the table is 0.38 m below.
+        let depth = 0.43 * course(f64::from(period) / 12000.0);
+        let x_wt = Pose::from_parts(
+            Translation3::from(start.x_wt.translation.vector - nalgebra::Vector3::new(0.0, 0.0, depth)),
+            start.x_wt.rotation,
+        );
+        let impedance = Impedance {
+            x_wt,
+            stiffness: Vector6::new(300.0, 300.0, 300.0, 60.0, 60.0, 60.0),
+            damping_ratio: 1.0,
+            feed_forward: Vector6::zeros(),
+            posture: start.positions,
+        };
+        robot.step(&Command { arm: ArmCommand::CartesianImpedance(impedance), gripper: GRIPPER }).unwrap();
+    }
+    robot.observe()
+}
+
+/// In process and over the wire in lock-step, the same motion ends at the same place, free and in contact.
+#[test]
+fn lock_step_ends_where_the_twin_in_process_does() {
+    let motions: [(&str, fn(&mut dyn Robot) -> Observation); 2] =
+        [("joints", joint_motion), ("press", press)];
+    for (name, motion) in motions {
+        for (world, version) in
+            [(ideal(), FciVersion::V5), (ideal(), FciVersion::V10), (real(), FciVersion::V5)]
+        {
+            let goal = goal_for(version, "easy-1");
+            let inside = motion(&mut twin(&goal, world, Track::State));
+            let served = Served::new(version, world, Track::State, Pace::LockStep);
+            let over = motion(&mut served.robot(&goal, world, Track::State, Pace::LockStep));
+            let off = (over.x_wt.translation.vector - inside.x_wt.translation.vector).norm();
+            let force = inside.wrench.fixed_rows::<3>(0).norm();
+            println!("{name} in {} by {version:?}: {:.1} nm, {force:.1} N", world.name, off * 1e9);
+            assert!(off < 1e-6, "{name} in {} by {version:?}: {off:e} m", world.name);
+            assert!(name != "press" || force > 5.0, "{force} N is no contact");
+        }
+    }
+}
+
+/// The unchanged baseline builds a goal over the wire, and twice the same in lock-step.
+#[test]
+fn the_baseline_builds_over_the_wire() {
+    let build = || {
+        let version = FciVersion::V10;
+        let goal = goal_for(version, "easy-1");
+        let served = Served::new(version, real(), Track::State, Pace::LockStep);
+        let mut robot = served.robot(&goal, real(), Track::State, Pace::LockStep);
+        goal.baseline(Track::State, SEED).run(&mut robot).unwrap();
+        let verdict = robot.verdict().unwrap();
+        let time = robot.observe().time;
+        println!("{verdict:?} after {time:.3} s; {:?}", robot.statistics());
+        assert_eq!(verdict.seated, verdict.pegs);
+        (verdict, time)
+    };
+    assert_eq!(build(), build());
+}
