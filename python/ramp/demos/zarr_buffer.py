@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ramp._core import InputError
 from ramp.demos.episode import Description, Episode
 
 FOLDER = "demos.zarr"
@@ -62,3 +63,35 @@ def actions(folder: pathlib.Path) -> Iterator[NDArray[np.float32]]:
     for end in np.asarray(root["meta/episode_ends"][:]).tolist():
         yield rows[first:end]
         first = end
+
+
+def read(
+    folder: pathlib.Path, shapes: dict[str, tuple[int, ...]]
+) -> tuple[dict[str, NDArray[Any]], list[int], list[bool]]:
+    """Steps of a data set, the steps at which its episodes end, and which of them were successful.
+
+    Args:
+        folder: The data set.
+        shapes: The arrays of ``data`` that are read, and the shape of a row of each.
+
+    Raises `InputError` if an array is missing, or is not as it should be.
+
+    """
+    import zarr
+
+    try:
+        root = zarr.open_group(str(folder / FOLDER), mode="r")
+        ends = np.asarray(root["meta/episode_ends"][:], np.int64).tolist()
+        success = np.asarray(root["meta/episode_success"][:], bool).tolist()
+        for name, shape in shapes.items():
+            found, want = root[f"data/{name}"].shape, (ends[-1], *shape)
+            if found != want:
+                raise InputError(f"{folder}: data/{name} has the shape {found}, expected {want}")
+        rows = {name: np.asarray(root[f"data/{name}"][:]) for name in shapes}
+    except InputError:
+        raise
+    except (KeyError, IndexError, OSError, ValueError, RuntimeError) as error:
+        raise InputError(f"{folder}: its zarr arrays cannot be read: {error}") from None
+    if len(ends) != len(success) or any(first >= end for first, end in zip([0, *ends], ends, strict=False)):
+        raise InputError(f"{folder}: its episodes do not follow each other")
+    return rows, ends, success

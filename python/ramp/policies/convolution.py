@@ -6,8 +6,14 @@ further numbers, through two dense layers.
 
 from __future__ import annotations
 
+import pathlib
+import zipfile
+import zlib
+
 import numpy as np
 from numpy.typing import NDArray
+
+from ramp._core import InputError
 
 Floats = NDArray[np.float32]
 Weights = list[Floats]
@@ -44,6 +50,39 @@ def initial(
 def _layer(inputs: int, outputs: int, random: np.random.Generator) -> Weights:
     matrix = random.standard_normal((inputs, outputs)) * np.sqrt(2.0 / inputs)
     return [matrix.astype(np.float32), np.zeros(outputs, np.float32)]
+
+
+def save(file: str | pathlib.Path, weights: Weights) -> None:
+    """Writes weights, with the precision of half floats."""
+    named = {f"{index:02}": weight.astype(np.float16) for index, weight in enumerate(weights)}
+    np.savez_compressed(file, **named)  # type: ignore[arg-type]
+
+
+def load(file: str | pathlib.Path, like: Weights) -> Weights:
+    """The weights of a file of :func:`save`.
+
+    Raises `InputError` if it cannot be read, or if its layers have other shapes than those of ``like``.
+    """
+    names = [f"{index:02}" for index in range(len(like))]
+    try:
+        with zipfile.ZipFile(file) as told:
+            large = max(entry.file_size for entry in told.infolist())
+        # A half float has two bytes; 1 kB is more than the head of an array.
+        if large > 2 * max(weight.size for weight in like) + 1024:
+            raise InputError(f"{file}: its arrays are larger than those of these layers")
+        with np.load(file, allow_pickle=False) as arrays:
+            weights = [np.asarray(arrays[name]) for name in names]
+    except InputError:
+        raise
+    except (OSError, ValueError, KeyError, EOFError, MemoryError, zipfile.BadZipFile, zlib.error) as error:
+        raise InputError(f"{file} has no weights of a network: {error}") from None
+    for name, weight, want in zip(names, weights, like, strict=True):
+        if weight.shape != want.shape or weight.dtype != np.float16:
+            found = f"{weight.dtype} of shape {weight.shape}"
+            raise InputError(f"{file}: array {name} is {found}, expected float16 of shape {want.shape}")
+        if not np.isfinite(weight).all():
+            raise InputError(f"{file}: array {name} has a number that is not finite")
+    return [weight.astype(np.float32) for weight in weights]
 
 
 def output(weights: Weights, images: Floats, further: Floats) -> Floats:

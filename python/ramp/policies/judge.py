@@ -5,6 +5,9 @@
 
 That takes an hour or more of CPU time for each world and error: steps are slow where the peg touches a large
 frame.
+
+An environment begins with the hand over the hole, so a policy need not see where it is. With ``--misled`` the
+hand goes over the believed hole first.
 """
 
 from __future__ import annotations
@@ -17,6 +20,10 @@ from typing import Any
 
 import numpy as np
 
+from ramp._core import InputError
+from ramp.policies import clone
+from ramp.policies.clone import Clone
+from ramp.policies.convolution import Weights
 from ramp.policies.fasten import (
     RATE,
     SETTINGS,
@@ -92,12 +99,17 @@ def mistaken(error: float, count: int, seed: int) -> Aim:
     return believed
 
 
-def judge(env: Any, policy: Policy, error: float, count: int = 200, eyes: bool = False) -> tuple[int, float]:
+Rival = Callable[[int], tuple[Policy, Aim | None]]
+"""Makes what works in that many environments: a policy, and what changes observations before it sees them."""
+
+
+def judge(env: Any, rival: Rival, error: float, count: int = 200) -> tuple[int, float]:
     """Successes in ``count`` episodes with holes believed off by ``error`` (m), and their median time, s."""
     won, times, at_once = 0, [], env.num_envs
     for first in range(FIRST_SEED, FIRST_SEED + count, at_once):
         believed, seeds = mistaken(error, at_once, first), [first + index for index in range(at_once)]
-        _, success, time_of = episodes(env, seeds, policy, _both(believed, aim(at_once)) if eyes else believed)
+        policy, then = rival(at_once)
+        _, success, time_of = episodes(env, seeds, policy, believed if then is None else _both(believed, then))
         won += int(success.sum())
         times += time_of[success].tolist()
     return won, float(np.median(times)) if times else float("nan")
@@ -107,15 +119,65 @@ def _both(first: Aim, then: Aim) -> Aim:
     return lambda seen: then(first(seen))
 
 
-LOOKING = "with images"
-RIVALS: dict[str, Callable[[Array], Policy]] = {
-    LOOKING: lambda weights: lambda features: linear(weights, features),
-    "linear policy": lambda weights: lambda features: linear(weights, features),
-    "light spiral": lambda _: LIGHT.policy(),
-    "heavy spiral": lambda _: HEAVY.policy(),
-    "straight push": lambda _: push,
-}
-"""The policies by name, each made with the weights of the linear policy."""
+LOOKING, CLONED, GREY = "with images", "cloned policy", "cloned without images"
+SEEING = (LOOKING, CLONED, GREY)
+"""The policies that need images."""
+GREYNESS = 102
+"""Of the images that tell nothing: the mean of what the networks expect."""
+
+
+def rivals(weights: Array, cloned: Weights) -> dict[str, Rival]:
+    """The policies by name, with the weights of the linear policy and of the cloned one.
+
+    The cloned one with grey images tells what the images are worth to it.
+    """
+
+    def worker(features: Array) -> Array:
+        return linear(weights, features)
+
+    def copy(grey: bool) -> tuple[Policy, Aim]:
+        made = Clone(cloned)
+
+        def blinded(seen: Rows) -> Rows:
+            return made.aim({**seen, "wrist": np.full_like(seen["wrist"], GREYNESS)})
+
+        return made.policy, blinded if grey else made.aim
+
+    return {
+        LOOKING: lambda count: (worker, aim(count)),
+        "linear policy": lambda _: (worker, None),
+        "light spiral": lambda _: (LIGHT.policy(), None),
+        "heavy spiral": lambda _: (HEAVY.policy(), None),
+        "straight push": lambda _: (push, None),
+        CLONED: lambda _: copy(False),
+        GREY: lambda _: copy(True),
+    }
+
+
+FIRST_MOVE = 10
+"""Actions in which a hand goes over the believed hole, as in a whole build."""
+
+
+def misled(rival: Rival) -> Rival:
+    """A rival that works after the hand has gone over the hole as it is believed."""
+
+    def made(count: int) -> tuple[Policy, Aim | None]:
+        policy, then = rival(count)
+        left = FIRST_MOVE
+
+        def act(features: Array) -> Array:
+            nonlocal left
+            action = policy(features)
+            if left > 0:
+                left -= 1
+                action = np.clip(features[:, :3] * (1.0, 1.0, 0.0), -1.0, 1.0)
+            return action
+
+        return act, then
+
+    return made
+
+
 FIRST_START = 100_001
 """The first of the held starts: training has those below."""
 FIRST_SEED = 500_000
@@ -139,23 +201,32 @@ def main() -> None:
     parser.add_argument("--episodes", type=int, default=200, help="held starts to judge on")
     parser.add_argument("--goals", default="", help="goals whose steps are drawn, default all")
     parser.add_argument("--frame", default="free", choices=["free", "rigid"], help="how the standing parts hold")
-    parser.add_argument("--policies", default=",".join(RIVALS), help="which of them")
+    parser.add_argument("--policies", help="which of them, default all")
+    parser.add_argument("--clone", default=str(clone.WEIGHTS), help="weights of the cloned policy")
+    parser.add_argument("--misled", action="store_true", help="move the hand over the believed hole first")
     parser.add_argument("--table", help="a file to which a line for each policy is added: CSV")
     told = parser.parse_args()
-    weights, goals = load(told.weights), tuple(filter(None, told.goals.split(",")))
-    names, starts = told.policies.split(","), (FIRST_START, told.episodes)
+    try:
+        cloned = clone.load(told.clone)
+    except InputError as wrong:
+        parser.error(str(wrong))
+    known, goals = rivals(load(told.weights), cloned), tuple(filter(None, told.goals.split(",")))
+    names, starts = told.policies.split(",") if told.policies else list(known), (FIRST_START, told.episodes)
+    for name in names:
+        if name not in known:
+            parser.error(f"there is no policy {name!r}; there are {', '.join(known)}")
     for world in told.worlds.split(","):
         blind, seeing = (
             environments(world, 20, starts, 0.0, frame=told.frame, goals=goals, image=image) for image in (None, IMAGE)
         )
         for error in told.errors.split(","):
             for name in names:
-                eyes = name == LOOKING
-                env, policy = seeing if eyes else blind, RIVALS[name](weights)
-                won, median = judge(env, policy, 1e-3 * float(error), told.episodes, eyes)
+                env = seeing if name in SEEING else blind
+                rival = misled(known[name]) if told.misled else known[name]
+                won, median = judge(env, rival, 1e-3 * float(error), told.episodes)
                 low, high = interval(won, told.episodes)
                 share = f"{won} of {told.episodes}, {low:.1f} to {high:.1f} %"
-                print(f"{world}  {error} mm  {name:13}  {share}  {median:.2f} s", flush=True)
+                print(f"{world}  {error} mm  {name:21}  {share}  {median:.2f} s", flush=True)
                 if told.table is not None:
                     with open(told.table, "a", encoding="utf-8") as file:
                         file.write(f"{world},{error},{name},{won},{told.episodes},{median:.2f}\n")

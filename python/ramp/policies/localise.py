@@ -68,16 +68,14 @@ def shrink(pixels: Images) -> Images:
     return np.asarray(part.reshape(SIDE, 2, SIDE, 2, 3).sum((1, 3)) // 4, np.uint8)
 
 
+def initial(random: np.random.Generator) -> Weights:
+    """Random weights."""
+    return convolution.initial(SIDE, WIDTHS, HIDDEN, 2, 1, random)
+
+
 def load(file: str | pathlib.Path = WEIGHTS) -> Weights:
-    """The weights that come with the package, or those of a file."""
-    with np.load(file) as told:
-        return [told[name].astype(np.float32) for name in sorted(told.files)]
-
-
-def save(file: str | pathlib.Path, weights: Weights) -> None:
-    """Writes weights, with the precision of half floats."""
-    named = {f"{index:02}": weight.astype(np.float16) for index, weight in enumerate(weights)}
-    np.savez_compressed(file, **named)  # type: ignore[arg-type]
+    """The weights that come with the package, or those of a file. Raises `InputError` if it has none."""
+    return convolution.load(file, initial(np.random.default_rng(0)))
 
 
 def locate(weights: Weights, images: Images, heights: Array, tips: Array) -> Array:
@@ -90,11 +88,12 @@ def locate(weights: Weights, images: Images, heights: Array, tips: Array) -> Arr
         tips: Poses of the tip, shape (count, 7): x, y, z, quaternion w, x, y, z.
 
     """
-    found = convolution.output(weights, _scaled(images.astype(np.float32)), _further(heights))
-    return np.asarray(_turned(found.astype(float) * 1e-3, _yaw(tips)))
+    found = convolution.output(weights, scaled(images.astype(np.float32)), _further(heights))
+    return np.asarray(turned(found.astype(float) * 1e-3, yaw(tips)))
 
 
-def _scaled(images: NDArray[np.float32]) -> NDArray[np.float32]:
+def scaled(images: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Images as the networks take them: numbers of about one."""
     return np.asarray(images / np.float32(255.0) - np.float32(0.4))
 
 
@@ -102,13 +101,13 @@ def _further(heights: Array) -> NDArray[np.float32]:
     return ((np.asarray(heights) - 0.04) / 0.005)[:, None].astype(np.float32)
 
 
-def _yaw(tips: Array) -> Array:
+def yaw(tips: Array) -> Array:
     """The angle of the hand's x axis about z of the world, rad."""
     w, x, y, z = np.asarray(tips, float)[:, 3:].T
     return np.asarray(np.arctan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z)))
 
 
-def _turned(vectors: Array, angles: Array) -> Array:
+def turned(vectors: Array, angles: Array) -> Array:
     """Vectors in the plane turned by angles."""
     cos, sin = np.cos(angles), np.sin(angles)
     x, y = vectors.T
@@ -238,16 +237,16 @@ class Training:
 def train(examples: Examples, seed: int = 0, how: Training = Training()) -> Weights:  # noqa: B008
     """Teaches a network: Adam on the mean absolute error in mm. The same seed gives the same weights."""
     random = np.random.default_rng(seed)
-    weights = convolution.initial(SIDE, WIDTHS, HIDDEN, 2, 1, random)
+    weights = initial(random)
     adam = convolution.Adam(weights)
-    wanted = (1e3 * _turned(examples.offsets, -_yaw(examples.tips))).astype(np.float32)
+    wanted = (1e3 * turned(examples.offsets, -yaw(examples.tips))).astype(np.float32)
     count, start = len(wanted), time.process_time()
     batches = count // how.batch
     for epoch in range(how.epochs):
         order, errors = random.permutation(count), []
         for number in range(batches):
             chosen = order[number * how.batch : (number + 1) * how.batch]
-            images, goal = _scaled(_changed(examples.images[chosen], how, random)), wanted[chosen]
+            images, goal = scaled(varied(examples.images[chosen], how, random)), wanted[chosen]
             # The hand and its camera are the same on both sides.
             mirrored = random.random(how.batch) < 0.5
             images[mirrored], goal[mirrored, 1] = images[mirrored, :, ::-1], -goal[mirrored, 1]
@@ -262,7 +261,7 @@ def train(examples: Examples, seed: int = 0, how: Training = Training()) -> Weig
     return weights
 
 
-def _changed(images: Images, how: Training, random: np.random.Generator) -> NDArray[np.float32]:
+def varied(images: Images, how: Training, random: np.random.Generator) -> NDArray[np.float32]:
     """What the network would see of images by a camera whose light, noise and calibration differ."""
     count = len(images)
     beside, edge = (IMAGE - SIDE) // 2, 4
@@ -335,7 +334,7 @@ def main() -> None:
             made += [collect(world, both, FURTHER_STARTS, FURTHER_EPISODES, seed + 11) for world in worlds]
     examples = Examples.together(made)
     print(f"{len(examples.heights)} images, CPU {time.process_time() - begin:.0f} s", flush=True)
-    save(told.output, train(examples, seed, Training(epochs=told.epochs)))
+    convolution.save(told.output, train(examples, seed, Training(epochs=told.epochs)))
     _judge(load(told.output), worlds, tuple(goal for goal in UNSEEN if goal not in learned))
 
 
