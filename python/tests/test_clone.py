@@ -21,7 +21,7 @@ def rows(random):
         "error": random.normal(0.0, 2e-3, (ROWS, 6)) - [0, 0, 0.04, 0, 0, 0],
         "wrench": random.normal(0.0, 5.0, (ROWS, 6)),
         "lead": random.normal(0.0, 2e-3, (ROWS, 6)),
-        "tip": np.tile([0.3, 0.0, 0.1, 0.0, 1.0, 0.0, 0.0], (ROWS, 1)),
+        "tip": np.tile([0.3, 0.0, 0.1, 0.0, 0.8, 0.6, 0.0], (ROWS, 1)),
         "wrist": random.integers(0, 256, (ROWS, localise.IMAGE, localise.IMAGE, 3), np.uint8),
     }
 
