@@ -88,7 +88,17 @@ def test_the_same_seed_gives_the_same_weights():
     assert not np.array_equal(first[0], other[0])
 
 
-@pytest.mark.parametrize("change", ["text", "layers", "shape", "number", "large", "missing"])
+REFUSED = {
+    "text": "no weights of a network",
+    "missing": "no weights of a network",
+    "layers": "no weights of a network",
+    "shape": "expected float16 of shape",
+    "number": "not finite",
+    "large": "larger than",
+}
+
+
+@pytest.mark.parametrize("change", REFUSED)
 def test_a_file_with_other_weights_is_refused(tmp_path, change):
     file, weights = tmp_path / "clone.npz", clone.initial(np.random.default_rng(0))
     if change == "text":
@@ -103,7 +113,7 @@ def test_a_file_with_other_weights_is_refused(tmp_path, change):
         else:
             weights[-1] = np.zeros(10_000_000, np.float32)
         convolution.save(file, weights)
-    with pytest.raises(ramp.InputError, match="clone.npz"):
+    with pytest.raises(ramp.InputError, match=f"clone.npz.*{REFUSED[change]}"):
         clone.load(file)
 
 
