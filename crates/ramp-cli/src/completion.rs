@@ -38,6 +38,7 @@ fn with_values(arg: Arg, path: &str) -> Arg {
         (Some("KIND[@N]"), _) => Names::Faults,
         (Some("SKILL"), _) => Names::Skills,
         (Some("SKILL|GOAL"), _) => Names::SkillsAndGoals,
+        (Some("ACTION|GOAL"), _) => Names::ActionsAndGoals,
         (Some("ACTION=FILE|URL"), _) => Names::Actions,
         (Some("NAME|FILE"), Some("world")) => Names::Worlds,
         (Some("NAME|FILE"), Some("start")) => Names::Starts,
@@ -58,6 +59,7 @@ enum Names {
     Faults,
     Skills,
     SkillsAndGoals,
+    ActionsAndGoals,
     /// Actions, each with `=` and a file.
     Actions,
 }
@@ -76,18 +78,18 @@ impl Names {
             Names::Faults => FaultKind::ALL.map(|kind| kind.name().to_string()).to_vec(),
             Names::Skills => SKILLS.map(String::from).to_vec(),
             Names::SkillsAndGoals => SKILLS.map(String::from).into_iter().chain(goals()).collect(),
-            Names::Actions => {
-                ramp_gym::own::kinds().map(|kind| format!("{}=", kind.name().replace('_', "-"))).collect()
-            }
+            Names::ActionsAndGoals => actions().chain(goals()).collect(),
+            Names::Actions => actions().map(|action| format!("{action}=")).collect(),
         }
     }
 
     /// Whether a file can take the place of a name.
     fn or_file(self) -> bool {
-        matches!(
-            self,
-            Names::Goals | Names::GoalsAndClasses | Names::SkillsAndGoals | Names::Worlds | Names::Starts
-        )
+        match self {
+            Names::Goals | Names::GoalsAndClasses | Names::SkillsAndGoals | Names::ActionsAndGoals => true,
+            Names::Worlds | Names::Starts => true,
+            Names::Faults | Names::Skills | Names::Actions => false,
+        }
     }
 }
 
@@ -103,6 +105,11 @@ impl ValueCompleter for Names {
         let files = self.or_file().then(|| PathCompleter::file().complete(current));
         names.chain(files.into_iter().flatten()).collect()
     }
+}
+
+/// The actions that a skill of one's own can carry out.
+fn actions() -> impl Iterator<Item = String> {
+    ramp_gym::own::kinds().map(|kind| kind.name().replace('_', "-"))
 }
 
 /// The data that `RAMP_DATA` names, or the built-in ones.

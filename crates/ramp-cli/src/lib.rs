@@ -83,6 +83,8 @@ enum Command {
     Sweep(command::sweep::Arguments),
     /// Record demonstrations as a data set for learning
     Demos(command::demos::Arguments),
+    /// Drive the arm by keyboard, gamepad or 6-axis mouse, for a goal or one kind of action
+    Teleop(command::teleop::Arguments),
     /// Repeat an episode from its log, or a data set of demonstrations, and compare all bits
     Replay(command::replay::Arguments),
     /// Make a report of results: tables, curves, comparisons
@@ -180,6 +182,7 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
         Command::Faults(arguments) => command::faults::run(&data, &arguments),
         Command::Sweep(arguments) => command::sweep::run(&data, &arguments),
         Command::Demos(arguments) => command::demos::run(&data, &arguments),
+        Command::Teleop(arguments) => command::teleop::run(&data, &arguments),
         Command::Replay(arguments) => command::replay::run(&data, &arguments),
         Command::Report(arguments) => command::report::run(&arguments),
         Command::Leaderboard(arguments) => command::leaderboard::run(&data, &arguments),

@@ -63,13 +63,20 @@ pub struct Arguments {
 
 /// Format of a data set.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum Format {
+pub enum Format {
     /// LeRobot version 3: parquet files and videos
     Lerobot,
     /// One HDF5 file in the layout of robomimic
     Hdf5,
     /// A zarr folder in the layout of diffusion policies
     Zarr,
+}
+
+impl Format {
+    /// Its name, as the Python package knows it.
+    pub fn name(self) -> String {
+        format!("{self:?}").to_lowercase()
+    }
 }
 
 /// Reads the standard deviation of a goal pose, m.
@@ -115,11 +122,11 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         "image_size": arguments.image_size,
         "seed": arguments.first_seed,
         "episodes": arguments.episodes,
-        "format": format!("{:?}", arguments.format).to_lowercase(),
+        "format": arguments.format.name(),
         "output": arguments.output,
         "program": std::env::current_exe().into_diagnostic()?,
     });
-    python::run(data, "ramp.demos", &["record".into(), asked.to_string().into()])
+    python::run(data, "ramp.demos", "data", &["record".into(), asked.to_string().into()])
 }
 
 /// Checks what the options name; whether a skill is demonstrated.

@@ -32,6 +32,7 @@ pub mod show;
 pub mod skills;
 pub mod start;
 pub mod sweep;
+pub mod teleop;
 pub mod trials;
 pub mod twin;
 pub mod world;

@@ -15,13 +15,14 @@ const PYTHON: &str = "RAMP_PYTHON";
 /// The longest text of a version in a message, characters.
 const LONGEST_VERSION: usize = 40;
 
-/// Runs a module of the package with these arguments; its exit status.
+/// Runs a module of the package, which needs these extras of it, with these arguments; its exit status.
 ///
 /// # Errors
 /// If there is no Python, or no package of this version in it.
-pub fn run(data: &Data, module: &str, arguments: &[OsString]) -> Result<u8, Report> {
+pub fn run(data: &Data, module: &str, extras: &str, arguments: &[OsString]) -> Result<u8, Report> {
     let python = std::env::var_os(PYTHON).unwrap_or_else(|| "python3".into());
-    check(&python, module)?;
+    let missing = |why: &str| missing(&python, extras, why);
+    check(&python, module, missing)?;
     let mut command = Command::new(&python);
     command.arg("-m").arg(module).args(arguments);
     let words = data.arguments();
@@ -31,7 +32,7 @@ pub fn run(data: &Data, module: &str, arguments: &[OsString]) -> Result<u8, Repo
             _ => return Err(miette!("`--kit` has no effect on the Python package; use `--data`")),
         }
     }
-    let status = command.status().map_err(|error| missing(&python, &error.to_string()))?;
+    let status = command.status().map_err(|error| missing(&error.to_string()))?;
     Ok(status.code().map_or_else(|| stopped(status), |code| u8::try_from(code).unwrap_or(BAD_INPUT)))
 }
 
@@ -42,13 +43,13 @@ fn stopped(status: std::process::ExitStatus) -> u8 {
 }
 
 /// Checks that the package is there, in this version.
-fn check(python: &OsStr, module: &str) -> Result<(), Report> {
+fn check(python: &OsStr, module: &str, missing: impl Fn(&str) -> Report) -> Result<(), Report> {
     let tell = format!("import ramp, {module}; print(ramp.__version__)");
     let found = Command::new(python).args(["-c", &tell]).output();
-    let output = found.map_err(|error| missing(python, &error.to_string()))?;
+    let output = found.map_err(|error| missing(&error.to_string()))?;
     if !output.status.success() {
         let text = String::from_utf8_lossy(&output.stderr);
-        return Err(missing(python, text.lines().last().unwrap_or_default()));
+        return Err(missing(text.lines().last().unwrap_or_default()));
     }
     let theirs = String::from_utf8_lossy(&output.stdout);
     let (theirs, ours) = (theirs.trim(), env!("CARGO_PKG_VERSION"));
@@ -63,9 +64,10 @@ fn check(python: &OsStr, module: &str) -> Result<(), Report> {
     ))
 }
 
-fn missing(python: &OsStr, why: &str) -> Report {
+fn missing(python: &OsStr, extras: &str, why: &str) -> Report {
     miette!(
-        help = "install it: pip install 'ramp-benchmark[data]'; RAMP_PYTHON names another Python",
+        help =
+            format!("install it: pip install 'ramp-benchmark[{extras}]'; RAMP_PYTHON names another Python"),
         "this command needs the Python package of RAMP, and {} does not have it: {why}",
         python.display()
     )

@@ -26,6 +26,7 @@ mod report;
 mod secret;
 mod see;
 mod skills;
+mod teleop;
 mod world;
 
 use std::path::Path;
