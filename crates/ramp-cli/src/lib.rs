@@ -10,6 +10,7 @@ mod columns;
 mod command;
 mod completion;
 mod ending;
+mod engine;
 mod film;
 mod lock;
 mod options;

@@ -1,11 +1,17 @@
 //! Options shared by several commands.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
+use std::path::Path;
 
 use miette::Report;
 use ramp_data::Data;
 use ramp_robot::Track;
 use ramp_world::{Start, World};
+
+/// Whether an argument is a file, with this ending or in a folder, and not a name.
+pub fn is_file(argument: &OsStr, ending: &str) -> bool {
+    argument.to_string_lossy().ends_with(ending) || Path::new(argument).components().count() > 1
+}
 
 /// The world, as on the command line.
 #[derive(clap::Args)]

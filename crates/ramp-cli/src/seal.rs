@@ -15,6 +15,7 @@ use std::time::Duration;
 
 use miette::{IntoDiagnostic, Report};
 use ramp_external_agent::{adopt_orphans, end_orphans, hide};
+use signal_hook::consts::SIGTERM;
 
 use crate::ending::{defer_requests, end_of, requested};
 use crate::output::tell;
@@ -24,6 +25,9 @@ use crate::status::{INCOMPLETE, MachineFault};
 const SEALED: &str = "sealed";
 /// The same for a program that ends when its standard input closes, because its parent has ended.
 const LEASHED: &str = "leashed";
+/// The same for a program on a worker of a cluster. It is guarded like one whose arguments are sealed, and
+/// asks itself to end when its standard input closes.
+const GUARDED: &str = "guarded";
 /// Largest total size of the arguments, bytes. The system's own limit is no larger.
 const MOST: usize = 2 << 20;
 /// Polling interval for a child.
@@ -47,9 +51,10 @@ pub enum Seal {
 /// If standard input holds no arguments.
 pub fn arguments() -> std::io::Result<(Vec<OsString>, Seal)> {
     let mut words: Vec<OsString> = std::env::args_os().collect();
-    let seal = match words.get(1) {
-        Some(word) if words.len() == 2 && word == SEALED => Seal::Sealed,
-        Some(word) if words.len() == 2 && word == LEASHED => Seal::Leashed,
+    let (seal, leash): (_, Option<fn()>) = match words.get(1).and_then(|word| word.to_str()) {
+        Some(SEALED) if words.len() == 2 => (Seal::Sealed, None),
+        Some(GUARDED) if words.len() == 2 => (Seal::Sealed, Some(ask_to_end)),
+        Some(LEASHED) if words.len() == 2 => (Seal::Leashed, Some(end_at_once)),
         _ => return Ok((words, Seal::Open)),
     };
     hide();
@@ -62,8 +67,8 @@ pub fn arguments() -> std::io::Result<(Vec<OsString>, Seal)> {
         input.read_exact(&mut byte)?;
         match byte {
             [0] if word == [END] => {
-                if seal == Seal::Leashed {
-                    hold_leash();
+                if let Some(end) = leash {
+                    hold_leash(end);
                 }
                 return Ok((words, seal));
             }
@@ -74,12 +79,22 @@ pub fn arguments() -> std::io::Result<(Vec<OsString>, Seal)> {
     Err(std::io::Error::other("the sealed arguments have no end"))
 }
 
-/// Ends this program when its standard input closes.
-fn hold_leash() {
-    std::thread::spawn(|| {
+/// Calls `end` when standard input closes.
+fn hold_leash(end: fn()) {
+    std::thread::spawn(move || {
         let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
-        std::process::exit(INCOMPLETE.into());
+        end();
     });
+}
+
+/// Ends this program.
+fn end_at_once() {
+    std::process::exit(INCOMPLETE.into());
+}
+
+/// Asks this program to end, as a cluster does.
+fn ask_to_end() {
+    let _ = signal_hook::low_level::raise(SIGTERM);
 }
 
 /// Word of one byte that ends the arguments. No argument consists of this byte alone, since a terminal cannot

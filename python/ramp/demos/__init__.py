@@ -5,6 +5,7 @@ in its environment, of the episodes of a goal, or of logs. Its formats are LeRob
 robomimic, and zarr in the layout of diffusion policies. It needs the extra ``data``:
 ``pip install 'ramp-benchmark[data]'``.
 
-``episode`` is what all share; ``skills`` and ``logs`` record; ``collect`` keeps finished episodes until all
-are there; ``lerobot``, ``hdf5`` and ``zarr_buffer`` write and read; ``replay`` plays a data set again.
+``episode`` is what all share; ``recording`` says what a request records, with ``skills`` and ``logs``, and
+``far`` does so on a cluster; ``collect`` keeps finished episodes until all are there; ``lerobot``, ``hdf5``
+and ``zarr_buffer`` write and read; ``replay`` plays a data set again.
 """

@@ -22,9 +22,18 @@ META = "meta/ramp.json"
 Record = Callable[[int, pathlib.Path], Episode]
 """Records the episode with a number, from 0; the folder takes further files that belong to the data set."""
 
+Far = Callable[[list[int], pathlib.Path], Iterator[int]]
+"""Records the episodes with these numbers elsewhere, into the folder; each number as it is finished."""
+
 
 def collect(
-    folder: pathlib.Path, form: str, request: dict[str, Any], description: Description, count: int, record: Record
+    folder: pathlib.Path,
+    form: str,
+    request: dict[str, Any],
+    description: Description,
+    count: int,
+    record: Record,
+    far: Far | None = None,
 ) -> dict[str, Any]:
     """Makes a data set in a folder, or goes on where an earlier call with the same request was stopped.
 
@@ -39,13 +48,19 @@ def collect(
     stage = _stage(folder, request)
     bar = Bar(count)
     files = [stage / f"episode-{index:06d}.npz" for index in range(count)]
-    facts = []
-    for index, file in enumerate(files):
-        if not file.is_file():
-            record(index, stage).save(file)
-        facts.append(Episode.facts_of(file))
-        bar.show(facts)
+
+    def here(indices: list[int], stage: pathlib.Path) -> Iterator[int]:
+        for index in indices:
+            record(index, stage).save(files[index])
+            yield index
+
+    known = {index: Episode.facts_of(file) for index, file in enumerate(files) if file.is_file()}
+    missing = [index for index in range(count) if index not in known]
+    for index in (far or here)(missing, stage):
+        known[index] = Episode.facts_of(files[index])
+        bar.show(list(known.values()))
     bar.end()
+    facts = [known[index] for index in range(count)]
     told = _describe(form, request, description, files, facts)
     _write(folder, stage, form, description, files, told)
     return told

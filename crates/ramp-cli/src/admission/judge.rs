@@ -15,6 +15,7 @@ use ramp_result::sha256;
 use rustix::process::{Resource, Rlimit, setrlimit};
 use serde::{Deserialize, Serialize};
 
+use crate::engine::{Answer, Engine, Job, LARGEST_LUGGAGE, Luggage};
 use crate::output::print;
 use crate::status::DONE;
 
@@ -39,6 +40,9 @@ impl Default for Allowance {
         Allowance { reading: Duration::from_secs(120), replay: Duration::from_secs(1800) }
     }
 }
+
+/// The replay of a log, in words.
+const REPLAY: &str = "its replay";
 
 /// Address space of a process, bytes. Twice what the largest log needs.
 const MEMORY: u64 = 8 << 30;
@@ -68,7 +72,58 @@ pub fn read(log: &LogFile, allowance: &Allowance) -> Result<Verdict, String> {
 
 /// Replays a log in a process of its own. An error is specific to this attempt and this machine.
 pub fn replay(log: &LogFile, allowance: &Allowance) -> Result<Verdict, String> {
-    ask(log, &[], "its replay", allowance.replay)
+    ask(log, &[], REPLAY, allowance.replay)
+}
+
+/// Replays logs on a cluster, each in a process of its own, and calls `each` after each. An error of an item
+/// is specific to this attempt and that machine. After logs of which one is not valid, no further log starts;
+/// the outcome of a log that did not start is `None`.
+///
+/// # Errors
+/// If the engine or a node fails.
+pub fn replay_on(
+    engine: &mut Engine,
+    logs: &[&LogFile],
+    allowance: &Allowance,
+    each: &dyn Fn(),
+) -> Result<Vec<Option<Result<Verdict, String>>>, Failure> {
+    let mut outcomes: Vec<Option<Result<Verdict, String>>> = logs.iter().map(|_| None).collect();
+    let size = |log: &LogFile| log.path.metadata().map_or(0, |meta| meta.len());
+    let mut first = 0;
+    while first < logs.len() && outcomes.iter().flatten().all(|it| matches!(it, Ok(Verdict::Valid(_)))) {
+        // As many as travel together.
+        let mut sum = size(logs[first]);
+        let mut end = first + 1;
+        while end < logs.len() && sum + size(logs[end]) <= LARGEST_LUGGAGE as u64 {
+            sum += size(logs[end]);
+            end += 1;
+        }
+        let mut luggage = Luggage::default();
+        let jobs: Vec<Job> = logs[first..end]
+            .iter()
+            .map(|log| {
+                let place = luggage.pack(&log.path);
+                let words = vec!["judge-log".to_string(), "--".to_string(), place.clone()];
+                Job { words, files: vec![place], limit: allowance.replay.as_secs_f64() }
+            })
+            .collect();
+        engine.run(&luggage, &jobs, &|| false, &mut |job, answer| {
+            let index = first + job;
+            let outcome = match answer {
+                Answer::Lost(why) => Err(why),
+                Answer::Ended(ended) => match ended.status {
+                    None => Err(late(REPLAY, allowance.replay)),
+                    Some(status) if !status.success() => Err(format!("{REPLAY} ended with {status}")),
+                    Some(_) => judged(&ended.printed, logs[index], REPLAY).map(|it| it.verdict),
+                },
+            };
+            outcomes[index] = Some(outcome);
+            each();
+            Ok(())
+        })?;
+        first = end;
+    }
+    Ok(outcomes)
 }
 
 /// Plays the commands of a log without sight on two other seeds, in a process of its own: the pegs that
@@ -107,11 +162,21 @@ fn ask_all(log: &LogFile, words: &[&str], what: &str, limit: Duration) -> Result
     if !status.success() {
         return Err(format!("{what} ended with {status}"));
     }
-    let judged: Judged = serde_json::from_str(&text).map_err(|_| format!("{what} gave no answer"))?;
+    judged(text.as_bytes(), log, what)
+}
+
+/// The answer of the process of a log.
+fn judged(text: &[u8], log: &LogFile, what: &str) -> Result<Judged, String> {
+    let judged: Judged = serde_json::from_slice(text).map_err(|_| format!("{what} gave no answer"))?;
     if judged.sha256 != log.sha256 {
         return Err("the log was changed while it was read".to_string());
     }
     Ok(judged)
+}
+
+/// The reason for stopping the process of a log.
+fn late(what: &str, limit: Duration) -> String {
+    format!("{what} was not done after {} s", limit.as_secs_f64())
 }
 
 /// The output of a process that ends within the limit.
@@ -120,7 +185,7 @@ fn answer(child: &mut Child, what: &str, limit: Duration) -> Result<String, Stri
     let begin = Instant::now();
     loop {
         if begin.elapsed() > limit {
-            return Err(format!("{what} was not done after {} s", limit.as_secs_f64()));
+            return Err(late(what, limit));
         }
         if child.try_wait().map_err(fail)?.is_some() {
             break;

@@ -25,6 +25,7 @@ use self::archive::ArchiveError;
 use self::entry::Known;
 use self::judge::{Allowance, LogFile};
 use crate::command::seeds;
+use crate::engine::Backend;
 use crate::rules::domains;
 use crate::status::MachineFault;
 
@@ -47,6 +48,10 @@ pub struct Options {
     /// Wall-clock limit of the replay of a log; a log that needs longer is refused
     #[arg(long, value_name = "SECONDS", default_value_t = Allowance::default().replay.as_secs_f64(), value_parser = seconds)]
     replay_limit: f64,
+    /// Repeat the logs on a cluster of Ray, one on each processor. It needs the Python package with the
+    /// extra `ray`, on all nodes. Without an address, it is the cluster that runs here, or a new one
+    #[arg(long, value_name = "ray[:ADDRESS]")]
+    backend: Option<Backend>,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -97,9 +102,10 @@ impl<'a> Admission<'a> {
     /// Reads the terms.
     ///
     /// # Errors
-    /// If the goals or the secret cannot be read.
+    /// If the goals or the secret cannot be read, or what the backend needs is not there.
     pub fn new(data: &'a Data, options: &'a Options, verdicts: Verdicts) -> Result<Admission<'a>, Failure> {
         let secret = options.secret.as_deref().map(seeds::read).transpose()?;
+        options.backend.as_ref().map(Backend::check).transpose()?;
         let replay = Duration::from_secs_f64(options.replay_limit);
         Ok(Admission {
             data,
@@ -152,7 +158,9 @@ impl<'a> Admission<'a> {
             Ok(checked) => checked,
             Err(why) => return Ok(Err(entry.reason(&why))),
         };
-        if let Err(reason) = self.verdicts.replay(&checked.logs, &self.allowance)? {
+        if let Err(reason) =
+            self.verdicts.replay(&checked.logs, &self.allowance, self.options.backend.as_ref())?
+        {
             return Ok(Err(entry.reason(&miette!("{reason}"))));
         }
         self.known.add(&entry.name, &checked.collection);

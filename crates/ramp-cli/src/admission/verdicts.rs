@@ -14,6 +14,7 @@ use ramp_result::write_whole;
 use serde::{Deserialize, Serialize};
 
 use super::judge::{self, Allowance, LogFile, Verdict};
+use crate::engine::{Backend, Engine};
 use crate::output::{print, tell};
 use crate::pool;
 use crate::software::software;
@@ -25,6 +26,9 @@ const FILE: &str = "replayed.json";
 const SCHEMA: &str = "ramp-replayed-2";
 /// Largest size of that file, bytes.
 const LARGEST: u64 = 256 << 20;
+
+/// What happens to logs without a verdict, in words.
+const RUNNING_AGAIN: &str = "running again";
 
 /// Content of the file of verdicts.
 #[derive(Serialize, Deserialize)]
@@ -50,12 +54,14 @@ pub struct Verdicts {
     remembered: Remembered,
     /// Number of replayed logs, and of logs with a known verdict.
     counts: [usize; 2],
+    /// The engine that replays logs, once it is at work.
+    engine: Option<Engine>,
 }
 
 impl Verdicts {
     /// No verdicts yet. None will be stored.
     pub fn unstored() -> Verdicts {
-        Verdicts { path: None, remembered: Remembered::nothing(), counts: [0, 0] }
+        Verdicts { path: None, remembered: Remembered::nothing(), counts: [0, 0], engine: None }
     }
 
     /// Loads the verdicts in the site's folder that this version of the program found.
@@ -81,7 +87,7 @@ impl Verdicts {
                 empty
             }
         };
-        Ok(Verdicts { path: Some(path), remembered, counts: [0, 0] })
+        Ok(Verdicts { path: Some(path), remembered, counts: [0, 0], engine: None })
     }
 
     /// Number of replayed logs, and of logs with a verdict from before.
@@ -94,13 +100,13 @@ impl Verdicts {
     /// # Errors
     /// The reason for the first log that is not valid.
     pub fn facts(&self, logs: &[LogFile], allowance: &Allowance) -> Result<Vec<Facts>, String> {
-        let known = |log: &&LogFile| self.remembered.logs.contains_key(&log.sha256);
+        let remembered = &self.remembered.logs;
+        let known = |log: &&LogFile| remembered.contains_key(&log.sha256);
         let counts = [logs.len(), logs.iter().filter(known).count()];
-        let found =
-            in_parallel("reading", counts, |index| match self.remembered.logs.get(&logs[index].sha256) {
-                Some(verdict) => Ok(verdict.clone()),
-                None => judge::read(&logs[index], allowance),
-            });
+        let found = in_parallel("reading", counts, |index| match remembered.get(&logs[index].sha256) {
+            Some(verdict) => Ok(verdict.clone()),
+            None => judge::read(&logs[index], allowance),
+        });
         let mut facts = Vec::new();
         // A log without an outcome comes after one that is not valid.
         for (log, found) in logs.iter().zip(found) {
@@ -113,20 +119,33 @@ impl Verdicts {
         Ok(facts)
     }
 
-    /// Replays the logs without a known verdict, several in parallel, and stores the verdicts. Returns the
-    /// reason for the first log that is not equal.
+    /// Replays the logs without a known verdict, several in parallel or on a cluster, and stores the
+    /// verdicts. Returns the reason for the first log that is not equal.
     ///
     /// # Errors
-    /// If the verdicts cannot be stored.
-    pub fn replay(&mut self, logs: &[LogFile], allowance: &Allowance) -> Result<Result<(), String>, Failure> {
+    /// If the verdicts cannot be stored, or the cluster fails.
+    pub fn replay(
+        &mut self,
+        logs: &[LogFile],
+        allowance: &Allowance,
+        backend: Option<&Backend>,
+    ) -> Result<Result<(), String>, Failure> {
         let known = |log: &&LogFile| self.remembered.logs.contains_key(&log.sha256);
         let (old, mut new): (Vec<&LogFile>, Vec<&LogFile>) = logs.iter().partition(known);
         // One rejected log is enough.
         if self.refused(logs).is_some() {
             new.clear();
         }
-        let found =
-            in_parallel("running again", [new.len(), 0], |index| judge::replay(new[index], allowance));
+        let found = match backend {
+            Some(backend) if !new.is_empty() => {
+                let engine = match &mut self.engine {
+                    Some(engine) => engine,
+                    none => none.insert(Engine::start(backend)?),
+                };
+                on_cluster(engine, &new, allowance)?
+            }
+            _ => in_parallel(RUNNING_AGAIN, [new.len(), 0], |index| judge::replay(new[index], allowance)),
+        };
         self.counts[0] += found.iter().flatten().count();
         self.counts[1] += old.len();
         let mut failure = None;
@@ -195,6 +214,24 @@ fn progress(work: &str, count: usize) -> Option<ProgressBar> {
     bar.set_message(work.to_string());
     bar.enable_steady_tick(Duration::from_millis(200));
     Some(bar)
+}
+
+/// Replays logs on a cluster, and shows the progress of this work.
+fn on_cluster(
+    engine: &mut Engine,
+    logs: &[&LogFile],
+    allowance: &Allowance,
+) -> Result<Vec<Option<Result<Verdict, String>>>, Failure> {
+    let bar = progress(RUNNING_AGAIN, logs.len());
+    let outcomes = judge::replay_on(engine, logs, allowance, &|| {
+        if let Some(bar) = &bar {
+            bar.inc(1);
+        }
+    });
+    if let Some(bar) = bar {
+        bar.finish_and_clear();
+    }
+    outcomes
 }
 
 /// Judges logs in parallel on all cores, and shows the progress of this work. After the first log that is not

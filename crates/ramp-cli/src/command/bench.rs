@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use miette::{IntoDiagnostic, Report};
+use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Class;
 use ramp_data::Data;
 use ramp_episode::tape;
@@ -61,8 +61,14 @@ impl Arguments {
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
-    let goals = episodes::find(data, &arguments.goals)?;
     let shared = &arguments.shared;
+    if arguments.secret.is_some() && shared.backend.is_some() {
+        return Err(miette!(
+            help = "leave one of them out",
+            "a bench with a secret stays on this machine: on a cluster, an agent could ask the engine for its seeds"
+        ));
+    }
+    let goals = episodes::find(data, &arguments.goals)?;
     let secret = arguments.secret.as_deref();
     let mut batch = shared.batch(data, &arguments.output, goals, arguments.repeats, "--repeats", secret)?;
     if let Some(folder) = &arguments.tape {

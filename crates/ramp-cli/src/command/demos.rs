@@ -12,6 +12,7 @@ use ramp_gym::pictures::SIZES;
 use serde_json::json;
 
 use crate::command::python;
+use crate::engine::Backend;
 use crate::options::{StartOption, TrackName, WorldOption};
 
 /// The skill for all types of joints, beside those of [`SKILLS`].
@@ -56,6 +57,10 @@ pub struct Arguments {
     /// Format of the data set
     #[arg(long, value_enum, default_value_t = Format::Lerobot)]
     format: Format,
+    /// Record the episodes on a cluster of Ray, one on each processor. It needs the Python package with the
+    /// extra `ray`, on all nodes. Without an address, it is the cluster that runs here, or a new one
+    #[arg(long, value_name = "ray[:ADDRESS]")]
+    backend: Option<Backend>,
     /// Folder for the data set; a call that was stopped goes on there
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -124,12 +129,13 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         "episodes": arguments.episodes,
         "format": arguments.format.name(),
         "output": arguments.output,
+        "backend": arguments.backend,
         "program": std::env::current_exe().into_diagnostic()?,
     });
-    python::run(data, "ramp.demos", "data", &["record".into(), asked.to_string().into()])
+    python::run(data, &python::DEMOS, &["record".into(), asked.to_string().into()])
 }
 
-/// Checks what the options name; whether a skill is demonstrated.
+/// Checks what the options name and need; whether a skill is demonstrated.
 fn check(data: &Data, arguments: &Arguments) -> Result<bool, Report> {
     let what = arguments.what.as_deref().unwrap_or_default();
     let skill = what == ALL_JOINTS || SKILLS.contains(&what);
@@ -158,5 +164,6 @@ fn check(data: &Data, arguments: &Arguments) -> Result<bool, Report> {
     if arguments.output.exists() && !arguments.output.is_dir() {
         return Err(miette!("cannot write {}: it is no folder", arguments.output.display()));
     }
+    arguments.backend.as_ref().map(Backend::check).transpose()?;
     Ok(skill)
 }

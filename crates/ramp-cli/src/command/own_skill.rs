@@ -229,10 +229,10 @@ impl Replacement {
     }
 
     /// As on the command line.
-    pub fn word(&self) -> OsString {
+    pub fn word(&self, place: &mut dyn FnMut(&Path) -> PathBuf) -> OsString {
         let mut word = OsString::from(format!("{}=", self.kind.name().replace('_', "-")));
         match &self.place {
-            Place::File(path) => word.push(path),
+            Place::File(path) => word.push(place(path)),
             Place::Server(url) => word.push(url.to_string()),
         }
         word

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use miette::{Report, miette};
@@ -69,11 +69,11 @@ impl Arguments {
         })
     }
 
-    /// The same options for another process.
-    pub fn words(&self) -> Vec<OsString> {
+    /// The same options for another process; `place` gives the path of each file there.
+    pub fn words(&self, place: &mut dyn FnMut(&Path) -> PathBuf) -> Vec<OsString> {
         let mut words = Vec::new();
         for skill in &self.skill {
-            words.extend(["--skill".into(), skill.word()]);
+            words.extend(["--skill".into(), skill.word(place)]);
         }
         let files = [
             ("--plan", &self.plan),
@@ -82,7 +82,7 @@ impl Arguments {
             ("--parameters", &self.parameters.path),
         ];
         for (option, path) in files {
-            words.extend(path.iter().flat_map(|path| [option.into(), path.clone().into_os_string()]));
+            words.extend(path.iter().flat_map(|path| [option.into(), place(path).into_os_string()]));
         }
         words
     }

@@ -15,16 +15,32 @@ const PYTHON: &str = "RAMP_PYTHON";
 /// The longest text of a version in a message, characters.
 const LONGEST_VERSION: usize = 40;
 
-/// Runs a module of the package, which needs these extras of it, with these arguments; its exit status.
+/// A module of the package.
+pub struct Module {
+    /// Its name.
+    pub name: &'static str,
+    /// Modules that it needs, of which other packages consist, separated by commas.
+    pub needs: &'static str,
+    /// The extras of the package that install those.
+    pub extra: &'static str,
+}
+
+/// Makes and plays data sets. It says itself what a format needs.
+pub const DEMOS: Module = Module { name: "ramp.demos", needs: "ramp", extra: "data" };
+
+/// Lets a person drive the arm. It says itself what a window needs.
+pub const TELEOP: Module = Module { name: "ramp.teleop", needs: "ramp", extra: "data,teleop" };
+
+/// Runs this program on a cluster.
+pub const RAY: Module = Module { name: "ramp.ray", needs: "ray", extra: "ray" };
+
+/// Runs a module with these arguments; its exit status.
 ///
 /// # Errors
 /// If there is no Python, or no package of this version in it.
-pub fn run(data: &Data, module: &str, extras: &str, arguments: &[OsString]) -> Result<u8, Report> {
-    let python = std::env::var_os(PYTHON).unwrap_or_else(|| "python3".into());
-    let missing = |why: &str| missing(&python, extras, why);
-    check(&python, module, missing)?;
-    let mut command = Command::new(&python);
-    command.arg("-m").arg(module).args(arguments);
+pub fn run(data: &Data, module: &Module, arguments: &[OsString]) -> Result<u8, Report> {
+    let mut command = command(module)?;
+    command.args(arguments);
     let words = data.arguments();
     for pair in words.chunks(2) {
         match pair {
@@ -32,8 +48,25 @@ pub fn run(data: &Data, module: &str, extras: &str, arguments: &[OsString]) -> R
             _ => return Err(miette!("`--kit` has no effect on the Python package; use `--data`")),
         }
     }
-    let status = command.status().map_err(|error| missing(&error.to_string()))?;
+    let status = command.status().map_err(|error| missing(module, &python(), &error.to_string()))?;
     Ok(status.code().map_or_else(|| stopped(status), |code| u8::try_from(code).unwrap_or(BAD_INPUT)))
+}
+
+/// The command that runs a module.
+///
+/// # Errors
+/// If there is no Python, or no package of this version in it, or the extra is missing.
+pub fn command(module: &Module) -> Result<Command, Report> {
+    let python = python();
+    check(module, &python)?;
+    let mut command = Command::new(&python);
+    command.arg("-m").arg(module.name);
+    Ok(command)
+}
+
+/// The Python that has the package.
+fn python() -> OsString {
+    std::env::var_os(PYTHON).unwrap_or_else(|| "python3".into())
 }
 
 /// The exit status for a program that a signal has stopped.
@@ -43,13 +76,13 @@ fn stopped(status: std::process::ExitStatus) -> u8 {
 }
 
 /// Checks that the package is there, in this version.
-fn check(python: &OsStr, module: &str, missing: impl Fn(&str) -> Report) -> Result<(), Report> {
-    let tell = format!("import ramp, {module}; print(ramp.__version__)");
+fn check(module: &Module, python: &OsStr) -> Result<(), Report> {
+    let tell = format!("import ramp, {}, {}; print(ramp.__version__)", module.name, module.needs);
     let found = Command::new(python).args(["-c", &tell]).output();
-    let output = found.map_err(|error| missing(&error.to_string()))?;
+    let output = found.map_err(|error| missing(module, python, &error.to_string()))?;
     if !output.status.success() {
         let text = String::from_utf8_lossy(&output.stderr);
-        return Err(missing(text.lines().last().unwrap_or_default()));
+        return Err(missing(module, python, text.lines().last().unwrap_or_default()));
     }
     let theirs = String::from_utf8_lossy(&output.stdout);
     let (theirs, ours) = (theirs.trim(), env!("CARGO_PKG_VERSION"));
@@ -64,10 +97,12 @@ fn check(python: &OsStr, module: &str, missing: impl Fn(&str) -> Report) -> Resu
     ))
 }
 
-fn missing(python: &OsStr, extras: &str, why: &str) -> Report {
+fn missing(module: &Module, python: &OsStr, why: &str) -> Report {
     miette!(
-        help =
-            format!("install it: pip install 'ramp-benchmark[{extras}]'; RAMP_PYTHON names another Python"),
+        help = format!(
+            "install it: pip install 'ramp-benchmark[{}]'; RAMP_PYTHON names another Python",
+            module.extra
+        ),
         "this command needs the Python package of RAMP, and {} does not have it: {why}",
         python.display()
     )

@@ -39,7 +39,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     match (&arguments.dataset, &arguments.log) {
         (Some(folder), _) => {
             let asked = json!({ "dataset": folder, "json": arguments.json });
-            python::run(data, "ramp.demos", "data", &["replay".into(), asked.to_string().into()])
+            python::run(data, &python::DEMOS, &["replay".into(), asked.to_string().into()])
         }
         (None, Some(log)) => replay(arguments, log),
         (None, None) => Err(miette!("a log, or `--dataset`, is needed")),

@@ -57,7 +57,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         "format": arguments.format.name(),
         "output": arguments.output,
     });
-    python::run(data, "ramp.teleop", "data,teleop", &[asked.to_string().into()])
+    python::run(data, &python::TELEOP, &[asked.to_string().into()])
 }
 
 /// Checks what the options name; whether a skill is teleoperated.

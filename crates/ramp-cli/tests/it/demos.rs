@@ -24,6 +24,7 @@ fn bad_arguments_and_a_missing_package_are_one_error_and_nothing_is_written() {
         ("demos fasten -o set", install),
         ("demos easy-1 -o set", install),
         ("replay --dataset set", install),
+        ("demos fasten --backend ray -o set", "pip install 'ramp-benchmark[ray]'"),
         ("demos fastne -o set", "there is no goal `fastne`"),
         ("demos fasten --goal easy-9 -o set", "there is no goal `easy-9`"),
         ("demos fasten --world moon -o set", "moon"),

@@ -5,6 +5,7 @@
 
 mod agents;
 mod alone;
+mod backend;
 mod bench;
 mod built_in;
 mod clusters;

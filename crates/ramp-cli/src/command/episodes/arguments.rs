@@ -10,6 +10,7 @@ use ramp_robot::Track;
 use super::batch::{Batch, BatchPolicy, BatchStart, BatchWorld};
 use super::goals::{BatchError, BatchGoal};
 use crate::command::agent;
+use crate::engine::Backend;
 use crate::options::{StartOption, TrackName, WorldOption};
 use crate::software::software;
 
@@ -31,6 +32,10 @@ pub struct Arguments {
     /// Number of parallel episodes; with more than one, planning and compute times are longer
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     jobs: u32,
+    /// Run the episodes on a cluster of Ray, one on each processor. It needs the Python package with the
+    /// extra `ray`, on all nodes. Without an address, it is the cluster that runs here, or a new one
+    #[arg(long, value_name = "ray[:ADDRESS]", conflicts_with = "jobs")]
+    pub backend: Option<Backend>,
     /// Wall-clock limit of an episode; if it is exceeded, the episode counts as lost
     #[arg(long, value_name = "SECONDS", default_value_t = 1800, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     limit: u64,
@@ -51,7 +56,7 @@ impl Arguments {
     /// # Errors
     /// If the agent's file is invalid, or if the seeds exceed the largest `u64`.
     pub fn batch<'a>(
-        &self,
+        &'a self,
         data: &'a Data,
         folder: &'a Path,
         goals: Vec<BatchGoal>,
@@ -59,6 +64,9 @@ impl Arguments {
         option: &'static str,
         hidden: Option<&Path>,
     ) -> Result<Batch<'a>, Report> {
+        if let Some(backend) = &self.backend {
+            backend.check()?;
+        }
         let last = self.first_seed.checked_add(u64::from(count) - 1);
         let agent = self.agent.file()?;
         let parts = self.agent.parts.read(data)?;
@@ -98,7 +106,8 @@ impl Arguments {
             secret: None,
             name,
             tapes: None,
-            parts: self.agent.parts.words(),
+            backend: self.backend.clone(),
+            parts: &self.agent.parts,
             has_program: self.has_agent(),
             parameters_hash: parts.parameters.sha256.clone(),
             goals,

@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::Write;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Stdio};
+use std::process::{Child, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -25,9 +25,13 @@ use ramp_world::{Start, World};
 use super::display::Display;
 use super::episode::{Episode, Outcome};
 use super::goals::{BatchError, BatchGoal};
+use super::remote;
 use super::tapes::Tapes;
+use crate::command::parts;
 use crate::ending::{defer_requests, end_of, requested};
+use crate::engine::{Backend, Engine};
 use crate::lock::{FolderLock, LockError};
+use crate::options::is_file;
 use crate::output::tell;
 use crate::pool;
 use crate::seal;
@@ -135,7 +139,9 @@ pub struct Batch<'a> {
     /// Logs that are played without sight, in place of an agent.
     pub tapes: Option<Tapes>,
     /// Options that replace parts of the baseline.
-    pub parts: Vec<OsString>,
+    pub parts: &'a parts::Arguments,
+    /// The engine that runs the episodes, if they do not run in processes of this one.
+    pub backend: Option<Backend>,
     /// True if an external program runs: an agent, or a skill of the baseline.
     pub has_program: bool,
     /// Hash of the file of parameters, if it differs from the built-in one.
@@ -168,6 +174,7 @@ impl Batch<'_> {
             adopt_orphans();
         }
         self.refuse_foreign()?;
+        let engine = self.backend.as_ref().map(Engine::start).transpose()?;
         std::fs::create_dir_all(folder)
             .map_err(|error| miette!("cannot make the folder {}: {error}", folder.display()))?;
         let _lock = FolderLock::take(folder).map_err(|error| match error {
@@ -191,7 +198,7 @@ impl Batch<'_> {
                 None => {}
             }
         }
-        let stopped = if self.work(episodes)? { None } else { requested() };
+        let stopped = if self.work(engine, episodes)? { None } else { requested() };
         if stopped.is_some() {
             let finished = episodes.iter().filter(|it| matches!(it.outcome, Outcome::Finished(_))).count();
             tell(&format!(
@@ -246,7 +253,7 @@ impl Batch<'_> {
     }
 
     /// Runs the open episodes. Returns false if it was stopped.
-    fn work(&self, episodes: &mut [Episode]) -> Result<bool, Report> {
+    fn work(&self, engine: Option<Engine>, episodes: &mut [Episode]) -> Result<bool, Report> {
         let open: Vec<usize> =
             (0..episodes.len()).filter(|&it| matches!(episodes[it].outcome, Outcome::Open)).collect();
         let running = self.folder.join(RUNNING);
@@ -258,6 +265,11 @@ impl Batch<'_> {
             return Ok(true);
         }
         std::fs::create_dir_all(&running).map_err(MachineFault::of)?;
+        if let Some(engine) = engine {
+            let worked = remote::work(self, engine, episodes, &open, &running);
+            let _ = std::fs::remove_dir_all(&running);
+            return worked;
+        }
         // A killed episode leaves its temporary files in here.
         let temporary = tempfile::tempdir().map_err(MachineFault::of)?;
         let display = Display::new(open.len(), episodes.len() - open.len(), self.jobs);
@@ -336,10 +348,33 @@ impl Batch<'_> {
     /// among them.
     fn start(&self, running: &Path, temporary: &Path, episode: &Episode) -> std::io::Result<Child> {
         let log = File::create_new(running.join(format!("{}.log", episode.stem)))?;
-        let mut words = self.data.arguments();
+        let output = running.join(format!("{}.json", episode.stem));
+        let words = self.words(episode, &output, &mut Path::to_path_buf);
+        seal::child(&words, |command| {
+            command.stdout(Stdio::null()).stderr(log).env("TMPDIR", temporary);
+        })
+    }
+
+    /// The arguments of an episode with this file for its result; `place` gives the path of each file that
+    /// they name.
+    pub fn words(
+        &self,
+        episode: &Episode,
+        output: &Path,
+        place: &mut dyn FnMut(&Path) -> PathBuf,
+    ) -> Vec<OsString> {
+        let mut words = Vec::new();
+        for pair in self.data.arguments().chunks(2) {
+            words.extend([pair[0].clone(), place(pair[1].as_ref()).into()]);
+        }
         words.extend(["run".into(), "--track".into(), self.track.into()]);
-        words.extend(["--world".into(), self.worlds[episode.world].argument.clone()]);
-        words.extend(["--start".into(), self.start.argument.clone()]);
+        for (option, argument) in
+            [("--world", &self.worlds[episode.world].argument), ("--start", &self.start.argument)]
+        {
+            let its =
+                if is_file(argument, ".toml") { place(argument.as_ref()).into() } else { argument.clone() };
+            words.extend([option.into(), its]);
+        }
         words.extend(["--seed".into(), episode.seed.to_string().into()]);
         words.extend(["--repeat".into(), episode.repeat.to_string().into()]);
         words.extend(episode.fault.iter().flat_map(|fault| ["--fault".into(), fault.to_string().into()]));
@@ -348,15 +383,15 @@ impl Batch<'_> {
             words.extend(["--world-seed".into(), seed.to_string().into()]);
             words.extend(["--secret".into(), secret.commitment().into()]);
         }
-        let goal = &self.goals[episode.goal].name;
-        let tape = self.tapes.as_ref().and_then(|tapes| tapes.of(goal, episode.seed));
-        words.extend(tape.iter().flat_map(|path| ["--tape".into(), path.into()]));
-        words.extend(self.agent_arguments());
-        words.extend(["-o".into(), running.join(format!("{}.json", episode.stem)).into()]);
-        words.extend(["--".into(), self.goals[episode.goal].argument.clone().into()]);
-        seal::child(&words, |command| {
-            command.stdout(Stdio::null()).stderr(log).env("TMPDIR", temporary);
-        })
+        let goal = &self.goals[episode.goal];
+        let tape = self.tapes.as_ref().and_then(|tapes| tapes.of(&goal.name, episode.seed));
+        words.extend(tape.iter().flat_map(|path| ["--tape".into(), place(path).into()]));
+        words.extend(self.agent_arguments(place));
+        words.extend(["-o".into(), output.into()]);
+        let argument =
+            if goal.is_file { place(goal.argument.as_ref()) } else { goal.argument.clone().into() };
+        words.extend(["--".into(), argument.into()]);
+        words
     }
 
     /// The commitment to the secret.
@@ -372,18 +407,18 @@ impl Batch<'_> {
 
     /// The agent's arguments for an episode. A slow agent is ended before the episode's own time limit, so
     /// that it is still scored.
-    fn agent_arguments(&self) -> Vec<OsString> {
+    fn agent_arguments(&self, place: &mut dyn FnMut(&Path) -> PathBuf) -> Vec<OsString> {
         let sandbox = self.sandbox.then(|| "--sandbox".into());
         let limit = ["--agent-limit".to_string(), self.agent_limit.to_string()];
         let who: Vec<OsString> = match (&self.agent, &self.policy) {
-            (Some(agent), _) => vec!["--agent".into(), agent.path().into()],
+            (Some(agent), _) => vec!["--agent".into(), place(agent.path()).into()],
             (None, Some(policy)) => {
                 let pace = policy.asynchronous.then(|| "--async".into());
                 ["--policy".into(), policy.url.to_string().into()].into_iter().chain(pace).collect()
             }
             (None, None) => {
                 let limit = limit.map(OsString::from);
-                return self.parts.iter().cloned().chain(limit).chain(sandbox).collect();
+                return self.parts.words(place).into_iter().chain(limit).chain(sandbox).collect();
             }
         };
         let end_after = self.limit.saturating_sub(SCORING.min(self.limit / 2)).as_secs();
@@ -391,10 +426,7 @@ impl Batch<'_> {
         words.map(OsString::from).chain(who).chain(sandbox).collect()
     }
 
-    /// Checks whether an episode has ended, and how. Moves its files to the results folder.
-    ///
-    /// # Errors
-    /// If a finished result cannot be moved.
+    /// Checks whether an episode has ended, and how, as [`Batch::keep`] says.
     fn look_after(
         &self,
         running: &Path,
@@ -410,6 +442,20 @@ impl Batch<'_> {
                 None
             }
         };
+        self.keep(running, episode, status).map(Some)
+    }
+
+    /// Moves the files of an ended episode to the results folder. `status` is `None` if it was stopped after
+    /// its time.
+    ///
+    /// # Errors
+    /// If the machine failed, or a finished result cannot be moved.
+    pub fn keep(
+        &self,
+        running: &Path,
+        episode: &Episode,
+        status: Option<ExitStatus>,
+    ) -> Result<Outcome, Report> {
         let stem = &episode.stem;
         let place = |ending: &str| {
             let name = format!("{stem}.{ending}");
@@ -436,7 +482,7 @@ impl Batch<'_> {
                 let _ = std::fs::remove_file(&log_from);
                 let _ = std::fs::remove_file(&log_to);
             }
-            return Ok(Some(Outcome::Finished(Box::new(result))));
+            return Ok(Outcome::Finished(Box::new(result)));
         }
         // A full disk ends a program in many ways. No episode is lost to it.
         check_room(running)
@@ -449,7 +495,7 @@ impl Batch<'_> {
             Some(status) => end_of(status),
             None => format!("not done after {} s on the wall", self.limit.as_secs()),
         };
-        Ok(Some(Outcome::Lost(format!("{reason}; its last words are in {stem}.log"))))
+        Ok(Outcome::Lost(format!("{reason}; its last words are in {stem}.log")))
     }
 }
 

@@ -58,6 +58,12 @@ impl Display {
         }
     }
 
+    /// Shows that a cluster is at work: it does not tell which episodes run.
+    pub fn at_work_elsewhere(&self) {
+        let processors = if self.jobs == 1 { "processor" } else { "processors" };
+        self.at_work([format!("on {} {processors}", self.jobs).as_str()].into_iter());
+    }
+
     pub fn ended(&self, episode: &Episode, took: Duration) {
         let (ended, before) = self.past.get();
         self.past.set((ended + 1, before + took));

@@ -8,8 +8,13 @@ use ramp_data::Data;
 use ramp_kit::source::{nearest, shorten};
 use ramp_result::resume::Foreign;
 
+use crate::options::is_file;
+
 /// The name that stands for every goal.
 const ALL: &str = "all";
+
+/// Ending of a goal file.
+const GOAL_ENDING: &str = ".xml";
 
 /// Errors before any episode starts.
 #[derive(Debug, thiserror::Error, Diagnostic)]
@@ -71,6 +76,8 @@ pub struct BatchGoal {
     pub name: String,
     /// The argument for `ramp run`.
     pub argument: String,
+    /// True if that is a file.
+    pub is_file: bool,
     pub class: Option<Class>,
     pub pegs: usize,
 }
@@ -81,7 +88,7 @@ pub fn find(data: &Data, words: &[String]) -> Result<Vec<BatchGoal>, Report> {
     let mut goals: Vec<BatchGoal> = Vec::new();
     for word in words {
         let class = Class::ALL.into_iter().find(|class| class.name() == word);
-        let is_file = word.ends_with(".xml") || Path::new(word).components().count() > 1;
+        let is_file = is_file(word.as_ref(), GOAL_ENDING);
         let meant: Vec<&str> = if class.is_some() || word == ALL {
             names.iter().map(String::as_str).collect()
         } else if is_file || names.contains(word) {
@@ -108,6 +115,7 @@ pub fn find(data: &Data, words: &[String]) -> Result<Vec<BatchGoal>, Report> {
                 None => goals.push(BatchGoal {
                     name: assembly.name.clone(),
                     argument: argument.to_string(),
+                    is_file,
                     class: assembly.class,
                     pegs: assembly.connections.len(),
                 }),

@@ -6,6 +6,7 @@ mod batch;
 mod display;
 mod episode;
 mod goals;
+mod remote;
 mod tapes;
 
 pub use arguments::Arguments;

@@ -4,25 +4,23 @@
 options name and the result that the folder already has, runs :func:`ramp.run` on its worker, and brings
 result and log back. Ray runs a task again whose worker or node was lost. The results equal those of one
 machine but for planning and computing time.
+
+``ramp bench --backend ray`` starts ``python -m ramp.ray``, which makes a task of each run of the command
+(``program``). Both share the cluster and the check of its nodes (``engine``). ``vector`` keeps environments
+in actors.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import functools
-import hashlib
-import logging
 import os
 import pathlib
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from ramp import _ramp
 from ramp._core import InputError
-
-RETRIES = 3
-"""How often Ray runs an episode again whose worker was lost."""
+from ramp.ray import engine
 
 FILES = ("world", "start", "domain", "parameters", "plan")
 """Options that may name a file."""
@@ -56,36 +54,23 @@ def parse(backend: str) -> str | None:
 
 def episodes(calls: Sequence[Call], address: str | None) -> Iterator[tuple[int, str]]:
     """Runs episodes; the index and the result, as JSON, of each as it is finished."""
-    try:
-        import ray
-    except ImportError:
-        raise InputError("the backend `ray` needs Ray: pip install 'ramp-benchmark[ray]'") from None
-    own = not ray.is_initialized()
-    if own:
-        ray.init(address=address, log_to_driver=False, logging_level=logging.ERROR, include_dashboard=False)
-    try:
-        task = ray.remote(num_cpus=1, max_retries=RETRIES)(work)
-        waiting = {task.remote(build(), call, files(call), kept(call)): index for index, call in enumerate(calls)}
-        while waiting:
-            done, _ = ray.wait(list(waiting))
-            for reference in done:
-                kind, text, log = ray.get(reference)
-                index = waiting.pop(reference)
-                if kind == "refused":
-                    raise InputError(text)
-                keep(calls[index], text, log)
-                yield index, text
-    finally:
-        if own:
-            ray.shutdown()
+    with engine.connected(address) as ray:
+        tasks = [(call, files(call), kept(call)) for call in calls]
+        for index, reference in engine.spread(ray, work, tasks):
+            kind, text, log = ray.get(reference)
+            if kind == "refused":
+                raise InputError(text)
+            keep(calls[index], text, log)
+            yield index, text
 
 
 def work(driver: str, call: Call, brought: dict[str, dict[str, bytes]], known: bytes | None) -> Answer:
     """Runs an episode on a worker."""
     import ramp
 
-    if build() != driver:
-        return "refused", f"a node has another build of ramp ({ramp.__version__}): install the same one on all", b""
+    refused = engine.refusal(driver)
+    if refused is not None:
+        return "refused", refused, b""
     with tempfile.TemporaryDirectory() as folder:
         place = pathlib.Path(folder)
         arguments = dict(call.arguments)
@@ -145,9 +130,3 @@ def keep(call: Call, text: str, log: bytes) -> None:
             part = path.with_name(f".{path.name}.part")
             part.write_bytes(content)
             part.replace(path)
-
-
-@functools.cache
-def build() -> str:
-    """The hash of the compiled module: two builds of one version may differ."""
-    return hashlib.sha256(pathlib.Path(str(_ramp.__file__)).read_bytes()).hexdigest()
