@@ -255,7 +255,7 @@ def test_demonstrations_equal_those_of_one_machine(nodes, tmp_path, monkeypatch)
     assert told("far", backend=backend) == told("here")
     (tmp_path / "logs").mkdir()
     ramp.run("easy-1", track="state", world="ideal", seed=1, record="logs/easy-1.mcap")
-    logs = {"what": None, "skill": False, "logs": ["logs"], "goals": [], "world": "ideal", "image_size": 16}
+    logs = {"what": None, "skill": False, "logs": ["logs"], "goals": [], "world": "ideal"}
     assert told("far-logs", backend=backend, **logs) == told("here-logs", **logs)
     log = "meta/logs/episode-000000.mcap"
     assert (tmp_path / "far-logs" / log).read_bytes() == (tmp_path / "here-logs" / log).read_bytes()

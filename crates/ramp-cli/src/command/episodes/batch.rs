@@ -25,7 +25,7 @@ use ramp_world::{Start, World};
 use super::display::Display;
 use super::episode::{Episode, Outcome};
 use super::goals::{BatchError, BatchGoal};
-use super::remote;
+use super::remote::{RESULT, Remote};
 use super::tapes::Tapes;
 use crate::command::parts;
 use crate::ending::{defer_requests, end_of, requested};
@@ -266,7 +266,13 @@ impl Batch<'_> {
         }
         std::fs::create_dir_all(&running).map_err(MachineFault::of)?;
         if let Some(engine) = engine {
-            let worked = remote::work(self, engine, episodes, &open, &running);
+            let remote = Remote {
+                running: &running,
+                limit: self.limit,
+                words: &|episode, place| self.words(episode, RESULT.as_ref(), place),
+                keep: &|episode, status| self.keep(&running, episode, status),
+            };
+            let worked = remote.work(engine, episodes, &open);
             let _ = std::fs::remove_dir_all(&running);
             return worked;
         }
