@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use franka::{RealtimeConfig, Robot as Client, Torques};
+use ramp_franka::FrankaRobot;
 use ramp_robot::{ArmCommand, Command, GripperCommand, Robot, RobotError, Track};
 use ramp_served_twin::{FciVersion, Pace};
 
@@ -53,25 +54,37 @@ fn motion_generators_are_refused_with_their_name() {
     assert!(said.contains("joint positions") && said.contains("only torques"), "{said}");
 }
 
-/// An arm that is suddenly gone in a motion is noticed within 0.2 s.
-#[test]
-fn a_dead_arm_is_noticed_at_once() {
-    let version = FciVersion::V10;
-    let goal = goal_for(version, "easy-1");
-    let served = served(version, Pace::RealTime);
+/// A robot in real time that has held still for 200 periods; `None` if the machine was so busy that the arm
+/// stopped.
+fn holding(served: &Served) -> Option<(FrankaRobot, Command)> {
+    let goal = goal_for(FciVersion::V10, "easy-1");
     let mut robot = served.robot(&goal, ideal(), Track::State, Pace::RealTime);
     let hold = Command {
         arm: ArmCommand::JointPositions(robot.observe().positions),
         gripper: GripperCommand { width: 0.04, force: 10.0 },
     };
     for _ in 0..200 {
-        robot.step(&hold).unwrap();
+        match robot.step(&hold) {
+            Ok(_) => {}
+            Err(error) if error.to_string().contains("communication_constraints_violation") => return None,
+            Err(error) => panic!("{error}"),
+        }
     }
+    Some((robot, hold))
+}
+
+/// An arm that is suddenly gone in a motion is noticed, and the error stays.
+#[test]
+fn a_dead_arm_is_noticed() {
+    let held = (0..10).find_map(|_| {
+        let served = served(FciVersion::V10, Pace::RealTime);
+        holding(&served).map(|held| (served, held))
+    });
+    let (served, (mut robot, hold)) = held.unwrap();
     served.end();
     let begin = Instant::now();
     let error = (0..1000).find_map(|_| robot.step(&hold).err()).unwrap();
-    let took = begin.elapsed();
+    println!("told after {:?}: {error}", begin.elapsed());
     assert!(matches!(&error, RobotError::Arm { .. }), "{error}");
-    println!("told after {took:?}: {error}");
     assert_eq!(robot.step(&hold), Err(error), "the error stays");
 }
