@@ -8,6 +8,9 @@ use crate::served::{SEED, Served, goal_for, ideal, real, twin};
 
 const GRIPPER: GripperCommand = GripperCommand { width: 0.04, force: 10.0 };
 
+/// A motion, and what is observed at its end.
+type Motion = fn(&mut dyn Robot) -> Observation;
+
 /// The share of a way at this share of its time, from rest to rest.
 fn course(share: f64) -> f64 {
     let share = share.min(1.0);
@@ -52,8 +55,7 @@ fn press(robot: &mut dyn Robot) -> Observation {
 /// In process and over the wire in lock-step, the same motion ends at the same place, free and in contact.
 #[test]
 fn lock_step_ends_where_the_twin_in_process_does() {
-    let motions: [(&str, fn(&mut dyn Robot) -> Observation); 2] =
-        [("joints", joint_motion), ("press", press)];
+    let motions: [(&str, Motion); 2] = [("joints", joint_motion), ("press", press)];
     for (name, motion) in motions {
         for (world, version) in
             [(ideal(), FciVersion::V5), (ideal(), FciVersion::V10), (real(), FciVersion::V5)]
