@@ -20,7 +20,7 @@ use crate::targets::Targets;
 /// Share by which a limit may be exceeded, for rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// What a controller knows of its arm beside the arm file.
+/// The knowledge of a controller about its arm beside the arm file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControllerSettings {
     /// Inertia of each drive at its joint, kg·m².
@@ -36,7 +36,7 @@ pub struct ControllerSettings {
     pub torque_rate: Option<f64>,
 }
 
-/// What an arm reports after a period.
+/// The report of an arm after a period.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensed {
     /// rad.

@@ -1,10 +1,10 @@
-//! What a served twin tells of its cell beside Franka's protocol: lines of JSON, over a connection of its
-//! own. An image's pixels follow their line.
+//! The cell of a served twin, beside Franka's protocol: lines of JSON, over a connection of its own. An
+//! image's pixels follow their line.
 
 use ramp_robot::{Camera, PartReading, Pose};
 use serde::{Deserialize, Serialize};
 
-/// What a client asks.
+/// The question of a client.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(tag = "ask", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Question {
@@ -18,8 +18,6 @@ pub enum Question {
         #[serde(with = "camera_name")]
         camera: Camera,
     },
-    /// The referee's verdict.
-    Verdict,
 }
 
 /// The answer.
@@ -40,8 +38,6 @@ pub enum Answer {
     },
     /// An image, whose pixels follow: three bytes each, row by row from above.
     Image(ImageHead),
-    /// The verdict.
-    Verdict(Verdict),
     /// The question was refused.
     Refused {
         /// The reason.
@@ -74,21 +70,6 @@ pub struct ImageHead {
     pub message: u64,
     /// Pose of the tip in the world then, as the arm reported it.
     pub x_wt: Numbers,
-}
-
-/// The verdict of the referee, as the parts are now.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct Verdict {
-    /// Pegs that count.
-    pub seated: usize,
-    /// Pegs of the goal.
-    pub pegs: usize,
-    /// Time of the twin, s.
-    pub time: f64,
-    /// Largest force of the hand so far, N.
-    pub largest_force: f64,
-    /// Hash of the twin's state.
-    pub state: u64,
 }
 
 /// A pose as numbers: x, y, z in m, then a unit quaternion w, x, y, z.

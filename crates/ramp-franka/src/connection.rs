@@ -1,6 +1,6 @@
-//! Where an arm is, and how a connection to it went.
+//! The addresses of an arm, and the numbers of a connection to it.
 
-/// Where an arm and its surroundings are.
+/// The addresses of an arm and its surroundings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Connection {
     /// The arm's address: `HOST` or `HOST:PORT`.

@@ -21,7 +21,7 @@ const SILENCE_IN_LOCK_STEP: Duration = Duration::from_secs(10);
 /// Difference from a millisecond at which a state counts as missing, s.
 const GAP: f64 = 1e-4;
 
-/// What both threads see.
+/// The state that both threads share.
 struct Slot {
     /// The newest command, until it is taken.
     command: Option<Command>,

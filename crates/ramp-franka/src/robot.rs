@@ -7,7 +7,7 @@ use ramp_robot::{
     Track,
 };
 
-use crate::cell::{Answer, Question, Verdict};
+use crate::cell::{Answer, Question};
 use crate::cell_client::Cell;
 use crate::connection::{Connection, Pace, Statistics};
 use crate::error::FrankaError;
@@ -43,17 +43,6 @@ impl FrankaRobot {
     /// Numbers of the connection so far.
     pub fn statistics(&self) -> Statistics {
         self.periods.statistics()
-    }
-
-    /// The verdict of a served twin's referee.
-    ///
-    /// # Errors
-    /// When the cell does not answer.
-    pub fn verdict(&mut self) -> Result<Verdict, FrankaError> {
-        match self.cell.ask(&Question::Verdict)? {
-            Answer::Verdict(verdict) => Ok(verdict),
-            other => Err(self.unexpected(&other)),
-        }
     }
 
     fn unexpected(&self, answer: &Answer) -> FrankaError {

@@ -17,7 +17,7 @@ use crate::state::ERRORS;
 const DONE: u8 = 0;
 const REJECTED: u8 = 1;
 
-/// What is asked, whatever the version.
+/// The request, whatever the version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Connect,

@@ -1,10 +1,10 @@
-//! The cell around the arm: readings of parts, images, and the referee's verdict, for the same client, over a
-//! connection of its own. Franka's protocol has none of them.
+//! The cell around the arm: readings of parts and images, for the same client, over a connection of its own.
+//! Franka's protocol has neither.
 
 use std::io::{ErrorKind, Read};
 use std::net::{TcpListener, TcpStream};
 
-use ramp_franka::cell::{Answer, ImageHead, Question, Verdict};
+use ramp_franka::cell::{Answer, ImageHead, Question};
 use ramp_robot::{Camera, PERIOD, Robot};
 
 use crate::plant::Plant;
@@ -23,20 +23,17 @@ pub(crate) struct Cell {
 }
 
 impl Cell {
-    /// Takes a client that waits, unless there is one.
+    /// Takes a client that waits. A second one is refused.
     pub fn accept(&mut self, listener: &TcpListener) {
-        if self.client.is_some() {
-            return;
-        }
         let Ok((stream, _)) = listener.accept() else { return };
-        if stream.set_nonblocking(true).and(stream.set_nodelay(true)).is_ok() {
+        if self.client.is_none() && stream.set_nonblocking(true).and(stream.set_nodelay(true)).is_ok() {
             self.client = Some(stream);
             self.inbox.clear();
         }
     }
 
     /// Answers what the client asks; `message` is the number of the arm's last state.
-    pub fn listen(&mut self, plant: &mut Plant, message: u64, verdict: impl Fn(&Plant) -> Verdict) {
+    pub fn listen(&mut self, plant: &mut Plant, message: u64) {
         let Some(stream) = &mut self.client else { return };
         let mut buffer = [0; 512];
         loop {
@@ -61,7 +58,7 @@ impl Cell {
         while let Some(end) = self.inbox.iter().position(|byte| *byte == b'\n') {
             let line: Vec<u8> = self.inbox.drain(..=end).collect();
             let answer = match serde_json::from_slice(&line) {
-                Ok(question) => self.answer(plant, &question, &verdict),
+                Ok(question) => self.answer(plant, &question),
                 Err(error) => Answer::Refused { why: error.to_string() },
             };
             self.say(&answer, &[]);
@@ -69,12 +66,7 @@ impl Cell {
         }
     }
 
-    fn answer(
-        &mut self,
-        plant: &mut Plant,
-        question: &Question,
-        verdict: &impl Fn(&Plant) -> Verdict,
-    ) -> Answer {
+    fn answer(&mut self, plant: &mut Plant, question: &Question) -> Answer {
         let refused = |error: ramp_robot::RobotError| Answer::Refused { why: error.to_string() };
         match question {
             Question::Parts => plant.twin.read_parts().map_or_else(refused, |parts| Answer::Parts {
@@ -85,7 +77,6 @@ impl Cell {
                 self.due = Some((*camera, periods));
                 Answer::Wait { periods }
             }),
-            Question::Verdict => Answer::Verdict(verdict(plant)),
         }
     }
 

@@ -45,7 +45,7 @@ pub(crate) struct Gripper {
 }
 
 impl Gripper {
-    /// Takes a client, unless there is one.
+    /// Takes a client. A second one is refused.
     pub fn connect(&mut self, client: Session) {
         if self.client.is_none() {
             self.client = Some(client);

@@ -1,7 +1,7 @@
 //! The served twin: the twin behind Franka's protocol (FCI), version 10 of an FR3 or 5 of a Panda.
 //!
 //! Any client of the protocol drives it as a real arm: the arm's service, the gripper's at the next port, and
-//! the cell (parts, images, the referee's verdict) at the one after. Data passes one way in each cycle:
+//! the cell (parts, images) at the one after. Data passes one way in each cycle:
 //! `session` takes requests, `arm_service` and `gripper` answer them, `motion` decides which torques act,
 //! `plant` lets the twin do a millisecond, and [`server`] sends the `state`.
 
@@ -16,4 +16,4 @@ mod state;
 mod urdf;
 
 pub use franka::FciVersion;
-pub use server::{Options, Pace, Server, Statistics};
+pub use server::{Options, Pace, Server, Statistics, Verdict};

@@ -1,4 +1,4 @@
-//! What the arm does: it rests, follows the torques of a client, has stopped, or recovers.
+//! The doings of the arm: it rests, follows the torques of a client, has stopped, or recovers.
 
 use franka::wire::robot::v5;
 use franka::{FciVersion, MoveStatus};
@@ -141,7 +141,7 @@ impl Motion {
     }
 }
 
-/// What the arm does.
+/// The doing of the arm.
 pub(crate) enum Doing {
     Rest,
     Move(Motion),

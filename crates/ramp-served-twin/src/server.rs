@@ -9,7 +9,6 @@ use std::time::{Duration, Instant};
 use franka::wire::HeaderLayout;
 use franka::{Errors, FciVersion, MoveStatus};
 use ramp_assembly::Assembly;
-use ramp_franka::cell::Verdict;
 use ramp_referee::{REST, Referee};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{PERIOD, RobotError};
@@ -71,6 +70,21 @@ pub struct Statistics {
     pub longest: Duration,
 }
 
+/// The referee's verdict at the end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Verdict {
+    /// Pegs that count.
+    pub seated: usize,
+    /// Pegs of the goal.
+    pub pegs: usize,
+    /// Time of the twin, s.
+    pub time: f64,
+    /// Largest force of the hand, N.
+    pub largest_force: f64,
+    /// Hash of the twin's state.
+    pub state: u64,
+}
+
 /// A twin behind Franka's protocol.
 pub struct Server {
     pub(crate) options: Options,
@@ -114,16 +128,16 @@ impl Server {
     /// Opens the ports for a twin of this goal and arm.
     ///
     /// # Errors
-    /// When a port cannot be had.
+    /// If a port cannot be had.
     pub fn new(
         options: Options,
         mut twin: Twin,
         assembly: &Assembly,
         arm: &ArmModel,
     ) -> std::io::Result<Server> {
-        let at = |offset: u16| SocketAddr::new(options.address.ip(), options.address.port() + offset);
         let tcp = |offset: u16| -> std::io::Result<TcpListener> {
-            let listener = TcpListener::bind(at(offset))?;
+            let port = options.address.port().checked_add(offset).ok_or(std::io::ErrorKind::InvalidInput)?;
+            let listener = TcpListener::bind(SocketAddr::new(options.address.ip(), port))?;
             listener.set_nonblocking(true)?;
             Ok(listener)
         };
@@ -183,7 +197,14 @@ impl Server {
         for moment in self.plant.twin.without_arm(REST, WATCH_EVERY) {
             self.referee.rested(&moment.truth, &moment.penetrations);
         }
-        verdict(&self.referee, &self.plant)
+        let verdict = self.referee.verdict();
+        Verdict {
+            seated: verdict.iter().flatten().count(),
+            pegs: verdict.len(),
+            time: self.plant.twin.time(),
+            largest_force: self.plant.twin.largest_force(),
+            state: self.plant.twin.state_hash(),
+        }
     }
 
     /// Serves until `over` says so. It is asked once in each cycle.
@@ -221,10 +242,13 @@ impl Server {
         }
     }
 
-    /// Takes clients that wait: one for the arm, one for the gripper, one for the cell.
+    /// Takes clients that wait: one for the arm, one for the gripper, one for the cell. A second one is
+    /// refused.
     fn accept(&mut self) {
-        if self.client.is_none() {
-            self.client = Session::accept(&self.robot_port, HeaderLayout::Robot);
+        if let Some(session) = Session::accept(&self.robot_port, HeaderLayout::Robot)
+            && self.client.is_none()
+        {
+            self.client = Some(session);
         }
         if let Some(session) = Session::accept(&self.gripper_port, HeaderLayout::Gripper) {
             self.gripper.connect(session);
@@ -235,8 +259,7 @@ impl Server {
     /// Hears the clients of cell and gripper, and answers the arm's. Returns whether the arm's or the
     /// gripper's asked anything.
     fn listen(&mut self) -> bool {
-        let referee = &self.referee;
-        self.cell.listen(&mut self.plant, self.state.message, |plant| verdict(referee, plant));
+        self.cell.listen(&mut self.plant, self.state.message);
         let mut any = self.gripper.listen(&mut self.plant);
         while let Some(client) = &mut self.client {
             match client.next() {
@@ -258,11 +281,15 @@ impl Server {
         any
     }
 
-    /// The newest command that answers the last state.
+    /// The newest command of the client that answers the last state.
     fn received(&mut self) -> Option<Commanded> {
+        let client = self.client.as_ref().and_then(|client| client.states).map(|states| states.ip());
         let mut buffer = [0; 4096];
         let mut found = None;
-        while let Ok((count, _)) = self.robot_states.recv_from(&mut buffer) {
+        while let Ok((count, sender)) = self.robot_states.recv_from(&mut buffer) {
+            if Some(sender.ip()) != client {
+                continue;
+            }
             let command = Commanded::read(self.options.version, &buffer[..count]);
             found = command.filter(|command| command.message == self.state.message).or(found);
         }
@@ -433,17 +460,6 @@ impl Server {
         } else if self.state.joint_collision.contains(&1.0) {
             self.stop("joint_reflex");
         }
-    }
-}
-
-fn verdict(referee: &Referee, plant: &Plant) -> Verdict {
-    let verdict = referee.verdict();
-    Verdict {
-        seated: verdict.iter().flatten().count(),
-        pegs: verdict.len(),
-        time: plant.twin.time(),
-        largest_force: plant.twin.largest_force(),
-        state: plant.twin.state_hash(),
     }
 }
 

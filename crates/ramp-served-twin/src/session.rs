@@ -2,11 +2,14 @@
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::time::{Duration, Instant};
 
 use franka::wire::HeaderLayout;
 
 /// The longest message that is taken from a client, bytes: far more than any request has.
 const LONGEST: usize = 65536;
+/// Time that a client has to read an answer. Chosen: an image takes some milliseconds.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// A connected client.
 pub(crate) struct Session {
@@ -17,7 +20,7 @@ pub(crate) struct Session {
     pub states: Option<SocketAddr>,
 }
 
-/// What a client said.
+/// A message of a client.
 pub(crate) enum Message {
     Request(Request),
     Nothing,
@@ -84,10 +87,12 @@ impl Session {
     }
 }
 
-/// Sends all bytes. A client that has gone is noticed when it is read from.
+/// Sends all bytes, unless the client does not read them for too long. A client that has gone is noticed when
+/// it is read from.
 pub(crate) fn send(stream: &mut TcpStream, bytes: &[u8]) {
+    let begin = Instant::now();
     let mut rest = bytes;
-    while !rest.is_empty() {
+    while !rest.is_empty() && begin.elapsed() < PATIENCE {
         match stream.write(rest) {
             Ok(count) => rest = &rest[count..],
             Err(error) if error.kind() == ErrorKind::WouldBlock => std::thread::yield_now(),

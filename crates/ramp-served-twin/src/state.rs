@@ -1,4 +1,4 @@
-//! What goes over the wire in each cycle: the state of the arm, and one command.
+//! The datagrams of each cycle: the state of the arm, and one command.
 
 use franka::FciVersion;
 use franka::wire::robot::{v5, v10};

@@ -51,7 +51,7 @@ pub(crate) struct Exposure {
 }
 
 impl Exposure {
-    /// Whether the poses at the end of this period are part of the exposure.
+    /// Whether the poses after this number of periods are part of the exposure.
     fn is_due(&self, period: u64) -> bool {
         period.checked_sub(self.begin).is_some_and(|since| MOMENTS.contains(&since))
     }
@@ -107,12 +107,12 @@ impl Shutters {
         self.exposures.push_back(exposure);
     }
 
-    /// Whether the poses at the end of this period are part of an exposure.
+    /// Whether the poses after this number of periods are part of an exposure.
     pub fn are_due(&self, period: u64) -> bool {
         self.exposures.iter().any(|exposure| exposure.is_due(period))
     }
 
-    /// Adds the poses at the end of this period to the exposures that include it, and whether the cameras are
+    /// Adds the poses after this number of periods to the exposures that include it, and whether the cameras are
     /// frozen.
     pub fn record(&mut self, period: u64, moment: &Moment, frozen: bool) {
         for exposure in self.exposures.iter_mut().filter(|exposure| exposure.is_due(period)) {

@@ -15,7 +15,7 @@ use ramp_result::sha256;
 use rustix::process::{Resource, Rlimit, setrlimit};
 use serde::{Deserialize, Serialize};
 
-use crate::engine::{Answer, Engine, Job, LARGEST_LUGGAGE, Luggage};
+use crate::engine::{Answer, Attachments, Engine, Job, LARGEST_ATTACHMENTS};
 use crate::output::print;
 use crate::status::DONE;
 
@@ -94,20 +94,20 @@ pub fn replay_on(
         // As many as travel together.
         let mut sum = size(logs[first]);
         let mut end = first + 1;
-        while end < logs.len() && sum + size(logs[end]) <= LARGEST_LUGGAGE as u64 {
+        while end < logs.len() && sum + size(logs[end]) <= LARGEST_ATTACHMENTS as u64 {
             sum += size(logs[end]);
             end += 1;
         }
-        let mut luggage = Luggage::default();
+        let mut attachments = Attachments::default();
         let jobs: Vec<Job> = logs[first..end]
             .iter()
             .map(|log| {
-                let place = luggage.pack(&log.path);
+                let place = attachments.pack(&log.path);
                 let words = vec!["judge-log".to_string(), "--".to_string(), place.clone()];
                 Job { words, files: vec![place], limit: allowance.replay.as_secs_f64() }
             })
             .collect();
-        engine.run(&luggage, &jobs, &|| false, &mut |job, answer| {
+        engine.run(&attachments, &jobs, &|| false, &mut |job, answer| {
             let index = first + job;
             let outcome = match answer {
                 Answer::Lost(why) => Err(why),

@@ -27,7 +27,7 @@ const SCHEMA: &str = "ramp-replayed-2";
 /// Largest size of that file, bytes.
 const LARGEST: u64 = 256 << 20;
 
-/// What happens to logs without a verdict, in words.
+/// The work on logs without a verdict, in words.
 const RUNNING_AGAIN: &str = "running again";
 
 /// Content of the file of verdicts.

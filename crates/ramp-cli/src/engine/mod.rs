@@ -3,7 +3,7 @@
 //!
 //! A message is a line of JSON, and the bytes whose lengths it tells. The module ends when its input closes.
 
-mod luggage;
+mod attachments;
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -18,7 +18,7 @@ use miette::{Report, miette};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-pub use self::luggage::{LARGEST as LARGEST_LUGGAGE, Luggage};
+pub use self::attachments::{Attachments, LARGEST as LARGEST_ATTACHMENTS};
 use crate::command::python::{self, RAY};
 use crate::software::software;
 use crate::status::MachineFault;
@@ -66,7 +66,7 @@ pub struct Job {
     pub limit: f64,
 }
 
-/// What has become of a job.
+/// The outcome of a job.
 pub enum Answer {
     /// It has ended.
     Ended(Box<Ended>),
@@ -80,9 +80,9 @@ pub struct Ended {
     pub status: Option<ExitStatus>,
     /// Time that it took on the worker.
     pub took: Duration,
-    /// What it wrote to standard output.
+    /// Its standard output.
     pub printed: Vec<u8>,
-    /// What it wrote to standard error.
+    /// Its standard error.
     pub told: Vec<u8>,
     /// The files of its folder `out`, by name.
     pub files: BTreeMap<String, Vec<u8>>,
@@ -186,12 +186,12 @@ impl Engine {
     /// If a node has another build or fails, the module fails, a file cannot be read, or as `each`.
     pub fn run(
         &mut self,
-        luggage: &Luggage,
+        attachments: &Attachments,
         jobs: &[Job],
         stopped: &dyn Fn() -> bool,
         each: &mut dyn FnMut(usize, Answer) -> Result<(), Report>,
     ) -> Result<bool, Report> {
-        let files = luggage.read()?;
+        let files = attachments.read()?;
         let packed: Vec<_> = files.iter().map(|(packed, _)| packed).collect();
         self.send(&json!({"files": packed, "jobs": jobs}).to_string())?;
         for (_, bytes) in &files {

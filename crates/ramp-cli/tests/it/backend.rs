@@ -1,5 +1,5 @@
 //! `--backend ray`: what is refused before anything is written, and what a failing engine does to a bench.
-//! What a cluster does is tested in python/tests.
+//! The work of a cluster is tested in python/tests.
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};

@@ -82,9 +82,10 @@ fn the_baseline_builds_over_the_wire() {
         let served = Served::new(version, real(), Track::State, Pace::LockStep);
         let mut robot = served.robot(&goal, real(), Track::State, Pace::LockStep);
         goal.baseline(Track::State, SEED).run(&mut robot).unwrap();
-        let verdict = robot.verdict().unwrap();
-        let time = robot.observe().time;
-        println!("{verdict:?} after {time:.3} s; {:?}", robot.statistics());
+        let (time, statistics) = (robot.observe().time, robot.statistics());
+        drop(robot);
+        let verdict = served.end();
+        println!("{verdict:?} after {time:.3} s; {statistics:?}");
         assert_eq!(verdict.seated, verdict.pegs);
         (verdict, time)
     };

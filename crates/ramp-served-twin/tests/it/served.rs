@@ -10,7 +10,7 @@ use ramp_control::ControllerSettings;
 use ramp_franka::{Connection, FrankaRobot};
 use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
-use ramp_served_twin::{FciVersion, Options, Pace, Server, Statistics};
+use ramp_served_twin::{FciVersion, Options, Pace, Server, Verdict};
 use ramp_testing::{GoalFiles, data};
 use ramp_twin::{Setup, Twin, World, controller_settings};
 
@@ -46,7 +46,7 @@ pub fn real() -> &'static World {
     World::shipped("real").unwrap()
 }
 
-/// What a controller knows of that twin's arm.
+/// The settings of a controller that knows that twin's arm.
 pub fn settings(world: &World) -> ControllerSettings {
     controller_settings(&world.draw(SEED))
 }
@@ -55,7 +55,7 @@ pub fn settings(world: &World) -> ControllerSettings {
 pub struct Served {
     pub address: SocketAddr,
     over: Arc<AtomicBool>,
-    thread: Option<JoinHandle<Statistics>>,
+    thread: Option<JoinHandle<Verdict>>,
     /// What the server said of errors.
     pub said: mpsc::Receiver<String>,
 }
@@ -84,7 +84,7 @@ impl Served {
                 let _ = tell.send(line.to_string());
             }));
             server.run(|| stop.load(Ordering::Relaxed));
-            server.statistics()
+            server.end()
         });
         Served { address: ready.recv().unwrap(), over, thread: Some(thread), said }
     }
@@ -110,8 +110,8 @@ impl Served {
         FrankaRobot::connect(&self.connection(pace), &goal.arm, &settings(world), track).unwrap()
     }
 
-    /// Ends it, as a program that is killed.
-    pub fn end(mut self) -> Statistics {
+    /// Ends it, as a program that is killed. Returns the referee's verdict.
+    pub fn end(mut self) -> Verdict {
         self.over.store(true, Ordering::Relaxed);
         self.thread.take().unwrap().join().unwrap()
     }

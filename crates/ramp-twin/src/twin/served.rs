@@ -6,7 +6,7 @@ use ramp_robot::{Camera, DOF, GripperCommand, RobotError};
 use super::Twin;
 use crate::period;
 
-/// What the arm reports of its joints beside an observation, N·m.
+/// The report of the arm about its joints beside an observation, N·m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointReport {
     /// The torques that hold the arm up.

@@ -11,7 +11,7 @@ use ramp_log::ENDING;
 use super::display::Display;
 use super::episode::{Episode, Outcome};
 use crate::ending::requested;
-use crate::engine::{Answer, Ended, Engine, Job, Luggage};
+use crate::engine::{Answer, Attachments, Ended, Engine, Job};
 use crate::status::MachineFault;
 
 /// The worker's file for the result. The other files of an episode lie beside it, with other endings.
@@ -26,7 +26,7 @@ type Words<'w> = dyn Fn(&Episode, &mut Place<'_>) -> Vec<OsString> + 'w;
 /// Keeps the files of an ended episode, which lie in the folder for unfinished files.
 type Keep<'k> = dyn Fn(&Episode, Option<ExitStatus>) -> Result<Outcome, Report> + 'k;
 
-/// What the episodes of a batch share.
+/// The common parts of the episodes of a batch.
 pub struct Remote<'a> {
     /// Folder for unfinished files.
     pub running: &'a Path,
@@ -44,12 +44,12 @@ impl Remote<'_> {
     /// # Errors
     /// If the engine or a node fails, or a result cannot be kept.
     pub fn work(&self, mut engine: Engine, episodes: &mut [Episode], open: &[usize]) -> Result<bool, Report> {
-        let mut luggage = Luggage::default();
+        let mut attachments = Attachments::default();
         let mut jobs = Vec::new();
         for &index in open {
             let mut files = Vec::new();
             let words = (self.words)(&episodes[index], &mut |path: &Path| {
-                let place = luggage.pack(path);
+                let place = attachments.pack(path);
                 files.push(place.clone());
                 place.into()
             });
@@ -58,7 +58,7 @@ impl Remote<'_> {
         }
         let display = Display::new(open.len(), episodes.len() - open.len(), engine.processors);
         display.at_work_elsewhere();
-        let worked = engine.run(&luggage, &jobs, &|| requested().is_some(), &mut |job, answer| {
+        let worked = engine.run(&attachments, &jobs, &|| requested().is_some(), &mut |job, answer| {
             let episode = &mut episodes[open[job]];
             let (outcome, took) = match answer {
                 Answer::Lost(why) => (Outcome::Lost(why), Duration::ZERO),

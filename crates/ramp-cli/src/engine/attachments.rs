@@ -14,7 +14,7 @@ const DEEPEST: usize = 16;
 
 /// The files and folders that the options of some jobs name.
 #[derive(Default)]
-pub struct Luggage(BTreeMap<PathBuf, String>);
+pub struct Attachments(BTreeMap<PathBuf, String>);
 
 /// A file, as the worker finds it.
 #[derive(Serialize)]
@@ -26,7 +26,7 @@ pub struct Packed {
     pub executable: bool,
 }
 
-impl Luggage {
+impl Attachments {
     /// Adds a file or a folder. Returns its path in the worker's folder, which is the same for every job.
     pub fn pack(&mut self, path: &Path) -> String {
         let index = self.0.len();
@@ -103,12 +103,12 @@ mod tests {
             std::fs::create_dir_all(path.parent().unwrap()).unwrap();
             std::fs::write(path, text).unwrap();
         }
-        let mut luggage = Luggage::default();
-        let first = luggage.pack(&folder.path().join("a/world.toml"));
-        let second = luggage.pack(&folder.path().join("b"));
-        assert_eq!(luggage.pack(&folder.path().join("a/world.toml")), first);
+        let mut attachments = Attachments::default();
+        let first = attachments.pack(&folder.path().join("a/world.toml"));
+        let second = attachments.pack(&folder.path().join("b"));
+        assert_eq!(attachments.pack(&folder.path().join("a/world.toml")), first);
         assert_eq!((first, second), ("0/world.toml".to_string(), "1/b".to_string()));
-        let files = luggage.read().unwrap();
+        let files = attachments.read().unwrap();
         let found: Vec<(&str, &[u8])> =
             files.iter().map(|(packed, bytes)| (packed.name.as_str(), bytes.as_slice())).collect();
         let expected: [(&str, &[u8]); 3] =
@@ -116,6 +116,6 @@ mod tests {
         assert_eq!(found, expected);
         // A circle of links ends.
         std::os::unix::fs::symlink(folder.path(), folder.path().join("b/up")).unwrap();
-        assert!(luggage.read().err().unwrap().to_string().contains("nested"));
+        assert!(attachments.read().err().unwrap().to_string().contains("nested"));
     }
 }
