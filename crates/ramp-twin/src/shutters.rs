@@ -112,8 +112,8 @@ impl Shutters {
         self.exposures.iter().any(|exposure| exposure.is_due(period))
     }
 
-    /// Adds the poses after this number of periods to the exposures that include it, and whether the cameras are
-    /// frozen.
+    /// Adds the poses after this number of periods to the exposures that include it, and whether the cameras
+    /// are frozen.
     pub fn record(&mut self, period: u64, moment: &Moment, frozen: bool) {
         for exposure in self.exposures.iter_mut().filter(|exposure| exposure.is_due(period)) {
             exposure.moments.push(moment.clone());
