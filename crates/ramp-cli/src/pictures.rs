@@ -25,6 +25,14 @@ pub struct Arguments {
     rerun: Option<PathBuf>,
 }
 
+impl Arguments {
+    /// Whether there is anything to draw.
+    #[cfg(feature = "franka")]
+    pub fn any(&self) -> bool {
+        self.video.is_some() || self.rerun.is_some()
+    }
+}
+
 /// Films and recordings in progress.
 pub struct Pictures {
     film: Option<Film>,

@@ -267,6 +267,16 @@ impl Data {
     }
 }
 
+impl Data {
+    /// The texts with the arm of this name.
+    ///
+    /// # Errors
+    /// When its file cannot be read.
+    pub fn with_arm(&self, texts: Texts, name: &str) -> Result<Texts, DataError> {
+        Ok(Texts { arm: self.file(&format!("arms/{name}.json")).text()?.to_string(), ..texts })
+    }
+}
+
 fn read_arm(file: &File) -> Result<ArmModel, DataError> {
     Ok(ArmModel::from_json(Path::new(&file.name()), &file.text()?)?)
 }

@@ -56,6 +56,14 @@ impl Cell {
         FrankaError::CellAnswer { address: self.address.clone(), why: why.to_string() }
     }
 
+    /// An answer to another question, or a refusal.
+    pub fn unexpected(&self, answer: &Answer) -> FrankaError {
+        match answer {
+            Answer::Refused { why } => self.wrong(why),
+            other => self.wrong(&format!("an unexpected answer: {other:?}")),
+        }
+    }
+
     fn failed(&self, error: std::io::Error) -> FrankaError {
         FrankaError::Cell { address: self.address.clone(), error }
     }

@@ -7,8 +7,8 @@ pub struct Connection {
     pub arm: String,
     /// The gripper's.
     pub gripper: String,
-    /// The cell's, `HOST:PORT`.
-    pub cell: String,
+    /// The cell's of a served twin, `HOST:PORT`; a real arm has none.
+    pub cell: Option<String>,
     /// How time passes.
     pub pace: Pace,
     /// External force (N) and external torque of a joint (N·m) at which the arm stops by reflex.

@@ -16,6 +16,9 @@ pub enum FrankaError {
         /// s.
         seconds: f64,
     },
+    /// The station has neither readings of parts nor cameras.
+    #[error("this station has neither readings of parts nor cameras")]
+    NoCell,
     /// The cell's connection.
     #[error("the cell at {address}: {error}")]
     Cell {

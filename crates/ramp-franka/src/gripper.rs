@@ -21,6 +21,8 @@ pub(crate) struct Gripper {
     network: Network,
     /// The request that it carries out.
     running: Option<u32>,
+    /// It has carried out its request, and has not reported a width since.
+    unread: bool,
     /// The command that it was given last.
     given: GripperCommand,
     /// Width as it was reported last, m.
@@ -43,19 +45,28 @@ impl Gripper {
         }
         let first = network.blocking_receive_struct::<GripperState>()?;
         let width = first.width.get();
-        Ok(Gripper { network, running: None, given: GripperCommand { width, force: 0.0 }, width })
+        Ok(Gripper {
+            network,
+            running: None,
+            unread: false,
+            given: GripperCommand { width, force: 0.0 },
+            width,
+        })
     }
 
     /// Takes what the gripper reports, and gives it the command as soon as the last one is done. Returns
-    /// whether it is busy.
+    /// whether it is busy: until it has reported a width after it was done, since that which it reported before
+    /// is up to a tenth of a second old.
     pub fn cycle(&mut self, command: &GripperCommand) -> Result<bool, FrankaError> {
         while let Some(state) = self.network.try_receive_struct::<GripperState>()? {
             self.width = state.width.get();
+            self.unread = false;
         }
         if let Some(id) = self.running {
             self.network.tcp.throw_if_connection_closed()?;
             if self.network.tcp.try_receive_response(id)?.is_some() {
                 self.running = None;
+                self.unread = true;
             }
         }
         if self.running.is_none() && *command != self.given {
@@ -71,6 +82,6 @@ impl Gripper {
             self.given = *command;
             self.running = Some(id);
         }
-        Ok(self.running.is_some())
+        Ok(self.running.is_some() || self.unread)
     }
 }

@@ -3,6 +3,7 @@
 //! Data passes one way in each millisecond: an agent steps a [`FrankaRobot`]; its thread turns the command
 //! into torques by the [`ArmController`](ramp_control::ArmController) that drives the twin, too, sends them
 //! by `link`, and hands on what the arm reports. [`cell`] has what a served twin tells beside the protocol.
+//! A [`station`] file says where the arm is, and what is known of it.
 
 pub mod cell;
 mod cell_client;
@@ -12,7 +13,9 @@ mod gripper;
 mod link;
 mod periods;
 pub mod robot;
+pub mod station;
 
 pub use connection::{Connection, Pace, Statistics};
 pub use error::FrankaError;
 pub use robot::FrankaRobot;
+pub use station::Station;

@@ -16,7 +16,7 @@ use crate::periods::Periods;
 /// A connected arm.
 pub struct FrankaRobot {
     periods: Periods,
-    cell: Cell,
+    cell: Option<Cell>,
     arm: ArmModel,
     track: Track,
     seen: Observation,
@@ -34,7 +34,7 @@ impl FrankaRobot {
         settings: &ControllerSettings,
         track: Track,
     ) -> Result<FrankaRobot, FrankaError> {
-        let cell = Cell::connect(&connection.cell)?;
+        let cell = connection.cell.as_deref().map(Cell::connect).transpose()?;
         let periods = Periods::begin(connection, arm, settings)?;
         let seen = periods.observe()?;
         Ok(FrankaRobot { periods, cell, arm: arm.clone(), track, seen, failed: None })
@@ -45,11 +45,8 @@ impl FrankaRobot {
         self.periods.statistics()
     }
 
-    fn unexpected(&self, answer: &Answer) -> FrankaError {
-        match answer {
-            Answer::Refused { why } => self.cell.wrong(why),
-            other => self.cell.wrong(&format!("an unexpected answer: {other:?}")),
-        }
+    fn cell(&mut self) -> Result<&mut Cell, FrankaError> {
+        self.cell.as_mut().ok_or(FrankaError::NoCell)
     }
 
     fn check_running(&self) -> Result<(), RobotError> {
@@ -66,22 +63,39 @@ impl FrankaRobot {
         result
     }
 
+    fn parts(&mut self) -> Result<Vec<PartReading>, FrankaError> {
+        let cell = self.cell()?;
+        match cell.ask(&Question::Parts)? {
+            Answer::Parts { parts } => Ok(parts.into_iter().map(Into::into).collect()),
+            other => Err(cell.unexpected(&other)),
+        }
+    }
+
+    fn open_shutters(&mut self) -> Result<(), FrankaError> {
+        let cell = self.cell()?;
+        match cell.ask(&Question::Expose)? {
+            Answer::Done => Ok(()),
+            other => Err(cell.unexpected(&other)),
+        }
+    }
+
     fn image(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, FrankaError> {
         if let Some(width) = width {
-            return Err(self.cell.wrong(&format!("images of {width:?} are not served")));
+            return Err(self.cell()?.wrong(&format!("images of {width:?} are not served")));
         }
-        let wait = match self.cell.ask(&Question::Image { camera })? {
+        let cell = self.cell.as_mut().ok_or(FrankaError::NoCell)?;
+        let wait = match cell.ask(&Question::Image { camera })? {
             Answer::Wait { periods } => periods,
-            other => return Err(self.unexpected(&other)),
+            other => return Err(cell.unexpected(&other)),
         };
         if wait > 0 && self.periods.pace() == Pace::LockStep {
             self.periods.wait(wait)?;
         }
-        let head = match self.cell.answer()? {
+        let head = match cell.answer()? {
             Answer::Image(head) => head,
-            other => return Err(self.unexpected(&other)),
+            other => return Err(cell.unexpected(&other)),
         };
-        let pixels = self.cell.pixels(&head)?;
+        let pixels = cell.pixels(&head)?;
         self.seen = self.periods.observe()?;
         let since = head.message as f64 - self.periods.first_message() as f64;
         Ok(Image {
@@ -113,21 +127,13 @@ impl Robot for FrankaRobot {
         if self.track == Track::Tags {
             return Err(RobotError::NotOnTrack { track: Track::Tags, what: "poses of parts" });
         }
-        let parts = match self.cell.ask(&Question::Parts) {
-            Ok(Answer::Parts { parts }) => Ok(parts.into_iter().map(Into::into).collect()),
-            Ok(other) => Err(self.unexpected(&other).into()),
-            Err(error) => Err(error.into()),
-        };
+        let parts = self.parts().map_err(RobotError::from);
         self.kept(parts)
     }
 
     fn expose(&mut self) -> Result<(), RobotError> {
         self.check_running()?;
-        let done = match self.cell.ask(&Question::Expose) {
-            Ok(Answer::Done) => Ok(()),
-            Ok(other) => Err(self.unexpected(&other).into()),
-            Err(error) => Err(error.into()),
-        };
+        let done = self.open_shutters().map_err(RobotError::from);
         self.kept(done)
     }
 

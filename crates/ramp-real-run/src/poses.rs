@@ -265,7 +265,8 @@ impl Run<'_> {
             let time = stamp.since(self.head.begin);
             self.take(transform, time, &mut tags).map_err(|why| format!("at {time:.3} s, {why}"))?;
             self.seen = Some(stamp);
-            self.truth.time = time;
+            // What is measured after the end is what stood at the end.
+            self.truth.time = time.min(self.head.end.since(self.head.begin));
         }
         if !sight.transforms.is_empty() {
             self.referee.watch(&self.truth, 0.0);
@@ -286,7 +287,8 @@ impl Run<'_> {
             return Err(format!("time runs backwards, after {:.3} s", before.since(self.head.begin)));
         }
         let total = self.head.end.since(self.head.begin);
-        if !(0.0..=total).contains(&time) {
+        let last = self.head.surveyed.map_or(total, |surveyed| surveyed.since(self.head.begin).max(total));
+        if !(0.0..=last).contains(&time) {
             // The same clock in another unit counts from the same beginning.
             let end = self.head.end.since(Stamp { sec: 0, nsec: 0 });
             let stamp = transform.timestamp.since(Stamp { sec: 0, nsec: 0 });
@@ -399,7 +401,12 @@ impl Run<'_> {
             goal: self.goal.name.clone(),
             class: self.goal.class.map(|class| class.name().to_string()),
             track: head.track,
-            real: Some(RealRun { robot: head.robot, scorer: head.scorer, source: head.source }),
+            real: Some(RealRun {
+                robot: head.robot,
+                scorer: head.scorer,
+                source: head.source,
+                kind: head.kind,
+            }),
             world: None,
             start: None,
             seed: u64::from(head.repeat),

@@ -14,7 +14,7 @@ use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_kit::source::{Fault, FormProblem, Problem, SourceFile, nearest, shorten};
 
-use ramp_result::episode::{AgentInfo, EpisodeResult, Host, RULES, RealRun, Software};
+use ramp_result::episode::{AgentInfo, EpisodeResult, Host, RULES, RealRun, RobotKind, Software};
 use ramp_result::published::{self, Published};
 use ramp_robot::MOST_EVENTS;
 use run::Run;
@@ -181,6 +181,7 @@ impl Reader<'_> {
         };
         let track = self.track(head)?;
         let real = RealRun {
+            kind: RobotKind::Arm,
             robot: self.text(head, "robot")?,
             scorer: self.text(head, "scorer")?,
             source: self.text(head, "source")?,

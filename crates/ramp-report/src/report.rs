@@ -10,6 +10,7 @@ use self::notes::notes;
 use crate::sums::{Comparison, Line, Scope};
 use crate::{curves, plot, sums};
 use ramp_result::collection::{Collection, Setting, class_rank};
+use ramp_result::episode::RobotKind;
 use ramp_result::published::Published;
 use ramp_result::statistics::holm;
 
@@ -81,12 +82,18 @@ impl Report {
         for published in &collection.published {
             if !settings.iter().any(|it| it.track == published.track) {
                 let track = published.track.clone();
-                settings.push(Setting { track, world: None, start: None, real: true, asynchronous: false });
+                settings.push(Setting {
+                    track,
+                    world: None,
+                    start: None,
+                    robot: Some(RobotKind::Arm),
+                    asynchronous: false,
+                });
             }
         }
         let rank = |name: &String| ramp_robot::Track::ALL.iter().position(|track| track.name() == name);
         settings.sort_by_key(|it| {
-            (rank(&it.track), it.real, it.asynchronous, it.world.clone(), it.start.clone())
+            (rank(&it.track), it.robot, it.asynchronous, it.world.clone(), it.start.clone())
         });
         settings.dedup();
         let mut parts: Vec<TrackPart> =
@@ -241,22 +248,22 @@ fn file_name(text: &str, others: &[Named]) -> String {
 impl TrackPart {
     /// Track, real robot or twin, world, start and pace, for a person.
     pub fn title(&self) -> String {
-        let Setting { track, world, start, real, asynchronous } = &self.setting;
-        let robot = if *real { ", real robot" } else { ", twin" };
+        let Setting { track, world, start, robot, asynchronous } = &self.setting;
+        let robot = format!(", {}", robot.map_or("twin", RobotKind::words));
         let world = world.iter().map(|world| format!(", world {world}"));
         let start = start.iter().map(|start| format!(", start {start}"));
         let pace = asynchronous.then(|| ", async".to_string());
-        [track.clone(), robot.to_string()].into_iter().chain(world).chain(start).chain(pace).collect()
+        [track.clone(), robot].into_iter().chain(world).chain(start).chain(pace).collect()
     }
 
     /// The same for a file name: letters, digits and hyphens.
     pub fn slug(&self) -> String {
-        let Setting { track, world, start, real, asynchronous } = &self.setting;
-        let robot = if *real { "-real-robot" } else { "" };
+        let Setting { track, world, start, robot, asynchronous } = &self.setting;
+        let robot = robot.map_or(String::new(), |kind| format!("-{}", kind.words()));
         let pace = asynchronous.then(|| "async".to_string());
         let conditions = world.iter().chain(start).chain(&pace).map(|it| format!("-{it}"));
         let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
-        let name: String = [track.clone(), robot.to_string()].into_iter().chain(conditions).collect();
+        let name: String = [track.clone(), robot].into_iter().chain(conditions).collect();
         name.chars().map(plain).collect()
     }
 

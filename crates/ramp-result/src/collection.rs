@@ -12,7 +12,7 @@ use ramp_kit::source::{describe_debris, is_debris, is_name, shorten};
 use ramp_robot::Track;
 use serde::Serialize;
 
-use crate::episode::{AgentInfo, EpisodeResult, RealRun, Software, StartInfo, WorldInfo};
+use crate::episode::{AgentInfo, EpisodeResult, RealRun, RobotKind, Software, StartInfo, WorldInfo};
 use crate::manipulation::Trial;
 use crate::perception::PerceptionVerdict;
 use crate::planning::PlanVerdict;
@@ -72,8 +72,8 @@ pub struct Setting {
     pub world: Option<String>,
     /// Unambiguous name of the start; `None` for real runs and published results.
     pub start: Option<String>,
-    /// True for real robots.
-    pub real: bool,
+    /// The kind of robot; `None` in the twin.
+    pub robot: Option<RobotKind>,
     /// True if the robot goes on while the agent computes.
     pub asynchronous: bool,
 }
@@ -296,7 +296,7 @@ impl Identity {
             track: self.track.clone(),
             world: self.world.clone(),
             start: self.start.clone(),
-            real: self.real.is_some(),
+            robot: self.real.as_ref().map(|real| real.kind),
             asynchronous: self.asynchronous,
         }
     }

@@ -164,6 +164,33 @@ pub struct RealRun {
     pub scorer: String,
     /// The place or publication.
     pub source: String,
+    /// Its kind.
+    #[serde(default)]
+    pub kind: RobotKind,
+}
+
+/// The kind of robot in a run outside of the twin. It says which clock a run had.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RobotKind {
+    /// An arm. Its time is that of the wall.
+    #[default]
+    Arm,
+    /// The twin behind the protocol of an arm, in real time: while the agent thinks, its time goes on.
+    ServedTwin,
+    /// The same, waiting for each command: while the agent thinks, its time stands still.
+    ServedTwinInLockStep,
+}
+
+impl RobotKind {
+    /// For a person.
+    pub fn words(self) -> &'static str {
+        match self {
+            RobotKind::Arm => "real robot",
+            RobotKind::ServedTwin => "served twin in real time",
+            RobotKind::ServedTwinInLockStep => "served twin in lock-step",
+        }
+    }
 }
 
 /// Version and commit of this software.

@@ -6,7 +6,7 @@
 //! which detections correct. [`piece`] is the same agent on a single piece of a plan, in an assembly begun by
 //! another agent. [`rehearsal`] simulates a plan without moving anything, and
 //! [`reference_times`](mod@reference_times) gives reference values for its robot time.
-//! [`replaced`](mod@replaced) names an agent whose parts are not all the baseline's.
+//! [`survey`](mod@survey) measures what stands afterwards. [`replaced`](mod@replaced) names an agent whose parts are not all the baseline's.
 
 pub mod agent;
 pub mod belief;
@@ -24,6 +24,7 @@ pub mod reference_times;
 pub mod rehearsal;
 pub mod replaced;
 pub mod skill;
+pub mod survey;
 pub mod table;
 pub mod way;
 
@@ -34,4 +35,5 @@ pub use piece::Piece;
 pub use pose::Pose;
 pub use reference_times::{ReferenceTimes, reference_times, reference_times_of_goal};
 pub use replaced::Replaced;
+pub use survey::survey;
 pub use table::SkillTable;

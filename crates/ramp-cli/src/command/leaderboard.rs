@@ -148,7 +148,9 @@ impl Board {
     ) -> Result<(), Failure> {
         let keys: Vec<Key> = self.boards.boards().iter().map(|board| board.key.clone()).collect();
         let secret = arguments.options.secret.as_deref();
-        for (key, row) in keys.iter().filter(|key| !key.real).flat_map(|key| Row::ALL.map(|row| (key, row))) {
+        for (key, row) in
+            keys.iter().filter(|key| key.robot.is_none()).flat_map(|key| Row::ALL.map(|row| (key, row)))
+        {
             let folder = row.folder(&arguments.output, key);
             if arguments.control
                 && let Err(why) = control::make(data, key, row, &arguments.output, secret)?

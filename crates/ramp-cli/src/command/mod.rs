@@ -31,6 +31,7 @@ pub mod serve;
 pub mod show;
 pub mod skills;
 pub mod start;
+pub mod station;
 pub mod sweep;
 pub mod teleop;
 pub mod trials;

@@ -24,6 +24,7 @@ use ramp_twin::{Fault, ForMujoco, Setup, Twin};
 
 use crate::command::agent;
 use crate::command::parts::Parts;
+use crate::command::station;
 use crate::options::{StartOption, TrackName, WorldOption};
 use crate::output::{check_place, make_folder_of, print, tell, write_file};
 use crate::pictures::{self, Pictures};
@@ -58,6 +59,8 @@ pub struct Arguments {
     /// gripper-weak, force-drift
     #[arg(long, value_name = "KIND[@N]")]
     fault: Option<Fault>,
+    #[command(flatten)]
+    station: station::Arguments,
     /// Show the twin in a window during the episode
     #[arg(long)]
     view: bool,
@@ -101,6 +104,23 @@ impl Arguments {
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
+    if let Some(file) = &arguments.station.robot {
+        let inputs = station::Inputs {
+            goal: &arguments.goal,
+            track: arguments.track,
+            world: &arguments.world,
+            start: &arguments.start,
+            seed: arguments.seed,
+            agent: &arguments.agent,
+            output: arguments.output.as_deref(),
+            record: arguments.record.as_deref(),
+            force: arguments.force,
+            json: arguments.json,
+            view: arguments.view,
+            pictures: &arguments.pictures,
+        };
+        return station::run(data, file, &arguments.station, &inputs);
+    }
     let end = arguments.end_after.and_then(|after| Instant::now().checked_add(Duration::from_secs(after)));
     let (assembly, texts) = data.goal_with_texts(&arguments.goal)?;
     let arm = data.arm()?;
@@ -294,7 +314,8 @@ fn robot_time(data: &Data, setup: &Setup) -> Result<Option<RobotTime>, Report> {
 }
 
 /// The result as text.
-fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
+#[cfg_attr(not(feature = "franka"), allow(unreachable_pub))]
+pub fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
     let mut text = format!(
         "{}, world {}, start {}, track {}, seed {}: {} of {} pegs\n",
         result.goal,
@@ -368,14 +389,14 @@ fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
 }
 
 /// Progress on standard error: one moving line on a terminal, a line for each action elsewhere.
-struct Display {
+pub struct Display {
     bar: Option<ProgressBar>,
     action: RefCell<String>,
 }
 
 impl Display {
     /// `pegs` is the number of pegs in the goal.
-    fn new(pegs: usize) -> Display {
+    pub fn new(pegs: usize) -> Display {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::new(pegs as u64);
             if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} pegs  {msg}") {
@@ -388,11 +409,11 @@ impl Display {
     }
 
     /// The agent's current action.
-    fn action(&self) -> String {
+    pub fn action(&self) -> String {
         self.action.borrow().clone()
     }
 
-    fn event(&self, event: &Event) {
+    pub fn event(&self, event: &Event) {
         let line = || format!("{:7.1} s  {}: {}", event.time, event.kind.name(), event.kind);
         match (&self.bar, &event.kind) {
             (_, EventKind::ActionBegun(action)) => *self.action.borrow_mut() = action.to_string(),
@@ -403,14 +424,14 @@ impl Display {
         }
     }
 
-    fn progress(&self, progress: &Progress) {
+    pub fn progress(&self, progress: &Progress) {
         if let Some(bar) = &self.bar {
             bar.set_position(progress.seated as u64);
             bar.set_message(format!("{:.1} s  {}", progress.time, self.action.borrow()));
         }
     }
 
-    fn finish(&self) {
+    pub fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
@@ -421,14 +442,14 @@ impl Display {
 use ramp_twin::view::Window as TwinWindow;
 
 /// The live window, if the program was built with it.
-struct Window {
+pub struct Window {
     #[cfg(feature = "view")]
     inner: TwinWindow,
 }
 
 impl Window {
     #[cfg(feature = "view")]
-    fn open(setup: &Setup) -> Result<Window, Report> {
+    pub fn open(setup: &Setup) -> Result<Window, Report> {
         let inner = TwinWindow::open(setup).map_err(|error| {
             miette!(help = "is there a display? without one, leave --view out", "{error}")
         })?;
@@ -436,7 +457,7 @@ impl Window {
     }
 
     #[cfg(not(feature = "view"))]
-    fn open(_: &Setup) -> Result<Window, Report> {
+    pub fn open(_: &Setup) -> Result<Window, Report> {
         Err(miette!(
             help = "build it with `cargo build --release --features view` (needs OpenGL and a display), or leave --view out",
             "this program was built without a window"
@@ -444,7 +465,7 @@ impl Window {
     }
 
     #[cfg_attr(not(feature = "view"), allow(clippy::unused_self, unused_variables))]
-    fn show(&mut self, twin: &Twin) {
+    pub fn show(&mut self, twin: &Twin) {
         #[cfg(feature = "view")]
         self.inner.show(twin);
     }

@@ -52,12 +52,18 @@ enum Pace {
     LockStep,
 }
 
+/// Without the feature there is nothing to serve or to drive.
 #[cfg(not(feature = "franka"))]
-pub fn run(_: &Data, _: &Arguments) -> Result<u8, Report> {
-    Err(miette::miette!(
+pub fn built_without() -> Report {
+    miette::miette!(
         help = "build it with `cargo build --release --features franka`",
         "this program was built without Franka's protocol"
-    ))
+    )
+}
+
+#[cfg(not(feature = "franka"))]
+pub fn run(_: &Data, _: &Arguments) -> Result<u8, Report> {
+    Err(built_without())
 }
 
 #[cfg(feature = "franka")]

@@ -1,5 +1,6 @@
 //! The JSON messages of a log of poses.
 
+use ramp_result::episode::RobotKind;
 use serde::Deserialize;
 
 /// Identity of the run.
@@ -24,6 +25,11 @@ pub(super) struct Head {
     pub planning: f64,
     pub end: Stamp,
     pub ended: String,
+    /// Until when what stands was measured after the end.
+    #[serde(default)]
+    pub surveyed: Option<Stamp>,
+    #[serde(default)]
+    pub kind: RobotKind,
 }
 
 /// A time by the clock of the poses.

@@ -2,7 +2,7 @@
 
 use ramp_log::Named;
 use ramp_result::collection::{Collection, class_rank};
-use ramp_result::episode::{EpisodeResult, RealRun};
+use ramp_result::episode::{EpisodeResult, RealRun, RobotKind};
 use ramp_robot::Track;
 
 use crate::sums::{self, Line, Scope};
@@ -26,8 +26,8 @@ pub struct Key {
     pub start: Option<Named>,
     /// The rules of judging.
     pub rules: String,
-    /// Whether the runs were on real robots.
-    pub real: bool,
+    /// The kind of robot; `None` in the twin.
+    pub robot: Option<RobotKind>,
     /// Whether the robot went on while the agent computed.
     pub asynchronous: bool,
 }
@@ -41,7 +41,7 @@ impl Key {
             world: result.world.as_ref().map(|it| Named { name: it.name.clone(), sha256: it.sha256.clone() }),
             start: result.start.as_ref().map(|it| Named { name: it.name.clone(), sha256: it.sha256.clone() }),
             rules: result.rules.clone(),
-            real: result.real.is_some(),
+            robot: result.real.as_ref().map(|real| real.kind),
             asynchronous: result.agent.asynchronous,
         }
     }
@@ -50,38 +50,39 @@ impl Key {
     pub fn title(&self) -> String {
         let class =
             self.class.as_ref().map_or("Goals without a class".to_string(), |it| format!("Class {it}"));
-        let robot = if self.real { ", real robot" } else { ", twin" };
+        let robot = self.robot.map_or("twin", RobotKind::words);
         let version = |kind: &str, file: &Option<Named>| {
             file.as_ref()
                 .map_or(String::new(), |it| format!(", {kind} {} ({})", it.name, begin(it, SHOWN_HASH)))
         };
         let (world, start) = (version("world", &self.world), version("start", &self.start));
         let pace = if self.asynchronous { ", async" } else { "" };
-        format!("{class}, track {}{robot}{world}{start}{pace}", self.track)
+        format!("{class}, track {}, {robot}{world}{start}{pace}", self.track)
     }
 
     /// For the name of a file: letters, digits and hyphens.
     pub fn slug(&self) -> String {
         let class = self.class.as_deref().unwrap_or("no-class");
-        let real = if self.real { "-real" } else { "" };
+        let robot = self.robot.map_or(String::new(), |kind| format!("-{}", kind.words()));
         let pace = if self.asynchronous { "-async" } else { "" };
         let version = |file: &Option<Named>| {
             file.as_ref().map_or(String::new(), |it| format!("-{}-{}", it.name, begin(it, SLUG_HASH)))
         };
         let (world, start) = (version(&self.world), version(&self.start));
-        format!("{class}-{}{world}{start}{real}{pace}-{}", self.track, self.rules)
+        format!("{class}-{}{world}{start}{robot}{pace}-{}", self.track, self.rules)
             .chars()
             .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' })
             .collect()
     }
 
     /// Easy classes first, tracks in their order, real robots last.
-    fn rank(&self) -> (usize, usize, [bool; 2], [Option<&Named>; 2], &str) {
+    fn rank(&self) -> (usize, usize, Option<RobotKind>, bool, [Option<&Named>; 2], &str) {
         let track = Track::ALL.iter().position(|known| known.name() == self.track);
         (
             class_rank(self.class.as_deref()),
             track.unwrap_or(Track::ALL.len()),
-            [self.real, self.asynchronous],
+            self.robot,
+            self.asynchronous,
             [self.world.as_ref(), self.start.as_ref()],
             &self.rules,
         )

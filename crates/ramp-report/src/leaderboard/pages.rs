@@ -2,6 +2,7 @@
 //! the refused entries.
 
 use maud::{Markup, html};
+use ramp_result::episode::RobotKind;
 
 use super::boards::{Board, Boards, Control, Standing};
 use crate::columns::{self, Column, name, number, sentences};
@@ -130,8 +131,10 @@ fn board_words(board: &Board) -> Markup {
             (counted(board.standings.len(), "entry", "entries")) ", rules " (board.key.rules)
             ". Higher completion first, then less total time. Intervals are of 95 %. The bound is a lower one for the robot's \
              time; the reference is the time of the same plan without looks and retries. "
-            @if board.key.real {
+            @if board.key.robot == Some(RobotKind::Arm) {
                 "By stopwatch: these cannot be reproduced."
+            } @else if board.key.robot.is_some() {
+                "Over the wire: these are not run again."
             } @else {
                 "Every result was run again from its log and is equal to the last bit. " (SOURCES)
             }

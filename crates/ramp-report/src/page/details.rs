@@ -2,6 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
+use super::capital;
 use super::view::View;
 use crate::columns::{Column, name, number, sentences, table};
 use crate::format::{NONE, percent, seconds};
@@ -82,7 +83,7 @@ pub fn origin(view: View) -> Markup {
             h3 { (view.swatch(index)) (it.agent) " " (it.agent_version) ", track " (it.track) }
             p {
                 @if let Some(real) = &it.real {
-                    "A real robot: " (real.robot) ". Scored by " (real.scorer) ". " (real.source) ". "
+                    (capital(real.kind.words())) ": " (real.robot) ". Scored by " (real.scorer) ". " (real.source) ". "
                 } @else {
                     "In the twin. "
                 }

@@ -3,7 +3,7 @@
 use ramp_report::leaderboard::{Boards, pages, standings};
 use ramp_report::{Report, page};
 use ramp_result::collection::{Collection, collect};
-use ramp_result::episode::{EpisodeResult, RealRun, StartInfo, WorldInfo};
+use ramp_result::episode::{EpisodeResult, RealRun, RobotKind, StartInfo, WorldInfo};
 use ramp_result::testing::episode;
 use ramp_twin::{Start, World};
 
@@ -27,6 +27,7 @@ fn results() -> Collection {
         robot: "Franka Research 3".into(),
         scorer: "A. Person".into(),
         source: "made up".into(),
+        kind: RobotKind::Arm,
     });
     let mut all = vec![real];
     for seed in 1..=5 {

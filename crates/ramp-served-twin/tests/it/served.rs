@@ -95,7 +95,7 @@ impl Served {
         Connection {
             arm: at(0),
             gripper: at(1),
-            cell: at(2),
+            cell: Some(at(2)),
             pace: match pace {
                 Pace::RealTime => ramp_franka::Pace::RealTime,
                 Pace::LockStep => ramp_franka::Pace::LockStep,

@@ -151,7 +151,7 @@ impl Workcell<'_, '_> {
     }
 
     /// Brings the camera on the empty hand over a point of the world.
-    fn visit(&mut self, aim: &Point3<f64>) -> Result<(), SkillError> {
+    pub(crate) fn visit(&mut self, aim: &Point3<f64>) -> Result<(), SkillError> {
         let Mount::Tip(x_tc) = self.hand.camera(Camera::Wrist).mount else { return Ok(()) };
         let x = self.hand.seen.x_wt.rotation * Vector3::x();
         let yaw = x.y.atan2(x.x);

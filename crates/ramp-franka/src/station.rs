@@ -1,0 +1,273 @@
+//! The station file: an arm at its table. `docs/src/reference/station-files.md` describes it.
+
+use std::net::IpAddr;
+use std::ops::Range;
+use std::path::Path;
+
+use ramp_control::{ControllerSettings, JointVector};
+use ramp_robot::DOF;
+use ramp_source::{Fault, FormProblem, MAX_TITLE, Problem, SourceFile, is_text, shorten};
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::connection::{Connection, Pace};
+
+/// An error in a station file, with its place.
+pub type StationFault = Fault<StationProblem>;
+
+/// Kinds of errors in a station file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StationProblem {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Form(#[from] FormProblem),
+    /// The file is not TOML, or lacks something, or has what a station file has not.
+    #[error("this is not a station file: {why}")]
+    Toml {
+        /// The parser's reason.
+        why: String,
+    },
+    /// A value out of its range.
+    #[error("found {name} = {found}, expected {expected}")]
+    Value {
+        /// Its name.
+        name: &'static str,
+        /// The value.
+        found: String,
+        /// The allowed values.
+        expected: String,
+    },
+}
+
+impl Problem for StationProblem {
+    fn label(&self) -> String {
+        match self {
+            StationProblem::Form(problem) => problem.label(),
+            StationProblem::Toml { .. } => "here".to_string(),
+            StationProblem::Value { expected, .. } => format!("expected {expected}"),
+        }
+    }
+
+    fn help(&self) -> Option<String> {
+        match self {
+            StationProblem::Form(problem) => problem.help(),
+            _ => Some("examples/station-twin.toml has all that a station file holds".to_string()),
+        }
+    }
+}
+
+/// An arm at its table.
+#[derive(Clone, Debug)]
+pub struct Station {
+    /// The robot, in words.
+    pub robot: String,
+    /// Who answers for runs there.
+    pub scorer: String,
+    /// Where it is.
+    pub source: String,
+    /// Name of the arm file.
+    pub arm: String,
+    /// The addresses.
+    pub connection: Connection,
+    /// What the controller knows of the arm.
+    pub controller: ControllerSettings,
+    /// The lowest corner of the box in which the tip may be, in the world, m.
+    pub low: [f64; 3],
+    /// Its highest corner, m.
+    pub high: [f64; 3],
+    /// The share of the arm's largest velocities that agents plan with, above 0 and up to 1.
+    pub speed: f64,
+}
+
+impl Station {
+    /// Reads a station file.
+    ///
+    /// # Errors
+    /// The first error in it, with its place.
+    pub fn read(path: &Path) -> Result<Station, StationFault> {
+        Station::from_source(&SourceFile::read(path)?)
+    }
+
+    /// Reads the text of a station file.
+    ///
+    /// # Errors
+    /// As [`Station::read`].
+    pub fn from_source(file: &SourceFile) -> Result<Station, StationFault> {
+        let form: Form = toml::from_str(file.text()).map_err(|error| {
+            let why = error.message().trim().replace('\n', ", ");
+            Fault::new(StationProblem::Toml { why }, file.place(error.span().unwrap_or(0..0)))
+        })?;
+        form.check(file)
+    }
+
+    /// Whether the arm is on this machine: a served twin.
+    pub fn is_loopback(&self) -> bool {
+        let host =
+            self.connection.arm.rsplit_once(':').map_or(self.connection.arm.as_str(), |(host, _)| host);
+        host == "localhost" || host.parse::<IpAddr>().is_ok_and(|ip| ip.is_loopback())
+    }
+}
+
+/// The file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Form {
+    robot: Spanned<String>,
+    scorer: Spanned<String>,
+    source: Spanned<String>,
+    arm: String,
+    fci: FciForm,
+    controller: ControllerForm,
+    workspace: WorkspaceForm,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FciForm {
+    address: Spanned<String>,
+    gripper: Option<String>,
+    cell: Option<String>,
+    #[serde(default)]
+    pace: PaceForm,
+    reflex_force: Spanned<f64>,
+    reflex_torque: Spanned<f64>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum PaceForm {
+    #[default]
+    RealTime,
+    LockStep,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ControllerForm {
+    armature: Spanned<[f64; DOF]>,
+    friction: Spanned<[f64; DOF]>,
+    compensation: Spanned<f64>,
+    compensation_rate: Spanned<f64>,
+    torque_rate: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WorkspaceForm {
+    low: Spanned<[f64; 3]>,
+    high: Spanned<[f64; 3]>,
+    speed: Spanned<f64>,
+}
+
+/// Refuses values of a file.
+struct Check<'a>(&'a SourceFile);
+
+impl Check<'_> {
+    fn wrong(&self, name: &'static str, found: String, expected: String, span: Range<usize>) -> StationFault {
+        Fault::new(StationProblem::Value { name, found, expected }, self.0.place(span))
+    }
+
+    fn text(&self, name: &'static str, value: &Spanned<String>) -> Result<String, StationFault> {
+        let text = value.get_ref();
+        if text.trim().is_empty() || !is_text(text, MAX_TITLE) {
+            let expected = format!("1 to {MAX_TITLE} characters, none of them a control character");
+            return Err(self.wrong(name, format!("\"{}\"", shorten(text)), expected, value.span()));
+        }
+        Ok(text.clone())
+    }
+
+    fn number(
+        &self,
+        name: &'static str,
+        value: &Spanned<f64>,
+        [low, high]: [f64; 2],
+    ) -> Result<f64, StationFault> {
+        self.all(name, value.span(), &[*value.get_ref()], [low, high])?;
+        Ok(*value.get_ref())
+    }
+
+    fn all(
+        &self,
+        name: &'static str,
+        span: Range<usize>,
+        values: &[f64],
+        [low, high]: [f64; 2],
+    ) -> Result<(), StationFault> {
+        match values.iter().find(|value| !(low..=high).contains(*value)) {
+            Some(value) => Err(self.wrong(name, value.to_string(), format!("{low} to {high}"), span)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The largest distance of a wall from the base, m.
+const FAR: f64 = 2.0;
+
+impl Form {
+    fn check(self, file: &SourceFile) -> Result<Station, StationFault> {
+        let Form { robot, scorer, source, arm, fci, controller, workspace } = self;
+        let check = Check(file);
+        let address = check.text("address", &fci.address)?;
+        let gripper = match fci.gripper {
+            Some(gripper) => gripper,
+            None => match address.rsplit_once(':') {
+                None => address.clone(),
+                Some((host, port)) => {
+                    let port = port.parse::<u16>().ok().and_then(|port| port.checked_add(1));
+                    let port = port.ok_or_else(|| {
+                        let expected = "HOST or HOST:PORT".to_string();
+                        check.wrong(
+                            "address",
+                            format!("\"{}\"", shorten(&address)),
+                            expected,
+                            fci.address.span(),
+                        )
+                    })?;
+                    format!("{host}:{port}")
+                }
+            },
+        };
+        let connection = Connection {
+            gripper,
+            arm: address,
+            cell: fci.cell,
+            pace: match fci.pace {
+                PaceForm::RealTime => Pace::RealTime,
+                PaceForm::LockStep => Pace::LockStep,
+            },
+            reflex_force: check.number("reflex_force", &fci.reflex_force, [1.0, 200.0])?,
+            reflex_torque: check.number("reflex_torque", &fci.reflex_torque, [1.0, 200.0])?,
+        };
+        check.all("armature", controller.armature.span(), controller.armature.get_ref(), [0.0, 10.0])?;
+        check.all("friction", controller.friction.span(), controller.friction.get_ref(), [0.0, 10.0])?;
+        let settings = ControllerSettings {
+            armature: JointVector::from(*controller.armature.get_ref()),
+            friction: JointVector::from(*controller.friction.get_ref()),
+            compensation: check.number("compensation", &controller.compensation, [0.0, 1.0])?,
+            compensation_rate: check.number(
+                "compensation_rate",
+                &controller.compensation_rate,
+                [0.0, 1000.0],
+            )?,
+            torque_rate: Some(check.number("torque_rate", &controller.torque_rate, [1.0, 1000.0])?),
+        };
+        let (low, high) = (*workspace.low.get_ref(), *workspace.high.get_ref());
+        check.all("low", workspace.low.span(), &low, [-FAR, FAR])?;
+        for axis in 0..3 {
+            check.all("high", workspace.high.span(), &[high[axis]], [low[axis], FAR])?;
+        }
+        let speed = check.number("speed", &workspace.speed, [0.05, 1.0])?;
+        Ok(Station {
+            robot: check.text("robot", &robot)?,
+            scorer: check.text("scorer", &scorer)?,
+            source: check.text("source", &source)?,
+            arm,
+            connection,
+            controller: settings,
+            low,
+            high,
+            speed,
+        })
+    }
+}
