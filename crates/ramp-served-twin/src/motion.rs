@@ -10,8 +10,9 @@ use crate::state::Commanded;
 pub(crate) const MOST_LOST: u32 = 20;
 /// Largest rate of a commanded torque, N·m/s. From Franka's specification of the robot.
 const TORQUE_RATE: f64 = 1000.0;
-/// Share by which the rate may be exceeded, for rounding.
-const ROUNDING: f64 = 1e-6;
+/// Share by which the rate may be exceeded, for rounding: the numbers of version 10 have 24 bits, and the largest
+/// torque is 87 N·m.
+const ROUNDING: f64 = 1e-5;
 /// The cycles over which the success rate is reported.
 const REPORTED: usize = 100;
 
@@ -99,8 +100,9 @@ impl Motion {
         }
     }
 
-    /// The next cycle, with its command if one came.
-    pub fn next(&mut self, command: Option<Commanded>) -> Cycle {
+    /// The next cycle, with its command if one came. `received` are the torques (N·m) that the arm received last:
+    /// what the line lost counts for nothing.
+    pub fn next(&mut self, command: Option<Commanded>, received: &[f64; DOF]) -> Cycle {
         if command.is_none() && !self.begun {
             return Cycle::Waits;
         }
@@ -115,7 +117,7 @@ impl Motion {
                 self.lost = 0;
                 let most = TORQUE_RATE * PERIOD * (1.0 + ROUNDING);
                 let jumps = |joint: usize| {
-                    let change = (command.torques[joint] - self.torques[joint]).abs();
+                    let change = (command.torques[joint] - received[joint]).abs();
                     !change.is_finite() || change > most
                 };
                 if (0..DOF).any(jumps) {
@@ -169,6 +171,8 @@ pub(crate) fn status(version: FciVersion, status: MoveStatus) -> u8 {
 mod tests {
     use super::*;
 
+    const REST: [f64; DOF] = [0.0; DOF];
+
     fn command(torque: f64) -> Option<Commanded> {
         Some(Commanded { message: 0, torques: [torque; DOF], finished: false })
     }
@@ -177,16 +181,16 @@ mod tests {
     #[test]
     fn twenty_lost_commands_stop_the_arm() {
         let mut motion = Motion::new(1, 1);
-        assert!(matches!(motion.next(None), Cycle::Waits), "nothing is lost before the first command");
-        assert!(matches!(motion.next(command(0.5)), Cycle::Acts(_)));
+        assert!(matches!(motion.next(None, &REST), Cycle::Waits), "nothing is lost before the first command");
+        assert!(matches!(motion.next(command(0.5), &[0.5; DOF]), Cycle::Acts(_)));
         for _ in 0..19 {
-            assert!(matches!(motion.next(None), Cycle::Acts(torques) if torques == [0.5; DOF]));
+            assert!(matches!(motion.next(None, &REST), Cycle::Acts(torques) if torques == [0.5; DOF]));
         }
-        assert!(matches!(motion.next(command(0.5)), Cycle::Acts(_)));
+        assert!(matches!(motion.next(command(0.5), &[0.5; DOF]), Cycle::Acts(_)));
         for _ in 0..19 {
-            assert!(matches!(motion.next(None), Cycle::Acts(_)));
+            assert!(matches!(motion.next(None, &REST), Cycle::Acts(_)));
         }
-        assert!(matches!(motion.next(None), Cycle::Stops("communication_constraints_violation")));
+        assert!(matches!(motion.next(None, &REST), Cycle::Stops("communication_constraints_violation")));
     }
 
     /// Torques begin at zero and change by a newton metre a cycle at most.
@@ -195,10 +199,27 @@ mod tests {
         for torques in [&[1.1][..], &[0.9, 2.0], &[f64::NAN]] {
             let mut motion = Motion::new(1, 1);
             let (last, before) = torques.split_last().unwrap_or((&0.0, &[]));
+            let mut received = REST;
             for torque in before {
-                assert!(matches!(motion.next(command(*torque)), Cycle::Acts(_)));
+                assert!(matches!(motion.next(command(*torque), &received), Cycle::Acts(_)));
+                received = [*torque; DOF];
             }
-            assert!(matches!(motion.next(command(*last)), Cycle::Stops("controller_torque_discontinuity")));
+            assert!(matches!(
+                motion.next(command(*last), &received),
+                Cycle::Stops("controller_torque_discontinuity")
+            ));
         }
+    }
+
+    /// After commands that the line lost, the next one goes on from what the arm has.
+    #[test]
+    fn lost_torques_are_no_reference() {
+        let mut motion = Motion::new(1, 1);
+        assert!(matches!(motion.next(command(0.9), &REST), Cycle::Acts(_)));
+        assert!(matches!(motion.next(command(-0.9), &REST), Cycle::Acts(_)));
+        assert!(matches!(
+            motion.next(command(-0.9), &[0.9; DOF]),
+            Cycle::Stops("controller_torque_discontinuity")
+        ));
     }
 }

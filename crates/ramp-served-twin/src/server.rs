@@ -332,14 +332,16 @@ impl Server {
 
     /// Stops a motion with the error of this name. At rest an error is only kept.
     fn stop(&mut self, name: &str) {
-        self.state.errors[index(name)] = 1;
+        let known = std::mem::replace(&mut self.state.errors[index(name)], 1) == 1;
         self.state.reflex = [0; ERRORS];
         self.state.reflex[index(name)] = 1;
         let motion = match &self.doing {
             Doing::Move(motion) => Some((motion.command, motion.id)),
             _ => None,
         };
-        self.say(&format!("the arm stopped: {name}"));
+        if !known {
+            self.say(&format!("the arm stopped: {name}"));
+        }
         self.rest(Doing::Stopped, robot_mode::REFLEX);
         if let Some((command, id)) = motion {
             let aborted = status(self.options.version, MoveStatus::ReflexAborted);
@@ -384,9 +386,10 @@ impl Server {
 
     /// The torques of this cycle; `None` at rest.
     fn obey(&mut self, command: Option<Commanded>) -> Option<[f64; ramp_robot::DOF]> {
+        let received = self.state.tau_j_d;
         let Doing::Move(motion) = &mut self.doing else { return None };
         let came = command.is_some();
-        let cycle = motion.next(command);
+        let cycle = motion.next(command, &received);
         let (request, id) = (motion.command, motion.id);
         if motion.begun {
             self.statistics.cycles += 1;

@@ -54,7 +54,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let kit = data.kit()?;
     let software = software();
     let log = if path.extension().is_some_and(|ending| ending == ENDING) {
-        let reader = poses::Reader { kit, goals: &goals, software: &software, order: arguments.quaternion };
+        let order = arguments.quaternion;
+        let reader = poses::Reader { kit, goals: &goals, software: &software, order, unmeasured: false };
         let judged = reader.read(path).into_diagnostic()?;
         if !judged.clamped_seen {
             tell(

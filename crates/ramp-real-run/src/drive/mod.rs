@@ -108,7 +108,7 @@ pub fn drive(
     let bytes = recorder.finish(&head, &events)?;
     let goals = std::slice::from_ref(run.assembly);
     let order = QuaternionOrder::default();
-    let reader = Reader { kit: &run.assembly.kit, goals, software: run.software, order };
+    let reader = Reader { kit: &run.assembly.kit, goals, software: run.software, order, unmeasured: true };
     let mut result = reader.from_bytes(path, &bytes)?.result;
     result.plan = PlanInfo { coarse, fine, replans };
     result.events = events;

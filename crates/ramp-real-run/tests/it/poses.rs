@@ -92,7 +92,8 @@ impl Bench {
     pub(crate) fn judge_in(&self, bytes: &[u8], order: QuaternionOrder) -> Result<EpisodeResult, String> {
         let software = Software { version: "test".into(), commit: "test".into() };
         let goals = std::slice::from_ref(&self.0.assembly);
-        let reader = Reader { kit: &self.0.assembly.kit, goals, software: &software, order };
+        let reader =
+            Reader { kit: &self.0.assembly.kit, goals, software: &software, order, unmeasured: false };
         let judged = reader.from_bytes(Path::new("run.mcap"), bytes);
         judged.map(|judged| judged.result).map_err(|error| error.to_string())
     }
