@@ -20,6 +20,8 @@ pub(crate) struct Link<'r> {
     state: RobotState,
     gripper_command: GripperCommand,
     busy: bool,
+    /// The number of timeouts of the client library, of a second each, after which an arm counts as dead.
+    patience: u32,
     /// The number of the arm's state that the first command answered: a millisecond each; `None` before it.
     begin: Option<u64>,
 }
@@ -31,6 +33,7 @@ impl<'r> Link<'r> {
         gripper: Gripper,
         arm: &ArmModel,
         settings: &ControllerSettings,
+        patience: u32,
     ) -> Result<Link<'r>, FrankaError> {
         let mut control = robot.start_torque_control()?;
         let (state, _) = control.read_once()?;
@@ -44,6 +47,7 @@ impl<'r> Link<'r> {
             state,
             gripper_command,
             busy: false,
+            patience,
         })
     }
 
@@ -59,7 +63,7 @@ impl<'r> Link<'r> {
     pub fn period(&mut self, command: Option<&Command>) -> Result<(), FrankaError> {
         if self.begin.is_none() {
             // The arm's states went on since the motion began, and a command must answer the newest.
-            self.state = self.control.read_once()?.0;
+            self.state = self.read()?;
             self.begin = Some(number(&self.state));
         }
         let torques = match command {
@@ -74,7 +78,7 @@ impl<'r> Link<'r> {
             self.busy = self.gripper.cycle(&self.gripper_command)?;
         }
         self.control.write_once(&Torques::new(torques.into()))?;
-        self.state = self.control.read_once()?.0;
+        self.state = self.read()?;
         let positions = JointVector::from(self.state.q);
         let weight = self.controller.model().weight(&positions);
         self.controller.sensed(&Sensed {
@@ -84,6 +88,17 @@ impl<'r> Link<'r> {
             received: JointVector::from(self.state.tau_J_d),
         });
         Ok(())
+    }
+
+    /// The next state.
+    fn read(&mut self) -> Result<RobotState, FrankaError> {
+        let mut timeouts = 0;
+        loop {
+            match self.control.read_once() {
+                Err(franka::FrankaError::Network(_)) if timeouts + 1 < self.patience => timeouts += 1,
+                other => return Ok(other?.0),
+            }
+        }
     }
 
     /// What the arm reported last.

@@ -199,7 +199,11 @@ fn keep(
     let [force, torque] = [connection.reflex_force, connection.reflex_torque];
     robot.set_collision_behavior_simple([torque; 7], [torque; 7], [force; 6], [force; 6])?;
     let gripper = Gripper::connect(&connection.gripper)?;
-    let mut link = Link::begin(&robot, gripper, arm, settings)?;
+    let patience = match connection.pace {
+        Pace::RealTime => 1,
+        Pace::LockStep => SILENCE_IN_LOCK_STEP.as_secs() as u32,
+    };
+    let mut link = Link::begin(&robot, gripper, arm, settings, patience)?;
     {
         let mut slot = shared.lock();
         slot.seen = Some(link.observe());

@@ -271,3 +271,54 @@ impl Form {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    // A failed unwrap here is a failed test.
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    const EXAMPLE: &str = include_str!("../../../examples/station-twin.toml");
+
+    fn read(text: &str) -> Result<Station, StationFault> {
+        Station::from_source(&SourceFile::new("station.toml", text))
+    }
+
+    /// The example is a station on this machine, whose gripper is at the port after the arm's.
+    #[test]
+    fn the_example_is_the_served_twin() {
+        let station = read(EXAMPLE).unwrap();
+        assert!(station.is_loopback());
+        assert_eq!(station.connection.gripper, "127.0.0.1:1338");
+        assert_eq!(station.connection.pace, Pace::RealTime);
+        assert_eq!(station.arm, "fr3");
+    }
+
+    /// An arm in the network is not on this machine, whatever its name begins with.
+    #[test]
+    fn an_arm_in_the_network_is_not_on_this_machine() {
+        for address in ["172.16.0.2", "localhost.example.org:1337", "127.example.org"] {
+            let station = read(&EXAMPLE.replace("127.0.0.1:1337", address)).unwrap();
+            assert!(!station.is_loopback(), "{address}");
+        }
+    }
+
+    /// What is wrong is told with its line.
+    #[test]
+    fn errors_have_their_line() {
+        let speed = EXAMPLE.lines().position(|line| line.starts_with("speed")).unwrap() + 1;
+        for (from, to, line, said) in [
+            ("speed = 1.0", "speed = 3.0", speed, "found speed = 3, expected 0.05 to 1"),
+            ("speed = 1.0", "sped = 1.0", speed, "unknown field `sped`"),
+            ("speed = 1.0", "speed = nan", speed, "found speed = NaN"),
+            ("127.0.0.1:1337", "127.0.0.1:99999", 10, "expected HOST or HOST:PORT"),
+        ] {
+            let fault = read(&EXAMPLE.replace(from, to)).unwrap_err();
+            assert!(fault.to_string().contains(said), "{fault}");
+            assert!(fault.location().starts_with(&format!("station.toml:{line}:")), "{fault:?}");
+        }
+        let fault = read(&EXAMPLE.replace("high = [0.85", "high = [-0.85")).unwrap_err();
+        assert!(fault.to_string().contains("found high = -0.85"), "{fault}");
+    }
+}

@@ -1,8 +1,9 @@
 //! The survey of a finished frame: the wrist camera visits every connection, and all that it sees of a part
 //! becomes one estimate of the part's pose. It measures what stands, for a referee, and changes nothing.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
+use nalgebra::Point3;
 use ramp_assembly::Assembly;
 use ramp_motion::PathPlanner;
 use ramp_robot::arm::ArmModel;
@@ -15,7 +16,7 @@ use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::parameters::Parameters;
 
-/// Images of each camera that are taken over each connection.
+/// Images of each camera that are taken over each point.
 const LOOKS: usize = 3;
 
 /// Measures the poses (in the world) of the parts that stand, by name, with the hand empty. A part that was
@@ -38,30 +39,50 @@ pub fn survey(
     let mut cell = Workcell::new(assembly, arm, &planner, robot, seed, parameters, Start::moved());
     cell.belief.parts.eyes.on_track(track);
     let mut seen: BTreeMap<String, Estimate> = BTreeMap::new();
-    let outcome = visit_all(&mut cell, &mut seen);
-    match outcome {
+    match visit_all(&mut cell, &mut seen) {
         Err(SkillError::Robot(error)) => Err(error),
         // From where the hand could not go, nothing is seen.
         _ => Ok(seen.into_iter().map(|(part, estimate)| (part, estimate.x)).collect()),
     }
 }
 
-/// Shows the wrist camera the sheet's tag, which calibrates it, and then every connection.
+/// Shows the wrist camera the sheet's tag, which calibrates it, then the hole of every connection, and of each
+/// beam there the tag that is nearest.
 fn visit_all(cell: &mut Workcell, seen: &mut BTreeMap<String, Estimate>) -> Result<(), SkillError> {
     cell.calibrate()?;
-    for connection in &cell.assembly.connections {
-        let hole = cell.belief.x_wa() * cell.assembly.p_a_hole(connection.female);
-        cell.visit(&hole)?;
-        for _ in 0..LOOKS {
-            cell.hand.expose()?;
+    let (assembly, x_wa) = (cell.assembly, cell.belief.x_wa());
+    for connection in &assembly.connections {
+        look_at(cell, x_wa * assembly.p_a_hole(connection.female), seen)?;
+    }
+    let mut shown = BTreeSet::new();
+    for joint in assembly.connections.iter().flat_map(|connection| [connection.female, connection.male]) {
+        let placed = &assembly.beams[joint.beam];
+        let hole = placed.beam.p_b_hole(joint.joint);
+        let Some(tag) = cell.belief.parts.eyes.nearest_tag(&placed.beam.name, &hole) else { continue };
+        // Two joints of a beam may be nearest to one tag.
+        if joint.beam != assembly.base && shown.insert((joint.beam, tag.coords.map(f64::to_bits).data.0)) {
+            look_at(cell, x_wa * placed.x_ab * tag, seen)?;
         }
-        for _ in 0..LOOKS {
-            for sighting in cell.belief.parts.eyes.look(&mut cell.hand, &[])? {
-                match seen.get_mut(&sighting.part) {
-                    Some(estimate) => estimate.fuse(&sighting.estimate),
-                    None => {
-                        seen.insert(sighting.part, sighting.estimate);
-                    }
+    }
+    Ok(())
+}
+
+/// Brings the wrist camera over a point of the world, and takes images there.
+fn look_at(
+    cell: &mut Workcell,
+    aim: Point3<f64>,
+    seen: &mut BTreeMap<String, Estimate>,
+) -> Result<(), SkillError> {
+    cell.visit(&aim)?;
+    for _ in 0..LOOKS {
+        cell.hand.expose()?;
+    }
+    for _ in 0..LOOKS {
+        for sighting in cell.belief.parts.eyes.look(&mut cell.hand, &[])? {
+            match seen.get_mut(&sighting.part) {
+                Some(estimate) => estimate.fuse(&sighting.estimate),
+                None => {
+                    seen.insert(sighting.part, sighting.estimate);
                 }
             }
         }

@@ -119,12 +119,13 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let statistics = server.statistics();
     let verdict = server.end();
     print(&format!(
-        "{} of {} pegs count; {:.3} s of the twin, largest force {:.0} N\n{} cycles in motions, {} without a command \
+        "{} of {} pegs count; {:.3} s of the twin, largest force {:.0} N, state {:016x}\n{} cycles in motions, {} without a command \
          in time; {} cycles late by the clock, the longest took {:.1} ms\n",
         verdict.seated,
         verdict.pegs,
         verdict.time,
         verdict.largest_force,
+        verdict.state,
         statistics.cycles,
         statistics.missed,
         statistics.late,

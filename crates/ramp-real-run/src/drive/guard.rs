@@ -35,24 +35,26 @@ impl Workspace {
 }
 
 /// A robot behind guards.
-pub struct Guard<'a> {
-    robot: &'a mut dyn Robot,
+pub struct Guard<'a, R: Robot + ?Sized> {
+    pub(super) robot: &'a mut R,
     workspace: Workspace,
     kinematics: Kinematics,
     smoother: Smoother,
     stop: &'a dyn Fn() -> Option<String>,
     last: Option<Command>,
+    /// Whether commands that do not follow the last one are made to.
+    pub(super) smooths: bool,
     stopped: Option<RobotError>,
 }
 
-impl<'a> Guard<'a> {
+impl<'a, R: Robot + ?Sized> Guard<'a, R> {
     /// Guards a robot. `stop` gives the reason of a person who wants it to stop.
     pub fn new(
-        robot: &'a mut dyn Robot,
+        robot: &'a mut R,
         arm: &ArmModel,
         workspace: &Workspace,
         stop: &'a dyn Fn() -> Option<String>,
-    ) -> Guard<'a> {
+    ) -> Guard<'a, R> {
         Guard {
             robot,
             workspace: *workspace,
@@ -60,6 +62,7 @@ impl<'a> Guard<'a> {
             smoother: Smoother::new(arm),
             stop,
             last: None,
+            smooths: false,
             stopped: None,
         }
     }
@@ -110,16 +113,16 @@ impl<'a> Guard<'a> {
     }
 }
 
-impl Robot for Guard<'_> {
+impl<R: Robot + ?Sized> Robot for Guard<'_, R> {
     fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
         self.check()?;
         command.check_limits()?;
         if let Some(wall) = self.target(&command.arm).and_then(|point| self.workspace.behind(&point)) {
             return Err(self.brake(format!("the agent wants the tip at {wall}")));
         }
-        self.smoother.smooth(command, &self.robot.observe());
+        let smooth = self.smoother.smooth(command, &self.robot.observe()).0;
         self.last = Some(command.clone());
-        let seen = self.robot.step(command)?;
+        let seen = self.robot.step(if self.smooths { &smooth } else { command })?;
         match self.workspace.behind(&seen.x_wt.translation.vector) {
             Some(wall) => Err(self.brake(format!("the tip is at {wall}"))),
             None => Ok(seen),

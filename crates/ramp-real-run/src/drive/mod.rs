@@ -78,18 +78,16 @@ pub fn drive(
     path: &Path,
 ) -> Result<Driven, DriveError> {
     let mut recorder = Recorder::create(path, robot, run.kind)?;
-    let outcome = {
-        let mut guard = Guard::new(&mut recorder, run.arm, run.workspace, stop);
-        agent.run(&mut guard)
-    };
+    let mut guard = Guard::new(&mut recorder, run.arm, run.workspace, stop);
+    let outcome = agent.run(&mut guard);
     agent.finish();
-    recorder.end();
+    guard.robot.end();
     let Account { coarse, fine, replans, mut events, .. } = agent.account();
     events.truncate(MOST_EVENTS - 1);
     let stopped = outcome.err();
     if let Some(error) = &stopped {
         let what = EventKind::Stopped { why: error.to_string() };
-        events.push(Event::new(recorder.robot_time(), what));
+        events.push(Event::new(guard.robot.robot_time(), what));
     }
     let (ended, kind) = match (agent.failure(), &stopped) {
         (Some(failure), _) => (failure, EndKind::Agent),
@@ -99,8 +97,10 @@ pub fn drive(
     // A robot that stopped measures nothing any more: what was measured before counts.
     if stopped.is_none() {
         let begin = Instant::now();
-        let seen = survey(run.assembly, run.arm, run.track, &mut recorder, u64::from(run.repeat));
-        recorder.surveyed(seen.unwrap_or_default(), begin.elapsed());
+        // It begins where the agent left the arm, which may be off what it commanded last.
+        guard.smooths = true;
+        let seen = survey(run.assembly, run.arm, run.track, &mut guard, u64::from(run.repeat));
+        guard.robot.surveyed(seen.unwrap_or_default(), begin.elapsed());
     }
     let (name, version) = agent.name();
     let host = Host::here();

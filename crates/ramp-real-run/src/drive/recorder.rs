@@ -48,8 +48,8 @@ pub struct Recorder<'a> {
     handed_over: (f64, Instant),
     /// The robot's time then, s.
     from: f64,
-    /// When the robot was first commanded, s.
-    planning: Option<f64>,
+    /// When the robot was first commanded: time since the goal was handed over, and the robot's own, s.
+    free: Option<(f64, f64)>,
     /// When the agent was done, s, and until when was measured afterwards.
     end: Option<f64>,
     surveyed: Option<f64>,
@@ -79,7 +79,7 @@ impl<'a> Recorder<'a> {
             lock_step: kind == RobotKind::ServedTwinInLockStep,
             handed_over: (wall.as_secs_f64(), Instant::now()),
             from,
-            planning: None,
+            free: None,
             end: None,
             surveyed: None,
             shown: SIGNALS_EVERY,
@@ -90,10 +90,10 @@ impl<'a> Recorder<'a> {
 
     /// Time since the goal was handed over, s, at a time of the robot, s.
     fn time_at(&self, robot: f64) -> f64 {
-        let own = (robot - self.from).max(0.0);
-        match self.lock_step {
-            true => self.planning.unwrap_or_else(|| self.handed_over.1.elapsed().as_secs_f64()) + own,
-            false => own,
+        match (self.lock_step, self.free) {
+            (true, Some((time, free))) => time + (robot - free).max(0.0),
+            (true, None) => self.handed_over.1.elapsed().as_secs_f64(),
+            (false, _) => (robot - self.from).max(0.0),
         }
     }
 
@@ -103,13 +103,25 @@ impl<'a> Recorder<'a> {
 
     /// Robot time since the robot was free to move, s.
     pub fn robot_time(&self) -> f64 {
-        self.time() - self.planning.unwrap_or_default()
+        self.time() - self.planning()
     }
 
     /// The agent is done.
     pub fn end(&mut self) {
-        self.planning.get_or_insert(self.time());
+        self.move_freely();
         self.end = Some(self.time());
+    }
+
+    /// From now on, at the latest, the robot is free to move.
+    fn move_freely(&mut self) {
+        if self.free.is_none() {
+            self.free = Some((self.time(), self.robot.observe().time));
+        }
+    }
+
+    /// Time until the robot was free to move, s.
+    fn planning(&self) -> f64 {
+        self.free.map_or(0.0, |(time, _)| time)
     }
 
     /// Takes what was measured after the end.
@@ -164,7 +176,7 @@ impl<'a> Recorder<'a> {
     /// # Errors
     /// When something could not be written, now or earlier.
     pub fn finish(mut self, head: &RunHead, events: &[Event]) -> Result<Vec<u8>, LogError> {
-        let planning = self.planning.unwrap_or_default();
+        let planning = self.planning();
         let end = self.end.unwrap_or(planning);
         for event in events {
             let time = self.time_at(self.from + event.time);
@@ -193,9 +205,7 @@ impl<'a> Recorder<'a> {
 
 impl Robot for Recorder<'_> {
     fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
-        if self.planning.is_none() {
-            self.planning = Some(self.time());
-        }
+        self.move_freely();
         let seen = self.robot.step(command)?;
         self.show(&seen, command);
         Ok(seen)

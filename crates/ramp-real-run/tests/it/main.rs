@@ -3,6 +3,7 @@
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
 
+mod drive;
 mod mistakes;
 mod poses;
 mod rules;
