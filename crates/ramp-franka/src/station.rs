@@ -309,9 +309,9 @@ mod tests {
     fn errors_have_their_line() {
         let speed = EXAMPLE.lines().position(|line| line.starts_with("speed")).unwrap() + 1;
         for (from, to, line, said) in [
-            ("speed = 1.0", "speed = 3.0", speed, "found speed = 3, expected 0.05 to 1"),
+            ("speed = 0.8", "speed = 3.0", speed, "found speed = 3, expected 0.05 to 1"),
             ("speed = 1.0", "sped = 1.0", speed, "unknown field `sped`"),
-            ("speed = 1.0", "speed = nan", speed, "found speed = NaN"),
+            ("speed = 0.8", "speed = nan", speed, "found speed = NaN"),
             ("127.0.0.1:1337", "127.0.0.1:99999", 10, "expected HOST or HOST:PORT"),
         ] {
             let fault = read(&EXAMPLE.replace(from, to)).unwrap_err();

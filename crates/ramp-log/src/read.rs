@@ -62,6 +62,8 @@ impl Log {
 struct Parts {
     /// Topics of the channels, by number.
     channels: BTreeMap<u16, Topic>,
+    /// Whether it has the channel of a run over the wire, or of a lab's cameras.
+    real_run: bool,
     header: Option<Header>,
     result: Option<EpisodeResult>,
     calls: Vec<u8>,
@@ -96,7 +98,10 @@ impl Parts {
                     "its calls are encoded as `{found}`, and `{CALLS}` is what this program knows"
                 ));
             }
-            _ => return Ok(()),
+            topic => {
+                self.real_run |= topic == b"/run";
+                return Ok(());
+            }
         };
         // A writer repeats its channels at the end of the file.
         self.channels.entry(channel.id).or_insert(topic);
@@ -131,6 +136,9 @@ impl Parts {
 
     fn log(self, sha256: String) -> Result<Log, String> {
         let missing = |topic: &str| format!("it has no message on {topic}");
+        if self.real_run && self.header.is_none() {
+            return Err("it is the log of a real run, which `ramp score` judges".to_string());
+        }
         let header = self.header.ok_or_else(|| missing("/episode"))?;
         let result = self.result.ok_or_else(|| missing("/result"))?;
         for (what, text, hash) in [

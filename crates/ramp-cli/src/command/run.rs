@@ -314,18 +314,20 @@ fn robot_time(data: &Data, setup: &Setup) -> Result<Option<RobotTime>, Report> {
 }
 
 /// The result as text.
-#[cfg_attr(not(feature = "franka"), allow(unreachable_pub))]
 pub fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
-    let mut text = format!(
-        "{}, world {}, start {}, track {}, seed {}: {} of {} pegs\n",
-        result.goal,
-        result.world.as_ref().map_or("none", |world| &world.name),
-        result.start.as_ref().map_or("none", |start| &start.name),
-        result.track,
-        result.seed,
-        result.counted(),
-        result.pegs.len()
-    );
+    let name = |named: Option<&String>| named.map_or("none", String::as_str).to_string();
+    let place = match &result.real {
+        Some(real) => format!("{}, track {}, repeat {}", real.kind.words(), result.track, result.repeat),
+        None => format!(
+            "world {}, start {}, track {}, seed {}",
+            name(result.world.as_ref().map(|world| &world.name)),
+            name(result.start.as_ref().map(|start| &start.name)),
+            result.track,
+            result.seed
+        ),
+    };
+    let pegs = result.pegs.len();
+    let mut text = format!("{}, {place}: {} of {pegs} pegs\n", result.goal, result.counted());
     for (index, peg) in result.pegs.iter().enumerate() {
         let _ = match peg {
             Some(peg) => writeln!(
@@ -378,12 +380,10 @@ pub fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> Stri
     let _ = writeln!(text, "curve:  {}\nlog:    {}", curve.display(), log.display());
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
-    let _ = writeln!(
-        text,
-        "film:   ramp replay {} --video {}",
-        log.display(),
-        log.with_extension("gif").display()
-    );
+    if result.real.is_none() {
+        let film = log.with_extension("gif");
+        let _ = writeln!(text, "film:   ramp replay {} --video {}", log.display(), film.display());
+    }
     let _ = writeln!(text, "report: ramp report {} -o report.html", folder.display());
     text
 }

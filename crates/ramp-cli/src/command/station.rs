@@ -24,6 +24,7 @@ pub struct Arguments {
 }
 
 /// The other arguments of `ramp run` that matter at a station.
+#[cfg_attr(not(feature = "franka"), expect(dead_code, reason = "without the wire there is no station"))]
 pub struct Inputs<'a> {
     pub goal: &'a str,
     pub track: TrackName,
