@@ -17,6 +17,9 @@ pub enum Question {
         /// Of this camera.
         #[serde(with = "camera_name")]
         camera: Camera,
+        /// Pixels in a row; the camera's own without it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        width: Option<u64>,
     },
 }
 

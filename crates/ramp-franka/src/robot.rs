@@ -80,11 +80,9 @@ impl FrankaRobot {
     }
 
     fn image(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, FrankaError> {
-        if let Some(width) = width {
-            return Err(self.cell()?.wrong(&format!("images of {width:?} are not served")));
-        }
+        let width = width.map(|width| width.pixels() as u64);
         let cell = self.cell.as_mut().ok_or(FrankaError::NoCell)?;
-        let wait = match cell.ask(&Question::Image { camera })? {
+        let wait = match cell.ask(&Question::Image { camera, width })? {
             Answer::Wait { periods } => periods,
             other => return Err(cell.unexpected(&other)),
         };

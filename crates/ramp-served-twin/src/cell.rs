@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Read};
 use std::net::{TcpListener, TcpStream};
 
 use ramp_franka::cell::{Answer, ImageHead, Question};
-use ramp_robot::{Camera, PERIOD, Robot};
+use ramp_robot::{Camera, ImageWidth, PERIOD, Robot};
 
 use crate::plant::Plant;
 use crate::session::send;
@@ -13,13 +13,21 @@ use crate::session::send;
 /// The longest question, bytes.
 const LONGEST: usize = 4096;
 
+/// An image that a client waits for.
+struct Due {
+    camera: Camera,
+    width: Option<ImageWidth>,
+    /// Periods until it is there.
+    periods: u64,
+}
+
 /// The connection of the cell, for one client.
 #[derive(Default)]
 pub(crate) struct Cell {
     client: Option<TcpStream>,
     inbox: Vec<u8>,
-    /// A camera whose image is due after so many more periods.
-    due: Option<(Camera, u64)>,
+    /// The image that is due.
+    due: Option<Due>,
 }
 
 impl Cell {
@@ -73,25 +81,37 @@ impl Cell {
                 parts: parts.iter().map(Into::into).collect(),
             }),
             Question::Expose => plant.twin.expose().map_or_else(refused, |()| Answer::Done),
-            Question::Image { camera } => plant.twin.begin_image(*camera).map_or_else(refused, |periods| {
-                self.due = Some((*camera, periods));
+            Question::Image { camera, width } => self.begin_image(plant, *camera, *width),
+        }
+    }
+
+    fn begin_image(&mut self, plant: &mut Plant, camera: Camera, pixels: Option<u64>) -> Answer {
+        let width = pixels.and_then(ImageWidth::new);
+        if pixels.is_some() && width.is_none() {
+            let (least, most) = (ImageWidth::LEAST, ImageWidth::MOST);
+            return Answer::Refused { why: format!("`width`: expected {least} to {most} pixels") };
+        }
+        match plant.twin.begin_image(camera) {
+            Ok(periods) => {
+                self.due = Some(Due { camera, width, periods });
                 Answer::Wait { periods }
-            }),
+            }
+            Err(error) => Answer::Refused { why: error.to_string() },
         }
     }
 
     /// A period has passed.
     pub fn passed(&mut self) {
-        if let Some((_, periods)) = &mut self.due {
-            *periods = periods.saturating_sub(1);
+        if let Some(due) = &mut self.due {
+            due.periods = due.periods.saturating_sub(1);
         }
     }
 
     /// Gives the image that is due now.
     pub fn deliver(&mut self, plant: &mut Plant, message: u64) {
-        let Some((camera, 0)) = self.due else { return };
+        let Some(Due { camera, width, periods: 0 }) = self.due else { return };
         self.due = None;
-        match plant.twin.look(camera) {
+        match plant.twin.look_sized(camera, width) {
             Ok(image) => {
                 // Images are stamped on the arm's clock, which is the number of its state.
                 let age = (plant.twin.time() - image.time) / PERIOD;
