@@ -23,6 +23,12 @@ pub struct Inertia {
 }
 
 impl Inertia {
+    /// The hand of `arm` with its fingers closed, in the frame of the last joint.
+    pub fn of_hand<const N: usize>(arm: &ArmModel<N>) -> Inertia {
+        let [hand, left, right] = hand_and_fingers(arm);
+        hand.with(&left).with(&right)
+    }
+
     /// From the numbers of an arm file.
     fn of(mass: f64, centre: [f64; 3], inertia: [f64; 6]) -> Inertia {
         let [xx, yy, zz, xy, xz, yz] = inertia;
@@ -79,34 +85,54 @@ fn pose(position: [f64; 3], [w, x, y, z]: [f64; 4]) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::from(position), rotation)
 }
 
+/// The hand and the closed fingers, in the frame of the last joint.
+fn hand_and_fingers<const N: usize>(arm: &ArmModel<N>) -> [Inertia; 3] {
+    let (hand, finger) = (&arm.hand, &arm.finger);
+    let x_nh = pose(hand.position, hand.quat_wxyz);
+    let finger_at = |turn: f64| {
+        let x_hf = Translation3::new(0.0, 0.0, finger.origin)
+            * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
+        Inertia::of(finger.mass, finger.centre, finger.inertia).at(&(x_nh * x_hf))
+    };
+    [
+        Inertia::of(hand.mass, hand.centre, hand.inertia).at(&x_nh),
+        finger_at(0.0),
+        finger_at(std::f64::consts::PI),
+    ]
+}
+
 impl<const N: usize> Dynamics<N> {
     /// The dynamics of `arm` with an empty hand.
     pub fn new(arm: &ArmModel<N>) -> Dynamics<N> {
+        hand_and_fingers(arm).iter().fold(Dynamics::without_hand(arm), Dynamics::ending_in)
+    }
+
+    /// The dynamics of `arm` without hand and fingers.
+    pub fn without_hand(arm: &ArmModel<N>) -> Dynamics<N> {
         let fixed = arm.joints.each_ref().map(|joint| {
             let x = pose(joint.position, joint.quat_wxyz);
             (x.rotation.to_rotation_matrix().into_inner(), x.translation.vector)
         });
-        let mut links = arm
+        let links = arm
             .joints
             .each_ref()
             .map(|joint| Inertia::of(joint.link.mass, joint.link.centre, joint.link.inertia));
-        let (hand, finger) = (&arm.hand, &arm.finger);
-        let x_nh = pose(hand.position, hand.quat_wxyz);
-        let mut last = links[N - 1].with(&Inertia::of(hand.mass, hand.centre, hand.inertia).at(&x_nh));
-        for turn in [0.0, std::f64::consts::PI] {
-            let x_hf = Translation3::new(0.0, 0.0, finger.origin)
-                * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
-            last = last.with(&Inertia::of(finger.mass, finger.centre, finger.inertia).at(&(x_nh * x_hf)));
-        }
-        links[N - 1] = last;
-        Dynamics { fixed, links, x_nt: x_nh * Translation3::new(0.0, 0.0, hand.tip) }
+        let x_nh = pose(arm.hand.position, arm.hand.quat_wxyz);
+        Dynamics { fixed, links, x_nt: x_nh * Translation3::new(0.0, 0.0, arm.hand.tip) }
+    }
+
+    /// The same with one more body fixed to the last link, given in the frame of the last joint.
+    #[must_use]
+    pub fn ending_in(mut self, body: &Inertia) -> Dynamics<N> {
+        self.links[N - 1] = self.links[N - 1].with(body);
+        self
     }
 
     /// The same with `load` in the hand, given in the tip's frame.
     #[must_use]
-    pub fn carrying(mut self, load: &Inertia) -> Dynamics<N> {
-        self.links[N - 1] = self.links[N - 1].with(&load.at(&self.x_nt));
-        self
+    pub fn carrying(self, load: &Inertia) -> Dynamics<N> {
+        let load = load.at(&self.x_nt);
+        self.ending_in(&load)
     }
 
     /// The chain at joint positions `q` (rad).
@@ -119,20 +145,28 @@ impl<const N: usize> Dynamics<N> {
     }
 }
 
+/// Acceleration of a base that has the effect of gravity, m/s².
+const RISE: Vector3<f64> = Vector3::new(0.0, 0.0, GRAVITY);
+
 impl<const N: usize> Chain<'_, N> {
     /// The joints' torques, N·m, at these velocities (rad/s) and accelerations (rad/s²), against gravity.
     pub fn torques(&self, velocity: &Joints<N>, acceleration: &Joints<N>) -> Joints<N> {
-        self.forces(velocity, acceleration, GRAVITY)
+        self.forces(velocity, acceleration, RISE)
     }
 
     /// Their part that holds the arm up, N·m.
     pub fn holding(&self) -> Joints<N> {
-        self.forces(&Joints::zeros(), &Joints::zeros(), GRAVITY)
+        self.forces(&Joints::zeros(), &Joints::zeros(), RISE)
+    }
+
+    /// The torques that hold the arm up against this gravity (m/s², in the frame of the base), N·m.
+    pub fn holding_against(&self, gravity: &Vector3<f64>) -> Joints<N> {
+        self.forces(&Joints::zeros(), &Joints::zeros(), -gravity)
     }
 
     /// Their part that moves the arm, N·m.
     pub fn moving(&self, velocity: &Joints<N>, acceleration: &Joints<N>) -> Joints<N> {
-        self.forces(velocity, acceleration, 0.0)
+        self.forces(velocity, acceleration, Vector3::zeros())
     }
 
     /// The joint-space inertia, kg·m², without that of the motors: the algorithm of composite bodies.
@@ -158,11 +192,9 @@ impl<const N: usize> Chain<'_, N> {
         inertia
     }
 
-    fn forces(&self, velocity: &Joints<N>, acceleration: &Joints<N>, gravity: f64) -> Joints<N> {
+    fn forces(&self, velocity: &Joints<N>, acceleration: &Joints<N>, mut rise: Vector3<f64>) -> Joints<N> {
         let axis = Vector3::z();
         let (mut spin, mut gain) = (Vector3::zeros(), Vector3::zeros());
-        // A base that accelerates upwards is as good as gravity.
-        let mut rise = Vector3::new(0.0, 0.0, gravity);
         let mut forces = [(Vector3::zeros(), Vector3::zeros()); N];
         for joint in 0..N {
             let (turn, origin) = (&self.turns[joint], &self.dynamics.fixed[joint].1);

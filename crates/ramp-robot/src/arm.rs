@@ -11,6 +11,10 @@ use std::path::{Path, PathBuf};
 /// Number of joints of the arm that robots, the twin and skills drive.
 pub const DOF: usize = 7;
 
+/// Distance from the last joint's frame of a Panda or a Research 3 to its flange along z, m. From the
+/// documentation of Franka's URDF (`link8`).
+pub const FLANGE: f64 = 0.107;
+
 /// A serial arm of `N` revolute joints with a hand and two parallel fingers. Motions of any of them
 /// can be planned; robots, the twin and skills take arms of [`DOF`] joints.
 ///

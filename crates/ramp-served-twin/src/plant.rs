@@ -1,15 +1,12 @@
 //! The arm of the twin as its controller cabinet knows it: torques in, and what goes into the state out.
 
 use nalgebra::{Isometry3, Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
-use ramp_robot::arm::ArmModel;
+use ramp_motion::Inertia;
+use ramp_robot::arm::{ArmModel, FLANGE};
 use ramp_robot::{DOF, GripperCommand, Observation, Robot, RobotError};
 use ramp_twin::Twin;
 
 use crate::state::State;
-
-/// Distance from the last joint's frame to the flange along z, m. From the documentation of Franka's URDF
-/// (`link8`).
-pub(crate) const FLANGE: f64 = 0.107;
 
 /// The twin, with the command that its gripper holds.
 pub(crate) struct Plant {
@@ -65,14 +62,11 @@ impl Plant {
         state.q_d = state.q;
     }
 
-    /// Mass of hand and fingers (kg), and its centre in the flange's frame, m.
-    pub fn end_effector(&self) -> (f64, [f64; 3]) {
-        let (hand, finger) = (&self.arm.hand, &self.arm.finger);
-        let mass = hand.mass + 2.0 * finger.mass;
-        // The fingers stand opposite each other: their centre is on the hand's axis.
-        let fingers = Vector3::new(0.0, 0.0, finger.origin + finger.centre[2]);
-        let centre = (Vector3::from(hand.centre) * hand.mass + fingers * 2.0 * finger.mass) / mass;
-        (mass, (self.hand_at_flange() * nalgebra::Point3::from(centre)).coords.into())
+    /// The hand with its fingers closed, in the flange's frame.
+    pub fn end_effector(&self) -> Inertia {
+        let hand = Inertia::of_hand(&self.arm);
+        // The flange has the axes of the last joint's frame.
+        Inertia { centre: hand.centre - Vector3::new(0.0, 0.0, FLANGE), ..hand }
     }
 
     /// The tip's frame in the flange's.

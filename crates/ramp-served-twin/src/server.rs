@@ -211,8 +211,9 @@ impl Server {
     pub fn run(&mut self, mut over: impl FnMut() -> bool) {
         let mut next = Instant::now();
         while !over() {
-            self.accept();
+            // A client that has gone makes room for the next one.
             self.listen();
+            self.accept();
             let command = match &self.doing {
                 Doing::Move(motion) if self.options.pace == Pace::LockStep && self.client.is_some() => {
                     let patience = (!motion.begun).then_some(SLOW);
@@ -305,10 +306,10 @@ impl Server {
                 self.listen();
                 return Waited::Came(command);
             }
-            self.accept();
             if self.listen() || over() {
                 return Waited::Asked;
             }
+            self.accept();
             if patience.is_some_and(|patience| begin.elapsed() > patience) {
                 return Waited::Silent;
             }
@@ -479,7 +480,9 @@ fn name_of(error: &RobotError) -> &'static str {
 
 fn begin_state(plant: &Plant) -> State {
     let f_t_ne = plant.f_t_tip();
-    let (m_ee, f_x_cee) = plant.end_effector();
+    let hand = plant.end_effector();
+    let mut i_ee = [0.0; 9];
+    i_ee.copy_from_slice(hand.moment.as_slice());
     let mut state = State {
         message: 1,
         o_t_ee: IDENTITY,
@@ -487,8 +490,9 @@ fn begin_state(plant: &Plant) -> State {
         f_t_ne,
         ne_t_ee: IDENTITY,
         ee_t_k: IDENTITY,
-        m_ee,
-        f_x_cee,
+        m_ee: hand.mass,
+        f_x_cee: hand.centre.into(),
+        i_ee,
         m_load: 0.0,
         f_x_cload: [0.0; 3],
         i_load: [0.0; 9],

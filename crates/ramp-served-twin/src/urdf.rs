@@ -3,9 +3,7 @@
 use std::fmt::Write;
 
 use nalgebra::{Quaternion, UnitQuaternion};
-use ramp_robot::arm::ArmModel;
-
-use crate::plant::FLANGE;
+use ramp_robot::arm::{ArmModel, FLANGE};
 
 /// Deceleration of an arm whose largest velocity is the same everywhere, rad/s²: so large that no velocity is
 /// limited by it.

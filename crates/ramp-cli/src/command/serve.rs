@@ -101,7 +101,10 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             Pace::LockStep => ramp_served_twin::Pace::LockStep,
         },
         recovery: world.draw(arguments.seed).line.recovery,
-        model_library: None,
+        model_library: match version {
+            FciVersion::V5 => model_library(),
+            FciVersion::V10 => None,
+        },
     };
     let mut server = Server::new(options, twin, &assembly, &arm)
         .map_err(|error| {
@@ -132,4 +135,22 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         statistics.longest.as_secs_f64() * 1e3,
     ))?;
     Ok(DONE)
+}
+
+/// The shared library with the arm's model, which lies beside this program. Without it the arm is served all
+/// the same: some clients have a model of their own.
+#[cfg(feature = "franka")]
+fn model_library() -> Option<Vec<u8>> {
+    use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+
+    let program = std::env::current_exe().ok()?;
+    let file = program.with_file_name(format!("{DLL_PREFIX}ramp_franka_model{DLL_SUFFIX}"));
+    std::fs::read(&file)
+        .inspect_err(|error| {
+            crate::output::tell(&format!(
+                "clients get no model library: {}: {error}; `cargo build --release` in the checkout makes it",
+                file.display()
+            ));
+        })
+        .ok()
 }

@@ -4,5 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod arm;
+mod cell;
 mod faults;
+mod model;
 mod served;
