@@ -261,6 +261,7 @@ def run(
     benchmark: Benchmark,
     goal: str,
     *,
+    arm: str,
     track: str,
     world: str,
     start: str,

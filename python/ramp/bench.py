@@ -38,6 +38,7 @@ def run(
     plan: Plan | str | os.PathLike[str] | None = None,
     planner: Planner | None = None,
     domain: str | os.PathLike[str] | None = None,
+    arm: str = "panda",
     world: str | os.PathLike[str] = "real",
     start: str | os.PathLike[str] = "moved",
     track: str = "tags",
@@ -60,6 +61,7 @@ def run(
         planner: Makes the plans of the baseline, at the start and whenever it plans again. It gets a
             :class:`ramp.Problem`, and returns a plan, or the text of one as ``ramp plan --from`` reads it.
         domain: A file of rules for the baseline's planner, in place of the one of its kind.
+        arm: ``panda``, or ``fr3`` for a Franka Research 3.
         world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
         start: Where the parts lie: ``moved``, ``sheet``, or a start file.
         track: What the agent may see: ``state``, ``noisy`` or ``tags``.
@@ -68,8 +70,8 @@ def run(
         fault: What goes wrong on purpose, as ``ramp run --fault``.
         record: File for the log of everything (``.mcap``).
         output: File for the result (``.json``). If it already has a result of this episode, with the same
-            world, start, track, seed, agent and version of the program, that result is returned and nothing
-            is run.
+            arm, world, start, track, seed, agent and version of the program, that result is returned and
+            nothing is run.
         repeat: Which of several runs in a row this is.
         progress: Called now and then with robot time (s), pegs that count, and pegs of the goal.
 
@@ -97,6 +99,7 @@ def run(
         run_episode(
             benchmark(),
             whole.source,
+            arm=arm,
             track=track,
             world=os.fspath(world),
             start=os.fspath(start),
@@ -218,10 +221,10 @@ def bench(
         backend: ``ray`` or ``ray:ADDRESS``: run the episodes on a cluster of Ray, one on each processor.
             Files that options name travel; a lost worker's episode runs again. ``jobs`` has no effect then.
         output: Folder for the result files, for ``ramp report``. Results of these episodes that it already
-            has are not run again, by the same rule as ``ramp bench``. A folder is of one world, start, agent
-            and version. The log of each episode goes beside its result.
+            has are not run again, by the same rule as ``ramp bench``. A folder is of one arm, world, start,
+            agent and version. The log of each episode goes beside its result.
         show: Whether to show progress on standard error.
-        options: Passed to :func:`run`: world, start, track, domain and so on.
+        options: Passed to :func:`run`: arm, world, start, track, domain and so on.
 
     """
     integer("repeats", repeats, 1, 2**32 - 1)

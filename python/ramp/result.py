@@ -60,6 +60,7 @@ class Result:
 
     goal: str
     track: str
+    arm: str
     world: str
     start: str
     seed: int
@@ -106,6 +107,7 @@ class Result:
         return Result(
             goal=value["goal"],
             track=value["track"],
+            arm=value.get("arm", ""),
             world=(value.get("world") or {}).get("name", ""),
             start=(value.get("start") or {}).get("name", ""),
             seed=value["seed"],
@@ -138,6 +140,7 @@ class Result:
         """The result as a row of a table."""
         return {
             "goal": self.goal,
+            "arm": self.arm,
             "world": self.world,
             "start": self.start,
             "track": self.track,
@@ -164,7 +167,8 @@ class Result:
         return self.curve()
 
     def __str__(self) -> str:
-        head = f"{self.goal}, world {self.world}, start {self.start}, track {self.track}, seed {self.seed}"
+        setting = f"arm {self.arm}, world {self.world}, start {self.start}, track {self.track}"
+        head = f"{self.goal}, {setting}, seed {self.seed}"
         lines = [f"{head}: {self.counted} of {len(self.pegs)} pegs"]
         lines += [f"  {peg}" for peg in self.pegs if peg is not None]
         if self.ended != "done":

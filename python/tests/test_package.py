@@ -35,6 +35,7 @@ def test_goals_are_those_of_the_benchmark():
         (lambda: ramp.Goal.load("nowhere.xml"), "nowhere.xml"),
         (lambda: ramp.run("easy-1", track="sight"), "there is no track `sight`"),
         (lambda: ramp.run("easy-1", world="idael"), "did you mean `ideal`"),
+        (lambda: ramp.run("easy-1", arm="ur5e"), "the arms are panda, fr3"),
         (lambda: ramp.run("easy-1", fault="fire"), "unknown fault `fire`"),
         (lambda: ramp.Twin(seed=1).look("nose"), "there is no camera `nose`"),
         (lambda: ramp.Command.joint_positions([0.0] * 6), "6 numbers, and 7 were expected"),
@@ -159,7 +160,7 @@ def test_a_bench_goes_on_where_it_stopped(tmp_path, capsys):
     assert results.rows()[0]["counted"] == 3 and "<table>" in results._repr_html_()
 
 
-def test_a_bench_takes_no_result_of_another_world_track_seed_or_agent(tmp_path):
+def test_a_bench_takes_no_result_of_another_arm_world_track_seed_or_agent(tmp_path):
     options = {"track": "state", "world": "ideal", "output": tmp_path, "show": False}
     (first,) = ramp.bench(["easy-1"], agent=Idle, repeats=1, **options)
     (file,) = tmp_path.glob("*.json")
@@ -174,6 +175,9 @@ def test_a_bench_takes_no_result_of_another_world_track_seed_or_agent(tmp_path):
     assert Idle.runs == 2 and len(list(tmp_path.glob("*.json"))) == 3
     with pytest.raises(ramp.InputError, match="of the world ideal"):
         ramp.bench(["easy-1"], agent=Idle, repeats=1, **(options | {"world": "real"}))
+    with pytest.raises(ramp.InputError, match="of the arm panda"):
+        ramp.bench(["easy-1"], agent=Idle, repeats=1, **(options | {"arm": "fr3"}))
+    assert first.arm == "panda" and ramp.run("easy-1", agent=Idle(), arm="fr3", track="state").arm == "fr3"
     with pytest.raises(ramp.InputError, match="of the agent idle 0.1"):
         ramp.bench(["easy-1"], agent=Stays, repeats=1, **options)
     text = json.loads(written)
@@ -188,7 +192,7 @@ def test_a_bench_takes_no_result_of_another_world_track_seed_or_agent(tmp_path):
         file.write_text(damaged)
         (again,) = ramp.bench(["easy-1"], agent=Idle, repeats=1, **options)
         assert again.seed == 1 and json.loads(file.read_text())["seed"] == 1
-    assert Idle.runs == 4
+    assert Idle.runs == 5
 
 
 class Idle(ramp.Agent):

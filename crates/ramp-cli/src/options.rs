@@ -4,7 +4,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 use miette::Report;
-use ramp_data::Data;
+use ramp_data::{ARMS, Data};
 use ramp_robot::Track;
 use ramp_world::{Start, World};
 
@@ -30,6 +30,26 @@ impl WorldOption {
     /// The world's argument on the command line.
     pub fn argument(&self) -> OsString {
         OsString::from(&self.world)
+    }
+}
+
+/// The arm, as on the command line.
+#[derive(clap::Args)]
+pub struct ArmOption {
+    /// Arm of the twin: a Franka Emika Panda or a Franka Research 3
+    #[arg(long, value_name = "NAME", value_parser = ARMS, default_value = ARMS[0])]
+    arm: String,
+}
+
+impl ArmOption {
+    /// The data with this arm.
+    pub fn of(&self, data: &Data) -> Result<Data, Report> {
+        Ok(data.with_arm(&self.arm)?)
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.arm
     }
 }
 

@@ -15,6 +15,9 @@ use ramp_world::{Start, World};
 use crate::built_in::{File, built_in};
 use crate::error::DataError;
 
+/// Names of the arms that episodes can have, the default first.
+pub const ARMS: [&str; 2] = ["panda", "fr3"];
+
 /// Kit, goals, planning rules, arm and worlds.
 ///
 /// ```
@@ -24,11 +27,14 @@ use crate::error::DataError;
 /// assert!(data.goal("easy-9").unwrap_err().to_string().contains("easy-9"));
 /// # Ok::<(), ramp_data::DataError>(())
 /// ```
+#[derive(Clone)]
 pub struct Data {
     /// The data folder; `None` for the built-in files.
     folder: Option<PathBuf>,
     /// A kit file that replaces the folder's.
     kit_file: Option<PathBuf>,
+    /// The arm, one of [`ARMS`].
+    arm: &'static str,
     /// The kit, once it was read.
     kit: OnceLock<Kit>,
 }
@@ -36,7 +42,7 @@ pub struct Data {
 impl Data {
     /// The files built into the program.
     pub fn built_in() -> Data {
-        Data { folder: None, kit_file: None, kit: OnceLock::new() }
+        Data { folder: None, kit_file: None, arm: ARMS[0], kit: OnceLock::new() }
     }
 
     /// The files of a folder.
@@ -48,12 +54,22 @@ impl Data {
         if !folder.join("kit.xml").is_file() {
             return Err(DataError::NoKit { folder: folder.display().to_string() });
         }
-        Ok(Data { folder: Some(folder), kit_file: None, kit: OnceLock::new() })
+        Ok(Data { folder: Some(folder), kit_file: None, arm: ARMS[0], kit: OnceLock::new() })
     }
 
     /// The same files with another kit file, if one is given.
     pub fn with_kit(self, kit: Option<PathBuf>) -> Data {
         Data { kit_file: kit, kit: OnceLock::new(), ..self }
+    }
+
+    /// The same files with the arm of this name, one of [`ARMS`], in place of the Panda.
+    ///
+    /// # Errors
+    /// [`DataError::UnknownArm`].
+    pub fn with_arm(&self, name: &str) -> Result<Data, DataError> {
+        let arm = ARMS.into_iter().find(|known| *known == name);
+        let unknown = || DataError::UnknownArm { name: shorten(name), names: ARMS.join(", ") };
+        Ok(Data { arm: arm.ok_or_else(unknown)?, ..self.clone() })
     }
 
     /// The options with which another process of the command line reads the same data.
@@ -118,7 +134,7 @@ impl Data {
     }
 
     fn arm_file(&self) -> File {
-        self.file("arms/panda.json")
+        self.file(&format!("arms/{}.json", self.arm))
     }
 
     /// The file of a goal. A name that ends in `.xml` or has a folder in it is a path.
@@ -250,7 +266,7 @@ impl Data {
         (!same).then_some(path)
     }
 
-    /// The arm.
+    /// The arm: the Panda, or that of [`Data::with_arm`].
     ///
     /// # Errors
     /// The first problem in the arm's file.
@@ -258,22 +274,12 @@ impl Data {
         read_arm(&self.arm_file())
     }
 
-    /// The arm of this name: `panda` or `fr3`.
+    /// The text of the arm's file.
     ///
     /// # Errors
-    /// As [`Data::arm`].
-    pub fn arm_named(&self, name: &str) -> Result<ArmModel, DataError> {
-        read_arm(&self.file(&format!("arms/{name}.json")))
-    }
-}
-
-impl Data {
-    /// The texts with the arm of this name.
-    ///
-    /// # Errors
-    /// When its file cannot be read.
-    pub fn with_arm(&self, texts: Texts, name: &str) -> Result<Texts, DataError> {
-        Ok(Texts { arm: self.file(&format!("arms/{name}.json")).text()?.to_string(), ..texts })
+    /// If it cannot be read.
+    pub fn arm_text(&self) -> Result<String, DataError> {
+        Ok(self.arm_file().text()?)
     }
 }
 

@@ -50,6 +50,15 @@ pub enum DataError {
     /// The arm.
     #[error(transparent)]
     Arm(#[from] ArmError),
+    /// An arm's name.
+    #[error("there is no arm `{name}`")]
+    #[diagnostic(help("the arms are {names}"))]
+    UnknownArm {
+        /// The name.
+        name: String,
+        /// The names of all arms.
+        names: String,
+    },
     /// A world file or a start file.
     #[error(transparent)]
     #[diagnostic(transparent)]

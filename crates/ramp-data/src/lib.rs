@@ -11,6 +11,6 @@ mod error;
 mod plans;
 
 pub use built_in::built_in;
-pub use data::{Data, Texts};
+pub use data::{ARMS, Data, Texts};
 pub use error::DataError;
 pub use plans::{LARGEST_PLAN, MOST_PLANS, Plans, PlansError};

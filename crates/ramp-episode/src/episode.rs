@@ -210,6 +210,7 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
         track: setup.track.name().to_string(),
         real: None,
         world: Some(WorldInfo::of(setup.world, setup.seed)),
+        arm: Some(setup.arm.name.clone()),
         start: Some(StartInfo::of(setup.start)),
         seed: label.seed(setup),
         secret: label.commitment(),

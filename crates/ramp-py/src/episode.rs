@@ -347,13 +347,14 @@ type OwnPart = (String, String, Py<PyAny>);
 /// Runs an episode; the result as JSON. With `output`, the result is written to that file; a result of this
 /// very episode that the file already has is returned instead.
 #[pyfunction]
-#[pyo3(signature = (benchmark, goal, *, track, world, start, seed, agent=None, skills=Vec::new(), plan=None, plans=None, planner=None, domain=None,
+#[pyo3(signature = (benchmark, goal, *, arm, track, world, start, seed, agent=None, skills=Vec::new(), plan=None, plans=None, planner=None, domain=None,
     parameters=None, fault=None, record=None, output=None, repeat=1, progress=None, pictures=None))]
 #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn run(
     py: Python<'_>,
     benchmark: &Bound<'_, Benchmark>,
     goal: &str,
+    arm: &str,
     track: &str,
     world: &str,
     start: &str,
@@ -374,7 +375,9 @@ pub fn run(
 ) -> PyResult<String> {
     let files = benchmark.get();
     let inner = Arc::clone(&files.inner);
-    let (assembly, texts) = inner.data.goal_with_texts(goal).map_err(data)?;
+    let files_of_arm = inner.data.with_arm(arm).map_err(data)?;
+    let (assembly, texts) = files_of_arm.goal_with_texts(goal).map_err(data)?;
+    let arm = files_of_arm.arm().map_err(data)?;
     let world = inner.world(world).map_err(data)?;
     let start = inner.start(start).map_err(data)?;
     let (track, fault) = (self::track(track)?, self::fault(fault)?);
@@ -394,14 +397,14 @@ pub fn run(
     let stopped = raised.clone();
     let work = move || {
         let setup =
-            Setup { assembly: &assembly, arm: &inner.arm, track, seed, start: &start, world: &world, fault };
+            Setup { assembly: &assembly, arm: &arm, track, seed, start: &start, world: &world, fault };
         let worker: Box<dyn Agent + '_> = match agent {
             Some((object, name, version, goal)) => {
                 let account = Account::default();
                 Box::new(PythonAgent { object, goal, name, version, account, raised: raised.clone() })
             }
             None => {
-                let baseline = Baseline::new(setup.assembly, &inner.arm, &domains, seed)
+                let baseline = Baseline::new(setup.assembly, setup.arm, &domains, seed)
                     .on_track(setup.track)
                     .from_start(setup.start)
                     .with_parameters(parameters)
@@ -428,7 +431,7 @@ pub fn run(
                 raised.keep(error);
             }
         };
-        let times = reference_times_of_goal(&assembly, &inner.arm, &inner.domains);
+        let times = reference_times_of_goal(&assembly, setup.arm, &inner.domains);
         let robot_time = times.ok().map(|ReferenceTimes { bound, reference }| RobotTime { bound, reference });
         let label = Label { robot_time, ..Label::new(software, repeat) };
         let result = match &record {
@@ -495,7 +498,7 @@ fn recorded(
 /// The result of this very episode in a file, if there is one.
 ///
 /// # Errors
-/// If the file has a result of another version, world or agent.
+/// If the file has a result of another version, arm, world or agent.
 fn kept(
     path: &Path,
     setup: &Setup,
@@ -505,6 +508,7 @@ fn kept(
     let Ok(text) = read_text(path, LARGEST) else { return Ok(None) };
     let (world, start) = (WorldLabel::of(setup.world).sha256, StartInfo::of(setup.start).sha256);
     let shared = Shared {
+        arm: &setup.arm.name,
         worlds: vec![&world],
         start: &start,
         secret: None,

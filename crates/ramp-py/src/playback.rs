@@ -29,6 +29,7 @@ fn facts(log: &Log) -> Value {
     json!({
         "sha256": log.sha256,
         "goal": header.goal.name,
+        "arm": result.arm,
         "world": header.world.name,
         "start": header.start.name,
         "track": header.track,

@@ -165,7 +165,8 @@ impl Reader<'_> {
         if tracks().all(|name| name != head.track) {
             return Err(unknown("track", &head.track, nearest(&head.track, tracks())));
         }
-        for (what, text) in [("agent", &head.agent), ("version", &head.version)] {
+        let arm = head.arm.as_ref().map(|arm| ("arm", arm));
+        for (what, text) in [("agent", &head.agent), ("version", &head.version)].into_iter().chain(arm) {
             if !is_name(text) {
                 return Err(format!("`{what}` is `{}`, expected {A_NAME}", shorten(text)));
             }
@@ -410,6 +411,7 @@ impl Run<'_> {
                 source: head.source,
                 kind: head.kind,
             }),
+            arm: head.arm,
             world: None,
             start: None,
             seed: u64::from(head.repeat),

@@ -286,14 +286,17 @@ pub struct ArmSurface {
 /// The maker's own meshes of the arm called `arm`, from the crate `franka-description` (Apache-2.0); empty
 /// for an arm without meshes in this crate.
 pub fn arm_surfaces(arm: &str) -> Vec<ArmSurface> {
+    let robot = match arm {
+        "panda" => Robot::Fer,
+        "fr3" => Robot::Fr3,
+        _ => return Vec::new(),
+    };
     let mut all = Vec::new();
-    if arm == "panda" {
-        let set = MeshSet::for_robot(Robot::Fer);
-        for (number, bytes) in set.links.iter().enumerate() {
-            read(&format!("link{number}"), bytes, &mut all);
-        }
-        read("hand", set.hand, &mut all);
+    let set = MeshSet::for_robot(robot);
+    for (number, bytes) in set.links.iter().enumerate() {
+        read(&format!("link{number}"), bytes, &mut all);
     }
+    read("hand", set.hand, &mut all);
     all
 }
 

@@ -11,4 +11,4 @@ pub mod terms;
 pub use boards::{Boards, Control, Key, Standing, standings};
 pub use copies::{Copy, Stream, Streams};
 pub use pages::Refusal;
-pub use terms::{BoardGoal, BoardTerms, Refused, agent, check_log, check_whole, one_agent};
+pub use terms::{BoardArm, BoardGoal, BoardTerms, Refused, agent, check_log, check_whole, one_agent};

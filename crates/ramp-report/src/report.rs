@@ -84,6 +84,7 @@ impl Report {
                 let track = published.track.clone();
                 settings.push(Setting {
                     track,
+                    arm: None,
                     world: None,
                     start: None,
                     robot: Some(RobotKind::Arm),
@@ -93,7 +94,8 @@ impl Report {
         }
         let rank = |name: &String| ramp_robot::Track::ALL.iter().position(|track| track.name() == name);
         settings.sort_by_key(|it| {
-            (rank(&it.track), it.robot, it.asynchronous, it.world.clone(), it.start.clone())
+            let (arm, world, start) = (it.arm.clone(), it.world.clone(), it.start.clone());
+            (rank(&it.track), it.robot, it.asynchronous, arm, world, start)
         });
         settings.dedup();
         let mut parts: Vec<TrackPart> =
@@ -246,22 +248,23 @@ fn file_name(text: &str, others: &[Named]) -> String {
 }
 
 impl TrackPart {
-    /// Track, real robot or twin, world, start and pace, for a person.
+    /// Track, real robot or twin, arm, world, start and pace, for a person.
     pub fn title(&self) -> String {
-        let Setting { track, world, start, robot, asynchronous } = &self.setting;
+        let Setting { track, arm, world, start, robot, asynchronous } = &self.setting;
         let robot = format!(", {}", robot.map_or("twin", RobotKind::words));
+        let arm = arm.iter().map(|arm| format!(", arm {arm}"));
         let world = world.iter().map(|world| format!(", world {world}"));
         let start = start.iter().map(|start| format!(", start {start}"));
         let pace = asynchronous.then(|| ", async".to_string());
-        [track.clone(), robot].into_iter().chain(world).chain(start).chain(pace).collect()
+        [track.clone(), robot].into_iter().chain(arm).chain(world).chain(start).chain(pace).collect()
     }
 
     /// The same for a file name: letters, digits and hyphens.
     pub fn slug(&self) -> String {
-        let Setting { track, world, start, robot, asynchronous } = &self.setting;
+        let Setting { track, arm, world, start, robot, asynchronous } = &self.setting;
         let robot = robot.map_or(String::new(), |kind| format!("-{}", kind.words()));
         let pace = asynchronous.then(|| "async".to_string());
-        let conditions = world.iter().chain(start).chain(&pace).map(|it| format!("-{it}"));
+        let conditions = arm.iter().chain(world).chain(start).chain(&pace).map(|it| format!("-{it}"));
         let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
         let name: String = [track.clone(), robot].into_iter().chain(conditions).collect();
         name.chars().map(plain).collect()

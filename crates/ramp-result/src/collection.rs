@@ -34,6 +34,9 @@ pub struct Lost {
 pub struct Identity {
     /// The track.
     pub track: String,
+    /// The name of the arm; `None` for a real run that does not tell it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub arm: Option<String>,
     /// Unambiguous name of the world ([`WorldInfo::title`]); `None` for a real run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub world: Option<String>,
@@ -68,6 +71,8 @@ pub struct Identity {
 pub struct Setting {
     /// The track.
     pub track: String,
+    /// The name of the arm; `None` for published results, and for real runs that do not tell it.
+    pub arm: Option<String>,
     /// Unambiguous name of the world; `None` for real runs and published results.
     pub world: Option<String>,
     /// Unambiguous name of the start; `None` for real runs and published results.
@@ -294,6 +299,7 @@ impl Identity {
     pub fn setting(&self) -> Setting {
         Setting {
             track: self.track.clone(),
+            arm: self.arm.clone(),
             world: self.world.clone(),
             start: self.start.clone(),
             robot: self.real.as_ref().map(|real| real.kind),
@@ -313,6 +319,7 @@ impl Identity {
         let Software { version, commit } = software;
         Identity {
             track: track.clone(),
+            arm: result.arm.clone(),
             world: result.world.as_ref().map(WorldInfo::title),
             start: result.start.as_ref().map(StartInfo::title),
             setting_sha256: result

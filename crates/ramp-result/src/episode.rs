@@ -13,7 +13,8 @@ pub use crate::start::StartInfo;
 /// The version of the schema these files follow.
 pub const SCHEMA: &str = "ramp-episode-5";
 
-/// The versions before, which are read, too: without a start, and one with events that are a kind and a text.
+/// The versions before, which are read, too: without arm and start, and one with events that are a kind and a
+/// text.
 const OLDER_SCHEMAS: [&str; 2] = ["ramp-episode-3", "ramp-episode-4"];
 
 /// Version of the rules by which episodes are judged (`docs/src/reference/rules.md`).
@@ -34,6 +35,9 @@ pub struct EpisodeResult {
     pub track: String,
     /// The robot and the scorer of a run of a real robot; `None` in the twin.
     pub real: Option<RealRun>,
+    /// The name of the arm; `None` of a real run that does not tell it, and then not in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arm: Option<String>,
     /// The world of the physics; `None` of a real run, and then not in the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub world: Option<WorldInfo>,

@@ -1,7 +1,7 @@
 //! The rule by which a result file counts as an episode that is wanted, so that it is not run again.
 //!
-//! A folder of results belongs to one agent, one version of the program, one secret, one start, and the
-//! worlds of one command. A result of anything else is [`Foreign`]: it must not be added up with the
+//! A folder of results belongs to one agent, one version of the program, one secret, one arm, one start,
+//! and the worlds of one command. A result of anything else is [`Foreign`]: it must not be added up with the
 //! others, and is not overwritten. `ramp bench`, `ramp faults`, `ramp sweep` and `ramp.bench` in Python use
 //! this rule.
 
@@ -19,6 +19,12 @@ pub enum Foreign {
         theirs: String,
         /// This program's.
         ours: String,
+    },
+    /// Another arm.
+    #[error("of the arm {theirs}")]
+    Arm {
+        /// The name of the result's arm.
+        theirs: String,
     },
     /// Another world.
     #[error("of the world {theirs}")]
@@ -57,6 +63,8 @@ pub struct Identity<'a> {
 /// Conditions that all results of a folder share.
 #[derive(Clone, Debug)]
 pub struct Shared<'a> {
+    /// The name of the arm.
+    pub arm: &'a str,
     /// SHA-256 of the files of the worlds, in hex.
     pub worlds: Vec<&'a str>,
     /// SHA-256 of the start's file, in hex.
@@ -106,6 +114,9 @@ impl Shared<'_> {
                 theirs: format!("ramp {} ({}, {schema})", part(theirs, "version"), part(theirs, "commit")),
                 ours: format!("ramp {} ({}, {SCHEMA})", ours.version, ours.commit),
             });
+        }
+        if value["arm"] != self.arm {
+            return Err(Foreign::Arm { theirs: value["arm"].as_str().unwrap_or("none").to_string() });
         }
         let world = &value["world"];
         if !world["sha256"].as_str().is_some_and(|hash| self.worlds.contains(&hash)) {

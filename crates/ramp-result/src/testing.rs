@@ -15,6 +15,7 @@ pub fn episode(goal: &str, seed: u64, since: &[f64], pegs: usize) -> EpisodeResu
         class: Some("easy".into()),
         track: "state".into(),
         real: None,
+        arm: None,
         world: None,
         start: None,
         seed,

@@ -8,11 +8,10 @@ use ramp_render::looks::{ArmSurface, arm_surfaces};
 
 /// The meshes of the arm called `arm`; empty for an arm without meshes.
 fn meshes(arm: &str) -> &'static [ArmSurface] {
-    static PANDA: OnceLock<Vec<ArmSurface>> = OnceLock::new();
-    if arm != "panda" {
-        return &[];
-    }
-    PANDA.get_or_init(|| arm_surfaces(arm))
+    static KNOWN: [(&str, OnceLock<Vec<ArmSurface>>); 2] =
+        [("panda", OnceLock::new()), ("fr3", OnceLock::new())];
+    let known = KNOWN.iter().find(|(name, _)| *name == arm);
+    known.map_or(&[], |(_, meshes)| meshes.get_or_init(|| arm_surfaces(arm)))
 }
 
 /// The `<mesh>` assets of the arm.

@@ -181,6 +181,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
                 run_episode(
                     benchmark(),
                     self.goal.source,
+                    arm="panda",
                     track=self.track,
                     world=self.world,
                     start=self.start,

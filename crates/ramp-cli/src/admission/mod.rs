@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use miette::{Report as Failure, miette};
-use ramp_data::Data;
-use ramp_report::leaderboard::{BoardGoal, BoardTerms, Streams, agent, one_agent};
+use ramp_data::{ARMS, Data};
+use ramp_report::leaderboard::{BoardArm, BoardGoal, BoardTerms, Streams, agent, one_agent};
 use ramp_result::collection::{Collection, collect};
 use ramp_result::episode::RobotTime;
 use ramp_result::secret::Secret;
@@ -70,8 +70,8 @@ pub struct Admission<'a> {
     known: Known,
     streams: Streams,
     verdicts: Verdicts,
-    /// Bound and reference of each goal, once computed.
-    robot_times: HashMap<String, Option<RobotTime>>,
+    /// Bound and reference of each goal with each arm, once computed.
+    robot_times: HashMap<(String, Option<String>), Option<RobotTime>>,
 }
 
 /// A note for the reader of a board.
@@ -265,15 +265,15 @@ impl<'a> Admission<'a> {
     fn set_robot_times(&mut self, collection: &mut Collection) -> Result<(), Failure> {
         let files = collection.entrants.iter_mut().flat_map(|entrant| &mut entrant.files);
         for file in files {
-            let goal = &file.result.goal;
-            if !self.robot_times.contains_key(goal) {
-                let (assembly, _) = self.data.goal_with_texts(goal)?;
-                let arm = self.data.arm()?;
+            let own = (file.result.goal.clone(), file.result.arm.clone());
+            if !self.robot_times.contains_key(&own) {
+                let (assembly, _) = self.data.goal_with_texts(&own.0)?;
+                let arm = self.data.with_arm(own.1.as_deref().unwrap_or(ARMS[0]))?.arm()?;
                 let times = reference_times_of_goal(&assembly, &arm, &domains(self.data, None)?).ok();
                 let times = times.map(|ReferenceTimes { bound, reference }| RobotTime { bound, reference });
-                self.robot_times.insert(goal.clone(), times);
+                self.robot_times.insert(own.clone(), times);
             }
-            file.result.robot_time = self.robot_times.get(goal).copied().flatten();
+            file.result.robot_time = self.robot_times.get(&own).copied().flatten();
         }
         Ok(())
     }
@@ -281,18 +281,24 @@ impl<'a> Admission<'a> {
 
 fn terms(data: &Data, secret: Option<Secret>) -> Result<BoardTerms, Failure> {
     let mut goals = Vec::new();
-    let mut files = None;
+    let mut kit = None;
     for name in data.goal_names()? {
         let (goal, texts) = data.goal_with_texts(&name)?;
         let sources = texts.sources();
-        files = Some((sources.kit.to_string(), sources.arm.to_string()));
+        kit = Some(sources.kit.to_string());
         let class = goal.class.map(|class| class.name().to_string());
         let pegs = goal.connections.len();
         goals.push(BoardGoal { name: goal.name, class, pegs, xml: sources.goal.to_string() });
     }
-    let Some((kit, arm)) = files else {
+    let Some(kit) = kit else {
         return Err(miette!("there is no goal in {}", data.goals()));
     };
     let starts = Start::names().filter_map(Start::shipped).map(|start| start.text.clone()).collect();
-    Ok(BoardTerms { goals, kit, arm, starts, secret })
+    // A folder that lacks an arm has no boards of it.
+    let arm = |name: &str| {
+        let json = data.with_arm(name).ok()?.arm_text().ok()?;
+        Some(BoardArm { name: name.to_string(), json })
+    };
+    let arms = ARMS.into_iter().filter_map(arm).collect();
+    Ok(BoardTerms { goals, kit, arms, starts, secret })
 }

@@ -101,6 +101,7 @@ fn bench_arguments(
 ) -> Vec<OsString> {
     let mut arguments = data.arguments();
     arguments.extend(["bench", "--track", &entrant.identity.track].map(OsString::from));
+    arguments.extend(entrant.identity.arm.iter().flat_map(|arm| ["--arm", arm]).map(OsString::from));
     let world = entrant.files.iter().find_map(|file| file.result.world.as_ref());
     arguments.extend(world.iter().flat_map(|world| ["--world", &world.name]).map(OsString::from));
     let start = entrant.files.iter().find_map(|file| file.result.start.as_ref());

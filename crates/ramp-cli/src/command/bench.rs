@@ -187,6 +187,7 @@ impl Bench<'_> {
             })
             .collect();
         let mut text = serde_json::to_string_pretty(&json!({
+            "arm": self.0.arm,
             "world": self.0.worlds[0].title,
             "start": self.0.start.title,
             "track": self.0.track,
@@ -209,8 +210,10 @@ impl Bench<'_> {
         let (first, last) = (self.0.seeds.start(), self.0.seeds.end());
         let world = &self.0.worlds[0].title;
         let start = &self.0.start.title;
-        let mut text =
-            format!("world {world}, start {start}, track {}, seeds {first} to {last}", self.0.track);
+        let mut text = format!(
+            "arm {}, world {world}, start {start}, track {}, seeds {first} to {last}",
+            self.0.arm, self.0.track
+        );
         if let Some(secret) = &self.0.secret {
             let _ = write!(text, " with the secret {}", secret.commitment());
         }

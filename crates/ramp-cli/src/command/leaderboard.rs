@@ -81,7 +81,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Failure> {
     }
     board.add_controls(data, &mut admission, arguments)?;
     // Write the front page last, so that all its links exist.
-    for (name, text) in pages::pages(&board.boards, &board.refused, &admission.terms().compared()) {
+    let compared = |key: &Key| admission.terms().compared(key.arm.as_deref());
+    for (name, text) in pages::pages(&board.boards, &board.refused, &compared) {
         board.site.write(&name, &text)?;
     }
     board.site.remove_others(&["agent-", "board-", "refused"])?;

@@ -25,7 +25,7 @@ use ramp_twin::{Fault, ForMujoco, Setup, Twin};
 use crate::command::agent;
 use crate::command::parts::Parts;
 use crate::command::station;
-use crate::options::{StartOption, TrackName, WorldOption};
+use crate::options::{ArmOption, StartOption, TrackName, WorldOption};
 use crate::output::{check_place, make_folder_of, print, tell, write_file};
 use crate::pictures::{self, Pictures};
 use crate::rules::domains;
@@ -42,6 +42,8 @@ pub struct Arguments {
     /// Knowledge that the agent has of the parts' poses
     #[arg(long, value_enum, default_value_t = TrackName::Tags)]
     track: TrackName,
+    #[command(flatten)]
+    arm: ArmOption,
     #[command(flatten)]
     world: WorldOption,
     #[command(flatten)]
@@ -76,7 +78,7 @@ pub struct Arguments {
     /// .mcap
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Replace a result of another agent, world, track or version
+    /// Replace a result of another agent, arm, world, track or version
     #[arg(long)]
     force: bool,
     /// File for the log of the episode, for viewers and `ramp replay` [default: beside the result]
@@ -122,6 +124,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         return station::run(data, file, &arguments.station, &inputs);
     }
     let end = arguments.end_after.and_then(|after| Instant::now().checked_add(Duration::from_secs(after)));
+    let data = &arguments.arm.of(data)?;
     let (assembly, texts) = data.goal_with_texts(&arguments.goal)?;
     let arm = data.arm()?;
     let physics = arguments.world.read(data)?;
@@ -253,6 +256,7 @@ fn refuse_other(
     let agent = Identity { name, sha256: sha256.as_deref(), asynchronous: arguments.agent.asynchronous };
     let (world, start) = (WorldLabel::of(setup.world).sha256, StartInfo::of(setup.start).sha256);
     let shared = Shared {
+        arm: &setup.arm.name,
         worlds: vec![&world],
         start: &start,
         secret: arguments.secret.clone(),
@@ -319,7 +323,8 @@ pub fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> Stri
     let place = match &result.real {
         Some(real) => format!("{}, track {}, repeat {}", real.kind.words(), result.track, result.repeat),
         None => format!(
-            "world {}, start {}, track {}, seed {}",
+            "arm {}, world {}, start {}, track {}, seed {}",
+            name(result.arm.as_ref()),
             name(result.world.as_ref().map(|world| &world.name)),
             name(result.start.as_ref().map(|start| &start.name)),
             result.track,

@@ -81,7 +81,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         Version::Five => (FciVersion::V5, "panda"),
     };
     let assembly = data.goal(&arguments.goal)?;
-    let arm = data.arm_named(arm)?;
+    let arm = data.with_arm(arm)?.arm()?;
     let (world, start) = (arguments.world.read(data)?, arguments.start.read(data)?);
     let setup = Setup {
         assembly: &assembly,

@@ -9,7 +9,7 @@ use crate::pictures;
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Drive the arm of this station file, and not the twin in this program
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["tape", "fault", "scene", "secret"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["arm", "tape", "fault", "scene", "secret"])]
     pub robot: Option<PathBuf>,
     /// With --robot: let the twin do it, with that arm and its walls, for --view or --video; nothing is connected,
     /// and no result is written
@@ -111,9 +111,9 @@ mod with_wire {
         let repeat = repeat.ok_or_else(|| {
             miette!("the number of a run at a station is {}, expected --seed 1 to 100000", inputs.seed)
         })?;
+        let data = &data.with_arm(&station.arm)?;
         let (assembly, texts) = data.goal_with_texts(inputs.goal)?;
-        let texts = data.with_arm(texts, &station.arm)?;
-        let arm = data.arm_named(&station.arm)?;
+        let arm = data.arm()?;
         let slowed = slowed(&arm, station.speed);
         let (world, start) = (inputs.world.read(data)?, inputs.start.read(data)?);
         let parts = inputs.agent.parts.read(data)?;

@@ -118,6 +118,7 @@ fn shells_complete_and_manual_pages_are_there_for_each_command() {
         ("plan hard-", &["hard-1", "hard-2", "hard-3"]),
         ("bench ea", &["easy", "easy-1", "easy-2", "easy-3"]),
         ("bench easy-1 ha", &["hard", "hard-1", "hard-2", "hard-3"]),
+        ("run easy-1 --arm ", &["panda", "fr3"]),
         ("run easy-1 --world ", &["ideal", "real", "hard", "mine.xml"]),
         ("run easy-1 --start m", &["moved", "mine.xml"]),
         ("run easy-1 --fault peg-", &["peg-dropped", "peg-tilted", "peg-missing"]),

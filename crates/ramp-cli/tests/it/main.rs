@@ -5,6 +5,7 @@
 
 mod agents;
 mod alone;
+mod arms;
 mod backend;
 mod bench;
 mod built_in;

@@ -127,7 +127,7 @@ fn change(path: &Path, from: &str, to: &str) {
 fn board_page() -> String {
     let [world, start] = [&World::shipped("real").unwrap().text, &Start::shipped("moved").unwrap().text]
         .map(|text| sha256(text.as_bytes()));
-    format!("board-easy-state-real-{}-moved-{}-{RULES}.html", &world[..24], &start[..24])
+    format!("board-easy-state-panda-real-{}-moved-{}-{RULES}.html", &world[..24], &start[..24])
 }
 
 fn bad_entries_are_told_and_the_others_are_on_the_board() {

@@ -184,11 +184,11 @@ impl<'a> Recorder<'a> {
             let value = serde_json::to_value(event).unwrap_or_default();
             self.put("/events", time, &value);
         }
-        let Run { assembly, track, repeat, kind, robot, scorer, source, .. } = head.run;
+        let Run { assembly, arm, track, repeat, kind, robot, scorer, source, .. } = head.run;
         let mut run = json!({
             "schema": SCHEMA, "rules": RULES, "goal": assembly.name, "repeat": repeat, "track": track.name(),
             "agent": head.agent, "version": head.version, "robot": robot, "computer": head.host.cpu,
-            "cores": head.host.cores, "scorer": scorer, "source": source, "kind": kind,
+            "cores": head.host.cores, "scorer": scorer, "source": source, "kind": kind, "arm": arm.name,
             "begin": self.stamp(0.0), "planning": planning, "end": self.stamp(end), "ended": head.ended,
         });
         if let Some(surveyed) = self.surveyed {

@@ -30,6 +30,9 @@ pub(super) struct Head {
     pub surveyed: Option<Stamp>,
     #[serde(default)]
     pub kind: RobotKind,
+    /// The name of the arm.
+    #[serde(default)]
+    pub arm: Option<String>,
 }
 
 /// A time by the clock of the poses.

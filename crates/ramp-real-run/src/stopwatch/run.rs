@@ -73,6 +73,7 @@ impl<'a> Run<'a> {
             class: goal.class.map(|class| class.name().to_string()),
             track: track.to_string(),
             real: Some(real.clone()),
+            arm: None,
             world: None,
             start: None,
             seed: u64::from(self.repeat),

@@ -1,4 +1,4 @@
-//! Rankings: one board for each class, track, world, start and rules, the best agent first.
+//! Rankings: one board for each class, track, arm, world, start and rules, the best agent first.
 
 use ramp_log::Named;
 use ramp_result::collection::{Collection, class_rank};
@@ -13,6 +13,10 @@ pub(super) const SHOWN_HASH: usize = 8;
 /// the same one.
 const SLUG_HASH: usize = 24;
 
+/// The order of a board among all.
+type Rank<'a> =
+    (usize, usize, (Option<RobotKind>, bool), Option<&'a String>, [Option<&'a Named>; 2], &'a str);
+
 /// Properties that episodes must share to be ranked together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key {
@@ -20,6 +24,8 @@ pub struct Key {
     pub class: Option<String>,
     /// The track.
     pub track: String,
+    /// The name of the arm; `None` for real runs that do not tell it.
+    pub arm: Option<String>,
     /// The world; `None` for real runs. Two versions of one world are two worlds.
     pub world: Option<Named>,
     /// The start; `None` for real runs. Two versions of one start are two starts.
@@ -38,6 +44,7 @@ impl Key {
         Key {
             class: result.class.clone(),
             track: result.track.clone(),
+            arm: result.arm.clone(),
             world: result.world.as_ref().map(|it| Named { name: it.name.clone(), sha256: it.sha256.clone() }),
             start: result.start.as_ref().map(|it| Named { name: it.name.clone(), sha256: it.sha256.clone() }),
             rules: result.rules.clone(),
@@ -56,8 +63,9 @@ impl Key {
                 .map_or(String::new(), |it| format!(", {kind} {} ({})", it.name, begin(it, SHOWN_HASH)))
         };
         let (world, start) = (version("world", &self.world), version("start", &self.start));
+        let arm = self.arm.iter().map(|arm| format!(", arm {arm}")).collect::<String>();
         let pace = if self.asynchronous { ", async" } else { "" };
-        format!("{class}, track {}, {robot}{world}{start}{pace}", self.track)
+        format!("{class}, track {}, {robot}{arm}{world}{start}{pace}", self.track)
     }
 
     /// For the name of a file: letters, digits and hyphens.
@@ -69,20 +77,21 @@ impl Key {
             file.as_ref().map_or(String::new(), |it| format!("-{}-{}", it.name, begin(it, SLUG_HASH)))
         };
         let (world, start) = (version(&self.world), version(&self.start));
-        format!("{class}-{}{world}{start}{robot}{pace}-{}", self.track, self.rules)
+        let arm = self.arm.iter().map(|arm| format!("-{arm}")).collect::<String>();
+        format!("{class}-{}{arm}{world}{start}{robot}{pace}-{}", self.track, self.rules)
             .chars()
             .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' })
             .collect()
     }
 
     /// Easy classes first, tracks in their order, real robots last.
-    fn rank(&self) -> (usize, usize, Option<RobotKind>, bool, [Option<&Named>; 2], &str) {
+    fn rank(&self) -> Rank<'_> {
         let track = Track::ALL.iter().position(|known| known.name() == self.track);
         (
             class_rank(self.class.as_deref()),
             track.unwrap_or(Track::ALL.len()),
-            self.robot,
-            self.asynchronous,
+            (self.robot, self.asynchronous),
+            self.arm.as_ref(),
             [self.world.as_ref(), self.start.as_ref()],
             &self.rules,
         )

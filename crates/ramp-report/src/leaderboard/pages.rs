@@ -4,7 +4,7 @@
 use maud::{Markup, html};
 use ramp_result::episode::RobotKind;
 
-use super::boards::{Board, Boards, Control, Standing};
+use super::boards::{Board, Boards, Control, Key, Standing};
 use crate::columns::{self, Column, name, number, sentences};
 use crate::format::{NONE, counted, share, small};
 use crate::shell::page;
@@ -32,9 +32,13 @@ pub struct Refusal {
     pub reason: String,
 }
 
-/// All pages but those of the agents: their file names and texts, the front page last. `compared` holds the
-/// names and hashes of what all entries share.
-pub fn pages(boards: &Boards, refused: &[Refusal], compared: &[(String, String)]) -> Vec<(String, String)> {
+/// All pages but those of the agents: their file names and texts, the front page last. `compared` gives the
+/// names and hashes of what all entries of a board share.
+pub fn pages(
+    boards: &Boards,
+    refused: &[Refusal],
+    compared: &dyn Fn(&Key) -> Vec<(String, String)>,
+) -> Vec<(String, String)> {
     let mut pages = Vec::new();
     for board in boards.boards() {
         let stem = format!("board-{}", board.key.slug());
@@ -47,7 +51,7 @@ pub fn pages(boards: &Boards, refused: &[Refusal], compared: &[(String, String)]
                 (turn(&stem, number, chunks.len()))
                 (table(chunk, number * PAGE, &board.controls))
                 (turn(&stem, number, chunks.len()))
-                (hashes(board, compared))
+                (hashes(board, compared(&board.key)))
             };
             pages.push((file(&stem, number), page(&format!("{TITLE}: {}", board.key.title()), &body)));
         }
@@ -150,13 +154,13 @@ fn board_words(board: &Board) -> Markup {
 }
 
 /// The hashes of everything that the episodes of a board share.
-fn hashes(board: &Board, compared: &[(String, String)]) -> Markup {
+fn hashes(board: &Board, compared: Vec<(String, String)>) -> Markup {
     let named = [("world", &board.key.world), ("start", &board.key.start)].into_iter();
     let named = named.filter_map(|(kind, file)| {
         let file = file.as_ref()?;
         Some((format!("{kind} {}", file.name), file.sha256.clone()))
     });
-    let rows = named.chain(compared.iter().cloned()).collect::<Vec<_>>();
+    let rows = named.chain(compared).collect::<Vec<_>>();
     html! {
         h2 { "Compared" }
         p.soft { "All episodes of this board have these in common; each is given by its SHA-256, the secret by its commitment." }

@@ -23,6 +23,15 @@ pub struct BoardGoal {
     pub xml: String,
 }
 
+/// An arm of the organiser.
+#[derive(Clone, Debug)]
+pub struct BoardArm {
+    /// Its name.
+    pub name: String,
+    /// Its file.
+    pub json: String,
+}
+
 /// Inputs that results must have been made with.
 #[derive(Clone, Debug)]
 pub struct BoardTerms {
@@ -30,8 +39,8 @@ pub struct BoardTerms {
     pub goals: Vec<BoardGoal>,
     /// The kit file.
     pub kit: String,
-    /// The arm file.
-    pub arm: String,
+    /// The arms that have boards.
+    pub arms: Vec<BoardArm>,
     /// The files of the starts that have boards.
     pub starts: Vec<String>,
     /// The secret mixed into the seeds; `None` for public seeds.
@@ -39,13 +48,15 @@ pub struct BoardTerms {
 }
 
 impl BoardTerms {
-    /// Everything that is the same in all entries: its name, and its SHA-256 or commitment.
-    pub fn compared(&self) -> Vec<(String, String)> {
+    /// Everything that is the same in all entries of a board with this arm: its name, and its SHA-256 or
+    /// commitment.
+    pub fn compared(&self, arm: Option<&str>) -> Vec<(String, String)> {
         let hash = |text: &str| sha256(text.as_bytes());
         let goals = self.goals.iter().map(|goal| (format!("goal {}", goal.name), hash(&goal.xml)));
-        let files = [("kit".to_string(), hash(&self.kit)), ("arm".to_string(), hash(&self.arm))];
+        let arms = self.arms.iter().filter(|it| Some(it.name.as_str()) == arm);
+        let arms = arms.map(|it| (format!("arm {}", it.name), hash(&it.json)));
         let secret = self.secret.iter().map(|it| ("secret of the seeds".to_string(), it.commitment()));
-        files.into_iter().chain(goals).chain(secret).collect()
+        [("kit".to_string(), hash(&self.kit))].into_iter().chain(arms).chain(goals).chain(secret).collect()
     }
 }
 
@@ -197,9 +208,8 @@ pub fn check_log(file: &ResultFile, log: &Facts, terms: &BoardTerms) -> Result<(
     if log.kit != hash(&terms.kit) {
         return other("kit");
     }
-    if log.arm != hash(&terms.arm) {
-        return other("arm");
-    }
+    let arm = terms.arms.iter().find(|it| hash(&it.json) == log.arm);
+    let Some(arm) = arm else { return other("arm") };
     if !terms.starts.iter().any(|start| hash(start) == log.start.sha256) {
         return other("start");
     }
@@ -216,7 +226,7 @@ pub fn check_log(file: &ResultFile, log: &Facts, terms: &BoardTerms) -> Result<(
     let world = file.result.world.as_ref().map(|it| (&it.name, &it.sha256));
     let start = file.result.start.as_ref().map(|it| (&it.name, &it.sha256));
     let logged = [&log.world, &log.start].map(|it| Some((&it.name, &it.sha256)));
-    if [world, start] != logged {
+    if [world, start] != logged || file.result.arm.as_ref() != Some(&arm.name) {
         return Err(Refused::NotOfLog { file: name() });
     }
     let name_of = |commitment: Option<&String>| match commitment {

@@ -2,8 +2,8 @@
 //! start.
 
 use ramp_log::{Log, SecretSeed};
-use ramp_report::leaderboard::{BoardGoal, BoardTerms, Key, Refused, check_log, check_whole};
-use ramp_result::collection::collect;
+use ramp_report::leaderboard::{BoardArm, BoardGoal, BoardTerms, Key, Refused, check_log, check_whole};
+use ramp_result::collection::{ResultFile, collect};
 use ramp_result::secret::Secret;
 use ramp_testing::episode::Swing;
 use ramp_testing::{GoalFiles, data};
@@ -27,7 +27,7 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
     let terms = BoardTerms {
         goals: vec![goal],
         kit: read("kit.xml"),
-        arm: read("arms/panda.json"),
+        arms: vec![BoardArm { name: "panda".to_string(), json: read("arms/panda.json") }],
         starts: vec![Start::sheet().text.clone()],
         secret: None,
     };
@@ -97,10 +97,25 @@ fn what_was_changed_afterwards_or_made_with_other_goals_is_refused() {
     other.goals.clear();
     assert!(matches!(check_log(file, &log.facts(), &other), Err(Refused::Goal { .. })));
     assert!(matches!(check_whole(&collection, &other), Err(Refused::Goal { .. })));
+    another_arm_is_refused(file, &log, &terms);
     // Another kit, and another start.
     let mut other = terms.clone();
     other.kit = other.kit.replacen("joint", "Joint", 1);
     assert!(matches!(check_log(file, &log.facts(), &other), Err(Refused::Other { what: "kit", .. })));
     let other = BoardTerms { starts: vec![Start::moved().text.clone()], ..terms };
     assert!(matches!(check_log(file, &log.facts(), &other), Err(Refused::Other { .. })));
+}
+
+/// Another arm: not the organiser's, or not the one that the result names.
+fn another_arm_is_refused(file: &ResultFile, log: &Log, terms: &BoardTerms) {
+    let mut other = terms.clone();
+    other.arms[0].json.push('\n');
+    assert!(matches!(check_log(file, &log.facts(), &other), Err(Refused::Other { what: "arm", .. })));
+    let (mut other, mut other_log) = (file.clone(), log.clone());
+    for result in [&mut other.result, &mut other_log.result] {
+        result.arm = Some("fr3".into());
+    }
+    assert!(matches!(check_log(&other, &other_log.facts(), terms), Err(Refused::NotOfLog { .. })));
+    assert_ne!(Key::of(&file.result), Key::of(&other.result));
+    assert_ne!(Key::of(&file.result).slug(), Key::of(&other.result).slug());
 }

@@ -84,7 +84,7 @@ fn a_board_has_fifty_on_a_page_and_the_front_page_the_best_of_each() {
         boards.add(key, standing);
     }
     let refused = vec![Refusal { entry: "<u>bad".into(), reason: "no <s>log".into() }; 51];
-    let pages = pages::pages(&boards, &refused, &[("kit".into(), "<u>hash".into())]);
+    let pages = pages::pages(&boards, &refused, &|_| vec![("kit".into(), "<u>hash".into())]);
     let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
     let state = "board-easy-state-ramp-rules-5";
     let expected = [

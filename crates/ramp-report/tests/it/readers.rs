@@ -7,10 +7,11 @@ use ramp_result::episode::{EpisodeResult, RealRun, RobotKind, StartInfo, WorldIn
 use ramp_result::testing::episode;
 use ramp_twin::{Start, World};
 
-/// An episode in the twin, in the world `real`.
+/// An episode in the twin with the Panda, in the world `real`.
 fn in_the_twin(agent: &str, track: &str, seed: u64) -> EpisodeResult {
     let mut result = episode("easy-1", seed, &[20.0, 40.0], 3);
     let (world, start) = (World::shipped("real").unwrap(), Start::moved());
+    result.arm = Some("panda".into());
     result.world = Some(WorldInfo::of(world, seed));
     result.start = Some(StartInfo::of(start));
     (result.agent.name, result.track) = (agent.into(), track.into());
@@ -38,6 +39,9 @@ fn results() -> Collection {
     let mut hasty = in_the_twin("hasty", "state", 1);
     hasty.agent.asynchronous = true;
     all.push(hasty);
+    let mut other_arm = in_the_twin("baseline", "state", 1);
+    other_arm.arm = Some("fr3".into());
+    all.push(other_arm);
     for (index, result) in all.iter().enumerate() {
         std::fs::write(folder.path().join(format!("{index}.json")), result.to_json()).unwrap();
     }
@@ -51,9 +55,10 @@ fn a_real_robot_and_the_world_real_have_headings_that_say_so() {
     assert_eq!(
         titles,
         [
-            "state, twin, world real, start moved",
-            "state, twin, world real, start moved, async",
-            "tags, twin, world real, start moved",
+            "state, twin, arm fr3, world real, start moved",
+            "state, twin, arm panda, world real, start moved",
+            "state, twin, arm panda, world real, start moved, async",
+            "tags, twin, arm panda, world real, start moved",
             "tags, real robot"
         ]
     );
@@ -65,9 +70,10 @@ fn a_real_robot_and_the_world_real_have_headings_that_say_so() {
     for (key, standing) in standings("entry", "agent", &report.collection, page::agent_page, |_| false) {
         boards.add(key, standing);
     }
-    let front = pages::pages(&boards, &[], &[]).pop().unwrap().1;
+    let front = pages::pages(&boards, &[], &|_| Vec::new()).pop().unwrap().1;
     assert!(front.contains("Class easy, track tags, real robot<"), "{front}");
-    assert!(front.contains("Class easy, track tags, twin, world real ("), "{front}");
+    assert!(front.contains("Class easy, track tags, twin, arm panda, world real ("), "{front}");
+    assert!(front.contains("Class easy, track state, twin, arm fr3, world real ("), "{front}");
     assert!(front.contains("), async<"), "{front}");
 }
 

@@ -101,6 +101,7 @@ fn words(result: &EpisodeResult) -> Result<(), String> {
     words::name("the goal", goal)?;
     words::class_and_track(class.as_deref(), track)?;
     words::agent(agent)?;
+    result.arm.as_ref().map_or(Ok(()), |arm| words::name("the arm", arm))?;
     result.world.as_ref().map_or(Ok(()), words::world)?;
     result.start.as_ref().map_or(Ok(()), words::start)?;
     words::software(software)?;

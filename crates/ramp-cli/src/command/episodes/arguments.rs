@@ -11,7 +11,7 @@ use super::batch::{Batch, BatchPolicy, BatchStart, BatchWorld};
 use super::goals::{BatchError, BatchGoal};
 use crate::command::agent;
 use crate::engine::Backend;
-use crate::options::{StartOption, TrackName, WorldOption};
+use crate::options::{ArmOption, StartOption, TrackName, WorldOption};
 use crate::software::software;
 
 /// Arguments shared by the commands that run many episodes.
@@ -20,6 +20,8 @@ pub struct Arguments {
     /// Knowledge that the agent has of the parts' poses
     #[arg(long, value_enum, default_value_t = TrackName::Tags)]
     track: TrackName,
+    #[command(flatten)]
+    arm: ArmOption,
     #[command(flatten)]
     pub world: WorldOption,
     #[command(flatten)]
@@ -69,7 +71,7 @@ impl Arguments {
         }
         let last = self.first_seed.checked_add(u64::from(count) - 1);
         let agent = self.agent.file()?;
-        let parts = self.agent.parts.read(data)?;
+        let parts = self.agent.parts.read(&self.arm.of(data)?)?;
         // Report problems of the sandbox before any episode starts.
         let hidden = Vec::from_iter([Some(folder), hidden].into_iter().flatten());
         if let Some(sandbox) = self.agent.sandbox(agent.as_ref().or(parts.planner.as_ref()), &hidden)? {
@@ -95,6 +97,7 @@ impl Arguments {
             data,
             folder,
             track: Track::from(self.track).name(),
+            arm: self.arm.name(),
             worlds: vec![BatchWorld::new(self.world.argument(), &self.world.read(data)?)],
             start: BatchStart::new(self.start.argument(), &self.start.read(data)?),
             limit: Duration::from_secs(self.limit),

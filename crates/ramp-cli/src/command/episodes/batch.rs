@@ -121,6 +121,8 @@ pub struct Batch<'a> {
     pub data: &'a Data,
     pub folder: &'a Path,
     pub track: &'static str,
+    /// The name of the arm.
+    pub arm: &'a str,
     /// The worlds. All episodes of a bench share one.
     pub worlds: Vec<BatchWorld>,
     pub start: BatchStart,
@@ -212,6 +214,7 @@ impl Batch<'_> {
     /// Conditions that all results of the folder share.
     fn shared(&self) -> Shared<'_> {
         Shared {
+            arm: self.arm,
             worlds: self.worlds.iter().map(|world| world.hash.as_str()).collect(),
             start: &self.start.hash,
             secret: self.commitment(),
@@ -224,7 +227,7 @@ impl Batch<'_> {
         }
     }
 
-    /// Rejects a folder with results of another version, world, secret or agent.
+    /// Rejects a folder with results of another version, arm, world, secret or agent.
     fn refuse_foreign(&self) -> Result<(), Report> {
         let Ok(entries) = std::fs::read_dir(self.folder) else { return Ok(()) };
         let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
@@ -373,7 +376,7 @@ impl Batch<'_> {
         for pair in self.data.arguments().chunks(2) {
             words.extend([pair[0].clone(), place(pair[1].as_ref()).into()]);
         }
-        words.extend(["run".into(), "--track".into(), self.track.into()]);
+        words.extend(["run", "--track", self.track, "--arm", self.arm].map(OsString::from));
         for (option, argument) in
             [("--world", &self.worlds[episode.world].argument), ("--start", &self.start.argument)]
         {

@@ -46,6 +46,9 @@ pub enum BatchError {
     #[error("{file} is of another secret, or of none")]
     #[diagnostic(help("a folder is of one secret: name another folder with -o, or give the same --secret"))]
     OtherSecret { file: String },
+    #[error("{file} is of the arm {theirs}, and not of this one")]
+    #[diagnostic(help("a folder is of one arm: name another folder with -o, or give the same --arm"))]
+    OtherArm { file: String, theirs: String },
     #[error("{file} is of the world {theirs}, and not of this one")]
     #[diagnostic(help("a folder is of one world: name another folder with -o, or give the same --world"))]
     OtherWorld { file: String, theirs: String },
@@ -63,6 +66,7 @@ impl BatchError {
         let file = path.display().to_string();
         match foreign {
             Foreign::Version { theirs, ours } => BatchError::OtherVersion { file, theirs, ours },
+            Foreign::Arm { theirs } => BatchError::OtherArm { file, theirs },
             Foreign::World { theirs } => BatchError::OtherWorld { file, theirs },
             Foreign::Start { theirs } => BatchError::OtherStart { file, theirs },
             Foreign::Secret => BatchError::OtherSecret { file },

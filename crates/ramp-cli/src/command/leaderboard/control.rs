@@ -74,6 +74,7 @@ pub fn make(
     words.extend(
         ["bench", "--track", &key.track, "--world", &world.name, "--start", start].map(OsString::from),
     );
+    words.extend(key.arm.iter().flat_map(|arm| ["--arm", arm]).map(OsString::from));
     words.extend(["--repeats".into(), REPEATS.to_string().into(), "-o".into(), folder.into()]);
     if row == Row::Floor {
         words.extend(["--tape".into(), Row::Control.folder(site, key).into()]);
