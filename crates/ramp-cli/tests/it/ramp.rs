@@ -29,6 +29,23 @@ fn write(folder: &TempDir, name: &str, content: &str) {
     std::fs::write(folder.path().join(name), content).unwrap();
 }
 
+/// Without the feature, a station is refused at once, and what it needs is told.
+#[test]
+fn a_station_needs_the_feature_of_the_wire() {
+    if cfg!(feature = "franka") {
+        return;
+    }
+    let folder = TempDir::new().unwrap();
+    let words = ["built without Franka's protocol", "--features franka"];
+    refused(&folder, &["run", "easy-1", "--robot", "station.toml", "--yes"], &words);
+    refused(&folder, &["run", "easy-1", "--yes"], &["--robot <FILE>"]);
+    refused(
+        &folder,
+        &["run", "easy-1", "--robot", "station.toml", "--fault", "jam"],
+        &["cannot be used with"],
+    );
+}
+
 #[test]
 fn goals_lists_the_nine() {
     let folder = TempDir::new().unwrap();

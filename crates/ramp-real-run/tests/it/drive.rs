@@ -7,9 +7,10 @@ use ramp_real_run::drive::{Driven, Guard, Run, Workspace, drive};
 use ramp_real_run::poses::{QuaternionOrder, Reader};
 use ramp_result::episode::{EndKind, RobotKind};
 use ramp_robot::{Agent, Command, Observation, Robot, RobotError, Track};
-use ramp_testing::GoalFiles;
 use ramp_testing::episode::label;
+use ramp_testing::log::messages;
 use ramp_testing::robot::{Alteration, Altered};
+use ramp_testing::{GoalFiles, data};
 use ramp_twin::{Setup, Twin, World};
 
 const SEED: u64 = 1;
@@ -42,6 +43,30 @@ fn driven(
     (driven, twin)
 }
 
+/// The messages of a log follow their schemas, and there are some on each channel.
+fn follow_their_schemas(bytes: &[u8]) {
+    let schemas = [
+        ("/run", "real-run"),
+        ("/parts", "log/parts"),
+        ("/robot", "log/sensed"),
+        ("/tip", "log/tip"),
+        ("/command", "log/command"),
+        ("/events", "log/event"),
+    ];
+    let messages = messages(bytes);
+    for (topic, schema) in schemas {
+        let text = std::fs::read_to_string(data().join(format!("schema/{schema}.schema.json"))).unwrap();
+        let validator = jsonschema::validator_for(&serde_json::from_str(&text).unwrap()).unwrap();
+        let mut of_topic = messages.iter().filter(|(found, _)| found == topic).peekable();
+        assert!(of_topic.peek().is_some(), "nothing on {topic}");
+        for (_, data) in of_topic {
+            let value = serde_json::from_slice(data).unwrap();
+            let errors: Vec<String> = validator.iter_errors(&value).map(|error| error.to_string()).collect();
+            assert!(errors.is_empty(), "{topic}: {errors:?}");
+        }
+    }
+}
+
 /// The survey measures on images what stands, and the log that is left is scored the same again.
 #[test]
 fn a_build_on_images_is_measured_and_its_log_scored_again() {
@@ -57,6 +82,7 @@ fn a_build_on_images_is_measured_and_its_log_scored_again() {
     for peg in result.pegs.iter().flatten() {
         assert!((peg.t_total - result.time.total).abs() < 1e-6, "{} of {}", peg.t_total, result.time.total);
     }
+    follow_their_schemas(&std::fs::read(&log).unwrap());
     let goal = GoalFiles::new("easy-1");
     let goals = std::slice::from_ref(&goal.assembly);
     let (order, software) = (QuaternionOrder::default(), label().software);
