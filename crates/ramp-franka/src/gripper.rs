@@ -55,8 +55,8 @@ impl Gripper {
     }
 
     /// Takes what the gripper reports, and gives it the command as soon as the last one is done. Returns
-    /// whether it is busy: until it has reported a width after it was done, since that which it reported before
-    /// is up to a tenth of a second old.
+    /// whether it is busy: until it has reported a width after it was done, since that which it reported
+    /// before is up to a tenth of a second old.
     pub fn cycle(&mut self, command: &GripperCommand) -> Result<bool, FrankaError> {
         while let Some(state) = self.network.try_receive_struct::<GripperState>()? {
             self.width = state.width.get();

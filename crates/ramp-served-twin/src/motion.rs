@@ -10,8 +10,8 @@ use crate::state::Commanded;
 pub(crate) const MOST_LOST: u32 = 20;
 /// Largest rate of a commanded torque, N·m/s. From Franka's specification of the robot.
 const TORQUE_RATE: f64 = 1000.0;
-/// Share by which the rate may be exceeded, for rounding: the numbers of version 10 have 24 bits, and the largest
-/// torque is 87 N·m.
+/// Share by which the rate may be exceeded, for rounding: the numbers of version 10 have 24 bits, and the
+/// largest torque is 87 N·m.
 const ROUNDING: f64 = 1e-5;
 /// The cycles over which the success rate is reported.
 const REPORTED: usize = 100;
@@ -100,8 +100,8 @@ impl Motion {
         }
     }
 
-    /// The next cycle, with its command if one came. `received` are the torques (N·m) that the arm received last:
-    /// what the line lost counts for nothing.
+    /// The next cycle, with its command if one came. `received` are the torques (N·m) that the arm
+    /// received last: what the line lost counts for nothing.
     pub fn next(&mut self, command: Option<Commanded>, received: &[f64; DOF]) -> Cycle {
         if command.is_none() && !self.begun {
             return Cycle::Waits;

@@ -1,12 +1,13 @@
 //! Action execution (section IV-B of the paper): the baseline agent and its skills.
 //!
-//! Data flows one way. The [`agent`] asks the planner for a plan and executes it action by action. For each
-//! fine action a [`table`] names the [`skill`] that carries it out. Skills are made of [`primitive`]s, which
-//! move the [`hand`]; only the hand talks to the robot. A skill knows the parts only through a [`belief`],
-//! which detections correct. [`piece`] is the same agent on a single piece of a plan, in an assembly begun by
-//! another agent. [`rehearsal`] simulates a plan without moving anything, and
-//! [`reference_times`](mod@reference_times) gives reference values for its robot time.
-//! [`survey`](mod@survey) measures what stands afterwards. [`replaced`](mod@replaced) names an agent whose parts are not all the baseline's.
+//! Data flows one way. The [`agent`] asks the planner for a plan and executes it action by action. For
+//! each fine action a [`table`] names the [`skill`] that carries it out. Skills are made of
+//! [`primitive`]s, which move the [`hand`]; only the hand talks to the robot. A skill knows the parts
+//! only through a [`belief`], which detections correct. [`piece`] is the same agent on a single piece of
+//! a plan, in an assembly begun by another agent. [`rehearsal`] simulates a plan without moving anything,
+//! and [`reference_times`](mod@reference_times) gives reference values for its robot time.
+//! [`survey`](mod@survey) measures what stands afterwards. [`replaced`](mod@replaced) names an agent
+//! whose parts are not all the baseline's.
 
 pub mod agent;
 pub mod belief;

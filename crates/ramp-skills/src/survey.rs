@@ -46,8 +46,8 @@ pub fn survey(
     }
 }
 
-/// Shows the wrist camera the sheet's tag, which calibrates it, then the hole of every connection, and of each
-/// beam there the tag that is nearest.
+/// Shows the wrist camera the sheet's tag, which calibrates it, then the hole of every connection, and of
+/// each beam there the tag that is nearest.
 fn visit_all(cell: &mut Workcell, seen: &mut BTreeMap<String, Estimate>) -> Result<(), SkillError> {
     cell.calibrate()?;
     let (assembly, x_wa) = (cell.assembly, cell.belief.x_wa());

@@ -24,6 +24,7 @@ pub mod python;
 pub mod replay;
 pub mod report;
 pub mod run;
+pub mod run_view;
 pub mod score;
 pub mod see;
 pub mod seeds;

@@ -1,12 +1,9 @@
 //! `ramp run`: plans a goal, assembles it in the twin, and scores it.
 
-use std::cell::{Cell, RefCell};
-use std::fmt::Write;
-use std::io::IsTerminal;
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_data::Data;
 use ramp_episode::{EpisodeError, Label, Progress, Recorded, Tape, record_episode, tape};
@@ -16,17 +13,18 @@ use ramp_log::Log;
 use ramp_policy_client::PolicyServer;
 use ramp_report::curve::completion_svg;
 use ramp_result::collection::LARGEST;
-use ramp_result::episode::{EpisodeResult, RobotTime, StartInfo, WorldLabel};
+use ramp_result::episode::{RobotTime, StartInfo, WorldLabel};
 use ramp_result::resume::{Identity, Shared, Wanted};
-use ramp_robot::{Agent, Event, EventKind};
+use ramp_robot::Agent;
 use ramp_skills::{ReferenceTimes, reference_times_of_goal};
 use ramp_twin::{Fault, ForMujoco, Setup, Twin};
 
 use crate::command::agent;
 use crate::command::parts::Parts;
+use crate::command::run_view::{Display, Window, summary};
 use crate::command::station;
 use crate::options::{ArmOption, StartOption, TrackName, WorldOption};
-use crate::output::{check_place, make_folder_of, print, tell, write_file};
+use crate::output::{check_place, make_folder_of, print, write_file};
 use crate::pictures::{self, Pictures};
 use crate::rules::domains;
 use crate::software::software;
@@ -103,26 +101,33 @@ impl Arguments {
     pub fn has_agent(&self) -> bool {
         self.agent.has_program()
     }
+
+    fn for_station(&self) -> station::Inputs<'_> {
+        station::Inputs {
+            goal: &self.goal,
+            track: self.track,
+            world: &self.world,
+            start: &self.start,
+            seed: self.seed,
+            agent: &self.agent,
+            output: self.output.as_deref(),
+            record: self.record.as_deref(),
+            force: self.force,
+            json: self.json,
+            view: self.view,
+            pictures: &self.pictures,
+        }
+    }
 }
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
-    if let Some(file) = &arguments.station.robot {
-        let inputs = station::Inputs {
-            goal: &arguments.goal,
-            track: arguments.track,
-            world: &arguments.world,
-            start: &arguments.start,
-            seed: arguments.seed,
-            agent: &arguments.agent,
-            output: arguments.output.as_deref(),
-            record: arguments.record.as_deref(),
-            force: arguments.force,
-            json: arguments.json,
-            view: arguments.view,
-            pictures: &arguments.pictures,
-        };
-        return station::run(data, file, &arguments.station, &inputs);
+    match &arguments.station.robot {
+        Some(file) => station::run(data, file, &arguments.station, &arguments.for_station()),
+        None => in_twin(data, arguments),
     }
+}
+
+fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let end = arguments.end_after.and_then(|after| Instant::now().checked_add(Duration::from_secs(after)));
     let data = &arguments.arm.of(data)?;
     let (assembly, texts) = data.goal_with_texts(&arguments.goal)?;
@@ -140,12 +145,11 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let curve = output.with_extension("svg");
     let log = arguments.record.clone().unwrap_or_else(|| output.with_extension(ramp_log::ENDING));
     check_places(&output, &curve, &log, arguments.scene.as_deref())?;
-    let seed = arguments.world_seed.unwrap_or(arguments.seed);
     let setup = Setup {
         assembly: &assembly,
         arm: &arm,
         track: arguments.track.into(),
-        seed,
+        seed: arguments.world_seed.unwrap_or(arguments.seed),
         start: &start,
         world: &physics,
         fault: arguments.fault,
@@ -315,163 +319,4 @@ impl Known<'_> {
 fn robot_time(data: &Data, setup: &Setup) -> Result<Option<RobotTime>, Report> {
     let times = reference_times_of_goal(setup.assembly, setup.arm, &domains(data, None)?);
     Ok(times.ok().map(|ReferenceTimes { bound, reference }| RobotTime { bound, reference }))
-}
-
-/// The result as text.
-pub fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> String {
-    let name = |named: Option<&String>| named.map_or("none", String::as_str).to_string();
-    let place = match &result.real {
-        Some(real) => format!("{}, track {}, repeat {}", real.kind.words(), result.track, result.repeat),
-        None => format!(
-            "arm {}, world {}, start {}, track {}, seed {}",
-            name(result.arm.as_ref()),
-            name(result.world.as_ref().map(|world| &world.name)),
-            name(result.start.as_ref().map(|start| &start.name)),
-            result.track,
-            result.seed
-        ),
-    };
-    let pegs = result.pegs.len();
-    let mut text = format!("{}, {place}: {} of {pegs} pegs\n", result.goal, result.counted());
-    for (index, peg) in result.pegs.iter().enumerate() {
-        let _ = match peg {
-            Some(peg) => writeln!(
-                text,
-                "  {:<4} {} in {}  {:<4} seated at {:6.1} s",
-                peg.connection, peg.joints[1], peg.joints[0], peg.peg, peg.t_total
-            ),
-            None => writeln!(text, "  connection {} has no peg that counts", index + 1),
-        };
-    }
-    for rejected in &result.rejected {
-        let _ = writeln!(text, "  does not count: {rejected}");
-    }
-    let time = &result.time;
-    let _ = writeln!(
-        text,
-        "time {:.1} s = planning {:.2} + computing {:.2} + robot {:.1}",
-        time.total, time.planning, time.compute, time.robot
-    );
-    if let Some(share) = time.waiting.filter(|_| time.is_loaded()) {
-        let _ = writeln!(
-            text,
-            "the machine was loaded: the program waited {:.0} % of its time for a processor, and planning and \
-             computing took longer than on an idle machine",
-            100.0 * share
-        );
-    }
-    if let Some(RobotTime { bound, reference }) = result.robot_time {
-        let _ = writeln!(
-            text,
-            "robot time of the baseline's plan: bound {bound:.1} s, reference {reference:.1} s"
-        );
-    }
-    if result.ended.reason != "done" {
-        let _ = writeln!(text, "ended early: {}", result.ended.reason);
-    }
-    if let Some(fault) = &result.fault {
-        let struck = fault.at.map_or_else(|| "never".to_string(), |at| format!("{at:.1} s"));
-        let _ = writeln!(text, "fault {}@{}, struck {struck}: {}", fault.kind, fault.occasion, fault.text);
-    }
-    if let Some(physics) = &result.physics {
-        let _ = writeln!(
-            text,
-            "deepest penetration {:.2} mm, largest force {:.0} N",
-            physics.deepest_penetration * 1e3,
-            physics.largest_force
-        );
-    }
-    let _ = writeln!(text, "result: {}", output.display());
-    let _ = writeln!(text, "curve:  {}\nlog:    {}", curve.display(), log.display());
-    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new("."));
-    if result.real.is_none() {
-        let film = log.with_extension("gif");
-        let _ = writeln!(text, "film:   ramp replay {} --video {}", log.display(), film.display());
-    }
-    let _ = writeln!(text, "report: ramp report {} -o report.html", folder.display());
-    text
-}
-
-/// Progress on standard error: one moving line on a terminal, a line for each action elsewhere.
-pub struct Display {
-    bar: Option<ProgressBar>,
-    action: RefCell<String>,
-}
-
-impl Display {
-    /// `pegs` is the number of pegs in the goal.
-    pub fn new(pegs: usize) -> Display {
-        let bar = std::io::stderr().is_terminal().then(|| {
-            let bar = ProgressBar::new(pegs as u64);
-            if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} pegs  {msg}") {
-                bar.set_style(style);
-            }
-            bar.enable_steady_tick(Duration::from_millis(200));
-            bar
-        });
-        Display { bar, action: RefCell::new("planning".to_string()) }
-    }
-
-    /// The agent's current action.
-    pub fn action(&self) -> String {
-        self.action.borrow().clone()
-    }
-
-    pub fn event(&self, event: &Event) {
-        let line = || format!("{:7.1} s  {}: {}", event.time, event.kind.name(), event.kind);
-        match (&self.bar, &event.kind) {
-            (_, EventKind::ActionBegun(action)) => *self.action.borrow_mut() = action.to_string(),
-            (None, EventKind::ActionEnded(action)) => tell(&format!("{:7.1} s  {action}", event.time)),
-            (Some(_), EventKind::ActionEnded(_)) => {}
-            (Some(bar), _) => bar.println(line()),
-            (None, _) => tell(&line()),
-        }
-    }
-
-    pub fn progress(&self, progress: &Progress) {
-        if let Some(bar) = &self.bar {
-            bar.set_position(progress.seated as u64);
-            bar.set_message(format!("{:.1} s  {}", progress.time, self.action.borrow()));
-        }
-    }
-
-    pub fn finish(&self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
-    }
-}
-
-#[cfg(feature = "view")]
-use ramp_twin::view::Window as TwinWindow;
-
-/// The live window, if the program was built with it.
-pub struct Window {
-    #[cfg(feature = "view")]
-    inner: TwinWindow,
-}
-
-impl Window {
-    #[cfg(feature = "view")]
-    pub fn open(setup: &Setup) -> Result<Window, Report> {
-        let inner = TwinWindow::open(setup).map_err(|error| {
-            miette!(help = "is there a display? without one, leave --view out", "{error}")
-        })?;
-        Ok(Window { inner })
-    }
-
-    #[cfg(not(feature = "view"))]
-    pub fn open(_: &Setup) -> Result<Window, Report> {
-        Err(miette!(
-            help = "build it with `cargo build --release --features view` (needs OpenGL and a display), or leave --view out",
-            "this program was built without a window"
-        ))
-    }
-
-    #[cfg_attr(not(feature = "view"), allow(clippy::unused_self, unused_variables))]
-    pub fn show(&mut self, twin: &Twin) {
-        #[cfg(feature = "view")]
-        self.inner.show(twin);
-    }
 }

@@ -11,8 +11,8 @@ pub struct Arguments {
     /// Drive the arm of this station file, and not the twin in this program
     #[arg(long, value_name = "FILE", conflicts_with_all = ["arm", "tape", "fault", "scene", "secret"])]
     pub robot: Option<PathBuf>,
-    /// With --robot: let the twin do it, with that arm and its walls, for --view or --video; nothing is connected,
-    /// and no result is written
+    /// With --robot: let the twin do it, with that arm and its walls, for --view or --video; nothing is
+    /// connected, and no result is written
     #[arg(long, requires = "robot")]
     dry_run: bool,
     /// With --robot: wait for Enter before each action
@@ -68,7 +68,7 @@ mod with_wire {
 
     use super::{Arguments, Inputs};
     use crate::command::agent::{self, AgentSetup};
-    use crate::command::run::{Display, Window, summary};
+    use crate::command::run_view::{Display, Window, summary};
     use crate::ending;
     use crate::output::{check_place, make_folder_of, print, tell, write_file};
     use crate::pictures::Pictures;
@@ -87,30 +87,7 @@ mod with_wire {
         let station = Station::read(file)?;
         let kind = kind_of(&station);
         let asks = !arguments.yes && !arguments.dry_run;
-        if arguments.yes && !station.is_loopback() {
-            return Err(miette!(
-                help = "leave --yes out, and stand beside the arm",
-                "--yes is for a served twin on this machine, and the arm of {} is at {}",
-                file.display(),
-                station.connection.arm
-            ));
-        }
-        if (asks || arguments.step) && !std::io::stdin().is_terminal() {
-            return Err(miette!(
-                help = "run it on a terminal; for a served twin on this machine, --yes answers",
-                "a person has to be asked before the arm moves, and there is no terminal"
-            ));
-        }
-        if !arguments.dry_run && (inputs.view || inputs.pictures.any()) {
-            return Err(miette!(
-                help = "add --dry-run, or leave them out",
-                "--view, --video and --rerun show the twin, and a station has none"
-            ));
-        }
-        let repeat = u32::try_from(inputs.seed).ok().filter(|repeat| (1..=100_000).contains(repeat));
-        let repeat = repeat.ok_or_else(|| {
-            miette!("the number of a run at a station is {}, expected --seed 1 to 100000", inputs.seed)
-        })?;
+        let repeat = checked(&station, file, arguments, inputs)?;
         let data = &data.with_arm(&station.arm)?;
         let (assembly, texts) = data.goal_with_texts(inputs.goal)?;
         let arm = data.arm()?;
@@ -189,6 +166,40 @@ mod with_wire {
         let driven = drive(&run, &mut robot, agent.as_mut(), &stop, &log).map_err(MachineFault::of)?;
         display.finish();
         report(&driven, &robot.statistics(), [&output, &log], inputs.json)
+    }
+
+    /// Refuses what a station does not do. Returns the number of the run.
+    fn checked(
+        station: &Station,
+        file: &Path,
+        arguments: &Arguments,
+        inputs: &Inputs,
+    ) -> Result<u32, Report> {
+        let asks = !arguments.yes && !arguments.dry_run;
+        if arguments.yes && !station.is_loopback() {
+            return Err(miette!(
+                help = "leave --yes out, and stand beside the arm",
+                "--yes is for a served twin on this machine, and the arm of {} is at {}",
+                file.display(),
+                station.connection.arm
+            ));
+        }
+        if (asks || arguments.step) && !std::io::stdin().is_terminal() {
+            return Err(miette!(
+                help = "run it on a terminal; for a served twin on this machine, --yes answers",
+                "a person has to be asked before the arm moves, and there is no terminal"
+            ));
+        }
+        if !arguments.dry_run && (inputs.view || inputs.pictures.any()) {
+            return Err(miette!(
+                help = "add --dry-run, or leave them out",
+                "--view, --video and --rerun show the twin, and a station has none"
+            ));
+        }
+        let repeat = u32::try_from(inputs.seed).ok().filter(|repeat| (1..=100_000).contains(repeat));
+        repeat.ok_or_else(|| {
+            miette!("the number of a run at a station is {}, expected --seed 1 to 100000", inputs.seed)
+        })
     }
 
     const HELP: &str =

@@ -8,8 +8,8 @@ use ramp_robot::{
     ArmCommand, Camera, CameraModel, Command, Image, ImageWidth, Observation, PartReading, Robot, RobotError,
 };
 
-/// Control periods in which the arm comes to rest when it is stopped (s/1000). Chosen: the slowest joint needs
-/// a third of it from full speed.
+/// Control periods in which the arm comes to rest when it is stopped (s/1000). Chosen: the slowest joint
+/// needs a third of it from full speed.
 const BRAKING: u32 = 600;
 /// By this share a commanded velocity or torque fades in each period of braking.
 const FADE: f64 = 0.01;

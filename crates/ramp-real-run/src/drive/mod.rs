@@ -1,52 +1,28 @@
 //! A run over the wire: an agent drives a robot behind guards, and what is measured is logged and judged.
 //!
-//! Data passes one way: the agent's commands go through the [`Guard`], which keeps them in the workspace and
-//! stops the arm when a person asks for it, and on to the robot. The [`Recorder`] logs what comes back, and at
-//! the end the poses of the parts that were measured. [`poses`](crate::poses) judges the log, as it judges any
-//! other.
+//! Data passes one way: the agent's commands go through the [`Guard`], which keeps them in the workspace
+//! and stops the arm when a person asks for it, and on to the robot. The [`Recorder`] logs what comes
+//! back, and at the end the poses of the parts that were measured. [`poses`](crate::poses) judges the
+//! log, as it judges any other.
 
 mod guard;
 mod recorder;
+mod run;
 
 use std::path::Path;
 use std::time::Instant;
 
-use ramp_assembly::Assembly;
 use ramp_log::LogError;
 use ramp_result::EpisodeResult;
-use ramp_result::episode::{EndKind, Host, PlanInfo, RobotKind, Software};
-use ramp_robot::arm::ArmModel;
-use ramp_robot::{Account, Agent, Event, EventKind, MOST_EVENTS, Robot, RobotError, Track};
+use ramp_result::episode::{EndKind, Host, PlanInfo};
+use ramp_robot::{Account, Agent, Event, EventKind, MOST_EVENTS, Robot, RobotError};
 use ramp_skills::survey;
 
 pub use guard::{Guard, Workspace};
 pub use recorder::{Recorder, RunHead};
+pub use run::Run;
 
 use crate::poses::{QuaternionOrder, Reader};
-
-/// What a run is of.
-pub struct Run<'a> {
-    /// The goal.
-    pub assembly: &'a Assembly,
-    /// The arm.
-    pub arm: &'a ArmModel,
-    /// The track.
-    pub track: Track,
-    /// The number of the run in a row of repeats, from 1. It feeds random numbers of motions, too.
-    pub repeat: u32,
-    /// The kind of robot, and with it the clock.
-    pub kind: RobotKind,
-    /// The robot, in words.
-    pub robot: &'a str,
-    /// Who answers for the run.
-    pub scorer: &'a str,
-    /// Where it is done.
-    pub source: &'a str,
-    /// With what it is run.
-    pub software: &'a Software,
-    /// The workspace.
-    pub workspace: &'a Workspace,
-}
 
 /// A run that was judged.
 #[derive(Debug)]

@@ -12,7 +12,7 @@ use ramp_robot::{
 };
 use serde_json::{Value, json};
 
-use super::Run;
+use super::run::Run;
 use crate::poses::SCHEMA;
 
 /// Control periods between two records of the signals.

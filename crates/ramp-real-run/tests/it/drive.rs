@@ -91,7 +91,8 @@ fn a_build_on_images_is_measured_and_its_log_scored_again() {
     assert_eq!((&again.pegs, &again.time, &again.log), (&result.pegs, &result.time, &result.log));
 }
 
-/// The agent wants the tip behind a wall: the arm brakes before it is there, and the run ends with the reason.
+/// The agent wants the tip behind a wall: the arm brakes before it is there, and the run ends with the
+/// reason.
 #[test]
 fn a_wall_of_the_workspace_stops_the_arm_before_it() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,0 +1,32 @@
+//! What a run over the wire is of.
+
+use ramp_assembly::Assembly;
+use ramp_result::episode::{RobotKind, Software};
+use ramp_robot::Track;
+use ramp_robot::arm::ArmModel;
+
+use super::guard::Workspace;
+
+/// What a run is of.
+pub struct Run<'a> {
+    /// The goal.
+    pub assembly: &'a Assembly,
+    /// The arm.
+    pub arm: &'a ArmModel,
+    /// The track.
+    pub track: Track,
+    /// The number of the run in a row of repeats, from 1. It feeds random numbers of motions, too.
+    pub repeat: u32,
+    /// The kind of robot, and with it the clock.
+    pub kind: RobotKind,
+    /// The robot, in words.
+    pub robot: &'a str,
+    /// Who answers for the run.
+    pub scorer: &'a str,
+    /// Where it is done.
+    pub source: &'a str,
+    /// With what it is run.
+    pub software: &'a Software,
+    /// The workspace.
+    pub workspace: &'a Workspace,
+}
