@@ -169,7 +169,7 @@ fn a_leaderboard_takes_whole_classes_only() {
     done(&ramp(&folder, &["score", "log.csv", "-o", "all/one"]));
     done(&ramp(&folder, &["leaderboard", "all", "-o", "site"]));
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
-    let page = read("site/board-easy-tags-real-ramp-rules-5.html");
+    let page = read("site/board-easy-tags-real-robot-ramp-rules-5.html");
     assert!(page.contains("real robot") && page.contains("agent-1.html") && page.contains("our-system"));
     assert!(folder.path().join("site/agent-1.html").exists());
     std::fs::remove_file(folder.path().join("all/one/easy-3-tags-4.json")).unwrap();
