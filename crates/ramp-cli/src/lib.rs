@@ -106,6 +106,8 @@ enum Command {
     See(command::see::Arguments),
     /// Write the files to print, saw and lay out the parts
     Kit(command::kit::Arguments),
+    /// Calibrate a real cell's cameras, table and friction from recordings
+    Calibrate(command::calibrate::Arguments),
     /// Print the skills of the baseline, and their parameters
     Skills(command::skills::Arguments),
     /// Export the digital twin
@@ -194,6 +196,7 @@ fn work(words: &[OsString], seal: Seal) -> ExitCode {
         Command::Seeds(arguments) => command::seeds::run(&arguments),
         Command::See(arguments) => command::see::run(&data, &arguments),
         Command::Kit(arguments) => command::kit::run(&data, &arguments),
+        Command::Calibrate(arguments) => command::calibrate::run(&data, &arguments),
         Command::Skills(arguments) => command::skills::run(&data, &arguments),
         Command::Twin(arguments) => command::twin::run(&data, &arguments),
         Command::Data(arguments) => command::data::run(&arguments),

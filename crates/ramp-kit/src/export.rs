@@ -118,6 +118,10 @@ pub fn files(kit: &Kit) -> Result<Vec<File>, ExportError> {
     draw("sheet", "RAMP start sheet", std::slice::from_ref(&whole));
     draw("tags", "RAMP tags", &sheet::tag_sheets(kit, A4));
     draw("guide", "RAMP assembly guide", &guide::guide(kit)?);
+    for (name, [width, height]) in [("calibration", A4), ("calibration-letter", LETTER)] {
+        let page = sheet::calibration_sheet([height, width]);
+        draw(name, &page.title, std::slice::from_ref(&page));
+    }
     for (name, paper) in [("a4", A4), ("letter", LETTER)] {
         let pages = tiles::tiles(&whole, paper);
         add(format!("sheet-tiles-{name}.pdf"), drawing::pdf("RAMP start sheet in tiles", &pages));

@@ -7,8 +7,8 @@
 //! planner its clearances.
 //!
 //! With the feature `export`, [`export()`](export::export) writes all files for making the parts:
-//! [`solid`] as STL ([`stl`]) and 3MF ([`threemf`]), [`sheet`], [`guide`] and tag sheets as
-//! drawings ([`mod@drawing`]) in SVG and PDF, and the [`bill`] of parts.
+//! [`solid`] as STL ([`stl`]) and 3MF ([`threemf`]), [`sheet`], [`guide`], tag sheets and the
+//! calibration sheet ([`board`]) as drawings ([`mod@drawing`]) in SVG and PDF, and the [`bill`] of parts.
 //!
 //! [`source`] is the crate [`ramp_source`], which points errors at their place in a file.
 //!
@@ -17,6 +17,7 @@
 pub mod beam;
 #[cfg(feature = "export")]
 pub mod bill;
+pub mod board;
 mod cuboid;
 pub mod dimensions;
 #[cfg(feature = "export")]

@@ -1,11 +1,12 @@
-//! The sheets that are printed on paper: the start sheet for the parts, and the tags to stick on
-//! them.
+//! The sheets that are printed on paper: the start sheet for the parts, the tags to stick on them,
+//! and the calibration sheet for the cameras.
 //!
 //! The start sheet is drawn from above: its left edge is next to the robot's base, its upper edge
 //! to the robot's left. Beams are drawn with their true outlines, so a part laid into its outline
 //! has its pose in the kit file.
 
 use crate::beam::{Beam, Holder, Kit, Link, StartPose};
+use crate::board;
 use crate::dimensions::HOLE_RADIUS;
 use crate::drawing::{BLACK, Drawing, GREY, Pen, RED, WHITE};
 use crate::solid::{self, Solid, SolidError};
@@ -249,4 +250,23 @@ fn draw_sticker(drawing: &mut Drawing, sticker: &Sticker, at: [f64; 2]) {
     drawing.text([at[0], below + 4.6], Align::Middle, strokes::fit(&words, 2.6, 24.0), BLACK, &words);
     let size = strokes::fit(&sticker.place, 2.0, 28.0);
     drawing.text([at[0], below + 8.0], Align::Middle, size, GREY, &sticker.place);
+}
+
+/// The calibration sheet, in the middle of a page of this size (mm).
+pub fn calibration_sheet(paper: [f64; 2]) -> Drawing {
+    let mut drawing = Drawing::new("RAMP calibration sheet", paper);
+    let middle = paper.map(|edge| edge / 2.0);
+    for place in board::places() {
+        let at = place.x_pg.translation.vector * MM;
+        draw_tag(&mut drawing, place.id, [middle[0] + at.x, middle[1] - at.y], place.edge * MM, 0);
+    }
+    let left = middle[0] - board::COLUMNS as f64 / 2.0 * board::PITCH * MM;
+    let words = format!(
+        "RAMP calibration sheet: AprilTags tag25h9, black edge {} mm, {} mm apart. Glue it flat on a stiff board.",
+        board::EDGE * MM,
+        board::PITCH * MM
+    );
+    drawing.text([left, 10.0], Align::Left, 2.8, BLACK, &words);
+    drawing.ruler([left, paper[1] - 8.0]);
+    drawing
 }

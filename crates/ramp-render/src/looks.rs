@@ -22,6 +22,9 @@ const HOLDER: Colour = [0.16, 0.17, 0.18];
 const METAL: Colour = [0.52, 0.54, 0.57];
 const TIP: Colour = [0.03, 0.03, 0.033];
 const TOOL: Colour = [0.22, 0.23, 0.25];
+const PAPER: Colour = [0.8, 0.8, 0.8];
+/// Thickness of the board under the calibration sheet, m.
+const CARDBOARD: f64 = 4.0e-3;
 /// For near and far looks: details that are left out and the longest edge of a triangle (the lens bends
 /// longer ones visibly), m.
 const NEAR: [f32; 2] = [0.9e-3, 0.045];
@@ -92,6 +95,9 @@ fn finger_box(piece: &ArmBox, tip: f64) -> Cuboid {
     let ([x0, y0, z0], [x1, y1, z1]) = (piece.min, piece.max);
     Cuboid { min: [x0, y0, tip - z1], max: [x1, y1, tip - z0] }
 }
+
+/// Name of the body of the calibration sheet.
+pub const CALIBRATION_SHEET: &str = "calibration-sheet";
 
 /// Name of the body of the wrist camera's housing on the hand; the camera, which is in it, does not see it.
 pub const HOUSING: &str = "housing";
@@ -166,6 +172,20 @@ impl Looks {
         let looks = Arc::new(Looks::new(kit, Some(arm))?);
         known.push((key, Arc::clone(&looks)));
         Ok(looks)
+    }
+
+    /// The same with one more body, the calibration sheet ([`ramp_kit::board`]) on a stiff board.
+    ///
+    /// # Errors
+    /// A tag that the family does not have.
+    pub fn with_calibration_sheet(mut self) -> Result<Looks, LooksError> {
+        let [x, y] = [0.297 / 2.0, 0.210 / 2.0];
+        let mut mesh = Mesh::default();
+        mesh.add_box(&Cuboid { min: [-x, -y, -CARDBOARD], max: [x, y, 0.0] }, PAPER);
+        let tags = ramp_kit::board::places().iter().map(sticker).collect::<Result<_, _>>()?;
+        self.names.insert(CALIBRATION_SHEET.to_string(), self.bodies.len());
+        self.bodies.push(Body::new(CALIBRATION_SHEET, mesh.clone(), mesh, tags));
+        Ok(self)
     }
 
     /// The same with the tag of that id covered with white, wherever it sticks on a part.

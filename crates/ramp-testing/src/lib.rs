@@ -5,6 +5,8 @@
 
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "calibration")]
+pub mod calibration;
 #[cfg(feature = "episode")]
 pub mod episode;
 #[cfg(feature = "twin")]

@@ -2,6 +2,7 @@
 
 pub mod agent;
 pub mod bench;
+pub mod calibrate;
 pub mod check;
 pub mod completions;
 pub mod data;

@@ -9,6 +9,7 @@ mod arms;
 mod backend;
 mod bench;
 mod built_in;
+mod calibrate;
 mod clusters;
 mod demos;
 mod docs;

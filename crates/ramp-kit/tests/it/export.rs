@@ -58,7 +58,15 @@ fn the_same_kit_gives_the_same_bytes() {
         assert!(a == b, "{}", a.path);
     }
     let has = |path: &str| a.iter().any(|file| file.path == path);
-    for path in ["sheet.pdf", "sheet.svg", "tags.pdf", "guide.pdf", "stl/peg.stl", "3mf/angle-f.3mf"] {
+    for path in [
+        "sheet.pdf",
+        "sheet.svg",
+        "tags.pdf",
+        "calibration.pdf",
+        "guide.pdf",
+        "stl/peg.stl",
+        "3mf/angle-f.3mf",
+    ] {
         assert!(has(path), "{path}");
     }
     assert!(has("plates/plate-01.3mf"));

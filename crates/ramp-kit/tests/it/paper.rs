@@ -2,7 +2,7 @@
 
 use apriltag::{DetectorBuilder, Family, Image};
 use ramp_kit::drawing::{self, Drawing};
-use ramp_kit::{Kit, read_kit, sheet, tags, tiles};
+use ramp_kit::{Kit, board, read_kit, sheet, tags, tiles};
 use resvg::{tiny_skia, usvg};
 use std::path::Path;
 
@@ -167,6 +167,23 @@ fn every_sticker_is_read_with_the_right_id() {
 }
 
 /// The tags of the pages in order; each has its size and its label.
+#[test]
+fn the_calibration_sheet_is_read_where_its_tags_are() {
+    let [width, height] = drawing::A4;
+    let [short, long] = drawing::LETTER;
+    for paper in [[height, width], [long, short]] {
+        let found = Pixels::of(&sheet::calibration_sheet(paper), 8.0).tags();
+        let places = board::places();
+        assert_eq!(found.len(), places.len());
+        for ((id, centre, _), place) in found.iter().zip(&places) {
+            assert_eq!(*id, place.id as usize);
+            let at = place.x_pg.translation.vector * 1e3;
+            near(centre[0], paper[0] / 2.0 + at.x);
+            near(centre[1], paper[1] / 2.0 - at.y);
+        }
+    }
+}
+
 fn ids_on(pages: &[Drawing], paper: [f64; 2]) -> Vec<usize> {
     let mut ids = Vec::new();
     for page in pages {
