@@ -350,6 +350,9 @@ mod with_wire {
             print(&result.to_json())?;
             return Ok(status(result));
         }
+        if let Some(error) = &driven.unmeasured {
+            tell(&format!("the frame was not measured: {error}"));
+        }
         let Statistics { periods, late, longest, gaps } = statistics;
         print(&format!(
             "{}{periods} control periods, {late} without a new command in time, {longest} in a row at most; {gaps} states \

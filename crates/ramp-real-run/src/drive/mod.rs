@@ -9,6 +9,7 @@ mod guard;
 mod recorder;
 mod run;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
@@ -31,6 +32,8 @@ pub struct Driven {
     pub result: EpisodeResult,
     /// What stopped the robot, if anything did.
     pub stopped: Option<RobotError>,
+    /// Why the frame was not measured at the end, if the robot had not stopped before.
+    pub unmeasured: Option<RobotError>,
 }
 
 /// Reasons for which a run has no result.
@@ -60,7 +63,7 @@ pub fn drive(
     guard.robot.end();
     let Account { coarse, fine, replans, mut events, .. } = agent.account();
     events.truncate(MOST_EVENTS - 1);
-    let stopped = outcome.err();
+    let (stopped, mut unmeasured) = (outcome.err(), None);
     if let Some(error) = &stopped {
         let what = EventKind::Stopped { why: error.to_string() };
         events.push(Event::new(guard.robot.robot_time(), what));
@@ -76,7 +79,11 @@ pub fn drive(
         // It begins where the agent left the arm, which may be off what it commanded last.
         guard.smooths = true;
         let seen = survey(run.assembly, run.arm, run.track, &mut guard, u64::from(run.repeat));
-        guard.robot.surveyed(seen.unwrap_or_default(), begin.elapsed());
+        let seen = seen.unwrap_or_else(|error| {
+            unmeasured = Some(error);
+            BTreeMap::new()
+        });
+        guard.robot.surveyed(seen, begin.elapsed());
     }
     let (name, version) = agent.name();
     let host = Host::here();
@@ -90,5 +97,5 @@ pub fn drive(
     result.events = events;
     result.ended.kind = Some(kind);
     result.agent.sha256 = agent.file_hash().map(str::to_string);
-    Ok(Driven { result, stopped })
+    Ok(Driven { result, stopped, unmeasured })
 }

@@ -72,8 +72,8 @@ fn follow_their_schemas(bytes: &[u8]) {
 fn a_build_on_images_is_measured_and_its_log_scored_again() {
     let folder = tempfile::tempdir().unwrap();
     let log = folder.path().join("run.mcap");
-    let (Driven { result, stopped }, _) = driven(Track::Tags, &EVERYWHERE, &|| None, &log);
-    assert_eq!(stopped, None);
+    let (Driven { result, stopped, unmeasured }, _) = driven(Track::Tags, &EVERYWHERE, &|| None, &log);
+    assert_eq!((stopped, unmeasured), (None, None));
     assert_eq!((result.counted(), result.pegs.len()), (3, 3), "{result:?}");
     assert_eq!(result.ended.kind, Some(EndKind::Done));
     let real = result.real.as_ref().unwrap();
