@@ -140,7 +140,8 @@ mod with_wire {
         let mut agent = agent::start(&inside, agent_file.as_ref(), sandbox, limit, None, listen)?;
         let stop = || (quit.get() || ending::requested().is_some()).then(|| BY_PERSON.to_string());
         if arguments.dry_run {
-            let mut guarded = Guarded { agent: agent.as_mut(), arm: &arm, workspace, stop: &stop };
+            let mut guarded =
+                Guarded { agent: agent.as_mut(), arms: [&arm, &slowed], workspace, stop: &stop };
             return dry_run(&setup, &mut guarded, &display, inputs);
         }
         if asks && !confirmed(&station, file, &workspace) {
@@ -154,6 +155,7 @@ mod with_wire {
         let run = Run {
             assembly: &assembly,
             arm: &arm,
+            told: &slowed,
             track,
             repeat,
             kind,
@@ -279,7 +281,7 @@ mod with_wire {
     /// An agent whose robot is guarded.
     struct Guarded<'a> {
         agent: &'a mut dyn Agent,
-        arm: &'a ArmModel,
+        arms: [&'a ArmModel; 2],
         workspace: Workspace,
         stop: &'a dyn Fn() -> Option<String>,
     }
@@ -298,7 +300,7 @@ mod with_wire {
         }
 
         fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {
-            self.agent.run(&mut Guard::new(robot, self.arm, &self.workspace, self.stop))
+            self.agent.run(&mut Guard::new(robot, self.arms, &self.workspace, self.stop))
         }
 
         fn finish(&mut self) {

@@ -5,7 +5,8 @@ use ramp_control::Smoother;
 use ramp_motion::{Joints, Kinematics};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{
-    ArmCommand, Camera, CameraModel, Command, Image, ImageWidth, Observation, PartReading, Robot, RobotError,
+    ArmCommand, Camera, CameraModel, Command, DOF, Image, ImageWidth, Observation, PartReading, Robot,
+    RobotError,
 };
 
 /// Control periods in which the arm comes to rest when it is stopped (s/1000). Chosen: the slowest joint
@@ -13,6 +14,9 @@ use ramp_robot::{
 const BRAKING: u32 = 600;
 /// By this share a commanded velocity or torque fades in each period of braking.
 const FADE: f64 = 0.01;
+/// A joint may be so many times faster than is allowed. Chosen: one that catches up after late commands is an
+/// eighth faster than it was commanded.
+const FASTER: f64 = 1.2;
 
 /// The box in which the tip may be, in the world, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +44,8 @@ pub struct Guard<'a, R: Robot + ?Sized> {
     workspace: Workspace,
     kinematics: Kinematics,
     smoother: Smoother,
+    /// The largest velocities that are allowed, rad/s.
+    velocities: [f64; DOF],
     stop: &'a dyn Fn() -> Option<String>,
     last: Option<Command>,
     /// Whether commands that do not follow the last one are made to.
@@ -48,10 +54,11 @@ pub struct Guard<'a, R: Robot + ?Sized> {
 }
 
 impl<'a, R: Robot + ?Sized> Guard<'a, R> {
-    /// Guards a robot. `stop` gives the reason of a person who wants it to stop.
+    /// Guards a robot. The first arm is its own, the second has the largest velocities that are allowed.
+    /// `stop` gives the reason of a person who wants it to stop.
     pub fn new(
         robot: &'a mut R,
-        arm: &ArmModel,
+        [arm, told]: [&ArmModel; 2],
         workspace: &Workspace,
         stop: &'a dyn Fn() -> Option<String>,
     ) -> Guard<'a, R> {
@@ -60,6 +67,7 @@ impl<'a, R: Robot + ?Sized> Guard<'a, R> {
             workspace: *workspace,
             kinematics: Kinematics::new(arm),
             smoother: Smoother::new(arm),
+            velocities: told.joints.each_ref().map(|joint| joint.velocity),
             stop,
             last: None,
             smooths: false,
@@ -123,8 +131,16 @@ impl<R: Robot + ?Sized> Robot for Guard<'_, R> {
         let smooth = self.smoother.smooth(command, &self.robot.observe()).0;
         self.last = Some(command.clone());
         let seen = self.robot.step(if self.smooths { &smooth } else { command })?;
-        match self.workspace.behind(&seen.x_wt.translation.vector) {
-            Some(wall) => Err(self.brake(format!("the tip is at {wall}"))),
+        if let Some(wall) = self.workspace.behind(&seen.x_wt.translation.vector) {
+            return Err(self.brake(format!("the tip is at {wall}")));
+        }
+        let fast = |joint: &usize| seen.velocities[*joint].abs() > FASTER * self.velocities[*joint];
+        match (0..DOF).find(fast) {
+            Some(joint) => {
+                let (velocity, most) = (seen.velocities[joint], self.velocities[joint]);
+                let number = joint + 1;
+                Err(self.brake(format!("joint {number} moves at {velocity:.2} rad/s, allowed are {most:.2}")))
+            }
             None => Ok(seen),
         }
     }

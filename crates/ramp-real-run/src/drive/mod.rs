@@ -57,7 +57,7 @@ pub fn drive(
     path: &Path,
 ) -> Result<Driven, DriveError> {
     let mut recorder = Recorder::create(path, robot, run.kind)?;
-    let mut guard = Guard::new(&mut recorder, run.arm, run.workspace, stop);
+    let mut guard = Guard::new(&mut recorder, [run.arm, run.told], run.workspace, stop);
     let outcome = agent.run(&mut guard);
     agent.finish();
     guard.robot.end();
@@ -78,7 +78,7 @@ pub fn drive(
         let begin = Instant::now();
         // It begins where the agent left the arm, which may be off what it commanded last.
         guard.smooths = true;
-        let seen = survey(run.assembly, run.arm, run.track, &mut guard, u64::from(run.repeat));
+        let seen = survey(run.assembly, run.told, run.track, &mut guard, u64::from(run.repeat));
         let seen = seen.unwrap_or_else(|error| {
             unmeasured = Some(error);
             BTreeMap::new()

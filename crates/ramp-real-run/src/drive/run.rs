@@ -13,6 +13,8 @@ pub struct Run<'a> {
     pub assembly: &'a Assembly,
     /// The arm.
     pub arm: &'a ArmModel,
+    /// The arm as its agent is told of it: with the largest velocities that are allowed here.
+    pub told: &'a ArmModel,
     /// The track.
     pub track: Track,
     /// The number of the run in a row of repeats, from 1. It feeds random numbers of motions, too.

@@ -30,6 +30,7 @@ fn driven(
     let run = Run {
         assembly: &goal.assembly,
         arm: &goal.arm,
+        told: &goal.arm,
         track,
         repeat: 1,
         kind: RobotKind::ServedTwinInLockStep,
@@ -133,11 +134,25 @@ fn a_person_stops_the_arm_in_a_motion() {
     };
     let error = {
         let mut watched = Altered { robot: &mut twin, alteration: Fastest(&fastest) };
-        let mut guard = Guard::new(&mut watched, &goal.arm, &EVERYWHERE, &stop);
+        let mut guard = Guard::new(&mut watched, [&goal.arm; 2], &EVERYWHERE, &stop);
         goal.baseline(Track::State, SEED).run(&mut guard).unwrap_err()
     };
     assert_eq!(error.to_string(), "a person stopped the run");
     assert!(fastest.get() > 0.3, "nothing moved: {}", fastest.get());
+    let seen = twin.observe();
+    assert!(seen.velocities.iter().all(|velocity| velocity.abs() < 0.01), "{:?}", seen.velocities);
+}
+
+/// An agent that is told of slower joints than it moves is stopped.
+#[test]
+fn an_agent_that_is_too_fast_is_stopped() {
+    let goal = GoalFiles::new("easy-1");
+    let mut twin = Twin::new(&Setup { world: World::ideal(), ..goal.setup(Track::State, SEED) }).unwrap();
+    let mut slow = goal.arm.clone();
+    slow.joints.iter_mut().for_each(|joint| joint.velocity *= 0.1);
+    let mut guard = Guard::new(&mut twin, [&goal.arm, &slow], &EVERYWHERE, &|| None);
+    let error = goal.baseline(Track::State, SEED).run(&mut guard).unwrap_err();
+    assert!(error.to_string().contains("rad/s, allowed are"), "{error}");
     let seen = twin.observe();
     assert!(seen.velocities.iter().all(|velocity| velocity.abs() < 0.01), "{:?}", seen.velocities);
 }
