@@ -310,7 +310,7 @@ mod tests {
         let speed = EXAMPLE.lines().position(|line| line.starts_with("speed")).unwrap() + 1;
         for (from, to, line, said) in [
             ("speed = 0.8", "speed = 3.0", speed, "found speed = 3, expected 0.05 to 1"),
-            ("speed = 1.0", "sped = 1.0", speed, "unknown field `sped`"),
+            ("speed = 0.8", "sped = 0.8", speed, "unknown field `sped`"),
             ("speed = 0.8", "speed = nan", speed, "found speed = NaN"),
             ("127.0.0.1:1337", "127.0.0.1:99999", 10, "expected HOST or HOST:PORT"),
         ] {
