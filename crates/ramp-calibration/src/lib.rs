@@ -5,7 +5,7 @@
 //! tags of a known target in an image; [`start`] makes a first estimate from a few of them, and [`adjust`]
 //! moves all unknowns until the target would have been seen so. [`lens`], [`hand_eye`] and [`birds_eye`] do
 //! this for the cameras, [`table`] and [`friction`] fit touched points and torques. Each returns its estimate
-//! with a residual, standard errors and a [`Verdict`]; [`file`] holds the estimates that passed.
+//! with a residual, standard errors and a [`Verdict`]; [`mod@file`] holds the estimates that passed.
 
 pub mod adjust;
 pub mod birds_eye;
