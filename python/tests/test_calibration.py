@@ -1,7 +1,9 @@
 """`ramp calibrate` against OpenCV: the same images, other detector, lens calibration and hand-eye solver."""
 
 import csv
+import pathlib
 import re
+import shutil
 import subprocess
 
 import numpy as np
@@ -11,6 +13,12 @@ tomllib = pytest.importorskip("tomllib", reason="SKIPPED: tomllib needs Python 3
 cv2 = pytest.importorskip("cv2", reason="SKIPPED: opencv-python-headless is not installed")
 if not hasattr(cv2, "calibrateHandEye"):
     pytest.skip("SKIPPED: this OpenCV has no calibrateHandEye", allow_module_level=True)
+
+# The program: as the repository builds it, or as it is installed.
+BUILT = pathlib.Path(__file__).resolve().parents[2] / "target/release/ramp"
+PROGRAM = str(BUILT) if BUILT.exists() else shutil.which("ramp")
+if PROGRAM is None:
+    pytest.skip("SKIPPED: the program ramp is not built", allow_module_level=True)
 
 # The true camera, in OpenCV's pixel coordinates.
 SIZE = (800, 500)
@@ -24,7 +32,7 @@ PITCH, EDGE, CELLS = 36e-3, 27e-3, 7
 
 def ramp(folder, *arguments):
     """Runs the program, and returns its exit status and all that it printed."""
-    done = subprocess.run(["ramp", *arguments], cwd=folder, capture_output=True, text=True, check=False)
+    done = subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, text=True, check=False)
     return done.returncode, done.stdout + done.stderr
 
 

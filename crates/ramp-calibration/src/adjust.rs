@@ -17,7 +17,7 @@ const STEPS: usize = 60;
 /// A step that lowers the cost by less than this share ends the search.
 const SETTLED: f64 = 1e-9;
 
-/// What the unknowns mean for each image.
+/// The meaning of the unknowns for each image.
 pub trait Model {
     /// Camera model, and pose of the target in its optical frame, in the image of this index.
     fn see(&self, unknowns: &DVector<f64>, image: usize) -> (CameraModel, Pose);
@@ -68,7 +68,7 @@ struct Sums {
 /// nowhere.
 pub fn adjust(model: &dyn Model, images: &[&[Sight]], start: DVector<f64>) -> Option<Adjusted> {
     let mut unknowns = start;
-    // What a usual residual is depends on the lens and the light, too: first of the start, then of what was
+    // The usual residual depends on the lens and the light, too: first of the start, then of what was
     // found.
     for _ in 0..2 {
         let scale = usual(model, images, &unknowns);

@@ -28,7 +28,7 @@ pub enum CalibrationError {
     Image {
         /// The file.
         file: String,
-        /// What is wrong with it.
+        /// The reason.
         why: String,
     },
     /// An image in which nothing can be seen.
@@ -36,20 +36,20 @@ pub enum CalibrationError {
     Sight {
         /// The file.
         file: String,
-        /// What is wrong with it.
+        /// The reason.
         why: SightError,
     },
     /// Too little data.
     #[error("found {found} {what}, expected at least {least}")]
     #[diagnostic(help("{help}"))]
     TooFew {
-        /// What there is too little of.
+        /// The data of which there is too little.
         what: &'static str,
         /// Their number.
         found: usize,
         /// The least number.
         least: usize,
-        /// What to record.
+        /// The data to record.
         help: &'static str,
     },
     /// Data that leave a direction open.
@@ -58,7 +58,7 @@ pub enum CalibrationError {
     Degenerate {
         /// What the data have in common.
         why: String,
-        /// What to record.
+        /// The data to record.
         help: &'static str,
     },
     /// The calibration file has no lens of this camera.

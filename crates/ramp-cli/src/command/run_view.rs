@@ -1,4 +1,4 @@
-//! What a person sees of a run: its progress, a window, and the result as text.
+//! The view that a person has of a run: its progress, a window, and the result as text.
 
 use std::cell::RefCell;
 use std::fmt::Write;

@@ -1,4 +1,4 @@
-//! What stands between an agent and an arm: the walls of the workspace, and a person's wish to stop.
+//! The guards between an agent and an arm: walls of the workspace, velocities, and a person who wants a stop.
 
 use nalgebra::Vector3;
 use ramp_control::Smoother;

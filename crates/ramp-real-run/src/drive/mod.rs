@@ -30,7 +30,7 @@ use crate::poses::{QuaternionOrder, Reader};
 pub struct Driven {
     /// Its result; it names the log.
     pub result: EpisodeResult,
-    /// What stopped the robot, if anything did.
+    /// The error that stopped the robot, if any did.
     pub stopped: Option<RobotError>,
     /// Why the frame was not measured at the end, if the robot had not stopped before.
     pub unmeasured: Option<RobotError>,

@@ -22,7 +22,7 @@ const RUN: (&str, &str, &str) =
     ("/run", "ramp.RealRun", include_str!("../../../../data/schema/real-run.schema.json"));
 const NANOSECONDS: f64 = 1e9;
 
-/// What is known of a run at its end.
+/// The facts of a run at its end.
 pub struct RunHead<'a> {
     /// The run.
     pub run: &'a Run<'a>,

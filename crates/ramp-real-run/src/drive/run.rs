@@ -1,4 +1,4 @@
-//! What a run over the wire is of.
+//! The subject of a run over the wire.
 
 use ramp_assembly::Assembly;
 use ramp_result::episode::{RobotKind, Software};
@@ -7,7 +7,7 @@ use ramp_robot::arm::ArmModel;
 
 use super::guard::Workspace;
 
-/// What a run is of.
+/// The subject of a run: goal, arm, robot and people.
 pub struct Run<'a> {
     /// The goal.
     pub assembly: &'a Assembly,
