@@ -56,7 +56,7 @@ pub enum CalibrationError {
     #[error("{why}")]
     #[diagnostic(help("{help}"))]
     Degenerate {
-        /// What the data have in common.
+        /// The property that the data have in common.
         why: String,
         /// The data to record.
         help: &'static str,

@@ -1,7 +1,6 @@
 //! Friction of the joints, from a recording of their velocities and the torques that moved them.
 //!
-//! What is left of a commanded torque beyond the motion of the arm's masses is taken, while the joint moves
-//! evenly, as `coulomb · sign(v) + viscous · v + offset`. The offset is what the arm's own compensation of
+//! A commanded torque beyond that of the arm's masses is taken, while the joint moves evenly, as `coulomb · sign(v) + viscous · v + offset`. The offset is what the arm's own compensation of
 //! gravity is off by. It is the friction between command and motion: that which the arm's inner loop
 //! compensates is not in it.
 

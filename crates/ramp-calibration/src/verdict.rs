@@ -5,7 +5,7 @@ use std::fmt;
 /// A quantity that is judged against a limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measure {
-    /// What it is.
+    /// Its name.
     pub name: &'static str,
     /// Its value, in `unit`.
     pub value: f64,

@@ -31,7 +31,7 @@ fn apart(a: &CameraModel, b: &CameraModel) -> f64 {
     most
 }
 
-/// What is left between two poses, mm and degrees.
+/// Difference between two poses, mm and degrees.
 fn between(a: &Pose, b: &Pose) -> [f64; 2] {
     let left = a.inverse() * b;
     [left.translation.vector.norm() * 1e3, left.rotation.angle().to_degrees()]
@@ -122,7 +122,7 @@ fn measured_overhead_camera_is_found() {
     assert!(found.verdict().is_good() && found.tags.len() >= 3, "{found:?}");
     let [place, angle] = between(&mount(&truth), &found.x_wc);
     assert!(place < 8.0 && angle < 0.2, "{place:.2} mm, {angle:.3}°");
-    // Where a point of the sheet is seen, back on the table.
+    // The pixel of a point of the sheet, projected back onto the table.
     let [x, y] = birds_eye::sheet_corners(kit)[0];
     let p = Point3::new(x, y, 0.0);
     let shift = found.x_wc.inverse() * p - mount(&truth).inverse() * p;

@@ -54,7 +54,7 @@ fn a_cell_is_calibrated_into_one_file() {
         assert!(file.contains(section), "{file}");
     }
 
-    // What is not good enough, and what is no recording, leaves the file as it was.
+    // Poor data, and files that are no recording, leave the file as it was.
     let unchanged = || assert_eq!(std::fs::read_to_string(at.join("cell.toml")).unwrap(), file);
     std::fs::write(at.join("touches.csv"), "x,y,z\n0.1,0.2,0\n0.6,0.2,0\n0.6,0.6,0\n0.1,0.6,0.004\n")
         .unwrap();
