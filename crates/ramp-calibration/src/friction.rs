@@ -1,8 +1,9 @@
 //! Friction of the joints, from a recording of their velocities and the torques that moved them.
 //!
-//! A commanded torque beyond that of the arm's masses is taken, while the joint moves evenly, as `coulomb · sign(v) + viscous · v + offset`. The offset is what the arm's own compensation of
-//! gravity is off by. It is the friction between command and motion: that which the arm's inner loop
-//! compensates is not in it.
+//! A commanded torque beyond that of the arm's masses is taken, while the joint moves evenly, as
+//! `coulomb · sign(v) + viscous · v + offset`. The offset is the error of the arm's own compensation of
+//! gravity. It is the friction between command and motion: that which the arm's inner loop compensates is not
+//! in it.
 
 use ramp_motion::{Dynamics, Joints};
 use ramp_robot::DOF;
