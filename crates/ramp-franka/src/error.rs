@@ -16,8 +16,8 @@ pub enum FrankaError {
         /// s.
         seconds: f64,
     },
-    /// The station has neither readings of parts nor cameras.
-    #[error("this station has neither readings of parts nor cameras")]
+    /// The station has neither a cell nor cameras.
+    #[error("this station has no cell that reads parts, and no cameras for images")]
     NoCell,
     /// The cell's connection.
     #[error("the cell at {address}: {error}")]
@@ -32,6 +32,14 @@ pub enum FrankaError {
     CellAnswer {
         /// Its address.
         address: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// A camera of this computer.
+    #[error("the camera {name}: {why}")]
+    Camera {
+        /// Its device.
+        name: String,
         /// What is wrong with it.
         why: String,
     },

@@ -2,9 +2,11 @@
 //!
 //! Data passes one way in each millisecond: an agent steps a [`FrankaRobot`]; its thread turns the command
 //! into torques by the [`ArmController`](ramp_control::ArmController) that drives the twin, too, sends them
-//! by `link`, and hands on what the arm reports. [`cell`] has what a served twin tells beside the protocol.
+//! by `link`, and hands on what the arm reports. [`cell`] has what a served twin tells beside the protocol,
+//! [`cameras`] are those of this computer.
 //! A [`station`] file says where the arm is, and what is known of it.
 
+pub mod cameras;
 pub mod cell;
 mod cell_client;
 mod connection;

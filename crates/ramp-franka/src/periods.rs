@@ -1,11 +1,12 @@
 //! The thread that keeps the arm's time, and what it shares with the agent's.
 
+use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use ramp_control::ControllerSettings;
 use ramp_robot::arm::ArmModel;
-use ramp_robot::{Command, Observation, RobotError};
+use ramp_robot::{Command, Observation, Pose, RobotError};
 
 use crate::connection::{Connection, Pace, Statistics};
 use crate::error::FrankaError;
@@ -18,6 +19,8 @@ const PATIENCE: Duration = Duration::from_micros(500);
 /// Time after which a silent arm counts as dead: in real time, and in lock-step, where it may draw images.
 const SILENCE: Duration = Duration::from_millis(150);
 const SILENCE_IN_LOCK_STEP: Duration = Duration::from_secs(10);
+/// States that are remembered for the time and the pose of images. Chosen: five seconds.
+const REMEMBERED: usize = 5000;
 /// Difference from a millisecond at which a state counts as missing, s.
 const GAP: f64 = 1e-4;
 
@@ -29,6 +32,8 @@ struct Slot {
     waits: u64,
     /// What the arm reported last; `None` before the first time.
     seen: Option<Observation>,
+    /// The last states: when each came, the arm's time then (s), and the tip in the world.
+    past: VecDeque<(Instant, f64, Pose)>,
     /// Commands and waits that are done.
     done: u64,
     refused: Option<RobotError>,
@@ -75,6 +80,7 @@ impl Periods {
             command: None,
             waits: 0,
             seen: None,
+            past: VecDeque::with_capacity(REMEMBERED),
             done: 0,
             refused: None,
             failed: None,
@@ -161,6 +167,15 @@ impl Periods {
             .ok_or_else(|| FrankaError::Silent { address: self.address.clone(), seconds: 0.0 }.into())
     }
 
+    /// The arm's time (s) and the tip in the world at a moment of this computer, as far as it is remembered.
+    pub fn at(&self, moment: Instant) -> Option<(f64, Pose)> {
+        let slot = self.shared.lock();
+        let next = slot.past.partition_point(|(came, ..)| *came < moment);
+        // The state that came last before it, or the newest.
+        let (_, time, x_wt) = slot.past.get(next.checked_sub(1)?)?;
+        Some((*time, *x_wt))
+    }
+
     /// How time passes.
     pub fn pace(&self) -> Pace {
         self.pace
@@ -236,6 +251,10 @@ fn keep(
         statistics.longest = statistics.longest.max(row);
         statistics.gaps += u64::from((seen.time - before - ramp_robot::PERIOD).abs() > GAP);
         slot.done += u64::from(command.is_some() || waits);
+        if slot.past.len() == REMEMBERED {
+            slot.past.pop_front();
+        }
+        slot.past.push_back((Instant::now(), seen.time, seen.x_wt));
         slot.seen = Some(seen);
         drop(slot);
         shared.done.notify_all();

@@ -7,6 +7,7 @@ use ramp_robot::{
     Track,
 };
 
+use crate::cameras::LocalCameras;
 use crate::cell::{Answer, Question};
 use crate::cell_client::Cell;
 use crate::connection::{Connection, Pace, Statistics};
@@ -17,6 +18,9 @@ use crate::periods::Periods;
 pub struct FrankaRobot {
     periods: Periods,
     cell: Option<Cell>,
+    cameras: Option<LocalCameras>,
+    /// Calibrated models, in the order of [`Camera::ALL`].
+    models: Option<[CameraModel; 2]>,
     arm: ArmModel,
     track: Track,
     seen: Observation,
@@ -37,7 +41,30 @@ impl FrankaRobot {
         let cell = connection.cell.as_deref().map(Cell::connect).transpose()?;
         let periods = Periods::begin(connection, arm, settings)?;
         let seen = periods.observe()?;
-        Ok(FrankaRobot { periods, cell, arm: arm.clone(), track, seen, failed: None })
+        Ok(FrankaRobot {
+            periods,
+            cell,
+            cameras: None,
+            models: None,
+            arm: arm.clone(),
+            track,
+            seen,
+            failed: None,
+        })
+    }
+
+    /// The same, with these models of its cameras, in the order of [`Camera::ALL`]. Without them they are the
+    /// nominal ones.
+    #[must_use]
+    pub fn with_models(self, models: [CameraModel; 2]) -> FrankaRobot {
+        FrankaRobot { models: Some(models), ..self }
+    }
+
+    /// The same, with the cameras of this computer, where no cell gives images.
+    #[must_use]
+    pub fn with_cameras(self, cameras: LocalCameras) -> FrankaRobot {
+        let models = Camera::ALL.map(|camera| cameras.model(camera).clone());
+        FrankaRobot { cameras: Some(cameras), models: Some(models), ..self }
     }
 
     /// Numbers of the connection so far.
@@ -72,6 +99,10 @@ impl FrankaRobot {
     }
 
     fn open_shutters(&mut self) -> Result<(), FrankaError> {
+        if let Some(cameras) = &mut self.cameras {
+            cameras.expose();
+            return Ok(());
+        }
         let cell = self.cell()?;
         match cell.ask(&Question::Expose)? {
             Answer::Done => Ok(()),
@@ -80,6 +111,11 @@ impl FrankaRobot {
     }
 
     fn image(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, FrankaError> {
+        if let Some(cameras) = &mut self.cameras {
+            let image = cameras.image(camera, width, &self.periods)?;
+            self.seen = self.periods.observe()?;
+            return Ok(image);
+        }
         let width = width.map(|width| width.pixels() as u64);
         let cell = self.cell.as_mut().ok_or(FrankaError::NoCell)?;
         let wait = match cell.ask(&Question::Image { camera, width })? {
@@ -142,6 +178,8 @@ impl Robot for FrankaRobot {
     }
 
     fn camera(&self, camera: Camera) -> CameraModel {
-        CameraModel::nominal(camera, self.arm.hand.tip)
+        let models = self.models.iter().flatten().zip(Camera::ALL);
+        let known = models.filter(|(_, other)| *other == camera).map(|(model, _)| model.clone()).next();
+        known.unwrap_or_else(|| CameraModel::nominal(camera, self.arm.hand.tip))
     }
 }

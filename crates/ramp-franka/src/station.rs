@@ -2,7 +2,8 @@
 
 use std::net::IpAddr;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use ramp_control::{ControllerSettings, JointVector};
 use ramp_robot::DOF;
@@ -10,6 +11,7 @@ use ramp_source::{Fault, FormProblem, MAX_TITLE, Problem, SourceFile, is_text, s
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::cameras::{DeviceSettings, Format};
 use crate::connection::{Connection, Pace};
 
 /// An error in a station file, with its place.
@@ -78,6 +80,10 @@ pub struct Station {
     pub high: [f64; 3],
     /// The share of the arm's largest velocities that agents plan with, above 0 and up to 1.
     pub speed: f64,
+    /// The calibration file of its cameras.
+    pub calibration: Option<PathBuf>,
+    /// Its cameras, wrist and bird's-eye, if no cell gives images.
+    pub cameras: Option<[DeviceSettings; 2]>,
 }
 
 impl Station {
@@ -86,7 +92,11 @@ impl Station {
     /// # Errors
     /// The first error in it, with its place.
     pub fn read(path: &Path) -> Result<Station, StationFault> {
-        Station::from_source(&SourceFile::read(path)?)
+        let mut station = Station::from_source(&SourceFile::read(path)?)?;
+        // A calibration file is named as seen from the station file.
+        let folder = path.parent().unwrap_or(Path::new(""));
+        station.calibration = station.calibration.map(|file| folder.join(file));
+        Ok(station)
     }
 
     /// Reads the text of a station file.
@@ -120,6 +130,30 @@ struct Form {
     fci: FciForm,
     controller: ControllerForm,
     workspace: WorkspaceForm,
+    calibration: Option<PathBuf>,
+    cameras: Option<Spanned<CamerasForm>>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+struct CamerasForm {
+    wrist: CameraForm,
+    birds_eye: CameraForm,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CameraForm {
+    device: PathBuf,
+    format: FormatForm,
+    latency: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum FormatForm {
+    Mjpeg,
+    Yuyv,
 }
 
 #[derive(Deserialize)]
@@ -201,12 +235,23 @@ impl Check<'_> {
     }
 }
 
+impl CameraForm {
+    fn check(self, check: &Check) -> Result<DeviceSettings, StationFault> {
+        let latency = check.number("latency", &self.latency, [0.0, 1.0])?;
+        let format = match self.format {
+            FormatForm::Mjpeg => Format::Mjpeg,
+            FormatForm::Yuyv => Format::Yuyv,
+        };
+        Ok(DeviceSettings { device: self.device, format, latency: Duration::from_secs_f64(latency) })
+    }
+}
+
 /// The largest distance of a wall from the base, m.
 const FAR: f64 = 2.0;
 
 impl Form {
     fn check(self, file: &SourceFile) -> Result<Station, StationFault> {
-        let Form { robot, scorer, source, arm, fci, controller, workspace } = self;
+        let Form { robot, scorer, source, arm, fci, controller, workspace, calibration, cameras } = self;
         let check = Check(file);
         let address = check.text("address", &fci.address)?;
         let gripper = match fci.gripper {
@@ -258,6 +303,24 @@ impl Form {
             check.all("high", workspace.high.span(), &[high[axis]], [low[axis], FAR])?;
         }
         let speed = check.number("speed", &workspace.speed, [0.05, 1.0])?;
+        let cameras = match cameras {
+            None => None,
+            Some(form) => {
+                let span = form.span();
+                let refused = |expected: &str| {
+                    let found = "a table".to_string();
+                    Err(check.wrong("cameras", found, expected.to_string(), span))
+                };
+                if connection.cell.is_some() {
+                    return refused("none at a station whose cell gives images");
+                }
+                if calibration.is_none() {
+                    return refused("`calibration`, the file of `ramp calibrate`, at the top beside them");
+                }
+                let CamerasForm { wrist, birds_eye } = form.into_inner();
+                Some([wrist.check(&check)?, birds_eye.check(&check)?])
+            }
+        };
         Ok(Station {
             robot: check.text("robot", &robot)?,
             scorer: check.text("scorer", &scorer)?,
@@ -268,6 +331,8 @@ impl Form {
             low,
             high,
             speed,
+            calibration,
+            cameras,
         })
     }
 }
@@ -302,6 +367,33 @@ mod tests {
             let station = read(&EXAMPLE.replace("127.0.0.1:1337", address)).unwrap();
             assert!(!station.is_loopback(), "{address}");
         }
+    }
+
+    /// A station without a cell has cameras with their calibration, beside the station file.
+    #[test]
+    fn cameras_come_with_their_calibration() {
+        let cell = EXAMPLE.lines().find(|line| line.starts_with("cell")).unwrap();
+        let devices = "\n[cameras.wrist]\ndevice = \"/dev/video0\"\nformat = \"mjpeg\"\nlatency = 0.05\n\
+                       [cameras.birds-eye]\ndevice = \"/dev/video2\"\nformat = \"yuyv\"\nlatency = 0.06\n";
+        let bare = EXAMPLE.replace(cell, "") + devices;
+        let fault = read(&bare).unwrap_err().to_string();
+        assert!(fault.contains("expected `calibration`"), "{fault}");
+        let calibrated = format!("calibration = \"cell.toml\"\n{bare}");
+        let fault =
+            read(&format!("calibration = \"cell.toml\"\n{EXAMPLE}{devices}")).unwrap_err().to_string();
+        assert!(fault.contains("a station whose cell gives images"), "{fault}");
+        let fault = read(&calibrated.replace("0.06", "6.0")).unwrap_err().to_string();
+        assert!(fault.contains("found latency = 6, expected 0 to 1"), "{fault}");
+        assert!(read(&calibrated.replace("yuyv", "raw")).is_err());
+
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("station.toml");
+        std::fs::write(&file, &calibrated).unwrap();
+        let station = Station::read(&file).unwrap();
+        assert_eq!(station.calibration, Some(folder.path().join("cell.toml")));
+        let [wrist, birds_eye] = station.cameras.unwrap();
+        assert_eq!((wrist.format, birds_eye.format), (Format::Mjpeg, Format::Yuyv));
+        assert_eq!(birds_eye.latency, Duration::from_millis(60));
     }
 
     /// What is wrong is told with its line.

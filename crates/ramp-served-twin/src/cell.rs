@@ -4,11 +4,11 @@
 use std::io::{ErrorKind, Read};
 use std::net::{TcpListener, TcpStream};
 
-use ramp_franka::cell::{Answer, ImageHead, Question};
+use ramp_franka::cell::{Answer, Question};
 use ramp_robot::{Camera, ImageWidth, PERIOD, Robot};
 
+use crate::images::{ImageThread, Order, send_answer};
 use crate::plant::Plant;
-use crate::session::send;
 
 /// The longest question, bytes.
 const LONGEST: usize = 4096;
@@ -22,15 +22,20 @@ struct Due {
 }
 
 /// The connection of the cell, for one client.
-#[derive(Default)]
 pub(crate) struct Cell {
     client: Option<TcpStream>,
     inbox: Vec<u8>,
     /// The image that is due.
     due: Option<Due>,
+    images: ImageThread,
 }
 
 impl Cell {
+    /// Before any client.
+    pub fn new() -> Cell {
+        Cell { client: None, inbox: Vec::new(), due: None, images: ImageThread::new() }
+    }
+
     /// Takes a client that waits. A second one is refused.
     pub fn accept(&mut self, listener: &TcpListener) {
         let Ok((stream, _)) = listener.accept() else { return };
@@ -40,8 +45,13 @@ impl Cell {
         }
     }
 
-    /// Answers what the client asks; `message` is the number of the arm's last state.
+    /// Answers what the client asks, unless an image is under way; `message` is the number of the arm's last
+    /// state.
     pub fn listen(&mut self, plant: &mut Plant, message: u64) {
+        self.deliver(plant, message);
+        if self.images.is_busy() {
+            return;
+        }
         let Some(stream) = &mut self.client else { return };
         let mut buffer = [0; 512];
         loop {
@@ -69,8 +79,11 @@ impl Cell {
                 Ok(question) => self.answer(plant, &question),
                 Err(error) => Answer::Refused { why: error.to_string() },
             };
-            self.say(&answer, &[]);
+            self.say(&answer);
             self.deliver(plant, message);
+            if self.images.is_busy() {
+                return;
+            }
         }
     }
 
@@ -107,33 +120,28 @@ impl Cell {
         }
     }
 
-    /// Gives the image that is due now.
+    /// Begins to draw the image that is due now, and takes back the sensor of one that was sent.
     pub fn deliver(&mut self, plant: &mut Plant, message: u64) {
+        if let Some(drawn) = self.images.sent() {
+            plant.twin.drawn(drawn);
+        }
         let Some(Due { camera, width, periods: 0 }) = self.due else { return };
         self.due = None;
-        match plant.twin.look_sized(camera, width) {
-            Ok(image) => {
+        let Some(client) = self.client.as_ref().and_then(|client| client.try_clone().ok()) else { return };
+        match plant.twin.due_image(camera, width) {
+            Ok(drawing) => {
                 // Images are stamped on the arm's clock, which is the number of its state.
-                let age = (plant.twin.time() - image.time) / PERIOD;
-                let head = ImageHead {
-                    camera,
-                    width: image.width,
-                    height: image.height,
-                    message: message.saturating_sub(age.round() as u64),
-                    x_wt: (&image.x_wt).into(),
-                };
-                self.say(&Answer::Image(head), &image.pixels);
+                let age = (plant.twin.time() - drawing.time()) / PERIOD;
+                let message = message.saturating_sub(age.round() as u64);
+                self.images.begin(Order { drawing, client, message });
             }
-            Err(error) => self.say(&Answer::Refused { why: error.to_string() }, &[]),
+            Err(error) => self.say(&Answer::Refused { why: error.to_string() }),
         }
     }
 
-    fn say(&mut self, answer: &Answer, bytes: &[u8]) {
-        let Some(stream) = &mut self.client else { return };
-        // Answers are plain numbers and words: they always become JSON.
-        let Ok(mut line) = serde_json::to_vec(answer) else { return };
-        line.push(b'\n');
-        line.extend_from_slice(bytes);
-        send(stream, &line);
+    fn say(&mut self, answer: &Answer) {
+        if let Some(client) = &mut self.client {
+            send_answer(client, answer, &[]);
+        }
     }
 }

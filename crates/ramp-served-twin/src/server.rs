@@ -160,7 +160,7 @@ impl Server {
             options,
             client: None,
             gripper: Gripper::default(),
-            cell: Cell::default(),
+            cell: Cell::new(),
             referee,
             periods: 0,
             model: urdf(arm),

@@ -10,6 +10,8 @@ use franka::wire::HeaderLayout;
 const LONGEST: usize = 65536;
 /// Time that a client has to read an answer. Chosen: an image takes some milliseconds.
 const PATIENCE: Duration = Duration::from_secs(1);
+/// Time between two tries to send more to a client that reads slowly.
+const NAP: Duration = Duration::from_micros(50);
 
 /// A connected client.
 pub(crate) struct Session {
@@ -95,7 +97,7 @@ pub(crate) fn send(stream: &mut TcpStream, bytes: &[u8]) {
     while !rest.is_empty() && begin.elapsed() < PATIENCE {
         match stream.write(rest) {
             Ok(count) => rest = &rest[count..],
-            Err(error) if error.kind() == ErrorKind::WouldBlock => std::thread::yield_now(),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => std::thread::sleep(NAP),
             Err(_) => return,
         }
     }

@@ -5,17 +5,18 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_kit::Kit;
 use ramp_render::looks::HOUSING;
-use ramp_render::{Looks, LooksError, Renderer, Scene, Sensor};
+use ramp_render::{Looks, LooksError, Sensor};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::camera::Mount;
 use ramp_robot::random::Stream;
 use ramp_robot::{Camera, CameraModel, ImageWidth, PERIOD, Pose};
 use ramp_world::groups;
 
+use crate::drawing::{Drawing, Eye, Pixels, index};
 use crate::fault::FaultKind;
 use crate::setup::Setup;
 pub use crate::shutters::EXPOSURE_STEPS;
-use crate::shutters::{Exposure, Shutters};
+use crate::shutters::{Exposure, Moment, Shutters};
 
 /// The true camera in the episode of this seed: the nominal one with an error of calibration. `position` (m)
 /// and `angle` (rad) are the standard deviation of that error for each axis.
@@ -52,71 +53,9 @@ pub(crate) struct Cameras {
 pub(crate) struct CamerasState {
     /// Random delays of the images.
     jitter: Stream,
-    /// Sensor and last image of each camera that has taken one.
-    eyes: [Option<Eye>; 2],
+    /// Sensor and last image of each camera that has taken one, unless an image of it is being drawn.
+    pub eyes: [Option<Eye>; 2],
     pub shutters: Shutters,
-}
-
-#[derive(Clone)]
-struct Eye {
-    sensor: Sensor,
-    /// The last image. Without pixels before the first, and in an episode in which no camera freezes.
-    last: Pixels,
-}
-
-/// An image without its time and place.
-#[derive(Clone, Default)]
-pub(crate) struct Pixels {
-    pub width: usize,
-    pub height: usize,
-    /// Red, green and blue of each pixel, row by row from the top left.
-    pub rgb: Vec<u8>,
-}
-
-impl Pixels {
-    /// With another number of pixels: each is the nearest of this image.
-    fn with_size(&self, width: usize, height: usize) -> Pixels {
-        if (self.width, self.height) == (width, height) {
-            return self.clone();
-        }
-        let nearest = |pixel: usize, count: usize, own: usize| (2 * pixel + 1) * own / (2 * count);
-        let mut rgb = Vec::with_capacity(3 * width * height);
-        for row in (0..height).map(|row| nearest(row, height, self.height)) {
-            for column in (0..width).map(|column| nearest(column, width, self.width)) {
-                rgb.extend_from_slice(&self.rgb[3 * (row * self.width + column)..][..3]);
-            }
-        }
-        Pixels { width, height, rgb }
-    }
-}
-
-/// Renderers of one camera, made when they are first needed: of its own width, and of the last other one.
-/// They carry nothing from one image to the next.
-#[derive(Default)]
-pub(crate) struct CameraRenderers {
-    own: Option<Renderer>,
-    other: Option<(ImageWidth, Renderer)>,
-}
-
-/// Renderers of both cameras.
-pub(crate) type Renderers = [CameraRenderers; 2];
-
-impl CameraRenderers {
-    /// The renderer for images of this width.
-    fn get(&mut self, looks: Arc<Looks>, model: &CameraModel, width: Option<ImageWidth>) -> &mut Renderer {
-        let Some(width) = width else {
-            return self.own.get_or_insert_with(|| Renderer::new(looks, model));
-        };
-        if self.other.as_ref().is_some_and(|(last, _)| *last != width) {
-            self.other = None;
-        }
-        &mut self.other.get_or_insert_with(|| (width, Renderer::new(looks, &model.with_width(width)))).1
-    }
-}
-
-/// Number of a camera in arrays.
-fn index(camera: Camera) -> usize {
-    usize::from(camera == Camera::BirdsEye)
 }
 
 impl CamerasState {
@@ -188,46 +127,42 @@ impl Cameras {
         ((self.physics.interval / PERIOD).round() as u64).max(u64::from(EXPOSURE_STEPS))
     }
 
-    /// The image of an exposure, of the camera's own width or of another one. A frozen camera repeats its
-    /// last image, if it has taken one.
+    /// Everything that an image of an exposure takes, of the camera's own width or of another one. A camera
+    /// that has not given back its last image is not asked for the next.
     ///
     /// # Errors
     /// When meshes and textures cannot be loaded.
-    pub fn take(
+    pub fn drawing(
         &self,
         state: &mut CamerasState,
-        renderers: &mut Renderers,
         arm: &ArmModel,
         (camera, width): (Camera, Option<ImageWidth>),
-        exposure: &Exposure,
-    ) -> Result<Pixels, LooksError> {
+        (exposure, middle): (&Exposure, &Moment),
+    ) -> Result<Drawing, LooksError> {
         let looks = self.looks(arm)?;
         // The wrist camera sits inside its own housing.
         let housing = looks.body(HOUSING).filter(|_| camera == Camera::Wrist);
         let model = self.model(camera);
-        let size = width.map_or_else(|| model.clone(), |width| model.with_width(width));
-        let eye = state.eyes[index(camera)].get_or_insert_with(|| Eye {
+        let eye = state.eyes[index(camera)].take().unwrap_or_else(|| Eye {
             sensor: Sensor::new(self.seed, camera.name()).with_light(self.physics.light),
             last: Pixels::default(),
         });
-        if exposure.frozen && !eye.last.rgb.is_empty() {
-            return Ok(eye.last.with_size(size.width, size.height));
-        }
-        let renderer = renderers[index(camera)].get(looks, model, width);
         let seen = exposure.shown(camera).into_iter().map(|moment| {
             let mut scene = moment.scene.clone();
             scene.bodies.retain(|(index, _)| Some(*index) != housing);
             (scene, model.x_wc(&moment.x_wt))
         });
-        let seen: Vec<(Scene, Pose)> = seen.collect();
-        let rgb = match &seen[..] {
-            [(scene, x_wc)] => renderer.render(scene, x_wc, &mut eye.sensor),
-            moving => renderer.render_moving(moving, &mut eye.sensor),
-        };
-        let image = Pixels { width: size.width, height: size.height, rgb };
-        if self.freeze {
-            eye.last.clone_from(&image);
-        }
-        Ok(image)
+        Ok(Drawing {
+            camera,
+            width,
+            time: middle.time,
+            x_wt: middle.x_wt,
+            frozen: exposure.frozen,
+            remembers: self.freeze,
+            seen: seen.collect(),
+            looks,
+            model: model.clone(),
+            eye,
+        })
     }
 }

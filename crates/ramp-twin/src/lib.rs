@@ -9,6 +9,7 @@
 mod broad_phase;
 pub mod cameras;
 mod clamp;
+pub mod drawing;
 mod drive;
 mod engine;
 mod export;
@@ -34,6 +35,7 @@ pub mod twin;
 pub mod view;
 mod witness;
 
+pub use drawing::{Drawing, Drawn, Renderers};
 pub use export::ForMujoco;
 pub use fault::{Fault, FaultError, FaultKind, FaultReport};
 pub use layout::Layout;

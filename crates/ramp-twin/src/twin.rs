@@ -17,7 +17,7 @@ use ramp_robot::{
 };
 
 use crate::broad_phase::BroadPhase;
-use crate::cameras::{Pixels, Renderers};
+use crate::drawing::{Drawing, Drawn, Renderers, index};
 use crate::engine::body_pose;
 use crate::fault::{FaultReport, Injector, Start};
 use crate::layout::Layout;
@@ -261,21 +261,26 @@ impl Twin {
         })
     }
 
-    /// The image of a camera from the exposure with this number.
-    fn image(
+    /// Everything that the image of a camera takes, from the exposure with this number.
+    fn drawing(
         &mut self,
         camera: Camera,
         width: Option<ImageWidth>,
         number: usize,
-    ) -> Result<Image, RobotError> {
+    ) -> Result<Drawing, RobotError> {
         let stopped = RobotError::CameraStopped { camera };
         let exposure = self.state.cameras.shutters.take(camera, number);
         let Some(middle) = exposure.middle() else { return Err(stopped) };
         let Scene { cameras, arm, .. } = &*self.scene;
-        let (state, renderers) = (&mut self.state.cameras, &mut self.workspace.renderers);
-        let image = cameras.take(state, renderers, arm, (camera, width), &exposure);
-        let Pixels { width, height, rgb } = image.map_err(|_| stopped)?;
-        Ok(Image { camera, time: middle.time, x_wt: middle.x_wt, width, height, pixels: rgb })
+        let drawing = cameras.drawing(&mut self.state.cameras, arm, (camera, width), (&exposure, middle));
+        drawing.map_err(|_| stopped)
+    }
+
+    /// Takes back the sensor of an image that was drawn. Gives the image.
+    pub fn drawn(&mut self, drawn: Drawn) -> Image {
+        let Drawn { image, eye } = drawn;
+        self.state.cameras.eyes[index(image.camera)] = Some(eye);
+        image
     }
 }
 
@@ -314,7 +319,9 @@ impl Robot for Twin {
         let number = self.exposure(camera);
         let wait = self.state.cameras.shutters.available(number).saturating_sub(self.state.steps);
         self.hold(u32::try_from(wait).unwrap_or(u32::MAX))?;
-        self.image(camera, width, number)
+        let drawing = self.drawing(camera, width, number)?;
+        let drawn = drawing.draw(&mut self.workspace.renderers);
+        Ok(self.drawn(drawn))
     }
 
     fn camera(&self, camera: Camera) -> CameraModel {

@@ -119,7 +119,12 @@ impl Display {
     pub fn event(&self, event: &Event) {
         let line = || format!("{:7.1} s  {}: {}", event.time, event.kind.name(), event.kind);
         match (&self.bar, &event.kind) {
-            (_, EventKind::ActionBegun(action)) => *self.action.borrow_mut() = action.to_string(),
+            (bar, EventKind::ActionBegun(action)) => {
+                *self.action.borrow_mut() = action.to_string();
+                if let Some(bar) = bar {
+                    bar.set_message(format!("{:.1} s  {action}", event.time));
+                }
+            }
             (None, EventKind::ActionEnded(action)) => tell(&format!("{:7.1} s  {action}", event.time)),
             (Some(_), EventKind::ActionEnded(_)) => {}
             (Some(bar), _) => bar.println(line()),
@@ -131,6 +136,15 @@ impl Display {
         if let Some(bar) = &self.bar {
             bar.set_position(progress.seated as u64);
             bar.set_message(format!("{:.1} s  {}", progress.time, self.action.borrow()));
+        }
+    }
+
+    /// Asks something on the terminal, without the bar.
+    #[cfg(feature = "franka")]
+    pub fn pause<T>(&self, ask: impl FnOnce() -> T) -> T {
+        match &self.bar {
+            Some(bar) => bar.suspend(ask),
+            None => ask(),
         }
     }
 

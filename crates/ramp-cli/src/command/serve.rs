@@ -30,6 +30,9 @@ pub struct Arguments {
     /// How time passes
     #[arg(long, value_enum, default_value_t = Pace::RealTime)]
     pace: Pace,
+    /// In real time: the world's delay and losses on the line, too, beside those of this machine
+    #[arg(long)]
+    line: bool,
 }
 
 /// Versions of the protocol.
@@ -82,7 +85,13 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     };
     let assembly = data.goal(&arguments.goal)?;
     let arm = data.with_arm(arm)?.arm()?;
-    let (world, start) = (arguments.world.read(data)?, arguments.start.read(data)?);
+    let (mut world, start) = (arguments.world.read(data)?, arguments.start.read(data)?);
+    let name = world.name.clone();
+    if matches!(arguments.pace, Pace::RealTime) && !arguments.line {
+        for quantity in ["line.delay", "line.lost"] {
+            world = world.with(quantity, 0.0).map_err(Report::msg)?;
+        }
+    }
     let setup = Setup {
         assembly: &assembly,
         arm: &arm,
@@ -116,7 +125,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             )
         })?
         .with_listener(Box::new(tell));
-    tell(&format!("{} at {}, world {}; Ctrl-C ends it", assembly.name, arguments.fci, world.name));
+    tell(&format!("{} at {}, world {name}; Ctrl-C ends it", assembly.name, arguments.fci));
     ending::defer_requests();
     server.run(|| ending::requested().is_some());
     let statistics = server.statistics();

@@ -18,6 +18,9 @@ pub struct Arguments {
     /// With --robot: wait for Enter before each action
     #[arg(long, requires = "robot", conflicts_with = "dry_run")]
     step: bool,
+    /// With --robot: put the images that the agent takes into the log
+    #[arg(long, requires = "robot", conflicts_with = "dry_run")]
+    images: bool,
     /// With --robot: do not ask before the arm moves; for a served twin on this machine
     #[arg(long, requires = "robot")]
     yes: bool,
@@ -55,15 +58,17 @@ mod with_wire {
     use std::path::{Path, PathBuf};
 
     use miette::{IntoDiagnostic, Report, miette};
+    use ramp_calibration::Calibration;
     use ramp_data::Data;
     use ramp_episode::{Label, Progress, run_episode};
+    use ramp_franka::cameras::LocalCameras;
     use ramp_franka::station::Station;
     use ramp_franka::{FrankaRobot, Pace, Statistics};
     use ramp_real_run::drive::{Driven, Guard, Run, Workspace, drive};
     use ramp_report::curve::completion_svg;
     use ramp_result::episode::{EpisodeResult, RobotKind};
     use ramp_robot::arm::ArmModel;
-    use ramp_robot::{Account, Agent, Event, EventKind, Robot, RobotError};
+    use ramp_robot::{Account, Agent, Camera, CameraModel, Event, EventKind, Robot, RobotError};
     use ramp_twin::{Setup, Twin};
 
     use super::{Arguments, Inputs};
@@ -102,6 +107,7 @@ mod with_wire {
         );
         let log = inputs.record.map_or_else(|| output.with_extension(ramp_log::ENDING), Path::to_path_buf);
         check_places(&output, &log, inputs.force, arguments.dry_run)?;
+        let models = station.calibration.as_deref().map(models_of).transpose()?;
         let setup = Setup {
             assembly: &assembly,
             arm: &slowed,
@@ -131,9 +137,8 @@ mod with_wire {
             if arguments.step
                 && let EventKind::ActionBegun(action) = &event.kind
             {
-                quit.set(
-                    quit.get() || ask(&format!("next: {action}; Enter goes on, {QUIT} stops: ")) == QUIT,
-                );
+                let question = format!("next: {action}; Enter goes on, {QUIT} stops: ");
+                quit.set(quit.get() || display.pause(|| ask(&question)) == QUIT);
             }
         };
         let limit = inputs.agent.agent_limit;
@@ -144,14 +149,20 @@ mod with_wire {
                 Guarded { agent: agent.as_mut(), arms: [&arm, &slowed], workspace, stop: &stop };
             return dry_run(&setup, &mut guarded, &display, inputs);
         }
-        if asks && !confirmed(&station, file, &workspace) {
+        if asks && !display.pause(|| confirmed(&station, file, &workspace)) {
             tell("nothing has moved");
             return Ok(INCOMPLETE);
         }
         make_folder_of(&log)?;
         let track = inputs.track.into();
+        let cameras = cameras(&station, models.as_ref())?;
         let mut robot = FrankaRobot::connect(&station.connection, &arm, &station.controller, track)
             .map_err(|error| miette!(help = HELP, "{error}"))?;
+        robot = match (cameras, models) {
+            (Some(cameras), _) => robot.with_cameras(cameras),
+            (None, Some(models)) => robot.with_models(models),
+            (None, None) => robot,
+        };
         let run = Run {
             assembly: &assembly,
             arm: &arm,
@@ -164,6 +175,7 @@ mod with_wire {
             source: &station.source,
             software: &software(),
             workspace: &workspace,
+            images: arguments.images,
         };
         let driven = drive(&run, &mut robot, agent.as_mut(), &stop, &log).map_err(MachineFault::of)?;
         display.finish();
@@ -202,6 +214,38 @@ mod with_wire {
         repeat.ok_or_else(|| {
             miette!("the number of a run at a station is {}, expected --seed 1 to 100000", inputs.seed)
         })
+    }
+
+    /// The calibrated models of both cameras.
+    fn models_of(file: &Path) -> Result<[CameraModel; 2], Report> {
+        let calibration = Calibration::read(file)?;
+        let model = |camera: Camera| {
+            let model = calibration.camera(camera);
+            model.ok_or_else(|| {
+                let steps = match camera {
+                    Camera::Wrist => "`ramp calibrate lens` and `ramp calibrate hand-eye`",
+                    Camera::BirdsEye => {
+                        "`ramp calibrate lens --camera birds-eye` and `ramp calibrate birds-eye`"
+                    }
+                };
+                miette!(
+                    help = format!("make it with {steps}"),
+                    "{}: the lens or the pose of the camera `{}` is missing",
+                    file.display(),
+                    camera.name()
+                )
+            })
+        };
+        let [first, second] = Camera::ALL.map(model);
+        Ok([first?, second?])
+    }
+
+    /// The cameras of this computer, if the station has any.
+    fn cameras(station: &Station, models: Option<&[CameraModel; 2]>) -> Result<Option<LocalCameras>, Report> {
+        let Some((devices, models)) = station.cameras.as_ref().zip(models) else { return Ok(None) };
+        let help = "which formats does it have? `v4l2-ctl --list-formats-ext -d DEVICE` lists them";
+        let opened = LocalCameras::open(devices, models.clone());
+        opened.map(Some).map_err(|error| miette!(help = help, "{error}"))
     }
 
     const HELP: &str =

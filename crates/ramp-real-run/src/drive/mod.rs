@@ -6,6 +6,7 @@
 //! log, as it judges any other.
 
 mod guard;
+mod images;
 mod recorder;
 mod run;
 
@@ -56,7 +57,7 @@ pub fn drive(
     stop: &dyn Fn() -> Option<String>,
     path: &Path,
 ) -> Result<Driven, DriveError> {
-    let mut recorder = Recorder::create(path, robot, run.kind)?;
+    let mut recorder = Recorder::create(path, robot, run)?;
     let mut guard = Guard::new(&mut recorder, [run.arm, run.told], run.workspace, stop);
     let outcome = agent.run(&mut guard);
     agent.finish();

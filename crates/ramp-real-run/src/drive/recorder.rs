@@ -12,6 +12,7 @@ use ramp_robot::{
 };
 use serde_json::{Value, json};
 
+use super::images;
 use super::run::Run;
 use crate::poses::SCHEMA;
 
@@ -44,6 +45,8 @@ pub struct Recorder<'a> {
     robot: &'a mut dyn Robot,
     file: LogFile,
     lock_step: bool,
+    /// Whether images are logged.
+    images: bool,
     /// When the goal was handed over: by the wall, s since 1970, and by a clock that only goes on.
     handed_over: (f64, Instant),
     /// The robot's time then, s.
@@ -65,18 +68,22 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn create(path: &Path, robot: &'a mut dyn Robot, kind: RobotKind) -> Result<Recorder<'a>, LogError> {
+    pub fn create(path: &Path, robot: &'a mut dyn Robot, run: &Run) -> Result<Recorder<'a>, LogError> {
         let mut file = LogFile::create(path)?;
         let of = |name: &str, value: &str| (name.to_string(), value.to_string());
         file.describe(BTreeMap::from([of("schema", SCHEMA), of("rules", RULES)]));
         file.add_json(&[RUN]);
         file.add_json(&signals::CHANNELS);
+        if run.images {
+            file.add_json(&images::CHANNELS);
+        }
         let wall = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(Duration::ZERO);
         let from = robot.observe().time;
         Ok(Recorder {
             robot,
             file,
-            lock_step: kind == RobotKind::ServedTwinInLockStep,
+            lock_step: run.kind == RobotKind::ServedTwinInLockStep,
+            images: run.images,
             handed_over: (wall.as_secs_f64(), Instant::now()),
             from,
             free: None,
@@ -230,7 +237,15 @@ impl Robot for Recorder<'_> {
     }
 
     fn look_sized(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, RobotError> {
-        self.robot.look_sized(camera, width)
+        let image = self.robot.look_sized(camera, width)?;
+        if self.images {
+            let time = self.time_at(image.time);
+            // An image that is not whole is the agent's to refuse.
+            if let Ok(message) = images::message(&image, &self.stamp(time)) {
+                self.put(images::topic(camera), time, &message);
+            }
+        }
+        Ok(image)
     }
 
     fn camera(&self, camera: Camera) -> CameraModel {

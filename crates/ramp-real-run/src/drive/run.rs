@@ -29,6 +29,8 @@ pub struct Run<'a> {
     pub source: &'a str,
     /// With what it is run.
     pub software: &'a Software,
+    /// Whether the images that are taken go into the log.
+    pub images: bool,
     /// The workspace.
     pub workspace: &'a Workspace,
 }

@@ -39,6 +39,7 @@ fn driven(
         source: "a test",
         software: &label().software,
         workspace,
+        images: track == Track::Tags,
     };
     let driven = drive(&run, &mut twin, &mut agent, stop, log).unwrap();
     (driven, twin)
@@ -53,6 +54,8 @@ fn follow_their_schemas(bytes: &[u8]) {
         ("/tip", "log/tip"),
         ("/command", "log/command"),
         ("/events", "log/event"),
+        ("/image/wrist", "image"),
+        ("/image/birds-eye", "image"),
     ];
     let messages = messages(bytes);
     for (topic, schema) in schemas {

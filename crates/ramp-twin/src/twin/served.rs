@@ -1,9 +1,10 @@
 //! The twin's arm for a controller outside of it: torques in, and what the arm reports of its joints out.
 
 use ramp_control::JointVector;
-use ramp_robot::{Camera, DOF, GripperCommand, RobotError};
+use ramp_robot::{Camera, DOF, GripperCommand, ImageWidth, RobotError};
 
 use super::Twin;
+use crate::drawing::Drawing;
 use crate::period;
 
 /// The report of the arm about its joints beside an observation, N·m.
@@ -71,8 +72,8 @@ impl Twin {
         }
     }
 
-    /// The number of control periods after which [`Robot::look`](ramp_robot::Robot::look) gives an image of
-    /// this camera without a wait. If no exposure waits for it, the shutters open now.
+    /// The number of control periods after which [`Twin::due_image`] gives an image of this camera. If no
+    /// exposure waits for it, the shutters open now.
     ///
     /// # Errors
     /// As [`Robot::look`](ramp_robot::Robot::look).
@@ -81,5 +82,16 @@ impl Twin {
         self.check_images()?;
         let number = self.exposure(camera);
         Ok(self.state.cameras.shutters.available(number).saturating_sub(self.state.steps))
+    }
+
+    /// The image for which [`Twin::begin_image`] told the periods, once they have passed, to be drawn on any
+    /// thread. Until [`Twin::drawn`] has it back, no other image of this camera is asked for.
+    ///
+    /// # Errors
+    /// As [`Robot::look`](ramp_robot::Robot::look).
+    pub fn due_image(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Drawing, RobotError> {
+        self.check_running()?;
+        let number = self.exposure(camera);
+        self.drawing(camera, width, number)
     }
 }
