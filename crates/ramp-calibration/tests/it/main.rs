@@ -6,4 +6,5 @@
 mod cameras;
 mod file;
 mod friction;
+mod payload;
 mod table;
