@@ -8,6 +8,7 @@ import hashlib
 import inspect
 import os
 import pathlib
+import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
@@ -212,7 +213,7 @@ def bench(
     """Runs goals several times, with seeds in a row, and shows how far it is.
 
     Args:
-        what: A class (``easy``, ``medium``, ``hard``), a goal, or several.
+        what: A class (``easy``, ``medium``, ``hard``, ``open-2026``), a goal, or several.
         agent: Makes an agent for an episode; the baseline without it.
         skills: Makes the skills for an episode.
         repeats: Episodes of each goal.
@@ -233,7 +234,8 @@ def bench(
     classes = {"easy", "medium", "hard"}
     names: list[GoalLike]
     if isinstance(what, str):
-        names = list(goals.of_class(what)) if what in classes else [what]
+        is_class = what in classes or re.fullmatch(r"open-(\d+|held-[0-9a-f]{8})", what) is not None
+        names = list(goals.of_class(what)) if is_class else [what]
     else:
         names = list(what)
     wanted = [(as_goal(goal), first_seed + it, it + 1) for goal in names for it in range(repeats)]

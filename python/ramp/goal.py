@@ -31,7 +31,7 @@ class Goal:
     name: str
     """Such as ``easy-1``, or the name in its file."""
     class_name: str | None
-    """``easy``, ``medium``, ``hard``, or none."""
+    """``easy``, ``medium``, ``hard``, a set of the open class such as ``open-2026``, or none."""
     beams: tuple[str, ...]
     """Its beams."""
     base: str
@@ -104,7 +104,12 @@ class Goals(Sequence[str]):
         return Goal.load(name)
 
     def of_class(self, name: str) -> list[str]:
-        """The names of the goals of a class: ``easy``, ``medium`` or ``hard``."""
+        """The names of the goals of a class: ``easy``, ``medium``, ``hard``, or a set of the open class.
+
+        The set ``open-2026`` is part of the benchmark; it is not among the nine goals of the sequence itself.
+        """
+        if name.startswith("open-"):
+            return benchmark().open_goal_names(name)
         return [goal for goal in self if Goal.load(goal).class_name == name]
 
     def __repr__(self) -> str:

@@ -44,6 +44,15 @@ def test_the_example_of_the_environments_runs(capsys):
     assert capsys.readouterr().out in ("True\n", "False\n")
 
 
+def test_the_examples_of_the_open_class_run():
+    pytest.importorskip("gymnasium")
+    page = ROOT / "docs/src/reference/open-class.md"
+    for block in blocks(page.read_text(encoding="utf-8")):
+        exec(compile(block, page, "exec"), {})
+    names = importlib.import_module("ramp").goals.of_class("open-2026")
+    assert len(names) == 60 and names[0] == "open-2026-small-01"
+
+
 def test_the_package_s_page_has_the_example_of_the_readme():
     pages = [(ROOT / page).read_text(encoding="utf-8") for page in ("README.md", "python/README.md")]
     assert blocks(pages[0]) == blocks(pages[1])

@@ -1,35 +1,11 @@
 //! An assembly: the goal pose of every beam, and the joints that are to be pinned.
 
+pub use crate::class::{Class, OpenSet, Size};
 use crate::paths::Paths;
 pub use crate::placed::{Connection, Insertion, JointRef, PlacedBeam};
 use nalgebra::{Point3, Vector3};
 use ramp_kit::Kit;
 use std::sync::Arc;
-
-/// The three classes of goals.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Class {
-    /// Square insertions and one cap.
-    Easy,
-    /// With one beam that passes through another, or one at an oblique angle.
-    Medium,
-    /// With several of both.
-    Hard,
-}
-
-impl Class {
-    /// All three, in order of difficulty.
-    pub const ALL: [Class; 3] = [Class::Easy, Class::Medium, Class::Hard];
-
-    /// The name in files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Class::Easy => "easy",
-            Class::Medium => "medium",
-            Class::Hard => "hard",
-        }
-    }
-}
 
 /// A placed goal: the input of the planner, the skills, the twin and the referee.
 #[derive(Clone, Debug)]
@@ -96,8 +72,8 @@ impl Assembly {
         self.connections.iter().filter(passes).count() + self.beams.iter().filter(angled).count()
     }
 
-    /// The class by its features. Easy: square, small, at most four pegs. Medium: at most one beam
-    /// that passes through another or lies obliquely.
+    /// The one of the paper's three classes that fits its features. Easy: square, small, at most four
+    /// pegs. Medium: at most one beam that passes through another or lies obliquely.
     pub fn likely_class(&self) -> Class {
         match self.specials() {
             0 if self.connections.len() <= 4 => Class::Easy,

@@ -1,6 +1,6 @@
 //! The goals in a folder, by name.
 
-use crate::assembly::Class;
+use crate::assembly::{Class, Size};
 use ramp_source::{is_debris, nearest, shorten};
 use std::path::Path;
 
@@ -23,20 +23,20 @@ pub fn goal_names(folder: &Path) -> std::io::Result<Vec<String>> {
     Ok(in_order(names))
 }
 
-/// Names of goals in order: easy ones first, each class by its numbers.
+/// Names of goals in order: easy ones first, each class by its numbers, sets of the open class by size.
 pub fn in_order(mut names: Vec<String>) -> Vec<String> {
     names.sort_by_cached_key(|name| sort_key(name));
     names
 }
 
-/// Class first, then the name with its final number compared as a number: easy-2 comes before
+/// Class and size first, then the name with its final number compared as a number: easy-2 comes before
 /// easy-10.
-fn sort_key(name: &str) -> (usize, String, u64, String) {
-    let class = Class::ALL.iter().position(|class| name.starts_with(class.name()));
+fn sort_key(name: &str) -> (usize, Option<Size>, String, u64, String) {
+    let class = Class::ALL.iter().position(|class| name.starts_with(&class.name()));
     let digits = name.len() - name.bytes().rev().take_while(u8::is_ascii_digit).count();
     let (word, number) = name.split_at(digits);
     let number = number.parse().unwrap_or(0);
-    (class.unwrap_or(Class::ALL.len()), word.to_string(), number, name.to_string())
+    (class.unwrap_or(Class::ALL.len()), Size::of_goal_name(name), word.to_string(), number, name.to_string())
 }
 
 /// The goal does not exist.

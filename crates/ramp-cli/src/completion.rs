@@ -6,6 +6,7 @@ use std::ffi::OsStr;
 use clap::{Arg, Command};
 use clap_complete::engine::{ArgValueCompleter, CompletionCandidate, PathCompleter, ValueCompleter};
 use clap_complete::env::CompleteEnv;
+use ramp_assembly::Class;
 use ramp_data::Data;
 use ramp_gym::SKILLS;
 use ramp_twin::FaultKind;
@@ -71,7 +72,14 @@ impl Names {
         match self {
             Names::Goals => goals(),
             Names::GoalsAndClasses => {
-                ["easy", "medium", "hard", "all"].map(String::from).into_iter().chain(goals()).collect()
+                let sets = data().and_then(|data| data.open_sets().ok()).unwrap_or_default();
+                let sets = sets.into_iter().map(Class::name);
+                ["easy", "medium", "hard", "all"]
+                    .map(String::from)
+                    .into_iter()
+                    .chain(sets)
+                    .chain(goals())
+                    .collect()
             }
             Names::Worlds => World::names().map(String::from).collect(),
             Names::Starts => Start::names().map(String::from).collect(),

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use ramp_assembly::Assembly;
+use ramp_assembly::{Assembly, Class};
 use ramp_kit::Kit;
 use ramp_log::Sources;
 use ramp_planner::{Domains, Limits};
@@ -17,6 +17,9 @@ use crate::error::DataError;
 
 /// Names of the arms that episodes can have, the default first.
 pub const ARMS: [&str; 2] = ["panda", "fr3"];
+
+/// The folder of the goals in a data folder.
+const GOALS: &str = "goals";
 
 /// Kit, goals, planning rules, arm and worlds.
 ///
@@ -95,23 +98,77 @@ impl Data {
     pub fn goals(&self) -> String {
         self.folder.as_ref().map_or_else(
             || "the built-in goals".to_string(),
-            |folder| folder.join("goals").display().to_string(),
+            |folder| folder.join(GOALS).display().to_string(),
         )
     }
 
-    /// The names of the goals, easy ones first.
+    /// The names of the goals, easy ones first, without those of sets of the open class.
     ///
     /// # Errors
     /// If the folder of the goals cannot be read.
     pub fn goal_names(&self) -> Result<Vec<String>, DataError> {
         if let Some(folder) = &self.folder {
-            let folder = folder.join("goals");
+            let folder = folder.join(GOALS);
             return ramp_assembly::goal_names(&folder)
                 .map_err(|source| DataError::Folder { folder: folder.display().to_string(), source });
         }
         let names =
             built_in().iter().filter_map(|(name, _)| name.strip_prefix("goals/")?.strip_suffix(".xml"));
         Ok(ramp_assembly::in_order(names.filter(|name| !name.contains('/')).map(str::to_string).collect()))
+    }
+
+    /// The sets of the open class: the folders in the folder of the goals that have the name of one.
+    ///
+    /// # Errors
+    /// If the folder of the goals cannot be read.
+    pub fn open_sets(&self) -> Result<Vec<Class>, DataError> {
+        let mut names: Vec<String> = Vec::new();
+        if let Some(folder) = &self.folder {
+            let folder = folder.join(GOALS);
+            let fail = |source| DataError::Folder { folder: folder.display().to_string(), source };
+            for entry in std::fs::read_dir(&folder).map_err(fail)? {
+                let entry = entry.map_err(fail)?;
+                if entry.path().is_dir() {
+                    names.push(entry.file_name().to_string_lossy().into_owned());
+                }
+            }
+        } else {
+            let inside =
+                built_in().iter().filter_map(|(name, _)| name.strip_prefix(GOALS)?.strip_prefix('/'));
+            names.extend(inside.filter_map(|name| Some(name.split_once('/')?.0.to_string())));
+        }
+        let mut sets: Vec<Class> =
+            names.iter().filter_map(|name| Class::of_name(name)).filter(|class| class.is_open()).collect();
+        sets.sort_unstable();
+        sets.dedup();
+        Ok(sets)
+    }
+
+    /// The names of the goals of a set of the open class, small ones first.
+    ///
+    /// # Errors
+    /// If the data has no such set, or its folder cannot be read.
+    pub fn open_goal_names(&self, set: Class) -> Result<Vec<String>, DataError> {
+        let sets = self.open_sets()?;
+        if !sets.contains(&set) {
+            let there: Vec<String> = sets.into_iter().map(Class::name).collect();
+            let help = format!(
+                "`ramp goals open` writes a set to a folder, and its goals are named by their files; the sets here are: \
+                 {}",
+                if there.is_empty() { "none".to_string() } else { there.join(", ") }
+            );
+            return Err(DataError::UnknownSet { name: set.name(), place: self.goals(), help });
+        }
+        let place = format!("{GOALS}/{set}");
+        if let Some(folder) = &self.folder {
+            let folder = folder.join(place);
+            return ramp_assembly::goal_names(&folder)
+                .map_err(|source| DataError::Folder { folder: folder.display().to_string(), source });
+        }
+        let inside = built_in().iter().filter_map(|(name, _)| name.strip_prefix(&place)?.strip_prefix('/'));
+        Ok(ramp_assembly::in_order(
+            inside.filter_map(|name| name.strip_suffix(".xml")).map(str::to_string).collect(),
+        ))
     }
 
     /// The kit; its file is read once.
@@ -129,6 +186,11 @@ impl Data {
         Ok(self.kit.get_or_init(|| kit))
     }
 
+    /// True if another kit file replaces the one of the data.
+    pub fn has_own_kit(&self) -> bool {
+        self.kit_file.is_some()
+    }
+
     fn kit_file(&self) -> File {
         self.kit_file.as_ref().map_or_else(|| self.file("kit.xml"), |path| File::Path(path.clone()))
     }
@@ -143,8 +205,13 @@ impl Data {
         if name.ends_with(".xml") || as_file.components().count() > 1 {
             return Ok(File::Path(as_file.to_path_buf()));
         }
+        if let Some(set) = Class::of_open_goal(name) {
+            let place = format!("the set {set} of {}", self.goals());
+            ramp_assembly::check_known(name, &self.open_goal_names(set)?, &place)?;
+            return Ok(self.file(&format!("{GOALS}/{set}/{name}.xml")));
+        }
         ramp_assembly::check_known(name, &self.goal_names()?, &self.goals())?;
-        Ok(self.file(&format!("goals/{name}.xml")))
+        Ok(self.file(&format!("{GOALS}/{name}.xml")))
     }
 
     /// The name or path of the file of a goal, for messages.

@@ -43,6 +43,17 @@ pub enum DataError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     UnknownGoal(#[from] UnknownGoal),
+    /// A set of the open class that the data does not have.
+    #[error("there is no set {name} in {place}")]
+    UnknownSet {
+        /// The name.
+        name: String,
+        /// The place of the goals.
+        place: String,
+        /// The sets that there are.
+        #[help]
+        help: String,
+    },
     /// The planning rules.
     #[error(transparent)]
     #[diagnostic(transparent)]

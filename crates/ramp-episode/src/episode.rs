@@ -206,7 +206,7 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
         schema: SCHEMA.to_string(),
         rules: RULES.to_string(),
         goal: setup.assembly.name.clone(),
-        class: setup.assembly.class.map(|class| class.name().to_string()),
+        class: setup.assembly.class.map(|class| class.name()),
         track: setup.track.name().to_string(),
         real: None,
         world: Some(WorldInfo::of(setup.world, setup.seed)),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use ramp_assembly::Assembly;
+use ramp_assembly::{Assembly, Class};
 use ramp_gym::{Benchmark as Inner, SKILLS};
 use ramp_planner::{Domains, Options, Plan, State, read_plan};
 use serde_json::json;
@@ -26,6 +26,13 @@ impl Benchmark {
     /// The names of the goals, easy ones first.
     fn goal_names(&self) -> PyResult<Vec<String>> {
         self.inner.goal_names().map_err(data)
+    }
+
+    /// The names of the goals of a set of the open class, small ones first.
+    fn open_goal_names(&self, set: &str) -> PyResult<Vec<String>> {
+        let class = Class::of_name(set).filter(|class| class.is_open());
+        let class = class.ok_or_else(|| input(format!("there is no set {set:?} of the open class")))?;
+        self.inner.data.open_goal_names(class).map_err(data)
     }
 
     /// A goal, as JSON.

@@ -32,7 +32,7 @@ pub fn form(goal: &Assembly) -> Result<Drawing, SolidError> {
     page.text([LEFT, 22.0], Align::Left, strokes::fit(&title, 6.0, right - LEFT), BLACK, &title);
     let about = format!(
         "class {}, {} beams, {} pegs; {RULES}",
-        goal.class.map_or("none", |class| class.name()),
+        goal.class.map_or("none".to_string(), |class| class.name()),
         goal.beams.len(),
         goal.connections.len()
     );

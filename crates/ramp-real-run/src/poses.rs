@@ -403,7 +403,7 @@ impl Run<'_> {
             schema: EPISODE.to_string(),
             rules: RULES.to_string(),
             goal: self.goal.name.clone(),
-            class: self.goal.class.map(|class| class.name().to_string()),
+            class: self.goal.class.map(|class| class.name()),
             track: head.track,
             real: Some(RealRun {
                 robot: head.robot,

@@ -216,7 +216,7 @@ fn table(view: View, class: &ClassPart) -> Markup {
         lines.sort_by(|a, b| sums::better(a, b).then(a.entrant.cmp(&b.entrant)));
         lines.truncate(LINES);
     } else {
-        lines.splice(..0, &class.goal_lines);
+        lines.splice(..0, class.goal_lines.iter().chain(&class.size_lines));
     }
     let columns: Vec<Column> = COLUMNS
         .into_iter()
@@ -289,7 +289,7 @@ fn row(view: View, line: &Line, one: bool) -> Row {
         }
         None => cells.extend([NONE; 6].map(|none| html! { (none) })),
     }
-    Row { cells, is_sum: view.folder.is_none() && matches!(line.scope, Scope::Class(_)) }
+    Row { cells, is_sum: view.folder.is_none() && !matches!(line.scope, Scope::Goal(_)) }
 }
 
 fn published(class: &ClassPart) -> Markup {

@@ -25,7 +25,7 @@ pub fn latex(report: &Report) -> String {
                 escape(&part.title())
             );
             for &entrant in &part.entrants {
-                let goals = class.goal_lines.iter().chain(&class.lines);
+                let goals = class.goal_lines.iter().chain(&class.size_lines).chain(&class.lines);
                 for (index, it) in goals.filter(|it| it.entrant == entrant).enumerate() {
                     let name = if index == 0 { escape(report.label(entrant)) } else { String::new() };
                     line(&mut text, &name, it);

@@ -5,10 +5,11 @@
 
 mod notes;
 
-pub use self::notes::REPEATS;
 use self::notes::notes;
+pub use self::notes::repeats;
 use crate::sums::{Comparison, Line, Scope};
 use crate::{curves, plot, sums};
+use ramp_assembly::Size;
 use ramp_result::collection::{Collection, Setting, class_rank};
 use ramp_result::episode::RobotKind;
 use ramp_result::published::Published;
@@ -49,6 +50,8 @@ pub struct ClassPart {
     pub goals: Vec<String>,
     /// Lines of each goal in turn.
     pub goal_lines: Vec<Line>,
+    /// Lines of each size of a set of the open class.
+    pub size_lines: Vec<Line>,
     /// Lines of the class.
     pub lines: Vec<Line>,
     /// Each pair of agents.
@@ -64,6 +67,15 @@ impl ClassPart {
     /// Its name, for a person.
     pub fn name(&self) -> &str {
         self.class.as_deref().unwrap_or("goals without a class")
+    }
+
+    /// The name of the part of it that a line is of, for a person.
+    pub fn name_of(&self, line: &Line) -> String {
+        match &line.scope {
+            Scope::Size(class, size) => format!("{class}, {size}"),
+            Scope::Goal(goal) => goal.clone(),
+            Scope::Class(_) => self.name().to_string(),
+        }
     }
 }
 
@@ -309,6 +321,9 @@ impl TrackPart {
                         .collect::<Vec<_>>()
                 };
                 let goal_lines = goals.iter().flat_map(|goal| lines(&Scope::Goal(goal.clone()))).collect();
+                let sizes =
+                    Size::ALL.into_iter().flat_map(|size| Some(Scope::Size(class.clone()?, size.name())));
+                let size_lines = sizes.flat_map(|scope| lines(&scope)).collect();
                 let pairs = entrants
                     .iter()
                     .enumerate()
@@ -320,7 +335,7 @@ impl TrackPart {
                 let published = published.cloned().collect();
                 let lines = lines(&scope);
                 let shown = shown(&lines, is_large(collection));
-                ClassPart { lines, class, goals, goal_lines, comparisons, shown, published }
+                ClassPart { lines, class, goals, goal_lines, size_lines, comparisons, shown, published }
             })
             .collect();
         TrackPart { setting, entrants, classes }

@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 
+use ramp_assembly::Size;
 use serde::Serialize;
 
 use ramp_result::activity::{self, Activity};
@@ -15,6 +16,8 @@ use ramp_result::summary::{Entry, Spread, Summary, cause};
 pub enum Scope {
     /// One goal.
     Goal(String),
+    /// The goals of one size in a set of the open class, by the names of both.
+    Size(String, &'static str),
     /// All goals of a class, or of none.
     Class(Option<String>),
 }
@@ -24,6 +27,10 @@ impl Scope {
     pub fn holds(&self, goal: &GoalInfo) -> bool {
         match self {
             Scope::Goal(name) => *name == goal.name,
+            Scope::Size(class, size) => {
+                Some(class) == goal.class.as_ref()
+                    && Size::of_goal_name(&goal.name).map(Size::name) == Some(*size)
+            }
             Scope::Class(class) => *class == goal.class,
         }
     }
@@ -32,6 +39,7 @@ impl Scope {
     pub fn name(&self) -> &str {
         match self {
             Scope::Goal(name) => name,
+            Scope::Size(_, size) => size,
             Scope::Class(class) => class.as_deref().unwrap_or("no class"),
         }
     }

@@ -78,6 +78,7 @@ fn sums(report: &Report) -> String {
         let mut row = who(report, line.entrant);
         let scope = match &line.scope {
             Scope::Goal(_) => "goal",
+            Scope::Size(..) => "size",
             Scope::Class(_) => "class",
         };
         row.extend([scope.to_string(), line.scope.name().to_string()]);
@@ -108,7 +109,9 @@ fn sums(report: &Report) -> String {
         row
     };
     let classes = report.tracks.iter().flat_map(|part| &part.classes);
-    let lines = classes.flat_map(|class| class.goal_lines.iter().chain(&class.lines)).map(line);
+    let lines = classes
+        .flat_map(|class| class.goal_lines.iter().chain(&class.size_lines).chain(&class.lines))
+        .map(line);
     write(std::iter::once(head).chain(lines))
 }
 
@@ -123,7 +126,7 @@ fn curves(report: &Report) -> String {
                     let results: Vec<_> = sums::results(&report.collection, agent, &scope).collect();
                     let lost = class.goals.iter().filter(|goal| match &scope {
                         Scope::Goal(name) => *goal == name,
-                        Scope::Class(_) => true,
+                        Scope::Size(..) | Scope::Class(_) => true,
                     });
                     let lost = lost.map(|goal| agent.lost.iter().filter(|it| it.goal == *goal).count()).sum();
                     let Some(curves) = crate::curves::curves(&results, lost) else { continue };

@@ -7,7 +7,7 @@ mod read;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use ramp_assembly::Class;
+use ramp_assembly::{Class, Size};
 use ramp_kit::source::{describe_debris, is_debris, is_name, shorten};
 use ramp_robot::Track;
 use serde::Serialize;
@@ -279,14 +279,16 @@ fn goals(files: &[ResultFile]) -> Result<Vec<GoalInfo>, CollectError> {
     goals.sort_by_cached_key(|goal| {
         let digits = goal.name.len() - goal.name.bytes().rev().take_while(u8::is_ascii_digit).count();
         let number: u64 = goal.name[digits..].parse().unwrap_or(0);
-        (class_rank(goal.class.as_deref()), goal.name[..digits].to_string(), number, goal.name.clone())
+        let size = Size::of_goal_name(&goal.name);
+        (class_rank(goal.class.as_deref()), size, goal.name[..digits].to_string(), number, goal.name.clone())
     });
     Ok(goals)
 }
 
-/// Classes in order, goals without one last.
-pub fn class_rank(class: Option<&str>) -> usize {
-    Class::ALL.iter().position(|known| Some(known.name()) == class).unwrap_or(Class::ALL.len())
+/// Classes in order, with the sets of the open class after the others. Goals without a class come last.
+pub fn class_rank(class: Option<&str>) -> (bool, Option<Class>) {
+    let class = class.and_then(Class::of_name);
+    (class.is_none(), class)
 }
 
 impl Identity {

@@ -104,9 +104,9 @@ pub(crate) fn class_and_track(class: Option<&str>, track: &str) -> Result<(), St
 
 /// Checks that the class exists.
 pub(crate) fn known_class(class: &str) -> Result<(), String> {
-    match ramp_assembly::Class::ALL.iter().any(|known| known.name() == class) {
-        true => Ok(()),
-        false => Err(format!("there is no class `{}`", shorten(class))),
+    match ramp_assembly::Class::of_name(class) {
+        Some(_) => Ok(()),
+        None => Err(format!("there is no class `{}`", shorten(class))),
     }
 }
 

@@ -33,7 +33,7 @@ pub fn run_trial(
         world: WorldInfo::of(setup.world, setup.seed),
         seed: setup.seed,
         goal: setup.assembly.name.clone(),
-        class: setup.assembly.class.map(|class| class.name().to_string()),
+        class: setup.assembly.class.map(|class| class.name()),
         step: task.step,
         action: task.action.clone(),
         start: StartInfo::of(setup.start),

@@ -112,7 +112,7 @@ impl<'a> Picture<'a> {
         let room = self.drawing()[0] - 2.0 * MARGIN;
         let height = fit(&assembly.name, 13.0, room);
         text(svg, [MARGIN, MARGIN + 10.0], Align::Left, height, INK, &assembly.name);
-        let class = assembly.class.map_or(String::new(), |class| format!("{}, ", class.name()));
+        let class = assembly.class.map_or(String::new(), |class| format!("{class}, "));
         let words = format!("{class}{} beams, {} pegs", assembly.beams.len(), self.pegs.len());
         text(svg, [MARGIN, MARGIN + 27.0], Align::Left, 6.6, FAINT, &words);
     }

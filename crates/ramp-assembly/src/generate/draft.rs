@@ -2,8 +2,8 @@
 //! placed ones.
 
 use super::dice::Dice;
-use super::goal_file::{goal_name, goal_xml};
-use super::request::{Generated, Request};
+use super::goal_file::goal_xml;
+use super::request::Generated;
 use crate::assembly::{Class, PlacedBeam};
 use crate::check::Solids;
 use crate::pose::{self, Planar};
@@ -255,6 +255,15 @@ impl<'a> Draft<'a> {
         false
     }
 
+    /// The class by its features, as [`Assembly::likely_class`].
+    pub(super) fn likely_class(&self) -> Class {
+        match self.specials() {
+            0 if self.pairs.len() <= 4 => Class::Easy,
+            0 | 1 => Class::Medium,
+            _ => Class::Hard,
+        }
+    }
+
     /// As [`Assembly::specials`].
     pub(super) fn specials(&self) -> usize {
         let passes = |(_, male): &&(Spot, Spot)| !self.beams[male.0].joints[male.1].kind.is_end();
@@ -266,17 +275,11 @@ impl<'a> Draft<'a> {
     }
 
     /// Writes the goal and reads it back; `None` when the full check finds an error.
-    pub(super) fn finish(&self, kit: &Kit, request: Request) -> Option<Generated> {
-        let class = request.class.unwrap_or(match self.specials() {
-            0 if self.pairs.len() <= 4 => Class::Easy,
-            0 | 1 => Class::Medium,
-            _ => Class::Hard,
-        });
-        let name = goal_name(class, request);
+    pub(super) fn finish(&self, kit: &Kit, name: &str, class: Class) -> Option<Generated> {
         // A yaw is written only where the connections leave it open and the default is wrong.
         let mut yaws = vec![false; self.beams.len()];
         loop {
-            let text = self.text(&name, class, &yaws);
+            let text = self.text(name, class, &yaws);
             let read = read_goal_str(&format!("{name}.xml"), &text, kit);
             let wrong = match &read {
                 Ok(assembly) => self.placed.iter().zip(&assembly.beams).position(|(meant, found)| {
@@ -286,7 +289,9 @@ impl<'a> Draft<'a> {
                 Err(_) => None,
             };
             match (read, wrong) {
-                (Ok(assembly), None) => return Some(Generated { name, goal: text, kit: None, assembly }),
+                (Ok(assembly), None) => {
+                    return Some(Generated { name: name.to_string(), goal: text, kit: None, assembly });
+                }
                 (Ok(_), Some(beam)) if !yaws[beam] => yaws[beam] = true,
                 // The default directions can make holes meet that do not fit: then all yaws are
                 // written.

@@ -110,7 +110,7 @@ impl Builder<'_> {
         let mut passing = match class {
             Some(Class::Easy) => 0,
             Some(Class::Medium) => 1,
-            Some(Class::Hard) | None => usize::MAX,
+            Some(Class::Hard | Class::Open(_)) | None => usize::MAX,
         };
         let base: Vec<Slot> = (0..self.slots.len())
             .map(|slot| if self.base_slots.contains(&slot) { Slot::Free } else { Slot::Taken })

@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 /// The name of a generated goal.
 pub(crate) fn goal_name(class: Class, request: Request) -> String {
-    format!("{}-{}-beams-{}", class.name(), request.beams, request.seed)
+    format!("{class}-{}-beams-{}", request.beams, request.seed)
 }
 
 /// The text of a goal file. Components are (beam, flipped, yaw in rad), the base first. Connections
@@ -20,8 +20,9 @@ pub(crate) fn goal_xml(
 ) -> String {
     let mut xml = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     // Writing to a string does not fail.
-    let _ = writeln!(xml, "<!-- Made by `ramp goals generate`. -->");
-    let _ = writeln!(xml, "<assembly name=\"{name}\" class=\"{}\">", class.name());
+    let command = if class.is_open() { "open" } else { "generate" };
+    let _ = writeln!(xml, "<!-- Made by `ramp goals {command}`. -->");
+    let _ = writeln!(xml, "<assembly name=\"{name}\" class=\"{class}\">");
     for (index, (beam, flipped, yaw)) in components.iter().enumerate() {
         let base = if index == 0 { " base=\"True\"" } else { "" };
         let flipped = if *flipped { " flipped=\"True\"" } else { "" };

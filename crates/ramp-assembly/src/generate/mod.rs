@@ -6,18 +6,20 @@
 //! (`frame`), for which the kit is extended.
 //!
 //! `draft` grows a goal and `frame` constructs one, each with the `dice` of the seed. `goal_file`
-//! writes the goal, and it is read back like any other.
+//! writes the goal, and it is read back like any other. [`open`] draws whole sets of goals.
 
 mod dice;
 mod draft;
 mod frame;
 mod goal_file;
+pub mod open;
 mod request;
 
 pub use request::{GenerateError, Generated, Request};
 
 use self::dice::Dice;
 use self::draft::Draft;
+use self::goal_file::goal_name;
 use crate::assembly::{Assembly, Class};
 use ramp_kit::Kit;
 use std::collections::HashSet;
@@ -48,7 +50,10 @@ pub fn generate(kit: &Kit, request: Request) -> Result<Generated, GenerateError>
     if !(2..=crate::check::MAX_BEAMS).contains(&beams) {
         return Err(GenerateError::Beams { found: beams });
     }
-    let base = kit.beams.iter().position(|beam| beam.start.is_none()).ok_or(GenerateError::NoBase)?;
+    if class.is_some_and(Class::is_open) {
+        return Err(GenerateError::Open);
+    }
+    let base = clamped(kit)?;
     let mut dice = Dice::new(seed);
     if beams > kit.beams.len() {
         return frame::frame(kit, base, request, &mut dice);
@@ -61,15 +66,22 @@ pub fn generate(kit: &Kit, request: Request) -> Result<Generated, GenerateError>
             Some(Class::Easy) => specials == 0 && draft.pairs.len() <= 4,
             Some(Class::Medium) => specials == 1 || (specials == 0 && draft.pairs.len() > 4),
             Some(Class::Hard) => specials > 1,
+            Some(Class::Open(_)) => false,
         };
         if !could_be || (!kit.pegs.is_empty() && draft.pairs.len() > kit.pegs.len()) {
             continue;
         }
-        if let Some(made) = draft.finish(kit, request) {
+        let class = class.unwrap_or_else(|| draft.likely_class());
+        if let Some(made) = draft.finish(kit, &goal_name(class, request), class) {
             return Ok(made);
         }
     }
     Err(GenerateError::NotFound { beams, seed, class })
+}
+
+/// The beam on which a goal grows, by index.
+fn clamped(kit: &Kit) -> Result<usize, GenerateError> {
+    kit.beams.iter().position(|beam| beam.start.is_none()).ok_or(GenerateError::NoBase)
 }
 
 /// Generates `count` different goals from the seeds `first.seed`, `first.seed + 1`, ….

@@ -40,8 +40,20 @@ pub enum GenerateError {
     /// The kit has no clamped beam.
     #[error("the kit has no clamped beam (one without a start) to build a goal on")]
     NoBase,
+    /// A single goal of a set of the open class.
+    #[error("a set of the open class is drawn as a whole")]
+    Open,
+    /// No goal of the open class was found.
+    #[error("found no goal of {beams} beams for the {size} part of a set")]
+    #[diagnostic(help("the kit has too few parts for a set of the open class"))]
+    NoOpenGoal {
+        /// The number of beams.
+        beams: usize,
+        /// The size.
+        size: &'static str,
+    },
     /// The search found no goal.
-    #[error("found no {}goal of {beams} beams with the seed {seed}", class.map_or(String::new(), |class| format!("{} ", class.name())))]
+    #[error("found no {}goal of {beams} beams with the seed {seed}", class.map_or(String::new(), |class| format!("{class} ")))]
     #[diagnostic(help(
         "try another seed, class or number of beams; the published kit gives easy goals of 2 to 5 beams, medium ones of 3 to 7 and hard ones of 4 to 8, and frames of 10 beams and more come with a kit of their own"
     ))]

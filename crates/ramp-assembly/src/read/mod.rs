@@ -94,11 +94,15 @@ fn read(file: &SourceFile, stem: &str, kit: &Kit) -> Result<Assembly> {
         None => return Err(root.fault(FormProblem::FileName { found: shorten(stem) }.into())),
     };
     let class = match root.optional("class") {
-        Some(value) => match Class::ALL.into_iter().find(|class| class.name() == value.text()) {
+        Some(value) => match Class::of_name(&value.text()) {
             Some(class) => Some(class),
-            None => return Err(value.bad_choice("easy, medium or hard")),
+            None => {
+                return Err(
+                    value.bad_choice("easy, medium, hard or a set of the open class, such as open-2026")
+                );
+            }
         },
-        None => Class::ALL.into_iter().find(|class| name.starts_with(class.name())),
+        None => Class::ALL.into_iter().find(|class| name.starts_with(&class.name())),
     };
     let (mut components, mut connections) = (Vec::new(), Vec::new());
     for child in root.children(&["component", "connection"])? {

@@ -94,7 +94,7 @@ fn every_beam_is_at_its_place() {
     for (name, poses, ..) in GOALS {
         let goal = goal(name);
         assert_eq!(goal.name, name);
-        assert_eq!(goal.class.map(Class::name), name.split('-').next());
+        assert_eq!(goal.class.map(Class::name), name.split_once('-').map(|(class, _)| class.to_string()));
         assert_eq!(goal.beams.len(), poses.len() + 1, "{name}");
         assert_eq!(goal.beams[goal.base].beam.name, "b7");
         for &(beam, x, y, yaw) in poses.iter().chain(&[("b7", 0.0, 0.0, 0.0)]) {

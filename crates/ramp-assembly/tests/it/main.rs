@@ -8,3 +8,4 @@ mod extending;
 mod generated;
 mod goals;
 mod mutations;
+mod open;

@@ -282,11 +282,15 @@ impl<'a> Admission<'a> {
 fn terms(data: &Data, secret: Option<Secret>) -> Result<BoardTerms, Failure> {
     let mut goals = Vec::new();
     let mut kit = None;
-    for name in data.goal_names()? {
+    let mut names = data.goal_names()?;
+    for set in data.open_sets()? {
+        names.extend(data.open_goal_names(set)?);
+    }
+    for name in names {
         let (goal, texts) = data.goal_with_texts(&name)?;
         let sources = texts.sources();
         kit = Some(sources.kit.to_string());
-        let class = goal.class.map(|class| class.name().to_string());
+        let class = goal.class.map(|class| class.name());
         let pegs = goal.connections.len();
         goals.push(BoardGoal { name: goal.name, class, pegs, xml: sources.goal.to_string() });
     }

@@ -9,7 +9,7 @@ use ramp_data::Data;
 use ramp_external_agent::AgentFile;
 use ramp_log::{ENDING, Log};
 use ramp_report::leaderboard::Stream;
-use ramp_report::report::REPEATS;
+use ramp_report::report::repeats;
 use ramp_result::collection::{Entrant, collect};
 use ramp_result::episode::{EpisodeResult, WorldInfo};
 
@@ -106,7 +106,8 @@ fn bench_arguments(
     arguments.extend(world.iter().flat_map(|world| ["--world", &world.name]).map(OsString::from));
     let start = entrant.files.iter().find_map(|file| file.result.start.as_ref());
     arguments.extend(start.iter().flat_map(|start| ["--start", &start.name]).map(OsString::from));
-    arguments.extend(["--repeats".into(), REPEATS.to_string().into(), "-o".into(), results.into()]);
+    let repeats = entrant.files.iter().map(|file| repeats(file.result.class.as_deref())).max().unwrap_or(1);
+    arguments.extend(["--repeats".into(), repeats.to_string().into(), "-o".into(), results.into()]);
     if let Some(agent) = agent {
         arguments.extend(["--sandbox".into(), "--agent".into(), agent.into()]);
     }

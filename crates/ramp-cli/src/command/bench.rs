@@ -1,10 +1,11 @@
 //! `ramp bench`: runs goals and classes by the protocol, and summarises the results.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::PathBuf;
 
 use miette::{IntoDiagnostic, Report, miette};
-use ramp_assembly::Class;
+use ramp_assembly::{Class, Size};
 use ramp_data::Data;
 use ramp_episode::tape;
 use ramp_result::secret::Secret;
@@ -19,7 +20,8 @@ use crate::status::{DONE, INCOMPLETE};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Goals, classes (easy, medium, hard) or `all`
+    /// Goals, classes (easy, medium, hard, open-2026), `all` for the nine goals, or folders of goal files
+    /// with a `/` at their end
     #[arg(required = true, value_name = "CLASS|GOAL")]
     goals: Vec<String>,
     #[command(flatten)]
@@ -41,6 +43,15 @@ pub struct Arguments {
 
 /// The episodes of a bench.
 struct Bench<'a>(Batch<'a>);
+
+/// The summary of a class, or of one size of a set of the open class.
+struct Part {
+    class: Class,
+    size: Option<Size>,
+    /// Its goals in this bench.
+    goals: usize,
+    sum: Summary,
+}
 
 /// An incomplete episode.
 struct Incomplete<'e> {
@@ -72,7 +83,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let secret = arguments.secret.as_deref();
     let mut batch = shared.batch(data, &arguments.output, goals, arguments.repeats, "--repeats", secret)?;
     if let Some(folder) = &arguments.tape {
-        batch.tapes = Some(Tapes::find(folder, &batch.goals)?);
+        batch.tapes = Some(Tapes::find(folder, &batch.goals, &batch.seeds)?);
         batch.name = Some((tape::NAME.to_string(), tape::VERSION.to_string()));
     }
     batch.secret = secret.map(seeds::read).transpose()?;
@@ -107,8 +118,9 @@ impl Bench<'_> {
         episodes
     }
 
-    /// The summary of each goal, and of each class that has goals in this bench.
-    fn sums(&self, episodes: &[Episode]) -> (Vec<Summary>, Vec<(Class, usize, Summary)>) {
+    /// The summary of each goal, and of each class that has goals in this bench; before a set of the open
+    /// class, those of its sizes.
+    fn sums(&self, episodes: &[Episode]) -> (Vec<Summary>, Vec<Part>) {
         let entries: Vec<(usize, Entry)> = episodes
             .iter()
             .map(|episode| {
@@ -120,14 +132,20 @@ impl Bench<'_> {
             Summary::of(entries.iter().filter(|(goal, _)| wanted(*goal)).map(|(_, entry)| entry))
         };
         let goals = (0..self.0.goals.len()).map(|goal| of(&|it| it == goal)).collect();
-        let classes = Class::ALL
-            .into_iter()
-            .filter_map(|class| {
-                let count = self.0.goals.iter().filter(|goal| goal.class == Some(class)).count();
-                (count > 0).then(|| (class, count, of(&|goal| self.0.goals[goal].class == Some(class))))
-            })
-            .collect();
-        (goals, classes)
+        let part = |class: Class, size: Option<Size>| {
+            let holds = |goal: usize| {
+                let goal = &self.0.goals[goal];
+                goal.class == Some(class) && (size.is_none() || Size::of_goal_name(&goal.name) == size)
+            };
+            let goals = (0..self.0.goals.len()).filter(|&goal| holds(goal)).count();
+            (goals > 0).then(|| Part { class, size, goals, sum: of(&holds) })
+        };
+        let classes: BTreeSet<Class> = self.0.goals.iter().filter_map(|goal| goal.class).collect();
+        let parts = classes.into_iter().flat_map(|class| {
+            let sizes = Size::ALL.into_iter().filter(move |_| class.is_open()).map(Some);
+            sizes.chain([None]).filter_map(move |size| part(class, size))
+        });
+        (goals, parts.collect())
     }
 
     /// The incomplete episodes.
@@ -170,7 +188,13 @@ impl Bench<'_> {
             .collect();
         let classes: Vec<Value> = classes
             .iter()
-            .map(|(class, count, sum)| json!({"class": class.name(), "goals": count, "sum": sum}))
+            .map(|it| {
+                let mut part = json!({"class": it.class.name(), "goals": it.goals, "sum": it.sum});
+                if let Some(size) = it.size {
+                    part["size"] = size.name().into();
+                }
+                part
+            })
             .collect();
         let failures: Vec<Value> = self
             .failures(episodes)
@@ -236,9 +260,10 @@ impl Bench<'_> {
         for (goal, sum) in self.0.goals.iter().zip(&goals) {
             table.add(row(goal.name.clone(), sum));
         }
-        for (class, count, sum) in &classes {
-            let goals = if *count == 1 { "goal" } else { "goals" };
-            table.add(row(format!("{}: {count} {goals}", class.name()), sum));
+        for it in &classes {
+            let goals = if it.goals == 1 { "goal" } else { "goals" };
+            let size = it.size.map_or(String::new(), |size| format!(" {}", size.name()));
+            table.add(row(format!("{}{size}: {} {goals}", it.class, it.goals), &it.sum));
         }
         text.push_str(&table.text(terminal_width()));
         for (technical, heading) in [

@@ -23,6 +23,8 @@ pub struct Arguments {
 enum Command {
     /// Generate new goals, and check that each can be built; the same seed gives the same file
     Generate(super::generate::Arguments),
+    /// Draw a set of the open class: 60 goals, 20 each of small, medium and large
+    Open(super::open::Arguments),
     /// Commit to goals without showing them: one file to publish now, one with the goals to publish later
     Commit(super::held_out::CommitArguments),
     /// Check revealed goals against their commitments
@@ -32,6 +34,7 @@ enum Command {
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     match &arguments.command {
         Some(Command::Generate(arguments)) => return super::generate::run(data, arguments),
+        Some(Command::Open(arguments)) => return super::open::run(data, arguments),
         Some(Command::Commit(arguments)) => return super::held_out::commit(data, arguments),
         Some(Command::Verify(arguments)) => return super::held_out::check(arguments),
         None => {}
@@ -62,7 +65,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             writeln!(text, "{:<10} {:<7} {:>5} {:>5}  names of the beams", "goal", "class", "beams", "pegs");
         for goal in &rows {
             let names: Vec<&str> = goal.beams.iter().map(|placed| placed.beam.name.as_str()).collect();
-            let class = goal.class.map_or("-", ramp_assembly::Class::name);
+            let class = goal.class.map_or("-".to_string(), ramp_assembly::Class::name);
             let _ = writeln!(
                 text,
                 "{:<10} {class:<7} {:>5} {:>5}  {}",

@@ -81,7 +81,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Failure> {
     }
     board.add_controls(data, &mut admission, arguments)?;
     // Write the front page last, so that all its links exist.
-    let compared = |key: &Key| admission.terms().compared(key.arm.as_deref());
+    let compared = |key: &Key| admission.terms().compared(key.class.as_deref(), key.arm.as_deref());
     for (name, text) in pages::pages(&board.boards, &board.refused, &compared) {
         board.site.write(&name, &text)?;
     }

@@ -16,6 +16,7 @@ pub mod held_out;
 pub mod kit;
 pub mod leaderboard;
 pub mod man;
+pub mod open;
 pub mod own_planner;
 pub mod own_skill;
 pub mod parts;

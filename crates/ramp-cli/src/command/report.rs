@@ -87,14 +87,14 @@ fn summary(report: &Report, written: &[String]) -> String {
     }
     for part in &report.tracks {
         for class in &part.classes {
-            for line in &class.lines {
+            for line in class.size_lines.iter().chain(&class.lines) {
                 let sum = &line.summary;
                 let time = sum.time.map_or_else(String::new, |time| format!(", {:.1} s", time.total));
                 let _ = writeln!(
                     text,
                     "{}, {}, track {}: {} of {} episodes complete, completion {:.1} %{time}",
                     report.label(line.entrant),
-                    class.name(),
+                    class.name_of(line),
                     part.title(),
                     line.complete,
                     sum.episodes,

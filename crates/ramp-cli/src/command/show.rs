@@ -4,6 +4,7 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use miette::{IntoDiagnostic, Report, miette};
+use ramp_assembly::Class;
 use ramp_data::Data;
 
 use crate::output::{check_place, print, tell, write_file};
@@ -14,7 +15,7 @@ const WIDTH: u32 = 1600;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Name of a goal, or a goal file
+    /// Name of a goal, a goal file, or a set of the open class such as open-2026
     #[arg(required_unless_present = "all")]
     goal: Option<String>,
     /// All goals of the data folder on one sheet
@@ -27,7 +28,10 @@ pub struct Arguments {
 
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let names = match &arguments.goal {
-        Some(goal) => vec![goal.clone()],
+        Some(goal) => match Class::of_name(goal).filter(|class| class.is_open()) {
+            Some(set) => data.open_goal_names(set)?,
+            None => vec![goal.clone()],
+        },
         None => data.goal_names()?,
     };
     let goals = names.iter().map(|name| data.goal(name)).collect::<Result<Vec<_>, _>>()?;

@@ -17,6 +17,7 @@ mod faults;
 mod kit;
 mod machine;
 mod names;
+mod open;
 mod own;
 mod people;
 mod plan;

@@ -261,3 +261,21 @@ fn a_goal_runs_out_of_time() {
     }
     assert_eq!(steps, 10);
 }
+
+/// A goal of the open class is one environment, by its name and by its file.
+#[test]
+fn goals_of_the_open_class_are_environments() {
+    const GOAL: &str = "open-2026-small-01";
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../data/goals/open-2026/{GOAL}.xml"));
+    let rows = [GOAL, file.to_str().unwrap()].map(|goal| {
+        let options = Options { starts: (1, 1), ..Options::default() };
+        let mut env = Env::new(Arc::new(scenario("fasten", &[goal], Track::State)), options).unwrap();
+        env.reset(Some(3)).unwrap();
+        for it in actions(3, 5, env.actions()) {
+            env.step(&it).unwrap();
+        }
+        row(&env)
+    });
+    assert_eq!(rows[0], rows[1]);
+    assert!(rows[0].iter().any(|value| *value != 0.0));
+}

@@ -70,7 +70,7 @@ impl<'a> Run<'a> {
             schema: SCHEMA.to_string(),
             rules: RULES.to_string(),
             goal: goal.name.clone(),
-            class: goal.class.map(|class| class.name().to_string()),
+            class: goal.class.map(|class| class.name()),
             track: track.to_string(),
             real: Some(real.clone()),
             arm: None,

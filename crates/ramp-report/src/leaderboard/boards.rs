@@ -1,5 +1,6 @@
 //! Rankings: one board for each class, track, arm, world, start and rules, the best agent first.
 
+use ramp_assembly::Class;
 use ramp_log::Named;
 use ramp_result::collection::{Collection, class_rank};
 use ramp_result::episode::{EpisodeResult, RealRun, RobotKind};
@@ -14,8 +15,14 @@ pub(super) const SHOWN_HASH: usize = 8;
 const SLUG_HASH: usize = 24;
 
 /// The order of a board among all.
-type Rank<'a> =
-    (usize, usize, (Option<RobotKind>, bool), Option<&'a String>, [Option<&'a Named>; 2], &'a str);
+type Rank<'a> = (
+    (bool, bool, Option<Class>),
+    usize,
+    (Option<RobotKind>, bool),
+    Option<&'a String>,
+    [Option<&'a Named>; 2],
+    &'a str,
+);
 
 /// Properties that episodes must share to be ranked together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -84,11 +91,12 @@ impl Key {
             .collect()
     }
 
-    /// Easy classes first, tracks in their order, real robots last.
+    /// The open class first, then easy classes first; tracks in their order, real robots last.
     fn rank(&self) -> Rank<'_> {
+        let (none, class) = class_rank(self.class.as_deref());
         let track = Track::ALL.iter().position(|known| known.name() == self.track);
         (
-            class_rank(self.class.as_deref()),
+            (!class.is_some_and(Class::is_open), none, class),
             track.unwrap_or(Track::ALL.len()),
             (self.robot, self.asynchronous),
             self.arm.as_ref(),

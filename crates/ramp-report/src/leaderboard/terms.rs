@@ -2,7 +2,7 @@
 //! results that match their logs.
 
 use super::boards::SHOWN_HASH;
-use crate::report::REPEATS;
+use crate::report::repeats;
 use ramp_kit::source::shorten;
 use ramp_log::{Facts, SecretSeed};
 use ramp_result::collection::{Collection, Identity, ResultFile};
@@ -48,11 +48,12 @@ pub struct BoardTerms {
 }
 
 impl BoardTerms {
-    /// Everything that is the same in all entries of a board with this arm: its name, and its SHA-256 or
-    /// commitment.
-    pub fn compared(&self, arm: Option<&str>) -> Vec<(String, String)> {
+    /// Everything that is the same in all entries of a board of this class with this arm: its name, and its
+    /// SHA-256 or commitment.
+    pub fn compared(&self, class: Option<&str>, arm: Option<&str>) -> Vec<(String, String)> {
         let hash = |text: &str| sha256(text.as_bytes());
-        let goals = self.goals.iter().map(|goal| (format!("goal {}", goal.name), hash(&goal.xml)));
+        let goals = self.goals.iter().filter(|goal| goal.class.as_deref() == class);
+        let goals = goals.map(|goal| (format!("goal {}", goal.name), hash(&goal.xml)));
         let arms = self.arms.iter().filter(|it| Some(it.name.as_str()) == arm);
         let arms = arms.map(|it| (format!("arm {}", it.name), hash(&it.json)));
         let secret = self.secret.iter().map(|it| ("secret of the seeds".to_string(), it.commitment()));
@@ -76,7 +77,7 @@ pub enum Refused {
     },
     /// An incomplete class.
     #[error(
-        "{who}: {goal} was run with seeds {found}; a class is every goal of it with seeds 1 to {REPEATS}"
+        "{who}: {goal} was run with seeds {found}; a class is every goal of it with seeds 1 to {repeats}"
     )]
     Part {
         /// The agent and track.
@@ -85,6 +86,8 @@ pub enum Refused {
         goal: String,
         /// The existing seeds.
         found: String,
+        /// The last seed that was expected.
+        repeats: u64,
     },
     /// A goal that is not the organiser's.
     #[error("{file}: the goal differs from this board's goal of the same name")]
@@ -181,11 +184,12 @@ pub fn check_whole(collection: &Collection, terms: &BoardTerms) -> Result<(), Re
                 other.class == goal.class && goal.class.is_some() && !of(&other.name).is_empty()
             });
             let seeds = of(&goal.name);
-            let whole = seeds == (1..=REPEATS).collect::<Vec<u64>>();
+            let repeats = repeats(goal.class.as_deref());
+            let whole = seeds == (1..=repeats).collect::<Vec<u64>>();
             if (begun || !seeds.is_empty()) && !whole {
                 let list: Vec<String> = seeds.iter().map(u64::to_string).collect();
                 let found = if list.is_empty() { "none".to_string() } else { list.join(", ") };
-                return Err(Refused::Part { who, goal: goal.name.clone(), found });
+                return Err(Refused::Part { who, goal: goal.name.clone(), found, repeats });
             }
         }
     }

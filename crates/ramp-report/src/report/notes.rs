@@ -1,9 +1,13 @@
 //! Notes at the head of a report.
 
+use ramp_assembly::Class;
 use ramp_result::collection::Collection;
 
-/// Repeats of each goal that the protocol asks for.
-pub const REPEATS: u64 = 5;
+/// Repeats of each goal that the protocol asks for, by class: five, and one in the open class, which has many
+/// goals instead.
+pub fn repeats(class: Option<&str>) -> u64 {
+    if class.and_then(Class::of_name).is_some_and(Class::is_open) { 1 } else { 5 }
+}
 
 /// Deviations of the results from the protocol.
 pub(super) fn notes(collection: &Collection) -> Vec<String> {
@@ -19,15 +23,17 @@ pub(super) fn notes(collection: &Collection) -> Vec<String> {
                 .chain(entrant.lost.iter().filter(|lost| lost.goal == goal.name).map(|lost| lost.seed))
                 .collect();
             seeds.sort_unstable();
-            if !seeds.is_empty() && seeds != (1..=REPEATS).collect::<Vec<u64>>() {
+            let repeats = repeats(goal.class.as_deref());
+            if !seeds.is_empty() && seeds != (1..=repeats).collect::<Vec<u64>>() {
                 // A real robot has no seeds, but numbers its repeats.
                 let noun = if entrant.identity.real.is_some() { "repeat" } else { "seed" };
                 let many = if seeds.len() == 1 { "" } else { "s" };
                 let seeds: Vec<String> = seeds.iter().map(u64::to_string).collect();
                 notes.push(format!(
-                    "{name}: {} was run with {noun}{many} {}, the protocol asks for {noun}s 1 to {REPEATS}",
+                    "{name}: {} was run with {noun}{many} {}, the protocol asks for {noun}{}",
                     goal.name,
-                    seeds.join(", ")
+                    seeds.join(", "),
+                    if repeats == 1 { " 1".to_string() } else { format!("s 1 to {repeats}") }
                 ));
             }
         }

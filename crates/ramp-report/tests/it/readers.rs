@@ -105,3 +105,43 @@ fn counts_are_not_percentages_and_one_is_singular() {
     note("other on track state: easy-1 was run with seed 1, the protocol asks for seeds 1 to 5");
     note("hand on track tags: easy-1 was run with repeat 1, the protocol asks for repeats 1 to 5");
 }
+
+/// Two sets of the open class are two classes: no board, no line and no note puts them together.
+#[test]
+fn sets_of_the_open_class_are_never_mixed_and_come_first() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let goals = [
+        ("easy-1", "easy"),
+        ("open-2026-small-01", "open-2026"),
+        ("open-2026-large-02", "open-2026"),
+        ("open-held-0a1b2c3d-small-01", "open-held-0a1b2c3d"),
+        ("open-7-small-01", "open-7"),
+    ];
+    for (goal, class) in goals {
+        let mut result = in_the_twin("baseline", "state", 1);
+        (result.goal, result.class) = (goal.into(), Some(class.into()));
+        std::fs::write(folder.path().join(format!("{goal}.json")), result.to_json()).unwrap();
+    }
+    let report = Report::new(collect(&[folder.path().to_path_buf()]).unwrap());
+    let mut boards = Boards::default();
+    for (key, standing) in standings("entry", "agent", &report.collection, page::agent_page, |_| false) {
+        boards.add(key, standing);
+    }
+    let classes: Vec<&str> =
+        boards.boards().iter().map(|board| board.key.class.as_deref().unwrap()).collect();
+    assert_eq!(classes, ["open-7", "open-2026", "open-held-0a1b2c3d", "easy"]);
+    let counts: Vec<usize> =
+        boards.boards().iter().map(|board| board.standings[0].line.summary.episodes).collect();
+    assert_eq!(counts, [1, 2, 1, 1]);
+
+    let sizes: Vec<(String, usize)> = report.tracks[0]
+        .classes
+        .iter()
+        .flat_map(|class| class.size_lines.iter().map(|it| (class.name_of(it), it.summary.episodes)))
+        .collect();
+    let expected = ["open-7, small", "open-2026, small", "open-2026, large", "open-held-0a1b2c3d, small"];
+    assert_eq!(sizes, expected.map(|name| (name.to_string(), 1)));
+    // One episode of each goal is what the protocol asks for.
+    assert_eq!(report.notes.iter().filter(|it| it.contains("the protocol asks for")).count(), 1);
+    assert!(report.notes.iter().any(|it| it.contains("easy-1 was run with seed 1")));
+}

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use miette::{Diagnostic, Report};
+use miette::{Diagnostic, Report, miette};
 use ramp_assembly::Class;
 use ramp_data::Data;
 use ramp_kit::source::{nearest, shorten};
@@ -30,6 +30,8 @@ pub enum BatchError {
     SameName { name: String, first: String, second: String },
     #[error("none of {place} is of the class `{class}`")]
     EmptyClass { class: String, place: String },
+    #[error("there is no goal file in {folder}")]
+    NoGoals { folder: String },
     #[error("the seeds go past the largest number there is")]
     #[diagnostic(help("take a smaller --first-seed or fewer {repeats}"))]
     Seeds { repeats: &'static str },
@@ -86,31 +88,55 @@ pub struct BatchGoal {
     pub pegs: usize,
 }
 
+/// Whether a word names a folder: it has a `/` in it, so that no class is taken for one.
+fn is_folder(word: &str) -> bool {
+    word.contains('/') && Path::new(word).is_dir()
+}
+
+/// The goal files in a folder.
+fn files_in(folder: &str) -> Result<Vec<String>, Report> {
+    let names = ramp_assembly::goal_names(Path::new(folder))
+        .map_err(|error| miette!("the folder {folder} cannot be read: {error}"))?;
+    let file = |name: String| Path::new(folder).join(name + GOAL_ENDING).display().to_string();
+    Ok(names.into_iter().map(file).collect())
+}
+
 /// The selected goals, without duplicates, in the order of the arguments.
 pub fn find(data: &Data, words: &[String]) -> Result<Vec<BatchGoal>, Report> {
     let names = data.goal_names()?;
     let mut goals: Vec<BatchGoal> = Vec::new();
     for word in words {
-        let class = Class::ALL.into_iter().find(|class| class.name() == word);
-        let is_file = is_file(word.as_ref(), GOAL_ENDING);
-        let meant: Vec<&str> = if class.is_some() || word == ALL {
-            names.iter().map(String::as_str).collect()
-        } else if is_file || names.contains(word) {
-            vec![word]
+        let class = Class::of_name(word);
+        let is_folder = is_folder(word);
+        let is_file = is_folder || is_file(word.as_ref(), GOAL_ENDING);
+        let meant: Vec<String> = if let Some(set) = class.filter(|class| class.is_open()) {
+            data.open_goal_names(set)?
+        } else if class.is_some() || word == ALL {
+            names.clone()
+        } else if is_folder {
+            files_in(word)?
+        } else if is_file || names.contains(word) || Class::of_open_goal(word).is_some() {
+            vec![word.clone()]
         } else {
             let mut known: Vec<&str> = names.iter().map(String::as_str).collect();
-            known.extend(Class::ALL.map(Class::name));
+            let classes = Class::ALL.map(Class::name);
+            known.extend(classes.iter().map(String::as_str));
             known.push(ALL);
             let near = nearest(word, known);
             let help = near.map_or_else(
-                || format!("the goals are {}; the classes easy, medium, hard and all", names.join(", ")),
+                || {
+                    format!(
+                        "the goals are {}; the classes easy, medium, hard, open-2026 and all",
+                        names.join(", ")
+                    )
+                },
                 |near| format!("did you mean `{near}`?"),
             );
             return Err(BatchError::Unknown { name: shorten(word), help }.into());
         };
         let mut found = false;
         for argument in meant {
-            let assembly = data.goal(argument)?;
+            let assembly = data.goal(&argument)?;
             if class.is_some() && assembly.class != class {
                 continue;
             }
@@ -118,7 +144,7 @@ pub fn find(data: &Data, words: &[String]) -> Result<Vec<BatchGoal>, Report> {
             match goals.iter().find(|goal| goal.name == assembly.name) {
                 None => goals.push(BatchGoal {
                     name: assembly.name.clone(),
-                    argument: argument.to_string(),
+                    argument,
                     is_file,
                     class: assembly.class,
                     pegs: assembly.connections.len(),
@@ -128,13 +154,16 @@ pub fn find(data: &Data, words: &[String]) -> Result<Vec<BatchGoal>, Report> {
                     return Err(BatchError::SameName {
                         name: assembly.name.clone(),
                         first: known.argument.clone(),
-                        second: argument.to_string(),
+                        second: argument,
                     }
                     .into());
                 }
             }
         }
         if !found {
+            if is_folder {
+                return Err(BatchError::NoGoals { folder: word.clone() }.into());
+            }
             return Err(BatchError::EmptyClass { class: word.clone(), place: data.goals() }.into());
         }
     }

@@ -1,6 +1,7 @@
 //! The logs whose commands a bench plays without sight.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, Report, miette};
@@ -13,11 +14,11 @@ use super::goals::BatchGoal;
 pub struct Tapes(BTreeMap<String, Vec<(u64, PathBuf)>>);
 
 impl Tapes {
-    /// The logs of these goals in a folder.
+    /// The logs of these goals in a folder, for episodes of `seeds`.
     ///
     /// # Errors
-    /// If the folder or a log cannot be read, or a goal has logs of fewer than two seeds.
-    pub fn find(folder: &Path, goals: &[BatchGoal]) -> Result<Tapes, Report> {
+    /// If the folder or a log cannot be read, or a goal has no log of another seed for one of the episodes.
+    pub fn find(folder: &Path, goals: &[BatchGoal], seeds: &RangeInclusive<u64>) -> Result<Tapes, Report> {
         let fail = |error| miette!("{} cannot be read: {error}", folder.display());
         let mut paths = Vec::new();
         for entry in std::fs::read_dir(folder).map_err(fail)? {
@@ -31,7 +32,9 @@ impl Tapes {
             tapes.entry(header.goal.name).or_default().push((header.seed, path));
         }
         for goal in goals {
-            if tapes.get(&goal.name).is_none_or(|tapes| tapes.len() < 2) {
+            let logs = tapes.get(&goal.name).map_or(&[][..], Vec::as_slice);
+            // One log is enough for all seeds but its own.
+            if logs.len() < 2 && logs.first().is_none_or(|(own, _)| seeds.contains(own)) {
                 let (name, folder) = (&goal.name, folder.display());
                 return Err(miette!(
                     help = format!("make some: ramp bench {name} --track state -o {folder}"),

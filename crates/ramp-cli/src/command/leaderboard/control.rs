@@ -9,7 +9,7 @@ use std::process::Stdio;
 use miette::Report as Failure;
 use ramp_data::Data;
 use ramp_report::leaderboard::Key;
-use ramp_report::report::REPEATS;
+use ramp_report::report::repeats;
 use ramp_result::collection::collect;
 use ramp_result::sha256;
 use ramp_world::World;
@@ -75,9 +75,14 @@ pub fn make(
         ["bench", "--track", &key.track, "--world", &world.name, "--start", start].map(OsString::from),
     );
     words.extend(key.arm.iter().flat_map(|arm| ["--arm", arm]).map(OsString::from));
-    words.extend(["--repeats".into(), REPEATS.to_string().into(), "-o".into(), folder.into()]);
+    let repeats = repeats(Some(class));
+    words.extend(["--repeats".into(), repeats.to_string().into(), "-o".into(), folder.into()]);
     if row == Row::Floor {
         words.extend(["--tape".into(), Row::Control.folder(site, key).into()]);
+        // A tape is played on another seed than its own, and the control has one seed only.
+        words.extend(
+            (repeats == 1).then_some(["--first-seed", "2"]).into_iter().flatten().map(OsString::from),
+        );
     }
     words.extend(secret.iter().flat_map(|secret| ["--secret".into(), OsString::from(secret)]));
     words.extend(["--", class].map(OsString::from));

@@ -115,7 +115,7 @@ fn write_verdict(
     let result = PlanVerdict {
         schema: planning::SCHEMA.to_string(),
         goal: goal.name.clone(),
-        class: goal.class.map(|class| class.name().to_string()),
+        class: goal.class.map(|class| class.name()),
         planner: to_name(&plan.file_stem().unwrap_or_default().to_string_lossy()),
         software: software(),
         accepted: verdict.refused.is_none(),
