@@ -20,6 +20,12 @@ class RobotStopped(RuntimeError):
 class Refused(RuntimeError):
     """The robot does not do this, and goes on: the track does not give it, or a camera has stopped."""
 
+class Recovered(RuntimeError):
+    """The arm stopped by a reflex or for its speed, stood for a while, and is ready again.
+
+    A new motion begins where it stands.
+    """
+
 class Benchmark:
     """Kit, goals, rules and arm of a data folder."""
 

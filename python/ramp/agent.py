@@ -56,6 +56,7 @@ class Agent:
 
         ``robot`` works until this returns. It raises :class:`ramp.RobotStopped` when a limit of the arm is
         broken or the episode's time is over; whatever else is raised here passes through :func:`ramp.run`.
+        :class:`ramp.Recovered` tells that the arm stopped and is ready again: catch it to go on.
         """
         raise NotImplementedError
 

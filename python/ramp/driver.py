@@ -69,6 +69,10 @@ class Driver:
         ``action``: numbers from -1 to 1, of which 1 is the full speed; those of ``raw`` are rad. With
         ``cartesian``, the shape is (6,), without turns (3,); with ``joint`` and ``raw`` (7,); one more with a
         gripper.
+
+        Raises:
+            ramp.Recovered: The arm stopped and is ready again. The next action begins where it stands.
+
         """
         return self._driver.act(robot, action, periods)
 

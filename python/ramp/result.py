@@ -86,6 +86,8 @@ class Result:
     """N."""
     deepest_penetration: float
     """m."""
+    stops: int
+    """How often the arm stopped by a reflex or for its speed and was ready again."""
     state: str
     """Hash of the physics at the end: the same in two runs only if every bit is."""
     events: tuple[dict[str, Any], ...] = dataclasses.field(repr=False)
@@ -122,6 +124,7 @@ class Result:
             ended=value["ended"]["reason"],
             largest_force=physics.get("largest_force", float("nan")),
             deepest_penetration=physics.get("deepest_penetration", float("nan")),
+            stops=physics.get("stops", 0),
             state=physics.get("state", ""),
             events=tuple(value["events"]),
             json=text,
@@ -156,6 +159,7 @@ class Result:
             "reference": self.reference,
             "total": self.time.total,
             "largest_force": self.largest_force,
+            "stops": self.stops,
             "ended": self.ended,
         }
 

@@ -38,6 +38,11 @@ impl Smoother {
         Smoother { arm: arm.clone(), joints: None, pose: None }
     }
 
+    /// The next command begins a new motion from where the arm is: after a stop of the arm.
+    pub fn begin_anew(&mut self) {
+        (self.joints, self.pose) = (None, None);
+    }
+
     /// The command to give to the robot for this period in place of `command`, and whether it is another one.
     /// `seen` is the last observation. Only joint positions and poses are changed.
     pub fn smooth(&mut self, command: &Command, seen: &Observation) -> (Command, bool) {

@@ -51,7 +51,11 @@ pub(crate) fn call_again(judged: &mut Judged, calls: Decoder) -> Result<Again, A
             Entry::Step(command, periods) => {
                 let mut outcome = Ok(());
                 for left in (0..periods).rev() {
-                    outcome = judged.step(&command).map(|_| ());
+                    outcome = match judged.step(&command) {
+                        // The agent was told, and went on.
+                        Err(error) if !error.is_final() => Ok(()),
+                        other => other.map(|_| ()),
+                    };
                     if outcome.is_ok() && left == 0 {
                         again.state(judged, &mut entries);
                     } else if outcome.is_ok() && again.is_due(judged) {

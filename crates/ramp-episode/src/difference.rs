@@ -58,6 +58,7 @@ pub(crate) fn compare(
             replayed.deepest_penetration.to_string(),
         );
         differ("largest force".into(), logged.largest_force.to_string(), replayed.largest_force.to_string());
+        differ("stops of the arm".into(), logged.stops.to_string(), replayed.stops.to_string());
         differ("final state of the physics".into(), logged.state.clone(), replayed.state.clone());
     }
     let fault = |result: &EpisodeResult| match &result.fault {

@@ -13,7 +13,7 @@ use ramp_result::episode::{
 };
 use ramp_result::sha256;
 use ramp_robot::{Account, Agent, Event, EventKind, MOST_EVENTS, RobotError};
-use ramp_twin::{Setup, Twin, TwinError};
+use ramp_twin::{Setup, Stop, Twin, TwinError};
 
 use crate::judged::{Judged, Watcher};
 use crate::waiting::Waiting;
@@ -154,17 +154,28 @@ fn header(setup: &Setup, sources: &Sources, label: &Label) -> Header {
     }
 }
 
-/// Adds the events that no agent reports: that the injected fault struck, and that the robot stopped at
-/// `end`, s.
-fn add_own(events: &mut Vec<Event>, fault: Option<&FaultInfo>, stopped: Option<&RobotError>, end: f64) {
-    // Room for both.
-    events.truncate(MOST_EVENTS - 2);
+/// Adds the events that no agent reports: that the arm was ready again after a stop, that the injected fault
+/// struck, and that the robot stopped for good at `end`, s.
+fn add_own(
+    events: &mut Vec<Event>,
+    stops: &[Stop],
+    fault: Option<&FaultInfo>,
+    stopped: Option<&RobotError>,
+    end: f64,
+) {
+    // Room for all of them: within the time limit there are fewer stops than events.
+    events.truncate(MOST_EVENTS.saturating_sub(2 + stops.len()));
+    for Stop { time, why, after } in stops {
+        let kind = EventKind::Recovered { why: why.clone(), after: *after };
+        let place = events.iter().position(|event| event.time > *time).unwrap_or(events.len());
+        events.insert(place, Event::new(*time, kind));
+    }
     if let Some((fault, at)) = fault.and_then(|fault| Some((fault, fault.at?))) {
         let kind = EventKind::FaultStruck { fault: fault.kind.clone(), part: fault.part.clone() };
         let place = events.iter().position(|event| event.time > at).unwrap_or(events.len());
         events.insert(place, Event::new(at, kind));
     }
-    if let Some(error) = stopped {
+    if let Some(error) = stopped.filter(|error| error.is_final()) {
         events.push(Event::new(end, EventKind::Stopped { why: error.to_string() }));
     }
 }
@@ -195,7 +206,7 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
     let pegs = judged.pegs(setup);
     let (name, version) = agent.name();
     let fault = judged.fault();
-    add_own(&mut events, fault.as_ref(), outcome.as_ref().err(), robot);
+    add_own(&mut events, judged.twin.stops(), fault.as_ref(), outcome.as_ref().err(), robot);
     let (reason, kind) = match (agent.failure(), outcome) {
         (Some(failure), _) if agent.is_late() => (failure, EndKind::Wall),
         (Some(failure), _) => (failure, EndKind::Agent),

@@ -210,6 +210,7 @@ impl<'a, 'w> Judged<'a, 'w> {
         Physics {
             deepest_penetration: self.twin.deepest_penetration(),
             largest_force: self.twin.largest_force(),
+            stops: self.twin.stops().len(),
             state: format!("{:016x}", self.twin.state_hash()),
         }
     }

@@ -71,16 +71,25 @@ impl Tape {
         let mut in_joints = false;
         let mut smoother = Smoother::new(&self.arm);
         for (command, periods) in &self.commands {
-            if let ArmCommand::JointPositions(positions) = &command.arm {
-                if !in_joints {
+            let played = (|| {
+                if let ArmCommand::JointPositions(positions) = &command.arm
+                    && !in_joints
+                {
                     seen = bridge(robot, &mut smoother, positions, command.gripper)?;
                 }
-                in_joints = true;
-            } else {
-                in_joints = false;
-            }
-            for _ in 0..*periods {
-                seen = robot.step(&smoother.smooth(command, &seen).0)?;
+                for _ in 0..*periods {
+                    seen = robot.step(&smoother.smooth(command, &seen).0)?;
+                }
+                Ok(())
+            })();
+            in_joints = matches!(command.arm, ArmCommand::JointPositions(_));
+            match played {
+                // It goes on with the next command, from where the arm stands.
+                Err(RobotError::Recovered { .. }) => {
+                    smoother.begin_anew();
+                    (seen, in_joints) = (robot.observe(), false);
+                }
+                other => other?,
             }
         }
         Ok(())

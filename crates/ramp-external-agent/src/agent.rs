@@ -183,8 +183,8 @@ impl<'a> ExternalAgent<'a> {
 
     /// One period under a command, made smooth if the agent asked for that. The first one that had to be
     /// changed is noted.
-    fn step(&mut self, command: &Command, robot: &mut dyn Robot) -> Result<Observation, End> {
-        let Some(smoother) = &mut self.smoother else { return robot.step(command).map_err(End::Robot) };
+    fn step(&mut self, command: &Command, robot: &mut dyn Robot) -> Result<Observation, RobotError> {
+        let Some(smoother) = &mut self.smoother else { return robot.step(command) };
         let (smooth, changed) = smoother.smooth(command, &robot.observe());
         if changed && !self.clipped {
             self.clipped = true;
@@ -192,7 +192,22 @@ impl<'a> ExternalAgent<'a> {
             (self.on_event)(&event);
             self.account.events.push(event);
         }
-        robot.step(&smooth).map_err(End::Robot)
+        robot.step(&smooth)
+    }
+
+    /// What the agent is told of an error of the robot.
+    fn told(&mut self, error: RobotError, robot: &dyn Robot) -> Result<Answer, End> {
+        match error {
+            RobotError::Recovered { why, after } => {
+                // Its next motion begins where the arm stands.
+                if let Some(smoother) = &mut self.smoother {
+                    smoother.begin_anew();
+                }
+                Ok(Answer::Recovered { why, after, seen: robot.observe() })
+            }
+            error if error.is_final() => Err(End::Robot(error)),
+            error => Ok(Answer::Refused(error)),
+        }
     }
 
     /// Does what is asked.
@@ -206,7 +221,11 @@ impl<'a> ExternalAgent<'a> {
                 let mut seen: Option<Observation> = None;
                 for (command, periods) in commands {
                     for _ in 0..periods {
-                        let after = self.step(&command, robot)?;
+                        let after = match self.step(&command, robot) {
+                            Ok(after) => after,
+                            // What is left of the message is not carried out.
+                            Err(error) => return self.told(error, robot),
+                        };
                         self.pace.check(after.time, self.process.before());
                         seen = Some(after);
                     }
@@ -216,18 +235,15 @@ impl<'a> ExternalAgent<'a> {
             Request::Observe {} => Ok(Answer::Observation(robot.observe())),
             Request::ReadParts {} => match robot.read_parts() {
                 Ok(parts) => Ok(Answer::Parts(parts)),
-                Err(error) if error.is_final() => Err(End::Robot(error)),
-                Err(error) => Ok(Answer::Refused(error)),
+                Err(error) => self.told(error, robot),
             },
             Request::Expose {} => match robot.expose() {
                 Ok(()) => Ok(Answer::Noted),
-                Err(error) if error.is_final() => Err(End::Robot(error)),
-                Err(error) => Ok(Answer::Refused(error)),
+                Err(error) => self.told(error, robot),
             },
             Request::Look(look) => match robot.look_sized(look.camera(), look.width().map_err(wrong)?) {
                 Ok(image) => Ok(Answer::Image(image)),
-                Err(error) if error.is_final() => Err(End::Robot(error)),
-                Err(error) => Ok(Answer::Refused(error)),
+                Err(error) => self.told(error, robot),
             },
             Request::Plan(plan) => {
                 plan.check().map_err(wrong)?;

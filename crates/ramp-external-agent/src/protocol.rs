@@ -365,6 +365,15 @@ pub enum Answer {
     Noted,
     /// The robot does not do this, and goes on.
     Refused(RobotError),
+    /// The arm stopped, stood for a while and is ready again; what was asked for was not done to its end.
+    Recovered {
+        /// The error that stopped it.
+        why: String,
+        /// Robot time for which it stood, s.
+        after: f64,
+        /// The observation since.
+        seen: Observation,
+    },
     /// The episode is over.
     End(String),
 }
@@ -375,16 +384,7 @@ impl Answer {
         let value = match self {
             Answer::Goal(goal) => json!({"goal": goal}),
             Answer::Rehearse(task) => json!({"rehearse": {"task": task}}),
-            Answer::Observation(seen) => json!({"observation": {
-                "time": seen.time,
-                "positions": seen.positions,
-                "velocities": seen.velocities,
-                "torques": seen.torques,
-                "x_wt": pose(&seen.x_wt),
-                "wrench": seen.wrench.as_slice(),
-                "width": seen.width,
-                "gripper_busy": seen.gripper_busy,
-            }}),
+            Answer::Observation(seen) => json!({"observation": observation(seen)}),
             Answer::Parts(parts) => {
                 let parts: Vec<Value> = parts
                     .iter()
@@ -402,6 +402,9 @@ impl Answer {
             }}),
             Answer::Noted => json!({"noted": {}}),
             Answer::Refused(error) => json!({"refused": {"reason": error.to_string()}}),
+            Answer::Recovered { why, after, seen } => {
+                json!({"recovered": {"reason": why, "after": after, "observation": observation(seen)}})
+            }
             Answer::End(reason) => json!({"end": {"reason": reason}}),
         };
         let mut bytes = value.to_string().into_bytes();
@@ -411,6 +414,20 @@ impl Answer {
         }
         bytes
     }
+}
+
+/// An observation as the protocol has it.
+fn observation(seen: &Observation) -> Value {
+    json!({
+        "time": seen.time,
+        "positions": seen.positions,
+        "velocities": seen.velocities,
+        "torques": seen.torques,
+        "x_wt": pose(&seen.x_wt),
+        "wrench": seen.wrench.as_slice(),
+        "width": seen.width,
+        "gripper_busy": seen.gripper_busy,
+    })
 }
 
 /// A pose as the protocol has it.

@@ -145,6 +145,14 @@ impl Driver {
         }
     }
 
+    /// After a stop of the arm, the next command begins a new motion from where it stands.
+    pub fn begin_anew(&mut self, seen: &Observation) {
+        if let Some(smoother) = &mut self.smoother {
+            smoother.begin_anew();
+        }
+        (self.x_target, self.joints, self.posture) = (seen.x_wt, seen.positions, seen.positions);
+    }
+
     /// Tells the gripper, from the next command on.
     pub fn grip(&mut self, gripper: GripperCommand) {
         self.gripper = gripper;

@@ -44,7 +44,14 @@ pub(crate) fn run(
                     return Ok(Finish::Said);
                 }
                 let observed = player.time();
-                let seen = observe(player.robot, metadata, &told)?;
+                let seen = match observe(player.robot, metadata, &told) {
+                    // The arm stopped while it waited for an image.
+                    Err(error) if error.is_recovered() => {
+                        player.begin_anew();
+                        continue;
+                    }
+                    seen => seen?,
+                };
                 let asked = player.time();
                 courier.ask(wire::to_bytes(&seen), deadline(patience));
                 let heard = loop {

@@ -75,12 +75,27 @@ impl<'r, 's> Player<'r, 's> {
         for period in 1..=self.periods {
             let share = f64::from(period) / f64::from(self.periods);
             let command = self.motion.command(action, share, &self.robot.observe());
-            if let Some(finish) = self.watch.check(&self.robot.step(&command)?) {
+            let seen = match self.robot.step(&command) {
+                // The arm has stopped and is ready again: the next action begins where it stands.
+                Err(error) if error.is_recovered() => {
+                    self.begin_anew();
+                    return Ok(None);
+                }
+                seen => seen?,
+            };
+            if let Some(finish) = self.watch.check(&seen) {
                 return Ok(Some(finish));
             }
         }
         self.motion.end(action);
         Ok(None)
+    }
+
+    /// After a stop of the arm, the next action begins where it stands.
+    pub(crate) fn begin_anew(&mut self) {
+        let seen = self.robot.observe();
+        self.motion.driver.begin_anew(&seen);
+        self.motion.last = seen.positions;
     }
 
     /// The action that holds still after another one.

@@ -84,7 +84,14 @@ impl<'a> Rollout<'a> {
 
     fn chunks(&mut self, player: &mut Player) -> Result<Finish, Stopped> {
         loop {
-            let Chunk { actions, done } = self.infer(player.robot)?;
+            let Chunk { actions, done } = match self.infer(player.robot) {
+                // The arm stopped while it waited for an image.
+                Err(Stopped::Robot(error)) if error.is_recovered() => {
+                    player.begin_anew();
+                    continue;
+                }
+                chunk => chunk?,
+            };
             for action in actions.iter().take(self.metadata.horizon) {
                 if let Some(finish) = player.play(action)? {
                     return Ok(finish);

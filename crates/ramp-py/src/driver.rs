@@ -11,7 +11,7 @@ use ramp_gym::{ActionKind, Driver as Inner};
 use ramp_robot::GripperCommand;
 
 use crate::convert::{Numbers, Observation, all, exactly, pose};
-use crate::errors::{Interrupts, detached, input};
+use crate::errors::{Interrupts, Recovered, detached, input};
 use crate::files::Benchmark;
 use crate::gym::action_kind;
 use crate::integers;
@@ -78,7 +78,15 @@ impl Driver {
             let mut seen = robot.seen()?;
             for _ in 0..periods {
                 let command = driver.command(&action, &seen);
-                seen = robot.take(&command)?;
+                seen = match robot.take(&command) {
+                    Ok(seen) => seen,
+                    Err(error) => {
+                        if Python::attach(|py| error.is_instance_of::<Recovered>(py)) {
+                            driver.begin_anew(&robot.seen()?);
+                        }
+                        return Err(error);
+                    }
+                };
                 interrupts.check()?;
             }
             Ok(Observation { inner: seen })

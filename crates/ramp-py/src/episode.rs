@@ -27,7 +27,9 @@ use ramp_skills::{Baseline, Parameters, ReferenceTimes, reference_times_of_goal}
 use ramp_twin::{Setup, Twin};
 
 use crate::convert::seven;
-use crate::errors::{EVERY, Interrupts, PlanningError, Raised, caught, data, detached, input};
+use crate::errors::{
+    EVERY, Interrupts, PlanningError, Raised, Recovered, RobotStopped, caught, data, detached, input,
+};
 use crate::files::Benchmark;
 use crate::gym::EpisodePictures;
 use crate::integers;
@@ -205,7 +207,7 @@ impl Agent for PythonAgent {
             (Ok(()), Some(error)) => Err(error),
             (Ok(()), None) => Ok(()),
             (Err(error), stopped) => {
-                let robot = Python::attach(|py| error.is_instance_of::<crate::errors::RobotStopped>(py));
+                let robot = Python::attach(|py| error.is_instance_of::<RobotStopped>(py));
                 if !robot || stopped.is_none() {
                     self.raised.keep(error);
                 }
@@ -297,6 +299,10 @@ impl Body for PythonBody {
         match outcome {
             Ok(None) => Ok(()),
             Ok(Some(why)) => Err(BodyError::GaveUp(ramp_kit::source::plain(&why, 199))),
+            // A skill that does not go on after a stop of the arm gives up.
+            Err(error) if Python::attach(|py| error.is_instance_of::<Recovered>(py)) => {
+                Err(BodyError::GaveUp(ramp_kit::source::plain(&error.to_string(), 199)))
+            }
             Err(error) => {
                 self.raised.keep(error);
                 Err(stop().into())

@@ -31,6 +31,13 @@ create_exception!(
     "The robot does not do this, and goes on: the track does not give it, or a camera has stopped."
 );
 
+create_exception!(
+    ramp,
+    Recovered,
+    PyRuntimeError,
+    "The arm stopped by a reflex or for its speed, stood for a while, and is ready again. A new motion begins where it stands."
+);
+
 /// Bad input.
 pub fn input(error: impl std::fmt::Display) -> PyErr {
     InputError::new_err(error.to_string())
@@ -40,6 +47,8 @@ pub fn input(error: impl std::fmt::Display) -> PyErr {
 pub fn robot(error: &RobotError) -> PyErr {
     if error.is_final() {
         RobotStopped::new_err(error.to_string())
+    } else if error.is_recovered() {
+        Recovered::new_err(error.to_string())
     } else {
         Refused::new_err(error.to_string())
     }

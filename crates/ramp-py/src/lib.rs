@@ -22,6 +22,7 @@ fn _ramp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("InputError", py.get_type::<errors::InputError>())?;
     module.add("PlanningError", py.get_type::<errors::PlanningError>())?;
+    module.add("Recovered", py.get_type::<errors::Recovered>())?;
     module.add("RobotStopped", py.get_type::<errors::RobotStopped>())?;
     module.add("Refused", py.get_type::<errors::Refused>())?;
     module.add_class::<files::Benchmark>()?;

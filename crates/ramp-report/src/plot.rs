@@ -453,11 +453,15 @@ pub fn timeline(title: &str, episodes: &[&EpisodeResult]) -> String {
         }
         let place = |t: f64| LEFT + t.clamp(0.0, episode.time.robot) * scale;
         for event in &episode.events {
-            if matches!(event.kind, EventKind::Fault(_) | EventKind::Retry(_) | EventKind::Replan { .. }) {
-                let name = event.kind.name();
-                let note = format!("{:.1} s, {name}: {}", event.time, event.kind);
-                sign(&mut body, name, [place(event.time), y + 14.5], &note);
-            }
+            let name = event.kind.name();
+            let kind = match event.kind {
+                EventKind::Fault(_) | EventKind::Retry(_) | EventKind::Replan { .. } => name,
+                // A stop of the arm.
+                EventKind::Recovered { .. } => "fault",
+                _ => continue,
+            };
+            let note = format!("{:.1} s, {name}: {}", event.time, event.kind);
+            sign(&mut body, kind, [place(event.time), y + 14.5], &note);
         }
         for peg in episode.pegs.iter().flatten() {
             let note = format!("{:.1} s: {} counts", peg.t_robot, peg.connection);

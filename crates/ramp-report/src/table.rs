@@ -165,6 +165,7 @@ fn episodes(report: &Report) -> String {
         "total",
         "bound",
         "reference",
+        "stops",
         "ended",
         "file",
         "sha256",
@@ -183,6 +184,7 @@ fn episodes(report: &Report) -> String {
                 [result.robot_time.map(|it| it.bound), result.robot_time.map(|it| it.reference)]
                     .map(optional),
             );
+            row.push(result.physics.as_ref().map(|it| it.stops.to_string()).unwrap_or_default());
             let name = file.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             row.extend([result.ended.reason.clone(), name, file.sha256.clone()]);
             row.extend([result.log.clone().unwrap_or_default(), result.is_technical().to_string()]);
@@ -191,7 +193,7 @@ fn episodes(report: &Report) -> String {
         for lost in &agent.lost {
             let mut row = who(report, entrant);
             row.extend([lost.goal.clone(), lost.seed.to_string(), "0".to_string(), "0".to_string()]);
-            row.extend(vec![String::new(); 7]);
+            row.extend(vec![String::new(); 8]);
             row.extend(["lost".to_string(), String::new(), String::new(), String::new()]);
             row.push(true.to_string());
             rows.push(row);

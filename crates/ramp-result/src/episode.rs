@@ -18,7 +18,7 @@ pub const SCHEMA: &str = "ramp-episode-5";
 const OLDER_SCHEMAS: [&str; 2] = ["ramp-episode-3", "ramp-episode-4"];
 
 /// Version of the rules by which episodes are judged (`docs/src/reference/rules.md`).
-pub const RULES: &str = "ramp-rules-5";
+pub const RULES: &str = "ramp-rules-6";
 
 /// Everything recorded about one episode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -348,8 +348,16 @@ pub struct Physics {
     pub deepest_penetration: f64,
     /// Largest force between the hand and what it touched or held, N: at the wrist, filtered with 20 ms.
     pub largest_force: f64,
+    /// How often the arm stopped by a reflex or for its speed and was ready again; 0 is not in the file.
+    #[serde(default, skip_serializing_if = "is_none_at_all")]
+    pub stops: usize,
     /// Hash of the final physics state: equal hashes mean equal states, bit by bit.
     pub state: String,
+}
+
+/// serde's rule for a count that is left out.
+fn is_none_at_all(count: &usize) -> bool {
+    *count == 0
 }
 
 /// An injected fault. The agent does not know of it.

@@ -49,7 +49,12 @@ pub fn episode(goal: &str, seed: u64, since: &[f64], pegs: usize) -> EpisodeResu
         plan: PlanInfo { coarse: 1, fine: 1, replans: 0 },
         events: Vec::new(),
         log: None,
-        physics: Some(Physics { deepest_penetration: 0.0, largest_force: 0.0, state: "0".repeat(16) }),
+        physics: Some(Physics {
+            deepest_penetration: 0.0,
+            largest_force: 0.0,
+            stops: 0,
+            state: "0".repeat(16),
+        }),
         fault: None,
         ended: Ended { reason: "done".into(), kind: None },
     }

@@ -93,6 +93,15 @@ pub enum RobotError {
         /// The SI unit.
         unit: &'static str,
     },
+    /// The arm stopped by a reflex or for its speed, stood for a while, and is ready again. The robot
+    /// continues: a new motion begins where the arm stands.
+    #[error("{why}; the arm is ready again after {after:.1} s")]
+    Recovered {
+        /// The error that stopped it.
+        why: String,
+        /// Robot time for which it stood, s.
+        after: f64,
+    },
     /// The episode reached its time limit.
     #[error("the episode reached its limit of {limit:.0} s of robot time")]
     OutOfTime {
@@ -124,6 +133,15 @@ pub enum RobotError {
 impl RobotError {
     /// Whether the robot has stopped for good; after the other errors it continues.
     pub fn is_final(&self) -> bool {
-        !matches!(self, RobotError::NotOnTrack { .. } | RobotError::CameraStopped { .. })
+        !matches!(
+            self,
+            RobotError::NotOnTrack { .. } | RobotError::CameraStopped { .. } | RobotError::Recovered { .. }
+        )
+    }
+
+    /// Whether the arm stopped and is ready again: a motion that was under way has to begin anew from where
+    /// the arm stands.
+    pub fn is_recovered(&self) -> bool {
+        matches!(self, RobotError::Recovered { .. })
     }
 }

@@ -135,7 +135,14 @@ pub enum EventKind {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         part: Option<String>,
     },
-    /// The robot stopped for good, for example by a reflex. The episode reports it, no agent does.
+    /// The arm stopped, for example by a reflex, and was ready again. The episode reports it, no agent does.
+    Recovered {
+        /// The robot's reason.
+        why: String,
+        /// Robot time for which the arm stood, s.
+        after: f64,
+    },
+    /// The robot stopped for good, for example at a limit of a joint. The episode reports it, no agent does.
     Stopped {
         /// The robot's reason.
         why: String,
@@ -259,13 +266,17 @@ impl EventKind {
             EventKind::Clipped {} => "clipped",
             EventKind::Note { .. } => "note",
             EventKind::FaultStruck { .. } => "fault_struck",
+            EventKind::Recovered { .. } => "recovered",
             EventKind::Stopped { .. } => "stopped",
         }
     }
 
     /// Whether the episode reports it, and no agent does.
     pub fn is_of_episode(&self) -> bool {
-        matches!(self, EventKind::FaultStruck { .. } | EventKind::Stopped { .. })
+        matches!(
+            self,
+            EventKind::FaultStruck { .. } | EventKind::Recovered { .. } | EventKind::Stopped { .. }
+        )
     }
 
     /// The same with every text such as a result may hold: no control characters, and not too long. An event
@@ -381,6 +392,9 @@ impl fmt::Display for EventKind {
             EventKind::Note { text } => f.write_str(text),
             EventKind::FaultStruck { fault, part: Some(part) } => write!(f, "{fault} strikes {part}"),
             EventKind::FaultStruck { fault, part: None } => write!(f, "{fault} strikes"),
+            EventKind::Recovered { why, after } => {
+                write!(f, "{why}; the arm is ready again after {after:.1} s")
+            }
             EventKind::Stopped { why } => f.write_str(why),
         }
     }

@@ -29,7 +29,9 @@ pub trait Robot {
     ///
     /// # Errors
     /// When the command is not finite, a limit of the arm is exceeded or the time limit is reached.
-    /// After an error every further call returns the same error.
+    /// After a final error every further call returns the same error. After
+    /// [`RobotError::Recovered`] the arm stands where it stopped, robot time has passed, and the next
+    /// command begins a new motion.
     fn step(&mut self, command: &Command) -> Result<Observation, RobotError>;
 
     /// The last observation; no time passes.
@@ -63,7 +65,8 @@ pub trait Robot {
     ///
     /// # Errors
     /// As [`Robot::step`]; [`RobotError::CameraStopped`] when there is no image, and on `noisy`
-    /// [`RobotError::NotOnTrack`]. After these two the robot continues.
+    /// [`RobotError::NotOnTrack`]. After these two the robot continues. After
+    /// [`RobotError::Recovered`] the image may be requested again.
     fn look(&mut self, camera: Camera) -> Result<Image, RobotError> {
         self.look_sized(camera, None)
     }

@@ -15,7 +15,7 @@ use ramp_world::Start;
 use crate::cell::{InsertionPath, Workcell};
 use crate::fault::{Fault, SkillError};
 use crate::parameters::Parameters;
-use crate::recovery::{check_holes, recover};
+use crate::recovery::{check_holes, note_fault, recover};
 use crate::rehearsal::{Rehearsal, Scene, UnusualGrasp, plan_with_motion};
 use crate::replaced::Replaced;
 use crate::skill::{Call, Effect};
@@ -290,7 +290,8 @@ impl<'a> Baseline<'a> {
         let mut given = false;
         let replans = self.parameters.agent.replans;
         for round in 0..=replans {
-            cell.belief.parts.update(&mut cell.hand)?;
+            let seen = cell.belief.parts.update(&mut cell.hand);
+            note_fault(cell, seen.map_err(SkillError::from))?;
             let plan = match self.fixed.take() {
                 Some(plan) => {
                     given = true;

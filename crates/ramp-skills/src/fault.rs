@@ -9,13 +9,24 @@ use ramp_robot::RobotError;
 pub enum SkillError {
     /// The robot stopped; nothing more can be done.
     #[error(transparent)]
-    Robot(#[from] RobotError),
+    Robot(RobotError),
     /// No motion was found.
     #[error(transparent)]
     Motion(#[from] MotionError),
     /// Something went wrong that a retry or a new plan may repair.
     #[error(transparent)]
     Fault(#[from] Fault),
+}
+
+/// After a stop from which the arm has recovered, the work goes on as after any fault.
+impl From<RobotError> for SkillError {
+    fn from(error: RobotError) -> SkillError {
+        if error.is_recovered() {
+            SkillError::Fault(Fault::Robot { why: error.to_string() })
+        } else {
+            SkillError::Robot(error)
+        }
+    }
 }
 
 impl SkillError {

@@ -98,8 +98,8 @@ fn put_down(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> 
     skills.perform(cell, &Call::alone(&FineAction::PutDown { item }))
 }
 
-/// Records a fault and continues; only an error of the robot ends the work.
-fn note_fault(cell: &mut Workcell, result: Result<(), SkillError>) -> Result<bool, RobotError> {
+/// Records a fault and continues; only an error from which the robot does not recover ends the work.
+pub(crate) fn note_fault(cell: &mut Workcell, result: Result<(), SkillError>) -> Result<bool, RobotError> {
     match result {
         Err(SkillError::Robot(error)) => Err(error),
         Err(error) => {
@@ -128,7 +128,8 @@ pub fn recover(
     note_fault(cell, done)?;
     let done = cell.retreat();
     note_fault(cell, done)?;
-    cell.belief.parts.update(&mut cell.hand)?;
+    let done = cell.belief.parts.update(&mut cell.hand);
+    note_fault(cell, done.map_err(SkillError::from))?;
     let done = realign(skills, cell);
     note_fault(cell, done)?;
     let kit = cell.kit;

@@ -42,7 +42,7 @@ pub use layout::Layout;
 pub use mjcf::SceneOptions;
 pub use ramp_world::{Start, World};
 pub use setup::{Setup, TwinError};
-pub use state::controller_settings;
+pub use state::{Stop, controller_settings};
 pub use twin::Twin;
 pub use twin::served::JointReport;
 pub use twin::snapshot::{RestoreError, Snapshot};

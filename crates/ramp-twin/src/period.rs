@@ -55,6 +55,27 @@ fn recover(
     recovered
 }
 
+/// The arm stands for a time (s) after a stop, whatever pushes it meanwhile.
+///
+/// # Errors
+/// When the physics diverge, a joint leaves its range or the time is over.
+pub(crate) fn stand(
+    scene: &Scene,
+    data: &mut Data,
+    state: &mut State,
+    broad_phase: &mut BroadPhase,
+    seconds: f64,
+) -> Result<(), RobotError> {
+    for _ in 0..(seconds / PERIOD).round() as u32 {
+        match advance(scene, data, state, broad_phase, None) {
+            // It has stopped already.
+            Err(RobotError::Reflex { .. } | RobotError::JointVelocity { .. }) => {}
+            other => other?,
+        }
+    }
+    Ok(())
+}
+
 /// One period of the controller and of the arm.
 fn advance(
     scene: &Scene,

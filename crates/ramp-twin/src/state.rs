@@ -30,6 +30,17 @@ const NO_RATE: f64 = 1e8;
 
 type Data = MjData<Arc<MjModel>>;
 
+/// A stop of the arm after which it was ready again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stop {
+    /// Robot time at which it stopped, s.
+    pub time: f64,
+    /// The error that stopped it.
+    pub why: String,
+    /// Robot time for which it stood, s.
+    pub after: f64,
+}
+
 /// The settings of a controller that knows the arm of these physics as the twin's own does.
 pub fn controller_settings(physics: &Physics) -> ControllerSettings {
     let controller = &physics.controller;
@@ -51,8 +62,10 @@ pub fn controller_settings(physics: &Physics) -> ControllerSettings {
 pub(crate) struct State {
     /// Control periods since the episode began.
     pub steps: u64,
-    /// The error that stopped the arm. Every later call returns it again.
+    /// The error that stopped the arm for good. Every later call returns it again.
     pub failed: Option<RobotError>,
+    /// The stops after which the arm was ready again.
+    pub stops: Vec<Stop>,
     /// The arm's controller, with the state of the arm as its joints report it.
     pub controller: ArmController,
     /// The last command; `None` before the first one.
@@ -112,6 +125,7 @@ impl State {
         State {
             steps: 0,
             failed: None,
+            stops: Vec::new(),
             command: None,
             gripper_command: START_GRIPPER,
             drive: Drive::new(physics, &setup.arm.home, setup.seed),

@@ -13,7 +13,8 @@ use nalgebra::Vector3;
 use ramp_assembly::Truth;
 use ramp_render::Looks;
 use ramp_robot::{
-    Camera, CameraModel, Command, DOF, Image, ImageWidth, Observation, PartReading, Robot, RobotError, Track,
+    Camera, CameraModel, Command, DOF, Image, ImageWidth, Observation, PERIOD, PartReading, Robot,
+    RobotError, Track,
 };
 
 use crate::broad_phase::BroadPhase;
@@ -25,7 +26,7 @@ use crate::mjcf::SceneOptions;
 use crate::scene::Scene;
 pub use crate::sensors::{READING_DROPPED, READING_NOISE, READING_STEPS};
 use crate::setup::{Setup, TwinError};
-use crate::state::{START_WIDTH, State};
+use crate::state::{START_WIDTH, State, Stop};
 use crate::witness::Moment;
 use crate::{period, rest, sensors, witness};
 
@@ -112,6 +113,7 @@ impl Twin {
         self.state.steps = 0;
         self.state.deepest = 0.0;
         self.state.largest_force = 0.0;
+        self.state.stops.clear();
         self.state.observe(&self.scene, &self.data);
     }
 
@@ -194,6 +196,11 @@ impl Twin {
         self.state.largest_force
     }
 
+    /// The stops so far after which the arm was ready again, in order.
+    pub fn stops(&self) -> &[Stop] {
+        &self.state.stops
+    }
+
     /// Report of the episode's fault so far; `None` without one.
     pub fn fault(&self) -> Option<&FaultReport> {
         self.state.fault.as_ref().map(Injector::report)
@@ -233,6 +240,36 @@ impl Twin {
         let broad_phase = &mut self.workspace.broad_phase;
         let run = period::run(&self.scene, &mut self.data, &mut self.state, broad_phase, command);
         run.inspect_err(|error| self.state.failed = Some(error.clone()))
+    }
+
+    /// As [`Twin::hold`] for calls of an agent: the arm may recover from a stop.
+    fn hold_recovering(&mut self, periods: u32) -> Result<(), RobotError> {
+        self.hold(periods).map_err(|error| self.recovered(error))
+    }
+
+    /// Lets the arm stand after a stop by reflex or for the speed of a joint, in a world whose controller
+    /// recovers from it. Returns what the agent is told: that the arm is ready again, or what stopped it for
+    /// good.
+    fn recovered(&mut self, error: RobotError) -> RobotError {
+        let recovers = matches!(error, RobotError::Reflex { .. } | RobotError::JointVelocity { .. });
+        let begin = self.state.steps;
+        let after = self.scene.physics.controller.recovery;
+        if !recovers || after <= 0.0 {
+            return error;
+        }
+        self.stand();
+        let broad_phase = &mut self.workspace.broad_phase;
+        if let Err(error) = period::stand(&self.scene, &mut self.data, &mut self.state, broad_phase, after) {
+            self.state.failed = Some(error.clone());
+            return error;
+        }
+        // A new motion begins where the arm stands, wherever it was pushed meanwhile.
+        self.stand();
+        let why = error.to_string();
+        let after = (self.state.steps - begin) as f64 * PERIOD;
+        let time = begin as f64 * PERIOD;
+        self.state.stops.push(Stop { time, why: why.clone(), after });
+        RobotError::Recovered { why, after }
     }
 
     /// The error that stopped the arm, if one did.
@@ -286,7 +323,7 @@ impl Twin {
 
 impl Robot for Twin {
     fn step(&mut self, command: &Command) -> Result<Observation, RobotError> {
-        self.advance(Some(command))?;
+        self.advance(Some(command)).map_err(|error| self.recovered(error))?;
         Ok(self.state.observation.clone())
     }
 
@@ -299,7 +336,7 @@ impl Robot for Twin {
         match self.scene.track {
             Track::State => Ok(sensors::exact_reading(&self.scene, &self.data)),
             Track::Noisy => {
-                self.hold(READING_STEPS)?;
+                self.hold_recovering(READING_STEPS)?;
                 Ok(sensors::noisy_reading(&self.scene, &self.data, &mut self.state.reading_noise))
             }
             Track::Tags => Err(RobotError::NotOnTrack { track: Track::Tags, what: "poses of parts" }),
@@ -318,7 +355,7 @@ impl Robot for Twin {
         self.check_images()?;
         let number = self.exposure(camera);
         let wait = self.state.cameras.shutters.available(number).saturating_sub(self.state.steps);
-        self.hold(u32::try_from(wait).unwrap_or(u32::MAX))?;
+        self.hold_recovering(u32::try_from(wait).unwrap_or(u32::MAX))?;
         let drawing = self.drawing(camera, width, number)?;
         let drawn = drawing.draw(&mut self.workspace.renderers);
         Ok(self.drawn(drawn))

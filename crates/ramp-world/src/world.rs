@@ -35,8 +35,12 @@ pub struct World {
 
 /// Quantities that world files of earlier versions do not give, and what they have there: group, field, and
 /// the value, for all of a list.
-const ADDED: [(&str, &str, f64); 3] =
-    [("sensing", "encoder_step", 0.0), ("sensing", "encoder_noise", 0.0), ("gripper", "width_step", 0.0)];
+const ADDED: [(&str, &str, f64); 4] = [
+    ("controller", "recovery", 0.0),
+    ("sensing", "encoder_step", 0.0),
+    ("sensing", "encoder_noise", 0.0),
+    ("gripper", "width_step", 0.0),
+];
 
 static SHIPPED: LazyLock<Vec<World>> = LazyLock::new(|| {
     // The files are part of the program, and a test reads them.
@@ -276,20 +280,23 @@ mod tests {
         }
     }
 
-    /// The file of a version that did not have the steps of the sensors is still a world, without them.
+    /// The file of a version that did not have the steps of the sensors or recoveries from a reflex is still a
+    /// world, without them.
     #[test]
     fn a_file_without_a_later_quantity_is_read() {
         let real = World::shipped("real").unwrap();
-        let earlier: String = real
-            .text
-            .lines()
-            .filter(|line| !ADDED.iter().any(|(_, field, _)| line.starts_with(field)))
-            .map(|line| format!("{line}\n"))
-            .collect();
+        let mut group = "";
+        let mut is_added = |line: &'static str| {
+            group = if line.starts_with('[') { line.trim_matches(['[', ']']) } else { group };
+            ADDED.iter().any(|(of, field, _)| *of == group && line.starts_with(field))
+        };
+        let earlier: String =
+            real.text.lines().filter(|line| !is_added(line)).map(|line| format!("{line}\n")).collect();
         assert_eq!(earlier.lines().count() + ADDED.len(), real.text.lines().count());
         let world = World::from_source(&SourceFile::new("earlier.toml", &earlier)).unwrap();
         let (before, now) = (world.draw(3), real.draw(3));
         assert_eq!((before.sensing.encoder_step, before.gripper.width_step), (0.0, 0.0));
+        assert!(before.controller.recovery == 0.0 && now.controller.recovery > 0.0);
         assert!(now.sensing.encoder_step > 0.0 && now.gripper.width_step > 0.0);
         assert_eq!((before.friction, before.parts), (now.friction, now.parts));
     }

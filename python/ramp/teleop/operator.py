@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ramp._core import Observation, Refused, Robot
+from ramp._core import Observation, Recovered, Refused, Robot
 from ramp.agent import Agent, Skill, Task
 from ramp.driver import Driver
 from ramp.goal import Goal
@@ -142,7 +142,10 @@ class Operator:
                     self.lines.append(event.text(time))
             if controls.end is not None:
                 return controls.end
-            seen = driver.act(robot, controls.action()[:numbers], self.settings.periods)
+            try:
+                seen = driver.act(robot, controls.action()[:numbers], self.settings.periods)
+            except Recovered:
+                seen = robot.observe()
             if self._cameras is not None:
                 self._cameras.step(robot)
             steps += 1

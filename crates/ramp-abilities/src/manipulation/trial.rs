@@ -54,6 +54,7 @@ pub fn run_trial(
         physics: Physics {
             deepest_penetration: twin.deepest_penetration(),
             largest_force: twin.largest_force(),
+            stops: twin.stops().len(),
             state: format!("{:016x}", twin.state_hash()),
         },
         events: account.events,

@@ -78,6 +78,10 @@ pub fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> Stri
             physics.deepest_penetration * 1e3,
             physics.largest_force
         );
+        if physics.stops > 0 {
+            let times = if physics.stops == 1 { "time" } else { "times" };
+            let _ = writeln!(text, "the arm stopped and was ready again {} {times}", physics.stops);
+        }
     }
     let _ = writeln!(text, "result: {}", output.display());
     let _ = writeln!(text, "curve:  {}\nlog:    {}", curve.display(), log.display());

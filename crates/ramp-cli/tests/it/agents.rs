@@ -152,6 +152,21 @@ fn a_target_that_jumps_is_refused_or_clipped() {
     assert!(text(&replay.stdout).contains("equal to the log"), "{}", text(&replay.stdout));
 }
 
+/// A reflex in the world `real` does not end the episode of an agent in another process: it is told that the
+/// arm is ready again, and goes on.
+#[test]
+fn an_agent_is_told_of_a_reflex_and_goes_on() {
+    let folder = TempDir::new().unwrap();
+    let arguments = ["run", "easy-1", "--track", "state", "--seed", "3", "-o", "out.json"];
+    let output = ramp(&folder, &arguments, &agent("presser.py"), "");
+    let result = file(&folder, "out.json");
+    assert_eq!(result["ended"]["reason"], "done", "{}", text(&output.stderr));
+    assert_eq!(result["physics"]["stops"], 1);
+    let events = result["events"].as_array().unwrap();
+    assert_eq!((events.len(), &events[0]["kind"]), (1, &"recovered".into()), "{events:?}");
+    assert!(text(&output.stdout).contains("the arm stopped and was ready again 1 time"));
+}
+
 /// No process outlives its episode, not even one that has left its group.
 #[test]
 fn what_an_agent_has_started_ends_with_it() {

@@ -32,7 +32,7 @@ fn every_kind_of_event_follows_the_schemas() {
 }
 
 /// An event of each kind, without its time.
-const EVENTS: [&str; 35] = [
+const EVENTS: [&str; 36] = [
     r#""kind": "action_begun", "action": "pick_up", "item": {"beam": "b4"}, "grasp": {"link": "b4l1"}"#,
     r#""kind": "action_ended", "action": "assemble_cap", "beam": "b4", "joints": ["b4j1", "b4j2"]"#,
     r#""kind": "fault", "fault": "not_held", "part": "b4""#,
@@ -67,5 +67,6 @@ const EVENTS: [&str; 35] = [
     r#""kind": "clipped""#,
     r#""kind": "note", "text": "that is all""#,
     r#""kind": "fault_struck", "fault": "jam", "part": "b4""#,
+    r#""kind": "recovered", "why": "reflex", "after": 4.2"#,
     r#""kind": "stopped", "why": "reflex""#,
 ];

@@ -11,12 +11,13 @@ use crate::sums;
 const FAILURES: [Column; 3] =
     [number("episodes", ""), sentences("cause"), sentences("which, and what was said")];
 
-const FILES: [Column; 8] = [
+const FILES: [Column; 9] = [
     name("file"),
     name("goal"),
     number("seed", ""),
     number("completion", ""),
     number("total time", ""),
+    number("stops of the arm", ""),
     sentences("ended"),
     name("SHA-256"),
     name("SHA-256 of its log"),
@@ -99,6 +100,7 @@ pub fn origin(view: View) -> Markup {
                 html! { (file.result.seed) },
                 html! { (percent(file.result.completion)) },
                 html! { (seconds(file.result.time.total)) },
+                html! { @if let Some(physics) = &file.result.physics { (physics.stops) } },
                 html! { (file.result.ended.reason) },
                 html! { code { (&file.sha256[..16]) } },
                 html! { code { (short(file.result.log.as_deref())) } },

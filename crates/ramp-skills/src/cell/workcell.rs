@@ -34,6 +34,9 @@ pub struct Workcell<'a, 'r> {
     pub belief: AssemblyBelief<'a>,
     /// Grasps of beams for which the usual one would not do, by name.
     pub grasps: BTreeMap<String, BeamGrasp>,
+    /// Height of the tip over a beam's grasp at which the ribs really are in its slots, found by contact, m:
+    /// the error of the arm against its table. `None` before a grasp has shown it.
+    pub height_off: Option<f64>,
     /// Random numbers for the motion planner.
     pub stream: Stream,
     /// The numbers of the skills.
@@ -62,6 +65,7 @@ impl<'a, 'r> Workcell<'a, 'r> {
             hand: Hand::new(robot, arm, &parameters),
             belief: AssemblyBelief::new(assembly, &parameters, start),
             grasps: BTreeMap::new(),
+            height_off: None,
             stream: Stream::new(seed, "motion"),
             parameters,
             journal: Journal::default(),

@@ -63,6 +63,8 @@ pub struct Hand<'r> {
     pub pushed: bool,
     /// The largest force at the wrist in free space before the first grasp, N: the usual error of the wrench.
     pub usual_force: f64,
+    /// How often the arm has stopped and was ready again.
+    pub stops: i32,
     /// The gripper's dead time after a command.
     pub(super) dead_time: DeadTime,
 }
@@ -86,6 +88,7 @@ impl<'r> Hand<'r> {
             struck: false,
             pushed: false,
             usual_force: seen.wrench.fixed_rows::<3>(0).norm(),
+            stops: 0,
             dead_time: DeadTime::default(),
             robot,
             seen,
@@ -99,7 +102,7 @@ impl<'r> Hand<'r> {
     pub fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
         let readings = self.robot.read_parts();
         self.seen = self.robot.observe();
-        readings
+        readings.inspect_err(|error| self.begin_anew(error))
     }
 
     /// Opens the shutters of the cameras while the arm moves: [`Hand::look`] gives the images later, the
@@ -126,7 +129,7 @@ impl<'r> Hand<'r> {
     pub fn look_sized(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, RobotError> {
         let image = self.robot.look_sized(camera, width);
         self.seen = self.robot.observe();
-        image
+        image.inspect_err(|error| self.begin_anew(error))
     }
 
     /// The robot's model of a camera.
@@ -175,10 +178,23 @@ impl<'r> Hand<'r> {
         if self.last.as_ref().is_some_and(|last| last.gripper != command.gripper) {
             self.dead_time.commanded(&self.seen);
         }
-        self.seen = self.robot.step(&command)?;
+        self.seen = self.robot.step(&command).inspect_err(|error| self.begin_anew(error))?;
         self.dead_time.sensed(self.seen.time, self.seen.width, self.parameters.told_every);
         self.last = Some(command);
         Ok(())
+    }
+
+    /// After a stop from which the arm has recovered, the next motion begins where it stands, and the held
+    /// part may have moved in the hand.
+    fn begin_anew(&mut self, error: &RobotError) {
+        if error.is_recovered() {
+            self.seen = self.robot.observe();
+            self.last = None;
+            self.struck = false;
+            self.stops += 1;
+            self.pushed = self.held.is_some();
+            self.relax();
+        }
     }
 
     /// Repeats the last command for a time, s.

@@ -52,4 +52,25 @@ impl Hand<'_> {
         }
         Ok(())
     }
+
+    /// Runs a timed joint path until its end, or until `stop` returns true: the hand then yields where it is.
+    /// Returns true if it was stopped.
+    ///
+    /// # Errors
+    /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
+    pub fn follow_until(
+        &mut self,
+        trajectory: &Trajectory,
+        mut stop: impl FnMut(&Hand) -> bool,
+    ) -> Result<bool, SkillError> {
+        for q in trajectory.samples().iter().skip(1) {
+            self.joint_step(*q)?;
+            self.guard()?;
+            if stop(self) {
+                self.relax();
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
 }

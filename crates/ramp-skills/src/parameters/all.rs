@@ -8,7 +8,8 @@ use sha2::{Digest, Sha256};
 
 use super::belief::{BeliefParameters, DiagnosisParameters, EyesParameters};
 use super::contact::{
-    ComplianceParameters, PegSearchParameters, PressParameters, SearchParameters, TouchParameters,
+    ComplianceParameters, FeelParameters, PegSearchParameters, PressParameters, SearchParameters,
+    TouchParameters,
 };
 use super::group::{Group, Values};
 use super::hand::{
@@ -100,6 +101,8 @@ groups! {
     carry: CarryParameters,
     /// Releasing.
     release: ReleaseParameters,
+    /// First contact, and the search for the slots of a beam.
+    feel: FeelParameters,
     /// Height measurement by contact.
     touch: TouchParameters,
     /// The compliant search.

@@ -24,6 +24,34 @@ parameters! {
 }
 
 parameters! {
+    /// First contact: how the hand comes down on a part while no grasp has shown how high the arm really is, and
+    /// its search for the slots of a beam that it has missed.
+    FeelParameters {
+        /// Height over the grasp from which the hand comes down slowly. Errors of an arm and of its table are
+        /// up to 2 mm in the world `hard`.
+        over: f64 = "m", 0.0, 0.05;
+        /// Share of the limits of the joints' velocities of that descent: about 0.02 m/s. A contact pushes
+        /// with less than half of a reflex.
+        velocity: f64 = "", 0.005, 1.0;
+        /// Rise of the force at which it ends: the hand stands on something. Chosen.
+        limit: f64 = "N", 1.0, 50.0;
+        /// Difference from the width over the ribs on the sides of an extrusion up to which closed fingers
+        /// stand beside its slots. Chosen.
+        beside: f64 = "m", 1e-5, 0.01;
+        /// Height by which the hand is raised to come down on the slots: twice an arm's error.
+        raise: f64 = "m", 1e-3, 0.02;
+        /// Way down from there in which the ribs have to find the slots.
+        depth: f64 = "m", 1e-3, 0.05;
+        /// Speed of that way. Chosen.
+        speed: f64 = "m/s", 1e-4, 0.1;
+        /// Force of each finger meanwhile. Chosen: enough to slide in, too little to hold.
+        force: f64 = "N", 0.1, 50.0;
+        /// Force from below at which the way ends. Chosen.
+        stands: f64 = "N", 1.0, 50.0;
+    }
+}
+
+parameters! {
     /// Height measurement by contact.
     TouchParameters {
         /// Height uncertainty below which no contact measurement is needed, 1 σ.

@@ -6,7 +6,9 @@ use ramp_robot::{Cause, GripperCommand};
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
-use crate::grasp::{self, BEAM_WIDTH, Grasp, PEG_WIDTH, beam_grasp, beam_grasps, peg_grasps, senses};
+use crate::grasp::{
+    self, BEAM_WIDTH, Grasp, PEG_WIDTH, RIBS_BESIDE, beam_grasp, beam_grasps, peg_grasps, senses,
+};
 use crate::hand::Held;
 use crate::parameters::Parameters;
 use crate::rehearsal::outline::{InHand, Motion, Outline, Stage};
@@ -57,7 +59,9 @@ impl Workcell<'_, '_> {
     /// # Errors
     /// [`Fault::NotHeld`], or the fault that stopped the motion.
     pub fn grasp(&mut self, part: &str, grasp: &Grasp) -> Result<(), SkillError> {
-        let Grasp { x_wt, open, width, .. } = *grasp;
+        let Grasp { mut x_wt, open, width, .. } = *grasp;
+        let is_beam = self.kit.beam(part).is_some();
+        x_wt.translation.z += self.height_off.filter(|_| is_beam).unwrap_or_default();
         self.hand.gripper.width = open;
         let closing =
             GripperCommand { width: width - self.parameters.grip.squeeze, force: self.parameters.grip.force };
@@ -71,6 +75,11 @@ impl Workcell<'_, '_> {
             let short = self.hand.seen.width - width;
             if short < self.parameters.grip.short {
                 break;
+            }
+            // Fingers that close on the same again: their ribs stand beside the slots.
+            let beside = (self.hand.seen.width - RIBS_BESIDE).abs() < self.parameters.feel.beside;
+            if attempt > 0 && is_beam && beside && self.find_slots(open)? {
+                continue;
             }
             let evidence = format!("the fingers stop {:.1} mm before {part}", short * 1e3);
             self.diagnose(Cause::GripWeak, part, evidence);
@@ -87,8 +96,12 @@ impl Workcell<'_, '_> {
             }
             return Err(Fault::NotHeld { part: part.to_string() }.into());
         }
+        if is_beam {
+            let known = self.height_off.unwrap_or_default();
+            self.height_off = Some(known + self.hand.seen.x_wt.translation.z - x_wt.translation.z);
+        }
         self.belief.parts.follow(&self.hand);
-        self.belief.parts.gripped(part, self.kit.beam(part).is_none());
+        self.belief.parts.gripped(part, !is_beam);
         self.belief.parts.update(&mut self.hand)?;
         let x_wp = self.belief.parts.pose(part)?;
         let (mass, p_centre) = match self.kit.beam(part) {
@@ -99,6 +112,32 @@ impl Workcell<'_, '_> {
         self.hand.pushed = false;
         self.hand.held = Some(Held { part: part.to_string(), x_tp, x_wp_origin: x_wp, mass, p_centre });
         Ok(())
+    }
+
+    /// Fingers that have closed beside the slots of a beam, because the arm is higher or lower than it knows,
+    /// come down along its sides from above, loosely closed, until their ribs fall into the slots. Returns true
+    /// if they did.
+    fn find_slots(&mut self, open: f64) -> Result<bool, SkillError> {
+        let feel = self.parameters.feel.clone();
+        self.hand.grip(open, self.parameters.grip.opening_force)?;
+        let mut up = self.hand.setpoint;
+        up.translation.z += feel.raise;
+        self.hand.go(&up, feel.speed)?;
+        self.hand.grip(BEAM_WIDTH - self.parameters.grip.squeeze, feel.force)?;
+        self.hand.zero()?;
+        let inside = BEAM_WIDTH + self.parameters.release.in_slot;
+        let mut down = self.hand.setpoint;
+        down.translation.z -= feel.depth;
+        self.hand
+            .drive(&down, feel.speed, |hand| hand.seen.width < inside || -hand.force().z > feel.stands)?;
+        self.hand.relax();
+        let found = self.hand.seen.width < inside;
+        if found {
+            let mut middle = self.hand.setpoint;
+            middle.translation.z -= self.parameters.release.slot_room;
+            self.hand.go(&middle, feel.speed)?;
+        }
+        Ok(found)
     }
 
     /// Grips a beam that stands, where it stands, at `s` metres from its j1 hole.

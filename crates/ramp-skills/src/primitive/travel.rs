@@ -8,8 +8,11 @@ use crate::Pose;
 use crate::belief::obstacles::held_boxes;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
-use crate::hand::Arrival;
+use crate::hand::{Arrival, Rise};
 use crate::way::Way;
+
+/// Number of stops of the arm after which its motions become no slower.
+const MOST_CALM: i32 = 4;
 
 impl Workcell<'_, '_> {
     /// Moves the tip through free space to `x_wt`, keeping clear of everything but the held part. A hand that
@@ -116,12 +119,23 @@ impl Workcell<'_, '_> {
 
     /// Speed limits of free-space motions for the current load.
     pub fn law(&self) -> TimeLaw {
+        TimeLaw::new(self.arm, &self.pace())
+    }
+
+    fn pace(&self) -> Pace {
         let travel = &self.parameters.travel;
         let (velocity, acceleration) = match self.hand.held {
             Some(_) => (travel.held_velocity, travel.held_acceleration),
             None => (travel.velocity, travel.acceleration),
         };
-        TimeLaw::new(self.arm, &Pace { velocity, acceleration, jerk: travel.jerk, ramp: travel.ramp })
+        // An arm that has stopped forgives less than its limits promise.
+        let calm = travel.calmer.powi(self.hand.stops.min(MOST_CALM));
+        Pace {
+            velocity: calm * velocity,
+            acceleration: calm * acceleration,
+            jerk: travel.jerk,
+            ramp: travel.ramp,
+        }
     }
 
     /// Moves the open hand from above down to `x_wt`, around `part`, and sends a slow gripper the command
@@ -130,6 +144,9 @@ impl Workcell<'_, '_> {
         let mut above = *x_wt;
         above.translation.z = above.translation.z.max(self.parameters.travel.height);
         self.travel(&above)?;
+        if self.height_off.is_none() && self.feel_down(x_wt, part)? {
+            return Ok(());
+        }
         let down = match self.travel_and_grip(x_wt, Some(part), Some(closing)) {
             // If there is no room for fingers that are still closing from a wider grasp, they close first.
             Err(SkillError::Motion(MotionError::Blocked("end")))
@@ -151,6 +168,31 @@ impl Workcell<'_, '_> {
         let turned = self.planner.posture_for(&here, x_wt);
         self.take_posture(&turned.ok_or(MotionError::Unreachable(x_wt.translation.vector.into()))?)?;
         self.travel_and_grip(x_wt, Some(part), Some(closing))
+    }
+
+    /// First contact: the hand comes down the last stretch to `x_wt`, around `part`, so slowly that what it
+    /// meets too early does no harm. Such a contact ends the descent. False where the arm cannot go straight
+    /// down: nothing has moved then.
+    fn feel_down(&mut self, x_wt: &Pose, part: &str) -> Result<bool, SkillError> {
+        let feel = &self.parameters.feel;
+        let slow = Pace { velocity: feel.velocity, ..self.pace() };
+        let limit = feel.limit;
+        let mut near = *x_wt;
+        near.translation.z += feel.over;
+        let start = self.hand.start();
+        let Some(line) = self.planner.straight(&start, &near) else { return Ok(false) };
+        let arrived = line.last().copied().unwrap_or(start);
+        let Some(last) = self.planner.straight(&arrived, x_wt) else { return Ok(false) };
+        let checker = self.checker(Some(part));
+        if !line.iter().chain(&last).all(|q| checker.is_free(&self.planner.kinematics.frames(q))) {
+            return Ok(false);
+        }
+        let trajectory = self.law().time(&line);
+        self.hand.follow(&trajectory)?;
+        let trajectory = TimeLaw::new(self.arm, &slow).time(&last);
+        let mut rise = Rise::over_beginning(-Vector3::z(), &self.parameters.rise);
+        self.hand.follow_until(&trajectory, |hand| rise.sense(hand) > limit)?;
+        Ok(true)
     }
 
     /// Moves the arm to joint positions (rad), around everything.

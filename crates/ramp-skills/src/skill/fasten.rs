@@ -88,7 +88,9 @@ impl Fasten {
         let mut last = None;
         for attempt in 0..self.parameters.tries {
             match self.fasten_once(cell, connection, &peg) {
-                Err(SkillError::Fault(fault @ Fault::NotHeld { .. })) => return Err(fault.into()),
+                Err(SkillError::Fault(fault @ (Fault::NotHeld { .. } | Fault::Robot { .. }))) => {
+                    return Err(fault.into());
+                }
                 Err(SkillError::Fault(fault)) => {
                     cell.record(fault.clone());
                     // The hole is where it was seen, so the tip cannot be where it is believed to be.

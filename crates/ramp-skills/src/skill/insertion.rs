@@ -47,7 +47,7 @@ impl Insertion {
     /// Tries up to [`InsertionParameters::tries`] times, until one try succeeds.
     ///
     /// # Errors
-    /// The fault of the last try; at once [`Fault::NotHeld`] and the robot's errors.
+    /// The fault of the last try; at once [`Fault::NotHeld`], [`Fault::Robot`] and the robot's errors.
     pub fn tries(
         &self,
         cell: &mut Workcell,
@@ -62,7 +62,10 @@ impl Insertion {
                 cell.record(Retry::new("insert", &name).attempt(attempt + 1));
             }
             match once(cell, attempt) {
-                Err(SkillError::Fault(fault @ Fault::NotHeld { .. })) => return Err(fault.into()),
+                // After a stop of the arm, the beam may be anywhere in the hand.
+                Err(SkillError::Fault(fault @ (Fault::NotHeld { .. } | Fault::Robot { .. }))) => {
+                    return Err(fault.into());
+                }
                 Err(SkillError::Fault(fault)) => last = Some(fault),
                 Err(error) => return Err(error),
                 Ok(()) => {

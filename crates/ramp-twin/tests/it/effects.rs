@@ -4,7 +4,7 @@
 use mujoco_rs::prelude::*;
 use mujoco_rs::wrappers::mj_model::MjtObjBase;
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
-use ramp_robot::{ArmCommand, Command, DOF, GripperCommand, Impedance, Observation, Robot};
+use ramp_robot::{ArmCommand, Command, DOF, GripperCommand, Impedance, Observation, Robot, RobotError};
 use ramp_testing::GoalFiles;
 use ramp_twin::Twin;
 
@@ -109,6 +109,54 @@ fn lost_commands_stop_the_arm_for_its_recovery() {
     assert!((1..8).contains(&stops), "{stops} stops");
     let moved = twin.observe().positions[0] - start.positions[0];
     assert!(moved.abs() < 1e-3, "{moved} rad");
+}
+
+/// The tip moves by `height` m along the vertical at 0.1 m/s, under impedance, from where it is.
+fn press(twin: &mut Twin, height: f64) -> Result<(), RobotError> {
+    let from = twin.observe();
+    let steps = (height.abs() / 0.1 * 1e3) as u32;
+    for step in 1..=steps {
+        let mut x_wt = from.x_wt;
+        x_wt.translation.z += height * f64::from(step) / f64::from(steps);
+        let arm = ArmCommand::CartesianImpedance(Impedance {
+            x_wt,
+            stiffness: Vector6::new(1500.0, 1500.0, 1500.0, 60.0, 60.0, 60.0),
+            damping_ratio: 1.0,
+            feed_forward: Vector6::zeros(),
+            posture: from.positions,
+        });
+        twin.step(&Command { arm, gripper: GRIPPER })?;
+    }
+    Ok(())
+}
+
+/// An arm that presses on the table until it stops by reflex stands for the time of its recovery, tells so,
+/// and moves again from there. In a world without that time the stop is final.
+#[test]
+fn a_reflex_stops_the_arm_for_its_recovery_or_for_good() {
+    let deep = |recovery: f64| {
+        let mut twin = twin(&[("controller.reflex_force", 40.0), ("controller.recovery", recovery)]);
+        let down = twin.observe().x_wt.translation.z + 0.1;
+        let stopped = press(&mut twin, -down);
+        (twin, stopped)
+    };
+    let (mut twin, stopped) = deep(2.0);
+    let Err(error @ RobotError::Recovered { .. }) = stopped else { panic!("{stopped:?}") };
+    assert!(!error.is_final() && error.to_string().starts_with("reflex: the external force"), "{error}");
+    let [stop] = twin.stops() else { panic!("{:?}", twin.stops()) };
+    assert!((stop.after - 2.0).abs() < 1e-9 && (twin.time() - stop.time - stop.after).abs() < 1e-9);
+    // It holds itself, and does not press on: the command before is gone.
+    let standing = twin.observe();
+    assert!(standing.velocities.iter().all(|it| it.abs() < 1e-3), "{:?}", standing.velocities);
+    assert!(standing.wrench.fixed_rows::<3>(0).norm() < 40.0, "{}", standing.wrench);
+    assert!(twin.largest_force() >= 39.0);
+    press(&mut twin, 0.05).unwrap();
+    assert!(twin.observe().x_wt.translation.z > standing.x_wt.translation.z + 0.04);
+    assert_eq!(twin.stops().len(), 1);
+
+    let (mut twin, stopped) = deep(0.0);
+    assert!(matches!(&stopped, Err(error @ RobotError::Reflex { .. }) if error.is_final()), "{stopped:?}");
+    assert_eq!((press(&mut twin, 0.05), twin.stops().len()), (stopped, 0));
 }
 
 /// Fingers begin to move after the gripper's dead time, and their width is reported as often as the world
