@@ -9,11 +9,12 @@ use ramp_kit::source::{MAX_SENTENCE, plain, to_name};
 use ramp_motion::{MotionError, PathPlanner};
 use ramp_planner::{CoarseAction, Domains, FineAction, Item, MotionFact, Plan, PlanError, State};
 use ramp_robot::arm::ArmModel;
-use ramp_robot::{Account, Action, Agent, Event, EventKind, Robot, RobotError, Track};
+use ramp_robot::{Account, Action, Agent, Event, EventKind, Retry, Robot, RobotError, Track};
 use ramp_world::Start;
 
 use crate::cell::{InsertionPath, Workcell};
 use crate::fault::{Fault, SkillError};
+use crate::history::{Choice, Doing, History};
 use crate::parameters::Parameters;
 use crate::recovery::{check_holes, note_fault, recover};
 use crate::rehearsal::{Rehearsal, Scene, UnusualGrasp, plan_with_motion};
@@ -44,6 +45,8 @@ pub struct Baseline<'a> {
     plan: Option<Plan>,
     /// A given plan that it executes.
     fixed: Option<Plan>,
+    /// That plan was carried out: there is no other.
+    given: bool,
     /// The maker of its plans, if not its own planner.
     planner: Option<OwnPlanner<'a>>,
     /// Limits of the arm that skills have found.
@@ -52,6 +55,10 @@ pub struct Baseline<'a> {
     told: Vec<MotionFact>,
     /// Skills that an event has reported as not rehearsed, by name.
     not_rehearsed: Vec<String>,
+    /// What was tried, and what is left.
+    history: History,
+    /// What it is about to do.
+    doing: Option<Doing>,
     /// The peg that is being fetched: one that cannot be gripped is not tried again.
     fetching: Option<String>,
     /// The step of the plan that is carried out: its number from 1, and its words.
@@ -81,10 +88,13 @@ impl<'a> Baseline<'a> {
             account: Account::default(),
             plan: None,
             fixed: None,
+            given: false,
             planner: None,
             learned: Vec::new(),
             told: Vec::new(),
             not_rehearsed: Vec::new(),
+            history: History::default(),
+            doing: None,
             fetching: None,
             step: None,
             failure: None,
@@ -177,7 +187,8 @@ impl<'a> Baseline<'a> {
     /// far as possible without them.
     fn make_plan(&mut self, cell: &mut Workcell, mut state: State) -> Result<Plan, String> {
         let begin = Instant::now();
-        state.motion.clone_from(&self.learned);
+        state.motion = self.learned.iter().chain(self.history.facts()).cloned().collect();
+        state.lost_pegs.extend_from_slice(self.history.aside());
         let plan = match &mut self.planner {
             Some(planner) => planner(&state, &self.account.events),
             None => self.own_plan(cell, state).map_err(|error| error.to_string()),
@@ -197,7 +208,10 @@ impl<'a> Baseline<'a> {
             let parameters = self.parameters.clone();
             let scene = Scene::nominal(self.assembly, self.arm, cell.planner, parameters, &state);
             let rehearsal = Rehearsal::new(scene, self.skills.clone());
-            rehearsal.from_here(believed.clone(), q, self.seed).with_holders(holders.clone())
+            rehearsal
+                .from_here(believed.clone(), q, self.seed)
+                .with_holders(holders.clone())
+                .without_grasps(self.history.grasps().clone())
         });
         match rehearsed {
             Ok(rehearsed) => {
@@ -223,7 +237,7 @@ impl<'a> Baseline<'a> {
                 cell.grasps = rehearsed.grasps.into_iter().map(|(beam, it)| (beam, it.grasp)).collect();
                 Ok(rehearsed.plan)
             }
-            Err(error @ PlanError::Motion { .. }) => {
+            Err(error @ PlanError::Motion { .. }) if self.history.is_empty() => {
                 cell.record(EventKind::Note { text: error.to_string() });
                 self.learned.clear();
                 state.motion.clear();
@@ -286,29 +300,10 @@ impl<'a> Baseline<'a> {
 
     fn work(&mut self, cell: &mut Workcell) -> Result<(), RobotError> {
         let mut lost: Vec<String> = Vec::new();
-        let mut last = String::new();
-        let mut given = false;
-        let replans = self.parameters.agent.replans;
-        for round in 0..=replans {
+        for round in 0.. {
             let seen = cell.belief.parts.update(&mut cell.hand);
             note_fault(cell, seen.map_err(SkillError::from))?;
-            let plan = match self.fixed.take() {
-                Some(plan) => {
-                    given = true;
-                    Ok(plan)
-                }
-                None if given => {
-                    let (step, action) = self.step.take().unwrap_or_default();
-                    Err(format!(
-                        "the given plan failed at step {step}, {action}: {last} (--check-motion checks a plan before the \
-                         arm moves)"
-                    ))
-                }
-                None => self.state(cell, &lost).map_err(|error| error.to_string()).and_then(|state| {
-                    self.make_plan(cell, state).map_err(|error| format!("no plan: {error}"))
-                }),
-            };
-            let plan = match plan {
+            let plan = match self.next_plan(cell, &lost) {
                 Ok(plan) => plan,
                 Err(why) => {
                     self.give_up(cell, &why);
@@ -325,20 +320,58 @@ impl<'a> Baseline<'a> {
             }
             // Of beams that stand already the new plan says nothing: for them the old one holds.
             self.learn_paths(cell, &plan);
+            self.history.follows(&plan);
             match self.run_plan(cell, &plan) {
                 Ok(()) => return Ok(()),
                 Err(SkillError::Robot(error)) => return Err(error),
                 Err(error) => {
-                    last = error.to_string();
                     cell.record(error.fault());
                     self.report(cell);
+                    if let Some(doing) = self.doing.take() {
+                        self.history.failed(&doing, &error.to_string(), cell.progress());
+                    }
                     recover(&self.skills, cell, self.fetching.take().as_deref(), &mut lost)?;
                     self.report(cell);
                 }
             }
         }
-        self.give_up(cell, &format!("gave up after {replans} new plans: {last}"));
         Ok(())
+    }
+
+    /// The plan to carry out next. One that follows a failure differs from the plans before in a named way.
+    ///
+    /// # Errors
+    /// Why there is none, for a person.
+    fn next_plan(&mut self, cell: &mut Workcell, lost: &[String]) -> Result<Plan, String> {
+        if let Some(plan) = self.fixed.take() {
+            self.given = true;
+            return Ok(plan);
+        }
+        let failed = self.history.last();
+        if self.given {
+            let (step, action) = self.step.take().unwrap_or_default();
+            return Err(format!(
+                "the given plan failed at step {step}, {action}: {} (--check-motion checks a plan before the arm \
+                 moves)",
+                failed.unwrap_or_default()
+            ));
+        }
+        if failed.is_none() {
+            let state = self.state(cell, lost).map_err(|error| error.to_string())?;
+            return self.make_plan(cell, state).map_err(|error| format!("no plan: {error}"));
+        }
+        if cell.hand.time() > self.parameters.agent.latest {
+            return Err(format!("no time is left for another plan; {}", self.history.account()));
+        }
+        while let Some((doing, change)) = self.history.change(&Choice::of(cell, lost)) {
+            cell.record(Retry::new(&doing.step(), doing.about()).because(&change));
+            let state = self.state(cell, lost).map_err(|error| error.to_string())?;
+            match self.make_plan(cell, state) {
+                Ok(plan) => return Ok(plan),
+                Err(why) => self.history.refused(&why),
+            }
+        }
+        Err(self.history.account())
     }
 
     /// Takes over how a plan brings beams to their places.
@@ -386,10 +419,14 @@ impl<'a> Baseline<'a> {
                     _ => None,
                 });
                 if let Some(connection) = next {
+                    self.doing = Some(Doing::holes(&self.assembly.connections[connection].name));
                     check_holes(&self.skills, cell, connection)?;
                 }
             }
             for action in &step.fine {
+                if self.history.skips(action, cell.progress()) {
+                    continue;
+                }
                 let event = Action::of(action);
                 cell.record(EventKind::ActionBegun(event.clone()));
                 self.report(cell);
@@ -398,6 +435,7 @@ impl<'a> Baseline<'a> {
                     _ => None,
                 };
                 let call = Call { action, plan: &plan.steps, step: index };
+                self.doing = Some(Doing::action(&call, self.assembly));
                 if let Err(error) = self.skills.execute(cell, &call) {
                     self.learn(cell, &call, &error);
                     return Err(error);

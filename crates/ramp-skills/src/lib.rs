@@ -15,6 +15,7 @@ pub mod cell;
 pub mod fault;
 pub mod grasp;
 pub mod hand;
+pub mod history;
 pub mod insertion_path;
 pub mod parameters;
 pub mod piece;

@@ -13,8 +13,12 @@ use crate::table::SkillTable;
 fn align(skills: &SkillTable, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
     cell.retreat()?;
     let link = cell.nearest_link(beam)?;
-    let push = FineAction::Push { beam: cell.assembly.beams[beam].beam.name.clone(), link };
-    skills.perform(cell, &Call::alone(&push))?;
+    let push = FineAction::Push { beam: cell.assembly.beams[beam].beam.name.clone(), link: link.clone() };
+    let pushed = skills.perform(cell, &Call::alone(&push));
+    if matches!(pushed, Err(SkillError::Fault(Fault::OffPlace { .. }))) {
+        cell.pushed_by.entry(beam).or_default().push(link);
+    }
+    pushed?;
     cell.retreat()
 }
 

@@ -72,6 +72,9 @@ pub(crate) fn stand(
             Err(RobotError::Reflex { .. } | RobotError::JointVelocity { .. }) => {}
             other => other?,
         }
+        if state.drive.has_stopped() {
+            state.drive.restart();
+        }
     }
     Ok(())
 }

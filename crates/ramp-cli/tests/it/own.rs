@@ -165,7 +165,7 @@ fn whatever_is_replaced_is_another_agent() {
     let rules = std::fs::read_to_string(rules).unwrap();
     std::fs::write(file("mine.al"), format!("{rules}\n% Mine.\n")).unwrap();
     std::fs::write(file("same.al"), rules).unwrap();
-    std::fs::write(file("mine.toml"), "[agent]\nreplans = 7\n").unwrap();
+    std::fs::write(file("mine.toml"), "[agent]\nlatest = 1700.0\n").unwrap();
     std::fs::create_dir(file("plans")).unwrap();
     let plan = ramp(&["plan", "easy-1", "--json"]).stdout;
     std::fs::write(file("plans/easy-1.json"), plan).unwrap();

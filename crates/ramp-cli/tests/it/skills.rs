@@ -78,7 +78,7 @@ fn a_file_overrides_numbers_and_a_wrong_one_is_refused() {
 fn a_result_names_the_file_of_its_numbers() {
     let folder = TempDir::new().unwrap();
     // A guard so tight that the episode ends soon.
-    std::fs::write(folder.path().join("mine.toml"), "[hand]\nguard = 5.0\n[agent]\nreplans = 0\n").unwrap();
+    std::fs::write(folder.path().join("mine.toml"), "[hand]\nguard = 5.0\n[agent]\nlatest = 0.0\n").unwrap();
     let arguments =
         ["bench", "easy-3", "--repeats", "1", "--track", "state", "-o", "own", "--parameters", "mine.toml"];
     let (_, _, told) = ramp(&folder, &arguments);

@@ -2,7 +2,11 @@
 
 use nalgebra::Translation3;
 use ramp_referee::Referee;
-use ramp_robot::{Agent, Command, Event, PartReading, RobotError, Track};
+use ramp_robot::{Agent, Command, Event, EventKind, PartReading, RobotError, Track};
+use ramp_skills::cell::Workcell;
+use ramp_skills::rehearsal::{Outline, Scene};
+use ramp_skills::skill::{ActionKind, Call, Effect, Need, Skill};
+use ramp_skills::{Fault, SkillError, SkillTable};
 use ramp_testing::GoalFiles;
 use ramp_testing::robot::{Alteration, Altered};
 use ramp_twin::Twin;
@@ -114,4 +118,63 @@ fn a_peg_that_stays_on_the_male_is_put_back_until_the_beam_is_pushed() {
     );
     assert_eq!(count(&events, "action_ended", "pick up p1"), 2, "{events:?}");
     assert_eq!(seated, 3, "{events:?}");
+}
+
+/// An insertion that never succeeds.
+struct Never;
+
+impl Skill for Never {
+    fn name(&self) -> &'static str {
+        "never"
+    }
+
+    fn serves(&self) -> &[ActionKind] {
+        &[ActionKind::AssembleSquare]
+    }
+
+    fn needs(&self) -> &[Need] {
+        &[Need::HoldsPart]
+    }
+
+    fn expects(&self) -> &[Effect] {
+        &[Effect::BeamStands, Effect::HandEmpty]
+    }
+
+    fn rehearse(&self, _: &Scene, _: &Call) -> Outline {
+        Outline::Unknown
+    }
+
+    fn run(&self, _: &mut Workcell, _: &Call) -> Result<(), SkillError> {
+        Err(Fault::Other { why: "it never goes in".to_string() }.into())
+    }
+}
+
+/// A beam that fails in the same way again and again is brought in another way each time, and the end tells
+/// what was tried.
+#[test]
+fn a_plan_that_fails_is_never_repeated_as_it_was() {
+    let goal = GoalFiles::new("easy-1");
+    let mut twin = Twin::new(&goal.setup(Track::State, 2)).unwrap();
+    let mut agent = goal.baseline(Track::State, 2).with_skills(SkillTable::default().with(Never));
+    assert_eq!(agent.run(&mut twin), Ok(()));
+    let account = agent.account();
+    let tried: Vec<String> = account
+        .events
+        .iter()
+        .filter_map(|event| match &event.kind {
+            EventKind::Retry(retry) if retry.step == "assemble_square" => retry.because.clone(),
+            _ => None,
+        })
+        .collect();
+    let mut once = tried.clone();
+    once.sort();
+    once.dedup();
+    assert_eq!(once.len(), tried.len(), "{tried:?}");
+    assert!(tried.len() >= 3 && tried[0] == "after another look", "{tried:?}");
+    assert!(tried[1].starts_with("with another grasp than "), "{tried:?}");
+    // The second plan has another grasp indeed.
+    assert!(count(&account.events, "unusual_grasp", "it failed before") > 0, "{:?}", account.events);
+    let failure = agent.failure().unwrap();
+    assert!(failure.starts_with("nothing is left to try to assemble square b"), "{failure}");
+    assert!(tried.iter().all(|words| failure.contains(words.as_str())), "{failure} and {tried:?}");
 }

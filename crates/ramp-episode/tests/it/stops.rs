@@ -19,7 +19,7 @@ struct Presser {
 
 impl Presser {
     /// Moves the tip by `height` m along the vertical at 0.1 m/s, under impedance.
-    fn press(robot: &mut dyn Robot, height: f64) -> Result<(), RobotError> {
+    fn press(robot: &mut dyn Robot, height: f64, posture: [f64; 7]) -> Result<(), RobotError> {
         let from = robot.observe();
         let steps = (height.abs() / 0.1 * 1e3) as u32;
         for step in 1..=steps {
@@ -30,7 +30,7 @@ impl Presser {
                 stiffness: Vector6::new(1500.0, 1500.0, 1500.0, 60.0, 60.0, 60.0),
                 damping_ratio: 1.0,
                 feed_forward: Vector6::zeros(),
-                posture: from.positions,
+                posture,
             });
             robot.step(&Command { arm, gripper: GripperCommand { width: 0.04, force: 20.0 } })?;
         }
@@ -48,13 +48,15 @@ impl Agent for Presser {
     }
 
     fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {
+        let home = robot.observe();
         for _ in 0..self.times {
             let down = robot.observe().x_wt.translation.z + 0.1;
-            match Presser::press(robot, -down) {
+            match Presser::press(robot, -down, home.positions) {
                 Err(error) if !error.is_final() => self.told.push(error),
                 other => other?,
             }
-            Presser::press(robot, 0.05)?;
+            let up = home.x_wt.translation.z - robot.observe().x_wt.translation.z;
+            Presser::press(robot, up, home.positions)?;
         }
         Ok(())
     }

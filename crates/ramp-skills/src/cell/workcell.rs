@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
+use nalgebra::Vector2;
 use ramp_assembly::Assembly;
 use ramp_kit::Kit;
 use ramp_motion::PathPlanner;
@@ -34,6 +35,12 @@ pub struct Workcell<'a, 'r> {
     pub belief: AssemblyBelief<'a>,
     /// Grasps of beams for which the usual one would not do, by name.
     pub grasps: BTreeMap<String, BeamGrasp>,
+    /// The last grasp of each beam, by name.
+    pub gripped: BTreeMap<String, BeamGrasp>,
+    /// Links of standing beams by which a push did not bring them to their places, by the beam's index.
+    pub pushed_by: BTreeMap<usize, Vec<String>>,
+    /// Places of the table where a beam was laid down and could not be taken again, m.
+    pub laid_at: Vec<Vector2<f64>>,
     /// Height of the tip over a beam's grasp at which the ribs really are in its slots, found by contact, m:
     /// the error of the arm against its table. `None` before a grasp has shown it.
     pub height_off: Option<f64>,
@@ -65,11 +72,19 @@ impl<'a, 'r> Workcell<'a, 'r> {
             hand: Hand::new(robot, arm, &parameters),
             belief: AssemblyBelief::new(assembly, &parameters, start),
             grasps: BTreeMap::new(),
+            gripped: BTreeMap::new(),
+            pushed_by: BTreeMap::new(),
+            laid_at: Vec::new(),
             height_off: None,
             stream: Stream::new(seed, "motion"),
             parameters,
             journal: Journal::default(),
         }
+    }
+
+    /// Beams that stand and pegs that are seated.
+    pub fn progress(&self) -> usize {
+        self.belief.standing.len() + self.belief.pinned.len()
     }
 
     /// Records an event at the present robot time.

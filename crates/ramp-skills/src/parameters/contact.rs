@@ -30,7 +30,7 @@ parameters! {
         /// Height over the grasp from which the hand comes down slowly. Errors of an arm and of its table are
         /// up to 2 mm in the world `hard`.
         over: f64 = "m", 0.0, 0.05;
-        /// Share of the limits of the joints' velocities of that descent: about 0.02 m/s. A contact pushes
+        /// Share of the limits of the joints' velocities of that descent: about 0.03 m/s. A contact pushes
         /// with less than half of a reflex.
         velocity: f64 = "", 0.005, 1.0;
         /// Rise of the force at which it ends: the hand stands on something. Chosen.

@@ -3,8 +3,9 @@
 parameters! {
     /// The agent: replanning and checks.
     AgentParameters {
-        /// Number of new plans before the agent gives up. Chosen.
-        replans: usize = "", 0.0, 100.0;
+        /// Robot time after which no new plan is begun. Chosen: what is left of an episode builds no more than
+        /// a beam and its pegs.
+        latest: f64 = "s", 0.0, 1800.0;
         /// Largest uncertainty of two holes for judging whether a peg goes in, 1 σ.
         holes_known: f64 = "m", 1e-5, 0.1;
         /// Distance from its place in the holder above which a peg is no longer fetched. In its hole it can

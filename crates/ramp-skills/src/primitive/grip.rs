@@ -62,6 +62,9 @@ impl Workcell<'_, '_> {
         let Grasp { mut x_wt, open, width, .. } = *grasp;
         let is_beam = self.kit.beam(part).is_some();
         x_wt.translation.z += self.height_off.filter(|_| is_beam).unwrap_or_default();
+        if let Some(grasp) = grasp.beam {
+            self.gripped.insert(part.to_string(), grasp);
+        }
         self.hand.gripper.width = open;
         let closing =
             GripperCommand { width: width - self.parameters.grip.squeeze, force: self.parameters.grip.force };
@@ -223,6 +226,9 @@ impl Workcell<'_, '_> {
         let distance =
             |link: &ramp_kit::Link| (grasp::point_on(link, far, &self.parameters.grip) - far).abs();
         links.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        // One by which a push has failed is the last choice.
+        let failed = self.pushed_by.get(&beam).map_or(&[][..], Vec::as_slice);
+        links.sort_by_key(|link| failed.contains(&link.name));
         let link = links
             .into_iter()
             .find(|link| {

@@ -14,7 +14,7 @@ use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 
 use super::blame::{cannot_insert, fact};
-use super::outline::{Done, Leg, Outline, Refusal, Stage};
+use super::outline::{Done, Leg, Motion, Outline, Refusal, Stage};
 use super::scene::{Now, Scene};
 use super::walk::Walk;
 use crate::Pose;
@@ -38,6 +38,8 @@ pub struct Rehearsal<'a> {
     pub(super) skills: SkillTable,
     pub(super) walk: Walk,
     grasps: BTreeMap<String, UnusualGrasp>,
+    /// Grasps of beams that are the last choice, by name: they were tried.
+    tried: BTreeMap<String, Vec<BeamGrasp>>,
     /// Names of the skills that cannot rehearse, in the order of their first action.
     unknown: Vec<String>,
 }
@@ -99,7 +101,8 @@ impl<'a> Rehearsal<'a> {
     /// A rehearsal of these skills that begins with a scene.
     pub fn new(scene: Scene<'a>, skills: SkillTable) -> Rehearsal<'a> {
         let walk = Walk { stream: Stream::new(0, "rehearsal"), legs: None };
-        Rehearsal { scene, skills, walk, grasps: BTreeMap::new(), unknown: Vec::new() }
+        let (grasps, tried) = (BTreeMap::new(), BTreeMap::new());
+        Rehearsal { scene, skills, walk, grasps, tried, unknown: Vec::new() }
     }
 
     /// A rehearsal of the baseline's skills, with every part at its nominal pose in a state.
@@ -125,6 +128,13 @@ impl<'a> Rehearsal<'a> {
         self.scene.now.parts.extend(believed);
         self.scene.now.q = q;
         self.walk.stream = Stream::new(seed, "rehearsal");
+        self
+    }
+
+    /// With these grasps of beams, by name, as the last choice: they were tried.
+    #[must_use]
+    pub fn without_grasps(mut self, tried: BTreeMap<String, Vec<BeamGrasp>>) -> Rehearsal<'a> {
+        self.tried = tried;
         self
     }
 
@@ -248,13 +258,19 @@ impl<'a> Rehearsal<'a> {
         }
         let call = script.call(range.start);
         let skill = self.skills.get(call.kind());
-        let alternatives = match skill.map_or(Outline::Unknown, |skill| skill.rehearse(&self.scene, &call)) {
-            Outline::Alternatives(alternatives) => alternatives,
-            Outline::Unknown => {
-                self.note_unknown(&call);
-                vec![Vec::new()]
-            }
-        };
+        let mut alternatives =
+            match skill.map_or(Outline::Unknown, |skill| skill.rehearse(&self.scene, &call)) {
+                Outline::Alternatives(alternatives) => alternatives,
+                Outline::Unknown => {
+                    self.note_unknown(&call);
+                    vec![Vec::new()]
+                }
+            };
+        let tried = call.part().and_then(|part| self.tried.get(part)).filter(|_| is_pick_up(&call));
+        if let Some(tried) = tried {
+            alternatives.sort_by_key(|motions| grasp_of(motions).is_some_and(|it| tried.contains(&it)));
+        }
+        let tried = tried.is_some();
         let before = self.scene.now.clone();
         let mut own: Option<Failure> = None;
         for motions in alternatives {
@@ -268,10 +284,12 @@ impl<'a> Rehearsal<'a> {
             if self.search(script, range.start + 1..range.end, &mut own) {
                 // A grasp that would be taken sooner does not do.
                 let sooner = own.filter(|failure| failure.refusal.stage > Stage::Grasp);
-                if let (true, Some((part, grasp)), Some(failure)) =
-                    (call.kind() == ActionKind::PickUp, grasp, sooner)
-                {
-                    self.grasps.insert(part, UnusualGrasp { grasp, because: failure.refusal.because });
+                let because = match sooner {
+                    Some(failure) => Some(failure.refusal.because),
+                    None => tried.then(|| "it failed before".to_string()),
+                };
+                if let (true, Some((part, grasp)), Some(because)) = (is_pick_up(&call), grasp, because) {
+                    self.grasps.insert(part, UnusualGrasp { grasp, because });
                 }
                 return true;
             }
@@ -373,6 +391,18 @@ impl<'a> Rehearsal<'a> {
         self.scene.now = before;
         found
     }
+}
+
+fn is_pick_up(call: &Call) -> bool {
+    call.kind() == ActionKind::PickUp
+}
+
+/// The grasp of a beam with which some motions end.
+fn grasp_of(motions: &[Motion]) -> Option<BeamGrasp> {
+    motions.iter().find_map(|motion| match motion {
+        Motion::Hold(held) => held.grasp,
+        _ => None,
+    })
 }
 
 /// Keeps the failure that got furthest; the first of several at the same stage.

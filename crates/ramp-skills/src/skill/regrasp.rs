@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_4;
 
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Translation3, UnitQuaternion, Vector2, Vector3};
 use ramp_robot::Retry;
 
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
@@ -80,6 +80,8 @@ impl Regrasp {
         cell.retreat()?;
         cell.check_grip(&name)?;
         let place = self.free_place(cell, beam, link)?;
+        // Should the hand fail to take the beam there, it lays it down in another place next time.
+        cell.laid_at.push(place.translation.vector.xy());
         let travel = cell.parameters.travel.height;
         let down = cell.carry_above(place, |down| travel.max(down))?;
         cell.hand.relax();
@@ -94,6 +96,7 @@ impl Regrasp {
         cell.release()?;
         cell.retreat()?;
         self.pick_up.pick_up(cell, &name, Some(link))?;
+        cell.laid_at.pop();
         cell.retreat()
     }
 
@@ -137,7 +140,9 @@ impl Regrasp {
             (0..=((to - from) / step).round() as usize).map(move |index| from + index as f64 * step)
         };
         let mut places: Vec<(f64, Pose)> = Vec::new();
-        for (x, y) in along(x0, x1).flat_map(|x| along(y0, y1).map(move |y| (x, y))) {
+        let near = |p: &Vector2<f64>| cell.laid_at.iter().any(|other| (p - other).norm() < 1.5 * step);
+        let table = along(x0, x1).flat_map(|x| along(y0, y1).map(move |y| (x, y)));
+        for (x, y) in table.filter(|(x, y)| !near(&Vector2::new(*x, *y))) {
             for turn in -4..4 {
                 let angle = f64::from(turn) * FRAC_PI_4;
                 let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle) * tip.rotation;
@@ -170,7 +175,10 @@ impl Regrasp {
                 && points_on(link, beam.span() / 2.0, &cell.parameters.grip).first().is_some_and(|s| {
                     [false, true].into_iter().any(|reverse| {
                         let x_wt = beam_grasp(&x_wb, *s, reverse);
+                        let mut above = x_wt;
+                        above.translation.z = above.translation.z.max(cell.parameters.travel.height);
                         cell.reach(&x_wt, &q) > self.parameters.room
+                            && cell.reach(&above, &q) > self.parameters.room
                             && cell.has_room(&x_wt, cell.parameters.grip.beam_open, &beam.name)
                     })
                 })

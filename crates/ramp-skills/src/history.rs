@@ -1,0 +1,453 @@
+//! The history of an episode: what was tried, with what and how it failed, and what is left to be tried.
+//!
+//! A plan that fails is followed by one that differs from it in a named way: after another look, with another
+//! grasp, by another link, along another path, with another peg. What was tried counts as long as the
+//! assembly is as it was: after progress it is worth another try. When nothing is left, the history tells
+//! what was tried.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use ramp_assembly::Assembly;
+use ramp_kit::source::{MAX_SENTENCE, plain};
+use ramp_planner::{End, FineAction, Impossible, MotionFact, Plan};
+
+use crate::cell::Workcell;
+use crate::grasp::BeamGrasp;
+use crate::skill::{ActionKind, Call};
+
+/// The most characters of a reason in the account of what was tried.
+const LONGEST_REASON: usize = 90;
+
+/// What an agent was about to do when it failed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Doing {
+    /// The action; `None` for the check of two holes before a peg is fetched.
+    kind: Option<ActionKind>,
+    /// The beam, the connection or the peg that it is about.
+    about: String,
+    /// The beam that it moves.
+    beam: Option<String>,
+    /// The link by which that beam is held.
+    link: Option<String>,
+    /// The peg that it moves.
+    peg: Option<String>,
+}
+
+impl Doing {
+    /// A fine action.
+    pub fn action(call: &Call, assembly: &Assembly) -> Doing {
+        let part = call.part().map(str::to_string);
+        let is_beam = part.as_ref().is_some_and(|part| assembly.kit.beam(part).is_some());
+        let about = match call.action {
+            FineAction::Fasten { connection, .. } => Some(connection.clone()),
+            _ => part.clone(),
+        };
+        Doing {
+            kind: Some(call.kind()),
+            about: about.unwrap_or_else(|| call.action.to_string()),
+            beam: part.clone().filter(|_| is_beam),
+            link: call.link().map(str::to_string).filter(|_| is_beam),
+            peg: part.filter(|_| !is_beam),
+        }
+    }
+
+    /// The check of the holes of a connection.
+    pub fn holes(connection: &str) -> Doing {
+        Doing { kind: None, about: connection.to_string(), beam: None, link: None, peg: None }
+    }
+
+    /// What it is about, by name.
+    pub fn about(&self) -> &str {
+        &self.about
+    }
+
+    /// The step, as events name it.
+    pub fn step(&self) -> String {
+        self.kind.map_or("align_holes", ActionKind::name).to_string()
+    }
+
+    /// Whether the beam stands in the assembly while it is worked on.
+    fn stands(&self) -> bool {
+        matches!(self.kind, Some(ActionKind::Push | ActionKind::Slide))
+    }
+}
+
+impl fmt::Display for Doing {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self.kind {
+            Some(kind) => write!(f, "{} {}", kind.name().replace('_', " "), self.about),
+            None => write!(f, "align the holes of {}", self.about),
+        }
+    }
+}
+
+/// The difference of a plan from the one that failed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// Everything was looked at again, and lies where it lies now.
+    Look,
+    /// The beam is held in another place, or with the hand turned by 180°.
+    Grasp {
+        /// The grasp that failed.
+        not: BeamGrasp,
+    },
+    /// The beam is held by another link.
+    Link {
+        /// The link that failed.
+        not: String,
+    },
+    /// The beam is brought along another path.
+    Path {
+        /// The path that failed.
+        not: String,
+    },
+    /// The beam stays as it is, and the next part has to find its way.
+    AsItIs,
+    /// Another peg is taken.
+    Peg {
+        /// The peg that failed.
+        not: String,
+    },
+}
+
+impl Change {
+    /// The most differences of this kind in a row. Chosen: a third grasp of a link, or a third peg, is hardly
+    /// better than two.
+    fn most(&self) -> usize {
+        match self {
+            Change::Look | Change::AsItIs => 1,
+            Change::Grasp { .. } | Change::Peg { .. } => 2,
+            Change::Link { .. } | Change::Path { .. } => usize::MAX,
+        }
+    }
+
+    /// Whether it is of the same kind.
+    fn is_like(&self, other: &Change) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other)
+    }
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Change::Look => f.write_str("after another look"),
+            Change::Grasp { not: BeamGrasp { s, reverse } } => {
+                let turned = if *reverse { " with the hand turned" } else { "" };
+                write!(f, "with another grasp than {:.0} mm from its j1 hole{turned}", s * 1e3)
+            }
+            Change::Link { not } => write!(f, "by another link than {not}"),
+            Change::Path { not } => write!(f, "along another path than {not}"),
+            Change::AsItIs => f.write_str("not at all: it stays as it is"),
+            Change::Peg { not } => write!(f, "with another peg than {not}"),
+        }
+    }
+}
+
+/// An attempt that failed.
+#[derive(Clone, Debug, PartialEq)]
+struct Tried {
+    doing: Doing,
+    /// Its difference from the attempt before; `None` of the first one.
+    with: Option<Change>,
+    /// How it failed.
+    how: String,
+    /// Beams that stood and pegs that were seated then.
+    progress: usize,
+}
+
+/// What there is to choose from.
+#[derive(Clone, Debug, Default)]
+pub struct Choice {
+    /// The last grasp of each beam, by name.
+    pub gripped: BTreeMap<String, BeamGrasp>,
+    /// Pegs beyond those that open connections need.
+    pub spare: usize,
+}
+
+impl Choice {
+    /// In a work cell, in which some pegs are lost.
+    pub fn of(cell: &Workcell, lost: &[String]) -> Choice {
+        let pinned = &cell.belief.pinned;
+        let usable = cell
+            .kit
+            .pegs
+            .iter()
+            .filter(|peg| !lost.contains(&peg.name) && !pinned.iter().any(|(_, name)| *name == peg.name));
+        let open = cell.assembly.connections.len() - pinned.len();
+        Choice { gripped: cell.gripped.clone(), spare: usable.count().saturating_sub(open) }
+    }
+}
+
+/// What was tried so far.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    tried: Vec<Tried>,
+    /// The difference of the plan that is carried out.
+    change: Option<(Doing, Change)>,
+    /// What the planner is told to do otherwise.
+    facts: Vec<MotionFact>,
+    /// Grasps of beams that failed, by name.
+    grasps: BTreeMap<String, Vec<BeamGrasp>>,
+    /// Pegs that are set aside.
+    aside: Vec<String>,
+    /// Beams that are not pushed, with the progress at which a push failed.
+    skipped: Vec<(String, usize)>,
+    /// The paths of beams in the plan, by name.
+    paths: BTreeMap<String, String>,
+}
+
+impl History {
+    /// Whether nothing has failed yet.
+    pub fn is_empty(&self) -> bool {
+        self.tried.is_empty()
+    }
+
+    /// How the last attempt failed.
+    pub fn last(&self) -> Option<String> {
+        self.tried.last().map(|tried| tried.how.clone())
+    }
+
+    /// Whether an action is left out, because it failed in every way in the assembly as it is.
+    pub fn skips(&self, action: &FineAction, progress: usize) -> bool {
+        let FineAction::Push { beam, .. } = action else { return false };
+        self.skipped.iter().any(|(other, then)| other == beam && *then == progress)
+    }
+
+    /// Takes over the paths of a plan that is going to be carried out.
+    pub fn follows(&mut self, plan: &Plan) {
+        self.paths.extend(plan.entries.iter().map(|entry| (entry.beam.clone(), entry.path.clone())));
+    }
+
+    /// The facts for the planner.
+    pub fn facts(&self) -> &[MotionFact] {
+        &self.facts
+    }
+
+    /// The grasps of beams that failed, by name.
+    pub fn grasps(&self) -> &BTreeMap<String, Vec<BeamGrasp>> {
+        &self.grasps
+    }
+
+    /// The pegs that are set aside.
+    pub fn aside(&self) -> &[String] {
+        &self.aside
+    }
+
+    /// Records a failure. `progress` counts the beams that stand and the pegs that are seated.
+    pub fn failed(&mut self, doing: &Doing, how: &str, progress: usize) {
+        let with = self.change.take().filter(|(about, _)| about.same(doing)).map(|(_, change)| change);
+        let how = plain(how, LONGEST_REASON);
+        self.tried.push(Tried { doing: doing.clone(), with, how, progress });
+    }
+
+    /// The next difference that was not tried yet for what has failed last, and takes it up; `None` when
+    /// nothing is left.
+    pub fn change(&mut self, choice: &Choice) -> Option<(Doing, Change)> {
+        let last = self.tried.last()?.clone();
+        let is_left = |change: &Change| {
+            let alike = |tried: &&Tried| tried.with.as_ref().is_some_and(|with| with.is_like(change));
+            let tried = self.tried_so_far(&last).filter(alike);
+            tried.clone().count() < change.most() && !tried.clone().any(|it| it.with.as_ref() == Some(change))
+        };
+        let change = self.options(&last.doing, choice).into_iter().find(is_left)?;
+        self.take_up(&last, &change);
+        self.change = Some((last.doing.clone(), change.clone()));
+        Some((last.doing, change))
+    }
+
+    /// Takes back a difference with which there is no plan, and counts it as tried.
+    pub fn refused(&mut self, why: &str) {
+        let Some((doing, change)) = self.change.take() else { return };
+        match &change {
+            Change::Link { .. } | Change::Path { .. } => drop(self.facts.pop()),
+            Change::Peg { not } => self.aside.retain(|peg| peg != not),
+            Change::AsItIs => drop(self.skipped.pop()),
+            Change::Look | Change::Grasp { .. } => {}
+        }
+        let progress = self.tried.last().map_or(0, |tried| tried.progress);
+        let how = plain(&format!("no plan: {why}"), LONGEST_REASON);
+        self.tried.push(Tried { doing, with: Some(change), how, progress });
+    }
+
+    /// What was tried of that which failed last, for a person.
+    pub fn account(&self) -> String {
+        let Some(last) = self.tried.last() else { return "nothing was tried".to_string() };
+        let tried: Vec<String> = self
+            .tried_so_far(last)
+            .map(|tried| match &tried.with {
+                None => tried.how.clone(),
+                Some(change) => format!("{change}: {}", tried.how),
+            })
+            .collect();
+        let text = format!("nothing is left to try to {}: {}", last.doing, tried.join("; "));
+        plain(&text, MAX_SENTENCE - 1)
+    }
+
+    /// The attempts at the same thing since the last progress.
+    fn tried_so_far<'h>(&'h self, last: &'h Tried) -> impl Iterator<Item = &'h Tried> + Clone {
+        self.tried.iter().filter(|tried| tried.doing.same(&last.doing) && tried.progress == last.progress)
+    }
+
+    /// Everything that might be done otherwise, the least invasive first.
+    fn options(&self, doing: &Doing, choice: &Choice) -> Vec<Change> {
+        let mut options = vec![Change::Look];
+        if let Some(beam) = &doing.beam {
+            if !doing.stands()
+                && let Some(grasp) = choice.gripped.get(beam)
+            {
+                options.push(Change::Grasp { not: *grasp });
+            }
+            if let Some(not) = doing.link.clone() {
+                options.push(Change::Link { not });
+            }
+            if doing.kind == Some(ActionKind::Push) {
+                options.push(Change::AsItIs);
+            }
+            if let Some(path) = self.paths.get(beam).filter(|_| !doing.stands()) {
+                options.push(Change::Path { not: path.clone() });
+            }
+        }
+        if let Some(peg) = doing.peg.clone().filter(|_| choice.spare > self.aside.len()) {
+            options.push(Change::Peg { not: peg });
+        }
+        options
+    }
+
+    fn take_up(&mut self, last: &Tried, change: &Change) {
+        let because = format!("it was tried: {}", last.how);
+        let at = if last.doing.stands() { End::Place } else { End::Start };
+        let beam = last.doing.beam.clone().unwrap_or_default();
+        match change {
+            Change::Look => {}
+            Change::AsItIs => self.skipped.push((beam, last.progress)),
+            Change::Grasp { not } => self.grasps.entry(beam).or_default().push(*not),
+            Change::Link { not } => {
+                let cannot = Impossible::Grasp { beam, link: not.clone(), at };
+                self.facts.push(MotionFact { cannot, past: None, because });
+            }
+            Change::Path { not } => {
+                let cannot = Impossible::Insert { beam, path: not.clone() };
+                self.facts.push(MotionFact { cannot, past: None, because });
+            }
+            Change::Peg { not } => self.aside.push(not.clone()),
+        }
+    }
+}
+
+impl Doing {
+    /// Whether it is the same work on the same thing, whatever part it is done with.
+    fn same(&self, other: &Doing) -> bool {
+        self.kind == other.kind && (self.about == other.about || self.is_peg() && other.is_peg())
+    }
+
+    /// Whether it fetches a peg: which one makes no other work of it.
+    fn is_peg(&self) -> bool {
+        self.peg.is_some() && !matches!(self.kind, Some(ActionKind::Fasten))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn insertion() -> Doing {
+        let [beam, link] = ["b4", "b4l2"].map(|name| Some(name.to_string()));
+        Doing { kind: Some(ActionKind::AssembleSquare), about: "b4".into(), beam, link, peg: None }
+    }
+
+    fn gripped(s: f64, reverse: bool, spare: usize) -> Choice {
+        Choice { gripped: BTreeMap::from([("b4".to_string(), BeamGrasp { s, reverse })]), spare }
+    }
+
+    /// What a history does after each of so many failures of the same work.
+    fn changes(history: &mut History, doing: &Doing, choices: &[Choice]) -> Vec<Option<String>> {
+        let change = |choice: &Choice| {
+            history.failed(doing, "it jams", 3);
+            history.change(choice).map(|(_, change)| change.to_string())
+        };
+        choices.iter().map(change).collect()
+    }
+
+    /// A plan that fails the same way leads to another choice each time, until nothing is left; the account
+    /// tells each of them.
+    #[test]
+    fn nothing_is_tried_twice() {
+        let mut history = History::default();
+        history.paths.insert("b4".into(), "along x".into());
+        let choices = [0.10, 0.10, 0.12, 0.14, 0.14, 0.14].map(|s| gripped(s, false, 0));
+        let found = changes(&mut history, &insertion(), &choices);
+        let expected = [
+            Some("after another look"),
+            Some("with another grasp than 100 mm from its j1 hole"),
+            Some("with another grasp than 120 mm from its j1 hole"),
+            Some("by another link than b4l2"),
+            Some("along another path than along x"),
+            None,
+        ];
+        assert_eq!(found, expected.map(|words| words.map(str::to_string)));
+        let account = history.account();
+        assert!(
+            account.starts_with("nothing is left to try to assemble square b4: it jams; after"),
+            "{account}"
+        );
+        for words in expected.iter().flatten() {
+            assert!(account.contains(&format!("{words}: it jams")), "{account}");
+        }
+        assert_eq!(history.facts().len(), 2);
+        assert_eq!(history.grasps()["b4"].len(), 2);
+    }
+
+    /// With a beam or a peg more, the same is worth another try.
+    #[test]
+    fn progress_makes_it_worth_another_try() {
+        let mut history = History::default();
+        for progress in [3, 4] {
+            history.failed(&insertion(), "it jams", progress);
+            let change = history.change(&gripped(0.1, false, 0)).map(|(_, change)| change);
+            assert_eq!(change, Some(Change::Look), "{progress}");
+        }
+    }
+
+    /// Another peg only where there is a spare one; which peg it is makes no other work of it.
+    #[test]
+    fn pegs_are_set_aside_as_long_as_there_are_spare_ones() {
+        let fetch = |peg: &str| Doing {
+            kind: Some(ActionKind::PickUp),
+            about: peg.into(),
+            beam: None,
+            link: None,
+            peg: Some(peg.into()),
+        };
+        let mut history = History::default();
+        let mut change = |peg: &str| {
+            history.failed(&fetch(peg), "it is not in the hand", 3);
+            history.change(&gripped(0.1, false, 1)).map(|(_, change)| change.to_string())
+        };
+        assert_eq!(change("p1").as_deref(), Some("after another look"));
+        assert_eq!(change("p1").as_deref(), Some("with another peg than p1"));
+        assert_eq!(change("p2"), None);
+    }
+
+    /// A difference with which there is no plan counts as tried, and the planner does not keep it.
+    #[test]
+    fn a_difference_without_a_plan_is_taken_back() {
+        let mut history = History::default();
+        let push = Doing { kind: Some(ActionKind::Push), ..insertion() };
+        history.failed(&push, "b4 stands 3.4 mm off", 3);
+        history.change(&Choice::default());
+        history.failed(&push, "b4 stands 3.5 mm off", 3);
+        let change = history.change(&Choice::default()).map(|(_, change)| change);
+        assert_eq!(change, Some(Change::Link { not: "b4l2".into() }));
+        assert!(matches!(&history.facts()[0].cannot, Impossible::Grasp { at: End::Place, .. }));
+        history.refused("b4 cannot be grasped");
+        assert!(history.facts().is_empty());
+        // A push that fails in every way is left out, until the assembly has changed.
+        assert_eq!(history.change(&Choice::default()).map(|(_, change)| change), Some(Change::AsItIs));
+        let action = FineAction::Push { beam: "b4".into(), link: "b4l2".into() };
+        assert!(history.skips(&action, 3) && !history.skips(&action, 4));
+        history.failed(&push, "b4 stands 3.5 mm off", 3);
+        assert_eq!(history.change(&Choice::default()), None);
+        assert!(history.account().contains("by another link than b4l2: no plan: b4 cannot be grasped"));
+    }
+}
