@@ -80,7 +80,8 @@ class Twin:
 
         Raises:
             ramp.RobotStopped: A limit of the arm was broken. Every further call raises it again.
-            ramp.Recovered: The arm stopped, stood for a while and is ready again: a new motion begins where it is.
+            ramp.Recovered: The arm stopped, stood for a while and is ready again. A new motion begins
+                where it is.
 
         """
         return self._twin.step(command, periods)

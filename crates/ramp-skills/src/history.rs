@@ -236,7 +236,9 @@ impl History {
 
     /// Records a failure. `progress` counts the beams that stand and the pegs that are seated.
     pub fn failed(&mut self, doing: &Doing, how: &str, progress: usize) {
-        let with = self.change.take().filter(|(about, _)| about.same(doing)).map(|(_, change)| change);
+        let stood = self.tried.last().is_some_and(|tried| tried.progress == progress);
+        let change = self.change.take().filter(|(about, _)| stood && about.same(doing));
+        let with = change.map(|(_, change)| change);
         let how = plain(how, LONGEST_REASON);
         self.tried.push(Tried { doing: doing.clone(), with, how, progress });
     }

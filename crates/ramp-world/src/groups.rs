@@ -60,8 +60,8 @@ quantities! {
         reflex_force: f64 = "N", 20.0, 1e6;
         /// The external torque of a joint at which it does.
         reflex_torque: f64 = "N·m", 10.0, 1e6;
-        /// Time for which the arm stands after a stop by reflex or for the speed of a joint, until it is ready
-        /// again; 0: such a stop is final.
+        /// Time for which the arm stands after a stop by reflex or for the speed of a joint, until it is
+        /// ready again; 0: such a stop is final.
         recovery: f64 = "s", 0.0, 60.0;
     }
 }

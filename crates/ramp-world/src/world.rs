@@ -280,8 +280,8 @@ mod tests {
         }
     }
 
-    /// The file of a version that did not have the steps of the sensors or recoveries from a reflex is still a
-    /// world, without them.
+    /// The file of a version that did not have the steps of the sensors or recoveries from a reflex is still
+    /// a world, without them.
     #[test]
     fn a_file_without_a_later_quantity_is_read() {
         let real = World::shipped("real").unwrap();

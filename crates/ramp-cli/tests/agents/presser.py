@@ -1,11 +1,11 @@
-"""An agent that presses on the table until the arm stops by reflex, and goes on when it is told that the arm is ready."""
+"""An agent that presses on the table until the arm stops by reflex, and goes on when it is ready again."""
 from common import hear, hello, tell
 
 goal = hello("presser")
 
 
 def move(seen, height):
-    """Moves the tip along the vertical at 0.1 m/s; the first answer that is no observation, or the last one."""
+    """Moves the tip along the vertical at 0.1 m/s; the first answer that is no observation, or the last."""
     x, y, z = seen["x_wt"]["position"]
     steps = int(abs(height) / 0.1 * 1000)
     commands = []

@@ -24,8 +24,8 @@ parameters! {
 }
 
 parameters! {
-    /// First contact: how the hand comes down on a part while no grasp has shown how high the arm really is, and
-    /// its search for the slots of a beam that it has missed.
+    /// First contact: how the hand comes down on a part while no grasp has shown how high the arm really is,
+    /// and its search for the slots of a beam that it has missed.
     FeelParameters {
         /// Height over the grasp from which the hand comes down slowly. Errors of an arm and of its table are
         /// up to 2 mm in the world `hard`.

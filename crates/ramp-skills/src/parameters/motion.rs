@@ -17,8 +17,7 @@ parameters! {
         held_velocity: f64 = "", 0.01, 1.0;
         /// The same for the accelerations with a part in the hand: its inertial force counts as a push.
         held_acceleration: f64 = "", 0.01, 1.0;
-        /// Share of velocity and acceleration that each stop of the arm leaves, up to four of them. Chosen: in
-        /// the world `hard` a joint exceeds its commanded velocity by up to a tenth.
+        /// Share of velocity and acceleration that each stop of the arm leaves, up to four of them. Chosen.
         calmer: f64 = "", 0.1, 1.0;
         /// Fraction of the joint jerk limits that all motions use. Chosen.
         jerk: f64 = "", 0.01, 1.0;

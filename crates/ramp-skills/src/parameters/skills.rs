@@ -3,8 +3,8 @@
 parameters! {
     /// The agent: replanning and checks.
     AgentParameters {
-        /// Robot time after which no new plan is begun. Chosen: what is left of an episode builds no more than
-        /// a beam and its pegs.
+        /// Robot time after which no new plan is begun. Chosen: what is left of an episode builds no more
+        /// than a beam and its pegs.
         latest: f64 = "s", 0.0, 1800.0;
         /// Largest uncertainty of two holes for judging whether a peg goes in, 1 σ.
         holes_known: f64 = "m", 1e-5, 0.1;

@@ -73,6 +73,7 @@ impl Workcell<'_, '_> {
             self.hand.wait_for_gripper()?;
         }
         self.hand.relax();
+        let mut searched = false;
         for attempt in 0..self.parameters.grip.closings {
             self.hand.grip(closing.width, closing.force)?;
             let short = self.hand.seen.width - width;
@@ -82,6 +83,7 @@ impl Workcell<'_, '_> {
             // Fingers that close on the same again: their ribs stand beside the slots.
             let beside = (self.hand.seen.width - RIBS_BESIDE).abs() < self.parameters.feel.beside;
             if attempt > 0 && is_beam && beside && self.find_slots(open)? {
+                searched = true;
                 continue;
             }
             let evidence = format!("the fingers stop {:.1} mm before {part}", short * 1e3);
@@ -101,7 +103,9 @@ impl Workcell<'_, '_> {
         }
         if is_beam {
             let known = self.height_off.unwrap_or_default();
-            self.height_off = Some(known + self.hand.seen.x_wt.translation.z - x_wt.translation.z);
+            // Within the room of the ribs in the slots, nothing is learned about the height.
+            let more = self.hand.seen.x_wt.translation.z - x_wt.translation.z;
+            self.height_off = Some(if searched { known + more } else { known });
         }
         self.belief.parts.follow(&self.hand);
         self.belief.parts.gripped(part, !is_beam);
@@ -118,8 +122,8 @@ impl Workcell<'_, '_> {
     }
 
     /// Fingers that have closed beside the slots of a beam, because the arm is higher or lower than it knows,
-    /// come down along its sides from above, loosely closed, until their ribs fall into the slots. Returns true
-    /// if they did.
+    /// come down along its sides from above, loosely closed, until their ribs fall into the slots. Returns
+    /// true if they did.
     fn find_slots(&mut self, open: f64) -> Result<bool, SkillError> {
         let feel = self.parameters.feel.clone();
         self.hand.grip(open, self.parameters.grip.opening_force)?;
