@@ -109,7 +109,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             Pace::RealTime => ramp_served_twin::Pace::RealTime,
             Pace::LockStep => ramp_served_twin::Pace::LockStep,
         },
-        recovery: world.draw(arguments.seed).line.recovery,
+        recovery: world.draw(arguments.seed).controller.recovery,
         model_library: match version {
             FciVersion::V5 => model_library(),
             FciVersion::V10 => None,
