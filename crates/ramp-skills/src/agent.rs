@@ -14,7 +14,7 @@ use ramp_world::Start;
 
 use crate::cell::{InsertionPath, Workcell};
 use crate::fault::{Fault, SkillError};
-use crate::history::{Choice, Doing, History};
+use crate::history::{Change, Choice, Doing, History};
 use crate::parameters::Parameters;
 use crate::recovery::{check_holes, note_fault, recover};
 use crate::rehearsal::{Rehearsal, Scene, UnusualGrasp, plan_with_motion};
@@ -364,7 +364,12 @@ impl<'a> Baseline<'a> {
             return Err(format!("no time is left for another plan; {}", self.history.account()));
         }
         while let Some((doing, change)) = self.history.change(&Choice::of(cell, lost)) {
-            cell.record(Retry::new(&doing.step(), doing.about()).because(&change));
+            cell.record(Retry::new("plan", doing.about()).because(format!("{}, {change}", doing.step())));
+            if change == Change::Pause {
+                // A robot that has stopped for good says so again at the next call.
+                let waited = cell.hand.wait(self.parameters.agent.pause);
+                let _ = waited.and_then(|()| Ok(cell.belief.parts.update(&mut cell.hand)?));
+            }
             let state = self.state(cell, lost).map_err(|error| error.to_string())?;
             match self.make_plan(cell, state) {
                 Ok(plan) => return Ok(plan),

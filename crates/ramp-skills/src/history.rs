@@ -62,9 +62,9 @@ impl Doing {
         &self.about
     }
 
-    /// The step, as events name it.
+    /// The step, in words.
     pub fn step(&self) -> String {
-        self.kind.map_or("align_holes", ActionKind::name).to_string()
+        self.kind.map_or("align the holes", ActionKind::name).replace('_', " ")
     }
 
     /// Whether the beam stands in the assembly while it is worked on.
@@ -104,6 +104,8 @@ pub enum Change {
     },
     /// The beam stays as it is, and the next part has to find its way.
     AsItIs,
+    /// Some time has passed, in which a disturbance of the sight may have.
+    Pause,
     /// Another peg is taken.
     Peg {
         /// The peg that failed.
@@ -116,7 +118,7 @@ impl Change {
     /// better than two.
     fn most(&self) -> usize {
         match self {
-            Change::Look | Change::AsItIs => 1,
+            Change::Look | Change::AsItIs | Change::Pause => 1,
             Change::Grasp { .. } | Change::Peg { .. } => 2,
             Change::Link { .. } | Change::Path { .. } => usize::MAX,
         }
@@ -139,6 +141,7 @@ impl fmt::Display for Change {
             Change::Link { not } => write!(f, "by another link than {not}"),
             Change::Path { not } => write!(f, "along another path than {not}"),
             Change::AsItIs => f.write_str("not at all: it stays as it is"),
+            Change::Pause => f.write_str("after a pause"),
             Change::Peg { not } => write!(f, "with another peg than {not}"),
         }
     }
@@ -265,7 +268,7 @@ impl History {
             Change::Link { .. } | Change::Path { .. } => drop(self.facts.pop()),
             Change::Peg { not } => self.aside.retain(|peg| peg != not),
             Change::AsItIs => drop(self.skipped.pop()),
-            Change::Look | Change::Grasp { .. } => {}
+            Change::Look | Change::Pause | Change::Grasp { .. } => {}
         }
         let progress = self.tried.last().map_or(0, |tried| tried.progress);
         let how = plain(&format!("no plan: {why}"), LONGEST_REASON);
@@ -313,6 +316,7 @@ impl History {
         if let Some(peg) = doing.peg.clone().filter(|_| choice.spare > self.aside.len()) {
             options.push(Change::Peg { not: peg });
         }
+        options.push(Change::Pause);
         options
     }
 
@@ -321,7 +325,7 @@ impl History {
         let at = if last.doing.stands() { End::Place } else { End::Start };
         let beam = last.doing.beam.clone().unwrap_or_default();
         match change {
-            Change::Look => {}
+            Change::Look | Change::Pause => {}
             Change::AsItIs => self.skipped.push((beam, last.progress)),
             Change::Grasp { not } => self.grasps.entry(beam).or_default().push(*not),
             Change::Link { not } => {
@@ -377,7 +381,7 @@ mod tests {
     fn nothing_is_tried_twice() {
         let mut history = History::default();
         history.paths.insert("b4".into(), "along x".into());
-        let choices = [0.10, 0.10, 0.12, 0.14, 0.14, 0.14].map(|s| gripped(s, false, 0));
+        let choices = [0.10, 0.10, 0.12, 0.14, 0.14, 0.14, 0.14].map(|s| gripped(s, false, 0));
         let found = changes(&mut history, &insertion(), &choices);
         let expected = [
             Some("after another look"),
@@ -385,6 +389,7 @@ mod tests {
             Some("with another grasp than 120 mm from its j1 hole"),
             Some("by another link than b4l2"),
             Some("along another path than along x"),
+            Some("after a pause"),
             None,
         ];
         assert_eq!(found, expected.map(|words| words.map(str::to_string)));
@@ -428,6 +433,7 @@ mod tests {
         };
         assert_eq!(change("p1").as_deref(), Some("after another look"));
         assert_eq!(change("p1").as_deref(), Some("with another peg than p1"));
+        assert_eq!(change("p2").as_deref(), Some("after a pause"));
         assert_eq!(change("p2"), None);
     }
 
@@ -448,6 +454,8 @@ mod tests {
         assert_eq!(history.change(&Choice::default()).map(|(_, change)| change), Some(Change::AsItIs));
         let action = FineAction::Push { beam: "b4".into(), link: "b4l2".into() };
         assert!(history.skips(&action, 3) && !history.skips(&action, 4));
+        history.failed(&push, "b4 stands 3.5 mm off", 3);
+        assert_eq!(history.change(&Choice::default()).map(|(_, change)| change), Some(Change::Pause));
         history.failed(&push, "b4 stands 3.5 mm off", 3);
         assert_eq!(history.change(&Choice::default()), None);
         assert!(history.account().contains("by another link than b4l2: no plan: b4 cannot be grasped"));

@@ -6,6 +6,8 @@ parameters! {
         /// Robot time after which no new plan is begun. Chosen: what is left of an episode builds no more
         /// than a beam and its pegs.
         latest: f64 = "s", 0.0, 1800.0;
+        /// Pause before the last try of the same, in which a disturbance of the sight may pass. Chosen.
+        pause: f64 = "s", 0.0, 600.0;
         /// Largest uncertainty of two holes for judging whether a peg goes in, 1 σ.
         holes_known: f64 = "m", 1e-5, 0.1;
         /// Distance from its place in the holder above which a peg is no longer fetched. In its hole it can
