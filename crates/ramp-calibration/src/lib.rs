@@ -4,8 +4,9 @@
 //! Data passes one way. [`records`] reads images and tables of numbers from files. [`sights`] measures the
 //! tags of a known target in an image; [`start`] makes a first estimate from a few of them, and [`adjust`]
 //! moves all unknowns until the target would have been seen so. [`lens`], [`hand_eye`] and [`birds_eye`] do
-//! this for the cameras, [`table`], [`friction`] and [`payload`] fit touched points and torques. Each returns its estimate
-//! with a residual, standard errors and a [`Verdict`]; [`mod@file`] holds the estimates that passed.
+//! this for the cameras. [`table`] fits touched points, [`friction`] and [`payload`] fit torques. Each gives
+//! its estimate with a residual, standard errors and a [`Verdict`]; [`mod@file`] holds the estimates that
+//! passed.
 
 pub mod adjust;
 pub mod birds_eye;
