@@ -95,32 +95,9 @@ fn realign(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
     Ok(())
 }
 
-/// Whether the held beam is so far in its joint that it would take the assembly along if it were lifted.
-fn is_inside(cell: &Workcell, beam: usize) -> Result<bool, SkillError> {
-    if !cell.belief.paths.contains_key(&beam) {
-        return Ok(false);
-    }
-    let goal = cell.belief.target(beam)?;
-    let direction = cell.belief.insertion_direction(beam, &goal)?;
-    let name = &cell.assembly.beams[beam].beam.name;
-    let to_go = goal.translation.vector - cell.belief.parts.pose(name)?.translation.vector;
-    let along = to_go.dot(&direction);
-    let room = cell.parameters.alignment.displaced;
-    let aside = (to_go - direction * along).norm();
-    Ok(aside < room && along < cell.parameters.insertion.mouth - room)
-}
-
-/// Puts back the held part, if any. A beam that is in its joint stays there, to be pushed home.
+/// Puts back the held part, if any.
 fn put_down(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
     let Some(part) = cell.hand.held.as_ref().map(|held| held.part.clone()) else { return Ok(()) };
-    if let Some(beam) = cell.assembly.beam_index(&part)
-        && is_inside(cell, beam)?
-    {
-        if !cell.belief.standing.contains(&beam) {
-            cell.belief.standing.push(beam);
-        }
-        return cell.release();
-    }
     let item = if cell.kit.beam(&part).is_some() { Item::Beam(part) } else { Item::Peg(part) };
     skills.perform(cell, &Call::alone(&FineAction::PutDown { item }))
 }
