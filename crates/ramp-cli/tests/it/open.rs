@@ -153,7 +153,7 @@ fn an_unknown_set_is_refused_with_the_way_to_one() {
         (&["check", "open-2026-small-21"], "there is no goal `open-2026-small-21`"),
         (&["bench", "empty/"], "there is no goal file in empty/"),
         (&["goals", "open"], "--seed"),
-        (&["goals", "open", "--seed", "-1"], "invalid value"),
+        (&["goals", "open", "--seed", "-1"], "unexpected argument"),
         (&["goals", "open", "--secret", "none.json"], "none.json"),
     ] {
         let output = ramp(&folder, arguments);
