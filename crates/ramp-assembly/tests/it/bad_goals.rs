@@ -149,7 +149,10 @@ fn elements_attributes_and_values() {
         "5:33: found flipped=\"yes\", expected True or False",
     );
     says(&broken("base=\"True\"", "base=\"1\""), "2:30: found base=\"1\", expected True or False");
-    says(&broken("\"easy\"", "\"simple\""), "1:32: found class=\"simple\", expected easy, medium or hard");
+    says(
+        &broken("\"easy\"", "\"simple\""),
+        "1:32: found class=\"simple\", expected easy, medium, hard or a set of the open class, such as open-2026",
+    );
     for bad in ["NaN", "ninety", "1e9"] {
         says(
             &broken("beam=\"b4\"", &format!("beam=\"b4\" yaw=\"{bad}\"")),
