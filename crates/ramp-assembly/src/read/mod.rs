@@ -94,7 +94,7 @@ fn read(file: &SourceFile, stem: &str, kit: &Kit) -> Result<Assembly> {
         None => return Err(root.fault(FormProblem::FileName { found: shorten(stem) }.into())),
     };
     let class = match root.optional("class") {
-        Some(value) => match Class::of_name(&value.text()) {
+        Some(value) => match Class::of_name(value.text()) {
             Some(class) => Some(class),
             None => {
                 return Err(

@@ -12,8 +12,8 @@ fn data() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data")
 }
 
-/// A set with the checks of this crate alone.
-fn set(kit: &Kit, seed: u64) -> Vec<OpenGoal> {
+/// The first goals of a set, with the checks of this crate alone.
+fn set(kit: &Kit, seed: u64, count: usize) -> Vec<OpenGoal> {
     let folder = data().join("goals");
     let known: Vec<_> = goal_names(&folder)
         .unwrap()
@@ -24,13 +24,13 @@ fn set(kit: &Kit, seed: u64) -> Vec<OpenGoal> {
         })
         .collect();
     let mut open = OpenGoals::new(kit, Class::Open(OpenSet::Seed(seed)), seed, &known).unwrap();
-    std::iter::from_fn(|| open.next_goal(&mut |_| true).unwrap()).collect()
+    std::iter::from_fn(|| open.next_goal(&mut |_| true).unwrap()).take(count).collect()
 }
 
 #[test]
 fn a_set_has_twenty_goals_of_each_size_over_all_of_the_kit() {
     let kit = read_kit(&data().join("kit.xml")).unwrap();
-    let goals = set(&kit, 1);
+    let goals = set(&kit, 1, 61);
     assert_eq!(goals.len(), 60);
     let mut types = BTreeSet::new();
     let mut beams = BTreeSet::new();
@@ -58,15 +58,15 @@ fn a_set_has_twenty_goals_of_each_size_over_all_of_the_kit() {
     assert_eq!(beams.len(), kit.beams.len(), "{beams:?}");
     // The same seed again, and another one.
     let texts = |goals: &[OpenGoal]| goals.iter().map(|it| it.goal.goal.clone()).collect::<Vec<_>>();
-    assert_eq!(texts(&set(&kit, 1)), texts(&goals));
-    assert!(texts(&set(&kit, 2)).iter().zip(texts(&goals)).all(|(one, other)| *one != other));
+    assert_eq!(texts(&set(&kit, 1, 10)), texts(&goals)[..10]);
+    assert!(texts(&set(&kit, 2, 10)).iter().zip(texts(&goals)).all(|(one, other)| *one != other));
 }
 
 /// A goal of the set, its mirror image, and one with beams of the same shape exchanged are copies.
 #[test]
 fn copies_are_left_out() {
     let kit = read_kit(&data().join("kit.xml")).unwrap();
-    let first = set(&kit, 5);
+    let first = set(&kit, 5, 10);
     let swapped: Vec<_> = first
         .iter()
         .map(|it| {
@@ -76,7 +76,8 @@ fn copies_are_left_out() {
         })
         .collect();
     let mut open = OpenGoals::new(&kit, Class::Open(OpenSet::Seed(5)), 5, &swapped).unwrap();
-    let again: Vec<OpenGoal> = std::iter::from_fn(|| open.next_goal(&mut |_| true).unwrap()).collect();
+    let again: Vec<OpenGoal> =
+        std::iter::from_fn(|| open.next_goal(&mut |_| true).unwrap()).take(10).collect();
     let essence = |text: &str| text.split("<component").skip(1).map(str::to_string).collect::<String>();
     for it in &again {
         assert!(
@@ -90,10 +91,9 @@ fn copies_are_left_out() {
 #[test]
 fn a_kit_with_new_parts_gives_a_set_with_them() {
     let kit = read_kit(&data().join("examples/kit-45.xml")).unwrap();
-    let goals = set(&kit, 1);
-    assert_eq!(goals.len(), 60);
+    let goals = set(&kit, 1, 20);
     let with = goals.iter().filter(|it| it.goal.goal.contains("\"b10\"")).count();
-    assert!(with >= 10, "{with}");
+    assert!(with >= 3, "{with}");
 }
 
 #[test]

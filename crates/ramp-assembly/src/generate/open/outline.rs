@@ -6,6 +6,9 @@ use nalgebra::Point2;
 /// Holes nearer than this are at the same place, m. Different goals of a kit differ by much more.
 const NEAR: f64 = 1.0e-3;
 
+/// A joint of a beam: its type, and its hole, m in the assembly frame.
+type PlacedJoint = (&'static str, Point2<f64>);
+
 /// The shape of a goal: which joint types lie where. Names of beams, and the order in the file, do not
 /// count; neither does the side to which a joint is open.
 #[derive(Clone, Debug)]
@@ -13,8 +16,8 @@ pub(super) struct Outline {
     pegs: usize,
     /// Length of the clamped beam, m: it lies along X from the origin.
     base: f64,
-    /// The joints of each beam: type and hole, m in the assembly frame.
-    beams: Vec<Vec<(&'static str, Point2<f64>)>>,
+    /// The joints of each beam.
+    beams: Vec<Vec<PlacedJoint>>,
 }
 
 impl Outline {
@@ -43,16 +46,9 @@ impl Outline {
     }
 
     /// Whether a beam, or its mirror image, lies where another one does.
-    fn lies_as(
-        &self,
-        own: &[(&'static str, Point2<f64>)],
-        other: &[(&'static str, Point2<f64>)],
-        mirrored: bool,
-    ) -> bool {
+    fn lies_as(&self, own: &[PlacedJoint], other: &[PlacedJoint], mirrored: bool) -> bool {
         let image = |p: &Point2<f64>| if mirrored { Point2::new(self.base - p.x, p.y) } else { *p };
-        let near = |(a, b): (&(&'static str, Point2<f64>), &(&'static str, Point2<f64>))| {
-            a.0 == b.0 && (image(&a.1) - b.1).norm() < NEAR
-        };
+        let near = |(a, b): (&PlacedJoint, &PlacedJoint)| a.0 == b.0 && (image(&a.1) - b.1).norm() < NEAR;
         own.len() == other.len()
             && (own.iter().zip(other).all(near) || own.iter().zip(other.iter().rev()).all(near))
     }
