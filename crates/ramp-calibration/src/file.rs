@@ -56,17 +56,6 @@ pub struct FrictionEntry {
     pub offset: [f64; DOF],
 }
 
-/// What the flange carries.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PayloadEntry {
-    /// The arm's name.
-    pub arm: String,
-    /// kg.
-    pub mass: f64,
-    /// Centre of mass in the flange's frame, m.
-    pub centre: [f64; 3],
-}
-
 /// The content of a calibration file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Calibration {
@@ -82,8 +71,6 @@ pub struct Calibration {
     pub table: Option<TableEntry>,
     /// The joints' friction.
     pub friction: Option<FrictionEntry>,
-    /// What the flange carries.
-    pub payload: Option<PayloadEntry>,
 }
 
 impl Calibration {
@@ -189,11 +176,6 @@ impl Calibration {
             let _ = writeln!(text, "\n{about}\n[friction]\narm = \"{arm}\"\ncoulomb = {coulomb:?}");
             let _ = writeln!(text, "viscous = {viscous:?}\noffset = {offset:?}");
         }
-        if let Some(PayloadEntry { arm, mass, centre }) = &self.payload {
-            let about = "# What the flange carries, in the flange's frame";
-            let _ =
-                writeln!(text, "\n{about}\n[payload]\narm = \"{arm}\"\nmass = {mass:?}\ncentre = {centre:?}");
-        }
         text
     }
 }
@@ -213,7 +195,7 @@ impl Reader<'_> {
             self.wrong(at, shorten(error.message()), "valid TOML")
         })?;
         let table = table.get_ref();
-        let known = ["format", "lens", "hand-eye", "birds-eye", "table", "friction", "payload"];
+        let known = ["format", "lens", "hand-eye", "birds-eye", "table", "friction"];
         self.check(table, "a calibration file", &known)?;
         let format = self.need(table, 0, "format")?;
         if !matches!(format.get_ref(), DeValue::String(text) if text == FORMAT) {
@@ -238,9 +220,6 @@ impl Reader<'_> {
         }
         if let Some(entry) = table.get("friction") {
             found.friction = Some(self.friction(entry)?);
-        }
-        if let Some(entry) = table.get("payload") {
-            found.payload = Some(self.payload(entry)?);
         }
         Ok(found)
     }
@@ -272,31 +251,18 @@ impl Reader<'_> {
     fn friction(&self, entry: Entry<'_, '_>) -> Result<FrictionEntry, CalibrationError> {
         let table = self.table(entry)?;
         self.check(table, "friction", &["arm", "coulomb", "viscous", "offset"])?;
-        let arm = self.arm(table, entry)?;
+        let arm = self.need(table, entry.span().start, "arm")?;
+        let name = match arm.get_ref() {
+            DeValue::String(name) if ramp_source::is_name(name) => name.to_string(),
+            _ => return Err(self.value(arm, "the name of an arm")),
+        };
         let torques = |name: &str| self.numbers(table, entry, name, [-1000.0, 1000.0]);
         Ok(FrictionEntry {
-            arm,
+            arm: name,
             coulomb: torques("coulomb")?,
             viscous: torques("viscous")?,
             offset: torques("offset")?,
         })
-    }
-
-    fn payload(&self, entry: Entry<'_, '_>) -> Result<PayloadEntry, CalibrationError> {
-        let table = self.table(entry)?;
-        self.check(table, "payload", &["arm", "mass", "centre"])?;
-        let [mass] = self.numbers(table, entry, "mass", [-100.0, 100.0])?;
-        let centre = self.numbers(table, entry, "centre", [-10.0, 10.0])?;
-        Ok(PayloadEntry { arm: self.arm(table, entry)?, mass, centre })
-    }
-
-    /// The name of the arm of a section.
-    fn arm(&self, table: &DeTable<'_>, section: Entry<'_, '_>) -> Result<String, CalibrationError> {
-        let arm = self.need(table, section.span().start, "arm")?;
-        match arm.get_ref() {
-            DeValue::String(name) if ramp_source::is_name(name) => Ok(name.to_string()),
-            _ => Err(self.value(arm, "the name of an arm")),
-        }
     }
 
     fn table<'t, 'a>(&self, entry: Entry<'t, 'a>) -> Result<&'t DeTable<'a>, CalibrationError> {

@@ -1,12 +1,11 @@
 //! Calibration of a real cell from recordings: the cameras' lenses and poses, the table, the joints'
-//! friction, the payload.
+//! friction.
 //!
 //! Data passes one way. [`records`] reads images and tables of numbers from files. [`sights`] measures the
 //! tags of a known target in an image; [`start`] makes a first estimate from a few of them, and [`adjust`]
 //! moves all unknowns until the target would have been seen so. [`lens`], [`hand_eye`] and [`birds_eye`] do
-//! this for the cameras. [`table`] fits touched points, [`friction`] and [`payload`] fit torques. Each gives
-//! its estimate with a residual, standard errors and a [`Verdict`]; [`mod@file`] holds the estimates that
-//! passed.
+//! this for the cameras, [`table`] and [`friction`] fit touched points and torques. Each returns its estimate
+//! with a residual, standard errors and a [`Verdict`]; [`mod@file`] holds the estimates that passed.
 
 pub mod adjust;
 pub mod birds_eye;
@@ -16,7 +15,6 @@ pub mod friction;
 pub mod hand_eye;
 mod jackknife;
 pub mod lens;
-pub mod payload;
 pub mod records;
 pub mod sights;
 pub mod start;

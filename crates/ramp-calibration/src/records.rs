@@ -210,41 +210,6 @@ pub fn read_points(path: &Path) -> Result<Vec<[f64; 3]>, CalibrationError> {
     Ok(points)
 }
 
-/// The arm at rest in a pose.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RestSample {
-    /// Joint positions, rad.
-    pub positions: [f64; 7],
-    /// Measured torques with those against gravity, N·m.
-    pub torques: [f64; 7],
-}
-
-/// Poses at rest, from a table with the columns `q1` to `q7` and `tau1` to `tau7`.
-///
-/// # Errors
-/// The first invalid row.
-pub fn read_rests(path: &Path) -> Result<Vec<RestSample>, CalibrationError> {
-    let columns: Vec<String> = each("q").chain(each("tau")).collect();
-    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
-    let mut samples = Vec::new();
-    read_table(path, &columns, |row| {
-        samples.push(RestSample {
-            positions: row.numbers(0, MOST_JOINT[0])?,
-            torques: row.numbers(7, MOST_JOINT[2])?,
-        });
-        Ok(())
-    })?;
-    Ok(samples)
-}
-
-/// Largest position (rad), velocity (rad/s) and torque (N·m) of a joint.
-const MOST_JOINT: [f64; 3] = [10.0, 10.0, 1000.0];
-
-/// The columns of a quantity of each joint.
-fn each(name: &'static str) -> impl Iterator<Item = String> {
-    (1..=7).map(move |joint| format!("{name}{joint}"))
-}
-
 /// A moment of a recording of the joints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointSample {
@@ -264,23 +229,24 @@ pub struct JointSample {
 /// # Errors
 /// The first invalid row, or a time that is not after the one before.
 pub fn read_joints(path: &Path) -> Result<Vec<JointSample>, CalibrationError> {
-    /// Largest time, s.
-    const LATEST: f64 = 1e6;
+    /// Largest time (s), position (rad), velocity (rad/s) and torque (N·m).
+    const MOST: [f64; 4] = [1e6, 10.0, 10.0, 1000.0];
+    let each = |name: &'static str| (1..=7).map(move |joint| format!("{name}{joint}"));
     let columns: Vec<String> =
         std::iter::once("time".to_string()).chain(each("q")).chain(each("dq")).chain(each("tau")).collect();
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     let mut samples: Vec<JointSample> = Vec::new();
     read_table(path, &columns, |row| {
-        let [time] = row.numbers(0, LATEST)?;
+        let [time] = row.numbers(0, MOST[0])?;
         if let Some(last) = samples.last().filter(|last| time <= last.time) {
             let found = format!("the time {time} s after {} s", last.time);
             return Err(row.wrong(&found, "times that increase"));
         }
         samples.push(JointSample {
             time,
-            positions: row.numbers(1, MOST_JOINT[0])?,
-            velocities: row.numbers(8, MOST_JOINT[1])?,
-            torques: row.numbers(15, MOST_JOINT[2])?,
+            positions: row.numbers(1, MOST[1])?,
+            velocities: row.numbers(8, MOST[2])?,
+            torques: row.numbers(15, MOST[3])?,
         });
         Ok(())
     })?;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_calibration::Calibration;
-use ramp_calibration::file::{FrictionEntry, PayloadEntry, TableEntry};
+use ramp_calibration::file::{FrictionEntry, TableEntry};
 use ramp_robot::camera::Mount;
 use ramp_robot::{Camera, Pose};
 use ramp_testing::calibration::real_lens;
@@ -18,11 +18,6 @@ fn full() -> Calibration {
             coulomb: [0.1 + 0.2; 7],
             viscous: [0.21; 7],
             offset: [-1e-3; 7],
-        }),
-        payload: Some(PayloadEntry {
-            arm: "panda".to_string(),
-            mass: 0.93,
-            centre: [0.0, -0.01 / 3.0, 0.05],
         }),
         ..Calibration::default()
     };

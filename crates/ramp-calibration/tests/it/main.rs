@@ -6,5 +6,4 @@
 mod cameras;
 mod file;
 mod friction;
-mod payload;
 mod table;

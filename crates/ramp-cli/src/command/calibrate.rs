@@ -4,12 +4,9 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use miette::{Report, miette};
-use nalgebra::Vector3;
-use ramp_calibration::file::{FrictionEntry, PayloadEntry, TableEntry};
-use ramp_calibration::records::{images_of, read_joints, read_points, read_poses, read_rests};
-use ramp_calibration::{
-    Calibration, CalibrationError, Verdict, birds_eye, friction, hand_eye, lens, payload, table,
-};
+use ramp_calibration::file::{FrictionEntry, TableEntry};
+use ramp_calibration::records::{images_of, read_joints, read_points, read_poses};
+use ramp_calibration::{Calibration, CalibrationError, Verdict, birds_eye, friction, hand_eye, lens, table};
 use ramp_data::Data;
 use ramp_kit::source::plain;
 use ramp_robot::{Camera, CameraModel, Pose};
@@ -68,14 +65,6 @@ enum Command {
         #[command(flatten)]
         output: Output,
     },
-    /// Mass and centre of what the flange carries, from joint torques at rest
-    Payload {
-        /// Poses at rest with their torques (CSV)
-        #[arg(value_name = "FILE")]
-        recording: PathBuf,
-        #[command(flatten)]
-        output: Output,
-    },
     /// Friction of the joints, from recorded velocities and torques
     Friction {
         /// Recording of the joints (CSV)
@@ -99,7 +88,6 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         Command::HandEye { images, output } => calibrate_hand_eye(images, &output.output),
         Command::BirdsEye { images, output } => calibrate_birds_eye(data, images, &output.output),
         Command::Table { points, output } => calibrate_table(data, points, &output.output),
-        Command::Payload { recording, output } => calibrate_payload(data, recording, &output.output),
         Command::Friction { recording, output } => calibrate_friction(data, recording, &output.output),
     }
 }
@@ -253,31 +241,5 @@ fn calibrate_friction(data: &Data, recording: &Path, path: &Path) -> Result<u8, 
         viscous: of(|it| it.viscous),
         offset: of(|it| it.offset),
     });
-    conclude(text, &found.verdict(), &calibration, path)
-}
-
-fn calibrate_payload(data: &Data, recording: &Path, path: &Path) -> Result<u8, Report> {
-    let mut calibration = open(path)?;
-    let arm = data.arm()?;
-    let found = payload::calibrate(&arm, &read_rests(recording)?)?;
-    let mut text = format!("payload at the flange of the arm `{}`, from {} poses\n", arm.name, found.poses);
-    let [mass_error, centre_error] = found.errors;
-    let millimetres = |centre: &Vector3<f64>| {
-        let c = centre * 1e3;
-        format!("{:.1}, {:.1}, {:.1} mm", c.x, c.y, c.z)
-    };
-    let (mass, centre) = payload::of_arm_file(&arm);
-    let _ = writeln!(text, "mass: {:.3} ± {mass_error:.3} kg; the arm file's hand has {mass:.3}", found.mass);
-    let _ = writeln!(
-        text,
-        "centre: {} ± {:.1}; the arm file's hand: {}",
-        millimetres(&found.centre),
-        centre_error * 1e3,
-        millimetres(&centre)
-    );
-    let offsets = found.offsets.map(|offset| format!("{offset:.2}")).join(", ");
-    let _ = writeln!(text, "offsets of the torque sensors: {offsets} N·m");
-    calibration.payload =
-        Some(PayloadEntry { arm: arm.name.clone(), mass: found.mass, centre: found.centre.into() });
     conclude(text, &found.verdict(), &calibration, path)
 }
