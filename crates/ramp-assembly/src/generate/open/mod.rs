@@ -1,8 +1,8 @@
 //! Sets of the open class: 60 goals from a seed, 20 of each size.
 //!
-//! A set is drawn goal by goal. Each place of the set asks for a number of beams and for a [`Form`]. For each
+//! A set is drawn goal by goal. Each place of the set asks for a number of beams and for a form. For each
 //! place the seed draws several candidates, which are generated like any other goal. A candidate that is a
-//! copy of a known goal or of an earlier one of the set, up to symmetry ([`outline`]), is dropped. Of the
+//! copy of a known goal or of an earlier one of the set, up to symmetry (`outline`), is dropped. Of the
 //! others, the one comes first whose joints and angles the set has used least. The caller decides
 //! whether a goal can be planned and built.
 
