@@ -32,7 +32,7 @@ def test_an_agent_has_no_name_of_the_benchmark():
 
 
 def test_a_skill_of_ones_own_is_named_with_the_hash_of_its_source(tmp_path):
-    (tmp_path / "mine.toml").write_text("[agent]\nreplans = 0\n")
+    (tmp_path / "mine.toml").write_text("[agent]\nlatest = 0\n")
     options = {"world": "ideal", "track": "state", "parameters": tmp_path / "mine.toml"}
     result = ramp.run("easy-1", skills=[Press()], **options)
     skill, parameters = result.agent.split()[0].split("+")[1:]
