@@ -8,8 +8,7 @@ use ramp_log::Log;
 use ramp_log::calls::{CallsError, Entry};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{
-    Account, Agent, ArmCommand, BLIND_TAPE, Command, DOF, GripperCommand, Observation, PERIOD, Robot,
-    RobotError,
+    Account, Agent, ArmCommand, BLIND_TAPE, Command, DOF, GripperCommand, PERIOD, Robot, RobotError,
 };
 use ramp_twin::{Setup, TwinError};
 
@@ -66,34 +65,49 @@ impl Tape {
         Ok(Tape { commands, arm: arm.map_err(ReplayError::Arm)? })
     }
 
+    /// The tape runs on while the arm stands after a stop: commands of that time are left out.
     fn play(&self, robot: &mut dyn Robot) -> Result<(), RobotError> {
-        let mut seen = robot.observe();
-        let mut in_joints = false;
         let mut smoother = Smoother::new(&self.arm);
+        let mut in_joints = false;
+        let mut missed = 0;
         for (command, periods) in &self.commands {
-            let played = (|| {
-                if let ArmCommand::JointPositions(positions) = &command.arm
-                    && !in_joints
-                {
-                    seen = bridge(robot, &mut smoother, positions, command.gripper)?;
-                }
-                for _ in 0..*periods {
-                    seen = robot.step(&smoother.smooth(command, &seen).0)?;
-                }
-                Ok(())
-            })();
-            in_joints = matches!(command.arm, ArmCommand::JointPositions(_));
-            match played {
-                // It goes on with the next command, from where the arm stands.
-                Err(RobotError::Recovered { .. }) => {
+            let left_out = missed.min(*periods);
+            missed -= left_out;
+            if left_out == *periods {
+                continue;
+            }
+            match play_command(robot, &mut smoother, command, periods - left_out, in_joints) {
+                Err(RobotError::Recovered { after, .. }) => {
+                    missed += (after / PERIOD).round() as u64;
                     smoother.begin_anew();
-                    (seen, in_joints) = (robot.observe(), false);
+                    in_joints = false;
                 }
-                other => other?,
+                other => {
+                    other?;
+                    in_joints = matches!(command.arm, ArmCommand::JointPositions(_));
+                }
             }
         }
         Ok(())
     }
+}
+
+/// Plays a command for some periods; `in_joints` after joint positions, to which the next ones can follow.
+fn play_command(
+    robot: &mut dyn Robot,
+    smoother: &mut Smoother,
+    command: &Command,
+    periods: u64,
+    in_joints: bool,
+) -> Result<(), RobotError> {
+    if let (ArmCommand::JointPositions(positions), false) = (&command.arm, in_joints) {
+        bridge(robot, smoother, positions, command.gripper)?;
+    }
+    for _ in 0..periods {
+        let smooth = smoother.smooth(command, &robot.observe()).0;
+        robot.step(&smooth)?;
+    }
+    Ok(())
 }
 
 /// Moves the arm from where it is to the next command of the tape. Contact has left it a little elsewhere
@@ -103,7 +117,7 @@ fn bridge(
     smoother: &mut Smoother,
     to: &[f64; DOF],
     gripper: GripperCommand,
-) -> Result<Observation, RobotError> {
+) -> Result<(), RobotError> {
     let mut seen = robot.observe();
     let from = seen.positions;
     let farthest = from.iter().zip(to).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max);
@@ -116,7 +130,7 @@ fn bridge(
         let command = Command { arm: ArmCommand::JointPositions(positions), gripper };
         seen = robot.step(&smoother.smooth(&command, &seen).0)?;
     }
-    Ok(seen)
+    Ok(())
 }
 
 impl Agent for Tape {

@@ -195,7 +195,7 @@ impl<'a> ExternalAgent<'a> {
         robot.step(&smooth)
     }
 
-    /// What the agent is told of an error of the robot.
+    /// The answer to the agent after an error of the robot.
     fn told(&mut self, error: RobotError, robot: &dyn Robot) -> Result<Answer, End> {
         match error {
             RobotError::Recovered { why, after } => {
@@ -223,7 +223,7 @@ impl<'a> ExternalAgent<'a> {
                     for _ in 0..periods {
                         let after = match self.step(&command, robot) {
                             Ok(after) => after,
-                            // What is left of the message is not carried out.
+                            // The rest of the message is not carried out.
                             Err(error) => return self.told(error, robot),
                         };
                         self.pace.check(after.time, self.process.before());

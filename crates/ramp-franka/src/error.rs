@@ -24,7 +24,7 @@ pub enum FrankaError {
     Cell {
         /// Its address.
         address: String,
-        /// What the system says.
+        /// The words of the system.
         error: std::io::Error,
     },
     /// The cell's answer is none.
@@ -32,7 +32,7 @@ pub enum FrankaError {
     CellAnswer {
         /// Its address.
         address: String,
-        /// What is wrong with it.
+        /// The fault.
         why: String,
     },
     /// A camera of this computer.
@@ -40,7 +40,7 @@ pub enum FrankaError {
     Camera {
         /// Its device.
         name: String,
-        /// What is wrong with it.
+        /// The fault.
         why: String,
     },
     /// A command was refused before it was sent.

@@ -348,7 +348,8 @@ pub struct Physics {
     pub deepest_penetration: f64,
     /// Largest force between the hand and what it touched or held, N: at the wrist, filtered with 20 ms.
     pub largest_force: f64,
-    /// How often the arm stopped by a reflex or for its speed and was ready again; 0 is not in the file.
+    /// Number of stops by reflex or for the speed of a joint after which the arm was ready again; 0 is not in
+    /// the file.
     #[serde(default, skip_serializing_if = "is_none_at_all")]
     pub stops: usize,
     /// Hash of the final physics state: equal hashes mean equal states, bit by bit.

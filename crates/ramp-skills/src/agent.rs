@@ -14,7 +14,7 @@ use ramp_world::Start;
 
 use crate::cell::{InsertionPath, Workcell};
 use crate::fault::{Fault, SkillError};
-use crate::history::{Change, Choice, Doing, History};
+use crate::history::{Change, Choice, History, Work};
 use crate::parameters::Parameters;
 use crate::recovery::{check_holes, note_fault, recover};
 use crate::rehearsal::{Rehearsal, Scene, UnusualGrasp, plan_with_motion};
@@ -55,10 +55,10 @@ pub struct Baseline<'a> {
     told: Vec<MotionFact>,
     /// Skills that an event has reported as not rehearsed, by name.
     not_rehearsed: Vec<String>,
-    /// What was tried, and what is left.
+    /// The attempts so far, and the choices that are left.
     history: History,
-    /// What it is about to do.
-    doing: Option<Doing>,
+    /// The work that has begun.
+    work: Option<Work>,
     /// The peg that is being fetched: one that cannot be gripped is not tried again.
     fetching: Option<String>,
     /// The step of the plan that is carried out: its number from 1, and its words.
@@ -94,7 +94,7 @@ impl<'a> Baseline<'a> {
             told: Vec::new(),
             not_rehearsed: Vec::new(),
             history: History::default(),
-            doing: None,
+            work: None,
             fetching: None,
             step: None,
             failure: None,
@@ -327,8 +327,8 @@ impl<'a> Baseline<'a> {
                 Err(error) => {
                     cell.record(error.fault());
                     self.report(cell);
-                    if let Some(doing) = self.doing.take() {
-                        self.history.failed(&doing, &error.to_string(), cell.progress());
+                    if let Some(work) = self.work.take() {
+                        self.history.failed(&work, &error.to_string(), cell.progress());
                     }
                     recover(&self.skills, cell, self.fetching.take().as_deref(), &mut lost)?;
                     self.report(cell);
@@ -341,7 +341,7 @@ impl<'a> Baseline<'a> {
     /// The plan to carry out next. One that follows a failure differs from the plans before in a named way.
     ///
     /// # Errors
-    /// Why there is none, for a person.
+    /// The reason for which there is none, for a person.
     fn next_plan(&mut self, cell: &mut Workcell, lost: &[String]) -> Result<Plan, String> {
         if let Some(plan) = self.fixed.take() {
             self.given = true;
@@ -363,8 +363,8 @@ impl<'a> Baseline<'a> {
         if cell.hand.time() > self.parameters.agent.latest {
             return Err(format!("no time is left for another plan; {}", self.history.account()));
         }
-        while let Some((doing, change)) = self.history.change(&Choice::of(cell, lost)) {
-            cell.record(Retry::new("plan", doing.about()).because(format!("{}, {change}", doing.step())));
+        while let Some((work, change)) = self.history.change(&Choice::of(cell, lost)) {
+            cell.record(Retry::new("plan", work.about()).because(format!("{}, {change}", work.step())));
             if change == Change::Pause {
                 // A robot that has stopped for good says so again at the next call.
                 let waited = cell.hand.wait(self.parameters.agent.pause);
@@ -424,7 +424,7 @@ impl<'a> Baseline<'a> {
                     _ => None,
                 });
                 if let Some(connection) = next {
-                    self.doing = Some(Doing::holes(&self.assembly.connections[connection].name));
+                    self.work = Some(Work::holes(&self.assembly.connections[connection].name));
                     check_holes(&self.skills, cell, connection)?;
                 }
             }
@@ -440,7 +440,7 @@ impl<'a> Baseline<'a> {
                     _ => None,
                 };
                 let call = Call { action, plan: &plan.steps, step: index };
-                self.doing = Some(Doing::action(&call, self.assembly));
+                self.work = Some(Work::action(&call, self.assembly));
                 if let Err(error) = self.skills.execute(cell, &call) {
                     self.learn(cell, &call, &error);
                     return Err(error);

@@ -19,9 +19,9 @@ use crate::skill::{ActionKind, Call};
 /// The most characters of a reason in the account of what was tried.
 const LONGEST_REASON: usize = 90;
 
-/// What an agent was about to do when it failed.
+/// The work at which an agent has failed: an action, or the check of two holes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Doing {
+pub struct Work {
     /// The action; `None` for the check of two holes before a peg is fetched.
     kind: Option<ActionKind>,
     /// The beam, the connection or the peg that it is about.
@@ -34,16 +34,16 @@ pub struct Doing {
     peg: Option<String>,
 }
 
-impl Doing {
+impl Work {
     /// A fine action.
-    pub fn action(call: &Call, assembly: &Assembly) -> Doing {
+    pub fn action(call: &Call, assembly: &Assembly) -> Work {
         let part = call.part().map(str::to_string);
         let is_beam = part.as_ref().is_some_and(|part| assembly.kit.beam(part).is_some());
         let about = match call.action {
             FineAction::Fasten { connection, .. } => Some(connection.clone()),
             _ => part.clone(),
         };
-        Doing {
+        Work {
             kind: Some(call.kind()),
             about: about.unwrap_or_else(|| call.action.to_string()),
             beam: part.clone().filter(|_| is_beam),
@@ -53,11 +53,11 @@ impl Doing {
     }
 
     /// The check of the holes of a connection.
-    pub fn holes(connection: &str) -> Doing {
-        Doing { kind: None, about: connection.to_string(), beam: None, link: None, peg: None }
+    pub fn holes(connection: &str) -> Work {
+        Work { kind: None, about: connection.to_string(), beam: None, link: None, peg: None }
     }
 
-    /// What it is about, by name.
+    /// The name of its beam, connection or peg.
     pub fn about(&self) -> &str {
         &self.about
     }
@@ -73,7 +73,7 @@ impl Doing {
     }
 }
 
-impl fmt::Display for Doing {
+impl fmt::Display for Work {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self.kind {
             Some(kind) => write!(f, "{} {}", kind.name().replace('_', " "), self.about),
@@ -140,7 +140,7 @@ impl fmt::Display for Change {
             }
             Change::Link { not } => write!(f, "by another link than {not}"),
             Change::Path { not } => write!(f, "along another path than {not}"),
-            Change::AsItIs => f.write_str("not at all: it stays as it is"),
+            Change::AsItIs => f.write_str("left as it is"),
             Change::Pause => f.write_str("after a pause"),
             Change::Peg { not } => write!(f, "with another peg than {not}"),
         }
@@ -150,16 +150,16 @@ impl fmt::Display for Change {
 /// An attempt that failed.
 #[derive(Clone, Debug, PartialEq)]
 struct Tried {
-    doing: Doing,
+    work: Work,
     /// Its difference from the attempt before; `None` of the first one.
     with: Option<Change>,
-    /// How it failed.
+    /// The words of its failure.
     how: String,
     /// Beams that stood and pegs that were seated then.
     progress: usize,
 }
 
-/// What there is to choose from.
+/// The grasps and pegs among which there is a choice.
 #[derive(Clone, Debug, Default)]
 pub struct Choice {
     /// The last grasp of each beam, by name.
@@ -182,13 +182,13 @@ impl Choice {
     }
 }
 
-/// What was tried so far.
+/// The attempts so far.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     tried: Vec<Tried>,
     /// The difference of the plan that is carried out.
-    change: Option<(Doing, Change)>,
-    /// What the planner is told to do otherwise.
+    change: Option<(Work, Change)>,
+    /// Facts by which the planner avoids what has failed.
     facts: Vec<MotionFact>,
     /// Grasps of beams that failed, by name.
     grasps: BTreeMap<String, Vec<BeamGrasp>>,
@@ -206,7 +206,7 @@ impl History {
         self.tried.is_empty()
     }
 
-    /// How the last attempt failed.
+    /// The words of the last failure.
     pub fn last(&self) -> Option<String> {
         self.tried.last().map(|tried| tried.how.clone())
     }
@@ -238,32 +238,32 @@ impl History {
     }
 
     /// Records a failure. `progress` counts the beams that stand and the pegs that are seated.
-    pub fn failed(&mut self, doing: &Doing, how: &str, progress: usize) {
+    pub fn failed(&mut self, work: &Work, how: &str, progress: usize) {
         let stood = self.tried.last().is_some_and(|tried| tried.progress == progress);
-        let change = self.change.take().filter(|(about, _)| stood && about.same(doing));
+        let change = self.change.take().filter(|(about, _)| stood && about.same(work));
         let with = change.map(|(_, change)| change);
         let how = plain(how, LONGEST_REASON);
-        self.tried.push(Tried { doing: doing.clone(), with, how, progress });
+        self.tried.push(Tried { work: work.clone(), with, how, progress });
     }
 
     /// The next difference that was not tried yet for what has failed last, and takes it up; `None` when
     /// nothing is left.
-    pub fn change(&mut self, choice: &Choice) -> Option<(Doing, Change)> {
+    pub fn change(&mut self, choice: &Choice) -> Option<(Work, Change)> {
         let last = self.tried.last()?.clone();
         let is_left = |change: &Change| {
             let alike = |tried: &&Tried| tried.with.as_ref().is_some_and(|with| with.is_like(change));
             let tried = self.tried_so_far(&last).filter(alike);
             tried.clone().count() < change.most() && !tried.clone().any(|it| it.with.as_ref() == Some(change))
         };
-        let change = self.options(&last.doing, choice).into_iter().find(is_left)?;
+        let change = self.options(&last.work, choice).into_iter().find(is_left)?;
         self.take_up(&last, &change);
-        self.change = Some((last.doing.clone(), change.clone()));
-        Some((last.doing, change))
+        self.change = Some((last.work.clone(), change.clone()));
+        Some((last.work, change))
     }
 
     /// Takes back a difference with which there is no plan, and counts it as tried.
     pub fn refused(&mut self, why: &str) {
-        let Some((doing, change)) = self.change.take() else { return };
+        let Some((work, change)) = self.change.take() else { return };
         match &change {
             Change::Link { .. } | Change::Path { .. } => drop(self.facts.pop()),
             Change::Peg { not } => self.aside.retain(|peg| peg != not),
@@ -272,10 +272,10 @@ impl History {
         }
         let progress = self.tried.last().map_or(0, |tried| tried.progress);
         let how = plain(&format!("no plan: {why}"), LONGEST_REASON);
-        self.tried.push(Tried { doing, with: Some(change), how, progress });
+        self.tried.push(Tried { work, with: Some(change), how, progress });
     }
 
-    /// What was tried of that which failed last, for a person.
+    /// The attempts at the work that failed last, for a person.
     pub fn account(&self) -> String {
         let Some(last) = self.tried.last() else { return "nothing was tried".to_string() };
         let tried: Vec<String> = self
@@ -285,35 +285,35 @@ impl History {
                 Some(change) => format!("{change}: {}", tried.how),
             })
             .collect();
-        let text = format!("nothing is left to try to {}: {}", last.doing, tried.join("; "));
+        let text = format!("nothing is left to try to {}: {}", last.work, tried.join("; "));
         plain(&text, MAX_SENTENCE - 1)
     }
 
     /// The attempts at the same thing since the last progress.
     fn tried_so_far<'h>(&'h self, last: &'h Tried) -> impl Iterator<Item = &'h Tried> + Clone {
-        self.tried.iter().filter(|tried| tried.doing.same(&last.doing) && tried.progress == last.progress)
+        self.tried.iter().filter(|tried| tried.work.same(&last.work) && tried.progress == last.progress)
     }
 
     /// Everything that might be done otherwise, the least invasive first.
-    fn options(&self, doing: &Doing, choice: &Choice) -> Vec<Change> {
+    fn options(&self, work: &Work, choice: &Choice) -> Vec<Change> {
         let mut options = vec![Change::Look];
-        if let Some(beam) = &doing.beam {
-            if !doing.stands()
+        if let Some(beam) = &work.beam {
+            if !work.stands()
                 && let Some(grasp) = choice.gripped.get(beam)
             {
                 options.push(Change::Grasp { not: *grasp });
             }
-            if let Some(not) = doing.link.clone() {
+            if let Some(not) = work.link.clone() {
                 options.push(Change::Link { not });
             }
-            if doing.kind == Some(ActionKind::Push) {
+            if work.kind == Some(ActionKind::Push) {
                 options.push(Change::AsItIs);
             }
-            if let Some(path) = self.paths.get(beam).filter(|_| !doing.stands()) {
+            if let Some(path) = self.paths.get(beam).filter(|_| !work.stands()) {
                 options.push(Change::Path { not: path.clone() });
             }
         }
-        if let Some(peg) = doing.peg.clone().filter(|_| choice.spare > self.aside.len()) {
+        if let Some(peg) = work.peg.clone().filter(|_| choice.spare > self.aside.len()) {
             options.push(Change::Peg { not: peg });
         }
         options.push(Change::Pause);
@@ -322,8 +322,8 @@ impl History {
 
     fn take_up(&mut self, last: &Tried, change: &Change) {
         let because = format!("it was tried: {}", last.how);
-        let at = if last.doing.stands() { End::Place } else { End::Start };
-        let beam = last.doing.beam.clone().unwrap_or_default();
+        let at = if last.work.stands() { End::Place } else { End::Start };
+        let beam = last.work.beam.clone().unwrap_or_default();
         match change {
             Change::Look | Change::Pause => {}
             Change::AsItIs => self.skipped.push((beam, last.progress)),
@@ -341,9 +341,9 @@ impl History {
     }
 }
 
-impl Doing {
+impl Work {
     /// Whether it is the same work on the same thing, whatever part it is done with.
-    fn same(&self, other: &Doing) -> bool {
+    fn same(&self, other: &Work) -> bool {
         self.kind == other.kind && (self.about == other.about || self.is_peg() && other.is_peg())
     }
 
@@ -357,19 +357,19 @@ impl Doing {
 mod tests {
     use super::*;
 
-    fn insertion() -> Doing {
+    fn insertion() -> Work {
         let [beam, link] = ["b4", "b4l2"].map(|name| Some(name.to_string()));
-        Doing { kind: Some(ActionKind::AssembleSquare), about: "b4".into(), beam, link, peg: None }
+        Work { kind: Some(ActionKind::AssembleSquare), about: "b4".into(), beam, link, peg: None }
     }
 
     fn gripped(s: f64, reverse: bool, spare: usize) -> Choice {
         Choice { gripped: BTreeMap::from([("b4".to_string(), BeamGrasp { s, reverse })]), spare }
     }
 
-    /// What a history does after each of so many failures of the same work.
-    fn changes(history: &mut History, doing: &Doing, choices: &[Choice]) -> Vec<Option<String>> {
+    /// The choice of a history after each of so many failures of the same work.
+    fn changes(history: &mut History, work: &Work, choices: &[Choice]) -> Vec<Option<String>> {
         let change = |choice: &Choice| {
-            history.failed(doing, "it jams", 3);
+            history.failed(work, "it jams", 3);
             history.change(choice).map(|(_, change)| change.to_string())
         };
         choices.iter().map(change).collect()
@@ -419,7 +419,7 @@ mod tests {
     /// Another peg only where there is a spare one; which peg it is makes no other work of it.
     #[test]
     fn pegs_are_set_aside_as_long_as_there_are_spare_ones() {
-        let fetch = |peg: &str| Doing {
+        let fetch = |peg: &str| Work {
             kind: Some(ActionKind::PickUp),
             about: peg.into(),
             beam: None,
@@ -441,7 +441,7 @@ mod tests {
     #[test]
     fn a_difference_without_a_plan_is_taken_back() {
         let mut history = History::default();
-        let push = Doing { kind: Some(ActionKind::Push), ..insertion() };
+        let push = Work { kind: Some(ActionKind::Push), ..insertion() };
         history.failed(&push, "b4 stands 3.4 mm off", 3);
         history.change(&Choice::default());
         history.failed(&push, "b4 stands 3.5 mm off", 3);

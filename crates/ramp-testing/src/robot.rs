@@ -1,9 +1,35 @@
 //! Robots that a test changes: each call goes to the robot below, and the test alters what goes down or comes
 //! up.
 
+use nalgebra::Vector6;
 use ramp_robot::{
-    Camera, CameraModel, Command, Image, ImageWidth, Observation, PartReading, Robot, RobotError,
+    ArmCommand, Camera, CameraModel, Command, DOF, GripperCommand, Image, ImageWidth, Impedance, Observation,
+    PartReading, Robot, RobotError,
 };
+
+/// Moves the tip by `height` m along the vertical at 0.1 m/s from where it is, under impedance, with the
+/// elbow near `posture` (rad).
+///
+/// # Errors
+///
+/// The robot's.
+pub fn press(robot: &mut dyn Robot, height: f64, posture: [f64; DOF]) -> Result<(), RobotError> {
+    let from = robot.observe();
+    let steps = (height.abs() / 0.1 * 1e3) as u32;
+    for step in 1..=steps {
+        let mut x_wt = from.x_wt;
+        x_wt.translation.z += height * f64::from(step) / f64::from(steps);
+        let arm = ArmCommand::CartesianImpedance(Impedance {
+            x_wt,
+            stiffness: Vector6::new(1500.0, 1500.0, 1500.0, 60.0, 60.0, 60.0),
+            damping_ratio: 1.0,
+            feed_forward: Vector6::zeros(),
+            posture,
+        });
+        robot.step(&Command { arm, gripper: GripperCommand { width: 0.04, force: 20.0 } })?;
+    }
+    Ok(())
+}
 
 /// An alteration of a robot in a test. By default none.
 pub trait Alteration<R: Robot + ?Sized> {

@@ -1,12 +1,10 @@
 //! Stops of the arm after which it is ready again: the agent is told, the result counts them, and a log
 //! repeats them.
 
-use nalgebra::Vector6;
 use ramp_episode::replay;
 use ramp_log::Log;
-use ramp_robot::{
-    Account, Agent, ArmCommand, Command, EventKind, GripperCommand, Impedance, Robot, RobotError, Track,
-};
+use ramp_robot::{Account, Agent, EventKind, Robot, RobotError, Track};
+use ramp_testing::robot::press;
 use ramp_testing::{GoalFiles, data};
 use ramp_twin::{Setup, World};
 
@@ -15,27 +13,6 @@ struct Presser {
     times: usize,
     /// The errors that it was told.
     told: Vec<RobotError>,
-}
-
-impl Presser {
-    /// Moves the tip by `height` m along the vertical at 0.1 m/s, under impedance.
-    fn press(robot: &mut dyn Robot, height: f64, posture: [f64; 7]) -> Result<(), RobotError> {
-        let from = robot.observe();
-        let steps = (height.abs() / 0.1 * 1e3) as u32;
-        for step in 1..=steps {
-            let mut x_wt = from.x_wt;
-            x_wt.translation.z += height * f64::from(step) / f64::from(steps);
-            let arm = ArmCommand::CartesianImpedance(Impedance {
-                x_wt,
-                stiffness: Vector6::new(1500.0, 1500.0, 1500.0, 60.0, 60.0, 60.0),
-                damping_ratio: 1.0,
-                feed_forward: Vector6::zeros(),
-                posture,
-            });
-            robot.step(&Command { arm, gripper: GripperCommand { width: 0.04, force: 20.0 } })?;
-        }
-        Ok(())
-    }
 }
 
 impl Agent for Presser {
@@ -51,12 +28,12 @@ impl Agent for Presser {
         let home = robot.observe();
         for _ in 0..self.times {
             let down = robot.observe().x_wt.translation.z + 0.1;
-            match Presser::press(robot, -down, home.positions) {
+            match press(robot, -down, home.positions) {
                 Err(error) if !error.is_final() => self.told.push(error),
                 other => other?,
             }
             let up = home.x_wt.translation.z - robot.observe().x_wt.translation.z;
-            Presser::press(robot, up, home.positions)?;
+            press(robot, up, home.positions)?;
         }
         Ok(())
     }

@@ -130,7 +130,13 @@ impl<R: Robot + ?Sized> Robot for Guard<'_, R> {
         }
         let smooth = self.smoother.smooth(command, &self.robot.observe()).0;
         self.last = Some(command.clone());
-        let seen = self.robot.step(if self.smooths { &smooth } else { command })?;
+        let seen = self.robot.step(if self.smooths { &smooth } else { command });
+        if seen.as_ref().is_err_and(RobotError::is_recovered) {
+            // The arm stands: there is no motion to brake, and the next one begins there.
+            self.last = None;
+            self.smoother.begin_anew();
+        }
+        let seen = seen?;
         if let Some(wall) = self.workspace.behind(&seen.x_wt.translation.vector) {
             return Err(self.brake(format!("the tip is at {wall}")));
         }

@@ -63,7 +63,7 @@ pub struct Hand<'r> {
     pub pushed: bool,
     /// The largest force at the wrist in free space before the first grasp, N: the usual error of the wrench.
     pub usual_force: f64,
-    /// How often the arm has stopped and was ready again.
+    /// Number of stops after which the arm was ready again.
     pub stops: i32,
     /// The gripper's dead time after a command.
     pub(super) dead_time: DeadTime,

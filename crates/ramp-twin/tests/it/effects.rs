@@ -5,7 +5,7 @@ use mujoco_rs::prelude::*;
 use mujoco_rs::wrappers::mj_model::MjtObjBase;
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use ramp_robot::{ArmCommand, Command, DOF, GripperCommand, Impedance, Observation, Robot, RobotError};
-use ramp_testing::GoalFiles;
+use ramp_testing::{GoalFiles, robot};
 use ramp_twin::Twin;
 
 /// Stiffness with which the inner loop holds joint 1, N·m/rad (reference/worlds.md).
@@ -111,23 +111,10 @@ fn lost_commands_stop_the_arm_for_its_recovery() {
     assert!(moved.abs() < 1e-3, "{moved} rad");
 }
 
-/// The tip moves by `height` m along the vertical at 0.1 m/s, under impedance, from where it is.
+/// Moves the tip by `height` m along the vertical at 0.1 m/s, with the elbow where it is.
 fn press(twin: &mut Twin, height: f64) -> Result<(), RobotError> {
-    let from = twin.observe();
-    let steps = (height.abs() / 0.1 * 1e3) as u32;
-    for step in 1..=steps {
-        let mut x_wt = from.x_wt;
-        x_wt.translation.z += height * f64::from(step) / f64::from(steps);
-        let arm = ArmCommand::CartesianImpedance(Impedance {
-            x_wt,
-            stiffness: Vector6::new(1500.0, 1500.0, 1500.0, 60.0, 60.0, 60.0),
-            damping_ratio: 1.0,
-            feed_forward: Vector6::zeros(),
-            posture: from.positions,
-        });
-        twin.step(&Command { arm, gripper: GRIPPER })?;
-    }
-    Ok(())
+    let posture = twin.observe().positions;
+    robot::press(twin, height, posture)
 }
 
 /// An arm that presses on the table until it stops by reflex stands for the time of its recovery, tells so,

@@ -76,7 +76,8 @@ fn joint_types(assembly: &Assembly) -> BTreeSet<&'static str> {
     joints.map(|it| assembly.beams[it.beam].beam.joints[it.joint].kind.name()).collect()
 }
 
-/// What a goal uses of the kit: its connected joints, their types, and the angles of its oblique beams.
+/// The use that a goal makes of the kit: its connected joints, their types, and the angles of its oblique
+/// beams.
 pub(super) fn parts(assembly: &Assembly) -> BTreeSet<String> {
     let joints = assembly.connections.iter().flat_map(|c| [c.female, c.male]);
     let joints = joints.map(|it| assembly.joint_name(it).to_string());

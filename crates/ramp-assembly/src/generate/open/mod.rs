@@ -25,10 +25,10 @@ pub const OF_EACH_SIZE: usize = 20;
 const CANDIDATES: usize = 6;
 /// Drafts among which candidates are found. If none of them will do, as many others follow.
 const DRAFTS: usize = 4_000;
-/// How often other drafts follow before a form is given up.
+/// Number of further rounds of drafts before a form is given up.
 const ROUNDS: usize = 4;
 
-/// What a place of a set asks for. The places of a size take them in turns.
+/// The demand of a place of a set. The places of a size take them in turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Form {
     /// Every beam along X or Y, and none passes through another.
@@ -84,7 +84,7 @@ pub struct OpenGoals<'a> {
     dice: Dice,
     /// The goals of which none may be a copy.
     taken: Vec<Outline>,
-    /// How often the set has used each joint of the kit and each angle.
+    /// Uses of each joint of the kit and of each angle in the set so far.
     uses: BTreeMap<String, usize>,
     /// Numbers of beams and forms of which the seed gives no other goals.
     given_up: BTreeSet<(usize, Form)>,
@@ -192,7 +192,7 @@ impl<'a> OpenGoals<'a> {
         found
     }
 
-    /// How much the set has used the joints and angles of a goal: the mean over them, in thousandths.
+    /// Mean use in the set so far of the joints and angles of a goal, in thousandths.
     fn wear(&self, assembly: &Assembly) -> usize {
         let parts = features::parts(assembly);
         let sum: usize = parts.iter().map(|part| self.uses.get(part).copied().unwrap_or(0)).sum();
