@@ -191,6 +191,8 @@ impossible assemble_deep(_) if open(_).
 % Shuttle, second half: slide the beam forward to its goal pose, into the beams placed meanwhile.
 action slide(beam).
 slide(B) causes aligned(B).
+% As by a beam that is inserted, one that it enters is misaligned, unless a peg holds it.
+slide(A) causes -aligned(B) if enters(A, B), in_assembly(B), -base(B), -pegged(B).
 impossible slide(B) if -deep(B).
 impossible slide(_) if -at(assembly).
 impossible slide(_) if full.
@@ -221,6 +223,8 @@ impossible push(_) if -at(assembly).
 impossible push(_) if full.
 % A beam inserted too deep would be dragged along; one that was pushed back to let it on does not reach it.
 impossible push(B) if joins(_, B, A), in_assembly(A), deep(A), -shuttle(A, B).
+% A beam that no peg holds drags along the beam in it. Where that one can be pinned to a third, its peg comes first.
+impossible push(B) if -pegged(B), enters(A, B), -pegged(A), joins(C, A, D), D != B, closed(C), -crooked(C).
 
 % ---- Exogenous actions -------------------------------------------------------------------------------------------
 

@@ -197,55 +197,63 @@ impl<'a> Baseline<'a> {
         plan
     }
 
-    /// The plan of its own planner.
+    /// The plan of its own planner: rehearsed, with all limits of the arm that skills have found; else
+    /// rehearsed without these; else by the rules alone. A limit that stands against a later step may be gone
+    /// by then. The facts of the history hold in each.
     fn own_plan(&mut self, cell: &mut Workcell, mut state: State) -> Result<Plan, PlanError> {
+        loop {
+            match self.rehearsed_plan(cell, &state) {
+                Err(error @ PlanError::Motion { .. }) => {
+                    cell.record(EventKind::Note { text: plain(&error.to_string(), MAX_SENTENCE - 1) });
+                }
+                done => return done,
+            }
+            state.motion = self.history.facts().to_vec();
+            if self.learned.is_empty() {
+                cell.grasps.clear();
+                return ramp_planner::plan(self.assembly, &state, self.domains);
+            }
+            self.learned.clear();
+        }
+    }
+
+    /// A plan that the rehearsal accepts.
+    fn rehearsed_plan(&mut self, cell: &mut Workcell, state: &State) -> Result<Plan, PlanError> {
         let kit = &self.assembly.kit;
         let parts = kit.beams.iter().map(|beam| &beam.name).chain(kit.pegs.iter().map(|peg| &peg.name));
         let believed: Vec<_> =
             parts.filter_map(|name| Some((name.clone(), cell.belief.parts.pose(name).ok()?))).collect();
         let (q, holders) = (cell.hand.joints(), cell.belief.parts.holders(kit));
-        let rehearsed = plan_with_motion(self.assembly, &state, self.domains, || {
+        let rehearsed = plan_with_motion(self.assembly, state, self.domains, || {
             let parameters = self.parameters.clone();
-            let scene = Scene::nominal(self.assembly, self.arm, cell.planner, parameters, &state);
+            let scene = Scene::nominal(self.assembly, self.arm, cell.planner, parameters, state);
             let rehearsal = Rehearsal::new(scene, self.skills.clone());
             rehearsal
                 .from_here(believed.clone(), q, self.seed)
                 .with_holders(holders.clone())
                 .without_grasps(self.history.grasps().clone())
-        });
-        match rehearsed {
-            Ok(rehearsed) => {
-                for fact in rehearsed.facts {
-                    if !self.told.contains(&fact) {
-                        cell.record(EventKind::motion(&fact));
-                        self.told.push(fact);
-                    }
-                }
-                for (beam, UnusualGrasp { grasp, because }) in &rehearsed.grasps {
-                    if cell.grasps.get(beam) != Some(grasp) {
-                        let (beam, because) = (beam.clone(), because.to_string());
-                        let (s, reverse) = (grasp.s, grasp.reverse);
-                        cell.record(EventKind::UnusualGrasp { beam, s, reverse, because });
-                    }
-                }
-                for skill in &rehearsed.not_rehearsed {
-                    if !self.not_rehearsed.contains(skill) {
-                        cell.record(EventKind::NotRehearsed { skill: skill.clone() });
-                        self.not_rehearsed.push(skill.clone());
-                    }
-                }
-                cell.grasps = rehearsed.grasps.into_iter().map(|(beam, it)| (beam, it.grasp)).collect();
-                Ok(rehearsed.plan)
+        })?;
+        for fact in rehearsed.facts {
+            if !self.told.contains(&fact) {
+                cell.record(EventKind::motion(&fact));
+                self.told.push(fact);
             }
-            Err(error @ PlanError::Motion { .. }) if self.history.is_empty() => {
-                cell.record(EventKind::Note { text: error.to_string() });
-                self.learned.clear();
-                state.motion.clear();
-                cell.grasps.clear();
-                ramp_planner::plan(self.assembly, &state, self.domains)
-            }
-            Err(error) => Err(error),
         }
+        for (beam, UnusualGrasp { grasp, because }) in &rehearsed.grasps {
+            if cell.grasps.get(beam) != Some(grasp) {
+                let (beam, because) = (beam.clone(), because.to_string());
+                let (s, reverse) = (grasp.s, grasp.reverse);
+                cell.record(EventKind::UnusualGrasp { beam, s, reverse, because });
+            }
+        }
+        for skill in &rehearsed.not_rehearsed {
+            if !self.not_rehearsed.contains(skill) {
+                cell.record(EventKind::NotRehearsed { skill: skill.clone() });
+                self.not_rehearsed.push(skill.clone());
+            }
+        }
+        cell.grasps = rehearsed.grasps.into_iter().map(|(beam, it)| (beam, it.grasp)).collect();
+        Ok(rehearsed.plan)
     }
 
     /// Records the arm's limit that the error of an action shows.
@@ -373,7 +381,12 @@ impl<'a> Baseline<'a> {
             let state = self.state(cell, lost).map_err(|error| error.to_string())?;
             match self.make_plan(cell, state) {
                 Ok(plan) => return Ok(plan),
-                Err(why) => self.history.refused(&why),
+                Err(why) => {
+                    cell.record(EventKind::Note {
+                        text: plain(&format!("no plan: {why}"), MAX_SENTENCE - 1),
+                    });
+                    self.history.refused(&why);
+                }
             }
         }
         Err(self.history.account())

@@ -155,6 +155,8 @@ struct Tried {
     with: Option<Change>,
     /// The words of its failure.
     how: String,
+    /// There was no plan with this difference: nothing was carried out.
+    refused: bool,
     /// Beams that stood and pegs that were seated then.
     progress: usize,
 }
@@ -243,7 +245,7 @@ impl History {
         let change = self.change.take().filter(|(about, _)| stood && about.same(work));
         let with = change.map(|(_, change)| change);
         let how = plain(how, LONGEST_REASON);
-        self.tried.push(Tried { work: work.clone(), with, how, progress });
+        self.tried.push(Tried { work: work.clone(), with, how, refused: false, progress });
     }
 
     /// The next difference that was not tried yet for what has failed last, and takes it up; `None` when
@@ -272,19 +274,26 @@ impl History {
         }
         let progress = self.tried.last().map_or(0, |tried| tried.progress);
         let how = plain(&format!("no plan: {why}"), LONGEST_REASON);
-        self.tried.push(Tried { work, with: Some(change), how, progress });
+        self.tried.push(Tried { work, with: Some(change), how, refused: true, progress });
     }
 
     /// The attempts at the work that failed last, for a person.
     pub fn account(&self) -> String {
         let Some(last) = self.tried.last() else { return "nothing was tried".to_string() };
-        let tried: Vec<String> = self
-            .tried_so_far(last)
-            .map(|tried| match &tried.with {
-                None => tried.how.clone(),
-                Some(change) => format!("{change}: {}", tried.how),
-            })
-            .collect();
+        // Differences that ended alike stand together.
+        let mut endings: Vec<(Vec<String>, &str)> = Vec::new();
+        for Tried { with, how, .. } in self.tried_so_far(last) {
+            let with = with.as_ref().map(Change::to_string);
+            match endings.last_mut().filter(|(before, same)| !before.is_empty() && same == how) {
+                Some((before, _)) => before.extend(with),
+                None => endings.push((with.into_iter().collect(), how)),
+            }
+        }
+        let words = |(with, how): &(Vec<String>, &str)| match with.is_empty() {
+            true => how.to_string(),
+            false => format!("{}: {how}", with.join(", ")),
+        };
+        let tried: Vec<String> = endings.iter().map(words).collect();
         let text = format!("nothing is left to try to {}: {}", last.work, tried.join("; "));
         plain(&text, MAX_SENTENCE - 1)
     }
@@ -321,7 +330,8 @@ impl History {
     }
 
     fn take_up(&mut self, last: &Tried, change: &Change) {
-        let because = format!("it was tried: {}", last.how);
+        let carried_out = self.tried.iter().rev().find(|tried| !tried.refused);
+        let because = format!("it was tried: {}", carried_out.map_or(&last.how, |tried| &tried.how));
         let at = if last.work.stands() { End::Place } else { End::Start };
         let beam = last.work.beam.clone().unwrap_or_default();
         match change {
@@ -395,12 +405,13 @@ mod tests {
         assert_eq!(found, expected.map(|words| words.map(str::to_string)));
         let account = history.account();
         assert!(
-            account.starts_with("nothing is left to try to assemble square b4: it jams; after"),
+            account.starts_with("nothing is left to try to assemble square b4: it jams; after another look"),
             "{account}"
         );
-        for words in expected.iter().flatten() {
-            assert!(account.contains(&format!("{words}: it jams")), "{account}");
-        }
+        assert!(
+            account.contains(&expected.iter().flatten().copied().collect::<Vec<_>>().join(", ")),
+            "{account}"
+        );
         assert_eq!(history.facts().len(), 2);
         assert_eq!(history.grasps()["b4"].len(), 2);
     }

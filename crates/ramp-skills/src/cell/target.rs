@@ -81,6 +81,22 @@ impl AssemblyBelief<'_> {
         Ok(turn * x_wa.rotation * self.path(beam)?.direction)
     }
 
+    /// A beam was slid forward into others: those that no peg holds come off, and back on, along its path
+    /// alone.
+    pub fn slid_into(&mut self, beam: usize) {
+        let Some(direction) = self.paths.get(&beam).map(|path| path.direction) else { return };
+        let base = self.assembly.base;
+        let sides = self.assembly.connections.iter().filter_map(|it| self.assembly.sides(it, beam));
+        let loose = sides
+            .map(|(_, theirs)| theirs.beam)
+            .filter(|other| *other != base && self.standing.contains(other) && self.anchor(*other).is_none());
+        for other in loose.collect::<Vec<_>>() {
+            if let Some(path) = self.paths.get_mut(&other) {
+                path.direction = direction;
+            }
+        }
+    }
+
     /// The pose of a beam where its insertion begins, `height` (m) over its insertion path.
     pub fn insertion_start(&self, beam: usize, height: f64) -> Result<Pose, SkillError> {
         let path = self.path(beam)?;

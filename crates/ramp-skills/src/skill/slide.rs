@@ -111,6 +111,7 @@ impl Slide {
             cell.release()?;
             return Err(fault.into());
         }
+        cell.belief.slid_into(beam);
         Ok(())
     }
 
