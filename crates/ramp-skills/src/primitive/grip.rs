@@ -1,13 +1,13 @@
 //! Grips a part where it stands, and checks that it is still in the hand.
 
 use nalgebra::{Point3, Vector3};
-use ramp_robot::{Cause, GripperCommand};
+use ramp_robot::{Cause, GripperCommand, Retry};
 
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{
-    self, BEAM_WIDTH, Grasp, PEG_WIDTH, RIBS_BESIDE, beam_grasp, beam_grasps, peg_grasps, senses,
+    self, BEAM_WIDTH, BeamGrasp, Grasp, PEG_WIDTH, RIBS_BESIDE, beam_grasp, beam_grasps, peg_grasps, senses,
 };
 use crate::hand::Held;
 use crate::parameters::Parameters;
@@ -86,6 +86,14 @@ impl Workcell<'_, '_> {
                 searched = true;
                 continue;
             }
+            let wider = self.hand.seen.width > RIBS_BESIDE + self.parameters.grip.width_tolerance;
+            if let Some(nearer) = self.nearer_to_the_middle(part, grasp).filter(|_| wider) {
+                let because = format!("the fingers stop {:.1} mm before {part}, on a joint", short * 1e3);
+                self.record(Retry::new("grasp", part).because(because));
+                self.hand.grip(open, self.parameters.grip.opening_force)?;
+                self.retreat()?;
+                return self.grasp(part, &nearer);
+            }
             let evidence = format!("the fingers stop {:.1} mm before {part}", short * 1e3);
             self.diagnose(Cause::GripWeak, part, evidence);
             if attempt + 1 < self.parameters.grip.closings {
@@ -119,6 +127,18 @@ impl Workcell<'_, '_> {
         self.hand.pushed = false;
         self.hand.held = Some(Held { part: part.to_string(), x_tp, x_wp_origin: x_wp, mass, p_centre });
         Ok(())
+    }
+
+    /// The grasp a step nearer to the middle of its link; `None` where it is there already.
+    fn nearer_to_the_middle(&self, part: &str, grasp: &Grasp) -> Option<Grasp> {
+        let (known, step) = (grasp.beam?, self.parameters.grip.step);
+        let links = &self.kit.beam(part)?.links;
+        let middles = links.iter().map(|link| (link.grasp[0] + link.grasp[1]) / 2.0);
+        let off = middles.map(|middle| middle - known.s).min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+        let s = known.s + off.clamp(-step, step);
+        let x_wp = self.belief.parts.pose(part).ok()?;
+        let nearer = Grasp::of_beam(&x_wp, BeamGrasp { s, ..known }, &self.parameters.grip);
+        (off.abs() > 0.1 * step).then_some(nearer)
     }
 
     /// Fingers that have closed beside the slots of a beam, because the arm is higher or lower than it knows,
