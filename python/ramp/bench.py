@@ -64,7 +64,7 @@ def run(
         domain: A file of rules for the baseline's planner, in place of the one of its kind.
         arm: ``panda``, or ``fr3`` for a Franka Research 3.
         world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
-        start: Where the parts lie: ``moved``, ``sheet``, or a start file.
+        start: Where the parts lie: ``moved``, ``sheet``, ``scattered``, ``jumbled``, or a start file.
         track: What the agent may see: ``state``, ``noisy`` or ``tags``.
         seed: All randomness of the episode flows from it.
         parameters: A file of numbers of the baseline's skills, as ``ramp run --parameters``.

@@ -41,7 +41,7 @@ class Twin:
             goal: A goal of the benchmark, a goal file, or a goal.
             track: What :meth:`read_parts` and :meth:`look` give: ``state``, ``noisy`` or ``tags``.
             world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
-            start: Where the parts lie: ``moved``, ``sheet``, or a start file.
+            start: Where the parts lie: ``moved``, ``sheet``, ``scattered``, ``jumbled``, or a start file.
             seed: All randomness flows from it.
             fault: What goes wrong on purpose, as ``KIND`` or ``KIND@N`` of ``ramp run --fault``.
 

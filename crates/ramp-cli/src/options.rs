@@ -56,7 +56,7 @@ impl ArmOption {
 /// The start, as on the command line.
 #[derive(clap::Args)]
 pub struct StartOption {
-    /// Start that the places of the parts are drawn from: moved, sheet, or a start file
+    /// Start that the places of the parts are drawn from: moved, sheet, scattered, jumbled, or a start file
     #[arg(long, value_name = "NAME|FILE", default_value = "moved")]
     start: String,
 }

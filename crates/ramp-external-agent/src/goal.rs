@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 
 use crate::protocol::{PROTOCOL, pose};
 use ramp_log::Sources;
-use ramp_world::Start;
+use ramp_world::start::Scatter;
+use ramp_world::{Range, Start};
 
 /// The goal, as an agent gets it.
 pub struct GoalMessage<'a> {
@@ -70,6 +71,7 @@ impl<'a> GoalMessage<'a> {
                 "shift": self.start.places.shift,
                 "turn": self.start.places.turn,
                 "trade": self.start.trades(),
+                "anywhere": self.start.scatter.as_ref().map(anywhere),
             },
             "period": ramp_robot::PERIOD,
             "time_limit": ramp_robot::TIME_LIMIT,
@@ -218,6 +220,17 @@ impl<'a> GoalMessage<'a> {
             })
             .collect()
     }
+}
+
+/// The region in which parts lie anywhere.
+fn anywhere(scatter: &Scatter) -> Value {
+    let range = |range: &Range| [range.from, range.to];
+    json!({
+        "area_x": range(&scatter.area_x),
+        "area_y": range(&scatter.area_y),
+        "ring": range(&scatter.ring),
+        "jumble": scatter.jumble >= 0.5,
+    })
 }
 
 fn camera(model: &CameraModel) -> Value {

@@ -24,6 +24,7 @@ pub mod dimensions;
 pub mod drawing;
 #[cfg(feature = "export")]
 pub mod export;
+pub mod footprint;
 #[cfg(feature = "export")]
 pub mod guide;
 pub mod joint;
@@ -48,6 +49,7 @@ pub mod write;
 
 pub use beam::{Beam, Holder, Joint, Kit, Link, Peg, Sheet, StartPose};
 pub use dimensions::Dimensions;
+pub use footprint::Footprint;
 pub use joint::{JointForm, JointType, Side};
 pub use pose::Pose;
 pub use ramp_source as source;

@@ -13,6 +13,7 @@ use ramp_robot::{Account, Action, Agent, Event, EventKind, Retry, Robot, RobotEr
 use ramp_world::Start;
 
 use crate::cell::{InsertionPath, Workcell};
+use crate::clear;
 use crate::fault::{Fault, SkillError};
 use crate::history::{Change, Choice, History, Work};
 use crate::parameters::Parameters;
@@ -229,6 +230,7 @@ impl<'a> Baseline<'a> {
             let scene = Scene::nominal(self.assembly, self.arm, cell.planner, parameters, state);
             let rehearsal = Rehearsal::new(scene, self.skills.clone());
             rehearsal
+                .without_unseen(self.start.scatter.as_ref().map(|_| &believed[..]))
                 .from_here(believed.clone(), q, self.seed)
                 .with_holders(holders.clone())
                 .without_grasps(self.history.grasps().clone())
@@ -308,6 +310,20 @@ impl<'a> Baseline<'a> {
 
     fn work(&mut self, cell: &mut Workcell) -> Result<(), RobotError> {
         let mut lost: Vec<String> = Vec::new();
+        if let Some(scatter) = self.start.scatter.clone() {
+            let plan = || match &self.fixed {
+                Some(plan) => Ok(plan.clone()),
+                None => ramp_planner::plan(self.assembly, &State::default(), self.domains),
+            };
+            match clear::prepare(&self.skills, cell, &scatter, plan)? {
+                Ok(unusable) => lost = unusable,
+                Err(why) => {
+                    self.give_up(cell, &why);
+                    return Ok(());
+                }
+            }
+            self.report(cell);
+        }
         for round in 0.. {
             let seen = cell.belief.parts.update(&mut cell.hand);
             note_fault(cell, seen.map_err(SkillError::from))?;

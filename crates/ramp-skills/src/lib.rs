@@ -12,6 +12,7 @@
 pub mod agent;
 pub mod belief;
 pub mod cell;
+pub mod clear;
 pub mod fault;
 pub mod grasp;
 pub mod hand;

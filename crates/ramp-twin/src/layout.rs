@@ -1,8 +1,9 @@
 //! Start poses of all parts: those of the kit's sheet, from which the episode's seed moves them as far as its
-//! start says, so that no agent can replay a fixed motion.
+//! start says, or places anywhere on the table, so that no agent can replay a fixed motion.
 
 mod body;
 mod outlines;
+mod scattered;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -33,13 +34,19 @@ pub struct Layout {
     pub in_holder: BTreeMap<String, String>,
     /// Beams and pegs that are one rigid body with the clamped beam. Without any, contact alone holds parts.
     pub rigid: BTreeSet<String>,
+    /// The part for which no place was found, if any: no twin is made of such a layout.
+    pub unplaced: Option<String>,
 }
 
 impl Layout {
-    /// The start of the episode with this seed. Each part in turn is moved from its outline until it is clear
+    /// The start of the episode with this seed. Where parts lie anywhere, each place is drawn until it is clear
+    /// of all others and within reach, and if none is found for a part the draw starts over. Else each part in turn is moved from its outline until it is clear
     /// of all others, and the hand can still grip each link that it could grip with all parts on their
     /// outlines; one for which a thousand draws find no place stays on its outline.
     pub fn new(assembly: &Assembly, start: &Start, seed: u64) -> Layout {
+        if let Some(scatter) = &start.scatter {
+            return scattered::draw(assembly, start.places.clearance, scatter, seed);
+        }
         let kit = &assembly.kit;
         let base = &assembly.beams[assembly.base];
         let outlines = Outlines::new(kit, &base.beam.name, start.trades(), seed);

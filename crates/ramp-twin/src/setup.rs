@@ -39,6 +39,14 @@ pub enum TwinError {
     /// Meshes and textures for images cannot be loaded.
     #[error(transparent)]
     Looks(#[from] LooksError),
+    /// The start has no place for a part.
+    #[error("start {start}: no place for {part} is clear of all other parts, within its area and its ring")]
+    NoPlace {
+        /// The start.
+        start: String,
+        /// The part.
+        part: String,
+    },
     /// The scene lacks a body or site that the twin needs: the kit or the arm file is wrong.
     #[error("the scene has no {0}")]
     Missing(String),

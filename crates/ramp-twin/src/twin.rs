@@ -74,6 +74,10 @@ impl Twin {
     /// When MuJoCo refuses the scene, or, on track `tags`, when meshes and textures for images cannot be
     /// loaded.
     pub fn with_options(setup: &Setup, layout: Layout, options: &SceneOptions) -> Result<Twin, TwinError> {
+        if let Some(part) = &layout.unplaced {
+            let (start, part) = (setup.start.name.clone(), part.clone());
+            return Err(TwinError::NoPlace { start, part });
+        }
         let start = Start::new(setup);
         let scene = Scene::new(setup, layout, options, &start)?;
         if setup.track == Track::Tags {

@@ -29,6 +29,8 @@ pub enum Form {
     Number,
     /// A list with this many numbers, such as one for each joint.
     List(usize),
+    /// Two numbers, the smaller one first.
+    Range,
 }
 
 /// Distribution of a quantity over episodes.
@@ -96,6 +98,31 @@ impl<const N: usize> Value for [f64; N] {
 
     fn from_numbers(numbers: &[f64]) -> Option<[f64; N]> {
         numbers.try_into().ok()
+    }
+}
+
+/// A range of numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Its lower end.
+    pub from: f64,
+    /// Its upper end.
+    pub to: f64,
+}
+
+impl Range {
+    /// Whether a number lies in it.
+    pub fn holds(&self, number: f64) -> bool {
+        (self.from..=self.to).contains(&number)
+    }
+}
+
+impl Value for Range {
+    const FORM: Form = Form::Range;
+
+    fn from_numbers(numbers: &[f64]) -> Option<Range> {
+        let [from, to] = numbers.try_into().ok()?;
+        Some(Range { from, to })
     }
 }
 

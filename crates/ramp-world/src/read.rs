@@ -254,19 +254,24 @@ fn values(file: &SourceFile, field: &Field, content: &Spanned<DeValue>) -> Resul
     let length = match field.form {
         Form::Number => 1,
         Form::List(length) => length,
+        Form::Range => 2,
     };
     let numbers = match (content.get_ref(), field.form) {
-        (DeValue::Array(values), Form::List(_)) if values.len() == length => {
+        (DeValue::Array(values), Form::List(_) | Form::Range) if values.len() == length => {
             values.iter().map(|value| number(value.get_ref())).collect::<Option<Vec<f64>>>()
         }
-        (DeValue::Array(_), _) => None,
+        (DeValue::Array(_), _) | (_, Form::Range) => None,
         (value, _) => number(value).map(|value| vec![value; length]),
     };
-    let within = |numbers: &Vec<f64>| numbers.iter().all(|it| (field.least..=field.most).contains(it));
+    let ordered = |numbers: &[f64]| field.form != Form::Range || numbers[0] < numbers[1];
+    let within = |numbers: &Vec<f64>| {
+        numbers.iter().all(|it| (field.least..=field.most).contains(it)) && ordered(numbers)
+    };
     numbers.filter(within).ok_or_else(|| {
         let what = match field.form {
             Form::Number => "a number".to_string(),
             Form::List(length) => format!("a number, or a list of {length},"),
+            Form::Range => "a list of two, the smaller one first,".to_string(),
         };
         let expected = format!("{what} from {} to {} {}", field.least, field.most, field.unit);
         wrong(file, field.name, content, expected.trim_end().to_string())

@@ -6,13 +6,15 @@ use std::sync::LazyLock;
 
 use ramp_source::{Fault, SourceFile};
 
-use crate::quantity::{Field, Numbers, Quantity};
+use crate::quantity::{Field, Numbers, Quantity, Range};
 use crate::read::{Kind, Quantities, WorldFault, WorldProblem, read};
 
 /// The starts that are part of the program: their names and files.
-const BUILT_IN: [(&str, &str); 2] = [
+const BUILT_IN: [(&str, &str); 4] = [
     ("sheet", include_str!("../../../data/starts/sheet.toml")),
     ("moved", include_str!("../../../data/starts/moved.toml")),
+    ("scattered", include_str!("../../../data/starts/scattered.toml")),
+    ("jumbled", include_str!("../../../data/starts/jumbled.toml")),
 ];
 
 quantities! {
@@ -29,10 +31,36 @@ quantities! {
     }
 }
 
-/// The only group of a start file.
+quantities! {
+    /// The region of the table in which parts lie anywhere, at any turn, instead of beside their outlines. A
+    /// start gives all of these quantities or none.
+    Scatter {
+        /// Range of x in the world within which beams, holders and lying pegs lie with all of their length.
+        area_x: Range = "m", -1.5, 1.5;
+        /// The same along y of the world.
+        area_y: Range = "m", -1.5, 1.5;
+        /// Range of the distance of the middle of a beam or a holder from the axis of the arm's first joint.
+        ring: Range = "m", 0.0, 1.5;
+        /// Range of x in the world that no holder reaches into where it is in `frame_y`: the frame is to stand
+        /// there. Beams lie there as well.
+        frame_x: Range = "m", -1.5, 1.5;
+        /// Range of y in the world that belongs to `frame_x`.
+        frame_y: Range = "m", -1.5, 1.5;
+        /// Least distance of a part from the clamped beam.
+        clamped: f64 = "m", 0.0, 0.3;
+        /// 1: beams lie on either face and on one another, and the pegs lie on the table. 0: beams lie flat on
+        /// the table as on their outlines, and the pegs stand in their holders.
+        jumble: f64 = "", 0.0, 1.0;
+    }
+}
+
+/// The group that every start file has.
 const PLACES: &str = "places";
+/// The group of a start file whose parts lie anywhere.
+const SCATTER: &str = "scatter";
 /// The groups of a start file: name, description and quantities.
-const GROUPS: &[(&str, &str, &[Field])] = &[(PLACES, Places::ABOUT, Places::FIELDS)];
+const GROUPS: &[(&str, &str, &[Field])] =
+    &[(PLACES, Places::ABOUT, Places::FIELDS), (SCATTER, Scatter::ABOUT, Scatter::FIELDS)];
 /// The file of a start.
 const KIND: Kind = Kind { name: "start", groups: GROUPS, drawn: false };
 
@@ -47,6 +75,8 @@ pub struct Start {
     pub text: String,
     /// Its numbers.
     pub places: Places,
+    /// The region in which its parts lie anywhere; `None` where they lie beside their outlines.
+    pub scatter: Option<Scatter>,
     quantities: Quantities,
 }
 
@@ -61,6 +91,11 @@ static SHIPPED: LazyLock<Vec<Start>> = LazyLock::new(|| {
     };
     BUILT_IN.iter().map(read).collect()
 });
+
+/// Each quantity that a start may give, with its group.
+fn fields() -> impl Iterator<Item = (&'static str, &'static Field)> {
+    GROUPS.iter().flat_map(|(group, _, fields)| fields.iter().map(move |field| (*group, field)))
+}
 
 impl Start {
     /// The names of the starts that are part of the program.
@@ -81,6 +116,16 @@ impl Start {
     /// The benchmark's start: it takes eyes to build from it.
     pub fn moved() -> &'static Start {
         &SHIPPED[1]
+    }
+
+    /// Parts lie anywhere on the table: a build from it begins by clearing the place of the frame.
+    pub fn scattered() -> &'static Start {
+        &SHIPPED[2]
+    }
+
+    /// As [`Start::scattered`], with beams on one another and on either face, and pegs that lie.
+    pub fn jumbled() -> &'static Start {
+        &SHIPPED[3]
     }
 
     /// Reads a start file.
@@ -113,9 +158,12 @@ impl Start {
     /// As [`Start::read`].
     pub fn from_source(file: &SourceFile) -> Result<Start, WorldFault> {
         let content = read(file, &KIND)?;
-        let lacking = Places::FIELDS.iter().find(|it| !content.quantities.contains_key(&(PLACES, it.name)));
-        if let Some(field) = lacking {
-            let lacking = format!("{PLACES}.{}", field.name);
+        let given =
+            |group: &'static str, field: &Field| content.quantities.contains_key(&(group, field.name));
+        let scattered = Scatter::FIELDS.iter().any(|field| given(SCATTER, field));
+        let form = fields().filter(|(group, _)| *group == PLACES || scattered);
+        if let Some((group, field)) = form.into_iter().find(|(group, field)| !given(group, field)) {
+            let lacking = format!("{group}.{}", field.name);
             let problem = WorldProblem::Lacking { place: "the start".to_string(), lacking };
             return Err(Fault::new(problem, file.place(0..0)));
         }
@@ -129,13 +177,15 @@ impl Start {
             about: content.about,
             text: file.text().to_string(),
             places,
+            scatter: Scatter::from_numbers(&numbers, SCATTER),
             quantities,
         })
     }
 
-    /// Each quantity of the start, in the order of [`Places::FIELDS`].
-    pub fn quantities(&self) -> impl Iterator<Item = (&'static Field, &Quantity)> {
-        Places::FIELDS.iter().filter_map(|field| Some((field, self.quantities.get(&(PLACES, field.name))?)))
+    /// Each quantity that a start may give, in the order of [`Places::FIELDS`] and [`Scatter::FIELDS`], with the
+    /// start's own; `None` for one that it does not give.
+    pub fn quantities(&self) -> impl Iterator<Item = (&'static Field, Option<&Quantity>)> {
+        fields().map(|(group, field)| (field, self.quantities.get(&(group, field.name))))
     }
 
     /// Whether parts of one shape trade places.
@@ -156,14 +206,37 @@ mod tests {
         for name in Start::names() {
             let start = Start::shipped(name).unwrap();
             assert_eq!(start.name, name);
-            assert_eq!(start.quantities().count(), Places::FIELDS.len());
+            let given = start.quantities().filter(|(_, quantity)| quantity.is_some()).count();
+            let scatter = if start.scatter.is_some() { Scatter::FIELDS.len() } else { 0 };
+            assert_eq!(given, Places::FIELDS.len() + scatter);
         }
+        assert!(Start::scattered().scatter.as_ref().is_some_and(|it| it.jumble == 0.0));
+        assert!(Start::jumbled().scatter.as_ref().is_some_and(|it| it.jumble == 1.0));
         assert!(Start::moved().trades() && !Start::sheet().trades());
     }
 
     #[test]
     fn wrong_files_are_reported_with_their_place() {
+        let scattered = |from: &str, to: &str| {
+            let text = &Start::scattered().text;
+            assert!(text.contains(from), "{from}");
+            text.replace(from, to)
+        };
+        let reversed = scattered("ring = { value = [0.36, 0.64]", "ring = { value = [0.64, 0.36]");
+        let single = scattered("ring = { value = [0.36, 0.64]", "ring = { value = 0.5");
+        let lacking = scattered("jumble", "# jumble");
         for (text, expected) in [
+            (
+                reversed.as_str(),
+                "mine.toml:13:18: found ring = [0.64, 0.36], expected a list of two, the smaller one first, \
+                 from 0 to 1.5 m",
+            ),
+            (
+                single.as_str(),
+                "mine.toml:13:18: found ring = 0.5, expected a list of two, the smaller one first, from 0 to \
+                 1.5 m",
+            ),
+            (lacking.as_str(), "mine.toml:1:1: the start lacks `scatter.jumble`"),
             ("name = \"mine\"\n", "mine.toml:1:1: the start lacks `places.shift`"),
             ("name = \"mine\"\nbased_on = \"moved\"\n", "mine.toml:2:1: a start has no `based_on`"),
             ("name = \"mine\"\n[placs]\n", "mine.toml:2:2: a start has no `placs` (did you mean `places`?)"),

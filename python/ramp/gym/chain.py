@@ -101,7 +101,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             skill: The kind of action that is yours, as ``serves`` of :class:`ramp.Skill`.
             track: How parts are observed: ``state``, ``noisy`` or ``tags``.
             world: The physics: ``ideal``, ``real``, ``hard``, or a world file.
-            start: Where the parts lie: ``moved``, ``sheet``, or a start file.
+            start: Where the parts lie: ``moved``, ``sheet``, ``scattered``, ``jumbled``, or a start file.
             turns: Whether an action rotates the hand.
             gripper: Whether an action moves the fingers.
             speed: Largest speed of the target, m/s.

@@ -69,7 +69,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
                 benchmark.
             track: How parts are observed: ``state``, ``noisy`` or ``tags``.
             world: The physics: ``ideal``, ``real``, ``hard``, or a world file.
-            start: Where the parts lie: ``moved``, ``sheet``, or a start file.
+            start: Where the parts lie: ``moved``, ``sheet``, ``scattered``, ``jumbled``, or a start file.
             begin: ``ready`` begins with the skill, ``home`` with the arm at home as in ``ramp trials``.
             starts: First seed and number of the starts from which episodes are drawn; with a number of 0,
                 each episode gets a new one, which takes longer.

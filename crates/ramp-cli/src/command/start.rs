@@ -54,7 +54,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
 fn list() -> String {
     let mut text = String::new();
     for start in Start::names().filter_map(Start::shipped) {
-        let _ = writeln!(text, "{:<6}  {}", start.name, start.about);
+        let _ = writeln!(text, "{:<9}  {}", start.name, start.about);
     }
     text
 }
@@ -62,11 +62,11 @@ fn list() -> String {
 fn as_text(start: &Start) -> String {
     let mut text = format!("{}  {}\n\n", start.name, start.about);
     for (field, quantity) in start.quantities() {
-        for value in &quantity.value {
-            let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(*value);
-            let value = format!("{rounded} {}", field.unit);
-            let _ = writeln!(text, "  {:<10}  {}", field.name, value.trim_end());
-        }
+        let Some(quantity) = quantity else { continue };
+        let round = |value: &f64| format!("{value:.4e}").parse().unwrap_or(*value).to_string();
+        let numbers: Vec<String> = quantity.value.iter().map(round).collect();
+        let value = format!("{} {}", numbers.join(" to "), field.unit);
+        let _ = writeln!(text, "  {:<10}  {}", field.name, value.trim_end());
         let _ = writeln!(text, "  {:<10}    {}", "", field.meaning.trim());
         let _ = writeln!(text, "  {:<10}    Source: {}.", "", quantity.source.trim_end_matches('.'));
     }
@@ -76,16 +76,21 @@ fn as_text(start: &Start) -> String {
 fn as_json(start: &Start) -> Value {
     let quantities: Vec<Value> = start
         .quantities()
-        .map(|(field, quantity)| {
-            json!({
+        .filter_map(|(field, quantity)| {
+            let quantity = quantity?;
+            let value = match quantity.value[..] {
+                [value] => json!(value),
+                ref numbers => json!(numbers),
+            };
+            Some(json!({
                 "name": field.name,
                 "unit": field.unit,
                 "meaning": field.meaning.trim(),
                 "least": field.least,
                 "most": field.most,
-                "value": quantity.value.first(),
+                "value": value,
                 "source": quantity.source,
-            })
+            }))
         })
         .collect();
     json!({

@@ -125,7 +125,7 @@ fn as_json(world: &World, seed: Option<u64>) -> Value {
                 "name": format!("{group}.{}", field.name),
                 "unit": field.unit,
                 "meaning": field.meaning.trim(),
-                "length": match field.form { Form::Number => None, Form::List(length) => Some(length) },
+                "length": match field.form { Form::Number => None, Form::List(length) => Some(length), Form::Range => Some(2) },
                 "least": field.least,
                 "most": field.most,
                 "value": quantity.value,

@@ -60,19 +60,22 @@ fn the_table_of_the_worlds_is_up_to_date() {
 fn the_table_of_the_starts_is_up_to_date() {
     const STARTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/reference/starts.md");
     let mut table = String::from(
-        "| quantity | unit | `moved` | `sheet` | range | meaning |\n|---|---|---|---|---|---|\n",
+        "| quantity | unit | `moved` | `sheet` | `scattered` | `jumbled` | range | meaning |\n|---|---|---|---|---|---|---|---|\n",
     );
-    let value = |quantity: &Quantity| {
-        let rounded: f64 = format!("{:.3e}", quantity.value[0]).parse().unwrap();
-        rounded.to_string()
+    let round = |value: &f64| format!("{value:.3e}").parse::<f64>().unwrap().to_string();
+    let value = |quantity: Option<&Quantity>| {
+        let numbers = quantity.map(|it| it.value.iter().map(round).collect::<Vec<_>>());
+        numbers.map_or("–".to_string(), |it| it.join(" to "))
     };
-    for ((field, moved), (_, sheet)) in Start::moved().quantities().zip(Start::sheet().quantities()) {
+    let starts = [Start::moved(), Start::sheet(), Start::scattered(), Start::jumbled()];
+    let all = starts.map(|start| start.quantities().map(|(_, it)| it).collect::<Vec<_>>());
+    for (index, (field, _)) in Start::moved().quantities().enumerate() {
+        let values = all.each_ref().map(|quantities| value(quantities[index]));
         let unit = if field.unit.is_empty() { "–" } else { field.unit };
         table.push_str(&format!(
-            "| `{}` | {unit} | {} | {} | {} to {} | {} |\n",
+            "| `{}` | {unit} | {} | {} to {} | {} |\n",
             field.name,
-            value(moved),
-            value(sheet),
+            values.join(" | "),
             field.least,
             field.most,
             field.meaning.trim()

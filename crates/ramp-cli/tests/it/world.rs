@@ -104,7 +104,7 @@ fn starts_are_listed_shown_and_read() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path();
     let list = done(&ramp(place, &["start", "list"]));
-    assert!(list.starts_with("sheet") && list.contains("\nmoved"), "{list}");
+    assert!(list.starts_with("sheet") && list.contains("\nmoved") && list.contains("\nscattered"), "{list}");
     assert!(done(&ramp(place, &["start", "show"])).contains("clearance"));
     let file = done(&ramp(place, &["start", "show", "moved", "--file"]));
     std::fs::write(place.join("ours.toml"), file.replace("name = \"moved\"", "name = \"ours\"")).unwrap();

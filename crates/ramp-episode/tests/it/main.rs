@@ -12,6 +12,7 @@ mod logs;
 mod logs_of_cheats;
 mod medium_and_hard;
 mod recovery;
+mod scattered;
 mod stops;
 mod tape;
 mod torques;

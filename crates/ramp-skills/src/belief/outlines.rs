@@ -6,6 +6,7 @@ use ramp_kit::{Beam, Holder, Kit};
 use ramp_world::Start;
 
 use crate::Pose;
+use crate::grasp::yaw_of;
 
 /// Standard deviation of a uniform distribution over its half width.
 const UNIFORM: f64 = 0.577_350_269_189_625_8;
@@ -67,6 +68,26 @@ pub fn holders(kit: &Kit, pegs: impl Iterator<Item = Pose>) -> Vec<(String, Pose
         .collect()
 }
 
+/// Poses of holders that stand anywhere, by the pegs that were found in them: each with its own pegs, in the
+/// order of their slots. One without a peg that was found is left out.
+pub fn holders_anywhere(kit: &Kit, found: impl Fn(&str) -> Option<Pose>) -> Vec<(String, Pose)> {
+    let of_pegs = |holder: &Holder| {
+        let own = kit.pegs.iter().filter(|peg| peg.holder == holder.name);
+        let mut pegs: Vec<(f64, Pose)> =
+            own.filter_map(|peg| Some((f64::from(peg.slot) * Holder::PITCH, found(&peg.name)?))).collect();
+        pegs.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        let ((from, first), (to, last)) = (*pegs.first()?, *pegs.last()?);
+        let apart = last.translation.vector - first.translation.vector;
+        let yaw = if to > from { apart.y.atan2(apart.x) } else { yaw_of(&first) };
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw);
+        let centres =
+            pegs.iter().map(|(along, x)| x.translation.vector - turn * Vector3::new(*along, 0.0, 0.0));
+        let centre = centres.sum::<Vector3<f64>>() / pegs.len() as f64;
+        Some(Pose::from_parts(Translation3::new(centre.x, centre.y, 0.0), turn))
+    };
+    kit.holders.iter().filter_map(|holder| Some((holder.name.clone(), of_pegs(holder)?))).collect()
+}
+
 #[cfg(test)]
 mod tests {
     // A failed unwrap here is a failed test.
@@ -109,6 +130,27 @@ mod tests {
             assert!(x.rotation.angle_to(&x_wh.rotation) < 1e-9);
             let at = kit.sheet_to_world(kit.holders[0].centre);
             assert_eq!(found[0].1, Pose::translation(at.x, at.y, 0.0));
+        }
+    }
+
+    /// A holder that stands anywhere is where its own pegs say, however it is turned.
+    #[test]
+    fn holders_anywhere_stand_where_their_own_pegs_are() {
+        let kit = kit();
+        let x_wh = Pose::from_parts(
+            Translation3::new(0.3, -0.5, 0.0),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 2.5),
+        );
+        let stands = |peg: &str| {
+            let peg = kit.peg(peg).filter(|peg| peg.holder == "h4")?;
+            Some(x_wh * Pose::translation(f64::from(peg.slot) * Holder::PITCH, 0.0, Holder::HEIGHT))
+        };
+        for pegs in [&["p10", "p11", "p12"][..], &["p12"], &["p10", "p11"]] {
+            let found = holders_anywhere(&kit, |peg| stands(peg).filter(|_| pegs.contains(&peg)));
+            let [(name, x)] = &found[..] else { panic!("{found:?}") };
+            assert_eq!(name, "h4");
+            assert!((x.translation.vector - x_wh.translation.vector).norm() < 1e-9);
+            assert!(x.rotation.angle_to(&x_wh.rotation) < 1e-9);
         }
     }
 }

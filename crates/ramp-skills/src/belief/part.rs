@@ -1,9 +1,10 @@
 //! The belief about one part, and the detection of deviating readings.
 
-use nalgebra::Vector6;
+use nalgebra::{Translation3, UnitQuaternion, Vector3, Vector6};
 
 use super::estimate::Estimate;
 use crate::Pose;
+use crate::grasp::yaw_of;
 use crate::parameters::belief::BeliefParameters;
 
 /// Where a part is.
@@ -30,7 +31,7 @@ pub struct Part {
     pub odd: Option<Estimate>,
     /// Images since the last sighting that showed it lying otherwise than is believed.
     pub doubts: usize,
-    /// The poses on the outlines on which it may lie at the start.
+    /// The poses on the outlines on which it may lie at the start; none where it may lie anywhere.
     pub outlines: Vec<Pose>,
     /// Its pose when it was first known well, before anything touched it.
     pub found: Option<Pose>,
@@ -54,12 +55,20 @@ impl Part {
         }
     }
 
-    /// A part that was never seen lies on that of its outlines from which a reading differs least.
+    /// A part that was never seen lies on that of its outlines from which a reading differs least, and one
+    /// without outlines where the reading says, on the face on which it is believed to lie.
     pub fn suppose_outline(&mut self, seen: &Estimate) {
         let on = |x: &Pose| Estimate { x: *x, covariance: self.estimate.covariance };
         let surprise = |x: &&Pose| on(x).surprise(seen);
         if let Some(x) = self.outlines.iter().min_by(|a, b| surprise(a).total_cmp(&surprise(b))) {
             self.estimate.x = *x;
+        }
+        if self.outlines.is_empty() {
+            let (at, turn) = (seen.x.translation.vector, yaw_of(&seen.x) - yaw_of(&self.estimate.x));
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
+            let height = self.estimate.x.translation.z;
+            let there = Translation3::new(at.x, at.y, height);
+            self.estimate.x = Pose::from_parts(there, turn * self.estimate.x.rotation);
         }
     }
 

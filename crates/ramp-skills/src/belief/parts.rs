@@ -34,6 +34,8 @@ pub struct Belief {
     looked: Option<f64>,
     x_wt: Pose,
     astray: Vec<(String, f64)>,
+    /// Parts lie anywhere on the table at the start.
+    pub(super) anywhere: bool,
 }
 
 impl Belief {
@@ -49,9 +51,13 @@ impl Belief {
         let clamped = ([own.clamped; 3], [own.clamped_turn; 3]);
         let base = &assembly.beams[assembly.base];
         let mut parts = BTreeMap::new();
+        let anywhere = start.scatter.is_some();
         let mut insert =
-            |name: &str, outlines: Vec<Pose>, (position, rotation): ([f64; 3], [f64; 3]), frame| {
+            |name: &str, mut outlines: Vec<Pose>, (position, rotation): ([f64; 3], [f64; 3]), frame| {
                 let Some(&x) = outlines.first() else { return };
+                if anywhere {
+                    outlines.clear();
+                }
                 let estimate = Estimate { x, covariance: covariance(position, rotation) };
                 parts.insert(
                     name.to_string(),
@@ -88,6 +94,7 @@ impl Belief {
             looked: None,
             x_wt: Pose::identity(),
             astray: Vec::new(),
+            anywhere,
         }
     }
 

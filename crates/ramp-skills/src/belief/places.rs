@@ -36,6 +36,9 @@ impl Belief {
 
     /// Poses of the holders, by the pegs that were found in them.
     pub fn holders(&self, kit: &Kit) -> Vec<(String, Pose)> {
+        if self.anywhere {
+            return outlines::holders_anywhere(kit, |peg| self.parts.get(peg)?.found);
+        }
         outlines::holders(kit, kit.pegs.iter().filter_map(|peg| self.parts.get(&peg.name)?.found))
     }
 

@@ -4,11 +4,11 @@
 //! evidence, for people and for the campaigns that judge diagnoses.
 
 use nalgebra::{Point3, Vector3};
-use ramp_kit::Holder;
 use ramp_robot::{Cause, GRAVITY, RobotError};
 
 use super::journal::Stand;
 use super::workcell::Workcell;
+use crate::Pose;
 use crate::hand::Hand;
 
 impl Workcell<'_, '_> {
@@ -104,9 +104,9 @@ impl Workcell<'_, '_> {
     /// The holder in which a peg stood at the start.
     fn holder_of(&self, peg: &str) -> Option<String> {
         let place = self.belief.parts.place(peg)?.translation.vector;
-        let off = |holder: &&Holder| (self.kit.sheet_to_world(holder.centre).coords - place).xy().norm();
-        let nearest = self.kit.holders.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
-        Some(nearest.name.clone())
+        let off = |x_wh: &Pose| (x_wh.translation.vector - place).xy().norm();
+        let holders = self.belief.parts.holders(self.kit).into_iter();
+        holders.min_by(|(_, a), (_, b)| off(a).total_cmp(&off(b))).map(|(name, _)| name)
     }
 
     /// Horizontal distance of an upright peg from the place where it was found, m.

@@ -19,8 +19,8 @@ use super::insertions::{AssembleParameters, CapParameters, InsertionParameters};
 use super::motion::{AlignmentParameters, LookParameters, TravelParameters};
 use super::read::{ParameterFault, read_values};
 use super::skills::{
-    AgentParameters, FastenParameters, LayDownParameters, MoveToParameters, PickUpParameters,
-    PieceParameters, PushParameters, PutDownParameters, RegraspParameters, SlideParameters,
+    AgentParameters, ClearParameters, FastenParameters, LayDownParameters, MoveToParameters,
+    PickUpParameters, PieceParameters, PushParameters, PutDownParameters, RegraspParameters, SlideParameters,
 };
 
 /// The values of the baseline, `data/skills/baseline.toml`, as the program was built with.
@@ -67,6 +67,8 @@ macro_rules! groups {
 groups! {
     /// The agent.
     agent: AgentParameters,
+    /// The agent before a build from a start whose parts lie anywhere.
+    clear: ClearParameters,
     /// The agent on a piece of a plan.
     piece: PieceParameters,
     /// The skill `move_to`.

@@ -17,6 +17,29 @@ parameters! {
 }
 
 parameters! {
+    /// The agent before a build from a start whose parts lie anywhere: finds them, and clears the place where
+    /// the frame is to stand.
+    ClearParameters {
+        /// Images of each camera over each place where parts may lie.
+        looks: usize = "", 1.0, 20.0;
+        /// Angle about the arm's foot between these places. Chosen: the pictures of the camera on the hand
+        /// overlap.
+        turn: f64 = "rad", 0.05, 3.2;
+        /// Least distance of a beam from the places and the paths of the beams of the frame, along the table.
+        /// The fingers that hold a beam there need it.
+        frame: f64 = "m", 0.0, 0.3;
+        /// Least distance at which a beam is laid down beside other parts, so that the fingers fit.
+        beside: f64 = "m", 0.0, 0.3;
+        /// Distance between the poses along a path of insertion at which it is asked what lies there.
+        step: f64 = "m", 1e-3, 0.1;
+        /// Number of times that each beam in the way is tried: one may lie beside another that has to go first.
+        rounds: usize = "", 1.0, 10.0;
+        /// Height of a beam off its height on the table from which it counts as lying on something else.
+        raised: f64 = "m", 1e-3, 0.1;
+    }
+}
+
+parameters! {
     /// The agent on a piece of a plan, in an assembly begun by another agent.
     PieceParameters {
         /// Position uncertainty of a beam that another agent inserted, 1 σ, axes of the world.

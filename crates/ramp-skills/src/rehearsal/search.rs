@@ -131,6 +131,14 @@ impl<'a> Rehearsal<'a> {
         self
     }
 
+    /// Without the parts that are not among these, if parts lie anywhere: nobody knows where they are.
+    #[must_use]
+    pub fn without_unseen(mut self, seen: Option<&[(String, Pose)]>) -> Rehearsal<'a> {
+        let is_seen = |part: &str| seen.is_none_or(|seen| seen.iter().any(|(known, _)| known == part));
+        self.scene.now.parts.retain(|part, _| is_seen(part));
+        self
+    }
+
     /// With these grasps of beams, by name, as the last choice: they were tried.
     #[must_use]
     pub fn without_grasps(mut self, tried: BTreeMap<String, Vec<BeamGrasp>>) -> Rehearsal<'a> {

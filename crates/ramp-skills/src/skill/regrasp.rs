@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_PI_4;
 
 use nalgebra::{Translation3, UnitQuaternion, Vector2, Vector3};
+use ramp_kit::Beam;
 use ramp_robot::Retry;
 
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
@@ -76,10 +77,28 @@ impl Regrasp {
     /// # Errors
     /// [`Fault::NoGrasp`] when there is no free place for it, or the fault that stopped the motion.
     pub fn regrasp(&self, cell: &mut Workcell, beam: usize, link: &str) -> Result<(), SkillError> {
-        let name = cell.assembly.beams[beam].beam.name.clone();
+        let beam = &cell.assembly.beams[beam].beam;
+        self.lay_aside(cell, beam, link, |_| true)?;
+        self.pick_up.pick_up(cell, &beam.name, Some(link))?;
+        cell.laid_at.pop();
+        cell.retreat()
+    }
+
+    /// Lays the held beam down on the nearest free place of the table at which `link` can be gripped, among the
+    /// poses of the beam in the world that are allowed. The place is the last of those in `cell.laid_at`.
+    ///
+    /// # Errors
+    /// As [`Regrasp::regrasp`].
+    pub fn lay_aside(
+        &self,
+        cell: &mut Workcell,
+        beam: &Beam,
+        link: &str,
+        allowed: impl Fn(&Pose) -> bool,
+    ) -> Result<(), SkillError> {
         cell.retreat()?;
-        cell.check_grip(&name)?;
-        let place = self.free_place(cell, beam, link)?;
+        cell.check_grip(&beam.name)?;
+        let place = self.free_place(cell, beam, link, allowed)?;
         // Should the hand fail to take the beam there, it lays it down in another place next time.
         cell.laid_at.push(place.translation.vector.xy());
         let travel = cell.parameters.travel.height;
@@ -94,9 +113,6 @@ impl Regrasp {
         under.translation.z -= self.parameters.drop / 2.0;
         cell.hand.drive(&under, self.parameters.speed, |hand| -hand.force().z > self.parameters.limit)?;
         cell.release()?;
-        cell.retreat()?;
-        self.pick_up.pick_up(cell, &name, Some(link))?;
-        cell.laid_at.pop();
         cell.retreat()
     }
 
@@ -127,8 +143,13 @@ impl Regrasp {
     /// The pose of the tip at which the held beam lies on the table beside everything else, with room for the
     /// hand now and when it takes the beam by `link`; the nearest one. The hand leans when the beam is tilted
     /// in it.
-    fn free_place(&self, cell: &Workcell, beam: usize, link: &str) -> Result<Pose, SkillError> {
-        let beam = &cell.assembly.beams[beam].beam;
+    fn free_place(
+        &self,
+        cell: &Workcell,
+        beam: &Beam,
+        link: &str,
+        allowed: impl Fn(&Pose) -> bool,
+    ) -> Result<Pose, SkillError> {
         let no_grasp = || Fault::NoGrasp { part: beam.name.clone() };
         let link = beam.links.iter().find(|candidate| candidate.name == link).ok_or_else(no_grasp)?;
         let held = cell.hand.held.as_ref().ok_or_else(no_grasp)?;
@@ -164,6 +185,9 @@ impl Regrasp {
         let now = cell.checker(None);
         let place = places.into_iter().map(|(_, x_wt)| x_wt).find(|x_wt| {
             let over = Translation3::new(0.0, 0.0, self.parameters.over) * x_wt;
+            if !allowed(&(x_wt * held.x_tp)) {
+                return false;
+            }
             if !cell.planner.solve(&over, &q).is_ok_and(|q| {
                 cell.planner.kinematics.range_margin(&q) > self.parameters.room
                     && now.is_free(&cell.planner.kinematics.frames(&q))

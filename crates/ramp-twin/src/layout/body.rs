@@ -1,9 +1,9 @@
 //! A beam or a holder on the table: whether it is clear of another one, and whether the fingers have room
 //! beside its links.
 
-use nalgebra::{Point2, Point3, Vector2, Vector3};
+use nalgebra::Point3;
 use ramp_kit::shape::{Cuboid, Shape, beam_shapes};
-use ramp_kit::{Beam, Holder, Pose};
+use ramp_kit::{Beam, Footprint, Holder, Pose};
 
 /// Half of the extent of a finger along a beam, m: 20 mm, and room on both sides.
 const FINGER_HALF: f64 = 12.0e-3;
@@ -29,15 +29,6 @@ pub struct Body {
     links: Vec<[f64; 2]>,
 }
 
-/// A rectangle on the table, seen from above.
-struct Footprint {
-    centre: Point2<f64>,
-    /// Its two directions.
-    axes: [Vector2<f64>; 2],
-    /// Half of its edges along them, m.
-    half: [f64; 2],
-}
-
 impl Body {
     /// A beam.
     pub fn beam(beam: &Beam, x_wb: Pose) -> Body {
@@ -53,7 +44,8 @@ impl Body {
         Body::new(&holder.name, x_wh, Point3::origin(), Holder::blocks().to_vec())
     }
 
-    fn new(name: &str, x: Pose, middle: Point3<f64>, boxes: Vec<Cuboid>) -> Body {
+    /// A body of these boxes, in its frame, that is turned about `middle`.
+    pub fn new(name: &str, x: Pose, middle: Point3<f64>, boxes: Vec<Cuboid>) -> Body {
         let reach = |it: &Cuboid| {
             let [x, y] = [0, 1].map(|axis| (it.centre()[axis] - middle[axis]).abs() + it.half()[axis]);
             x.hypot(y)
@@ -85,6 +77,11 @@ impl Body {
         self.links.iter().map(|link| points(*link).any(free)).collect()
     }
 
+    /// Its rectangles on the table.
+    pub fn footprints(&self) -> impl Iterator<Item = Footprint> {
+        self.boxes.iter().map(|cuboid| Footprint::new(&self.x, cuboid))
+    }
+
     /// Whether another body may be nearer than `clearance` (m) to this one at `x`: by the circles that hold
     /// them.
     fn is_near(&self, x: &Pose, other: &Body, clearance: f64) -> bool {
@@ -104,36 +101,9 @@ impl Body {
     }
 }
 
-impl Footprint {
-    /// Of a box of a body that lies flat.
-    fn new(x: &Pose, cuboid: &Cuboid) -> Footprint {
-        let [half_x, half_y, _] = cuboid.half();
-        let axis = |axis: Vector3<f64>| (x.rotation * axis).xy();
-        Footprint {
-            centre: (x * Point3::from(cuboid.centre())).xy(),
-            axes: [axis(Vector3::x()), axis(Vector3::y())],
-            half: [half_x, half_y],
-        }
-    }
-
-    /// Half of its width along a direction, m.
-    fn half_width(&self, along: &Vector2<f64>) -> f64 {
-        self.axes.iter().zip(self.half).map(|(axis, half)| axis.dot(along).abs() * half).sum()
-    }
-
-    /// Whether a line of the given width, m, fits between the two along an edge of one of them.
-    fn is_clear(&self, other: &Footprint, clearance: f64) -> bool {
-        let apart = self.centre - other.centre;
-        self.axes
-            .iter()
-            .chain(&other.axes)
-            .any(|axis| apart.dot(axis).abs() >= self.half_width(axis) + other.half_width(axis) + clearance)
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Translation3, UnitQuaternion};
+    use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
     use super::*;
 

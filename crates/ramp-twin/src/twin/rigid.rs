@@ -41,6 +41,7 @@ impl Twin {
             holders: here(&self.scene.holders),
             pegs: here(&pegs),
             in_holder: self.scene.in_holder.clone(),
+            unplaced: None,
             rigid,
         };
         let physics = self.scene.physics.clone();

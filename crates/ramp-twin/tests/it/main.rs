@@ -14,6 +14,7 @@ mod limits;
 mod pieces;
 mod readings;
 mod rigid;
+mod scattered;
 mod snapshot;
 mod starts;
 mod twin;

@@ -1,0 +1,269 @@
+//! Before a build from a start whose parts lie anywhere: the agent finds them, and clears the place where the
+//! frame is to stand.
+
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::{Point3, Translation3, Vector3};
+use ramp_kit::shape::{Shape, beam_shapes};
+use ramp_kit::{Beam, Footprint, Holder};
+use ramp_planner::{Entry, FineAction, Grasp, Item, Plan, PlanError};
+use ramp_robot::{EventKind, RobotError};
+use ramp_world::start::Scatter;
+
+use crate::Pose;
+use crate::cell::Workcell;
+use crate::fault::{Fault, SkillError};
+use crate::recovery::note_fault;
+use crate::skill::Call;
+use crate::skill::regrasp::Regrasp;
+use crate::table::SkillTable;
+
+/// Finds the parts, and clears the place of the frame of this plan: gives the pegs that cannot be used, by name,
+/// or the reason for which the goal cannot be built.
+///
+/// # Errors
+/// The robot's.
+pub fn prepare(
+    skills: &SkillTable,
+    cell: &mut Workcell,
+    scatter: &Scatter,
+    plan: impl FnOnce() -> Result<Plan, PlanError>,
+) -> Result<Result<Vec<String>, String>, RobotError> {
+    let found = find_parts(cell, scatter);
+    note_fault(cell, found)?;
+    let unusable = match usable(cell) {
+        Ok(unusable) => unusable,
+        Err(why) => return Ok(Err(why)),
+    };
+    match plan() {
+        Ok(plan) => clear(skills, cell, scatter, &plan.entries)?,
+        Err(error) => return Ok(Err(format!("no plan: {error}"))),
+    }
+    Ok(Ok(unusable))
+}
+
+/// Looks until every part of the kit was seen, from over each place where parts may lie once.
+///
+/// # Errors
+/// The robot's, or the fault that stopped a motion.
+fn find_parts(cell: &mut Workcell, scatter: &Scatter) -> Result<(), SkillError> {
+    cell.belief.parts.update(&mut cell.hand)?;
+    if !cell.belief.parts.eyes.images() {
+        return Ok(());
+    }
+    let looks = cell.parameters.clear.looks;
+    cell.look_again(looks)?;
+    let far = (scatter.ring.from + scatter.ring.to) / 2.0;
+    let steps = (FRAC_PI_2 / cell.parameters.clear.turn).floor() as i32;
+    for step in -steps..=steps {
+        if unseen(cell).is_empty() {
+            return Ok(());
+        }
+        let (sine, cosine) = (f64::from(step) * cell.parameters.clear.turn).sin_cos();
+        cell.visit(&Point3::new(far * cosine, far * sine, 0.0))?;
+        cell.look_again(looks)?;
+    }
+    let unseen = unseen(cell);
+    if !unseen.is_empty() {
+        cell.record(EventKind::Note { text: format!("not found on the table: {}", unseen.join(", ")) });
+    }
+    Ok(())
+}
+
+/// The parts of the kit that were never seen, by name.
+fn unseen(cell: &Workcell) -> Vec<String> {
+    let kit = cell.kit;
+    let names = kit.beams.iter().map(|beam| &beam.name).chain(kit.pegs.iter().map(|peg| &peg.name));
+    names.filter(|name| cell.belief.parts.pose(name).is_err()).cloned().collect()
+}
+
+/// The pegs that cannot be used, because they do not stand upright or were not found, by name.
+///
+/// # Errors
+/// The reason for which the goal cannot be built, for a person: a beam of the goal that cannot be used, or too
+/// few pegs.
+fn usable(cell: &Workcell) -> Result<Vec<String>, String> {
+    let (assembly, kit) = (cell.assembly, cell.kit);
+    let up = |x: &Pose| (x.rotation * Vector3::z()).z;
+    for placed in assembly.beams.iter().filter(|placed| placed.beam.start.is_some()) {
+        let beam = &placed.beam;
+        let Ok(x_wb) = cell.belief.parts.pose(&beam.name) else {
+            return Err(format!("{} was not found on the table", beam.name));
+        };
+        let raised = x_wb.translation.z - beam.axis_height_on_table();
+        let usual = if beam.start.is_some_and(|start| start.flipped) { -1.0 } else { 1.0 };
+        if up(&x_wb) * usual < 0.0 {
+            return Err(format!("{} lies face down, and this agent turns no beam over", beam.name));
+        }
+        if raised.abs() > cell.parameters.clear.raised || up(&x_wb).abs() < cell.parameters.belief.level {
+            return Err(format!("{} does not lie flat on the table", beam.name));
+        }
+    }
+    let stands = |x: Pose| {
+        let raised = x.translation.z - Holder::HEIGHT;
+        up(&x) > cell.parameters.belief.level && raised.abs() < cell.parameters.clear.raised
+    };
+    let pegs = kit.pegs.iter().map(|peg| &peg.name);
+    let unusable: Vec<String> =
+        pegs.filter(|peg| !cell.belief.parts.pose(peg).is_ok_and(stands)).cloned().collect();
+    let (left, needed) = (kit.pegs.len() - unusable.len(), assembly.connections.len());
+    if left < needed {
+        return Err(format!("{left} pegs stand in holders, and the goal needs {needed}"));
+    }
+    Ok(unusable)
+}
+
+/// Lays each beam that lies where the frame is to stand, or on the path of a beam to it, down on a free place
+/// of the table. One that the hand cannot take stays, and the build begins without.
+///
+/// # Errors
+/// The robot's.
+fn clear(
+    skills: &SkillTable,
+    cell: &mut Workcell,
+    scatter: &Scatter,
+    entries: &[Entry],
+) -> Result<(), RobotError> {
+    let frame = frame(cell, entries);
+    for _ in 0..cell.parameters.clear.rounds {
+        let beams = in_the_way(cell, &frame);
+        if beams.is_empty() {
+            break;
+        }
+        for beam in beams {
+            let cleared = clear_beam(skills, cell, scatter, &frame, beam);
+            if !note_fault(cell, cleared)? {
+                let done = let_go(cell);
+                note_fault(cell, done)?;
+            }
+        }
+    }
+    for beam in in_the_way(cell, &frame) {
+        let text = format!("{} lies where the frame is to stand, and cannot be taken away", beam.name);
+        cell.record(EventKind::Note { text });
+    }
+    Ok(())
+}
+
+/// Takes a beam by the link nearest to its middle that can be gripped, and lays it down elsewhere.
+fn clear_beam(
+    skills: &SkillTable,
+    cell: &mut Workcell,
+    scatter: &Scatter,
+    frame: &[Footprint],
+    beam: &Beam,
+) -> Result<(), SkillError> {
+    let mut links: Vec<_> = beam.links.iter().collect();
+    let off = |link: &ramp_kit::Link| ((link.grasp[0] + link.grasp[1] - beam.span()) / 2.0).abs();
+    links.sort_by(|a, b| off(a).total_cmp(&off(b)));
+    let mut taken = Err(Fault::NoGrasp { part: beam.name.clone() }.into());
+    for link in links {
+        let (item, grasp) = (Item::Beam(beam.name.clone()), Grasp::Link(link.name.clone()));
+        taken = skills.perform(cell, &Call::alone(&FineAction::PickUp { item, grasp }));
+        match taken {
+            Ok(()) => return lay_down(cell, scatter, frame, beam, &link.name),
+            Err(SkillError::Robot(_)) => return taken,
+            Err(_) => cell.retreat()?,
+        }
+    }
+    taken
+}
+
+/// Lays the held beam down where it is in nobody's way.
+fn lay_down(
+    cell: &mut Workcell,
+    scatter: &Scatter,
+    frame: &[Footprint],
+    beam: &Beam,
+    link: &str,
+) -> Result<(), SkillError> {
+    let around = around(cell, beam);
+    let parameters = cell.parameters.clone();
+    let free = |x_wb: &Pose| {
+        let middle = x_wb * Point3::new(beam.span() / 2.0, 0.0, 0.0);
+        let own = footprints(beam, x_wb);
+        let clear = |others: &[Footprint], distance: f64| {
+            own.iter().all(|own| others.iter().all(|other| own.is_clear(other, distance)))
+        };
+        let inside = |own: &Footprint| {
+            own.corners().iter().all(|it| scatter.area_x.holds(it.x) && scatter.area_y.holds(it.y))
+        };
+        scatter.ring.holds(middle.xy().coords.norm())
+            && own.iter().all(inside)
+            && clear(frame, parameters.clear.frame)
+            && clear(&around, parameters.clear.beside)
+    };
+    Regrasp::new(&parameters).lay_aside(cell, beam, link, free)?;
+    cell.laid_at.pop();
+    let x_wb = cell.belief.parts.pose(&beam.name)?;
+    let middle = x_wb * Point3::new(beam.span() / 2.0, 0.0, 0.0);
+    let text = format!(
+        "{} lies where the frame is to stand: laid down at x {:.2} m, y {:.2} m",
+        beam.name, middle.x, middle.y
+    );
+    cell.record(EventKind::Note { text });
+    Ok(())
+}
+
+/// Lets go of what the hand holds, and raises it.
+fn let_go(cell: &mut Workcell) -> Result<(), SkillError> {
+    cell.release()?;
+    cell.retreat()
+}
+
+/// The footprints of all beams of the frame that are to be put in, at their places and along their paths.
+fn frame(cell: &Workcell, entries: &[Entry]) -> Vec<Footprint> {
+    let x_wa = cell.belief.x_wa();
+    let step = cell.parameters.clear.step;
+    let mut frame = Vec::new();
+    for entry in entries {
+        let Some(index) = cell.assembly.beam_index(&entry.beam) else { continue };
+        let placed = &cell.assembly.beams[index];
+        let back = -Vector3::from(entry.direction);
+        let steps = ((entry.distance + entry.depth) / step).ceil() as i32;
+        for index in 0..=steps {
+            let far = (f64::from(index) * step - entry.depth).min(entry.distance);
+            let x_wb = x_wa * Translation3::from(back * far) * placed.x_ab;
+            frame.extend(footprints(&placed.beam, &x_wb));
+        }
+    }
+    frame
+}
+
+/// The beams that lie in the way of the frame.
+fn in_the_way<'k>(cell: &Workcell<'k, '_>, frame: &[Footprint]) -> Vec<&'k Beam> {
+    let margin = cell.parameters.clear.frame;
+    let beams = cell.kit.beams.iter().filter(|beam| beam.name != base(cell));
+    beams
+        .filter(|beam| {
+            cell.belief.parts.pose(&beam.name).is_ok_and(|x_wb| {
+                let own = footprints(beam, &x_wb);
+                own.iter().any(|own| frame.iter().any(|other| !own.is_clear(other, margin)))
+            })
+        })
+        .collect()
+}
+
+/// The footprints of all other parts on the table.
+fn around(cell: &Workcell, but: &Beam) -> Vec<Footprint> {
+    let parts = &cell.belief.parts;
+    let mut around = Vec::new();
+    for beam in cell.kit.beams.iter().filter(|beam| beam.name != but.name) {
+        around.extend(parts.pose(&beam.name).map(|x_wb| footprints(beam, &x_wb)).unwrap_or_default());
+    }
+    for (_, x_wh) in parts.holders(cell.kit) {
+        around.extend(Holder::blocks().iter().map(|block| Footprint::new(&x_wh, block)));
+    }
+    around
+}
+
+/// A beam as rectangles on the table.
+fn footprints(beam: &Beam, x_wb: &Pose) -> Vec<Footprint> {
+    let bounds = beam_shapes(beam).iter().map(Shape::bounds).collect::<Vec<_>>();
+    bounds.iter().map(|bounds| Footprint::new(x_wb, bounds)).collect()
+}
+
+/// The name of the clamped beam.
+fn base<'k>(cell: &Workcell<'k, '_>) -> &'k str {
+    &cell.assembly.beams[cell.assembly.base].beam.name
+}
