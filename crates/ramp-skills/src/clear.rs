@@ -133,7 +133,7 @@ fn clear(
         for beam in beams {
             let cleared = clear_beam(skills, cell, scatter, &frame, beam);
             if !note_fault(cell, cleared)? {
-                let done = let_go(cell);
+                let done = put_back(skills, cell, &beam.name);
                 note_fault(cell, done)?;
             }
         }
@@ -178,9 +178,12 @@ fn lay_down(
     link: &str,
 ) -> Result<(), SkillError> {
     let around = around(cell, beam);
-    let parameters = cell.parameters.clone();
-    let free = |x_wb: &Pose| {
-        let middle = x_wb * Point3::new(beam.span() / 2.0, 0.0, 0.0);
+    let mut parameters = (*cell.parameters).clone();
+    let [x, y] = [scatter.area_x, scatter.area_y].map(|range| [range.from, range.to]);
+    (parameters.regrasp.table_x, parameters.regrasp.table_y) = (x, y);
+    parameters.regrasp.step = parameters.clear.place_step;
+    let regrasp = Regrasp::new(&parameters);
+    let free = |x_wb: &Pose, beside: f64| {
         let own = footprints(beam, x_wb);
         let clear = |others: &[Footprint], distance: f64| {
             own.iter().all(|own| others.iter().all(|other| own.is_clear(other, distance)))
@@ -188,12 +191,16 @@ fn lay_down(
         let inside = |own: &Footprint| {
             own.corners().iter().all(|it| scatter.area_x.holds(it.x) && scatter.area_y.holds(it.y))
         };
-        scatter.ring.holds(middle.xy().coords.norm())
-            && own.iter().all(inside)
-            && clear(frame, parameters.clear.frame)
-            && clear(&around, parameters.clear.beside)
+        own.iter().all(inside) && clear(frame, parameters.clear.frame) && clear(&around, beside)
     };
-    Regrasp::new(&parameters).lay_aside(cell, beam, link, free)?;
+    let mut laid = Err(Fault::NoGrasp { part: beam.name.clone() }.into());
+    for beside in parameters.clear.beside {
+        laid = regrasp.lay_aside(cell, beam, link, |x_wb| free(x_wb, beside));
+        if !matches!(laid, Err(SkillError::Fault(Fault::NoGrasp { .. }))) {
+            break;
+        }
+    }
+    laid?;
     cell.laid_at.pop();
     let x_wb = cell.belief.parts.pose(&beam.name)?;
     let middle = x_wb * Point3::new(beam.span() / 2.0, 0.0, 0.0);
@@ -205,8 +212,12 @@ fn lay_down(
     Ok(())
 }
 
-/// Lets go of what the hand holds, and raises it.
-fn let_go(cell: &mut Workcell) -> Result<(), SkillError> {
+/// Puts a beam that is still in the hand back where it lay, and raises the hand.
+fn put_back(skills: &SkillTable, cell: &mut Workcell, beam: &str) -> Result<(), SkillError> {
+    if cell.hand.held.is_some() {
+        let item = Item::Beam(beam.to_string());
+        skills.perform(cell, &Call::alone(&FineAction::PutDown { item }))?;
+    }
     cell.release()?;
     cell.retreat()
 }
@@ -230,18 +241,19 @@ fn frame(cell: &Workcell, entries: &[Entry]) -> Vec<Footprint> {
     frame
 }
 
-/// The beams that lie in the way of the frame.
+/// The beams that lie in the way of the frame, the longest first: for it a free place is hardest to find.
 fn in_the_way<'k>(cell: &Workcell<'k, '_>, frame: &[Footprint]) -> Vec<&'k Beam> {
     let margin = cell.parameters.clear.frame;
-    let beams = cell.kit.beams.iter().filter(|beam| beam.name != base(cell));
-    beams
-        .filter(|beam| {
-            cell.belief.parts.pose(&beam.name).is_ok_and(|x_wb| {
-                let own = footprints(beam, &x_wb);
-                own.iter().any(|own| frame.iter().any(|other| !own.is_clear(other, margin)))
-            })
+    let blocks = |beam: &&Beam| {
+        cell.belief.parts.pose(&beam.name).is_ok_and(|x_wb| {
+            let own = footprints(beam, &x_wb);
+            own.iter().any(|own| frame.iter().any(|other| !own.is_clear(other, margin)))
         })
-        .collect()
+    };
+    let others = cell.kit.beams.iter().filter(|beam| beam.name != base(cell));
+    let mut beams: Vec<&Beam> = others.filter(blocks).collect();
+    beams.sort_by(|a, b| b.span().total_cmp(&a.span()));
+    beams
 }
 
 /// The footprints of all other parts on the table.

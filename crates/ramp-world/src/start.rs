@@ -48,8 +48,8 @@ quantities! {
         frame_y: Range = "m", -1.5, 1.5;
         /// Least distance of a part from the clamped beam.
         clamped: f64 = "m", 0.0, 0.3;
-        /// 1: beams lie on either face and on one another, and the pegs lie on the table. 0: beams lie flat on
-        /// the table as on their outlines, and the pegs stand in their holders.
+        /// 1: beams lie on one another, and the pegs lie on the table. 0: beams lie flat on the table, and the
+        /// pegs stand in their holders.
         jumble: f64 = "", 0.0, 1.0;
     }
 }
@@ -123,7 +123,7 @@ impl Start {
         &SHIPPED[2]
     }
 
-    /// As [`Start::scattered`], with beams on one another and on either face, and pegs that lie.
+    /// As [`Start::scattered`], with beams on one another, and pegs that lie.
     pub fn jumbled() -> &'static Start {
         &SHIPPED[3]
     }

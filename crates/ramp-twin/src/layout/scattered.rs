@@ -39,7 +39,7 @@ pub fn draw(assembly: &Assembly, clearance: f64, scatter: &Scatter, seed: u64) -
     let mut stream = Stream::new(seed, "layout");
     let mut failed = None;
     for _ in 0..DRAWS {
-        let items = items(assembly, scatter, &mut stream);
+        let items = items(assembly, scatter);
         match place(items, clearance, scatter, &mut stream) {
             Ok(items) => return layout(&assembly.kit, &items),
             Err(part) => failed = Some(part),
@@ -49,7 +49,7 @@ pub fn draw(assembly: &Assembly, clearance: f64, scatter: &Scatter, seed: u64) -
 }
 
 /// All parts to be placed, in the order of the draw.
-fn items(assembly: &Assembly, scatter: &Scatter, stream: &mut Stream) -> Vec<Item> {
+fn items(assembly: &Assembly, scatter: &Scatter) -> Vec<Item> {
     let kit = &assembly.kit;
     let base = &assembly.beams[assembly.base];
     let jumbled = scatter.jumble >= 0.5;
@@ -62,8 +62,7 @@ fn items(assembly: &Assembly, scatter: &Scatter, stream: &mut Stream) -> Vec<Ite
     let beams = kit.beams.iter().filter(|beam| beam.name != base.beam.name && beam.start.is_some());
     for (index, beam) in beams.enumerate() {
         let upper = jumbled && index % 2 == 1;
-        let flipped = beam.start.is_some_and(|start| start.flipped) != (jumbled && stream.uniform() < 0.5);
-        let roll = if flipped { std::f64::consts::PI } else { 0.0 };
+        let roll = if beam.start.is_some_and(|start| start.flipped) { std::f64::consts::PI } else { 0.0 };
         let height = beam.axis_height_on_table() + if upper { highest + FALL } else { 0.0 };
         let x = Pose::from_parts(
             Translation3::new(0.0, 0.0, height),

@@ -135,13 +135,12 @@ fn scattered_parts_lie_still() {
     }
 }
 
-/// Of a jumble, beams lie on either face and on one another, and pegs lie: after a second all is at rest, and
-/// nothing has gone through anything.
+/// Of a jumble, beams lie on one another, and pegs lie: nothing goes through the table or another part.
 #[test]
 fn a_jumble_comes_to_rest() {
     let files = GoalFiles::new("easy-1");
     let kit = &files.assembly.kit;
-    let (mut over, mut upright, mut raised) = (0, 0, 0);
+    let (mut upright, mut raised) = (0, 0);
     for seed in 1..=4 {
         let setup = Setup { start: Start::jumbled(), ..files.setup(Track::State, seed) };
         let mut twin = Twin::new(&setup).unwrap();
@@ -157,13 +156,11 @@ fn a_jumble_comes_to_rest() {
                 upright += usize::from(kit.peg(name).is_some() && up > 0.5);
                 continue;
             };
-            let usual = if beam.start.unwrap().flipped { -1.0 } else { 1.0 };
-            over += usize::from(up * usual < 0.0);
             raised += usize::from(x.translation.z > beam.axis_height_on_table() + 5.0e-3);
         }
     }
     assert_eq!(upright, 0);
-    assert!(over > 4 && raised > 2, "{over} beams face down, {raised} on others");
+    assert!(raised > 2, "{raised} beams lie on others");
 }
 
 /// A start whose region is too small for its parts is refused, and no part is put where another one is.
