@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::Assembly;
-use ramp_kit::Pose;
+use ramp_kit::{Kit, Pose};
 use ramp_robot::random::Stream;
 use ramp_world::Start;
 use ramp_world::groups::Table;
@@ -39,13 +39,17 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// The start of the episode with this seed. Where parts lie anywhere, each place is drawn until it is clear
-    /// of all others and within reach, and if none is found for a part the draw starts over. Else each part in turn is moved from its outline until it is clear
-    /// of all others, and the hand can still grip each link that it could grip with all parts on their
-    /// outlines; one for which a thousand draws find no place stays on its outline.
+    /// The start of the episode with this seed. Where parts lie anywhere, each place is drawn until it is
+    /// clear of all others and within reach, and if none is found for a part the draw starts over. Else each
+    /// part in turn is moved from its outline until it is clear of all others, and the hand can still grip
+    /// each link that it could grip with all parts on their outlines; one for which a thousand draws find no
+    /// place stays on its outline.
     pub fn new(assembly: &Assembly, start: &Start, seed: u64) -> Layout {
         if let Some(scatter) = &start.scatter {
-            return scattered::draw(assembly, start.places.clearance, scatter, seed);
+            return match scattered::draw(assembly, start.places.clearance, scatter, seed) {
+                Ok(places) => Layout::anywhere(&assembly.kit, &places),
+                Err(part) => Layout { unplaced: Some(part), ..Layout::default() },
+            };
         }
         let kit = &assembly.kit;
         let base = &assembly.beams[assembly.base];
@@ -92,6 +96,31 @@ impl Layout {
         }
         // The order of the parts is the same in every episode.
         layout.pegs.sort_by_key(|(name, _)| kit.pegs.iter().position(|peg| peg.name == *name));
+        layout
+    }
+
+    /// Parts at these poses in the world, by name: each peg that has none stands in its holder.
+    fn anywhere(kit: &Kit, places: &BTreeMap<String, Pose>) -> Layout {
+        let find = |name: &String| Some((name.clone(), *places.get(name)?));
+        let mut layout = Layout {
+            beams: kit.beams.iter().filter_map(|beam| find(&beam.name)).collect(),
+            holders: kit.holders.iter().filter_map(|holder| find(&holder.name)).collect(),
+            ..Layout::default()
+        };
+        for peg in &kit.pegs {
+            if let Some(lying) = find(&peg.name) {
+                layout.pegs.push(lying);
+                continue;
+            }
+            let holder = kit.holders.iter().find(|holder| holder.name == peg.holder);
+            let (Some(holder), Some(x_wp)) = (holder, kit.x_wp_start(peg)) else { continue };
+            let at = kit.sheet_to_world(holder.centre);
+            let x_hp = Translation3::new(-at.x, -at.y, 0.0) * x_wp;
+            if let Some(x_wh) = places.get(&holder.name) {
+                layout.pegs.push((peg.name.clone(), x_wh * x_hp));
+                layout.in_holder.insert(peg.name.clone(), holder.name.clone());
+            }
+        }
         layout
     }
 

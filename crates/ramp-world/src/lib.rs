@@ -4,8 +4,8 @@
 //! tolerances of the parts. [`World`] reads it: each number with its unit, its distribution and its source.
 //! [`World::draw`] gives the numbers of one episode, a [`Physics`], from the episode's seed. [`groups`]
 //! declares the quantities of a world. A [`Start`] is a file of the same form: the distances of the parts
-//! from their outlines on the sheet, and whether they trade places; or the region of the table in which they lie
-//! anywhere.
+//! from their outlines on the sheet, and whether they trade places; or the region of the table in which they
+//! lie anywhere.
 
 #[macro_use]
 mod quantity;

@@ -41,15 +41,15 @@ quantities! {
         area_y: Range = "m", -1.5, 1.5;
         /// Range of the distance of the middle of a beam or a holder from the axis of the arm's first joint.
         ring: Range = "m", 0.0, 1.5;
-        /// Range of x in the world that no holder reaches into where it is in `frame_y`: the frame is to stand
-        /// there. Beams lie there as well.
+        /// Range of x in the world that no holder reaches into where it is in `frame_y`: the frame is to
+        /// stand there. Beams lie there as well.
         frame_x: Range = "m", -1.5, 1.5;
         /// Range of y in the world that belongs to `frame_x`.
         frame_y: Range = "m", -1.5, 1.5;
         /// Least distance of a part from the clamped beam.
         clamped: f64 = "m", 0.0, 0.3;
-        /// 1: beams lie on one another, and the pegs lie on the table. 0: beams lie flat on the table, and the
-        /// pegs stand in their holders.
+        /// 1: beams lie on one another, and the pegs lie on the table. 0: beams lie flat on the table, and
+        /// the pegs stand in their holders.
         jumble: f64 = "", 0.0, 1.0;
     }
 }
@@ -182,8 +182,8 @@ impl Start {
         })
     }
 
-    /// Each quantity that a start may give, in the order of [`Places::FIELDS`] and [`Scatter::FIELDS`], with the
-    /// start's own; `None` for one that it does not give.
+    /// Each quantity that a start may give, in the order of [`Places::FIELDS`] and [`Scatter::FIELDS`], with
+    /// the start's own; `None` for one that it does not give.
     pub fn quantities(&self) -> impl Iterator<Item = (&'static Field, Option<&Quantity>)> {
         fields().map(|(group, field)| (field, self.quantities.get(&(group, field.name))))
     }

@@ -28,14 +28,15 @@ parameters! {
         /// Least distance of a beam from the places and the paths of the beams of the frame, along the table.
         /// The fingers that hold a beam there need it.
         frame: f64 = "m", 0.0, 0.3;
-        /// Least distances at which a beam is laid down beside other parts, so that the fingers fit, one after
-        /// another until a place is found.
+        /// Least distances at which a beam is laid down beside other parts, so that the fingers fit, one
+        /// after another until a place is found.
         beside: [f64; 3] = "m", 0.0, 0.3;
         /// Distance between the places tried on the table. Chosen: about the width of a beam.
         place_step: f64 = "m", 0.005, 0.5;
         /// Distance between the poses along a path of insertion at which it is asked what lies there.
         step: f64 = "m", 1e-3, 0.1;
-        /// Number of times that each beam in the way is tried: one may lie beside another that has to go first.
+        /// Number of times that each beam in the way is tried: one may lie beside another that has to go
+        /// first.
         rounds: usize = "", 1.0, 10.0;
         /// Height of a beam off its height on the table from which it counts as lying on something else.
         raised: f64 = "m", 1e-3, 0.1;

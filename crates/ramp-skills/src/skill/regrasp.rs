@@ -84,8 +84,9 @@ impl Regrasp {
         cell.retreat()
     }
 
-    /// Lays the held beam down on the nearest free place of the table at which `link` can be gripped, among the
-    /// poses of the beam in the world that are allowed. The place is the last of those in `cell.laid_at`.
+    /// Lays the held beam down on the nearest free place of the table at which `link` can be gripped, among
+    /// the poses of the beam in the world that are allowed. The place is the last of those in
+    /// `cell.laid_at`.
     ///
     /// # Errors
     /// As [`Regrasp::regrasp`].

@@ -1,17 +1,20 @@
 //! Places anywhere on the table: of beams and holders with their pegs, or of beams on one another and lying
 //! pegs.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Point2, Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::Assembly;
 use ramp_kit::joint::{HEAD_HEIGHT, HEAD_WIDTH, STEM_LENGTH};
 use ramp_kit::shape::Cuboid;
-use ramp_kit::{Footprint, Kit, Pose};
+use ramp_kit::{Footprint, Pose};
 use ramp_robot::random::Stream;
 use ramp_world::start::Scatter;
 
 use super::body::Body;
-use super::{Layout, TRIES};
 
+/// Number of places that are drawn for a part before the draw starts over.
+const TRIES: usize = 1000;
 /// Number of times that a draw starts over before the start counts as impossible.
 const DRAWS: usize = 300;
 /// Room below a beam that lies on others, over the highest of them, m: it falls this far.
@@ -34,18 +37,25 @@ enum Kind {
     Peg,
 }
 
-/// The start of the episode with this seed.
-pub fn draw(assembly: &Assembly, clearance: f64, scatter: &Scatter, seed: u64) -> Layout {
+/// The poses of beams, holders and lying pegs in the episode with this seed, in the world, by name.
+///
+/// # Errors
+/// The name of a part for which no place was found.
+pub fn draw(
+    assembly: &Assembly,
+    clearance: f64,
+    scatter: &Scatter,
+    seed: u64,
+) -> Result<BTreeMap<String, Pose>, String> {
     let mut stream = Stream::new(seed, "layout");
-    let mut failed = None;
+    let mut failed = String::new();
     for _ in 0..DRAWS {
-        let items = items(assembly, scatter);
-        match place(items, clearance, scatter, &mut stream) {
-            Ok(items) => return layout(&assembly.kit, &items),
-            Err(part) => failed = Some(part),
+        match place(items(assembly, scatter), clearance, scatter, &mut stream) {
+            Ok(items) => return Ok(poses(items)),
+            Err(part) => failed = part,
         }
     }
-    Layout { unplaced: failed, ..Layout::default() }
+    Err(failed)
 }
 
 /// All parts to be placed, in the order of the draw.
@@ -158,30 +168,12 @@ fn leaves_room(item: &Item, placed: &[Item]) -> bool {
     })
 }
 
-/// The places as a layout, in the order of the kit.
-fn layout(kit: &Kit, items: &[Item]) -> Layout {
-    let find = |name: &str| items.iter().find(|item| item.body.name == name).map(|item| item.body.x);
-    let mut layout = Layout::default();
-    layout.beams.extend(kit.beams.iter().filter_map(|beam| Some((beam.name.clone(), find(&beam.name)?))));
-    for holder in &kit.holders {
-        let Some(x) = find(&holder.name) else { continue };
-        layout.holders.push((holder.name.clone(), x));
-    }
-    // The stem of a lying peg points along −x of its place.
+/// The pose of each part by name. The stem of a lying peg points along −x of its place.
+fn poses(items: Vec<Item>) -> BTreeMap<String, Pose> {
     let lying = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), std::f64::consts::FRAC_PI_2);
-    for peg in &kit.pegs {
-        if let Some(x) = find(&peg.name) {
-            layout.pegs.push((peg.name.clone(), x * lying));
-            continue;
-        }
-        let holder = kit.holders.iter().find(|holder| holder.name == peg.holder);
-        let (Some(holder), Some(x_wp)) = (holder, kit.x_wp_start(peg)) else { continue };
-        let at = kit.sheet_to_world(holder.centre);
-        let x_hp = Translation3::new(-at.x, -at.y, 0.0) * x_wp;
-        if let Some(x_wh) = find(&holder.name) {
-            layout.pegs.push((peg.name.clone(), x_wh * x_hp));
-            layout.in_holder.insert(peg.name.clone(), holder.name.clone());
-        }
-    }
-    layout
+    let pose = |item: Item| {
+        let x = if item.kind == Kind::Peg { item.body.x * lying } else { item.body.x };
+        (item.body.name, x)
+    };
+    items.into_iter().map(pose).collect()
 }
