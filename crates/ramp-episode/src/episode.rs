@@ -4,12 +4,12 @@ use std::path::Path;
 use std::time::Instant;
 
 use ramp_log::header::{
-    ArmText, GoalText, Header, KitText, SCHEMA as LOG_SCHEMA, Sources, StartText, WorldText,
+    ArmText, GoalText, Header, KitText, SCHEMA as LOG_SCHEMA, Sources, StartText, StateText, WorldText,
 };
 use ramp_log::{LogError, Recorder, SecretSeed};
 use ramp_result::episode::{
     AgentInfo, EndKind, Ended, EpisodeResult, FaultInfo, Host, PlanInfo, RULES, RobotTime, SCHEMA, Software,
-    StartInfo, Time, WorldInfo, completion,
+    StartInfo, StateInfo, Time, WorldInfo, completion,
 };
 use ramp_result::sha256;
 use ramp_robot::{Account, Agent, Event, EventKind, MOST_EVENTS, RobotError};
@@ -145,6 +145,9 @@ fn header(setup: &Setup, sources: &Sources, label: &Label) -> Header {
             sha256: sha256(setup.start.text.as_bytes()),
             toml: setup.start.text.clone(),
         },
+        state: setup
+            .state
+            .map(|state| StateText { sha256: sha256(state.text.as_bytes()), json: state.text.clone() }),
         track: setup.track.name().to_string(),
         seed: label.seed(setup),
         secret: label.commitment().map(|commitment| SecretSeed { commitment, seed: setup.seed }),
@@ -223,6 +226,7 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
         world: Some(WorldInfo::of(setup.world, setup.seed)),
         arm: Some(setup.arm.name.clone()),
         start: Some(StartInfo::of(setup.start)),
+        state: setup.state.map(|state| StateInfo::of(&state.text)),
         seed: label.seed(setup),
         secret: label.commitment(),
         repeat: label.repeat,

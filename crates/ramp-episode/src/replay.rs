@@ -8,7 +8,7 @@ use ramp_kit::KitError;
 use ramp_kit::source::SourceFile;
 use ramp_robot::Track;
 use ramp_robot::arm::{ArmError, ArmModel};
-use ramp_twin::{Fault, Setup, Twin, TwinError};
+use ramp_twin::{Fault, GivenState, Setup, StateFault, Twin, TwinError};
 use ramp_world::{Start, WorldFault};
 
 use crate::again::{AgainError, call_again};
@@ -57,6 +57,9 @@ pub enum ReplayError {
     /// Its world or its start is invalid.
     #[error("the log's world or its start cannot be read")]
     World(#[from] WorldFault),
+    /// Its state is invalid.
+    #[error("the log's state cannot be read")]
+    State(#[from] StateFault),
     /// No twin can be made from it.
     #[error("no twin can be made from the log")]
     Twin(#[from] TwinError),
@@ -101,6 +104,7 @@ pub struct LoggedSetup {
     track: Track,
     seed: u64,
     start: Start,
+    state: Option<GivenState>,
     fault: Option<Fault>,
 }
 
@@ -136,6 +140,8 @@ impl LoggedSetup {
         if start.name != header.start.name {
             return Err(contradiction("start", &header.start.name, &start.name));
         }
+        let state = header.state.as_ref().map(|state| SourceFile::new("state.json", &state.json));
+        let state = state.map(|file| GivenState::from_source(&file, &assembly)).transpose()?;
         let fault = match &header.fault {
             Some(fault) => Some(
                 fault.parse().map_err(|_| ReplayError::Impossible { what: "fault", found: short(fault) })?,
@@ -146,7 +152,7 @@ impl LoggedSetup {
         if log.result.world != Some(WorldInfo::of(&world, seed)) {
             return Err(ReplayError::Draw);
         }
-        Ok(LoggedSetup { assembly, arm, world, track, seed, start, fault })
+        Ok(LoggedSetup { assembly, arm, world, track, seed, start, state, fault })
     }
 
     /// As the twin is made from it.
@@ -157,6 +163,7 @@ impl LoggedSetup {
             track: self.track,
             seed: self.seed,
             start: &self.start,
+            state: self.state.as_ref(),
             world: &self.world,
             fault: self.fault,
         }
@@ -221,12 +228,15 @@ fn check_agreement(header: &Header, result: &EpisodeResult) -> Result<(), Replay
     let world = |name: &str, sha256: &str| format!("{name} ({sha256})");
     let theirs = result.world.as_ref().map_or("none".to_string(), |it| world(&it.name, &it.sha256));
     let start = result.start.as_ref().map_or("none".to_string(), |it| world(&it.name, &it.sha256));
+    let theirs_state = result.state.as_ref().map(|it| &it.sha256);
+    let state = |hash: Option<&String>| hash.map_or("none", String::as_str).to_string();
     let secret = |commitment: Option<&String>| commitment.map_or("none", String::as_str).to_string();
     let pairs = [
         ("rules", header.rules.clone(), result.rules.clone()),
         ("goal", header.goal.name.clone(), result.goal.clone()),
         ("world", world(&header.world.name, &header.world.sha256), theirs),
         ("start", world(&header.start.name, &header.start.sha256), start),
+        ("state", state(header.state.as_ref().map(|it| &it.sha256)), state(theirs_state)),
         ("track", header.track.clone(), result.track.clone()),
         ("seed", header.seed.to_string(), result.seed.to_string()),
         ("secret", secret(header.secret.as_ref().map(|it| &it.commitment)), secret(result.secret.as_ref())),

@@ -163,6 +163,7 @@ impl Scenario {
             seed,
             start: &self.start,
             world: &self.world,
+            state: None,
             fault: None,
         }
     }

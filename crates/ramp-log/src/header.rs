@@ -38,6 +38,9 @@ pub struct Header {
     pub world: WorldText,
     /// The start.
     pub start: StartText,
+    /// The state in which the frame began. `None` if nothing was built, and then absent from the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub state: Option<StateText>,
     /// Name of the track.
     pub track: String,
     /// Seed of all randomness of the world, if there is no secret.
@@ -111,4 +114,13 @@ pub struct StartText {
     pub sha256: String,
     /// Its file.
     pub toml: String,
+}
+
+/// The state of a frame in a log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StateText {
+    /// Of the file, in hex.
+    pub sha256: String,
+    /// Its file.
+    pub json: String,
 }

@@ -141,12 +141,14 @@ impl Parts {
         }
         let header = self.header.ok_or_else(|| missing("/episode"))?;
         let result = self.result.ok_or_else(|| missing("/result"))?;
-        for (what, text, hash) in [
+        let state = header.state.iter().map(|state| ("state", &state.json, &state.sha256));
+        let texts = [
             ("kit", &header.kit.xml, &header.kit.sha256),
             ("arm", &header.arm.json, &header.arm.sha256),
             ("world", &header.world.toml, &header.world.sha256),
             ("start", &header.start.toml, &header.start.sha256),
-        ] {
+        ];
+        for (what, text, hash) in texts.into_iter().chain(state) {
             if ramp_result::sha256(text.as_bytes()) != *hash {
                 return Err(format!("its {what} does not match its hash"));
             }

@@ -402,8 +402,8 @@ pub fn run(
     }
     let stopped = raised.clone();
     let work = move || {
-        let setup =
-            Setup { assembly: &assembly, arm: &arm, track, seed, start: &start, world: &world, fault };
+        let (start, world) = (&start, &world);
+        let setup = Setup { assembly: &assembly, arm: &arm, track, seed, start, state: None, world, fault };
         let worker: Box<dyn Agent + '_> = match agent {
             Some((object, name, version, goal)) => {
                 let account = Account::default();
@@ -517,6 +517,7 @@ fn kept(
         arm: &setup.arm.name,
         worlds: vec![&world],
         start: &start,
+        state: None,
         secret: None,
         software,
         agent: Identity {

@@ -94,6 +94,7 @@ impl Twin {
                 seed,
                 start: &start,
                 world: &world,
+                state: None,
                 fault,
             };
             let twin = Inner::new(&setup).map_err(input)?;

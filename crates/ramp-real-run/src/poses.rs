@@ -414,6 +414,7 @@ impl Run<'_> {
             arm: head.arm,
             world: None,
             start: None,
+            state: None,
             seed: u64::from(head.repeat),
             secret: None,
             repeat: head.repeat,

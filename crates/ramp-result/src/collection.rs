@@ -154,13 +154,19 @@ pub fn collect(folders: &[PathBuf]) -> Result<Collection, CollectError> {
                 Some("json") => {
                     let file = read(path)?;
                     found |= match &file {
-                        Found::Episode(file) => file.result.fault.is_none(),
+                        Found::Episode(file) => file.result.fault.is_none() && file.result.state.is_none(),
                         other => !matches!(other, Found::Other),
                     };
                     match file {
                         Found::Episode(file) if file.result.fault.is_some() => {
                             notes.push(format!(
                                 "{} is of an episode with a fault and is left out",
+                                shown(path)
+                            ));
+                        }
+                        Found::Episode(file) if file.result.state.is_some() => {
+                            notes.push(format!(
+                                "{} is of an episode that began in a state of its own and is left out",
                                 shown(path)
                             ));
                         }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::older;
 use crate::sha256;
-pub use crate::start::StartInfo;
+pub use crate::start::{StartInfo, StateInfo};
 
 /// The version of the schema these files follow.
 pub const SCHEMA: &str = "ramp-episode-5";
@@ -44,6 +44,9 @@ pub struct EpisodeResult {
     /// The start of the parts; `None` of a real run, and then not in the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<StartInfo>,
+    /// The state in which the frame began; `None` if nothing was built, and then not in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub state: Option<StateInfo>,
     /// All randomness of the world came from here; with a secret, from both together; of a real run, the
     /// repeat.
     pub seed: u64,

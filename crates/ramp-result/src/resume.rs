@@ -38,6 +38,9 @@ pub enum Foreign {
         /// The name of the result's start.
         theirs: String,
     },
+    /// Another state at the start, or none.
+    #[error("of an episode that began in another state, or in none")]
+    State,
     /// Another secret, or none.
     #[error("of another secret, or of none")]
     Secret,
@@ -69,6 +72,8 @@ pub struct Shared<'a> {
     pub worlds: Vec<&'a str>,
     /// SHA-256 of the start's file, in hex.
     pub start: &'a str,
+    /// SHA-256 of the file of the state in which the frame begins, in hex; `None`: nothing is built.
+    pub state: Option<String>,
     /// The commitment of the secret.
     pub secret: Option<String>,
     /// This program.
@@ -125,6 +130,9 @@ impl Shared<'_> {
         let start = &value["start"];
         if start["sha256"].as_str() != Some(self.start) {
             return Err(Foreign::Start { theirs: start["name"].as_str().unwrap_or("none").to_string() });
+        }
+        if value["state"]["sha256"].as_str() != self.state.as_deref() {
+            return Err(Foreign::State);
         }
         if value["secret"].as_str() != self.secret.as_deref() {
             return Err(Foreign::Secret);

@@ -5,6 +5,22 @@ use serde::{Deserialize, Serialize};
 
 use crate::sha256;
 
+/// The state of the frame in which an episode began.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StateInfo {
+    /// SHA-256 of its file, in hex.
+    pub sha256: String,
+    /// Its file.
+    pub json: String,
+}
+
+impl StateInfo {
+    /// Of a state file's text.
+    pub fn of(text: &str) -> StateInfo {
+        StateInfo { sha256: sha256(text.as_bytes()), json: text.to_string() }
+    }
+}
+
 /// The start of an episode: where its parts lay.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StartInfo {

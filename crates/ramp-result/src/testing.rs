@@ -18,6 +18,7 @@ pub fn episode(goal: &str, seed: u64, since: &[f64], pegs: usize) -> EpisodeResu
         arm: None,
         world: None,
         start: None,
+        state: None,
         seed,
         secret: None,
         repeat: seed as u32,

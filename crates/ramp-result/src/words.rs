@@ -4,7 +4,7 @@
 use ramp_kit::source::{A_NAME, MAX_SENTENCE, MAX_TITLE, is_name, is_text, shorten};
 use ramp_robot::{Event, MOST_EVENTS};
 
-use crate::episode::{AgentInfo, Host, Software, StartInfo, WorldInfo};
+use crate::episode::{AgentInfo, Host, Software, StartInfo, StateInfo, WorldInfo};
 
 /// Largest number of pegs of a goal.
 pub const MOST_PEGS: usize = 1000;
@@ -61,6 +61,15 @@ pub(crate) fn few<T>(what: &str, list: &[T], most: usize) -> Result<(), String> 
 pub(crate) fn start(start: &StartInfo) -> Result<(), String> {
     name("the start", &start.name)?;
     hash("the hash of the start", &start.sha256, 64)
+}
+
+/// The hash of a state, which must be that of its text.
+pub(crate) fn state(state: &StateInfo) -> Result<(), String> {
+    hash("the hash of the state", &state.sha256, 64)?;
+    match *state == StateInfo::of(&state.json) {
+        true => Ok(()),
+        false => Err("the state does not match its hash".to_string()),
+    }
 }
 
 /// The world's name, hash and draw.

@@ -35,6 +35,7 @@ impl GoalFiles {
             seed,
             start: Start::sheet(),
             world: World::ideal(),
+            state: None,
             fault: None,
         }
     }

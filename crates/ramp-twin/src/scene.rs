@@ -163,6 +163,26 @@ impl Scene {
     }
 }
 
+impl Scene {
+    /// The deepest contact of a beam or peg with anything now: the names of both, and its depth, m.
+    pub fn deepest_contact(&self, data: &MjData<Arc<MjModel>>) -> Option<([String; 2], f64)> {
+        let part = |geom: i32| usize::try_from(geom).ok().and_then(|geom| *self.part_of.get(geom)?);
+        let with_part =
+            data.contact().iter().filter(|contact| contact.geom.iter().any(|geom| part(*geom).is_some()));
+        let deepest = with_part.min_by(|one, other| one.dist.total_cmp(&other.dist))?;
+        let name = |geom: i32| match part(geom) {
+            Some(index) => self.parts[index].0.clone(),
+            None => {
+                let body = usize::try_from(geom).ok().and_then(|geom| self.model.geom_bodyid().get(geom));
+                let body = body.and_then(|body| usize::try_from(*body).ok()).filter(|body| *body > 0);
+                let name = body.and_then(|body| self.model.id_to_name(MjtObjBase::mjOBJ_BODY, body));
+                name.unwrap_or("the table").to_string()
+            }
+        };
+        Some((deepest.geom.map(name), -deepest.dist))
+    }
+}
+
 /// The body `base` and all bodies that hang on it.
 fn arm_bodies(model: &MjModel, base: usize) -> Vec<usize> {
     let mut found = vec![base];

@@ -7,6 +7,7 @@ use ramp_robot::arm::ArmModel;
 use ramp_world::{Start, World};
 
 use crate::fault::Fault;
+use crate::given::GivenState;
 
 /// Input of an episode in the twin.
 #[derive(Clone, Debug)]
@@ -21,6 +22,8 @@ pub struct Setup<'a> {
     pub seed: u64,
     /// The start from which the places of the parts are drawn.
     pub start: &'a Start,
+    /// The state in which the frame begins; `None`: nothing is built.
+    pub state: Option<&'a GivenState>,
     /// The world from which the physics are drawn.
     pub world: &'a World,
     /// The injected fault.

@@ -51,12 +51,16 @@ impl Workspace {
 }
 
 impl Twin {
-    /// Builds the scene and puts every part at its start.
+    /// Builds the scene and puts every part at its start, or where the setup's state has it.
     ///
     /// # Errors
     /// When MuJoCo refuses the scene.
     pub fn new(setup: &Setup) -> Result<Twin, TwinError> {
-        Twin::with_layout(setup, Layout::new(setup.assembly, setup.start, setup.seed))
+        let mut layout = Layout::new(setup.assembly, setup.start, setup.seed);
+        if let Some(state) = setup.state {
+            state.place(&mut layout);
+        }
+        Twin::with_layout(setup, layout)
     }
 
     /// Builds the scene with every part at its pose in `layout`.
@@ -154,6 +158,11 @@ impl Twin {
     /// The true poses of all parts.
     pub fn truth(&self) -> Truth {
         self.scene.truth(&self.data, self.state.time())
+    }
+
+    /// The deepest contact of a beam or peg with anything now: the names of both, and its depth, m.
+    pub fn deepest_contact(&self) -> Option<([String; 2], f64)> {
+        self.scene.deepest_contact(&self.data)
     }
 
     /// Records the true world every `periods` control periods from now on, also within calls that take

@@ -6,18 +6,18 @@ use std::time::{Duration, Instant};
 
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_data::Data;
-use ramp_episode::{EpisodeError, Label, Progress, Recorded, Tape, record_episode, tape};
+use ramp_episode::{EpisodeError, Label, Progress, Recorded, Tape, check_given, record_episode, tape};
 use ramp_external_agent::AgentFile;
 use ramp_kit::source::read_text;
 use ramp_log::Log;
 use ramp_policy_client::PolicyServer;
 use ramp_report::curve::completion_svg;
 use ramp_result::collection::LARGEST;
-use ramp_result::episode::{RobotTime, StartInfo, WorldLabel};
+use ramp_result::episode::{RobotTime, StartInfo, StateInfo, WorldLabel};
 use ramp_result::resume::{Identity, Shared, Wanted};
 use ramp_robot::Agent;
 use ramp_skills::{ReferenceTimes, reference_times_of_goal};
-use ramp_twin::{Fault, ForMujoco, Setup, Twin};
+use ramp_twin::{Fault, ForMujoco, GivenState, Setup, Twin};
 
 use crate::command::agent;
 use crate::command::parts::Parts;
@@ -46,6 +46,9 @@ pub struct Arguments {
     world: WorldOption,
     #[command(flatten)]
     start: StartOption,
+    /// Begin with the frame in the state of this file (JSON). The agent is not told
+    #[arg(long, value_name = "FILE", conflicts_with = "robot")]
+    state: Option<PathBuf>,
     /// Seed of all random numbers of the episode
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -134,6 +137,7 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let arm = data.arm()?;
     let physics = arguments.world.read(data)?;
     let start = arguments.start.read(data)?;
+    let state = arguments.state.as_ref().map(|path| GivenState::read(path, &assembly)).transpose()?;
     let agent_file = arguments.agent.file()?;
     let parts = arguments.agent.parts.read(data)?;
     let policy = arguments.agent.policy()?;
@@ -151,9 +155,11 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         track: arguments.track.into(),
         seed: arguments.world_seed.unwrap_or(arguments.seed),
         start: &start,
+        state: state.as_ref(),
         world: &physics,
         fault: arguments.fault,
     };
+    check_given(&setup).into_diagnostic()?;
     if !arguments.force {
         let known =
             Known { tape: arguments.tape.is_some(), file: agent_file.as_ref(), policy: policy.as_ref() };
@@ -215,17 +221,20 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     write_file(&output, result.to_json()).map_err(MachineFault::of)?;
     write_file(&curve, completion_svg(&result)).map_err(MachineFault::of)?;
     pictures.end()?;
-    if let Some(path) = &arguments.scene {
-        let start = Twin::new(&setup).into_diagnostic()?;
-        let scene = start.export(ForMujoco::Newest, &[("start", start.qpos()), ("end", &end)]);
-        write_file(path, &scene)?;
-    }
+    arguments.scene.as_deref().map_or(Ok(()), |path| write_scene(path, &setup, &end))?;
     print(&if arguments.json { result.to_json() } else { summary(&result, [&output, &curve, &log]) })?;
     match unlogged {
         Some(error) => Err(MachineFault { what: format!("there is no log: {error}") }.into()),
         None if result.counted() == result.pegs.len() => Ok(DONE),
         None => Ok(INCOMPLETE),
     }
+}
+
+/// Writes the scene with the positions at the start and at the end.
+fn write_scene(path: &Path, setup: &Setup, end: &[f64]) -> Result<(), Report> {
+    let start = Twin::new(setup).into_diagnostic()?;
+    let scene = start.export(ForMujoco::Newest, &[("start", start.qpos()), ("end", end)]);
+    Ok(write_file(path, &scene)?)
 }
 
 /// Checks that all files of a run can be written, and that the result does not overwrite another file.
@@ -263,6 +272,7 @@ fn refuse_other(
         arm: &setup.arm.name,
         worlds: vec![&world],
         start: &start,
+        state: setup.state.map(|state| StateInfo::of(&state.text).sha256),
         secret: arguments.secret.clone(),
         software: &software,
         agent,
@@ -315,8 +325,12 @@ impl Known<'_> {
     }
 }
 
-/// Bound and reference of the robot time, if the baseline has a plan for the goal.
+/// Bound and reference of the robot time, if the baseline has a plan for the goal. They hold where nothing is
+/// built at the start.
 fn robot_time(data: &Data, setup: &Setup) -> Result<Option<RobotTime>, Report> {
+    if setup.state.is_some() {
+        return Ok(None);
+    }
     let times = reference_times_of_goal(setup.assembly, setup.arm, &domains(data, None)?);
     Ok(times.ok().map(|ReferenceTimes { bound, reference }| RobotTime { bound, reference }))
 }

@@ -91,6 +91,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         seed: arguments.seed,
         start: Start::sheet(),
         world: &data.world("real")?,
+        state: None,
         fault: None,
     };
     let mut twin = Twin::new(&setup).into_diagnostic()?;

@@ -115,6 +115,7 @@ mod with_wire {
             seed: inputs.seed,
             start: &start,
             world: &world,
+            state: None,
             fault: None,
         };
         let workspace = Workspace { low: station.low, high: station.high };

@@ -338,6 +338,7 @@ impl Trials<'_> {
             seed,
             start: &self.start,
             world: &self.world,
+            state: None,
             fault: None,
         };
         if let Some(file) = &self.agent {

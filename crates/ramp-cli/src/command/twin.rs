@@ -74,6 +74,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         seed: *seed,
         start: &start,
         world: &world,
+        state: None,
         fault: None,
     };
     let twin = Twin::new(&setup).into_diagnostic()?;

@@ -8,6 +8,7 @@ mod diagnosis;
 mod easy_class;
 mod events;
 mod faults;
+mod given;
 mod logs;
 mod logs_of_cheats;
 mod medium_and_hard;

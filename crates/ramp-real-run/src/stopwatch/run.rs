@@ -76,6 +76,7 @@ impl<'a> Run<'a> {
             arm: None,
             world: None,
             start: None,
+            state: None,
             seed: u64::from(self.repeat),
             secret: None,
             repeat: self.repeat,

@@ -104,6 +104,7 @@ fn words(result: &EpisodeResult) -> Result<(), String> {
     result.arm.as_ref().map_or(Ok(()), |arm| words::name("the arm", arm))?;
     result.world.as_ref().map_or(Ok(()), words::world)?;
     result.start.as_ref().map_or(Ok(()), words::start)?;
+    result.state.as_ref().map_or(Ok(()), words::state)?;
     words::software(software)?;
     words::host(host)?;
     if let Some(real) = real {

@@ -19,7 +19,7 @@ pub use parts::PEG_MASS;
 use self::arm::{actuators_and_sensors, arm_bodies};
 use self::parts::{beam_body, holder_body, peg_body};
 pub use self::print::Printed;
-pub(crate) use self::table::{INTEGRATOR, LEAST_MASS, SLEEP};
+pub(crate) use self::table::{INTEGRATOR, LEAST_MASS, SLEEP, TABLE_SIDE};
 use self::table::{header, table};
 use crate::layout::Layout;
 use ramp_kit::Kit;

@@ -11,6 +11,8 @@ use ramp_world::Physics;
 use ramp_world::groups::Parts;
 use std::fmt::Write;
 
+/// Half the side of the table, from the origin of W along X and Y, m.
+pub(crate) const TABLE_SIDE: f64 = 2.0;
 /// The engine's integrator, of MuJoCo 3.13 and newer.
 pub(crate) const INTEGRATOR: &str = r#"integrator="discrete""#;
 /// Parts that rest sleep, in MuJoCo 3.13 and newer.
@@ -67,7 +69,7 @@ pub(super) fn table(xml: &mut String, kit: &Kit, physics: &Physics) {
     let place = if x_table == Pose::identity() { String::new() } else { placed(&x_table) + " " };
     let _ = writeln!(
         xml,
-        r#"<geom name="table" type="plane" {place}size="2 2 0.1" {TABLE} condim="3" friction="{} 0.005 0.0001" {CONTACT} rgba="0.62 0.60 0.57 1"/>"#,
+        r#"<geom name="table" type="plane" {place}size="{TABLE_SIDE} {TABLE_SIDE} 0.1" {TABLE} condim="3" friction="{} 0.005 0.0001" {CONTACT} rgba="0.62 0.60 0.57 1"/>"#,
         physics.parts.table_friction
     );
     let [width, height] = kit.sheet.size;

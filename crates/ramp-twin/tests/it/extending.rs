@@ -19,6 +19,7 @@ fn a_beam_of_the_kit_s_own_lies_still_on_the_sheet() {
         seed: 1,
         start: Start::sheet(),
         world: ramp_twin::World::ideal(),
+        state: None,
         fault: None,
     };
     let mut twin = Twin::new(&setup).unwrap();

@@ -124,6 +124,7 @@ fn world() -> (Kit, Twin) {
         seed: 1,
         start: Start::sheet(),
         world: ramp_twin::World::ideal(),
+        state: None,
         fault: None,
     };
     let twin = Twin::new(&setup).unwrap();

@@ -14,6 +14,7 @@ fn setup<'a>(cell: &'a GoalFiles, world: &'a ramp_twin::World, track: Track) -> 
         seed: 7,
         start: Start::sheet(),
         world,
+        state: None,
         fault: Some(Fault { kind: FaultKind::ForceDrift, occasion: None }),
     }
 }

@@ -217,6 +217,7 @@ impl Batch<'_> {
             arm: self.arm,
             worlds: self.worlds.iter().map(|world| world.hash.as_str()).collect(),
             start: &self.start.hash,
+            state: None,
             secret: self.commitment(),
             software: &self.software,
             agent: Identity {

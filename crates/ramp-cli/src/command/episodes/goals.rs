@@ -57,6 +57,9 @@ pub enum BatchError {
     #[error("{file} is of the start {theirs}, and not of this one")]
     #[diagnostic(help("a folder is of one start: name another folder with -o, or give the same --start"))]
     OtherStart { file: String, theirs: String },
+    #[error("{file} is of an episode that began in a state of its own")]
+    #[diagnostic(help("name another folder with -o, or move the file away"))]
+    OtherState { file: String },
     #[error("another bench is at work in {folder}{who}")]
     #[diagnostic(help("wait for it, or name another folder with -o"))]
     Busy { folder: String, who: String },
@@ -71,6 +74,7 @@ impl BatchError {
             Foreign::Arm { theirs } => BatchError::OtherArm { file, theirs },
             Foreign::World { theirs } => BatchError::OtherWorld { file, theirs },
             Foreign::Start { theirs } => BatchError::OtherStart { file, theirs },
+            Foreign::State => BatchError::OtherState { file },
             Foreign::Secret => BatchError::OtherSecret { file },
             Foreign::Agent { theirs } => BatchError::OtherAgent { file, theirs },
         }

@@ -1,0 +1,99 @@
+//! Episodes that begin in a given state.
+
+use ramp_episode::{GivenError, check_given, replay};
+use ramp_kit::Pose;
+use ramp_kit::source::SourceFile;
+use ramp_log::Log;
+use ramp_robot::Track;
+use ramp_testing::GoalFiles;
+use ramp_testing::episode::Swing;
+use ramp_twin::{GivenState, Setup, Start, Twin, World};
+
+fn state(goal: &GoalFiles, text: &str) -> GivenState {
+    GivenState::from_source(&SourceFile::new("state.json", text), &goal.assembly).unwrap()
+}
+
+/// The state file of a goal that is built.
+fn built(goal: &GoalFiles) -> String {
+    let assembly = &goal.assembly;
+    let beams = assembly.beams.iter().map(|placed| placed.beam.name.as_str());
+    let beams: Vec<_> = beams.filter(|name| *name != assembly.beams[assembly.base].beam.name).collect();
+    let pegs = assembly.connections.iter().zip(&assembly.kit.pegs);
+    let pegs: Vec<_> = pegs.map(|(connection, peg)| [&connection.name, &peg.name]).collect();
+    serde_json::json!({"in_assembly": beams, "fastened": pegs}).to_string()
+}
+
+/// A peg that is not in its hole, or a frame that moves by itself, would be seen by the referee.
+#[test]
+fn a_built_frame_stands_and_its_log_repeats_it() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = folder.path().join("a.mcap");
+    for (goal, world, start) in
+        [("easy-1", World::ideal(), Start::sheet()), ("hard-1", World::real(), Start::moved())]
+    {
+        let goal = GoalFiles::new(goal);
+        let state = state(&goal, &built(&goal));
+        let setup = Setup { state: Some(&state), world, start, ..goal.setup(Track::State, 1) };
+        check_given(&setup).unwrap();
+        let result = goal.record(&setup, &mut Swing(100), &path);
+        assert_eq!((result.completion, result.counted()), (1.0, goal.assembly.connections.len()));
+        assert_eq!(result.state.as_ref().unwrap().json, state.text);
+
+        let log = Log::read(&path).unwrap();
+        let replayed = replay(&log).unwrap();
+        assert!(replayed.is_equal(), "{:?}", replayed.differences);
+        let mut other = log.clone();
+        other.header.state = None;
+        assert!(replay(&other).unwrap_err().to_string().contains("its state is none"));
+        let mut unbuilt = other;
+        unbuilt.result.state = None;
+        assert!(!replay(&unbuilt).unwrap().is_equal());
+    }
+}
+
+/// Only the named parts are elsewhere than the start draws them.
+#[test]
+fn parts_begin_in_their_poses() {
+    let goal = GoalFiles::new("easy-1");
+    let setup = Setup { start: Start::moved(), ..goal.setup(Track::State, 1) };
+    let text = r#"{"poses": {"b4": {"position": [0.45, 0.3, 0.1], "yaw": 0.5},
+        "p1": {"position": [0.2, 0.5, 0.1], "quat_wxyz": [0.6, 0.8, 0, 0]}}}"#;
+    let state = state(&goal, text);
+    assert_eq!(state.parts().collect::<Vec<_>>(), ["b4", "p1"]);
+    let with_state = Setup { state: Some(&state), ..setup.clone() };
+    check_given(&with_state).unwrap();
+    let poses = |setup: &Setup| -> Vec<(String, Pose)> {
+        let twin = Twin::new(setup).unwrap();
+        twin.part_names().map(str::to_string).zip(twin.truth().x_wp).collect()
+    };
+    for ((name, drawn), (_, found)) in poses(&setup).into_iter().zip(poses(&with_state)) {
+        let p = found.translation.vector;
+        match name.as_str() {
+            "b4" => assert!((p - nalgebra::Vector3::new(0.45, 0.3, 0.1)).norm() < 1e-9, "{p}"),
+            "p1" => assert!((found.rotation.scalar() - 0.6).abs() < 1e-9, "{found}"),
+            _ => assert_eq!(drawn, found, "{name}"),
+        }
+    }
+}
+
+#[test]
+fn parts_that_are_in_each_other_or_in_the_table_are_refused() {
+    let goal = GoalFiles::new("easy-1");
+    let refused = |text: &str| {
+        let state = state(&goal, text);
+        let setup = Setup { state: Some(&state), ..goal.setup(Track::State, 1) };
+        let GivenError::Penetration { parts, depth } = check_given(&setup).unwrap_err() else { panic!() };
+        (parts, depth)
+    };
+    // A little too low on the table, where nothing else is.
+    let (parts, depth) = refused(r#"{"poses": {"b4": {"position": [0.3, -0.9, 0.003], "yaw": 0}}}"#);
+    assert!(parts.contains(&"b4".to_string()) && parts.contains(&"the table".to_string()), "{parts:?}");
+    assert!(depth > 0.0015, "{depth}");
+    // In the place of another beam.
+    let kit = &goal.assembly.kit;
+    let placed = &goal.assembly.beams[goal.assembly.base];
+    let p = (kit.x_wa() * placed.x_ab).translation.vector;
+    let text = format!(r#"{{"poses": {{"b4": {{"position": [{}, {}, {}], "yaw": 0}}}}}}"#, p.x, p.y, p.z);
+    let (parts, _) = refused(&text);
+    assert!(parts.contains(&"b4".to_string()) && parts.contains(&placed.beam.name), "{parts:?}");
+}
