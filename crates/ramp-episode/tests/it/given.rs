@@ -28,9 +28,10 @@ fn built(goal: &GoalFiles) -> String {
 fn a_built_frame_stands_and_its_log_repeats_it() {
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("a.mcap");
-    for (goal, world, start) in
-        [("easy-1", World::ideal(), Start::sheet()), ("hard-1", World::real(), Start::moved())]
-    {
+    for (goal, world, start) in [
+        ("easy-1", World::ideal(), Start::sheet()),
+        ("hard-1", World::shipped("real").unwrap(), Start::moved()),
+    ] {
         let goal = GoalFiles::new(goal);
         let state = state(&goal, &built(&goal));
         let setup = Setup { state: Some(&state), world, start, ..goal.setup(Track::State, 1) };
