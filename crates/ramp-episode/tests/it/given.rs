@@ -87,14 +87,15 @@ fn parts_that_are_in_each_other_or_in_the_table_are_refused() {
         (parts, depth)
     };
     // A little too low on the table, where nothing else is.
-    let (parts, depth) = refused(r#"{"poses": {"b4": {"position": [0.3, -0.9, 0.003], "yaw": 0}}}"#);
+    let (parts, depth) = refused(r#"{"poses": {"b4": {"position": [0.3, -0.55, 0.003], "yaw": 0}}}"#);
     assert!(parts.contains(&"b4".to_string()) && parts.contains(&"the table".to_string()), "{parts:?}");
     assert!(depth > 0.0015, "{depth}");
     // In the place of another beam.
     let kit = &goal.assembly.kit;
     let placed = &goal.assembly.beams[goal.assembly.base];
     let p = (kit.x_wa() * placed.x_ab).translation.vector;
-    let text = format!(r#"{{"poses": {{"b4": {{"position": [{}, {}, {}], "yaw": 0}}}}}}"#, p.x, p.y, p.z);
+    let [x, y, z] = [p.x, p.y, p.z];
+    let text = format!(r#"{{"poses": {{"b4": {{"position": [{x}, {y}, {z}], "yaw": -1.5708}}}}}}"#);
     let (parts, _) = refused(&text);
     assert!(parts.contains(&"b4".to_string()) && parts.contains(&placed.beam.name), "{parts:?}");
 }
