@@ -234,7 +234,7 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
 fn write_scene(path: &Path, setup: &Setup, end: &[f64]) -> Result<(), Report> {
     let start = Twin::new(setup).into_diagnostic()?;
     let scene = start.export(ForMujoco::Newest, &[("start", start.qpos()), ("end", end)]);
-    Ok(write_file(path, &scene)?)
+    write_file(path, &scene)
 }
 
 /// Checks that all files of a run can be written, and that the result does not overwrite another file.
