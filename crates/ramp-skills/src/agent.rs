@@ -17,6 +17,7 @@ use crate::clear;
 use crate::fault::{Fault, SkillError};
 use crate::history::{Change, Choice, History, Work};
 use crate::parameters::Parameters;
+use crate::recognition::take_over;
 use crate::recovery::{check_holes, note_fault, recover};
 use crate::rehearsal::{Rehearsal, Scene, UnusualGrasp, plan_with_motion};
 use crate::replaced::Replaced;
@@ -327,6 +328,10 @@ impl<'a> Baseline<'a> {
         for round in 0.. {
             let seen = cell.belief.parts.update(&mut cell.hand);
             note_fault(cell, seen.map_err(SkillError::from))?;
+            if round == 0 {
+                take_over(&self.skills, cell, &mut lost)?;
+                self.report(cell);
+            }
             let plan = match self.next_plan(cell, &lost) {
                 Ok(plan) => plan,
                 Err(why) => {

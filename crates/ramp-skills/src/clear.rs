@@ -80,8 +80,8 @@ fn unseen(cell: &Workcell) -> Vec<String> {
 /// The pegs that cannot be used, because they do not stand upright or were not found, by name.
 ///
 /// # Errors
-/// The reason for which the goal cannot be built, for a person: a beam of the goal that cannot be used, or too
-/// few pegs.
+/// The reason for which the goal cannot be built, for a person: a beam of the goal that cannot be used, or
+/// too few pegs.
 fn usable(cell: &Workcell) -> Result<Vec<String>, String> {
     let (assembly, kit) = (cell.assembly, cell.kit);
     let up = |x: &Pose| (x.rotation * Vector3::z()).z;

@@ -22,6 +22,7 @@ pub mod parameters;
 pub mod piece;
 pub mod pose;
 pub mod primitive;
+pub mod recognition;
 pub mod recovery;
 pub mod reference_times;
 pub mod rehearsal;

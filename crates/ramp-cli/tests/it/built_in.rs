@@ -126,7 +126,7 @@ fn shells_complete_and_manual_pages_are_there_for_each_command() {
         ("run easy-1 --skill fasten=mi", &["fasten=mine.xml"]),
         ("trials fasten-in-f", &["fasten-in-f", "fasten-in-f-end"]),
         ("world show r", &["real"]),
-        ("start show s", &["scattered", "sheet"]),
+        ("start show s", &["sheet", "scattered"]),
         ("score --form medium-", &["medium-1", "medium-2", "medium-3"]),
     ] {
         assert_eq!(completed(&folder, line), expected, "{line}");

@@ -99,3 +99,18 @@ fn parts_that_are_in_each_other_or_in_the_table_are_refused() {
     let (parts, _) = refused(&text);
     assert!(parts.contains(&"b4".to_string()) && parts.contains(&placed.beam.name), "{parts:?}");
 }
+
+/// The baseline is not told that a part of the frame stands: it sees it, and builds the rest.
+#[test]
+fn a_frame_that_stands_in_part_is_completed() {
+    let goal = GoalFiles::new("easy-3");
+    let state = state(&goal, r#"{"in_assembly": ["b4", "b5"], "fastened": [["C1", "p1"]]}"#);
+    let setup = Setup { state: Some(&state), ..goal.setup(Track::State, 3) };
+    let result = goal.run_setup(&setup);
+    assert_eq!(result.completion, 1.0, "{:?}", result.events);
+    // It fetches what is missing, and takes nothing out.
+    let fetched = |part: &str| {
+        result.events.iter().any(|event| event.kind.to_string().contains(&format!("pick up {part} ")))
+    };
+    assert_eq!(["b4", "b5", "p1", "b8"].map(fetched), [false, false, false, true]);
+}

@@ -89,5 +89,8 @@ parameters! {
         level: f64 = "m", 1e-6, 0.1;
         /// Horizontal distance up to which an upright peg stands in a hole.
         fallen: f64 = "m", 1e-5, 0.1;
+        /// Distance of both ends of a beam from its place in the frame up to which it stands there when the
+        /// work begins. A free end droops by 3 mm.
+        stands: f64 = "m", 1e-5, 0.1;
     }
 }

@@ -1,0 +1,62 @@
+//! Recognises what stands when the work begins: beams in their places in the frame, and pegs in their holes.
+//!
+//! An episode may begin with a frame that is built in part. The agent is not told so: it sees it.
+
+use nalgebra::Point3;
+use ramp_robot::{EventKind, RobotError};
+
+use crate::cell::Workcell;
+use crate::recovery::recover;
+use crate::table::SkillTable;
+
+/// Takes over a frame that stands in part when the work begins, and brings it in order as after a fault:
+/// loose beams are realigned, pegs that are not flush pressed. Adds to `lost` the pegs that cannot be
+/// fetched.
+///
+/// # Errors
+/// The robot's.
+pub fn take_over(skills: &SkillTable, cell: &mut Workcell, lost: &mut Vec<String>) -> Result<(), RobotError> {
+    let stand = recognise(cell);
+    if stand.is_empty() {
+        return Ok(());
+    }
+    cell.record(EventKind::Note { text: format!("in their places in the frame: {}", stand.join(", ")) });
+    recover(skills, cell, None, lost)
+}
+
+/// Takes every beam that is seen in its place as standing, and every peg that is seen seated between two such
+/// beams as seated. Gives the names of both.
+fn recognise(cell: &mut Workcell) -> Vec<String> {
+    let assembly = cell.assembly;
+    let mut found = Vec::new();
+    for index in (0..assembly.beams.len()).filter(|index| *index != assembly.base) {
+        if is_in_place(cell, index) && !cell.belief.standing.contains(&index) {
+            cell.belief.standing.push(index);
+            found.push(assembly.beams[index].beam.name.clone());
+        }
+    }
+    for peg in &cell.kit.pegs {
+        let Ok(Some(connection)) = cell.belief.fallen_into(&peg.name) else { continue };
+        let flush = |gap: f64| gap < cell.parameters.press.nearly;
+        if cell.belief.gap(connection, &peg.name).is_ok_and(flush) {
+            cell.belief.pinned.push((connection, peg.name.clone()));
+            found.push(peg.name.clone());
+        }
+    }
+    if !found.is_empty() {
+        let standing = cell.belief.standing.clone();
+        cell.remember_standing(&standing);
+    }
+    found
+}
+
+/// Whether both ends of a beam are seen where they are in the frame, and the right side is up.
+fn is_in_place(cell: &Workcell, index: usize) -> bool {
+    let placed = &cell.assembly.beams[index];
+    let Ok(x_wb) = cell.belief.parts.pose(&placed.beam.name) else { return false };
+    let goal = cell.belief.x_wa() * placed.x_ab;
+    let near = |p: Point3<f64>| (x_wb * p - goal * p).norm() < cell.parameters.alignment.stands;
+    // The third point is beside the axis: it tells the turn about the axis.
+    let span = placed.beam.span();
+    near(Point3::origin()) && near(Point3::new(span, 0.0, 0.0)) && near(Point3::new(0.0, span, 0.0))
+}
