@@ -24,9 +24,6 @@ use crate::replaced::Replaced;
 use crate::skill::{Call, Effect};
 use crate::table::{SkillTable, baseline};
 
-/// Version of the agent in results.
-const VERSION: &str = env!("CARGO_PKG_VERSION");
-
 /// A planner of one's own: from a state, and the events so far, to a plan, or the reason why there is none.
 pub type OwnPlanner<'a> = Box<dyn FnMut(&State, &[Event]) -> Result<Plan, String> + 'a>;
 
@@ -128,7 +125,7 @@ impl<'a> Baseline<'a> {
     }
 
     /// Its version in results.
-    pub const VERSION: &'static str = VERSION;
+    pub const VERSION: &'static str = env!("CARGO_PKG_VERSION");
 
     /// Takes the numbers of a parameter file, whose hash becomes part of the agent's name in results. The
     /// skills become the baseline's with these numbers: call it before [`Baseline::with_skills`].
@@ -199,43 +196,50 @@ impl<'a> Baseline<'a> {
         plan
     }
 
-    /// The plan of its own planner: rehearsed, with all limits of the arm that skills have found; else
-    /// rehearsed without these; else by the rules alone. A limit that stands against a later step may be gone
-    /// by then. The facts of the history hold in each.
+    /// The plan of its own planner: rehearsed with all limits that skills have found, else without them, else
+    /// by the rules alone if no limit stands against the work that failed. The history's facts always hold.
     fn own_plan(&mut self, cell: &mut Workcell, mut state: State) -> Result<Plan, PlanError> {
         loop {
-            match self.rehearsed_plan(cell, &state) {
-                Err(error @ PlanError::Motion { .. }) => {
-                    cell.record(EventKind::Note { text: plain(&error.to_string(), MAX_SENTENCE - 1) });
-                }
+            let error = match self.rehearsed_plan(cell, &state) {
+                Err(error @ PlanError::Motion { .. }) => error,
                 done => return done,
-            }
+            };
+            cell.record(EventKind::Note { text: plain(&error.to_string(), MAX_SENTENCE - 1) });
             state.motion = self.history.facts().to_vec();
             if self.learned.is_empty() {
                 cell.grasps.clear();
-                return ramp_planner::plan(self.assembly, &state, self.domains);
+                let plan = ramp_planner::plan(self.assembly, &state, self.domains)?;
+                let against = self.rehearsal(cell, &state).check(&plan).err();
+                return if against.is_some_and(|fact| self.history.failed_at(&fact)) {
+                    Err(error)
+                } else {
+                    Ok(plan)
+                };
             }
             self.learned.clear();
         }
     }
 
-    /// A plan that the rehearsal accepts.
-    fn rehearsed_plan(&mut self, cell: &mut Workcell, state: &State) -> Result<Plan, PlanError> {
+    /// The rehearsal of a plan from where everything is believed to be.
+    fn rehearsal<'c>(&self, cell: &'c Workcell, state: &State) -> Rehearsal<'c>
+    where
+        'a: 'c,
+    {
         let kit = &self.assembly.kit;
         let parts = kit.beams.iter().map(|beam| &beam.name).chain(kit.pegs.iter().map(|peg| &peg.name));
         let believed: Vec<_> =
             parts.filter_map(|name| Some((name.clone(), cell.belief.parts.pose(name).ok()?))).collect();
-        let (q, holders) = (cell.hand.joints(), cell.belief.parts.holders(kit));
-        let rehearsed = plan_with_motion(self.assembly, state, self.domains, || {
-            let parameters = self.parameters.clone();
-            let scene = Scene::nominal(self.assembly, self.arm, cell.planner, parameters, state);
-            let rehearsal = Rehearsal::new(scene, self.skills.clone());
-            rehearsal
-                .without_unseen(self.start.scatter.as_ref().map(|_| &believed[..]))
-                .from_here(believed.clone(), q, self.seed)
-                .with_holders(holders.clone())
-                .without_grasps(self.history.grasps().clone())
-        })?;
+        let scene = Scene::nominal(self.assembly, self.arm, cell.planner, self.parameters.clone(), state);
+        Rehearsal::new(scene, self.skills.clone())
+            .from_here(believed.clone(), cell.hand.joints(), self.seed)
+            .with_holders(cell.belief.parts.holders(kit))
+            .without_grasps(self.history.grasps().clone())
+            .without_unseen(self.start.scatter.as_ref().map(|_| &believed[..]))
+    }
+
+    /// A plan that the rehearsal accepts.
+    fn rehearsed_plan(&mut self, cell: &mut Workcell, state: &State) -> Result<Plan, PlanError> {
+        let rehearsed = plan_with_motion(self.assembly, state, self.domains, || self.rehearsal(cell, state))?;
         for fact in rehearsed.facts {
             if !self.told.contains(&fact) {
                 cell.record(EventKind::motion(&fact));
@@ -510,7 +514,7 @@ impl<'a> Baseline<'a> {
 
 impl Agent for Baseline<'_> {
     fn name(&self) -> (&str, &str) {
-        (&self.name, VERSION)
+        (&self.name, Self::VERSION)
     }
 
     fn file_hash(&self) -> Option<&str> {
@@ -543,18 +547,15 @@ mod tests {
     /// Events have the text of the planner, made from their data alone.
     #[test]
     fn an_action_and_a_motion_fact_read_in_an_event_as_in_a_plan() {
-        let beam = || "b4".to_string();
-        let joint = || "b4j1".to_string();
-        let link = || "b4l2".to_string();
-        let moves = [
-            Place::Above(Area::Input),
-            Place::Above(Area::Intermediate),
-            Place::Above(Area::Assembly),
+        let [beam, joint, link] = ["b4", "b4j1", "b4l2"].map(|name| move || name.to_string());
+        let areas = [Area::Input, Area::Intermediate, Area::Assembly].map(Place::Above);
+        let places = [
             Place::Input(Item::Peg("p1".into())),
             Place::Approach(Target::Connection("C1".into())),
             Place::Target(Target::Beam(beam())),
         ];
-        let mut actions: Vec<FineAction> = moves.map(|to| FineAction::Move { to }).into();
+        let moves = areas.into_iter().chain(places).map(|to| FineAction::Move { to });
+        let mut actions: Vec<FineAction> = moves.collect();
         actions.extend([
             FineAction::PickUp { item: Item::Beam(beam()), grasp: Grasp::Link(link()) },
             FineAction::PickUp { item: Item::Peg("p1".into()), grasp: Grasp::Head },

@@ -224,6 +224,17 @@ impl History {
         self.paths.extend(plan.entries.iter().map(|entry| (entry.beam.clone(), entry.path.clone())));
     }
 
+    /// Whether a limit of the arm stands against the work that failed last.
+    pub fn failed_at(&self, fact: &MotionFact) -> bool {
+        let Some(Tried { work, .. }) = self.tried.last() else { return false };
+        match &fact.cannot {
+            Impossible::Grasp { beam, .. } | Impossible::Insert { beam, .. } => {
+                work.beam.as_ref() == Some(beam)
+            }
+            Impossible::Fasten { connection } => work.about == *connection,
+        }
+    }
+
     /// The facts for the planner.
     pub fn facts(&self) -> &[MotionFact] {
         &self.facts
