@@ -3,7 +3,7 @@
 use ramp_referee::DEEPEST;
 use ramp_twin::{Setup, Twin, TwinError};
 
-/// Why an episode cannot begin in its state.
+/// Reasons for which an episode cannot begin in its state.
 #[derive(Debug, thiserror::Error)]
 pub enum GivenError {
     /// The twin cannot be made.

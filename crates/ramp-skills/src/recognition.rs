@@ -37,7 +37,8 @@ fn recognise(cell: &mut Workcell) -> Vec<String> {
     }
     for peg in &cell.kit.pegs {
         let Ok(Some(connection)) = cell.belief.fallen_into(&peg.name) else { continue };
-        let flush = |gap: f64| gap < cell.parameters.press.nearly;
+        // Any other peg in a hole is pressed.
+        let flush = |gap: f64| gap <= 2.0 * cell.parameters.press.seated;
         if cell.belief.gap(connection, &peg.name).is_ok_and(flush) {
             cell.belief.pinned.push((connection, peg.name.clone()));
             found.push(peg.name.clone());

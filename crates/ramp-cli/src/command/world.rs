@@ -111,6 +111,15 @@ fn as_text(world: &World, seed: Option<u64>) -> String {
     text
 }
 
+/// The length of a list of this form; `None` of a single number.
+fn length(form: Form) -> Option<usize> {
+    match form {
+        Form::Number => None,
+        Form::List(length) => Some(length),
+        Form::Range => Some(2),
+    }
+}
+
 fn as_json(world: &World, seed: Option<u64>) -> Value {
     let quantities: Vec<Value> = world
         .quantities()
@@ -125,7 +134,7 @@ fn as_json(world: &World, seed: Option<u64>) -> Value {
                 "name": format!("{group}.{}", field.name),
                 "unit": field.unit,
                 "meaning": field.meaning.trim(),
-                "length": match field.form { Form::Number => None, Form::List(length) => Some(length), Form::Range => Some(2) },
+                "length": length(field.form),
                 "least": field.least,
                 "most": field.most,
                 "value": quantity.value,
