@@ -273,6 +273,8 @@ def run(
     world: str,
     start: str,
     seed: int,
+    task: str = "build",
+    state: str | None = None,
     agent: tuple[Any, str, str, Any] | None = None,
     skills: Sequence[tuple[str, str, Any]] = (),
     plan: str | None = None,

@@ -44,6 +44,8 @@ def run(
     start: str | os.PathLike[str] = "moved",
     track: str = "tags",
     seed: int = 1,
+    task: str = "build",
+    state: str | os.PathLike[str] | None = None,
     parameters: str | os.PathLike[str] | None = None,
     fault: str | None = None,
     record: str | os.PathLike[str] | None = None,
@@ -51,7 +53,8 @@ def run(
     repeat: int = 1,
     progress: Progress | None = None,
 ) -> Result:
-    """Runs an episode: an agent builds a goal in the twin, and the referee counts the pegs.
+    """Runs an episode: an agent builds a goal in the twin, and the referee counts the pegs; or it takes the
+    frame apart, and the referee counts the parts that are back.
 
     Args:
         goal: A goal of the benchmark, a goal file, or a goal.
@@ -67,14 +70,17 @@ def run(
         start: Where the parts lie: ``moved``, ``sheet``, ``scattered``, ``jumbled``, or a start file.
         track: What the agent may see: ``state``, ``noisy`` or ``tags``.
         seed: All randomness of the episode flows from it.
+        task: ``build``, or ``take-apart``: the built frame is taken apart, and each part put back.
+        state: A file with the state in which the frame begins, as ``ramp run --state``. The agent is not
+            told.
         parameters: A file of numbers of the baseline's skills, as ``ramp run --parameters``.
         fault: What goes wrong on purpose, as ``ramp run --fault``.
         record: File for the log of everything (``.mcap``).
         output: File for the result (``.json``). If it already has a result of this episode, with the same
-            arm, world, start, track, seed, agent and version of the program, that result is returned and
-            nothing is run.
+            arm, world, start, track, seed, task, state, agent and version of the program, that result is
+            returned and nothing is run.
         repeat: Which of several runs in a row this is.
-        progress: Called now and then with robot time (s), pegs that count, and pegs of the goal.
+        progress: Called now and then with robot time (s), pegs or parts that count, and all of them.
 
     Ctrl-C ends it with :class:`KeyboardInterrupt`. The lock of Python is not held while the robot works.
 
@@ -105,6 +111,8 @@ def run(
             world=os.fspath(world),
             start=os.fspath(start),
             seed=seed,
+            task=task,
+            state=None if state is None else os.fspath(state),
             agent=own,
             skills=parts,
             plan=text,

@@ -70,7 +70,11 @@ class Result:
     completion: float
     """Pegs that count, as a share of the goal's."""
     pegs: tuple[Peg | None, ...]
-    """For each connection of the goal the peg that counts, or none."""
+    """For each connection of the goal the peg that counts, or none; empty where the frame was to be taken apart."""
+    task: str
+    """``build`` or ``take-apart``."""
+    back: dict[str, float | None] = dataclasses.field(repr=False)
+    """Where the frame was to be taken apart: for each part the robot time since which it is back, s, or none."""
     rejected: tuple[dict[str, Any], ...] = dataclasses.field(repr=False)
     """Pegs that were in their place at the end and do not count: ``connection``, ``peg`` and ``reason``."""
     time: Time
@@ -117,6 +121,8 @@ class Result:
             agent=f"{value['agent']['name']} {value['agent']['version']}",
             completion=value["completion"],
             pegs=tuple(pegs),
+            task=value.get("task", "build"),
+            back={part["part"]: part["t_robot"] for part in value.get("parts", ())},
             rejected=tuple(value.get("rejected", ())),
             time=Time(**value["time"]),
             bound=compared.get("bound"),
@@ -132,8 +138,9 @@ class Result:
 
     @property
     def counted(self) -> int:
-        """How many pegs count."""
-        return sum(peg is not None for peg in self.pegs)
+        """How many pegs count, or how many parts are back."""
+        back = sum(time is not None for time in self.back.values())
+        return sum(peg is not None for peg in self.pegs) + back
 
     def save(self, file: str | os.PathLike[str]) -> None:
         """Writes the result file."""
@@ -173,7 +180,8 @@ class Result:
     def __str__(self) -> str:
         setting = f"arm {self.arm}, world {self.world}, start {self.start}, track {self.track}"
         head = f"{self.goal}, {setting}, seed {self.seed}"
-        lines = [f"{head}: {self.counted} of {len(self.pegs)} pegs"]
+        what = f"{len(self.back)} parts back" if self.back else f"{len(self.pegs)} pegs"
+        lines = [f"{head}: {self.counted} of {what}"]
         lines += [f"  {peg}" for peg in self.pegs if peg is not None]
         if self.ended != "done":
             lines.append(f"ended early: {self.ended}")

@@ -19,6 +19,20 @@ import ramp
 from ramp.policies.fasten import FastenPolicy
 
 
+def test_a_frame_is_taken_apart_and_one_in_a_state_is_completed(tmp_path):
+    result = ramp.run("easy-1", task="take-apart", track="state", world="ideal", start="sheet")
+    assert result.task == "take-apart" and result.counted == 6 and not result.pegs
+    assert "6 of 6 parts back" in str(result) and set(result.back) == {"b1", "b4", "b5", "p1", "p4", "p7"}
+    state = tmp_path / "state.json"
+    state.write_text('{"in_assembly": ["b4"], "fastened": [["C1", "p1"]]}')
+    kept = ramp.run("easy-1", state=state, track="state", world="ideal", start="sheet")
+    assert kept.counted == 3 and kept.pegs[0].t_robot == 0
+    with pytest.raises(ramp.InputError, match="there is no task `paint`; there are build, take-apart"):
+        ramp.run("easy-1", task="paint")
+    with pytest.raises(ramp.InputError, match="leave out the state"):
+        ramp.run("easy-1", task="take-apart", state=state)
+
+
 def test_goals_are_those_of_the_benchmark():
     assert len(ramp.goals) == 9 and ramp.goals[0] == "easy-1"
     assert ramp.goals.of_class("hard") == ["hard-1", "hard-2", "hard-3"]

@@ -4,6 +4,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 use miette::Report;
+use ramp_assembly::Task;
 use ramp_data::{ARMS, Data};
 use ramp_robot::Track;
 use ramp_world::{Start, World};
@@ -70,6 +71,24 @@ impl StartOption {
     /// The start's argument on the command line.
     pub fn argument(&self) -> OsString {
         OsString::from(&self.start)
+    }
+}
+
+/// What is to be done with the frame.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum TaskName {
+    /// Build it from the parts on the sheet
+    Build,
+    /// Take the built frame apart, and put each part back in its place on the sheet
+    TakeApart,
+}
+
+impl From<TaskName> for Task {
+    fn from(name: TaskName) -> Task {
+        match name {
+            TaskName::Build => Task::Build,
+            TaskName::TakeApart => Task::TakeApart,
+        }
     }
 }
 

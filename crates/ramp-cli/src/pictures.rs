@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use miette::Report;
+use ramp_assembly::Task;
 use ramp_episode::Progress;
 use ramp_twin::{Setup, Twin};
 
@@ -37,6 +38,8 @@ impl Arguments {
 pub struct Pictures {
     film: Option<Film>,
     recording: Option<Recording>,
+    /// What is counted.
+    unit: &'static str,
     error: Option<Report>,
 }
 
@@ -51,7 +54,8 @@ impl Pictures {
         }
         let film = arguments.video.as_ref().map(|path| Film::new(path, setup, arguments.video_from));
         let recording = arguments.rerun.as_ref().map(|path| Recording::new(path, setup));
-        Ok(Pictures { film: film.transpose()?, recording: recording.transpose()?, error: None })
+        let unit = if setup.task == Task::Build { "pegs" } else { "parts back" };
+        Ok(Pictures { film: film.transpose()?, recording: recording.transpose()?, unit, error: None })
     }
 
     /// Adds the current state. An error does not stop the episode; it is reported at the end.
@@ -63,7 +67,7 @@ impl Pictures {
 
     fn try_to_show(&mut self, twin: &Twin, action: &str, progress: &Progress) -> Result<(), Report> {
         if let Some(film) = &mut self.film {
-            film.show(twin, &format!("{action}   {} of {} pegs", progress.seated, progress.pegs))?;
+            film.show(twin, &format!("{action}   {} of {} {}", progress.seated, progress.pegs, self.unit))?;
         }
         if let Some(recording) = &mut self.recording {
             recording.show(twin, action, progress.seated)?;

@@ -45,6 +45,10 @@ pub(crate) fn compare(
         let what = format!("connection {}", index + 1);
         differ(what, pegs(logged, index), pegs(replayed, index));
     }
+    let back = |result: &EpisodeResult| -> Vec<_> {
+        result.parts.iter().map(|it| (it.part.clone(), it.t_robot.map(|time| time.to_string()))).collect()
+    };
+    differ("parts back".into(), format!("{:?}", back(logged)), format!("{:?}", back(replayed)));
     let rejected = |result: &EpisodeResult| format!("{:?}", result.rejected);
     differ("rejected pegs".into(), rejected(logged), rejected(replayed));
     differ("completion".into(), logged.completion.to_string(), replayed.completion.to_string());

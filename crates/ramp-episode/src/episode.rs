@@ -3,13 +3,14 @@
 use std::path::Path;
 use std::time::Instant;
 
+use ramp_assembly::Task;
 use ramp_log::header::{
     ArmText, GoalText, Header, KitText, SCHEMA as LOG_SCHEMA, Sources, StartText, StateText, WorldText,
 };
 use ramp_log::{LogError, Recorder, SecretSeed};
 use ramp_result::episode::{
     AgentInfo, EndKind, Ended, EpisodeResult, FaultInfo, Host, PlanInfo, RULES, RobotTime, SCHEMA, Software,
-    StartInfo, StateInfo, Time, WorldInfo, completion,
+    StartInfo, StateInfo, Time, WorldInfo,
 };
 use ramp_result::sha256;
 use ramp_robot::{Account, Agent, Event, EventKind, MOST_EVENTS, RobotError};
@@ -111,7 +112,7 @@ pub fn record_episode(
         path,
         &header(setup, sources, label),
         twin.part_names().map(str::to_string).collect(),
-        setup.assembly.connections.iter().map(|connection| connection.name.clone()).collect(),
+        counted_names(setup),
     )?;
     let mut judged = Judged::new(&mut twin, setup, Some(recorder), watcher);
     let mut result = run(&mut judged, setup, agent, label);
@@ -125,6 +126,15 @@ pub fn record_episode(
         None => None,
     };
     Ok(Recorded { result, unlogged })
+}
+
+/// The names of what the referee counts: connections, or parts.
+fn counted_names(setup: &Setup) -> Vec<String> {
+    let Setup { assembly, task, .. } = setup;
+    match task {
+        Task::Build => assembly.connections.iter().map(|connection| connection.name.clone()).collect(),
+        Task::TakeApart => assembly.movable_parts().into_iter().map(str::to_string).collect(),
+    }
 }
 
 /// The head of an episode's log.
@@ -148,6 +158,7 @@ fn header(setup: &Setup, sources: &Sources, label: &Label) -> Header {
         state: setup
             .state
             .map(|state| StateText { sha256: sha256(state.text.as_bytes()), json: state.text.clone() }),
+        task: setup.task.told().map(str::to_string),
         track: setup.track.name().to_string(),
         seed: label.seed(setup),
         secret: label.commitment().map(|commitment| SecretSeed { commitment, seed: setup.seed }),
@@ -206,7 +217,7 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
     let thought = (judged.thought - overlapped).max(0.0);
     let planning = planning.clamp(0.0, thought);
     let robot = judged.twin.time();
-    let pegs = judged.pegs(setup);
+    let (pegs, parts) = (judged.pegs(setup), judged.parts(setup));
     let (name, version) = agent.name();
     let fault = judged.fault();
     add_own(&mut events, judged.twin.stops(), fault.as_ref(), outcome.as_ref().err(), robot);
@@ -216,7 +227,7 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
         (None, Err(error)) => (error.to_string(), kind_of(&error)),
         (None, Ok(())) => ("done".to_string(), EndKind::Done),
     };
-    EpisodeResult {
+    let mut result = EpisodeResult {
         schema: SCHEMA.to_string(),
         rules: RULES.to_string(),
         goal: setup.assembly.name.clone(),
@@ -227,6 +238,7 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
         arm: Some(setup.arm.name.clone()),
         start: Some(StartInfo::of(setup.start)),
         state: setup.state.map(|state| StateInfo::of(&state.text)),
+        task: setup.task.told().map(str::to_string),
         seed: label.seed(setup),
         secret: label.commitment(),
         repeat: label.repeat,
@@ -238,8 +250,9 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
         },
         software: label.software.clone(),
         host: Host::here(),
-        completion: completion(&pegs),
+        completion: 0.0,
         pegs,
+        parts,
         rejected: judged.rejected(setup),
         time: Time {
             planning,
@@ -256,5 +269,7 @@ fn run(judged: &mut Judged, setup: &Setup, agent: &mut dyn Agent, label: &Label)
         fault,
         ended: Ended { reason, kind: Some(kind) },
         log: None,
-    }
+    };
+    result.completion = result.share();
+    result
 }

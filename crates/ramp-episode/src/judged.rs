@@ -2,9 +2,10 @@
 
 use std::time::Instant;
 
+use ramp_assembly::Task;
 use ramp_log::Recorder;
-use ramp_referee::{REST, Reason, Referee};
-use ramp_result::episode::{FaultInfo, PegResult, Physics, RejectReason, RejectedPeg};
+use ramp_referee::{REST, Reason, Referee, Seated};
+use ramp_result::episode::{FaultInfo, PartResult, PegResult, Physics, RejectReason, RejectedPeg};
 use ramp_robot::{
     Camera, CameraModel, Command, Image, ImageWidth, Observation, PartReading, Robot, RobotError,
 };
@@ -20,9 +21,9 @@ const WATCH_EVERY: u64 = 10;
 pub struct Progress {
     /// Robot time, s.
     pub time: f64,
-    /// Pegs that count now.
+    /// Pegs, or parts of a frame that is to be taken apart, that count now.
     pub seated: usize,
-    /// Pegs in the goal.
+    /// All of them.
     pub pegs: usize,
 }
 
@@ -51,7 +52,7 @@ impl<'a, 'w> Judged<'a, 'w> {
         recorder: Option<Recorder>,
         watcher: &'a mut Watcher<'w>,
     ) -> Judged<'a, 'w> {
-        let referee = Referee::new(setup.assembly, twin.part_names());
+        let referee = Referee::for_task(setup.assembly, setup.task, twin.part_names());
         twin.record_moments(WATCH_EVERY);
         let mut judged = Judged {
             twin,
@@ -165,6 +166,9 @@ impl<'a, 'w> Judged<'a, 'w> {
     /// The pegs that count now, for each connection of the goal.
     pub(crate) fn pegs(&self, setup: &Setup) -> Vec<Option<PegResult>> {
         let assembly = setup.assembly;
+        if setup.task != Task::Build {
+            return Vec::new();
+        }
         assembly
             .connections
             .iter()
@@ -182,8 +186,25 @@ impl<'a, 'w> Judged<'a, 'w> {
             .collect()
     }
 
+    /// The parts of a frame that is to be taken apart; none where it is to be built.
+    pub(crate) fn parts(&self, setup: &Setup) -> Vec<PartResult> {
+        if setup.task != Task::TakeApart {
+            return Vec::new();
+        }
+        let parts = setup.assembly.movable_parts().into_iter().zip(self.referee.verdict());
+        let result = |(part, back): (&str, &Option<Seated>)| PartResult {
+            part: part.to_string(),
+            t_robot: back.as_ref().map(|back| back.since),
+            t_total: back.as_ref().map(|back| back.since + back.thought),
+        };
+        parts.map(result).collect()
+    }
+
     /// The pegs that are in their place and do not count.
     pub(crate) fn rejected(&self, setup: &Setup) -> Vec<RejectedPeg> {
+        if setup.task != Task::Build {
+            return Vec::new();
+        }
         let connections = setup.assembly.connections.iter().zip(self.referee.rejected());
         let rejected =
             connections.filter_map(|(connection, rejected)| Some((connection, rejected.as_ref()?)));

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use ramp_assembly::{Assembly, GoalError};
+use ramp_assembly::{Assembly, GoalError, Task};
 use ramp_kit::KitError;
 use ramp_kit::source::SourceFile;
 use ramp_robot::Track;
@@ -17,7 +17,6 @@ use crate::difference::{Difference, compare};
 use crate::judged::{Judged, Watcher};
 use ramp_log::calls::CallsError;
 use ramp_log::{Header, Log};
-use ramp_result::episode::completion;
 use ramp_result::episode::{EpisodeResult, RULES, WorldInfo};
 
 /// The result of a replay.
@@ -105,6 +104,7 @@ pub struct LoggedSetup {
     seed: u64,
     start: Start,
     state: Option<GivenState>,
+    task: Task,
     fault: Option<Fault>,
 }
 
@@ -152,7 +152,10 @@ impl LoggedSetup {
         if log.result.world != Some(WorldInfo::of(&world, seed)) {
             return Err(ReplayError::Draw);
         }
-        Ok(LoggedSetup { assembly, arm, world, track, seed, start, state, fault })
+        let task = header.task.as_deref().unwrap_or(Task::Build.name());
+        let task =
+            Task::named(task).ok_or_else(|| ReplayError::Impossible { what: "task", found: short(task) })?;
+        Ok(LoggedSetup { assembly, arm, world, track, seed, start, state, task, fault })
     }
 
     /// As the twin is made from it.
@@ -164,6 +167,7 @@ impl LoggedSetup {
             seed: self.seed,
             start: &self.start,
             state: self.state.as_ref(),
+            task: self.task,
             world: &self.world,
             fault: self.fault,
         }
@@ -200,10 +204,11 @@ pub fn replay_watched(
     judged.judge_end();
     let mut result = log.result.clone();
     result.pegs = judged.pegs(&setup);
+    result.parts = judged.parts(&setup);
     result.rejected = judged.rejected(&setup);
     result.physics = Some(judged.physics());
     result.fault = judged.fault();
-    result.completion = completion(&result.pegs);
+    result.completion = result.share();
     result.time.robot = judged.twin.time();
     let end = result.time.robot;
     compare(&log.result, &result, again.stopped.as_ref(), end, &mut differences);
@@ -213,6 +218,11 @@ pub fn replay_watched(
             && (peg.t_robot, &peg.peg) == (logged.t_robot, &logged.peg)
         {
             peg.t_total = logged.t_total;
+        }
+    }
+    for (part, logged) in result.parts.iter_mut().zip(&log.result.parts) {
+        if (part.t_robot, &part.part) == (logged.t_robot, &logged.part) {
+            part.t_total = logged.t_total;
         }
     }
     Ok(Replayed { result, differences, breach })
@@ -230,6 +240,7 @@ fn check_agreement(header: &Header, result: &EpisodeResult) -> Result<(), Replay
     let start = result.start.as_ref().map_or("none".to_string(), |it| world(&it.name, &it.sha256));
     let theirs_state = result.state.as_ref().map(|it| &it.sha256);
     let state = |hash: Option<&String>| hash.map_or("none", String::as_str).to_string();
+    let task = |name: Option<&str>| name.unwrap_or(Task::Build.name()).to_string();
     let secret = |commitment: Option<&String>| commitment.map_or("none", String::as_str).to_string();
     let pairs = [
         ("rules", header.rules.clone(), result.rules.clone()),
@@ -237,6 +248,7 @@ fn check_agreement(header: &Header, result: &EpisodeResult) -> Result<(), Replay
         ("world", world(&header.world.name, &header.world.sha256), theirs),
         ("start", world(&header.start.name, &header.start.sha256), start),
         ("state", state(header.state.as_ref().map(|it| &it.sha256)), state(theirs_state)),
+        ("task", task(header.task.as_deref()), task(result.task.as_deref())),
         ("track", header.track.clone(), result.track.clone()),
         ("seed", header.seed.to_string(), result.seed.to_string()),
         ("secret", secret(header.secret.as_ref().map(|it| &it.commitment)), secret(result.secret.as_ref())),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use ramp_assembly::Assembly;
+use ramp_assembly::{Assembly, Task};
 use ramp_kit::source::{nearest, shorten};
 use ramp_robot::Track;
 use ramp_twin::{Setup, Start, World};
@@ -164,6 +164,7 @@ impl Scenario {
             start: &self.start,
             world: &self.world,
             state: None,
+            task: Task::Build,
             fault: None,
         }
     }

@@ -41,6 +41,10 @@ pub struct Header {
     /// The state in which the frame began. `None` if nothing was built, and then absent from the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub state: Option<StateText>,
+    /// [`ramp_result::episode::TAKE_APART`]. `None` if the frame was to be built, and then absent from the
+    /// file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub task: Option<String>,
     /// Name of the track.
     pub track: String,
     /// Seed of all randomness of the world, if there is no secret.

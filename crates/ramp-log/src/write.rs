@@ -188,7 +188,7 @@ impl Recorder {
         }
     }
 
-    /// The referee's verdict now.
+    /// The referee's verdict now. A part that is to be back in its place counts under its own name.
     pub fn judge(&mut self, referee: &Referee) {
         for (index, seated) in referee.verdict().iter().enumerate() {
             if self.verdict[index] != *seated {

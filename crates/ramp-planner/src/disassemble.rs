@@ -6,113 +6,10 @@
 
 use crate::domains::Domains;
 use crate::error::PlanError;
-use crate::plan::{Area, CoarseAction, Entry, FineAction, Grasp, Item, Place, State, Target};
+use crate::plan::{Area, CoarseAction, CoarseStep, FineAction, Grasp, Item, Place, Plan, State, Target};
 use crate::planner::plan;
 use ramp_assembly::Assembly;
-use serde::Serialize;
 use std::collections::HashMap;
-use std::fmt::{self, Display};
-
-/// A disassembly plan. It begins and ends with an empty hand over the sheet.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Disassembly {
-    /// The steps, in order.
-    pub steps: Vec<RemovalStep>,
-    /// Removal motions of the beams: each straight back along its insertion path, in order of
-    /// removal.
-    pub exits: Vec<Entry>,
-}
-
-/// A coarse action and the fine actions that carry it out.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct RemovalStep {
-    /// The coarse action.
-    pub coarse: Removal,
-    /// The fine actions, in order.
-    pub fine: Vec<FineRemoval>,
-}
-
-/// A coarse action of disassembly.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case", tag = "action")]
-pub enum Removal {
-    /// Move the hand, and what it holds, to a neighbouring area.
-    Move {
-        /// The area.
-        to: Area,
-    },
-    /// Grasp a beam in the assembly and withdraw it.
-    TakeOut {
-        /// The beam.
-        beam: String,
-    },
-    /// Grasp a peg and pull it out of its connection.
-    PullOut {
-        /// The connection's name in the goal.
-        connection: String,
-        /// The peg.
-        peg: String,
-    },
-    /// Put the held item at its start pose on the sheet.
-    PutDown {
-        /// The item.
-        item: Item,
-    },
-    /// Change the grasp to another link of the beam.
-    Regrasp {
-        /// The beam.
-        beam: String,
-    },
-    /// Slide a beam back through its open joint, so that another can be lifted off.
-    SlideBack {
-        /// The beam.
-        beam: String,
-    },
-}
-
-/// A fine action of disassembly.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case", tag = "action")]
-pub enum FineRemoval {
-    /// Move the hand, and the held item, along the graph of places.
-    Move {
-        /// The place.
-        to: Place,
-    },
-    /// Grasp a beam and withdraw it to its approach.
-    TakeOut {
-        /// The beam.
-        beam: String,
-        /// The link to grasp.
-        link: String,
-    },
-    /// Grasp a peg by its head and pull it out.
-    PullOut {
-        /// The connection's name in the goal.
-        connection: String,
-        /// The peg.
-        peg: String,
-    },
-    /// Release the held item and retreat.
-    PutDown {
-        /// The item.
-        item: Item,
-    },
-    /// Set the held beam down between sheet and assembly and grasp it at another link.
-    Regrasp {
-        /// The held beam.
-        beam: String,
-        /// The new link to grasp.
-        link: String,
-    },
-    /// Grasp a beam and slide it back.
-    SlideBack {
-        /// The beam.
-        beam: String,
-        /// The link to grasp.
-        link: String,
-    },
-}
 
 /// Plans the disassembly of a built goal.
 ///
@@ -120,58 +17,105 @@ pub enum FineRemoval {
 /// As [`plan`]: a goal that cannot be built cannot be taken apart.
 ///
 /// ```
-/// use ramp_planner::{Domains, Removal, disassemble};
+/// use ramp_planner::{CoarseAction, Domains, disassemble};
 ///
 /// let kit = ramp_kit::read_kit("../../data/kit.xml".as_ref())?;
 /// let assembly = ramp_assembly::read_goal("../../data/goals/easy-3.xml".as_ref(), &kit)?;
 /// let domains = Domains::read("../../data/domains".as_ref())?;
 /// let plan = disassemble(&assembly, &domains)?;
-/// assert!(matches!(&plan.steps[2].coarse, Removal::PullOut { connection, .. } if connection == "C4"));
+/// assert!(
+///     matches!(&plan.steps[2].coarse, CoarseAction::PullOut { connection, .. } if connection == "C4")
+/// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn disassemble(assembly: &Assembly, domains: &Domains) -> Result<Disassembly, PlanError> {
-    let plan = plan(assembly, &State::default(), domains)?;
+pub fn disassemble(assembly: &Assembly, domains: &Domains) -> Result<Plan, PlanError> {
+    Ok(backwards(&plan(assembly, &State::default(), domains)?, &[]))
+}
+
+/// A plan that begins with nothing built, backwards: it takes apart what that plan builds. It begins and
+/// ends with an empty hand over the sheet. Its entries are still the insertion paths, in the order in which
+/// the beams are drawn out along them. `pinned` are the pegs that pin connections, by the connection's name,
+/// where they are others than those of the plan.
+pub fn backwards(plan: &Plan, pinned: &[(String, String)]) -> Plan {
+    let fastened: HashMap<&str, &str> = plan
+        .steps
+        .iter()
+        .filter_map(|step| match &step.coarse {
+            CoarseAction::Fasten { connection, peg } => Some((peg.as_str(), connection.as_str())),
+            _ => None,
+        })
+        .collect();
+    let peg = |planned: &str| {
+        let connection = fastened.get(planned).copied();
+        let other = pinned.iter().find(|(pinned, _)| Some(pinned.as_str()) == connection);
+        other.map_or_else(|| planned.to_string(), |(_, peg)| peg.clone())
+    };
     let mut area = Area::Input;
     let mut place = Place::Above(area);
     // The grasped link of each beam at its insertion, and the one before a regrasp.
     let mut links: HashMap<String, Vec<String>> = HashMap::new();
-    let mut backwards: Vec<RemovalStep> = Vec::new();
+    let mut steps: Vec<CoarseStep> = Vec::new();
     for step in &plan.steps {
         let coarse = match &step.coarse {
-            CoarseAction::Push { .. } => continue,
-            CoarseAction::Move { to } => Removal::Move { to: std::mem::replace(&mut area, *to) },
-            CoarseAction::PickUp { item } => Removal::PutDown { item: item.clone() },
-            CoarseAction::Regrasp { beam } => Removal::Regrasp { beam: beam.clone() },
-            CoarseAction::Slide { beam } => Removal::SlideBack { beam: beam.clone() },
-            CoarseAction::Fasten { connection, peg } => {
-                Removal::PullOut { connection: connection.clone(), peg: peg.clone() }
+            CoarseAction::Move { to } => CoarseAction::Move { to: std::mem::replace(&mut area, *to) },
+            CoarseAction::PickUp { item: Item::Peg(planned) } => {
+                CoarseAction::PutDown { item: Item::Peg(peg(planned)) }
+            }
+            CoarseAction::PickUp { item } => CoarseAction::PutDown { item: item.clone() },
+            CoarseAction::Regrasp { beam } => CoarseAction::Regrasp { beam: beam.clone() },
+            CoarseAction::Slide { beam } => CoarseAction::SlideBack { beam: beam.clone() },
+            CoarseAction::Fasten { connection, peg: planned } => {
+                CoarseAction::PullOut { connection: connection.clone(), peg: peg(planned) }
             }
             CoarseAction::Assemble { beam }
             | CoarseAction::AssembleDeep { beam }
-            | CoarseAction::LayDown { beam } => Removal::TakeOut { beam: beam.clone() },
-            // A plan from the start puts no item back.
-            CoarseAction::PutDown { .. } => continue,
+            | CoarseAction::LayDown { beam } => CoarseAction::TakeOut { beam: beam.clone() },
+            // A plan that begins with nothing built puts no item back, and takes nothing apart.
+            CoarseAction::Push { .. }
+            | CoarseAction::PutDown { .. }
+            | CoarseAction::TakeOut { .. }
+            | CoarseAction::PullOut { .. }
+            | CoarseAction::SlideBack { .. } => continue,
         };
         let mut fine = Vec::new();
         for action in &step.fine {
-            fine.extend(undone(action, &mut place, &mut links));
+            fine.extend(undone(&action.with_pegs(peg), &mut place, &mut links));
         }
         fine.reverse();
-        backwards.push(RemovalStep { coarse, fine });
+        steps.push(CoarseStep { coarse, fine });
     }
-    backwards.reverse();
-    let mut exits = plan.entries;
-    exits.reverse();
-    for exit in &mut exits {
-        exit.direction = exit.direction.map(|component| -component);
-    }
-    let mut steps = vec![];
     if area != Area::Input {
-        let fine = vec![FineRemoval::Move { to: Place::Above(area) }];
-        steps.push(RemovalStep { coarse: Removal::Move { to: area }, fine });
+        let fine = vec![FineAction::Move { to: Place::Above(area) }];
+        steps.push(CoarseStep { coarse: CoarseAction::Move { to: area }, fine });
     }
-    steps.extend(backwards);
-    Ok(Disassembly { steps, exits })
+    steps.reverse();
+    let entries = plan.entries.iter().rev().cloned().collect();
+    Plan { steps, entries, statistics: plan.statistics }
+}
+
+/// What is left of a plan that takes a frame apart, where it was carried out in part: `stands` tells whether
+/// a part is still in its place, and `deep` whether a beam was slid back.
+pub fn left_of(plan: &Plan, stands: impl Fn(&Item) -> bool, deep: impl Fn(&str) -> bool) -> Plan {
+    let beam = |name: &String| Item::Beam(name.clone());
+    let mut steps: Vec<CoarseStep> = Vec::new();
+    let mut unit: Vec<CoarseStep> = Vec::new();
+    for step in &plan.steps {
+        let is_left = match &step.coarse {
+            CoarseAction::SlideBack { beam: name } => stands(&beam(name)) && !deep(name),
+            CoarseAction::TakeOut { beam: name } | CoarseAction::Regrasp { beam: name } => {
+                stands(&beam(name))
+            }
+            CoarseAction::PullOut { peg, .. } => stands(&Item::Peg(peg.clone())),
+            CoarseAction::PutDown { item } => stands(item),
+            _ => true,
+        };
+        unit.extend(is_left.then(|| step.clone()));
+        if matches!(step.coarse, CoarseAction::PutDown { .. }) {
+            let works = unit.iter().any(|step| !matches!(step.coarse, CoarseAction::Move { .. }));
+            steps.extend(std::mem::take(&mut unit).into_iter().filter(|_| works));
+        }
+    }
+    Plan { steps, ..plan.clone() }
 }
 
 /// A fine action undone.
@@ -179,61 +123,41 @@ fn undone(
     action: &FineAction,
     place: &mut Place,
     links: &mut HashMap<String, Vec<String>>,
-) -> Option<FineRemoval> {
+) -> Option<FineAction> {
     let held = |beam: &String, links: &mut HashMap<String, Vec<String>>| {
         links.get(beam).and_then(|links| links.last()).cloned().unwrap_or_default()
     };
     Some(match action {
-        FineAction::Move { to } => FineRemoval::Move { to: std::mem::replace(place, to.clone()) },
+        FineAction::Move { to } => FineAction::Move { to: std::mem::replace(place, to.clone()) },
         FineAction::PickUp { item, grasp } => {
             if let (Item::Beam(beam), Grasp::Link(link)) = (item, grasp) {
                 links.insert(beam.clone(), vec![link.clone()]);
             }
-            FineRemoval::PutDown { item: item.clone() }
+            FineAction::PutDown { item: item.clone() }
         }
         FineAction::Regrasp { beam, link } => {
             let before = held(beam, links);
             links.entry(beam.clone()).or_default().push(link.clone());
-            FineRemoval::Regrasp { beam: beam.clone(), link: before }
+            FineAction::Regrasp { beam: beam.clone(), link: before }
         }
         FineAction::Fasten { connection, peg, .. } => {
             *place = Place::Target(Target::Connection(connection.clone()));
-            FineRemoval::PullOut { connection: connection.clone(), peg: peg.clone() }
+            FineAction::PullOut { connection: connection.clone(), peg: peg.clone() }
         }
-        FineAction::Slide { beam, link } => FineRemoval::SlideBack { beam: beam.clone(), link: link.clone() },
-        FineAction::Push { .. } | FineAction::PutDown { .. } => return None,
-        // All others bring the held beam to its place.
-        _ => {
-            let beam = action.part()?.to_string();
+        FineAction::Slide { beam, link } => FineAction::SlideBack { beam: beam.clone(), link: link.clone() },
+        FineAction::AssembleSquare { beam, .. }
+        | FineAction::AssembleAngled { beam, .. }
+        | FineAction::AssembleThrough { beam, .. }
+        | FineAction::AssembleDeep { beam, .. }
+        | FineAction::AssembleCap { beam, .. }
+        | FineAction::LayDown { beam } => {
             *place = Place::Target(Target::Beam(beam.clone()));
-            let link = held(&beam, links);
-            FineRemoval::TakeOut { beam, link }
+            FineAction::TakeOut { beam: beam.clone(), link: held(beam, links) }
         }
+        FineAction::Push { .. }
+        | FineAction::PutDown { .. }
+        | FineAction::TakeOut { .. }
+        | FineAction::PullOut { .. }
+        | FineAction::SlideBack { .. } => return None,
     })
-}
-
-impl Display for Removal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Removal::Move { to } => write!(f, "move to {to}"),
-            Removal::TakeOut { beam } => write!(f, "take out {beam}"),
-            Removal::PullOut { connection, peg } => write!(f, "pull {peg} out of {connection}"),
-            Removal::PutDown { item } => write!(f, "put down {item}"),
-            Removal::Regrasp { beam } => write!(f, "regrasp {beam}"),
-            Removal::SlideBack { beam } => write!(f, "slide {beam} back"),
-        }
-    }
-}
-
-impl Display for FineRemoval {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            FineRemoval::Move { to } => write!(f, "move to {to}"),
-            FineRemoval::TakeOut { beam, link } => write!(f, "draw {beam} out by {link}"),
-            FineRemoval::PullOut { connection, peg } => write!(f, "pull {peg} out of {connection}"),
-            FineRemoval::PutDown { item } => write!(f, "put down {item}"),
-            FineRemoval::Regrasp { beam, link } => write!(f, "regrasp {beam} by {link}"),
-            FineRemoval::SlideBack { beam, link } => write!(f, "slide {beam} back by {link}"),
-        }
-    }
 }

@@ -232,6 +232,28 @@ fine_actions! {
         /// The link to hold it by.
         link: Name as String,
     }
+    /// Grasp a beam in the assembly, and draw it out to the start of its insertion path.
+    TakeOut = "take_out" {
+        /// The beam.
+        beam: Beam as String,
+        /// The link to hold it by.
+        link: Name as String,
+    }
+    /// Grasp a peg by its head, and pull it out of its connection.
+    PullOut = "pull_out" {
+        /// The connection's name in the goal.
+        connection: Connection as String,
+        /// The peg.
+        peg: Peg as String,
+    }
+    /// Grasp a beam in the assembly, slide it back deeper than its place, so that another can be drawn off,
+    /// let go.
+    SlideBack = "slide_back" {
+        /// The beam.
+        beam: Beam as String,
+        /// The link to hold it by.
+        link: Name as String,
+    }
 }
 
 impl ActionKind {
@@ -250,8 +272,8 @@ impl ActionKind {
 }
 
 impl FineAction {
-    /// The part that the hand works with: the one that the action names first; for [`FineAction::Fasten`] the
-    /// peg.
+    /// The part that the hand works with: the one that the action names first; for [`FineAction::Fasten`] and
+    /// [`FineAction::PullOut`] the peg.
     pub fn part(&self) -> Option<&str> {
         match self {
             FineAction::Move { to } => to.part(),
@@ -264,15 +286,19 @@ impl FineAction {
             | FineAction::LayDown { beam }
             | FineAction::Slide { beam, .. }
             | FineAction::Regrasp { beam, .. }
-            | FineAction::Push { beam, .. } => Some(beam),
-            FineAction::Fasten { peg, .. } => Some(peg),
+            | FineAction::Push { beam, .. }
+            | FineAction::TakeOut { beam, .. }
+            | FineAction::SlideBack { beam, .. } => Some(beam),
+            FineAction::Fasten { peg, .. } | FineAction::PullOut { peg, .. } => Some(peg),
         }
     }
 
-    /// The connection that the action pins, or over whose hole it brings a peg, by its name in the goal.
+    /// The connection that the action pins or unpins, or over whose hole it brings a peg, by its name in the
+    /// goal.
     pub fn connection(&self) -> Option<&str> {
         match self {
             FineAction::Fasten { connection, .. }
+            | FineAction::PullOut { connection, .. }
             | FineAction::Move {
                 to:
                     Place::Approach(Target::Connection(connection))
@@ -288,7 +314,9 @@ impl FineAction {
             FineAction::PickUp { grasp: Grasp::Link(link), .. }
             | FineAction::Slide { link, .. }
             | FineAction::Regrasp { link, .. }
-            | FineAction::Push { link, .. } => Some(link),
+            | FineAction::Push { link, .. }
+            | FineAction::TakeOut { link, .. }
+            | FineAction::SlideBack { link, .. } => Some(link),
             _ => None,
         }
     }
@@ -331,6 +359,9 @@ impl Display for FineAction {
                 write!(f, "fasten {connection} ({male}-{female}) with {peg}")
             }
             FineAction::Push { beam, link } => write!(f, "push {beam} by {link}"),
+            FineAction::TakeOut { beam, link } => write!(f, "draw {beam} out by {link}"),
+            FineAction::PullOut { connection, peg } => write!(f, "pull {peg} out of {connection}"),
+            FineAction::SlideBack { beam, link } => write!(f, "slide {beam} back by {link}"),
         }
     }
 }

@@ -36,7 +36,7 @@ mod solver;
 mod state;
 
 pub use diagnosis::{Diagnosis, History, Record, Unexpected, diagnose};
-pub use disassemble::{Disassembly, FineRemoval, Removal, RemovalStep, disassemble};
+pub use disassemble::{backwards, disassemble, left_of};
 pub use domains::{DomainError, Domains};
 pub use error::{PlanError, Refused};
 pub use explain::{Explanation, Reason, why};

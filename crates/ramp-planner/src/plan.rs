@@ -88,6 +88,24 @@ pub enum CoarseAction {
         /// The beam.
         beam: String,
     },
+    /// Grasp a beam in the assembly and draw it out.
+    TakeOut {
+        /// The beam.
+        beam: String,
+    },
+    /// Grasp a peg and pull it out of its connection.
+    PullOut {
+        /// The connection's name in the goal.
+        connection: String,
+        /// The peg.
+        peg: String,
+    },
+    /// Slide a beam back through its open joint, so that another can be drawn off, with the hand empty
+    /// before and after.
+    SlideBack {
+        /// The beam.
+        beam: String,
+    },
 }
 
 /// A coarse action and the fine actions that carry it out.
@@ -170,6 +188,9 @@ impl Display for CoarseAction {
             CoarseAction::Regrasp { beam } => write!(f, "regrasp {beam}"),
             CoarseAction::Fasten { connection, peg } => write!(f, "fasten {connection} with {peg}"),
             CoarseAction::Push { beam } => write!(f, "push {beam}"),
+            CoarseAction::TakeOut { beam } => write!(f, "take out {beam}"),
+            CoarseAction::PullOut { connection, peg } => write!(f, "pull {peg} out of {connection}"),
+            CoarseAction::SlideBack { beam } => write!(f, "slide {beam} back"),
         }
     }
 }

@@ -6,17 +6,19 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use ramp_assembly::Assembly;
-use ramp_data::{Plans, PlansError, Texts};
-use ramp_episode::{EpisodeError, Label, Progress, Recorded, Watcher, record_episode, run_episode};
+use ramp_assembly::Task;
+use ramp_data::Texts;
+use ramp_episode::{
+    EpisodeError, Label, Progress, Recorded, Watcher, check_given, record_episode, run_episode,
+};
 use ramp_gym::outline::read_outline;
 use ramp_gym::own::{Body, BodyError, Moment, OwnSkill, kind};
 use ramp_kit::source::read_text;
-use ramp_planner::{Domains, Plan};
+use ramp_planner::Domains;
 use ramp_report::curve::completion_svg;
 use ramp_result::EpisodeResult;
 use ramp_result::collection::LARGEST;
-use ramp_result::episode::{RobotTime, Software, StartInfo, WorldLabel};
+use ramp_result::episode::{RobotTime, Software, StartInfo, StateInfo, WorldLabel};
 use ramp_result::resume::{Identity, Shared, Wanted};
 use ramp_robot::{
     Account, Agent, Camera, CameraModel, Command, Event, Image, ImageWidth, MOST_EVENT, MOST_EVENTS,
@@ -27,10 +29,9 @@ use ramp_skills::{Baseline, Parameters, ReferenceTimes, reference_times_of_goal}
 use ramp_twin::{Setup, Twin};
 
 use crate::convert::seven;
-use crate::errors::{
-    EVERY, Interrupts, PlanningError, Raised, Recovered, RobotStopped, caught, data, detached, input,
-};
+use crate::errors::{EVERY, Interrupts, Raised, Recovered, RobotStopped, caught, data, detached, input};
 use crate::files::Benchmark;
+use crate::given::{given, given_plan};
 use crate::gym::EpisodePictures;
 use crate::integers;
 use crate::planner::planned;
@@ -353,7 +354,7 @@ type OwnPart = (String, String, Py<PyAny>);
 /// Runs an episode; the result as JSON. With `output`, the result is written to that file; a result of this
 /// very episode that the file already has is returned instead.
 #[pyfunction]
-#[pyo3(signature = (benchmark, goal, *, arm, track, world, start, seed, agent=None, skills=Vec::new(), plan=None, plans=None, planner=None, domain=None,
+#[pyo3(signature = (benchmark, goal, *, arm, track, world, start, seed, task="build", state=None, agent=None, skills=Vec::new(), plan=None, plans=None, planner=None, domain=None,
     parameters=None, fault=None, record=None, output=None, repeat=1, progress=None, pictures=None))]
 #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn run(
@@ -365,6 +366,8 @@ pub fn run(
     world: &str,
     start: &str,
     #[pyo3(from_py_with = integers::seed)] seed: u64,
+    task: &str,
+    state: Option<PathBuf>,
     agent: Option<Own>,
     skills: Vec<OwnPart>,
     plan: Option<String>,
@@ -387,15 +390,14 @@ pub fn run(
     let world = inner.world(world).map_err(data)?;
     let start = inner.start(start).map_err(data)?;
     let (track, fault) = (self::track(track)?, self::fault(fault)?);
+    let replaced = plan.is_some() || plans.is_some() || planner.is_some();
+    let (task, state) = given(task, state.as_deref(), &assembly, &start, replaced)?;
     let domains = files.domains(domain)?;
     let raised = Raised::default();
     // What runs Python's code does so on this thread; all else on one that can be left behind.
     let python = agent.is_some() || planner.is_some() || !skills.is_empty();
     let plan = given_plan(py, plan, plans, &assembly, &domains)?;
-    let parameters = match parameters {
-        Some(path) => Parameters::read(path.as_ref()).map_err(|error| input(format!("{error:#}")))?,
-        None => Parameters::baseline(),
-    };
+    let parameters = parameters_of(parameters)?;
     let mut table = ramp_skills::table::baseline(&parameters);
     for (name, label, object) in skills {
         table.replace(own_skill(&name, &label, object, &raised)?);
@@ -403,19 +405,17 @@ pub fn run(
     let stopped = raised.clone();
     let work = move || {
         let (start, world) = (&start, &world);
-        let setup = Setup { assembly: &assembly, arm: &arm, track, seed, start, state: None, world, fault };
+        let (assembly, arm, state) = (&assembly, &arm, state.as_ref());
+        let setup = Setup { assembly, arm, track, seed, start, state, task, world, fault };
+        check_given(&setup).map_err(input)?;
         let worker: Box<dyn Agent + '_> = match agent {
             Some((object, name, version, goal)) => {
                 let account = Account::default();
                 Box::new(PythonAgent { object, goal, name, version, account, raised: raised.clone() })
             }
             None => {
-                let baseline = Baseline::new(setup.assembly, setup.arm, &domains, seed)
-                    .on_track(setup.track)
-                    .from_start(setup.start)
-                    .with_parameters(parameters)
-                    .with_skills(table);
-                Box::new(planned(baseline, (&assembly, &domains), plan, planner, &raised))
+                let baseline = baseline(&setup, &domains, parameters).with_skills(table);
+                Box::new(planned(baseline, (assembly, &domains), plan, planner, &raised))
             }
         };
         let mut worker = Stoppable { agent: worker, looks: python, raised: raised.clone() };
@@ -437,8 +437,7 @@ pub fn run(
                 raised.keep(error);
             }
         };
-        let times = reference_times_of_goal(&assembly, setup.arm, &inner.domains);
-        let robot_time = times.ok().map(|ReferenceTimes { bound, reference }| RobotTime { bound, reference });
+        let robot_time = robot_time(&setup, &inner.domains);
         let label = Label { robot_time, ..Label::new(software, repeat) };
         let result = match &record {
             Some(path) => recorded(&setup, &texts, &mut worker, &label, path, &mut watcher)?,
@@ -456,29 +455,29 @@ pub fn run(
     if python { detached(py, work) } else { aside(py, &stopped, work) }
 }
 
-/// The plan that was given as a text, or as a file or folder, and its hash.
-fn given_plan(
-    py: Python<'_>,
-    text: Option<String>,
-    path: Option<PathBuf>,
-    assembly: &Assembly,
-    domains: &Domains,
-) -> PyResult<Option<(Plan, String)>> {
-    let plans = match (text, path) {
-        (Some(text), _) => Plans::of_text(Path::new("the plan"), text),
-        (None, Some(path)) => Plans::read(&path).map_err(of_plans)?,
-        (None, None) => return Ok(None),
-    };
-    let plan = detached(py, || plans.plan(assembly, domains).map_err(of_plans))?;
-    Ok(Some((plan, plans.sha256().to_string())))
+/// The baseline for an episode.
+fn baseline<'a>(setup: &Setup<'a>, domains: &'a Domains, parameters: Arc<Parameters>) -> Baseline<'a> {
+    Baseline::new(setup.assembly, setup.arm, domains, setup.seed)
+        .on_track(setup.track)
+        .from_start(setup.start)
+        .with_task(setup.task)
+        .with_parameters(parameters)
 }
 
-/// A plan that is refused, or files that are no plans.
-fn of_plans(error: PlansError) -> PyErr {
-    match error {
-        PlansError::Plan { .. } => PlanningError::new_err(error.to_string()),
-        error => input(error),
+/// The parameters of a file, or the baseline's.
+fn parameters_of(path: Option<&str>) -> PyResult<Arc<Parameters>> {
+    match path {
+        Some(path) => Parameters::read(path.as_ref()).map_err(|error| input(format!("{error:#}"))),
+        None => Ok(Parameters::baseline()),
     }
+}
+
+/// Bound and reference of the robot time. They hold where nothing is built at the start.
+fn robot_time(setup: &Setup, domains: &Domains) -> Option<RobotTime> {
+    let nothing_stands = setup.state.is_none();
+    let times =
+        nothing_stands.then(|| reference_times_of_goal(setup.assembly, setup.arm, domains).ok()).flatten();
+    times.map(|ReferenceTimes { bound, reference }| RobotTime { bound, reference })
 }
 
 /// Runs an episode and leaves its log at `path`.
@@ -517,7 +516,7 @@ fn kept(
         arm: &setup.arm.name,
         worlds: vec![&world],
         start: &start,
-        state: None,
+        state: setup.state.map(|state| StateInfo::of(&state.text).sha256),
         secret: None,
         software,
         agent: Identity {
@@ -528,7 +527,11 @@ fn kept(
     };
     let wanted = Wanted {
         goal: &setup.assembly.name,
-        pegs: setup.assembly.connections.len(),
+        task: setup.task.told(),
+        count: match setup.task {
+            Task::Build => setup.assembly.connections.len(),
+            Task::TakeApart => setup.assembly.movable_parts().len(),
+        },
         track: setup.track.name(),
         world: &world,
         seed: setup.seed,

@@ -6,6 +6,7 @@ mod driver;
 mod episode;
 mod errors;
 mod files;
+mod given;
 mod gym;
 mod integers;
 mod planner;

@@ -6,6 +6,7 @@ use numpy::{IntoPyArray, PyArray3};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use ramp_assembly::Task;
 use ramp_gym::View;
 use ramp_gym::pictures::Painter;
 use ramp_referee::Referee;
@@ -95,6 +96,7 @@ impl Twin {
                 start: &start,
                 world: &world,
                 state: None,
+                task: Task::Build,
                 fault,
             };
             let twin = Inner::new(&setup).map_err(input)?;

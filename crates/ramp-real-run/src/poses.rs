@@ -415,6 +415,8 @@ impl Run<'_> {
             world: None,
             start: None,
             state: None,
+            task: None,
+            parts: Vec::new(),
             seed: u64::from(head.repeat),
             secret: None,
             repeat: head.repeat,

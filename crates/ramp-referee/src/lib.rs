@@ -5,16 +5,23 @@
 //! began. It counts for one connection only. Where the referee judges a simulation, it is given the parts
 //! that are in each other as well ([`Referee::penetrated`]), and the poses once more while the parts rest
 //! without the arm ([`Referee::rested`]).
+//!
+//! Where the task is to take a frame apart ([`Referee::for_task`]), every part of the frame that is not
+//! clamped counts, once it is back in its place on the sheet (`places`) and stays there. What is said of pegs
+//! below then holds for these parts, and what is said of connections for their places.
 
 mod penetrations;
 mod pins;
+mod places;
 
 use nalgebra::Point3;
-use ramp_assembly::{Assembly, JointRef, Penetration, Truth};
+use ramp_assembly::{Assembly, JointRef, Penetration, Task, Truth};
 
 use penetrations::Penetrations;
 pub use penetrations::{APART, DEEPEST};
 pub use pins::{SEATED, pins};
+use places::Places;
+pub use places::{BESIDE, PEG_BESIDE, PEG_RAISED, RAISED, TURNED};
 
 /// Time for which parts rest without the arm at the end, s. Chosen: a peg falls out of a hole in a tenth of
 /// it.
@@ -23,9 +30,9 @@ pub const REST: f64 = 2.0;
 /// A peg that counts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seated {
-    /// The peg's name.
+    /// The name of the peg, or of the part.
     pub peg: String,
-    /// Robot time since which it has been seated, s.
+    /// Robot time since which it has been seated, or back in its place, s.
     pub since: f64,
     /// The agent's own clock at that moment: planning and compute so far, s.
     pub thought: f64,
@@ -63,19 +70,25 @@ pub struct Referee {
     beams: Vec<usize>,
     /// Index into the truth of every peg.
     pegs: Vec<usize>,
-    connections: Vec<Required>,
+    required: Vec<Required>,
     penetrations: Penetrations,
     seated: Vec<Option<Seated>>,
     rejected: Vec<Option<Rejected>>,
 }
 
+/// What has to be so.
 #[derive(Clone, Debug)]
-struct Required {
-    female: JointRef,
-    male: JointRef,
-    /// Holes in their beams' frames.
-    p_b_female: Point3<f64>,
-    p_b_male: Point3<f64>,
+enum Required {
+    /// A peg pins a connection.
+    Pinned {
+        female: JointRef,
+        male: JointRef,
+        /// Holes in their beams' frames.
+        p_b_female: Point3<f64>,
+        p_b_male: Point3<f64>,
+    },
+    /// A part, by its index into the truth, is in one of its places.
+    Back { part: usize, places: Places },
 }
 
 impl Referee {
@@ -84,27 +97,52 @@ impl Referee {
     /// Beams of the goal that are not among the parts make their connections uncountable.
     pub fn new<'n>(assembly: &Assembly, part_names: impl Iterator<Item = &'n str>) -> Referee {
         let names: Vec<String> = part_names.map(str::to_string).collect();
-        let index = |name: &str| names.iter().position(|other| *other == name);
         let hole = |joint: JointRef| assembly.beams[joint.beam].beam.p_b_hole(joint.joint);
         let connections = assembly
             .connections
             .iter()
-            .map(|connection| Required {
+            .map(|connection| Required::Pinned {
                 female: connection.female,
                 male: connection.male,
                 p_b_female: hole(connection.female),
                 p_b_male: hole(connection.male),
             })
-            .collect::<Vec<_>>();
+            .collect();
+        Referee::watching(assembly, names, connections)
+    }
+
+    /// A referee for a task with `assembly`; `part_names` as in [`Referee::new`].
+    pub fn for_task<'n>(
+        assembly: &Assembly,
+        task: Task,
+        part_names: impl Iterator<Item = &'n str>,
+    ) -> Referee {
+        if task == Task::Build {
+            return Referee::new(assembly, part_names);
+        }
+        let names: Vec<String> = part_names.map(str::to_string).collect();
+        let required = assembly.movable_parts().into_iter().map(|name| Required::Back {
+            part: names.iter().position(|other| other == name).unwrap_or(usize::MAX),
+            places: match assembly.kit.beam(name) {
+                Some(beam) => Places::of_beam(&assembly.kit, beam),
+                None => Places::of_peg(&assembly.kit),
+            },
+        });
+        let required = required.collect();
+        Referee::watching(assembly, names, required)
+    }
+
+    fn watching(assembly: &Assembly, names: Vec<String>, required: Vec<Required>) -> Referee {
+        let index = |name: &str| names.iter().position(|other| *other == name);
         let beams = assembly.beams.iter().map(|placed| index(&placed.beam.name).unwrap_or(usize::MAX));
         Referee {
             beams: beams.collect(),
             pegs: assembly.kit.pegs.iter().filter_map(|peg| index(&peg.name)).collect(),
             names,
             penetrations: Penetrations::default(),
-            seated: vec![None; connections.len()],
-            rejected: vec![None; connections.len()],
-            connections,
+            seated: vec![None; required.len()],
+            rejected: vec![None; required.len()],
+            required,
         }
     }
 
@@ -167,12 +205,16 @@ impl Referee {
     /// The peg that pins each connection in this truth, as an index into the truth. A peg pins one connection
     /// at most: that for which it counted before, else the first.
     fn found(&self, truth: &Truth) -> Vec<Option<usize>> {
-        let mut found = vec![None; self.connections.len()];
+        let mut found = vec![None; self.required.len()];
         let mut used = Vec::new();
         for counted in [true, false] {
             for (index, place) in found.iter_mut().enumerate() {
                 let before = self.seated[index].as_ref().map(|before| before.peg.as_str());
                 if place.is_some() || counted && before.is_none() {
+                    continue;
+                }
+                if let Required::Back { part, places } = &self.required[index] {
+                    *place = truth.x_wp.get(*part).filter(|x_wp| places.holds(x_wp)).map(|_| *part);
                     continue;
                 }
                 let fits = |peg: &usize| {
@@ -189,7 +231,9 @@ impl Referee {
 
     /// Whether this peg pins a connection in this truth.
     fn is_pinned(&self, truth: &Truth, connection: usize, peg: usize) -> bool {
-        let Required { female, male, p_b_female, p_b_male } = &self.connections[connection];
+        let Required::Pinned { female, male, p_b_female, p_b_male } = &self.required[connection] else {
+            return false;
+        };
         let beam = |joint: &JointRef| truth.x_wp.get(*self.beams.get(joint.beam)?);
         let (Some(x_female), Some(x_male), Some(x_peg)) = (beam(female), beam(male), truth.x_wp.get(peg))
         else {
@@ -201,7 +245,7 @@ impl Referee {
     /// The penetration for which this peg does not count in a connection: of its peg with anything, or of its
     /// two beams.
     fn penetration_in(&self, connection: usize, peg: usize) -> Option<Reason> {
-        let Required { female, male, .. } = &self.connections[connection];
+        let Required::Pinned { female, male, .. } = &self.required[connection] else { return None };
         let beams = [female, male].map(|joint| self.beams[joint.beam]);
         let found = self
             .penetrations

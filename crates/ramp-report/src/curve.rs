@@ -13,9 +13,10 @@ const BOTTOM: f64 = 56.0;
 
 /// Completion over total time (planning, computing and robot) as SVG: one step for each counted peg.
 pub fn completion_svg(result: &EpisodeResult) -> String {
-    let total = result.pegs.len().max(1) as f64;
-    let mut pegs: Vec<(f64, &str)> =
-        result.pegs.iter().flatten().map(|peg| (peg.t_total, peg.connection.as_str())).collect();
+    let total = result.wanted().max(1) as f64;
+    let pegs = result.pegs.iter().flatten().map(|peg| (peg.t_total, peg.connection.as_str()));
+    let parts = result.parts.iter().filter_map(|part| Some((part.t_total?, part.part.as_str())));
+    let mut pegs: Vec<(f64, &str)> = pegs.chain(parts).collect();
     pegs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let end = result.time.total.max(1.0);
     let step = tick(end);

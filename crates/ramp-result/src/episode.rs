@@ -47,6 +47,9 @@ pub struct EpisodeResult {
     /// The state in which the frame began; `None` if nothing was built, and then not in the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub state: Option<StateInfo>,
+    /// The task ([`TAKE_APART`]); `None` if it was to build the frame, and then not in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub task: Option<String>,
     /// All randomness of the world came from here; with a secret, from both together; of a real run, the
     /// repeat.
     pub seed: u64,
@@ -62,10 +65,15 @@ pub struct EpisodeResult {
     pub software: Software,
     /// The machine.
     pub host: Host,
-    /// Pegs counted / pegs in the goal.
+    /// Pegs counted / pegs in the goal; where the frame was to be taken apart, parts back / parts.
     pub completion: f64,
-    /// For each connection of the goal, in its order: the peg that counts, or null.
+    /// For each connection of the goal, in its order: the peg that counts, or null. Empty where the frame was
+    /// to be taken apart.
     pub pegs: Vec<Option<PegResult>>,
+    /// Where the frame was to be taken apart: each of its parts that is not clamped. Empty otherwise, and
+    /// then not in the file.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<PartResult>,
     /// Pegs that were in their place at the end and do not count; empty without one, and then not in the
     /// file.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -247,6 +255,20 @@ pub struct PegResult {
     pub t_robot: f64,
     /// The same plus the agent's planning and compute up to then, s.
     pub t_total: f64,
+}
+
+/// [`EpisodeResult::task`] where the frame was to be taken apart.
+pub const TAKE_APART: &str = "take-apart";
+
+/// A part of a frame that was to be taken apart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PartResult {
+    /// Its name.
+    pub part: String,
+    /// Robot time since which it is back in its place, s; null if it is not.
+    pub t_robot: Option<f64>,
+    /// The same plus the agent's planning and compute up to then, s.
+    pub t_total: Option<f64>,
 }
 
 /// A peg that was in its place at the end and does not count.
@@ -466,9 +488,25 @@ impl EpisodeResult {
         self.ended.kind.is_some_and(EndKind::is_technical)
     }
 
-    /// Counted pegs.
+    /// Counted pegs, or parts that are back.
     pub fn counted(&self) -> usize {
-        self.pegs.iter().flatten().count()
+        let back = self.parts.iter().filter(|part| part.t_robot.is_some()).count();
+        self.pegs.iter().flatten().count() + back
+    }
+
+    /// Pegs of the goal, or parts that are to be back.
+    pub fn wanted(&self) -> usize {
+        self.pegs.len() + self.parts.len()
+    }
+
+    /// The share of [`EpisodeResult::counted`] in [`EpisodeResult::wanted`].
+    pub fn share(&self) -> f64 {
+        if self.wanted() == 0 { 0.0 } else { self.counted() as f64 / self.wanted() as f64 }
+    }
+
+    /// What is counted, for a person: pegs, or parts that are back.
+    pub fn unit(&self) -> &'static str {
+        if self.parts.is_empty() { "pegs" } else { "parts back" }
     }
 }
 

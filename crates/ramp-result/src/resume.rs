@@ -87,8 +87,10 @@ pub struct Shared<'a> {
 pub struct Wanted<'a> {
     /// The goal's name.
     pub goal: &'a str,
-    /// Number of pegs of the goal.
-    pub pegs: usize,
+    /// The task, as in results.
+    pub task: Option<&'a str>,
+    /// Number of pegs of the goal, or of parts that are to be put back.
+    pub count: usize,
     /// The track.
     pub track: &'a str,
     /// SHA-256 of the world's file, in hex.
@@ -163,7 +165,8 @@ impl Shared<'_> {
         let Ok(result) = serde_json::from_str::<EpisodeResult>(text) else { return Ok(None) };
         let fits = result.schema == SCHEMA
             && result.goal == wanted.goal
-            && result.pegs.len() == wanted.pegs
+            && result.task.as_deref() == wanted.task
+            && result.wanted() == wanted.count
             && result.track == wanted.track
             && result.world.as_ref().is_some_and(|world| world.sha256 == wanted.world)
             && result.seed == wanted.seed

@@ -19,6 +19,8 @@ pub fn episode(goal: &str, seed: u64, since: &[f64], pegs: usize) -> EpisodeResu
         world: None,
         start: None,
         state: None,
+        task: None,
+        parts: Vec::new(),
         seed,
         secret: None,
         repeat: seed as u32,

@@ -8,6 +8,8 @@ use crate::episode::{AgentInfo, Host, Software, StartInfo, StateInfo, WorldInfo}
 
 /// Largest number of pegs of a goal.
 pub const MOST_PEGS: usize = 1000;
+/// Largest number of parts of a frame.
+pub const MOST_PARTS: usize = 2 * MOST_PEGS;
 /// The longest JSON of an event, characters.
 const LONGEST_EVENT: usize = 4 * MAX_SENTENCE;
 /// The most quantities that a world draws, and the longest list of numbers of one.

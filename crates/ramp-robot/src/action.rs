@@ -44,7 +44,7 @@ pub enum Argument {
 
 /// How an action reads: its kind, and a phrase in which `{name}` stands for an argument. An action that is
 /// not listed here reads as its kind followed by its arguments.
-const PHRASES: [(&str, &str); 13] = [
+const PHRASES: [(&str, &str); 16] = [
     ("move", "move to {to}"),
     ("pick_up", "pick up {item} by {grasp}"),
     ("put_down", "put down {item}"),
@@ -58,6 +58,9 @@ const PHRASES: [(&str, &str); 13] = [
     ("regrasp", "regrasp {beam} by {link}"),
     ("fasten", "fasten {connection} ({male}-{female}) with {peg}"),
     ("push", "push {beam} by {link}"),
+    ("take_out", "draw {beam} out by {link}"),
+    ("pull_out", "pull {peg} out of {connection}"),
+    ("slide_back", "slide {beam} back by {link}"),
 ];
 
 impl Action {

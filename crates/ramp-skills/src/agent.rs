@@ -1,13 +1,18 @@
 //! The baseline agent: plans, executes the plan action by action, detects faults and re-plans from its
-//! updated belief.
+//! updated belief. `plans` makes its plans, `repair` sets right what stands wrong before the first one, and
+//! `take_apart` takes a frame apart.
+
+mod plans;
+mod repair;
+mod take_apart;
 
 use std::sync::Arc;
 use std::time::Instant;
 
-use ramp_assembly::Assembly;
+use ramp_assembly::{Assembly, Task};
 use ramp_kit::source::{MAX_SENTENCE, plain, to_name};
-use ramp_motion::{MotionError, PathPlanner};
-use ramp_planner::{CoarseAction, Domains, FineAction, Item, MotionFact, Plan, PlanError, State};
+use ramp_motion::PathPlanner;
+use ramp_planner::{CoarseAction, Domains, FineAction, Item, MotionFact, Plan, State};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Account, Action, Agent, Event, EventKind, Retry, Robot, RobotError, Track};
 use ramp_world::Start;
@@ -15,11 +20,11 @@ use ramp_world::Start;
 use crate::cell::{InsertionPath, Workcell};
 use crate::clear;
 use crate::fault::{Fault, SkillError};
+use crate::hand::Hand;
 use crate::history::{Change, Choice, History, Work};
 use crate::parameters::Parameters;
-use crate::recognition::take_over;
+use crate::recognition::Exchange;
 use crate::recovery::{check_holes, note_fault, recover};
-use crate::rehearsal::{Rehearsal, Scene, UnusualGrasp, plan_with_motion};
 use crate::replaced::Replaced;
 use crate::skill::{Call, Effect};
 use crate::table::{SkillTable, baseline};
@@ -29,12 +34,13 @@ pub type OwnPlanner<'a> = Box<dyn FnMut(&State, &[Event]) -> Result<Plan, String
 
 /// The baseline agent.
 pub struct Baseline<'a> {
-    assembly: &'a Assembly,
+    pub(crate) assembly: &'a Assembly,
     pub(crate) arm: &'a ArmModel,
-    domains: &'a Domains,
+    pub(crate) domains: &'a Domains,
     seed: u64,
+    task: Task,
     track: Option<Track>,
-    start: Start,
+    pub(crate) start: Start,
     parameters: Arc<Parameters>,
     pub(crate) skills: SkillTable,
     replaced: Replaced,
@@ -62,6 +68,8 @@ pub struct Baseline<'a> {
     fetching: Option<String>,
     /// The step of the plan that is carried out: its number from 1, and its words.
     step: Option<(usize, String)>,
+    /// Beams that stood in each other's places were taken out.
+    pub(crate) exchanged: bool,
     /// The reason for giving up.
     failure: Option<String>,
     on_event: Box<dyn FnMut(&Event) + 'a>,
@@ -78,6 +86,7 @@ impl<'a> Baseline<'a> {
             arm,
             domains,
             seed,
+            task: Task::Build,
             track: None,
             start: Start::moved().clone(),
             parameters,
@@ -96,6 +105,7 @@ impl<'a> Baseline<'a> {
             work: None,
             fetching: None,
             step: None,
+            exchanged: false,
             failure: None,
             on_event: Box::new(|_| {}),
         }
@@ -113,6 +123,13 @@ impl<'a> Baseline<'a> {
     #[must_use]
     pub fn on_track(mut self, track: Track) -> Baseline<'a> {
         self.track = Some(track);
+        self
+    }
+
+    /// Tells it what is to be done with the frame: to build it, without that.
+    #[must_use]
+    pub fn with_task(mut self, task: Task) -> Baseline<'a> {
+        self.task = task;
         self
     }
 
@@ -182,116 +199,28 @@ impl<'a> Baseline<'a> {
         self.plan.as_ref()
     }
 
-    /// Plans from a state, given the limits of the arm there. If no such plan is left, the goal is built as
-    /// far as possible without them.
-    fn make_plan(&mut self, cell: &mut Workcell, mut state: State) -> Result<Plan, String> {
-        let begin = Instant::now();
-        state.motion = self.learned.iter().chain(self.history.facts()).cloned().collect();
-        state.lost_pegs.extend_from_slice(self.history.aside());
-        let plan = match &mut self.planner {
-            Some(planner) => planner(&state, &self.account.events),
-            None => self.own_plan(cell, state).map_err(|error| error.to_string()),
-        };
-        self.account.planning += begin.elapsed().as_secs_f64();
-        plan
-    }
-
-    /// The plan of its own planner: rehearsed with all limits that skills have found, else without them, else
-    /// by the rules alone if no limit stands against the work that failed. The history's facts always hold.
-    fn own_plan(&mut self, cell: &mut Workcell, mut state: State) -> Result<Plan, PlanError> {
-        loop {
-            let error = match self.rehearsed_plan(cell, &state) {
-                Err(error @ PlanError::Motion { .. }) => error,
-                done => return done,
-            };
-            cell.record(EventKind::Note { text: plain(&error.to_string(), MAX_SENTENCE - 1) });
-            state.motion = self.history.facts().to_vec();
-            if self.learned.is_empty() {
-                cell.grasps.clear();
-                let plan = ramp_planner::plan(self.assembly, &state, self.domains)?;
-                let against = self.rehearsal(cell, &state).check(&plan).err();
-                return if against.is_some_and(|fact| self.history.failed_at(&fact)) {
-                    Err(error)
-                } else {
-                    Ok(plan)
-                };
-            }
-            self.learned.clear();
-        }
-    }
-
-    /// The rehearsal of a plan from where everything is believed to be.
-    fn rehearsal<'c>(&self, cell: &'c Workcell, state: &State) -> Rehearsal<'c>
-    where
-        'a: 'c,
-    {
-        let kit = &self.assembly.kit;
-        let parts = kit.beams.iter().map(|beam| &beam.name).chain(kit.pegs.iter().map(|peg| &peg.name));
-        let believed: Vec<_> =
-            parts.filter_map(|name| Some((name.clone(), cell.belief.parts.pose(name).ok()?))).collect();
-        let scene = Scene::nominal(self.assembly, self.arm, cell.planner, self.parameters.clone(), state);
-        Rehearsal::new(scene, self.skills.clone())
-            .from_here(believed.clone(), cell.hand.joints(), self.seed)
-            .with_holders(cell.belief.parts.holders(kit))
-            .without_grasps(self.history.grasps().clone())
-            .without_unseen(self.start.scatter.as_ref().map(|_| &believed[..]))
-    }
-
-    /// A plan that the rehearsal accepts.
-    fn rehearsed_plan(&mut self, cell: &mut Workcell, state: &State) -> Result<Plan, PlanError> {
-        let rehearsed = plan_with_motion(self.assembly, state, self.domains, || self.rehearsal(cell, state))?;
-        for fact in rehearsed.facts {
-            if !self.told.contains(&fact) {
-                cell.record(EventKind::motion(&fact));
-                self.told.push(fact);
-            }
-        }
-        for (beam, UnusualGrasp { grasp, because }) in &rehearsed.grasps {
-            if cell.grasps.get(beam) != Some(grasp) {
-                let (beam, because) = (beam.clone(), because.to_string());
-                let (s, reverse) = (grasp.s, grasp.reverse);
-                cell.record(EventKind::UnusualGrasp { beam, s, reverse, because });
-            }
-        }
-        for skill in &rehearsed.not_rehearsed {
-            if !self.not_rehearsed.contains(skill) {
-                cell.record(EventKind::NotRehearsed { skill: skill.clone() });
-                self.not_rehearsed.push(skill.clone());
-            }
-        }
-        cell.grasps = rehearsed.grasps.into_iter().map(|(beam, it)| (beam, it.grasp)).collect();
-        Ok(rehearsed.plan)
-    }
-
-    /// Records the arm's limit that the error of an action shows.
-    fn learn(&mut self, cell: &mut Workcell, call: &Call, error: &SkillError) {
-        let unable = match error {
-            // The first motion away from the current pose does not affect the plan's feasibility.
-            SkillError::Motion(error) => *error != MotionError::Blocked("start"),
-            SkillError::Fault(fault) => matches!(fault, Fault::NoGrasp { .. }),
-            SkillError::Robot(_) => false,
-        };
-        if !unable {
-            return;
-        }
-        let skill = self.skills.get(call.kind());
-        let Some(cannot) = skill.and_then(|skill| skill.blame(call)) else { return };
-        let fact = MotionFact { cannot, past: None, because: plain(&error.to_string(), MAX_SENTENCE - 1) };
-        if !self.learned.contains(&fact) {
-            cell.record(EventKind::motion(&fact));
-            self.told.push(fact.clone());
-            self.learned.push(fact);
-        }
-    }
-
     /// A work cell with nothing built in it.
     pub(crate) fn cell<'p, 'r>(&self, planner: &'p PathPlanner, robot: &'r mut dyn Robot) -> Workcell<'p, 'r>
     where
         'a: 'p,
     {
+        let hand = Hand::new(robot, self.arm, &self.parameters);
+        self.cell_of(self.assembly, planner, hand)
+    }
+
+    /// A work cell for a frame of the same kit, which may be another one than the goal.
+    pub(crate) fn cell_of<'p, 'r>(
+        &self,
+        assembly: &'p Assembly,
+        planner: &'p PathPlanner,
+        hand: Hand<'r>,
+    ) -> Workcell<'p, 'r>
+    where
+        'a: 'p,
+    {
         let parameters = self.parameters.clone();
         let mut cell =
-            Workcell::new(self.assembly, self.arm, planner, robot, self.seed, parameters, &self.start);
+            Workcell::with_hand(assembly, self.arm, planner, hand, self.seed, parameters, &self.start);
         if let Some(track) = self.track {
             cell.belief.parts.eyes.on_track(track);
         }
@@ -306,14 +235,37 @@ impl<'a> Baseline<'a> {
         }
     }
 
+    /// Runs a planner, and counts its time as planning.
+    pub(crate) fn timed<T>(&mut self, plan: impl FnOnce() -> T) -> T {
+        let begin = Instant::now();
+        let plan = plan();
+        self.account.planning += begin.elapsed().as_secs_f64();
+        plan
+    }
+
+    /// Takes a plan as the first.
+    pub(crate) fn begins_with(&mut self, plan: &Plan) {
+        self.account.coarse = plan.steps.len();
+        self.account.fine = plan.steps.iter().map(|step| step.fine.len()).sum();
+        self.plan = Some(plan.clone());
+    }
+
+    /// Goes on with another plan.
+    pub(crate) fn replans(&mut self, cell: &mut Workcell, plan: &Plan) {
+        self.account.replans += 1;
+        cell.record(EventKind::Replan { coarse: plan.steps.len() });
+    }
+
     /// Nothing more can be done.
-    fn give_up(&mut self, cell: &mut Workcell, why: &str) {
+    pub(crate) fn give_up(&mut self, cell: &mut Workcell, why: &str) {
         cell.record(Fault::GaveUp { why: why.to_string() });
         self.report(cell);
         self.failure = Some(plain(why, MAX_SENTENCE - 1));
     }
 
-    fn work(&mut self, cell: &mut Workcell) -> Result<(), RobotError> {
+    /// Builds the frame. Gives the beams that stand in the places of others, if there are any: they have to
+    /// go before it begins.
+    fn work(&mut self, cell: &mut Workcell) -> Result<Vec<Exchange>, RobotError> {
         let mut lost: Vec<String> = Vec::new();
         if let Some(scatter) = self.start.scatter.clone() {
             let plan = || match &self.fixed {
@@ -324,7 +276,7 @@ impl<'a> Baseline<'a> {
                 Ok(unusable) => lost = unusable,
                 Err(why) => {
                     self.give_up(cell, &why);
-                    return Ok(());
+                    return Ok(Vec::new());
                 }
             }
             self.report(cell);
@@ -333,29 +285,39 @@ impl<'a> Baseline<'a> {
             let seen = cell.belief.parts.update(&mut cell.hand);
             note_fault(cell, seen.map_err(SkillError::from))?;
             if round == 0 {
-                take_over(&self.skills, cell, &mut lost)?;
+                let exchanges = self.begin(cell, &mut lost)?;
                 self.report(cell);
+                if !exchanges.is_empty() {
+                    return Ok(exchanges);
+                }
             }
-            let plan = match self.next_plan(cell, &lost) {
+            let mut planned = self.next_plan(cell, &lost);
+            if let (0, Err(why)) = (round, &planned)
+                && cell.progress() > 1
+                && !self.given
+            {
+                let text = format!("{why}: the frame is taken apart as far as that");
+                cell.record(EventKind::Note { text: plain(&text, MAX_SENTENCE - 1) });
+                self.report(cell);
+                self.take_apart_until_planned(cell, &lost)?;
+                planned = self.next_plan(cell, &lost);
+            }
+            let plan = match planned {
                 Ok(plan) => plan,
                 Err(why) => {
                     self.give_up(cell, &why);
-                    return Ok(());
+                    return Ok(Vec::new());
                 }
             };
-            if round == 0 {
-                self.account.coarse = plan.steps.len();
-                self.account.fine = plan.steps.iter().map(|step| step.fine.len()).sum();
-                self.plan = Some(plan.clone());
-            } else {
-                self.account.replans += 1;
-                cell.record(EventKind::Replan { coarse: plan.steps.len() });
+            match round {
+                0 => self.begins_with(&plan),
+                _ => self.replans(cell, &plan),
             }
             // Of beams that stand already the new plan says nothing: for them the old one holds.
             self.learn_paths(cell, &plan);
             self.history.follows(&plan);
             match self.run_plan(cell, &plan) {
-                Ok(()) => return Ok(()),
+                Ok(()) => return Ok(Vec::new()),
                 Err(SkillError::Robot(error)) => return Err(error),
                 Err(error) => {
                     cell.record(error.fault());
@@ -368,7 +330,7 @@ impl<'a> Baseline<'a> {
                 }
             }
         }
-        Ok(())
+        Ok(Vec::new())
     }
 
     /// The plan to carry out next. One that follows a failure differs from the plans before in a named way.
@@ -420,14 +382,14 @@ impl<'a> Baseline<'a> {
     /// Takes over how a plan brings beams to their places.
     pub(crate) fn learn_paths(&self, cell: &mut Workcell, plan: &Plan) {
         for entry in &plan.entries {
-            if let Some(beam) = self.assembly.beam_index(&entry.beam) {
+            if let Some(beam) = cell.assembly.beam_index(&entry.beam) {
                 cell.belief.paths.insert(beam, InsertionPath::from(entry));
             }
         }
     }
 
     /// The planner's input about the world.
-    fn state(&self, cell: &Workcell, lost: &[String]) -> Result<State, SkillError> {
+    pub(crate) fn state(&self, cell: &Workcell, lost: &[String]) -> Result<State, SkillError> {
         let name = |beam: usize| self.assembly.beams[beam].beam.name.clone();
         let base = self.assembly.base;
         Ok(State {
@@ -497,7 +459,7 @@ impl<'a> Baseline<'a> {
         let mut beams = Vec::new();
         for effect in expects {
             match effect {
-                Effect::BeamStands | Effect::BeamAtPlace | Effect::BeamAligned => {
+                Effect::BeamStands | Effect::BeamAtPlace | Effect::BeamAligned | Effect::BeamDeep => {
                     beams.extend(call.beam(self.assembly).ok());
                 }
                 Effect::PegSeated => {
@@ -505,7 +467,7 @@ impl<'a> Baseline<'a> {
                     let sides = connection.map(|index| &self.assembly.connections[index]);
                     beams.extend(sides.into_iter().flat_map(|sides| [sides.female.beam, sides.male.beam]));
                 }
-                Effect::HoldsPart | Effect::HandEmpty => {}
+                Effect::HoldsPart | Effect::HandEmpty | Effect::BeamOut | Effect::PegOut => {}
             }
         }
         beams
@@ -532,69 +494,19 @@ impl Agent for Baseline<'_> {
     fn run(&mut self, robot: &mut dyn Robot) -> Result<(), RobotError> {
         let planner = PathPlanner::new(self.arm);
         let mut cell = self.cell(&planner, robot);
-        let result = self.work(&mut cell);
-        cell.tell_complaints();
-        self.report(&mut cell);
-        result
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use ramp_planner::{Area, End, Grasp, Impossible, InTheWay, Place, Target};
-
-    /// Events have the text of the planner, made from their data alone.
-    #[test]
-    fn an_action_and_a_motion_fact_read_in_an_event_as_in_a_plan() {
-        let [beam, joint, link] = ["b4", "b4j1", "b4l2"].map(|name| move || name.to_string());
-        let areas = [Area::Input, Area::Intermediate, Area::Assembly].map(Place::Above);
-        let places = [
-            Place::Input(Item::Peg("p1".into())),
-            Place::Approach(Target::Connection("C1".into())),
-            Place::Target(Target::Beam(beam())),
-        ];
-        let moves = areas.into_iter().chain(places).map(|to| FineAction::Move { to });
-        let mut actions: Vec<FineAction> = moves.collect();
-        actions.extend([
-            FineAction::PickUp { item: Item::Beam(beam()), grasp: Grasp::Link(link()) },
-            FineAction::PickUp { item: Item::Peg("p1".into()), grasp: Grasp::Head },
-            FineAction::PutDown { item: Item::Beam(beam()) },
-            FineAction::AssembleSquare { beam: beam(), joint: joint() },
-            FineAction::AssembleAngled { beam: beam(), joint: joint() },
-            FineAction::AssembleThrough {
-                beam: beam(),
-                joint: joint(),
-                through: vec![joint(), "b4j2".into()],
-            },
-            FineAction::AssembleDeep { beam: beam(), joint: joint() },
-            FineAction::AssembleCap { beam: beam(), joints: vec![joint(), "b4j2".into()] },
-            FineAction::LayDown { beam: beam() },
-            FineAction::Slide { beam: beam(), link: link() },
-            FineAction::Regrasp { beam: beam(), link: link() },
-            FineAction::Push { beam: beam(), link: link() },
-            FineAction::Fasten {
-                connection: "C1".into(),
-                female: "b7j1".into(),
-                male: joint(),
-                peg: "p1".into(),
-            },
-        ]);
-        for action in &actions {
-            assert_eq!(Action::of(action).to_string(), action.to_string());
-        }
-        let fact = |cannot, past| MotionFact { cannot, past, because: "the fingers would touch b3".into() };
-        for fact in [
-            fact(Impossible::Grasp { beam: beam(), link: link(), at: End::Start }, None),
-            fact(
-                Impossible::Grasp { beam: beam(), link: link(), at: End::Place },
-                Some(InTheWay::Stands("b3".into())),
-            ),
-            fact(Impossible::Insert { beam: beam(), path: "x".into() }, Some(InTheWay::OnSheet("b3".into()))),
-            fact(Impossible::Fasten { connection: "C1".into() }, None),
-        ] {
-            let event = EventKind::motion(&fact);
-            assert_eq!((event.name(), event.to_string()), ("motion", fact.to_string()));
+        loop {
+            let result = match self.task {
+                Task::Build => self.work(&mut cell),
+                Task::TakeApart => self.take_apart(&mut cell).map(|()| Vec::new()),
+            };
+            cell.tell_complaints();
+            self.report(&mut cell);
+            let exchanges = result?;
+            if exchanges.is_empty() {
+                return Ok(());
+            }
+            let hand = self.take_out_strangers(&exchanges, &planner, cell.hand)?;
+            cell = self.cell_of(self.assembly, &planner, hand);
         }
     }
 }

@@ -4,7 +4,6 @@
 use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Point3, Translation3, Vector3};
-use ramp_kit::shape::{Shape, beam_shapes};
 use ramp_kit::{Beam, Footprint, Holder};
 use ramp_planner::{Entry, FineAction, Grasp, Item, Plan, PlanError};
 use ramp_robot::{EventKind, RobotError};
@@ -12,6 +11,7 @@ use ramp_world::start::Scatter;
 
 use crate::Pose;
 use crate::cell::Workcell;
+use crate::cell::footprints::footprints;
 use crate::fault::{Fault, SkillError};
 use crate::recovery::note_fault;
 use crate::skill::Call;
@@ -177,7 +177,7 @@ fn lay_down(
     beam: &Beam,
     link: &str,
 ) -> Result<(), SkillError> {
-    let around = around(cell, beam);
+    let around = cell.around(beam);
     let mut parameters = (*cell.parameters).clone();
     let [x, y] = [scatter.area_x, scatter.area_y].map(|range| [range.from, range.to]);
     (parameters.regrasp.table_x, parameters.regrasp.table_y) = (x, y);
@@ -254,25 +254,6 @@ fn in_the_way<'k>(cell: &Workcell<'k, '_>, frame: &[Footprint]) -> Vec<&'k Beam>
     let mut beams: Vec<&Beam> = others.filter(blocks).collect();
     beams.sort_by(|a, b| b.span().total_cmp(&a.span()));
     beams
-}
-
-/// The footprints of all other parts on the table.
-fn around(cell: &Workcell, but: &Beam) -> Vec<Footprint> {
-    let parts = &cell.belief.parts;
-    let mut around = Vec::new();
-    for beam in cell.kit.beams.iter().filter(|beam| beam.name != but.name) {
-        around.extend(parts.pose(&beam.name).map(|x_wb| footprints(beam, &x_wb)).unwrap_or_default());
-    }
-    for (_, x_wh) in parts.holders(cell.kit) {
-        around.extend(Holder::blocks().iter().map(|block| Footprint::new(&x_wh, block)));
-    }
-    around
-}
-
-/// A beam as rectangles on the table.
-fn footprints(beam: &Beam, x_wb: &Pose) -> Vec<Footprint> {
-    let bounds = beam_shapes(beam).iter().map(Shape::bounds).collect::<Vec<_>>();
-    bounds.iter().map(|bounds| Footprint::new(x_wb, bounds)).collect()
 }
 
 /// The name of the clamped beam.

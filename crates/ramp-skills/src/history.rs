@@ -40,7 +40,9 @@ impl Work {
         let part = call.part().map(str::to_string);
         let is_beam = part.as_ref().is_some_and(|part| assembly.kit.beam(part).is_some());
         let about = match call.action {
-            FineAction::Fasten { connection, .. } => Some(connection.clone()),
+            FineAction::Fasten { connection, .. } | FineAction::PullOut { connection, .. } => {
+                Some(connection.clone())
+            }
             _ => part.clone(),
         };
         Work {
@@ -69,7 +71,8 @@ impl Work {
 
     /// Whether the beam stands in the assembly while it is worked on.
     fn stands(&self) -> bool {
-        matches!(self.kind, Some(ActionKind::Push | ActionKind::Slide))
+        use ActionKind::{Push, Slide, SlideBack, TakeOut};
+        matches!(self.kind, Some(Push | Slide | SlideBack | TakeOut))
     }
 }
 

@@ -3,17 +3,15 @@
 //! Its input about the assembly is that of the planner: the inserted beams and the pinned connections. It has
 //! to detect their actual poses.
 
-use nalgebra::Translation3;
-use ramp_kit::joint::FEMALE_HEIGHT;
 use ramp_kit::source::{MAX_SENTENCE, plain};
 use ramp_motion::PathPlanner;
 use ramp_planner::{Plan, State};
 use ramp_robot::{Account, Agent, Robot, RobotError};
 
-use crate::Pose;
 use crate::agent::Baseline;
 use crate::cell::Workcell;
-use crate::fault::{Fault, SkillError};
+use crate::fault::SkillError;
+use crate::recognition::expect_state;
 use crate::recovery::check_holes;
 
 /// The baseline that executes a piece of a plan.
@@ -36,7 +34,7 @@ impl<'a> Piece<'a> {
 
     fn work(&mut self, cell: &mut Workcell) -> Result<(), SkillError> {
         self.baseline.learn_paths(cell, &self.plan);
-        take_over(cell, &self.state)?;
+        expect_state(cell, &self.state)?;
         cell.belief.parts.update(&mut cell.hand)?;
         cell.calibrate()?;
         self.baseline.run_plan(cell, &self.plan)?;
@@ -92,46 +90,4 @@ impl Agent for Piece<'_> {
             _ => Ok(()),
         }
     }
-}
-
-/// Records the given assembly without a detection.
-fn take_over(cell: &mut Workcell, state: &State) -> Result<(), SkillError> {
-    let unknown = |name: &str| Fault::Unseen { part: name.to_string() };
-    let assembly = cell.assembly;
-    for name in &state.in_assembly {
-        cell.belief.standing.push(assembly.beam_index(name).ok_or_else(|| unknown(name))?);
-    }
-    for name in &state.deep {
-        cell.belief.deep.push(assembly.beam_index(name).ok_or_else(|| unknown(name))?);
-    }
-    for (name, peg) in &state.fastened {
-        let connection = assembly.connection_index(name).ok_or_else(|| unknown(name))?;
-        cell.belief.pinned.push((connection, peg.clone()));
-        let hole = cell.belief.x_wa() * assembly.p_a_hole(assembly.connections[connection].female);
-        let x_wp = Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0);
-        cell.belief.parts.expect(
-            peg,
-            x_wp,
-            (cell.parameters.piece.peg_position, cell.parameters.piece.peg_rotation),
-        );
-    }
-    let beams: Vec<usize> =
-        cell.belief.standing.iter().copied().filter(|beam| *beam != assembly.base).collect();
-    for &beam in &beams {
-        let mut x_wb = cell.belief.x_wa() * assembly.beams[beam].x_ab;
-        if cell.belief.deep.contains(&beam) {
-            let path = cell.belief.path(beam)?;
-            x_wb = Translation3::from(cell.belief.x_wa().rotation * path.direction * path.depth) * x_wb;
-        }
-        let x_wb = cell.belief.drooped(beam, &x_wb).unwrap_or(x_wb);
-        cell.belief.parts.expect(
-            &assembly.beams[beam].beam.name,
-            x_wb,
-            (cell.parameters.piece.beam_position, cell.parameters.piece.beam_rotation),
-        );
-    }
-    for beam in beams {
-        cell.belief.reckon_heights(beam);
-    }
-    Ok(())
 }

@@ -10,7 +10,7 @@ use crate::skill::Call;
 use crate::table::SkillTable;
 
 /// Pushes a standing beam to its place, by the reachable link that is nearest to its free end.
-fn align(skills: &SkillTable, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
+pub(crate) fn align(skills: &SkillTable, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
     cell.retreat()?;
     let link = cell.nearest_link(beam)?;
     let push = FineAction::Push { beam: cell.assembly.beams[beam].beam.name.clone(), link: link.clone() };

@@ -12,10 +12,13 @@ use crate::skill::fasten::Fasten;
 use crate::skill::lay_down::LayDown;
 use crate::skill::move_to::MoveTo;
 use crate::skill::pick_up::PickUp;
+use crate::skill::pull_out::PullOut;
 use crate::skill::push::Push;
 use crate::skill::put_down::PutDown;
 use crate::skill::regrasp::Regrasp;
 use crate::skill::slide::Slide;
+use crate::skill::slide_back::SlideBack;
+use crate::skill::take_out::TakeOut;
 use crate::skill::{ActionKind, Call, Need, Skill};
 
 /// For each kind of fine action the skill that carries it out. Cheap to clone.
@@ -85,6 +88,9 @@ pub fn baseline(parameters: &Parameters) -> SkillTable {
             ActionKind::Regrasp => Arc::new(Regrasp::new(parameters)),
             ActionKind::Fasten => Arc::new(Fasten::new(parameters)),
             ActionKind::Push => Arc::new(Push::new(parameters)),
+            ActionKind::TakeOut => Arc::new(TakeOut::new(parameters)),
+            ActionKind::PullOut => Arc::new(PullOut::new(parameters)),
+            ActionKind::SlideBack => Arc::new(SlideBack::new(parameters)),
         }
     };
     let skills = ActionKind::ALL.iter().map(|kind| (*kind, skill(*kind))).collect();

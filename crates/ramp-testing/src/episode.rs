@@ -52,7 +52,7 @@ impl GoalFiles {
     /// An episode of the baseline from a start.
     #[must_use]
     pub fn run_setup(&self, setup: &Setup) -> EpisodeResult {
-        let mut agent = self.baseline(setup.track, setup.seed).from_start(setup.start);
+        let mut agent = self.baseline(setup.track, setup.seed).from_start(setup.start).with_task(setup.task);
         run_episode(setup, &mut agent, &label(), &mut |_, _| {}).unwrap()
     }
 

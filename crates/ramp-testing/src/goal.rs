@@ -1,6 +1,6 @@
 //! The files of a goal, read, and a twin of it.
 
-use ramp_assembly::Assembly;
+use ramp_assembly::{Assembly, Task};
 use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
 use ramp_twin::{Setup, Start, Twin, World};
@@ -36,6 +36,7 @@ impl GoalFiles {
             start: Start::sheet(),
             world: World::ideal(),
             state: None,
+            task: Task::Build,
             fault: None,
         }
     }

@@ -147,6 +147,29 @@ impl GivenState {
         Ok(GivenState { text: file.text().to_string(), poses })
     }
 
+    /// The whole frame, pinned by [`Assembly::built_with`].
+    ///
+    /// # Errors
+    /// When the kit has fewer pegs than the goal has connections.
+    pub fn built(assembly: &Assembly) -> Result<GivenState, StateFault> {
+        let beams = assembly.beams.iter().enumerate().filter(|(index, _)| *index != assembly.base);
+        let beams: Vec<&str> = beams.map(|(_, placed)| placed.beam.name.as_str()).collect();
+        let connections = assembly.connections.iter().map(|connection| connection.name.as_str());
+        let pegs: Vec<(&str, &str)> = connections.zip(assembly.built_with()).collect();
+        let text = serde_json::json!({"in_assembly": beams, "fastened": pegs}).to_string();
+        let file = SourceFile::new("built.json", &text);
+        let state = GivenState::from_source(&file, assembly)?;
+        if pegs.len() < assembly.connections.len() {
+            let why = format!(
+                "the kit has {} pegs, and the frame needs {}",
+                pegs.len(),
+                assembly.connections.len()
+            );
+            return Err(Fault::new(StateProblem::Impossible(why), file.place(0..1)));
+        }
+        Ok(state)
+    }
+
     /// The names of the parts that it places.
     pub fn parts(&self) -> impl Iterator<Item = &str> {
         self.poses.keys().map(String::as_str)

@@ -1,6 +1,6 @@
 //! Input of an episode in the twin.
 
-use ramp_assembly::Assembly;
+use ramp_assembly::{Assembly, Task};
 use ramp_render::LooksError;
 use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
@@ -24,6 +24,9 @@ pub struct Setup<'a> {
     pub start: &'a Start,
     /// The state in which the frame begins; `None`: nothing is built.
     pub state: Option<&'a GivenState>,
+    /// What is to be done with the frame. One that is to be taken apart begins as
+    /// [`GivenState::built`] has it.
+    pub task: Task,
     /// The world from which the physics are drawn.
     pub world: &'a World,
     /// The injected fault.

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use miette::{IntoDiagnostic, Report, miette};
+use ramp_assembly::{Assembly, Task};
 use ramp_data::Texts;
 use ramp_external_agent::sandbox::{Inside, open_ends};
 use ramp_external_agent::{
@@ -16,6 +17,7 @@ use ramp_planner::Plan;
 use ramp_policy_client::{PolicyAgent, PolicyServer, PolicyUrl};
 use ramp_robot::{Agent, Event};
 use ramp_twin::Setup;
+use serde_json::{Value, json};
 
 use crate::command::parts::{self, Parts};
 use crate::command::program::{command_of, find_policy, words_of};
@@ -151,10 +153,20 @@ pub fn start<'a>(
         ));
     };
     adopt_orphans();
-    let goal = GoalMessage::new(assembly, arm, track, start, texts.sources());
+    let mut goal = GoalMessage::new(assembly, arm, track, start, texts.sources());
+    if setup.task != Task::Build {
+        goal = goal.with_task(take_apart(assembly));
+    }
     let command = command_of(file, sandbox.as_ref())?;
     let agent = ExternalAgent::start(file, &command, goal, patience, sandbox).into_diagnostic()?;
     Ok(Box::new(agent.with_listener(listener)))
+}
+
+/// The task of taking a frame apart as an agent is told it: what pins the frame.
+fn take_apart(assembly: &Assembly) -> Value {
+    let connections = assembly.connections.iter().map(|connection| &connection.name);
+    let pinned: Vec<_> = connections.zip(assembly.built_with()).collect();
+    json!({"kind": Task::TakeApart.name(), "pinned": pinned, "parts": assembly.movable_parts()})
 }
 
 /// Arguments of the internal command that starts an agent which ends with its run.

@@ -54,6 +54,11 @@ impl Arguments {
         self.skill.iter().any(Replacement::is_program) || self.planner.is_some()
     }
 
+    /// Returns true if a plan or a planner replaces the baseline's.
+    pub fn replaces_plans(&self) -> bool {
+        self.plan.is_some() || self.planner.is_some()
+    }
+
     /// Reads all files.
     ///
     /// # Errors
@@ -158,6 +163,7 @@ impl Parts {
         let mut baseline = Baseline::new(setup.assembly, setup.arm, &self.domains, setup.seed)
             .on_track(setup.track)
             .from_start(setup.start)
+            .with_task(setup.task)
             .with_parameters(self.parameters.clone());
         if !self.skills.is_empty() {
             if self.skills.values().any(Source::is_program) {

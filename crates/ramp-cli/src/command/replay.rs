@@ -98,14 +98,15 @@ impl<'e> Actions<'e> {
 fn as_text(log: &Log, replayed: &Replayed) -> String {
     let result = &replayed.result;
     let mut text = format!(
-        "{}, track {}, seed {}, agent {} {}: {} of {} pegs in {} s of robot time\n",
+        "{}, track {}, seed {}, agent {} {}: {} of {} {} in {} s of robot time\n",
         result.goal,
         result.track,
         result.seed,
         result.agent.name,
         result.agent.version,
         result.counted(),
-        result.pegs.len(),
+        result.wanted(),
+        result.unit(),
         result.time.robot
     );
     if replayed.is_equal() {

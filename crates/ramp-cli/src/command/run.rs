@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use miette::{IntoDiagnostic, Report, miette};
+use ramp_assembly::{Assembly, Task};
 use ramp_data::Data;
 use ramp_episode::{EpisodeError, Label, Progress, Recorded, Tape, check_given, record_episode, tape};
 use ramp_external_agent::AgentFile;
@@ -18,12 +19,13 @@ use ramp_result::resume::{Identity, Shared, Wanted};
 use ramp_robot::Agent;
 use ramp_skills::{ReferenceTimes, reference_times_of_goal};
 use ramp_twin::{Fault, ForMujoco, GivenState, Setup, Twin};
+use ramp_world::Start;
 
 use crate::command::agent;
 use crate::command::parts::Parts;
 use crate::command::run_view::{Display, Window, summary};
 use crate::command::station;
-use crate::options::{ArmOption, StartOption, TrackName, WorldOption};
+use crate::options::{ArmOption, StartOption, TaskName, TrackName, WorldOption};
 use crate::output::{check_place, make_folder_of, print, write_file};
 use crate::pictures::{self, Pictures};
 use crate::rules::domains;
@@ -49,6 +51,9 @@ pub struct Arguments {
     /// Begin with the frame in the state of this file (JSON). The agent is not told
     #[arg(long, value_name = "FILE", conflicts_with = "robot")]
     state: Option<PathBuf>,
+    /// What is to be done with the frame
+    #[arg(long, value_enum, default_value_t = TaskName::Build, conflicts_with_all = ["state", "robot"])]
+    task: TaskName,
     /// Seed of all random numbers of the episode
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -105,6 +110,27 @@ impl Arguments {
         self.agent.has_program()
     }
 
+    /// The state in which the frame begins, if not with nothing built.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or the frame cannot begin like that.
+    fn state(&self, assembly: &Assembly, start: &Start) -> Result<Option<GivenState>, Report> {
+        if self.task == TaskName::Build {
+            return Ok(self.state.as_ref().map(|path| GivenState::read(path, assembly)).transpose()?);
+        }
+        if start.scatter.is_some() {
+            return Err(miette!(
+                help = "leave out --start, or name one whose parts lie on the sheet",
+                "a frame cannot be taken apart from the start `{}`: its parts have no places on the sheet",
+                start.name
+            ));
+        }
+        if self.agent.parts.replaces_plans() {
+            return Err(miette!("--plan and --planner build frames: --task take-apart cannot use them"));
+        }
+        Ok(Some(GivenState::built(assembly)?))
+    }
+
     fn for_station(&self) -> station::Inputs<'_> {
         station::Inputs {
             goal: &self.goal,
@@ -137,7 +163,7 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let arm = data.arm()?;
     let physics = arguments.world.read(data)?;
     let start = arguments.start.read(data)?;
-    let state = arguments.state.as_ref().map(|path| GivenState::read(path, &assembly)).transpose()?;
+    let state = arguments.state(&assembly, &start)?;
     let agent_file = arguments.agent.file()?;
     let parts = arguments.agent.parts.read(data)?;
     let policy = arguments.agent.policy()?;
@@ -156,6 +182,7 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         seed: arguments.world_seed.unwrap_or(arguments.seed),
         start: &start,
         state: state.as_ref(),
+        task: arguments.task.into(),
         world: &physics,
         fault: arguments.fault,
     };
@@ -173,7 +200,7 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
     let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
     make_folder_of(&log)?;
-    let display = Display::new(assembly.connections.len());
+    let display = Display::new(count(&setup), unit(setup.task));
     let complete = Cell::new(false);
     let inputs = agent::AgentSetup {
         setup: setup.clone(),
@@ -225,8 +252,21 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     print(&if arguments.json { result.to_json() } else { summary(&result, [&output, &curve, &log]) })?;
     match unlogged {
         Some(error) => Err(MachineFault { what: format!("there is no log: {error}") }.into()),
-        None if result.counted() == result.pegs.len() => Ok(DONE),
+        None if result.counted() == result.wanted() => Ok(DONE),
         None => Ok(INCOMPLETE),
+    }
+}
+
+/// What is counted, for a person.
+fn unit(task: Task) -> &'static str {
+    if task == Task::Build { "pegs" } else { "parts back" }
+}
+
+/// The number of pegs, or of parts that are to be put back.
+fn count(setup: &Setup) -> usize {
+    match setup.task {
+        Task::Build => setup.assembly.connections.len(),
+        Task::TakeApart => setup.assembly.movable_parts().len(),
     }
 }
 
@@ -279,7 +319,8 @@ fn refuse_other(
     };
     let wanted = Wanted {
         goal: &setup.assembly.name,
-        pegs: setup.assembly.connections.len(),
+        task: setup.task.told(),
+        count: count(setup),
         track: setup.track.name(),
         world: &world,
         seed: arguments.seed,

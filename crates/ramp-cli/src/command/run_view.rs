@@ -29,8 +29,14 @@ pub fn summary(result: &EpisodeResult, [output, curve, log]: [&Path; 3]) -> Stri
             result.seed
         ),
     };
-    let pegs = result.pegs.len();
-    let mut text = format!("{}, {place}: {} of {pegs} pegs\n", result.goal, result.counted());
+    let (counted, wanted, unit) = (result.counted(), result.wanted(), result.unit());
+    let mut text = format!("{}, {place}: {counted} of {wanted} {unit}\n", result.goal);
+    for part in &result.parts {
+        let _ = match part.t_total {
+            Some(time) => writeln!(text, "  {:<4} back at {time:6.1} s", part.part),
+            None => writeln!(text, "  {:<4} is not back in its place", part.part),
+        };
+    }
     for (index, peg) in result.pegs.iter().enumerate() {
         let _ = match peg {
             Some(peg) => writeln!(
@@ -102,11 +108,12 @@ pub struct Display {
 }
 
 impl Display {
-    /// `pegs` is the number of pegs in the goal.
-    pub fn new(pegs: usize) -> Display {
+    /// `wanted` is the number of pegs in the goal, or of parts to be put back: `unit` says which.
+    pub fn new(wanted: usize, unit: &str) -> Display {
         let bar = std::io::stderr().is_terminal().then(|| {
-            let bar = ProgressBar::new(pegs as u64);
-            if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} pegs  {msg}") {
+            let bar = ProgressBar::new(wanted as u64);
+            let template = format!("{{bar:24}} {{pos}}/{{len}} {unit}  {{msg}}");
+            if let Ok(style) = ProgressStyle::with_template(&template) {
                 bar.set_style(style);
             }
             bar.enable_steady_tick(Duration::from_millis(200));

@@ -77,12 +77,13 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             for result in &results {
                 let _ = writeln!(
                     text,
-                    "{}, track {}, repeat {}: {} of {} pegs, {:.1} s (planning {:.1} s), {}",
+                    "{}, track {}, repeat {}: {} of {} {}, {:.1} s (planning {:.1} s), {}",
                     result.goal,
                     result.track,
                     result.repeat,
                     result.counted(),
-                    result.pegs.len(),
+                    result.wanted(),
+                    result.unit(),
                     result.time.total,
                     result.time.planning,
                     result.ended.reason

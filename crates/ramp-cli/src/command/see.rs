@@ -8,6 +8,7 @@ use miette::{IntoDiagnostic, Report, miette};
 use ramp_abilities::perception::{
     Estimate, Labels, Photographer, PoseLabel, SCHEMA, Verdict, areas, coco, judge,
 };
+use ramp_assembly::Task;
 use ramp_data::Data;
 use ramp_kit::source::{A_NAME, MAX_SENTENCE, decode, is_name, plain, read_bytes, shorten, to_name};
 use ramp_kit::strokes::{self, Align};
@@ -92,6 +93,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         start: Start::sheet(),
         world: &data.world("real")?,
         state: None,
+        task: Task::Build,
         fault: None,
     };
     let mut twin = Twin::new(&setup).into_diagnostic()?;

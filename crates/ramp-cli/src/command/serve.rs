@@ -72,6 +72,7 @@ pub fn run(_: &Data, _: &Arguments) -> Result<u8, Report> {
 #[cfg(feature = "franka")]
 pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     use miette::IntoDiagnostic;
+    use ramp_assembly::Task;
     use ramp_served_twin::{FciVersion, Options, Server};
     use ramp_twin::{Setup, Twin};
 
@@ -100,6 +101,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         start: &start,
         world: &world,
         state: None,
+        task: Task::Build,
         fault: None,
     };
     let twin = Twin::new(&setup).into_diagnostic()?;

@@ -58,6 +58,7 @@ mod with_wire {
     use std::path::{Path, PathBuf};
 
     use miette::{IntoDiagnostic, Report, miette};
+    use ramp_assembly::Task;
     use ramp_calibration::Calibration;
     use ramp_data::Data;
     use ramp_episode::{Label, Progress, run_episode};
@@ -116,6 +117,7 @@ mod with_wire {
             start: &start,
             world: &world,
             state: None,
+            task: Task::Build,
             fault: None,
         };
         let workspace = Workspace { low: station.low, high: station.high };
@@ -123,7 +125,7 @@ mod with_wire {
             inputs.agent.sandbox(agent_file.as_ref().or(parts.planner.as_ref()), &[&output, &log])?;
         ending::defer_requests();
         let (display, complete, quit) =
-            (Display::new(assembly.connections.len()), Cell::new(false), Cell::new(false));
+            (Display::new(assembly.connections.len(), "pegs"), Cell::new(false), Cell::new(false));
         let inside = AgentSetup {
             setup: setup.clone(),
             texts: &texts,

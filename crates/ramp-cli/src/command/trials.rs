@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{Diagnostic, IntoDiagnostic, Report, miette};
 use ramp_abilities::manipulation::{Aim, run_trial};
+use ramp_assembly::Task;
 use ramp_data::{Data, Texts};
 use ramp_external_agent::{AgentFile, adopt_orphans};
 use ramp_gym::own::kinds;
@@ -339,6 +340,7 @@ impl Trials<'_> {
             start: &self.start,
             world: &self.world,
             state: None,
+            task: Task::Build,
             fault: None,
         };
         if let Some(file) = &self.agent {

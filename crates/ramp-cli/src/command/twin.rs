@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 
 use miette::{IntoDiagnostic, Report};
+use ramp_assembly::Task;
 use ramp_data::Data;
 use ramp_robot::Track;
 use ramp_twin::{ForMujoco, Setup, Twin};
@@ -75,6 +76,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         start: &start,
         world: &world,
         state: None,
+        task: Task::Build,
         fault: None,
     };
     let twin = Twin::new(&setup).into_diagnostic()?;

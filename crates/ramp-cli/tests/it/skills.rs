@@ -25,7 +25,7 @@ fn each_skill_is_printed_with_its_parameters() {
     let (_, said, _) = ramp(&folder, &["skills", "--json"]);
     let all: Value = serde_json::from_str(&said).unwrap();
     let skills = all["skills"].as_array().unwrap();
-    assert_eq!(skills.len(), 10);
+    assert_eq!(skills.len(), 13);
     let mut actions: Vec<&str> = skills
         .iter()
         .flat_map(|skill| skill["serves"].as_array().unwrap())
@@ -33,7 +33,7 @@ fn each_skill_is_printed_with_its_parameters() {
         .collect();
     actions.sort_unstable();
     actions.dedup();
-    assert_eq!(actions.len(), 13, "{actions:?}");
+    assert_eq!(actions.len(), 16, "{actions:?}");
     let tables = skills.iter().map(|skill| &skill["parameters"]).chain(all["shared"].as_array().unwrap());
     for parameter in tables.flat_map(|table| table["parameters"].as_array().unwrap()) {
         assert!(!parameter["meaning"].as_str().unwrap().is_empty(), "{parameter}");

@@ -114,3 +114,52 @@ fn a_frame_that_stands_in_part_is_completed() {
     };
     assert_eq!(["b4", "b5", "p1", "b8"].map(fetched), [false, false, false, true]);
 }
+
+/// Poses of the built easy-3 in W, as a state file that the change may spoil.
+fn spoilt(
+    goal: &GoalFiles,
+    change: impl FnOnce(&mut serde_json::Map<String, serde_json::Value>),
+) -> GivenState {
+    let assembly = &goal.assembly;
+    let pose = |x: &Pose| {
+        let q = x.rotation;
+        serde_json::json!({"position": x.translation.vector.as_slice(), "quat_wxyz": [q.w, q.i, q.j, q.k]})
+    };
+    let mut poses = serde_json::Map::new();
+    let loose = assembly.beams.iter().enumerate().filter(|(index, _)| *index != assembly.base);
+    for (_, placed) in loose {
+        poses.insert(placed.beam.name.clone(), pose(&(assembly.kit.x_wa() * placed.x_ab)));
+    }
+    for (connection, peg) in assembly.connections.iter().zip(assembly.built_with()) {
+        let hole = assembly.kit.x_wa() * assembly.p_a_hole(connection.female);
+        let plate = Pose::translation(hole.x, hole.y, hole.z + ramp_kit::joint::FEMALE_HEIGHT / 2.0);
+        poses.insert(peg.to_string(), pose(&plate));
+    }
+    change(&mut poses);
+    state(goal, &serde_json::json!({"poses": poses}).to_string())
+}
+
+/// What stands wrong is set right: beams in each other's places are taken out with all that holds them, and a
+/// peg comes out of a hole that pins nothing.
+#[test]
+fn a_frame_that_stands_wrong_is_repaired() {
+    let goal = GoalFiles::new("easy-3");
+    let swapped = spoilt(&goal, |poses| {
+        let (b4, b5) = (poses["b4"].clone(), poses["b5"].clone());
+        poses.insert("b4".into(), b5);
+        poses.insert("b5".into(), b4);
+    });
+    let b8 = goal.assembly.beam_index("b8").unwrap();
+    let open =
+        goal.assembly.kit.x_wa() * goal.assembly.p_a_hole(ramp_assembly::JointRef { beam: b8, joint: 2 });
+    let misplaced = spoilt(&goal, |poses| {
+        poses["p4"]["position"][0] = open.x.into();
+        poses["p4"]["position"][1] = open.y.into();
+    });
+    for (state, done) in [(swapped, "draw b5 out"), (misplaced, "p4 stands in a wrong hole")] {
+        let setup = Setup { state: Some(&state), ..goal.setup(Track::State, 3) };
+        let result = goal.run_setup(&setup);
+        assert_eq!(result.completion, 1.0, "{:?}", result.events);
+        assert!(result.events.iter().any(|event| event.kind.to_string().contains(done)), "{done}");
+    }
+}

@@ -15,6 +15,7 @@ mod medium_and_hard;
 mod recovery;
 mod scattered;
 mod stops;
+mod take_apart;
 mod tape;
 mod torques;
 mod tracks;

@@ -33,6 +33,9 @@ impl Replayer<'_> {
             CoarseAction::Regrasp { beam: name } => Term::new("regrasp", [beam(name)?]),
             CoarseAction::Push { beam: name } => Term::new("push", [beam(name)?]),
             CoarseAction::Fasten { connection, .. } => Term::new("fasten", [self.connection(connection)?]),
+            CoarseAction::TakeOut { .. } | CoarseAction::PullOut { .. } | CoarseAction::SlideBack { .. } => {
+                return Err("this takes the frame apart".to_string());
+            }
         })
     }
 

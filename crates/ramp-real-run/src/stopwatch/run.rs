@@ -77,6 +77,8 @@ impl<'a> Run<'a> {
             world: None,
             start: None,
             state: None,
+            task: None,
+            parts: Vec::new(),
             seed: u64::from(self.repeat),
             secret: None,
             repeat: self.repeat,

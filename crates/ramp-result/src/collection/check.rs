@@ -2,8 +2,8 @@
 
 use ramp_kit::source::shorten;
 
-use crate::episode::{EpisodeResult, RejectReason, RejectedPeg, RobotTime};
-use crate::words::{self, MOST_PEGS};
+use crate::episode::{EpisodeResult, PartResult, RejectReason, RejectedPeg, RobotTime, TAKE_APART};
+use crate::words::{self, MOST_PARTS, MOST_PEGS};
 
 /// The longest time that an episode can have, s: more than any protocol asks for, and what a picture can
 /// show.
@@ -81,17 +81,47 @@ pub(super) fn check(result: &EpisodeResult) -> Result<(), String> {
             }
         }
     }
-    let completion =
-        if result.pegs.is_empty() { 0.0 } else { counted.len() as f64 / result.pegs.len() as f64 };
-    if (completion - result.completion).abs() > 1e-9 {
+    back(result)?;
+    if (result.share() - result.completion).abs() > 1e-9 {
         return Err(format!(
-            "`completion` is {}, and {} of {} pegs count",
+            "`completion` is {}, and {} of {} {} count",
             result.completion,
-            counted.len(),
-            result.pegs.len()
+            result.counted(),
+            result.wanted(),
+            if result.parts.is_empty() { "pegs" } else { "parts" },
         ));
     }
     words::events(&result.events, LONGEST)
+}
+
+/// Checks the parts of a frame that was to be taken apart.
+fn back(result: &EpisodeResult) -> Result<(), String> {
+    let EpisodeResult { task, pegs, parts, time, .. } = result;
+    match task.as_deref() {
+        None if parts.is_empty() => return Ok(()),
+        Some(TAKE_APART) if pegs.is_empty() && !parts.is_empty() => {}
+        _ => return Err(format!("`task` is not `{TAKE_APART}` with `parts` and without `pegs`")),
+    }
+    for (index, PartResult { part, t_robot, t_total }) in parts.iter().enumerate() {
+        let name = shorten(part);
+        if parts[..index].iter().any(|other| other.part == *part) {
+            return Err(format!("the part {name} is listed twice"));
+        }
+        let fits = match (t_robot, t_total) {
+            (None, None) => true,
+            (Some(robot), Some(total)) => {
+                (0.0..=time.robot + SLACK).contains(robot)
+                    && (robot - SLACK..=time.total + SLACK).contains(total)
+            }
+            _ => false,
+        };
+        if !fits {
+            return Err(format!(
+                "{name} is back since {t_robot:?} s of robot time and {t_total:?} s in total"
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Checks every text that is shown to a person or becomes part of a file name.
@@ -123,6 +153,8 @@ fn words(result: &EpisodeResult) -> Result<(), String> {
             words::name("a peg", &peg.peg)?;
         }
     }
+    words::few("parts", &result.parts, MOST_PARTS)?;
+    result.parts.iter().try_for_each(|it| words::name("a part", &it.part))?;
     words::few("rejected pegs", &result.rejected, MOST_PEGS)?;
     for RejectedPeg { connection, peg, reason } in &result.rejected {
         words::name("the connection of a rejected peg", connection)?;

@@ -5,6 +5,8 @@ pub mod alignment;
 pub mod assembly_belief;
 pub mod diagnosis;
 pub mod droop;
+pub mod footprints;
+pub mod home;
 pub mod journal;
 pub mod pegs;
 pub mod target;

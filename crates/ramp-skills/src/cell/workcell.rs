@@ -64,12 +64,26 @@ impl<'a, 'r> Workcell<'a, 'r> {
         parameters: Arc<Parameters>,
         start: &Start,
     ) -> Workcell<'a, 'r> {
+        let hand = Hand::new(robot, arm, &parameters);
+        Workcell::with_hand(assembly, arm, planner, hand, seed, parameters, start)
+    }
+
+    /// The same with the hand of another work cell, which is moving: it goes on from there.
+    pub fn with_hand(
+        assembly: &'a Assembly,
+        arm: &'a ArmModel,
+        planner: &'a PathPlanner,
+        hand: Hand<'r>,
+        seed: u64,
+        parameters: Arc<Parameters>,
+        start: &Start,
+    ) -> Workcell<'a, 'r> {
         Workcell {
             kit: &assembly.kit,
             assembly,
             arm,
             planner,
-            hand: Hand::new(robot, arm, &parameters),
+            hand,
             belief: AssemblyBelief::new(assembly, &parameters, start),
             grasps: BTreeMap::new(),
             gripped: BTreeMap::new(),

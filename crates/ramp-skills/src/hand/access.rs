@@ -20,8 +20,8 @@ pub struct Held {
     pub part: String,
     /// Its frame in the tip's frame.
     pub x_tp: Pose,
-    /// Its pose in the world before it was grasped.
-    pub x_wp_origin: Pose,
+    /// The pose in the world at which it is put down: where it was grasped, or its place on the sheet.
+    pub x_wp_back: Pose,
     /// kg.
     pub mass: f64,
     /// Centre of mass in the part's frame, m.

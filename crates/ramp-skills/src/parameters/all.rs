@@ -19,8 +19,9 @@ use super::insertions::{AssembleParameters, CapParameters, InsertionParameters};
 use super::motion::{AlignmentParameters, LookParameters, TravelParameters};
 use super::read::{ParameterFault, read_values};
 use super::skills::{
-    AgentParameters, ClearParameters, FastenParameters, LayDownParameters, MoveToParameters,
-    PickUpParameters, PieceParameters, PushParameters, PutDownParameters, RegraspParameters, SlideParameters,
+    AgentParameters, ClearParameters, FastenParameters, HomeParameters, LayDownParameters, MoveToParameters,
+    PickUpParameters, PieceParameters, PullOutParameters, PushParameters, PutDownParameters,
+    RegraspParameters, RepairParameters, SlideBackParameters, SlideParameters, TakeOutParameters,
 };
 
 /// The values of the baseline, `data/skills/baseline.toml`, as the program was built with.
@@ -69,6 +70,10 @@ groups! {
     agent: AgentParameters,
     /// The agent before a build from a start whose parts lie anywhere.
     clear: ClearParameters,
+    /// The places on the sheet to which parts are put back.
+    home: HomeParameters,
+    /// The agent before a build that begins with a frame.
+    repair: RepairParameters,
     /// The agent on a piece of a plan.
     piece: PieceParameters,
     /// The skill `move_to`.
@@ -93,6 +98,12 @@ groups! {
     push: PushParameters,
     /// The skill `fasten`.
     fasten: FastenParameters,
+    /// The skill `take_out`.
+    take_out: TakeOutParameters,
+    /// The skill `slide_back`.
+    slide_back: SlideBackParameters,
+    /// The skill `pull_out`.
+    pull_out: PullOutParameters,
     /// Motions through free space.
     travel: TravelParameters,
     /// Looks.

@@ -151,6 +151,12 @@ parameters! {
         /// A beam sticks to a finger when its offset from the middle of the open hand exceeds this fraction
         /// of the distance to the finger. Chosen.
         followed: f64 = "", 0.1, 1.0;
+        /// Force of each finger that opens while its rib is wedged in the slot of a beam. Source: the Franka
+        /// Hand's continuous force is 70 N.
+        wedged_force: f64 = "N", 1.0, 140.0;
+        /// Share of its weight that the rising hand carries if a beam that nothing holds hangs on a finger.
+        /// Measured: 0.8 to 1 where it hangs, at most 0.4 where it lies.
+        hanging: f64 = "", 0.1, 2.0;
         /// Number of further releases of a beam that hangs on a rib. Chosen.
         again: usize = "", 0.0, 20.0;
         /// Finger opening beyond a beam's width at which the ribs move freely in its slots without leaving

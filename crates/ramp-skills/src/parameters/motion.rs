@@ -17,6 +17,11 @@ parameters! {
         held_velocity: f64 = "", 0.01, 1.0;
         /// The same for the accelerations with a part in the hand: its inertial force counts as a push.
         held_acceleration: f64 = "", 0.01, 1.0;
+        /// Share of these with a beam in a hand that leans. Measured: at the whole, a beam of 0.6 m turned by
+        /// 2° about its axis between the fingers.
+        leaning: f64 = "", 0.01, 1.0;
+        /// Lean of the hand from which this holds.
+        leaning_from: f64 = "rad", 0.01, 3.2;
         /// Share of velocity and acceleration that each stop of the arm leaves, up to four of them. Chosen.
         calmer: f64 = "", 0.1, 1.0;
         /// Fraction of the joint jerk limits that all motions use. Chosen.

@@ -10,6 +10,8 @@ parameters! {
         pause: f64 = "s", 0.0, 600.0;
         /// Largest uncertainty of two holes for judging whether a peg goes in, 1 σ.
         holes_known: f64 = "m", 1e-5, 0.1;
+        /// Number of times that taking a frame apart goes on after a failure.
+        apart_tries: usize = "", 0.0, 100.0;
         /// Distance from its place in the holder above which a peg is no longer fetched. In its hole it can
         /// be 3 mm off.
         peg_strayed: f64 = "m", 1e-4, 0.1;
@@ -40,6 +42,34 @@ parameters! {
         rounds: usize = "", 1.0, 10.0;
         /// Height of a beam off its height on the table from which it counts as lying on something else.
         raised: f64 = "m", 1e-3, 0.1;
+    }
+}
+
+parameters! {
+    /// The places on the sheet to which parts are put back when a frame is taken apart.
+    HomeParameters {
+        /// Shifts beside an outline that are tried, along x and along y. Chosen: as far as the start `moved`
+        /// lays parts.
+        shift: [f64; 3] = "m", -0.02, 0.02;
+        /// Turns that are tried. Chosen likewise.
+        turn: [f64; 5] = "rad", -0.2, 0.2;
+        /// Least distances from other parts, one after another until a place is found.
+        beside: [f64; 4] = "m", 0.0, 0.1;
+        /// Distance from a place, along the table and upward, within which a part is back.
+        near: f64 = "m", 1e-3, 0.05;
+        /// Turn by which a beam that is back may lie beyond the turns that are tried.
+        turn_near: f64 = "rad", 0.0, 0.5;
+    }
+}
+
+parameters! {
+    /// The agent before a build that begins with a frame.
+    RepairParameters {
+        /// Distance from a place on the sheet within which a part lies there.
+        on_sheet: f64 = "m", 1e-3, 0.3;
+        /// Distance along its insertion path from which a beam is brought to its place. Chosen: its joints
+        /// are still in line.
+        along: f64 = "m", 1e-3, 0.2;
     }
 }
 
@@ -88,8 +118,15 @@ parameters! {
         /// Height over its place from which a part is lowered. A peg's stem is then above its holder, a beam
         /// above the table.
         above: f64 = "m", 1e-3, 0.3;
-        /// Speed at which it is lowered. Chosen.
+        /// Speed at which a peg is lowered. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
+        /// Height over the table down to which a beam is lowered fast. Chosen.
+        near: f64 = "m", 1e-3, 0.1;
+        /// Speed at which it is lowered down to there. Chosen.
+        down_speed: f64 = "m/s", 1e-3, 0.5;
+        /// Speed from there on. At 0.05 m/s the table wedged the ribs of the fingers in the slots of a beam
+        /// in one of ten, and the beam came along with the hand.
+        beam_speed: f64 = "m/s", 1e-3, 0.5;
         /// Force on the table or the holder at which a part is put down.
         limit: f64 = "N", 0.5, 100.0;
         /// Longest search for the hole of the holder with the tip of a peg. Chosen.
@@ -102,6 +139,63 @@ parameters! {
     LayDownParameters {
         /// Speed at which it is lowered. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
+    }
+}
+
+parameters! {
+    /// Draws a beam out of the assembly.
+    TakeOutParameters {
+        /// Number of tries.
+        tries: usize = "", 1.0, 20.0;
+        /// Speed. Chosen.
+        speed: f64 = "m/s", 1e-3, 0.5;
+        /// Distance of the closed fingers from a beam's width from which their ribs are wedged at the edges
+        /// of its slots. Measured: at most 0.1 mm in the slots, 0.3 to 0.9 mm wedged.
+        wedged: f64 = "m", 1e-5, 0.01;
+        /// Force at which lifting it level stops.
+        lift_limit: f64 = "N", 0.5, 100.0;
+        /// Force against the motion at which drawing stops, and a search begins.
+        limit: f64 = "N", 0.5, 100.0;
+        /// Distance beyond the start of its insertion path to which it is drawn out. Chosen.
+        beyond: f64 = "m", 0.0, 0.05;
+        /// Shift of the beams that it was joined to. Chosen.
+        bump: f64 = "m", 0.0, 0.05;
+        /// Rotation of those beams. Chosen.
+        bump_turn: f64 = "°", 0.0, 45.0;
+    }
+}
+
+parameters! {
+    /// Slides a beam of the assembly back, deeper than its place.
+    SlideBackParameters {
+        /// Speed. Chosen.
+        speed: f64 = "m/s", 1e-3, 0.5;
+        /// Force at which lifting it level stops.
+        lift_limit: f64 = "N", 0.5, 100.0;
+        /// Force against the motion at which sliding stops, and a search begins.
+        limit: f64 = "N", 0.5, 100.0;
+        /// Distance from its deep place at which it counts as slid back. Chosen.
+        short: f64 = "m", 1e-4, 0.05;
+        /// Shift of the beams that it was joined to. Chosen.
+        bump: f64 = "m", 0.0, 0.05;
+        /// Rotation of those beams. Chosen.
+        bump_turn: f64 = "°", 0.0, 45.0;
+    }
+}
+
+parameters! {
+    /// Pulls a peg out of its connection.
+    PullOutParameters {
+        /// Number of tries.
+        tries: usize = "", 1.0, 20.0;
+        /// Height by which it is pulled up, fully out of both joints.
+        height: f64 = "m", 0.01, 0.3;
+        /// Speed. Chosen.
+        speed: f64 = "m/s", 1e-3, 0.5;
+        /// Shift of the two beams. Chosen.
+        bump: f64 = "m", 0.0, 0.05;
+        /// Rotation of the two beams. Chosen.
+        bump_turn: f64 = "°", 0.0, 45.0;
     }
 }
 

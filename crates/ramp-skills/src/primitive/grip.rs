@@ -30,7 +30,11 @@ impl Workcell<'_, '_> {
         let link =
             link.and_then(|name| beam.links.iter().find(|link| link.name == name)).ok_or_else(no_grasp)?;
         // The hand turns with the beam: the worse of start and goal counts.
-        let goal = self.assembly.beam_index(part).map(|index| self.belief.target(index)).transpose()?;
+        let index = self.assembly.beam_index(part);
+        let goal = match index.filter(|index| self.belief.standing.contains(index)) {
+            Some(_) => self.home(part),
+            None => index.map(|index| self.belief.target(index)).transpose()?,
+        };
         let has_room = |grasp: &Grasp| self.has_room(&grasp.x_wt, grasp.open, part);
         if let Some(known) = self.grasps.get(part) {
             let grasp = Grasp::of_beam(&x_wp, *known, grip);
@@ -66,13 +70,23 @@ impl Workcell<'_, '_> {
             self.gripped.insert(part.to_string(), grasp);
         }
         self.hand.gripper.width = open;
-        let closing =
-            GripperCommand { width: width - self.parameters.grip.squeeze, force: self.parameters.grip.force };
+        let closing = self.closing(width);
         self.descend(&x_wt, part, closing)?;
         if self.hand.gripper != closing {
             self.hand.wait_for_gripper()?;
         }
         self.hand.relax();
+        self.close_on(part, &Grasp { x_wt, ..*grasp })
+    }
+
+    /// Closes the fingers on a part, around which they are ([`Workcell::grasp`]).
+    ///
+    /// # Errors
+    /// As [`Workcell::grasp`].
+    pub fn close_on(&mut self, part: &str, grasp: &Grasp) -> Result<(), SkillError> {
+        let Grasp { x_wt, open, width, .. } = *grasp;
+        let is_beam = self.kit.beam(part).is_some();
+        let closing = self.closing(width);
         let mut searched = false;
         for attempt in 0..self.parameters.grip.closings {
             self.hand.grip(closing.width, closing.force)?;
@@ -125,8 +139,13 @@ impl Workcell<'_, '_> {
         };
         let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
         self.hand.pushed = false;
-        self.hand.held = Some(Held { part: part.to_string(), x_tp, x_wp_origin: x_wp, mass, p_centre });
+        self.hand.held = Some(Held { part: part.to_string(), x_tp, x_wp_back: x_wp, mass, p_centre });
         Ok(())
+    }
+
+    /// The command that closes the fingers on a part of this width, m.
+    fn closing(&self, width: f64) -> GripperCommand {
+        GripperCommand { width: width - self.parameters.grip.squeeze, force: self.parameters.grip.force }
     }
 
     /// The grasp a step nearer to the middle of its link; `None` where it is there already.

@@ -1,7 +1,7 @@
 //! Releases the held part without moving it.
 
 use nalgebra::{Point3, Translation3, Vector3};
-use ramp_robot::Retry;
+use ramp_robot::{GRAVITY, Retry};
 
 use crate::Pose;
 use crate::cell::Workcell;
@@ -29,10 +29,10 @@ impl Workcell<'_, '_> {
         let Some(held) = beam else {
             self.hand.grip(self.parameters.grip.peg_open, self.parameters.grip.opening_force)?;
             self.glance()?;
-            return self.lift_off(&[fast], f64::INFINITY).map(|_| ());
+            return self.lift_off(&[fast], f64::INFINITY, f64::INFINITY).map(|_| ());
         };
         for attempt in 0..=self.parameters.release.again {
-            self.hand.grip(self.parameters.grip.beam_release, self.parameters.grip.opening_force)?;
+            self.open(self.parameters.grip.beam_release)?;
             self.belief.parts.update(&mut self.hand)?;
             // The beam may have followed one finger: go back to its middle, so that neither rib hangs on it.
             let middle = self.belief.parts.pose(&held.part)? * held.x_tp.inverse();
@@ -52,8 +52,13 @@ impl Workcell<'_, '_> {
             // A beam that hangs on a finger comes along, and meets the upper edge of its joint: slowly at
             // first.
             let slow = (self.parameters.release.leaving, self.parameters.release.leaving_speed);
+            // One that nothing holds down comes along altogether: its weight tells.
+            let weight = match last || self.stands(&held.part) {
+                true => f64::INFINITY,
+                false => self.parameters.release.hanging * held.mass * GRAVITY,
+            };
             let follows = !last && self.follows_a_finger(held)?;
-            if !follows && self.lift_off(&[slow, fast], limit)? {
+            if !follows && self.lift_off(&[slow, fast], limit, weight)? {
                 break;
             }
             let retry = Retry::new("let_go_of", &held.part).attempt(attempt + 2);
@@ -68,6 +73,11 @@ impl Workcell<'_, '_> {
             }
         }
         Ok(())
+    }
+
+    /// Whether a beam stands in the assembly, as is believed.
+    fn stands(&self, beam: &str) -> bool {
+        self.assembly.beam_index(beam).is_some_and(|beam| self.belief.standing.contains(&beam))
     }
 
     /// True if the beam still touches one finger of the open hand after the hand has moved to its middle: the
@@ -125,9 +135,10 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Lifts the hand off the released part, while the force is at most `limit` (N). Returns true if the hand
-    /// is off. `stages` are heights (m) and the speeds up to them (m/s).
-    fn lift_off(&mut self, stages: &[(f64, f64)], limit: f64) -> Result<bool, SkillError> {
+    /// Lifts the hand off the released part, while the force is at most `limit` (N), and as long as the hand
+    /// carries at most `weight` (N) more at the end of a stage. Returns true if the hand is off. `stages` are
+    /// heights (m) and the speeds up to them (m/s).
+    fn lift_off(&mut self, stages: &[(f64, f64)], limit: f64, weight: f64) -> Result<bool, SkillError> {
         let from = self.hand.setpoint;
         let before = self.hand.force();
         for &(height, speed) in stages {
@@ -137,7 +148,7 @@ impl Workcell<'_, '_> {
                 Err(SkillError::Fault(Fault::Overload { .. })) if limit.is_finite() => true,
                 stopped => stopped?,
             };
-            if stopped {
+            if stopped || (self.hand.force() - before).z > weight {
                 return Ok(false);
             }
         }
@@ -145,10 +156,20 @@ impl Workcell<'_, '_> {
         Ok(true)
     }
 
+    /// Opens the fingers to `width` (m): with more force if ribs that were closed on the edges of the slots
+    /// are wedged in them.
+    fn open(&mut self, width: f64) -> Result<(), SkillError> {
+        self.hand.grip(width, self.parameters.grip.opening_force)?;
+        if width - self.hand.seen.width > self.parameters.hand.opened {
+            self.hand.grip(width, self.parameters.release.wedged_force)?;
+        }
+        Ok(())
+    }
+
     /// Closes on the beam between the fingers, loosely, and brings their ribs to the middle of its slots: on
     /// one that presses against the upper edge of its slot the beam hangs by friction, and follows that
     /// finger however far it opens.
-    fn centre_ribs(&mut self) -> Result<(), SkillError> {
+    pub fn centre_ribs(&mut self) -> Result<(), SkillError> {
         self.hand.grip(BEAM_WIDTH - self.parameters.grip.squeeze, self.parameters.release.loose_grip)?;
         let mut down = self.hand.setpoint;
         down.translation.z -= self.parameters.release.slot_depth;
@@ -157,7 +178,7 @@ impl Workcell<'_, '_> {
             hand.seen.width < BEAM_WIDTH + self.parameters.release.in_slot / 2.0
         })?;
         self.hand.relax();
-        self.hand.grip(BEAM_WIDTH + self.parameters.release.in_slot, self.parameters.grip.opening_force)?;
+        self.open(BEAM_WIDTH + self.parameters.release.in_slot)?;
         self.hand.zero()?;
         down.translation.z = self.hand.setpoint.translation.z - self.parameters.release.slot_depth;
         self.hand.drive(&down, self.parameters.release.slot_speed, |hand| {

@@ -79,13 +79,31 @@ impl Workcell<'_, '_> {
     /// The motion through free space to `x_wt`.
     fn plan(&mut self, x_wt: &Pose) -> Result<Trajectory, MotionError> {
         let (checker, law) = (self.checker(None), self.law());
-        let terms = Terms {
-            height: self.parameters.travel.height,
-            level: self.hand.held.as_ref().is_some_and(|held| self.kit.beam(&held.part).is_some()),
-            checker: &checker,
-            law: &law,
+        let level = self.hand.held.as_ref().is_some_and(|held| self.kit.beam(&held.part).is_some());
+        let terms = Terms { height: self.parameters.travel.height, level, checker: &checker, law: &law };
+        let mut stream = self.stream.clone();
+        let planned = self.planner.plan(&self.hand.start(), x_wt, &terms, &mut self.stream)?;
+        if !level || !self.leans(&planned) {
+            return Ok(planned);
+        }
+        // A beam in a hand that leans turns about its axis between the fingers, unless the motion is slow.
+        let Pace { velocity, acceleration, .. } = self.pace();
+        let share = self.parameters.travel.leaning;
+        let pace = Pace { velocity: share * velocity, acceleration: share * acceleration, ..self.pace() };
+        let law = TimeLaw::new(self.arm, &pace);
+        self.planner.plan(&self.hand.start(), x_wt, &Terms { law: &law, ..terms }, &mut stream)
+    }
+
+    /// Whether the hand leans in the course of a motion.
+    fn leans(&self, motion: &Trajectory) -> bool {
+        /// Periods between two looks: 50 ms.
+        const EVERY: usize = 50;
+        let lean = |q: &Joints| {
+            let down = self.planner.kinematics.tip(q).rotation * Vector3::z();
+            down.angle(&-Vector3::z())
         };
-        self.planner.plan(&self.hand.start(), x_wt, &terms, &mut self.stream)
+        let from = self.parameters.travel.leaning_from;
+        motion.samples().iter().step_by(EVERY).any(|q| lean(q) > from)
     }
 
     /// Moves the tip in a straight line through free space to `x_wt`, keeping clear of everything but the

@@ -331,9 +331,9 @@ impl<'a> Rehearsal<'a> {
         let assembly = self.scene.assembly;
         for effect in effects {
             match effect {
-                Effect::BeamStands | Effect::BeamAtPlace => {
+                Effect::BeamStands | Effect::BeamAtPlace | Effect::BeamDeep => {
                     let Ok(beam) = call.beam(assembly) else { continue };
-                    let path = self.scene.paths.get(&beam).filter(|_| effect == Effect::BeamStands);
+                    let path = self.scene.paths.get(&beam).filter(|_| effect != Effect::BeamAtPlace);
                     let x_wb = self.scene.x_wb_goal(beam, path.map_or(0.0, |path| path.depth));
                     self.scene.now.standing.insert(beam);
                     self.scene.now.parts.insert(assembly.beams[beam].beam.name.clone(), x_wb);
@@ -345,6 +345,16 @@ impl<'a> Rehearsal<'a> {
                     let x_wp = self.scene.x_wp_seated(connection);
                     self.scene.now.parts.insert(peg.to_string(), x_wp);
                     self.scene.now.pinned.insert(connection);
+                }
+                Effect::BeamOut => {
+                    if let Ok(beam) = call.beam(assembly) {
+                        self.scene.now.standing.remove(&beam);
+                    }
+                }
+                Effect::PegOut => {
+                    if let Ok(connection) = call.connection(assembly) {
+                        self.scene.now.pinned.remove(&connection);
+                    }
                 }
                 Effect::HandEmpty => self.scene.now.held = None,
                 // If the beam is at its place, nothing has to move.

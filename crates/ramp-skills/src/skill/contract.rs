@@ -146,6 +146,12 @@ pub enum Effect {
     BeamAligned,
     /// The peg pins its connection.
     PegSeated,
+    /// The beam stands in the assembly no more.
+    BeamOut,
+    /// The beam, which stood at its place, stands deeper, as its insertion began.
+    BeamDeep,
+    /// The peg pins its connection no more.
+    PegOut,
 }
 
 impl Effect {
@@ -175,6 +181,21 @@ impl Effect {
                 let peg = call.part().ok_or_else(|| call.no_skill())?;
                 cell.belief.pinned.push((connection, peg.to_string()));
             }
+            Effect::BeamOut => {
+                let beam = call.beam(cell.assembly)?;
+                cell.belief.standing.retain(|other| *other != beam);
+                cell.belief.deep.retain(|other| *other != beam);
+            }
+            Effect::BeamDeep => {
+                let beam = call.beam(cell.assembly)?;
+                if !cell.belief.deep.contains(&beam) {
+                    cell.belief.deep.push(beam);
+                }
+            }
+            Effect::PegOut => {
+                let peg = call.part().ok_or_else(|| call.no_skill())?;
+                cell.belief.pinned.retain(|(_, other)| other != peg);
+            }
             Effect::HoldsPart | Effect::HandEmpty | Effect::BeamAligned => {}
         }
         Ok(())
@@ -186,14 +207,14 @@ impl Effect {
     /// [`Fault::Unmet`] when the hand holds something else than the effect says.
     pub fn confirm(self, cell: &mut Workcell, call: &Call) -> Result<(), Fault> {
         let met = match self {
-            Effect::BeamStands | Effect::BeamAtPlace => {
+            Effect::BeamStands | Effect::BeamAtPlace | Effect::BeamDeep => {
                 let beam = call.beam(cell.assembly)?;
                 cell.belief.reckon_heights(beam);
                 true
             }
             Effect::HoldsPart => holds_part(cell, call),
             Effect::HandEmpty => cell.hand.held.is_none(),
-            Effect::BeamAligned | Effect::PegSeated => true,
+            Effect::BeamAligned | Effect::PegSeated | Effect::BeamOut | Effect::PegOut => true,
         };
         if met {
             Ok(())
@@ -212,6 +233,9 @@ impl fmt::Display for Effect {
             Effect::BeamAtPlace => "the beam stands at its place",
             Effect::BeamAligned => "the ends of the beam are where the next part expects them",
             Effect::PegSeated => "the peg pins the connection",
+            Effect::BeamOut => "the beam is out of the assembly",
+            Effect::BeamDeep => "the beam stands deeper than its place",
+            Effect::PegOut => "the peg is out of the connection",
         })
     }
 }

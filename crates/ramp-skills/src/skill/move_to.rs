@@ -68,6 +68,8 @@ impl Skill for MoveTo {
         match to {
             // The motion that follows goes by way of travelling height on its own, without a rest there.
             Place::Above(_) => Ok(()),
+            // A part in the hand is put down there by the skill that follows.
+            Place::Input(_) if cell.hand.held.is_some() => Ok(()),
             Place::Input(item) => self.hover(cell, item.name(), call.link()),
             // With an empty hand the skill that follows moves on its own.
             Place::Approach(_) | Place::Target(_) if cell.hand.held.is_none() => Ok(()),

@@ -50,27 +50,42 @@ impl PutDown {
         PutDown { parameters: parameters.put_down.clone() }
     }
 
-    /// Puts the held part back where it was picked up, and lets go of it.
+    /// Puts the held part back where it was picked up, or at its place on the sheet if it comes from the
+    /// assembly, and lets go of it.
     ///
     /// # Errors
     /// [`Fault::NotHeld`](crate::Fault::NotHeld) if the hand is empty, or the fault that stopped the motion.
     fn put_back(&self, cell: &mut Workcell) -> Result<(), SkillError> {
         let Some(part) = cell.hand.held.as_ref().map(|held| held.part.clone()) else { return Ok(()) };
+        let is_beam = cell.kit.beam(&part).is_some();
         cell.retreat()?;
         cell.check_grip(&part)?;
-        let Some(held) = cell.hand.held.clone() else { return Ok(()) };
+        let Some(mut held) = cell.hand.held.clone() else { return Ok(()) };
         // A peg's stem is above its holder, a beam above the table.
-        let down =
-            cell.carry_above(held.x_wp_origin * held.x_tp.inverse(), |down| down + self.parameters.above)?;
+        let mut down =
+            cell.carry_above(held.x_wp_back * held.x_tp.inverse(), |down| down + self.parameters.above)?;
+        if is_beam {
+            // By its own weight it has turned a little between the fingers: it is put down level.
+            cell.check_grip(&part)?;
+            held = cell.hand.held.clone().unwrap_or(held);
+            down = held.x_wp_back * held.x_tp.inverse();
+        }
         cell.hand.relax();
         cell.hand.zero()?;
+        let speed = if is_beam { self.parameters.beam_speed } else { self.parameters.speed };
         let lower = |cell: &mut Workcell, down: &Pose| {
-            cell.hand.drive(down, self.parameters.speed, |hand| -hand.force().z > self.parameters.limit)
+            cell.hand.drive(down, speed, |hand| -hand.force().z > self.parameters.limit)
         };
+        if is_beam {
+            let mut near = down;
+            near.translation.z += self.parameters.near;
+            cell.hand
+                .drive(&near, self.parameters.down_speed, |hand| -hand.force().z > self.parameters.limit)?;
+        }
         lower(cell, &down)?;
         // The head of a peg rests on its holder, so that is as high as the head's underside.
-        let holder = held.x_wp_origin.translation.z;
-        if cell.kit.beam(&part).is_none() && !cell.is_in(holder) {
+        let holder = held.x_wp_back.translation.z;
+        if !is_beam && !cell.is_in(holder) {
             cell.spiral(holder, self.parameters.search_time, None)?;
             let here =
                 Translation3::from(cell.hand.seen.x_wt.translation.vector.xy().push(down.translation.z));

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use ramp_assembly::Task;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{ArmCommand, Command, GripperCommand, Robot, Track};
 use ramp_twin::{Setup, Start, Twin};
@@ -20,6 +21,7 @@ fn a_beam_of_the_kit_s_own_lies_still_on_the_sheet() {
         start: Start::sheet(),
         world: ramp_twin::World::ideal(),
         state: None,
+        task: Task::Build,
         fault: None,
     };
     let mut twin = Twin::new(&setup).unwrap();

@@ -8,6 +8,7 @@ use std::path::Path;
 use mujoco_rs::prelude::*;
 use mujoco_rs::wrappers::mj_model::MjtObjBase;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use ramp_assembly::Task;
 use ramp_kit::Kit;
 use ramp_kit::joint::{
     BODY_WIDTH, HEAD_HEIGHT, HEAD_ROUNDING, HEAD_WIDTH, HOLE_RADIUS, MALE_CHAMFER, STEM_CONE, STEM_LENGTH,
@@ -125,6 +126,7 @@ fn world() -> (Kit, Twin) {
         start: Start::sheet(),
         world: ramp_twin::World::ideal(),
         state: None,
+        task: Task::Build,
         fault: None,
     };
     let twin = Twin::new(&setup).unwrap();

@@ -1,6 +1,7 @@
 //! A snapshot that is taken up again is followed by the same bits, and so is a duplicate.
 
 use nalgebra::Vector6;
+use ramp_assembly::Task;
 use ramp_robot::arm::DOF;
 use ramp_robot::{ArmCommand, Camera, Command, GripperCommand, Impedance, Observation, Pose, Robot, Track};
 use ramp_testing::GoalFiles;
@@ -15,6 +16,7 @@ fn setup<'a>(cell: &'a GoalFiles, world: &'a ramp_twin::World, track: Track) -> 
         start: Start::sheet(),
         world,
         state: None,
+        task: Task::Build,
         fault: Some(Fault { kind: FaultKind::ForceDrift, occasion: None }),
     }
 }

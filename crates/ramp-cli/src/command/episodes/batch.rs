@@ -247,7 +247,8 @@ impl Batch<'_> {
         let goal = &self.goals[episode.goal];
         let wanted = Wanted {
             goal: &goal.name,
-            pegs: goal.pegs,
+            task: None,
+            count: goal.pegs,
             track: self.track,
             world: &self.worlds[episode.world].hash,
             seed: episode.seed,

@@ -1,0 +1,320 @@
+//! Brings a frame that stands wrong to where the build can go on: pegs in wrong holes come out, beams that
+//! stand off their places are brought there, and beams that stand in each other's places are taken out.
+//!
+//! The agent is not told what is wrong: it compares what it sees with the goal before its first plan.
+
+use nalgebra::{Point3, Vector3};
+use ramp_assembly::Assembly;
+use ramp_kit::Beam;
+use ramp_kit::joint::{FEMALE_HEIGHT, STEM_LENGTH};
+use ramp_kit::source::{MAX_SENTENCE, plain};
+use ramp_motion::PathPlanner;
+use ramp_planner::{CoarseAction, Grasp, Item, Plan, State, backwards, left_of, plan};
+use ramp_robot::{Action, EventKind, RobotError};
+
+use super::Baseline;
+use super::take_apart::{clear_hand, fetch, is_deep, stands};
+use crate::cell::Workcell;
+use crate::fault::SkillError;
+use crate::hand::Hand;
+use crate::recognition::{Exchange, is_in_place, take_over};
+use crate::recovery::{align, note_fault, recover};
+use crate::skill::Call;
+use crate::table::SkillTable;
+
+/// The beams that stand in the places of others with the same joints in the same places.
+pub fn exchanged(cell: &Workcell) -> Vec<Exchange> {
+    let assembly = cell.assembly;
+    let mut found = Vec::new();
+    for (index, placed) in assembly.beams.iter().enumerate().filter(|(index, _)| *index != assembly.base) {
+        let others = cell.kit.beams.iter().filter(|other| has_joints_of(other, &placed.beam));
+        let stranger = others.filter(|other| other.name != placed.beam.name).find(|other| {
+            other.name != assembly.beams[assembly.base].beam.name && is_in_place(cell, index, &other.name)
+        });
+        found.extend(stranger.map(|other| (index, other.name.clone())));
+    }
+    found
+}
+
+/// Whether two beams have the same joints in the same places, whatever the sides to which these open.
+fn has_joints_of(beam: &Beam, other: &Beam) -> bool {
+    let joints = |beam: &Beam| beam.joints.iter().map(|it| (it.kind, it.offset)).collect::<Vec<_>>();
+    joints(beam) == joints(other)
+}
+
+/// Whether anything lies elsewhere than on the sheet: a beam of the kit away from all outlines of its shape,
+/// or a peg away from the holders.
+pub fn begins_with_a_frame(cell: &Workcell) -> bool {
+    let clamped = &cell.assembly.beams[cell.assembly.base].beam.name;
+    let beams = cell.kit.beams.iter().map(|beam| &beam.name).filter(|name| *name != clamped);
+    let mut parts = beams.chain(cell.kit.pegs.iter().map(|peg| &peg.name));
+    parts.any(|part| cell.belief.parts.pose(part).is_ok() && !cell.is_on_sheet(part))
+}
+
+/// Looks at all parts that do not lie on the sheet until the hand could grip them: pegs and beams are told
+/// apart from their places by a few millimetres.
+///
+/// # Errors
+/// The robot's.
+pub fn look_at_frame(cell: &mut Workcell) -> Result<(), RobotError> {
+    let clamped = &cell.assembly.beams[cell.assembly.base].beam.name;
+    let beams = cell.kit.beams.iter().map(|beam| &beam.name).filter(|name| *name != clamped);
+    let parts: Vec<&String> = beams.chain(cell.kit.pegs.iter().map(|peg| &peg.name)).collect();
+    for part in parts {
+        if cell.belief.parts.pose(part).is_ok() && !cell.is_on_sheet(part) {
+            let seen = cell.see_to_grip(part);
+            note_fault(cell, seen)?;
+        }
+    }
+    Ok(())
+}
+
+/// The goal as it stands: with the beams exchanged.
+fn as_it_stands(goal: &Assembly, exchanges: &[Exchange]) -> Assembly {
+    let mut assembly = goal.clone();
+    for (index, stranger) in exchanges {
+        let Some(beam) = goal.kit.beam(stranger) else { continue };
+        let own = std::mem::replace(&mut assembly.beams[*index].beam, beam.clone());
+        // One name for each beam: the other place, if the goal has one, gets the beam that is missing here.
+        let twice =
+            |other: &(usize, &ramp_assembly::PlacedBeam)| other.0 != *index && other.1.beam.name == *stranger;
+        if let Some(other) = assembly.beams.iter().enumerate().find(twice).map(|(other, _)| other) {
+            assembly.beams[other].beam = own;
+        }
+    }
+    assembly
+}
+
+/// Takes the pegs out that stand in holes which nothing is to be pinned through yet, and brings beams to
+/// their places that stand off them along their insertion paths. After [`take_over`]. Returns true if there
+/// was anything to do.
+///
+/// # Errors
+/// The robot's.
+pub fn set_right(skills: &SkillTable, cell: &mut Workcell) -> Result<bool, RobotError> {
+    let off = short_or_deep(cell);
+    let mut worked = !off.is_empty();
+    for beam in off {
+        let name = cell.assembly.beams[beam].beam.name.clone();
+        cell.record(EventKind::Note { text: format!("{name} stands off its place: it is brought there") });
+        cell.belief.standing.push(beam);
+        let done = align(skills, cell, beam);
+        if !note_fault(cell, done)? {
+            clear_hand(skills, cell)?;
+        }
+        cell.remember_standing(&[beam]);
+    }
+    for peg in misplaced_pegs(cell) {
+        cell.record(EventKind::Note { text: format!("{peg} stands in a wrong hole: it is taken out") });
+        let fetched = fetch(skills, cell, &Item::Peg(peg), Grasp::Head);
+        if !note_fault(cell, fetched)? {
+            clear_hand(skills, cell)?;
+        }
+        let retreated = cell.retreat();
+        note_fault(cell, retreated)?;
+        worked = true;
+    }
+    Ok(worked)
+}
+
+/// Beams that lie in line with their places, but farther in or out along their insertion paths, by index.
+fn short_or_deep(cell: &Workcell) -> Vec<usize> {
+    let assembly = cell.assembly;
+    let off_path = |index: &usize| {
+        let placed = &assembly.beams[*index];
+        let (Ok(x_wb), Some(path)) =
+            (cell.belief.parts.pose(&placed.beam.name), cell.belief.paths.get(index))
+        else {
+            return false;
+        };
+        let goal = cell.belief.x_wa() * placed.x_ab;
+        let direction = cell.belief.x_wa().rotation * path.direction;
+        let own = &cell.parameters.repair;
+        let beside = |p: Point3<f64>| {
+            let off = x_wb * p - goal * p;
+            (off - direction * off.dot(&direction)).norm() < cell.parameters.alignment.stands
+                && off.dot(&direction).abs() < own.along
+        };
+        let span = placed.beam.span();
+        [[0.0; 3], [span, 0.0, 0.0], [0.0, span, 0.0]].iter().all(|p| beside(Point3::from(*p)))
+    };
+    let others = (0..assembly.beams.len()).filter(|index| !cell.belief.standing.contains(index));
+    others.filter(off_path).collect()
+}
+
+/// Pegs that stand upright in holes of the frame, and pin nothing that the goal pins.
+fn misplaced_pegs(cell: &Workcell) -> Vec<String> {
+    let assembly = cell.assembly;
+    let mut holes: Vec<Point3<f64>> = Vec::new();
+    for index in &cell.belief.standing {
+        let beam = &assembly.beams[*index].beam;
+        let Ok(x_wb) = cell.belief.parts.pose(&beam.name) else { continue };
+        holes.extend((0..beam.joints.len()).map(|joint| x_wb * beam.p_b_hole(joint)));
+    }
+    let in_a_hole = |peg: &String| {
+        let Ok(x_wp) = cell.belief.parts.pose(peg) else { return false };
+        let upright = (x_wp.rotation * Vector3::z()).z > 0.99;
+        let near = |hole: &Point3<f64>| {
+            let off = x_wp.translation.vector - hole.coords;
+            off.xy().norm() < 2.0 * cell.parameters.alignment.fallen
+                && off.z < FEMALE_HEIGHT / 2.0 + STEM_LENGTH
+        };
+        upright && holes.iter().any(near)
+    };
+    let pegs = cell.kit.pegs.iter().map(|peg| peg.name.clone());
+    let free = pegs.filter(|peg| !cell.belief.pinned.iter().any(|(_, pinned)| pinned == peg));
+    free.filter(|peg| !matches!(cell.belief.fallen_into(peg), Ok(Some(_)))).filter(in_a_hole).collect()
+}
+
+impl Baseline<'_> {
+    /// Takes over what stands when the work begins, and sets right what stands wrong.
+    pub(crate) fn begin(
+        &mut self,
+        cell: &mut Workcell,
+        lost: &mut Vec<String>,
+    ) -> Result<Vec<Exchange>, RobotError> {
+        if self.start.scatter.is_none() && begins_with_a_frame(cell) {
+            look_at_frame(cell)?;
+            let exchanges = if self.exchanged { Vec::new() } else { exchanged(cell) };
+            if !exchanges.is_empty() {
+                self.exchanged = true;
+                return Ok(exchanges);
+            }
+            let (assembly, domains) = (self.assembly, self.domains);
+            let built = self.timed(|| ramp_planner::plan(assembly, &State::default(), domains));
+            built.iter().for_each(|plan| self.learn_paths(cell, plan));
+            take_over(&self.skills, cell, lost)?;
+            if set_right(&self.skills, cell)? {
+                lost.clear();
+                recover(&self.skills, cell, None, lost)?;
+            }
+        } else {
+            take_over(&self.skills, cell, lost)?;
+        }
+        Ok(Vec::new())
+    }
+
+    /// Takes beams out that stand in the places of others, with everything that has to go before them, and
+    /// puts all that on the sheet.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub(crate) fn take_out_strangers<'r>(
+        &mut self,
+        exchanges: &[Exchange],
+        planner: &PathPlanner,
+        hand: Hand<'r>,
+    ) -> Result<Hand<'r>, RobotError> {
+        let assembly = as_it_stands(self.assembly, exchanges);
+        let mut cell = self.cell_of(&assembly, planner, hand);
+        let domains = self.domains;
+        let built = match self.timed(|| plan(&assembly, &State::default(), domains)) {
+            Ok(built) => built,
+            Err(error) => {
+                let text = plain(&format!("no plan for the frame as it stands: {error}"), MAX_SENTENCE - 1);
+                cell.record(EventKind::Note { text });
+                self.report(&mut cell);
+                return Ok(cell.hand);
+            }
+        };
+        self.learn_paths(&mut cell, &built);
+        let seen = cell.belief.parts.update(&mut cell.hand);
+        note_fault(&mut cell, seen.map_err(SkillError::from))?;
+        look_at_frame(&mut cell)?;
+        take_over(&self.skills, &mut cell, &mut Vec::new())?;
+        let pinned: Vec<(String, String)> = cell
+            .belief
+            .pinned
+            .iter()
+            .map(|(connection, peg)| (assembly.connections[*connection].name.clone(), peg.clone()))
+            .collect();
+        let whole = backwards(&built, &pinned);
+        let strangers: Vec<&str> = exchanges.iter().map(|(_, name)| name.as_str()).collect();
+        for _ in 0..=cell.parameters.agent.apart_tries {
+            let left = left_of(&whole, |item| stands(&cell, item), |beam| is_deep(&cell, beam));
+            let left = until_out(left, &strangers);
+            self.report(&mut cell);
+            match self.carry_out(&mut cell, &left) {
+                Ok(()) => break,
+                Err(SkillError::Robot(error)) => return Err(error),
+                Err(error) => cell.record(error.fault()),
+            }
+            clear_hand(&self.skills, &mut cell)?;
+        }
+        self.report(&mut cell);
+        Ok(cell.hand)
+    }
+
+    /// Takes a frame that stands in part apart, piece by piece as the plan of the build backwards, until a
+    /// plan leads on from there.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub(crate) fn take_apart_until_planned(
+        &mut self,
+        cell: &mut Workcell,
+        lost: &[String],
+    ) -> Result<(), RobotError> {
+        let (assembly, domains) = (self.assembly, self.domains);
+        let Ok(built) = self.timed(|| plan(assembly, &State::default(), domains)) else { return Ok(()) };
+        let pinned = |cell: &Workcell| -> Vec<(String, String)> {
+            let name = |connection: usize| assembly.connections[connection].name.clone();
+            cell.belief.pinned.iter().map(|(connection, peg)| (name(*connection), peg.clone())).collect()
+        };
+        let whole = backwards(&built, &pinned(cell));
+        loop {
+            let left = left_of(&whole, |item| stands(cell, item), |beam| is_deep(cell, beam));
+            let next = first_piece(left);
+            if next.steps.is_empty() {
+                return Ok(());
+            }
+            match self.carry_out(cell, &next) {
+                Ok(()) => {}
+                Err(SkillError::Robot(error)) => return Err(error),
+                Err(error) => {
+                    cell.record(error.fault());
+                    clear_hand(&self.skills, cell)?;
+                    return Ok(());
+                }
+            }
+            let state = self.state(cell, lost);
+            if state.is_ok_and(|state| self.timed(|| plan(assembly, &state, domains)).is_ok()) {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Carries out a plan for another frame than the goal.
+    fn carry_out(&mut self, cell: &mut Workcell, plan: &Plan) -> Result<(), SkillError> {
+        for (step, coarse) in plan.steps.iter().enumerate() {
+            for action in &coarse.fine {
+                let event = Action::of(action);
+                cell.record(EventKind::ActionBegun(event.clone()));
+                self.report(cell);
+                self.skills.execute(cell, &Call { action, plan: &plan.steps, step })?;
+                cell.record(EventKind::ActionEnded(event));
+                self.report(cell);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The steps of a plan up to where a first part is put down, or a first beam slid back.
+fn first_piece(mut plan: Plan) -> Plan {
+    let ends = |coarse: &CoarseAction| {
+        matches!(coarse, CoarseAction::PutDown { .. } | CoarseAction::SlideBack { .. })
+    };
+    let first = plan.steps.iter().position(|step| ends(&step.coarse));
+    plan.steps.truncate(first.map_or(0, |first| first + 1));
+    plan
+}
+
+/// The steps of a plan up to where the last of these beams is put down.
+fn until_out(mut plan: Plan, beams: &[&str]) -> Plan {
+    let last = plan.steps.iter().rposition(
+        |step| matches!(&step.coarse, CoarseAction::PutDown { item } if beams.contains(&item.name())),
+    );
+    plan.steps.truncate(last.map_or(0, |last| last + 1));
+    plan
+}

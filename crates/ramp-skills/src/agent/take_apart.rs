@@ -1,0 +1,172 @@
+//! The baseline takes a frame apart: the plan of the build, backwards.
+//!
+//! It knows that the frame is built, and of which parts. Pegs are pulled out and beams drawn out one after
+//! another, and each is put back in its place on the sheet before the next. What fails is tried again after a
+//! look; a part that fell is picked up from where it lies.
+
+use ramp_planner::{FineAction, Grasp, Item, Plan, PlanError, State, backwards, left_of, plan};
+use ramp_robot::{EventKind, Retry, RobotError};
+
+use super::Baseline;
+use crate::cell::Workcell;
+use crate::fault::SkillError;
+use crate::recognition::expect_state;
+use crate::recovery::note_fault;
+use crate::rehearsal::{Rehearsal, Scene, plan_with_motion};
+use crate::skill::Call;
+use crate::table::SkillTable;
+
+impl Baseline<'_> {
+    /// Takes the frame apart.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub(crate) fn take_apart(&mut self, cell: &mut Workcell) -> Result<(), RobotError> {
+        let state = built(cell);
+        let known = expect_state(cell, &state);
+        note_fault(cell, known)?;
+        let seen = cell.belief.parts.update(&mut cell.hand);
+        note_fault(cell, seen.map_err(SkillError::from))?;
+        let plan = match self.plan_backwards(cell, &state.fastened) {
+            Ok(plan) => plan,
+            Err(error) => {
+                self.give_up(cell, &format!("no plan: {error}"));
+                return Ok(());
+            }
+        };
+        self.begins_with(&plan);
+        self.learn_paths(cell, &plan);
+        for failures in 1.. {
+            let left = left_of(&plan, |item| stands(cell, item), |beam| is_deep(cell, beam));
+            if failures > 1 {
+                self.replans(cell, &left);
+            }
+            let failure = match self.run_plan(cell, &left) {
+                Ok(()) => break,
+                Err(SkillError::Robot(error)) => return Err(error),
+                Err(error) => error,
+            };
+            cell.record(failure.fault());
+            self.report(cell);
+            clear_hand(&self.skills, cell)?;
+            if failures > cell.parameters.agent.apart_tries || cell.hand.time() > cell.parameters.agent.latest
+            {
+                self.tidy(cell)?;
+                self.give_up(cell, &failure.to_string());
+                return Ok(());
+            }
+            cell.record(Retry::new("take_apart", "the frame").attempt(failures + 1).because(&failure));
+        }
+        self.tidy(cell)
+    }
+
+    /// The plan of the build from the sheet, rehearsed with the arm's model, backwards.
+    fn plan_backwards(
+        &mut self,
+        cell: &mut Workcell,
+        pinned: &[(String, String)],
+    ) -> Result<Plan, PlanError> {
+        let state = State::default();
+        let (assembly, arm, domains) = (self.assembly, self.arm, self.domains);
+        let (planner, parameters, skills) = (cell.planner, cell.parameters.clone(), self.skills.clone());
+        let rehearsed = self.timed(|| {
+            plan_with_motion(assembly, &state, domains, || {
+                let scene = Scene::nominal(assembly, arm, planner, parameters.clone(), &state);
+                Rehearsal::new(scene, skills.clone())
+            })
+        });
+        match rehearsed {
+            Ok(rehearsed) => {
+                cell.grasps = rehearsed.grasps.into_iter().map(|(beam, it)| (beam, it.grasp)).collect();
+                Ok(backwards(&rehearsed.plan, pinned))
+            }
+            // The arm may manage what the rehearsal could not.
+            Err(PlanError::Motion { .. }) => {
+                let plan = plan(assembly, &state, domains)?;
+                Ok(backwards(&plan, pinned))
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Fetches parts that lie about, and puts each in its place on the sheet. One that cannot be taken stays.
+    fn tidy(&mut self, cell: &mut Workcell) -> Result<(), RobotError> {
+        let seen = cell.belief.parts.update(&mut cell.hand);
+        note_fault(cell, seen.map_err(SkillError::from))?;
+        for part in cell.assembly.movable_parts() {
+            let beam = cell.kit.beam(part);
+            let item = match beam {
+                Some(_) => Item::Beam(part.to_string()),
+                None => Item::Peg(part.to_string()),
+            };
+            if stands(cell, &item) || cell.is_home(part) {
+                continue;
+            }
+            cell.record(EventKind::Note { text: format!("{part} is not in its place on the sheet") });
+            let links = beam.map_or(&[][..], |beam| &beam.links);
+            let grasps = links.iter().map(|link| Grasp::Link(link.name.clone()));
+            let grasps: Vec<Grasp> = if beam.is_some() { grasps.collect() } else { vec![Grasp::Head] };
+            for grasp in grasps {
+                let fetched = fetch(&self.skills, cell, &item, grasp);
+                let done = note_fault(cell, fetched)?;
+                clear_hand(&self.skills, cell)?;
+                self.report(cell);
+                if done {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The state of the built frame.
+fn built(cell: &Workcell) -> State {
+    let assembly = cell.assembly;
+    let beams = assembly.beams.iter().enumerate().filter(|(index, _)| *index != assembly.base);
+    let connections = assembly.connections.iter().map(|connection| connection.name.clone());
+    State {
+        in_assembly: beams.map(|(_, placed)| placed.beam.name.clone()).collect(),
+        fastened: connections.zip(assembly.built_with().into_iter().map(str::to_string)).collect(),
+        ..State::default()
+    }
+}
+
+/// Whether a part is still in its place in the frame, as is believed.
+pub fn stands(cell: &Workcell, item: &Item) -> bool {
+    match item {
+        Item::Beam(beam) => {
+            cell.assembly.beam_index(beam).is_some_and(|beam| cell.belief.standing.contains(&beam))
+        }
+        Item::Peg(peg) => cell.belief.pinned.iter().any(|(_, pinned)| pinned == peg),
+    }
+}
+
+/// Whether a beam stands deeper than its place, as is believed.
+pub fn is_deep(cell: &Workcell, beam: &str) -> bool {
+    cell.assembly.beam_index(beam).is_some_and(|beam| cell.belief.deep.contains(&beam))
+}
+
+/// Picks a part up from where it lies, and puts it in its place on the sheet.
+pub fn fetch(skills: &SkillTable, cell: &mut Workcell, item: &Item, grasp: Grasp) -> Result<(), SkillError> {
+    let pick_up = FineAction::PickUp { item: item.clone(), grasp };
+    skills.execute(cell, &Call::alone(&pick_up))?;
+    cell.bring_home(item.name());
+    skills.execute(cell, &Call::alone(&FineAction::PutDown { item: item.clone() }))
+}
+
+/// After a failure: puts down what the hand holds, and raises the hand.
+pub fn clear_hand(skills: &SkillTable, cell: &mut Workcell) -> Result<(), RobotError> {
+    if let Some(part) = cell.hand.held.as_ref().map(|held| held.part.clone()) {
+        let item = if cell.kit.beam(&part).is_some() { Item::Beam(part) } else { Item::Peg(part) };
+        let done = skills.perform(cell, &Call::alone(&FineAction::PutDown { item }));
+        note_fault(cell, done)?;
+    }
+    let done = cell.release();
+    note_fault(cell, done)?;
+    let done = cell.retreat();
+    note_fault(cell, done)?;
+    let done = cell.belief.parts.update(&mut cell.hand);
+    note_fault(cell, done.map_err(SkillError::from))?;
+    Ok(())
+}
