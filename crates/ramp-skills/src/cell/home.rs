@@ -33,6 +33,7 @@ impl Workcell<'_, '_> {
         };
         if let (Some(home), Some(held)) = (home, &mut self.hand.held) {
             held.x_wp_back = home;
+            held.goes_home = true;
         }
     }
 

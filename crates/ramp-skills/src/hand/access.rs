@@ -22,6 +22,8 @@ pub struct Held {
     pub x_tp: Pose,
     /// The pose in the world at which it is put down: where it was grasped, or its place on the sheet.
     pub x_wp_back: Pose,
+    /// It is brought back to its place on the sheet.
+    pub goes_home: bool,
     /// kg.
     pub mass: f64,
     /// Centre of mass in the part's frame, m.

@@ -17,8 +17,8 @@ parameters! {
         held_velocity: f64 = "", 0.01, 1.0;
         /// The same for the accelerations with a part in the hand: its inertial force counts as a push.
         held_acceleration: f64 = "", 0.01, 1.0;
-        /// Share of these with a beam in a hand that leans. Measured: at the whole, a beam of 0.6 m turned by
-        /// 2° about its axis between the fingers.
+        /// Share of these with a beam that is brought back to the sheet, in a hand that leans. Measured: at
+        /// the whole, a beam of 0.6 m turned by 2° about its axis between the fingers.
         leaning: f64 = "", 0.01, 1.0;
         /// Lean of the hand from which this holds.
         leaning_from: f64 = "rad", 0.01, 3.2;

@@ -139,7 +139,8 @@ impl Workcell<'_, '_> {
         };
         let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
         self.hand.pushed = false;
-        self.hand.held = Some(Held { part: part.to_string(), x_tp, x_wp_back: x_wp, mass, p_centre });
+        self.hand.held =
+            Some(Held { part: part.to_string(), x_tp, x_wp_back: x_wp, goes_home: false, mass, p_centre });
         Ok(())
     }
 

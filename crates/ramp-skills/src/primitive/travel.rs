@@ -83,10 +83,12 @@ impl Workcell<'_, '_> {
         let terms = Terms { height: self.parameters.travel.height, level, checker: &checker, law: &law };
         let mut stream = self.stream.clone();
         let planned = self.planner.plan(&self.hand.start(), x_wt, &terms, &mut self.stream)?;
-        if !level || !self.leans(&planned) {
+        let goes_home = self.hand.held.as_ref().is_some_and(|held| held.goes_home);
+        if !level || !goes_home || !self.leans(&planned) {
             return Ok(planned);
         }
-        // A beam in a hand that leans turns about its axis between the fingers, unless the motion is slow.
+        // A beam in a hand that leans turns about its axis between the fingers, unless the motion is slow. On
+        // the table, unlike in a joint, nothing would hold it back when they open.
         let Pace { velocity, acceleration, .. } = self.pace();
         let share = self.parameters.travel.leaning;
         let pace = Pace { velocity: share * velocity, acceleration: share * acceleration, ..self.pace() };
