@@ -135,10 +135,12 @@ pub fn child(words: &[OsString], prepare: impl FnOnce(&mut Command)) -> std::io:
     command.process_group(0);
     prepare(&mut command);
     let mut child = command.spawn()?;
-    if let Some(input) = &mut child.stdin {
-        input.write_all(&bytes_of(words))?;
+    let written = child.stdin.as_mut().map_or(Ok(()), |input| input.write_all(&bytes_of(words)));
+    match written {
+        // A child that was killed before it has read them: its status tells.
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error),
+        _ => Ok(child),
     }
-    Ok(child)
 }
 
 /// Runs this program as a child, and ends all its remaining processes, even if an agent killed the child or

@@ -114,6 +114,22 @@ pub(crate) fn note_fault(cell: &mut Workcell, result: Result<(), SkillError>) ->
     }
 }
 
+/// Puts back what the hand holds or releases it in place, raises the hand, and looks.
+///
+/// # Errors
+/// The robot's.
+pub(crate) fn clear_hand(skills: &SkillTable, cell: &mut Workcell) -> Result<(), RobotError> {
+    let done = put_down(skills, cell);
+    note_fault(cell, done)?;
+    let done = cell.release();
+    note_fault(cell, done)?;
+    let done = cell.retreat();
+    note_fault(cell, done)?;
+    let done = cell.belief.parts.update(&mut cell.hand);
+    note_fault(cell, done.map_err(SkillError::from))?;
+    Ok(())
+}
+
 /// After a fault: puts back the held part or releases it in place, retreats, realigns loose beams, and seats
 /// pegs that fell into holes. Adds to `lost` the pegs that can no longer be fetched; `refused` is one that
 /// could not be gripped.
@@ -126,14 +142,7 @@ pub fn recover(
     refused: Option<&str>,
     lost: &mut Vec<String>,
 ) -> Result<(), RobotError> {
-    let done = put_down(skills, cell);
-    note_fault(cell, done)?;
-    let done = cell.release();
-    note_fault(cell, done)?;
-    let done = cell.retreat();
-    note_fault(cell, done)?;
-    let done = cell.belief.parts.update(&mut cell.hand);
-    note_fault(cell, done.map_err(SkillError::from))?;
+    clear_hand(skills, cell)?;
     let done = realign(skills, cell);
     note_fault(cell, done)?;
     let kit = cell.kit;

@@ -13,12 +13,12 @@ use ramp_planner::{CoarseAction, Grasp, Item, Plan, State, backwards, left_of, p
 use ramp_robot::{Action, EventKind, RobotError};
 
 use super::Baseline;
-use super::take_apart::{clear_hand, fetch, is_deep, stands};
+use super::take_apart::{fetch, is_deep, stands};
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::hand::Hand;
 use crate::recognition::{Exchange, is_in_place, take_over};
-use crate::recovery::{align, note_fault, recover};
+use crate::recovery::{align, clear_hand, note_fault, recover};
 use crate::skill::Call;
 use crate::table::SkillTable;
 

@@ -11,7 +11,7 @@ use super::Baseline;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::recognition::expect_state;
-use crate::recovery::note_fault;
+use crate::recovery::{clear_hand, note_fault};
 use crate::rehearsal::{Rehearsal, Scene, plan_with_motion};
 use crate::skill::Call;
 use crate::table::SkillTable;
@@ -153,20 +153,4 @@ pub fn fetch(skills: &SkillTable, cell: &mut Workcell, item: &Item, grasp: Grasp
     skills.execute(cell, &Call::alone(&pick_up))?;
     cell.bring_home(item.name());
     skills.execute(cell, &Call::alone(&FineAction::PutDown { item: item.clone() }))
-}
-
-/// After a failure: puts down what the hand holds, and raises the hand.
-pub fn clear_hand(skills: &SkillTable, cell: &mut Workcell) -> Result<(), RobotError> {
-    if let Some(part) = cell.hand.held.as_ref().map(|held| held.part.clone()) {
-        let item = if cell.kit.beam(&part).is_some() { Item::Beam(part) } else { Item::Peg(part) };
-        let done = skills.perform(cell, &Call::alone(&FineAction::PutDown { item }));
-        note_fault(cell, done)?;
-    }
-    let done = cell.release();
-    note_fault(cell, done)?;
-    let done = cell.retreat();
-    note_fault(cell, done)?;
-    let done = cell.belief.parts.update(&mut cell.hand);
-    note_fault(cell, done.map_err(SkillError::from))?;
-    Ok(())
 }

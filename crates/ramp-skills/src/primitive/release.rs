@@ -31,8 +31,9 @@ impl Workcell<'_, '_> {
             self.glance()?;
             return self.lift_off(&[fast], f64::INFINITY, f64::INFINITY).map(|_| ());
         };
+        let free = !self.stands(&held.part);
         for attempt in 0..=self.parameters.release.again {
-            self.open(self.parameters.grip.beam_release)?;
+            self.open(self.parameters.grip.beam_release, free)?;
             self.belief.parts.update(&mut self.hand)?;
             // The beam may have followed one finger: go back to its middle, so that neither rib hangs on it.
             let middle = self.belief.parts.pose(&held.part)? * held.x_tp.inverse();
@@ -53,7 +54,7 @@ impl Workcell<'_, '_> {
             // first.
             let slow = (self.parameters.release.leaving, self.parameters.release.leaving_speed);
             // One that nothing holds down comes along altogether: its weight tells.
-            let weight = match last || self.stands(&held.part) {
+            let weight = match last || !free {
                 true => f64::INFINITY,
                 false => self.parameters.release.hanging * held.mass * GRAVITY,
             };
@@ -69,7 +70,7 @@ impl Workcell<'_, '_> {
                 -hand.force().z > self.parameters.release.beside_limit
             })? {
                 self.hand.go(&here, self.parameters.release.back_speed)?;
-                self.centre_ribs()?;
+                self.centre_ribs(free)?;
             }
         }
         Ok(())
@@ -156,11 +157,11 @@ impl Workcell<'_, '_> {
         Ok(true)
     }
 
-    /// Opens the fingers to `width` (m): with more force if ribs that were closed on the edges of the slots
-    /// are wedged in them.
-    fn open(&mut self, width: f64) -> Result<(), SkillError> {
+    /// Opens the fingers to `width` (m). Around a beam that is `free`, that no joint would hold back, they
+    /// open with more force if ribs that were closed on the edges of the slots are wedged in them.
+    fn open(&mut self, width: f64, free: bool) -> Result<(), SkillError> {
         self.hand.grip(width, self.parameters.grip.opening_force)?;
-        if width - self.hand.seen.width > self.parameters.hand.opened {
+        if free && width - self.hand.seen.width > self.parameters.hand.opened {
             self.hand.grip(width, self.parameters.release.wedged_force)?;
         }
         Ok(())
@@ -169,7 +170,7 @@ impl Workcell<'_, '_> {
     /// Closes on the beam between the fingers, loosely, and brings their ribs to the middle of its slots: on
     /// one that presses against the upper edge of its slot the beam hangs by friction, and follows that
     /// finger however far it opens.
-    pub fn centre_ribs(&mut self) -> Result<(), SkillError> {
+    pub fn centre_ribs(&mut self, free: bool) -> Result<(), SkillError> {
         self.hand.grip(BEAM_WIDTH - self.parameters.grip.squeeze, self.parameters.release.loose_grip)?;
         let mut down = self.hand.setpoint;
         down.translation.z -= self.parameters.release.slot_depth;
@@ -178,7 +179,7 @@ impl Workcell<'_, '_> {
             hand.seen.width < BEAM_WIDTH + self.parameters.release.in_slot / 2.0
         })?;
         self.hand.relax();
-        self.open(BEAM_WIDTH + self.parameters.release.in_slot)?;
+        self.open(BEAM_WIDTH + self.parameters.release.in_slot, free)?;
         self.hand.zero()?;
         down.translation.z = self.hand.setpoint.translation.z - self.parameters.release.slot_depth;
         self.hand.drive(&down, self.parameters.release.slot_speed, |hand| {
