@@ -53,8 +53,9 @@ def run(
     repeat: int = 1,
     progress: Progress | None = None,
 ) -> Result:
-    """Runs an episode: an agent builds a goal in the twin, and the referee counts the pegs; or it takes the
-    frame apart, and the referee counts the parts that are back.
+    """Runs an episode: an agent builds a goal in the twin, and the referee counts the pegs.
+
+    With another task the agent takes the frame apart, and the referee counts the parts that are back.
 
     Args:
         goal: A goal of the benchmark, a goal file, or a goal.

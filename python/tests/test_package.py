@@ -26,7 +26,7 @@ def test_a_frame_is_taken_apart_and_one_in_a_state_is_completed(tmp_path):
     state = tmp_path / "state.json"
     state.write_text('{"in_assembly": ["b4"], "fastened": [["C1", "p1"]]}')
     kept = ramp.run("easy-1", state=state, track="state", world="ideal", start="sheet")
-    assert kept.counted == 3 and kept.pegs[0].t_robot == 0
+    assert kept.counted == 3 and kept.pegs[0].t_robot < 0.1
     with pytest.raises(ramp.InputError, match="there is no task `paint`; there are build, take-apart"):
         ramp.run("easy-1", task="paint")
     with pytest.raises(ramp.InputError, match="leave out the state"):
