@@ -74,7 +74,7 @@ impl StartOption {
     }
 }
 
-/// What is to be done with the frame.
+/// A task, as on the command line.
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum TaskName {
     /// Build it from the parts on the sheet

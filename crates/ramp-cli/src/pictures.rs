@@ -38,7 +38,7 @@ impl Arguments {
 pub struct Pictures {
     film: Option<Film>,
     recording: Option<Recording>,
-    /// What is counted.
+    /// The counted things, for a person.
     unit: &'static str,
     error: Option<Report>,
 }

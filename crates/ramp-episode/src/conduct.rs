@@ -1,6 +1,5 @@
 //! Checks that an agent kept to its track: its requests, and that it saw before it built.
 
-use ramp_result::episode::PegResult;
 use ramp_robot::{RobotError, Track};
 
 /// A violation of the track: an action that it does not allow or does not make possible.
@@ -16,9 +15,9 @@ pub enum Breach {
         /// Robot time, s.
         time: f64,
     },
-    /// A peg counts, and the agent had seen nothing before.
+    /// A peg, or a part that was put back, counts, and the agent had seen nothing before.
     #[error(
-        "a peg counts from {time:.3} s on, and the agent never got {what} before, which is all that track `{}` shows of \
+        "a peg or a part counts from {time:.3} s on, and the agent never got {what} before, which is all that track `{}` shows of \
          the parts",
         track.name()
     )]
@@ -27,7 +26,7 @@ pub enum Breach {
         track: Track,
         /// The missing request.
         what: &'static str,
-        /// Robot time since which the first peg counts, s.
+        /// Robot time since which the first one counts, s.
         time: f64,
     },
 }
@@ -76,8 +75,9 @@ impl Conduct {
         }
     }
 
-    /// The violations, given the track and the pegs that count.
-    pub(crate) fn breach(&self, track: Track, pegs: &[Option<PegResult>]) -> Option<Breach> {
+    /// The violations, given the track and the robot time (s) since which the first peg or part counts that
+    /// the agent has brought there.
+    pub(crate) fn breach(&self, track: Track, first: Option<f64>) -> Option<Breach> {
         if let Some((time, what)) = self.forbidden {
             return Some(Breach::Forbidden { track, what, time });
         }
@@ -86,7 +86,7 @@ impl Conduct {
             Track::Noisy => (self.reading, "a reading of the parts"),
             Track::Tags => (self.image, "an image"),
         };
-        let first = pegs.iter().flatten().map(|peg| peg.t_robot).min_by(f64::total_cmp)?;
+        let first = first?;
         let blind = seen.is_none_or(|seen| seen > first);
         blind.then_some(Breach::NeverLooked { track, what, time: first })
     }

@@ -83,6 +83,11 @@ pub enum ReplayError {
         "the log contradicts itself: the numbers in its result are not those that its world and seed give"
     )]
     Draw,
+    /// A frame is to be taken apart that is not built at the start.
+    #[error(
+        "the log contradicts itself: a frame is to be taken apart, and its state is not that of the built frame"
+    )]
+    Unbuilt,
     /// The header has an invalid value.
     #[error("invalid {what} in the log: {found}")]
     Impossible {
@@ -155,6 +160,12 @@ impl LoggedSetup {
         let task = header.task.as_deref().unwrap_or(Task::Build.name());
         let task =
             Task::named(task).ok_or_else(|| ReplayError::Impossible { what: "task", found: short(task) })?;
+        if task == Task::TakeApart {
+            let built = GivenState::built(&assembly)?;
+            if state.as_ref().is_none_or(|state| state.text != built.text) {
+                return Err(ReplayError::Unbuilt);
+            }
+        }
         Ok(LoggedSetup { assembly, arm, world, track, seed, start, state, task, fault })
     }
 
@@ -212,7 +223,7 @@ pub fn replay_watched(
     result.time.robot = judged.twin.time();
     let end = result.time.robot;
     compare(&log.result, &result, again.stopped.as_ref(), end, &mut differences);
-    let breach = again.conduct.breach(world.track, &result.pegs);
+    let breach = again.conduct.breach(world.track, first_success(&setup, &result));
     for (peg, logged) in result.pegs.iter_mut().zip(&log.result.pegs) {
         if let (Some(peg), Some(logged)) = (peg, logged)
             && (peg.t_robot, &peg.peg) == (logged.t_robot, &logged.peg)
@@ -226,6 +237,14 @@ pub fn replay_watched(
         }
     }
     Ok(Replayed { result, differences, breach })
+}
+
+/// Robot time since which the first peg or part counts that the agent has brought there, s. Of pegs that may
+/// have been in place when the episode began, nothing is said.
+fn first_success(setup: &Setup, result: &EpisodeResult) -> Option<f64> {
+    let pegs = result.pegs.iter().flatten().map(|peg| peg.t_robot).filter(|_| setup.state.is_none());
+    let parts = result.parts.iter().filter_map(|part| part.t_robot);
+    pegs.chain(parts).min_by(f64::total_cmp)
 }
 
 /// Fields that the start of the log and its result must share.

@@ -7,8 +7,8 @@
 //! without the arm ([`Referee::rested`]).
 //!
 //! Where the task is to take a frame apart ([`Referee::for_task`]), every part of the frame that is not
-//! clamped counts, once it is back in its place on the sheet (`places`) and stays there. What is said of pegs
-//! below then holds for these parts, and what is said of connections for their places.
+//! clamped counts, once it is back in its place on the sheet (`places`) and stays there. Then all that is
+//! said of pegs below holds for these parts, and all that is said of connections for their places.
 
 mod penetrations;
 mod pins;
@@ -76,7 +76,7 @@ pub struct Referee {
     rejected: Vec<Option<Rejected>>,
 }
 
-/// What has to be so.
+/// A condition that counts once it holds.
 #[derive(Clone, Debug)]
 enum Required {
     /// A peg pins a connection.

@@ -504,7 +504,7 @@ impl EpisodeResult {
         if self.wanted() == 0 { 0.0 } else { self.counted() as f64 / self.wanted() as f64 }
     }
 
-    /// What is counted, for a person: pegs, or parts that are back.
+    /// The counted things, for a person: pegs, or parts that are back.
     pub fn unit(&self) -> &'static str {
         if self.parts.is_empty() { "pegs" } else { "parts back" }
     }

@@ -23,7 +23,7 @@ use crate::fault::{Fault, SkillError};
 use crate::hand::Hand;
 use crate::history::{Change, Choice, History, Work};
 use crate::parameters::Parameters;
-use crate::recognition::Exchange;
+use crate::recognition::Swap;
 use crate::recovery::{check_holes, note_fault, recover};
 use crate::replaced::Replaced;
 use crate::skill::{Call, Effect};
@@ -69,7 +69,7 @@ pub struct Baseline<'a> {
     /// The step of the plan that is carried out: its number from 1, and its words.
     step: Option<(usize, String)>,
     /// Beams that stood in each other's places were taken out.
-    pub(crate) exchanged: bool,
+    pub(crate) swapped: bool,
     /// The reason for giving up.
     failure: Option<String>,
     on_event: Box<dyn FnMut(&Event) + 'a>,
@@ -105,7 +105,7 @@ impl<'a> Baseline<'a> {
             work: None,
             fetching: None,
             step: None,
-            exchanged: false,
+            swapped: false,
             failure: None,
             on_event: Box::new(|_| {}),
         }
@@ -126,7 +126,7 @@ impl<'a> Baseline<'a> {
         self
     }
 
-    /// Tells it what is to be done with the frame: to build it, without that.
+    /// Tells it the task. Without that it builds the frame.
     #[must_use]
     pub fn with_task(mut self, task: Task) -> Baseline<'a> {
         self.task = task;
@@ -265,7 +265,7 @@ impl<'a> Baseline<'a> {
 
     /// Builds the frame. Gives the beams that stand in the places of others, if there are any: they have to
     /// go before it begins.
-    fn work(&mut self, cell: &mut Workcell) -> Result<Vec<Exchange>, RobotError> {
+    fn work(&mut self, cell: &mut Workcell) -> Result<Vec<Swap>, RobotError> {
         let mut lost: Vec<String> = Vec::new();
         if let Some(scatter) = self.start.scatter.clone() {
             let plan = || match &self.fixed {
@@ -285,10 +285,10 @@ impl<'a> Baseline<'a> {
             let seen = cell.belief.parts.update(&mut cell.hand);
             note_fault(cell, seen.map_err(SkillError::from))?;
             if round == 0 {
-                let exchanges = self.begin(cell, &mut lost)?;
+                let swaps = self.begin(cell, &mut lost)?;
                 self.report(cell);
-                if !exchanges.is_empty() {
-                    return Ok(exchanges);
+                if !swaps.is_empty() {
+                    return Ok(swaps);
                 }
             }
             let mut planned = self.next_plan(cell, &lost);
@@ -296,7 +296,7 @@ impl<'a> Baseline<'a> {
                 && cell.progress() > 1
                 && !self.given
             {
-                let text = format!("{why}: the frame is taken apart as far as that");
+                let text = format!("the frame is taken apart until a plan leads on from there, since {why}");
                 cell.record(EventKind::Note { text: plain(&text, MAX_SENTENCE - 1) });
                 self.report(cell);
                 self.take_apart_until_planned(cell, &lost)?;
@@ -400,12 +400,7 @@ impl<'a> Baseline<'a> {
                 .filter(|beam| **beam != base)
                 .map(|beam| name(*beam))
                 .collect(),
-            fastened: cell
-                .belief
-                .pinned
-                .iter()
-                .map(|(index, peg)| (self.assembly.connections[*index].name.clone(), peg.clone()))
-                .collect(),
+            fastened: cell.belief.fastened(),
             misaligned: cell.belief.swung()?.into_iter().map(name).collect(),
             lost_pegs: lost.to_vec(),
             deep: cell.belief.deep.iter().map(|beam| name(*beam)).collect(),
@@ -413,18 +408,18 @@ impl<'a> Baseline<'a> {
         })
     }
 
-    /// Executes a plan.
+    /// Executes a plan for the frame of the work cell.
     pub(crate) fn run_plan(&mut self, cell: &mut Workcell, plan: &Plan) -> Result<(), SkillError> {
         for (index, step) in plan.steps.iter().enumerate() {
             let rest = &plan.steps[index..];
             self.step = Some((index + 1, step.coarse.to_string()));
             if let CoarseAction::PickUp { item: Item::Peg(_) } = &step.coarse {
                 let next = rest.iter().find_map(|step| match &step.coarse {
-                    CoarseAction::Fasten { connection, .. } => self.assembly.connection_index(connection),
+                    CoarseAction::Fasten { connection, .. } => cell.assembly.connection_index(connection),
                     _ => None,
                 });
                 if let Some(connection) = next {
-                    self.work = Some(Work::holes(&self.assembly.connections[connection].name));
+                    self.work = Some(Work::holes(&cell.assembly.connections[connection].name));
                     check_holes(&self.skills, cell, connection)?;
                 }
             }
@@ -440,12 +435,12 @@ impl<'a> Baseline<'a> {
                     _ => None,
                 };
                 let call = Call { action, plan: &plan.steps, step: index };
-                self.work = Some(Work::action(&call, self.assembly));
+                self.work = Some(Work::action(&call, cell.assembly));
                 if let Err(error) = self.skills.execute(cell, &call) {
                     self.learn(cell, &call, &error);
                     return Err(error);
                 }
-                cell.remember_standing(&self.touched(&call));
+                cell.remember_standing(&self.touched(cell.assembly, &call));
                 cell.record(EventKind::ActionEnded(event));
                 self.report(cell);
             }
@@ -454,17 +449,17 @@ impl<'a> Baseline<'a> {
     }
 
     /// The beams of the assembly that an action has worked on, by index, according to what its skill expects.
-    fn touched(&self, call: &Call) -> Vec<usize> {
+    fn touched(&self, assembly: &Assembly, call: &Call) -> Vec<usize> {
         let expects = self.skills.get(call.kind()).map_or(&[][..], |skill| skill.expects());
         let mut beams = Vec::new();
         for effect in expects {
             match effect {
                 Effect::BeamStands | Effect::BeamAtPlace | Effect::BeamAligned | Effect::BeamDeep => {
-                    beams.extend(call.beam(self.assembly).ok());
+                    beams.extend(call.beam(assembly).ok());
                 }
                 Effect::PegSeated => {
-                    let connection = call.connection(self.assembly).ok();
-                    let sides = connection.map(|index| &self.assembly.connections[index]);
+                    let connection = call.connection(assembly).ok();
+                    let sides = connection.map(|index| &assembly.connections[index]);
                     beams.extend(sides.into_iter().flat_map(|sides| [sides.female.beam, sides.male.beam]));
                 }
                 Effect::HoldsPart | Effect::HandEmpty | Effect::BeamOut | Effect::PegOut => {}
@@ -501,11 +496,11 @@ impl Agent for Baseline<'_> {
             };
             cell.tell_complaints();
             self.report(&mut cell);
-            let exchanges = result?;
-            if exchanges.is_empty() {
+            let swaps = result?;
+            if swaps.is_empty() {
                 return Ok(());
             }
-            let hand = self.take_out_strangers(&exchanges, &planner, cell.hand)?;
+            let hand = self.take_out_swapped(&swaps, &planner, cell.hand)?;
             cell = self.cell_of(self.assembly, &planner, hand);
         }
     }

@@ -14,7 +14,7 @@ use crate::recovery::recover;
 use crate::table::SkillTable;
 
 /// A beam of the goal, by its index, and the beam that stands in its place, by name.
-pub type Exchange = (usize, String);
+pub type Swap = (usize, String);
 
 /// Takes over a frame that stands in part when the work begins, and brings it in order as after a fault:
 /// loose beams are realigned, pegs that are not flush pressed. Adds to `lost` the pegs that cannot be

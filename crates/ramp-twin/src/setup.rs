@@ -24,7 +24,7 @@ pub struct Setup<'a> {
     pub start: &'a Start,
     /// The state in which the frame begins; `None`: nothing is built.
     pub state: Option<&'a GivenState>,
-    /// What is to be done with the frame. One that is to be taken apart begins as
+    /// The task. A frame that is to be taken apart begins as
     /// [`GivenState::built`] has it.
     pub task: Task,
     /// The world from which the physics are drawn.

@@ -51,7 +51,7 @@ pub struct Arguments {
     /// Begin with the frame in the state of this file (JSON). The agent is not told
     #[arg(long, value_name = "FILE", conflicts_with = "robot")]
     state: Option<PathBuf>,
-    /// What is to be done with the frame
+    /// Task: build the frame, or take it apart
     #[arg(long, value_enum, default_value_t = TaskName::Build, conflicts_with_all = ["state", "robot"])]
     task: TaskName,
     /// Seed of all random numbers of the episode
@@ -127,6 +127,9 @@ impl Arguments {
         }
         if self.agent.parts.replaces_plans() {
             return Err(miette!("--plan and --planner build frames: --task take-apart cannot use them"));
+        }
+        if self.agent.policy.is_some() {
+            return Err(miette!("a policy is told to build a frame: --task take-apart cannot use --policy"));
         }
         Ok(Some(GivenState::built(assembly)?))
     }
@@ -257,7 +260,7 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     }
 }
 
-/// What is counted, for a person.
+/// The unit of a task, for a person.
 fn unit(task: Task) -> &'static str {
     if task == Task::Build { "pegs" } else { "parts back" }
 }

@@ -277,7 +277,7 @@ fn a_closed_pipe_is_no_error() {
     assert!(!text(&output.stderr).contains("panicked"), "{}", text(&output.stderr));
 }
 
-/// What cannot be taken apart is refused before anything is written.
+/// Frames that cannot be taken apart are refused before anything is written.
 #[test]
 fn only_a_built_frame_on_the_sheet_is_taken_apart() {
     let folder = TempDir::new().unwrap();

@@ -139,8 +139,8 @@ fn spoilt(
     state(goal, &serde_json::json!({"poses": poses}).to_string())
 }
 
-/// What stands wrong is set right: beams in each other's places are taken out with all that holds them, and a
-/// peg comes out of a hole that pins nothing.
+/// A frame that stands wrong is set right: beams in each other's places are taken out with all that holds
+/// them, and a peg comes out of a hole that pins nothing.
 #[test]
 fn a_frame_that_stands_wrong_is_repaired() {
     let goal = GoalFiles::new("easy-3");

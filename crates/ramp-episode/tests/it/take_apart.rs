@@ -47,6 +47,10 @@ fn a_frame_is_taken_apart() {
     let replayed = replay(&log).unwrap();
     assert!(replayed.is_equal(), "{:?}", replayed.differences);
     assert_eq!(replayed.result.parts, log.result.parts);
+    let mut unbuilt = log.clone();
+    unbuilt.header.state = None;
+    unbuilt.result.state = None;
+    assert!(replay(&unbuilt).unwrap_err().to_string().contains("not that of the built frame"));
     let mut other = log;
     other.header.task = None;
     assert!(replay(&other).unwrap_err().to_string().contains("its task is build"));

@@ -10,28 +10,27 @@ use ramp_kit::joint::{FEMALE_HEIGHT, STEM_LENGTH};
 use ramp_kit::source::{MAX_SENTENCE, plain};
 use ramp_motion::PathPlanner;
 use ramp_planner::{CoarseAction, Grasp, Item, Plan, State, backwards, left_of, plan};
-use ramp_robot::{Action, EventKind, RobotError};
+use ramp_robot::{EventKind, RobotError};
 
 use super::Baseline;
 use super::take_apart::{fetch, is_deep, stands};
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::hand::Hand;
-use crate::recognition::{Exchange, is_in_place, take_over};
+use crate::recognition::{Swap, is_in_place, take_over};
 use crate::recovery::{align, clear_hand, note_fault, recover};
-use crate::skill::Call;
 use crate::table::SkillTable;
 
 /// The beams that stand in the places of others with the same joints in the same places.
-pub fn exchanged(cell: &Workcell) -> Vec<Exchange> {
+pub fn swapped_beams(cell: &Workcell) -> Vec<Swap> {
     let assembly = cell.assembly;
     let mut found = Vec::new();
     for (index, placed) in assembly.beams.iter().enumerate().filter(|(index, _)| *index != assembly.base) {
         let others = cell.kit.beams.iter().filter(|other| has_joints_of(other, &placed.beam));
-        let stranger = others.filter(|other| other.name != placed.beam.name).find(|other| {
+        let other = others.filter(|other| other.name != placed.beam.name).find(|other| {
             other.name != assembly.beams[assembly.base].beam.name && is_in_place(cell, index, &other.name)
         });
-        found.extend(stranger.map(|other| (index, other.name.clone())));
+        found.extend(other.map(|other| (index, other.name.clone())));
     }
     found
 }
@@ -69,15 +68,14 @@ pub fn look_at_frame(cell: &mut Workcell) -> Result<(), RobotError> {
     Ok(())
 }
 
-/// The goal as it stands: with the beams exchanged.
-fn as_it_stands(goal: &Assembly, exchanges: &[Exchange]) -> Assembly {
+/// The goal as it stands: with the beams swapped.
+fn as_it_stands(goal: &Assembly, swaps: &[Swap]) -> Assembly {
     let mut assembly = goal.clone();
-    for (index, stranger) in exchanges {
-        let Some(beam) = goal.kit.beam(stranger) else { continue };
+    for (index, other) in swaps {
+        let Some(beam) = goal.kit.beam(other) else { continue };
         let own = std::mem::replace(&mut assembly.beams[*index].beam, beam.clone());
         // One name for each beam: the other place, if the goal has one, gets the beam that is missing here.
-        let twice =
-            |other: &(usize, &ramp_assembly::PlacedBeam)| other.0 != *index && other.1.beam.name == *stranger;
+        let twice = |it: &(usize, &ramp_assembly::PlacedBeam)| it.0 != *index && it.1.beam.name == *other;
         if let Some(other) = assembly.beams.iter().enumerate().find(twice).map(|(other, _)| other) {
             assembly.beams[other].beam = own;
         }
@@ -85,14 +83,14 @@ fn as_it_stands(goal: &Assembly, exchanges: &[Exchange]) -> Assembly {
     assembly
 }
 
-/// Takes the pegs out that stand in holes which nothing is to be pinned through yet, and brings beams to
+/// Takes pegs out of holes that nothing is to be pinned through yet, and brings beams to
 /// their places that stand off them along their insertion paths. After [`take_over`]. Returns true if there
 /// was anything to do.
 ///
 /// # Errors
 /// The robot's.
 pub fn set_right(skills: &SkillTable, cell: &mut Workcell) -> Result<bool, RobotError> {
-    let off = short_or_deep(cell);
+    let off = off_along_path(cell);
     let mut worked = !off.is_empty();
     for beam in off {
         let name = cell.assembly.beams[beam].beam.name.clone();
@@ -118,9 +116,9 @@ pub fn set_right(skills: &SkillTable, cell: &mut Workcell) -> Result<bool, Robot
 }
 
 /// Beams that lie in line with their places, but farther in or out along their insertion paths, by index.
-fn short_or_deep(cell: &Workcell) -> Vec<usize> {
+fn off_along_path(cell: &Workcell) -> Vec<usize> {
     let assembly = cell.assembly;
-    let off_path = |index: &usize| {
+    let is_off = |index: &usize| {
         let placed = &assembly.beams[*index];
         let (Ok(x_wb), Some(path)) =
             (cell.belief.parts.pose(&placed.beam.name), cell.belief.paths.get(index))
@@ -139,7 +137,7 @@ fn short_or_deep(cell: &Workcell) -> Vec<usize> {
         [[0.0; 3], [span, 0.0, 0.0], [0.0, span, 0.0]].iter().all(|p| beside(Point3::from(*p)))
     };
     let others = (0..assembly.beams.len()).filter(|index| !cell.belief.standing.contains(index));
-    others.filter(off_path).collect()
+    others.filter(is_off).collect()
 }
 
 /// Pegs that stand upright in holes of the frame, and pin nothing that the goal pins.
@@ -172,13 +170,13 @@ impl Baseline<'_> {
         &mut self,
         cell: &mut Workcell,
         lost: &mut Vec<String>,
-    ) -> Result<Vec<Exchange>, RobotError> {
+    ) -> Result<Vec<Swap>, RobotError> {
         if self.start.scatter.is_none() && begins_with_a_frame(cell) {
             look_at_frame(cell)?;
-            let exchanges = if self.exchanged { Vec::new() } else { exchanged(cell) };
-            if !exchanges.is_empty() {
-                self.exchanged = true;
-                return Ok(exchanges);
+            let swaps = if self.swapped { Vec::new() } else { swapped_beams(cell) };
+            if !swaps.is_empty() {
+                self.swapped = true;
+                return Ok(swaps);
             }
             let (assembly, domains) = (self.assembly, self.domains);
             let built = self.timed(|| ramp_planner::plan(assembly, &State::default(), domains));
@@ -199,13 +197,13 @@ impl Baseline<'_> {
     ///
     /// # Errors
     /// The robot's.
-    pub(crate) fn take_out_strangers<'r>(
+    pub(crate) fn take_out_swapped<'r>(
         &mut self,
-        exchanges: &[Exchange],
+        swaps: &[Swap],
         planner: &PathPlanner,
         hand: Hand<'r>,
     ) -> Result<Hand<'r>, RobotError> {
-        let assembly = as_it_stands(self.assembly, exchanges);
+        let assembly = as_it_stands(self.assembly, swaps);
         let mut cell = self.cell_of(&assembly, planner, hand);
         let domains = self.domains;
         let built = match self.timed(|| plan(&assembly, &State::default(), domains)) {
@@ -222,19 +220,13 @@ impl Baseline<'_> {
         note_fault(&mut cell, seen.map_err(SkillError::from))?;
         look_at_frame(&mut cell)?;
         take_over(&self.skills, &mut cell, &mut Vec::new())?;
-        let pinned: Vec<(String, String)> = cell
-            .belief
-            .pinned
-            .iter()
-            .map(|(connection, peg)| (assembly.connections[*connection].name.clone(), peg.clone()))
-            .collect();
-        let whole = backwards(&built, &pinned);
-        let strangers: Vec<&str> = exchanges.iter().map(|(_, name)| name.as_str()).collect();
+        let whole = backwards(&built, &cell.belief.fastened());
+        let others: Vec<&str> = swaps.iter().map(|(_, name)| name.as_str()).collect();
         for _ in 0..=cell.parameters.agent.apart_tries {
             let left = left_of(&whole, |item| stands(&cell, item), |beam| is_deep(&cell, beam));
-            let left = until_out(left, &strangers);
+            let left = until_out(left, &others);
             self.report(&mut cell);
-            match self.carry_out(&mut cell, &left) {
+            match self.run_plan(&mut cell, &left) {
                 Ok(()) => break,
                 Err(SkillError::Robot(error)) => return Err(error),
                 Err(error) => cell.record(error.fault()),
@@ -257,18 +249,14 @@ impl Baseline<'_> {
     ) -> Result<(), RobotError> {
         let (assembly, domains) = (self.assembly, self.domains);
         let Ok(built) = self.timed(|| plan(assembly, &State::default(), domains)) else { return Ok(()) };
-        let pinned = |cell: &Workcell| -> Vec<(String, String)> {
-            let name = |connection: usize| assembly.connections[connection].name.clone();
-            cell.belief.pinned.iter().map(|(connection, peg)| (name(*connection), peg.clone())).collect()
-        };
-        let whole = backwards(&built, &pinned(cell));
+        let whole = backwards(&built, &cell.belief.fastened());
         loop {
             let left = left_of(&whole, |item| stands(cell, item), |beam| is_deep(cell, beam));
             let next = first_piece(left);
             if next.steps.is_empty() {
                 return Ok(());
             }
-            match self.carry_out(cell, &next) {
+            match self.run_plan(cell, &next) {
                 Ok(()) => {}
                 Err(SkillError::Robot(error)) => return Err(error),
                 Err(error) => {
@@ -282,21 +270,6 @@ impl Baseline<'_> {
                 return Ok(());
             }
         }
-    }
-
-    /// Carries out a plan for another frame than the goal.
-    fn carry_out(&mut self, cell: &mut Workcell, plan: &Plan) -> Result<(), SkillError> {
-        for (step, coarse) in plan.steps.iter().enumerate() {
-            for action in &coarse.fine {
-                let event = Action::of(action);
-                cell.record(EventKind::ActionBegun(event.clone()));
-                self.report(cell);
-                self.skills.execute(cell, &Call { action, plan: &plan.steps, step })?;
-                cell.record(EventKind::ActionEnded(event));
-                self.report(cell);
-            }
-        }
-        Ok(())
     }
 }
 

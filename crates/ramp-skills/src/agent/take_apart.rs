@@ -57,7 +57,13 @@ impl Baseline<'_> {
             }
             cell.record(Retry::new("take_apart", "the frame").attempt(failures + 1).because(&failure));
         }
-        self.tidy(cell)
+        self.tidy(cell)?;
+        let beside: Vec<&str> =
+            cell.assembly.movable_parts().into_iter().filter(|part| !cell.is_in_sheet_place(part)).collect();
+        if !beside.is_empty() {
+            self.give_up(cell, &format!("not in their places on the sheet: {}", beside.join(", ")));
+        }
+        Ok(())
     }
 
     /// The plan of the build from the sheet, rehearsed with the arm's model, backwards.
@@ -99,7 +105,7 @@ impl Baseline<'_> {
                 Some(_) => Item::Beam(part.to_string()),
                 None => Item::Peg(part.to_string()),
             };
-            if stands(cell, &item) || cell.is_home(part) {
+            if stands(cell, &item) || cell.is_in_sheet_place(part) {
                 continue;
             }
             cell.record(EventKind::Note { text: format!("{part} is not in its place on the sheet") });
@@ -151,6 +157,6 @@ pub fn is_deep(cell: &Workcell, beam: &str) -> bool {
 pub fn fetch(skills: &SkillTable, cell: &mut Workcell, item: &Item, grasp: Grasp) -> Result<(), SkillError> {
     let pick_up = FineAction::PickUp { item: item.clone(), grasp };
     skills.execute(cell, &Call::alone(&pick_up))?;
-    cell.bring_home(item.name());
+    cell.return_to_sheet(item.name());
     skills.execute(cell, &Call::alone(&FineAction::PutDown { item: item.clone() }))
 }

@@ -6,9 +6,9 @@ pub mod assembly_belief;
 pub mod diagnosis;
 pub mod droop;
 pub mod footprints;
-pub mod home;
 pub mod journal;
 pub mod pegs;
+pub mod sheet_place;
 pub mod target;
 pub mod workcell;
 

@@ -7,6 +7,12 @@ use super::assembly_belief::AssemblyBelief;
 use crate::fault::SkillError;
 
 impl AssemblyBelief<'_> {
+    /// The pinned connections, by name, each with its peg.
+    pub fn fastened(&self) -> Vec<(String, String)> {
+        let name = |connection: usize| self.assembly.connections[connection].name.clone();
+        self.pinned.iter().map(|(connection, peg)| (name(*connection), peg.clone())).collect()
+    }
+
     /// The pose of the top of a connection's hole in the world: on the female's top plate, z up.
     pub fn mouth(&self, connection: usize) -> Result<Vector3<f64>, SkillError> {
         let hole = self.parts.hole(self.assembly, self.assembly.connections[connection].female)?;

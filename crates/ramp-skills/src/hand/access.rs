@@ -23,7 +23,7 @@ pub struct Held {
     /// The pose in the world at which it is put down: where it was grasped, or its place on the sheet.
     pub x_wp_back: Pose,
     /// It is brought back to its place on the sheet.
-    pub goes_home: bool,
+    pub returns_to_sheet: bool,
     /// kg.
     pub mass: f64,
     /// Centre of mass in the part's frame, m.

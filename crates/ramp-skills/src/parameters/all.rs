@@ -19,9 +19,10 @@ use super::insertions::{AssembleParameters, CapParameters, InsertionParameters};
 use super::motion::{AlignmentParameters, LookParameters, TravelParameters};
 use super::read::{ParameterFault, read_values};
 use super::skills::{
-    AgentParameters, ClearParameters, FastenParameters, HomeParameters, LayDownParameters, MoveToParameters,
+    AgentParameters, ClearParameters, FastenParameters, LayDownParameters, MoveToParameters,
     PickUpParameters, PieceParameters, PullOutParameters, PushParameters, PutDownParameters,
-    RegraspParameters, RepairParameters, SlideBackParameters, SlideParameters, TakeOutParameters,
+    RegraspParameters, RepairParameters, SheetPlaceParameters, SlideBackParameters, SlideParameters,
+    TakeOutParameters,
 };
 
 /// The values of the baseline, `data/skills/baseline.toml`, as the program was built with.
@@ -71,7 +72,7 @@ groups! {
     /// The agent before a build from a start whose parts lie anywhere.
     clear: ClearParameters,
     /// The places on the sheet to which parts are put back.
-    home: HomeParameters,
+    sheet_place: SheetPlaceParameters,
     /// The agent before a build that begins with a frame.
     repair: RepairParameters,
     /// The agent on a piece of a plan.

@@ -47,7 +47,7 @@ parameters! {
 
 parameters! {
     /// The places on the sheet to which parts are put back when a frame is taken apart.
-    HomeParameters {
+    SheetPlaceParameters {
         /// Shifts beside an outline that are tried, along x and along y. Chosen: as far as the start `moved`
         /// lays parts.
         shift: [f64; 3] = "m", -0.02, 0.02;

@@ -32,7 +32,7 @@ impl Workcell<'_, '_> {
         // The hand turns with the beam: the worse of start and goal counts.
         let index = self.assembly.beam_index(part);
         let goal = match index.filter(|index| self.belief.standing.contains(index)) {
-            Some(_) => self.home(part),
+            Some(_) => self.sheet_place(part),
             None => index.map(|index| self.belief.target(index)).transpose()?,
         };
         let has_room = |grasp: &Grasp| self.has_room(&grasp.x_wt, grasp.open, part);
@@ -139,8 +139,14 @@ impl Workcell<'_, '_> {
         };
         let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
         self.hand.pushed = false;
-        self.hand.held =
-            Some(Held { part: part.to_string(), x_tp, x_wp_back: x_wp, goes_home: false, mass, p_centre });
+        self.hand.held = Some(Held {
+            part: part.to_string(),
+            x_tp,
+            x_wp_back: x_wp,
+            returns_to_sheet: false,
+            mass,
+            p_centre,
+        });
         Ok(())
     }
 

@@ -83,8 +83,8 @@ impl Workcell<'_, '_> {
         let terms = Terms { height: self.parameters.travel.height, level, checker: &checker, law: &law };
         let mut stream = self.stream.clone();
         let planned = self.planner.plan(&self.hand.start(), x_wt, &terms, &mut self.stream)?;
-        let goes_home = self.hand.held.as_ref().is_some_and(|held| held.goes_home);
-        if !level || !goes_home || !self.leans(&planned) {
+        let returns_to_sheet = self.hand.held.as_ref().is_some_and(|held| held.returns_to_sheet);
+        if !level || !returns_to_sheet || !self.leans(&planned) {
             return Ok(planned);
         }
         // A beam in a hand that leans turns about its axis between the fingers, unless the motion is slow. On

@@ -90,7 +90,7 @@ impl PullOut {
         up.translation.z += self.parameters.height;
         cell.hand.go(&up, self.parameters.speed)?;
         cell.check_grip(peg)?;
-        cell.bring_home(peg);
+        cell.return_to_sheet(peg);
         Ok(())
     }
 }

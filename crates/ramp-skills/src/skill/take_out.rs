@@ -84,7 +84,7 @@ impl TakeOut {
         let start = Translation3::from(out * (distance + self.parameters.beyond)) * goal;
         cell.level_on_path(&name, &goal, &out, self.parameters.lift_limit, self.parameters.speed)?;
         for attempt in 0..self.parameters.tries {
-            let target = self.on_the_way_out(cell, &name, &start)?;
+            let target = cell.hand.corrected(&cell.belief.parts.pose(&name)?, &start);
             let caught = cell.hand.drive(&target, self.parameters.speed, |hand| {
                 -hand.force().dot(&out) > self.parameters.limit
             })?;
@@ -99,7 +99,7 @@ impl TakeOut {
             }
             if short < self.parameters.beyond {
                 cell.hand.pushed = caught;
-                cell.bring_home(&name);
+                cell.return_to_sheet(&name);
                 return Ok(());
             }
             if attempt + 1 == self.parameters.tries {
@@ -109,11 +109,6 @@ impl TakeOut {
             cell.record(Retry::new("take_out", &name).attempt(attempt + 2).off(short));
         }
         Ok(())
-    }
-
-    /// The setpoint at which the beam in the hand is at the start of its insertion path.
-    fn on_the_way_out(&self, cell: &Workcell, name: &str, start: &Pose) -> Result<Pose, SkillError> {
-        Ok(cell.hand.corrected(&cell.belief.parts.pose(name)?, start))
     }
 }
 

@@ -13,33 +13,33 @@ impl Workcell<'_, '_> {
     /// A beam goes to its own outline, or to one of its shape, so that it is clear of all other parts: if
     /// need be a little beside the outline, as far as a start lays parts. A peg goes to its own hole of a
     /// holder, or to the nearest free one, where the holder is seen to stand.
-    pub fn home(&self, part: &str) -> Option<Pose> {
+    pub fn sheet_place(&self, part: &str) -> Option<Pose> {
         match self.kit.beam(part) {
-            Some(beam) => self.home_of_beam(beam, |_| true),
-            None => self.home_of_peg(part),
+            Some(beam) => self.place_of_beam(beam, |_| true),
+            None => self.place_of_peg(part),
         }
     }
 
-    /// Has the part in the hand put down at its place on the sheet ([`Workcell::home`]), and not where it was
-    /// picked up. For a beam, the open fingers have room there.
-    pub fn bring_home(&mut self, part: &str) {
+    /// Has the part in the hand put down at its place on the sheet ([`Workcell::sheet_place`]), and not where
+    /// it was picked up. For a beam, the open fingers have room there.
+    pub fn return_to_sheet(&mut self, part: &str) {
         let Some(x_pt) = self.hand.held.as_ref().map(|held| held.x_tp.inverse()) else { return };
         let open = self.parameters.grip.beam_release;
-        let home = match self.kit.beam(part) {
+        let place = match self.kit.beam(part) {
             Some(beam) => self
-                .home_of_beam(beam, |x_wb| self.has_room(&(x_wb * x_pt), open, part))
-                .or_else(|| self.home(part)),
-            None => self.home(part),
+                .place_of_beam(beam, |x_wb| self.has_room(&(x_wb * x_pt), open, part))
+                .or_else(|| self.sheet_place(part)),
+            None => self.sheet_place(part),
         };
-        if let (Some(home), Some(held)) = (home, &mut self.hand.held) {
-            held.x_wp_back = home;
-            held.goes_home = true;
+        if let (Some(place), Some(held)) = (place, &mut self.hand.held) {
+            held.x_wp_back = place;
+            held.returns_to_sheet = true;
         }
     }
 
     /// Whether a part is believed to be in a place on the sheet where it may be put back.
-    pub fn is_home(&self, part: &str) -> bool {
-        let own = &self.parameters.home;
+    pub fn is_in_sheet_place(&self, part: &str) -> bool {
+        let own = &self.parameters.sheet_place;
         let Ok(x_wp) = self.belief.parts.pose(part) else { return false };
         let (places, middle, turn) = match self.kit.beam(part) {
             Some(beam) => {
@@ -78,19 +78,19 @@ impl Workcell<'_, '_> {
 
     /// The pose on or beside an outline that is clear of all other parts by as much as can be, and nearest to
     /// the outline; its own outline where none is.
-    fn home_of_beam(&self, beam: &Beam, allowed: impl Fn(&Pose) -> bool) -> Option<Pose> {
+    fn place_of_beam(&self, beam: &Beam, allowed: impl Fn(&Pose) -> bool) -> Option<Pose> {
         let (outlines, around) = (self.outlines(beam), self.around(beam));
-        let home = &self.parameters.home;
+        let own = &self.parameters.sheet_place;
         let middle = Translation3::new(beam.span() / 2.0, 0.0, 0.0);
         let mut offsets: Vec<(f64, [f64; 3])> = Vec::new();
-        for x in home.shift {
-            for y in home.shift {
+        for x in own.shift {
+            for y in own.shift {
                 // A turn moves the ends as much as this shift.
-                offsets.extend(home.turn.map(|yaw| (x.hypot(y).hypot(yaw * beam.span() / 2.0), [x, y, yaw])));
+                offsets.extend(own.turn.map(|yaw| (x.hypot(y).hypot(yaw * beam.span() / 2.0), [x, y, yaw])));
             }
         }
         offsets.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-        for beside in home.beside {
+        for beside in own.beside {
             for outline in &outlines {
                 let beside_it = offsets.iter().map(|(_, [x, y, yaw])| {
                     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), *yaw);
@@ -107,7 +107,7 @@ impl Workcell<'_, '_> {
         None
     }
 
-    fn home_of_peg(&self, peg: &str) -> Option<Pose> {
+    fn place_of_peg(&self, peg: &str) -> Option<Pose> {
         let mut holes = self.holes_of_holders(peg);
         let own = *holes.first()?;
         let off = |x: &Pose, other: &Pose| (x.translation.vector - other.translation.vector).xy().norm();
