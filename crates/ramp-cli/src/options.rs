@@ -101,6 +101,8 @@ pub enum TrackName {
     Noisy,
     /// Images of two cameras, with the parts' tags in them
     Tags,
+    /// Images of two cameras, without any tag
+    Colour,
 }
 
 impl From<TrackName> for Track {
@@ -109,6 +111,7 @@ impl From<TrackName> for Track {
             TrackName::State => Track::State,
             TrackName::Noisy => Track::Noisy,
             TrackName::Tags => Track::Tags,
+            TrackName::Colour => Track::Colour,
         }
     }
 }

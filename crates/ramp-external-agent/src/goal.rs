@@ -56,8 +56,10 @@ impl<'a> GoalMessage<'a> {
             .iter()
             .map(|peg| json!({"name": peg.name, "x_wp_sheet": kit.x_wp_start(peg).as_ref().map(pose)}))
             .collect();
+        let tagged = self.track.has_tags();
         let tags: Vec<Value> = tags::places(kit)
             .iter()
+            .filter(|_| tagged)
             .map(|it| json!({"id": it.id, "part": it.part, "x_pg": pose(&it.x_pg), "edge": it.edge}))
             .collect();
         let hand = &self.arm.hand;
@@ -70,7 +72,7 @@ impl<'a> GoalMessage<'a> {
                 "name": self.start.name,
                 "shift": self.start.places.shift,
                 "turn": self.start.places.turn,
-                "trade": self.start.trades(),
+                "trade": self.start.trades() && self.track.has_tags(),
                 "anywhere": self.start.scatter.as_ref().map(anywhere),
             },
             "period": ramp_robot::PERIOD,
@@ -98,11 +100,11 @@ impl<'a> GoalMessage<'a> {
                 Camera::BirdsEye.name(): camera(&robot.camera(Camera::BirdsEye)),
             },
             "tags": tags,
-            "sheet_tag": {
+            "sheet_tag": tagged.then(|| json!({
                 "id": tags::SHEET_ID,
                 "x_wg": pose(&tags::x_wg_sheet(kit)),
                 "edge": kit.sheet.tag_edge,
-            },
+            })),
             "files": {"goal": self.texts.goal, "kit": self.texts.kit},
         });
         if let Some(task) = &self.task {

@@ -158,8 +158,8 @@ impl Robot for FrankaRobot {
 
     fn read_parts(&mut self) -> Result<Vec<PartReading>, RobotError> {
         self.check_running()?;
-        if self.track == Track::Tags {
-            return Err(RobotError::NotOnTrack { track: Track::Tags, what: "poses of parts" });
+        if self.track.gives_images() {
+            return Err(RobotError::NotOnTrack { track: self.track, what: "poses of parts" });
         }
         let parts = self.parts().map_err(RobotError::from);
         self.kept(parts)

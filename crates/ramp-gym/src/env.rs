@@ -157,6 +157,12 @@ pub struct Env {
     painters: Vec<Painter>,
 }
 
+/// Meshes and textures for the images of a scenario.
+fn looks_of(scenario: &Scenario) -> Result<Arc<Looks>, LooksError> {
+    let (kit, arm) = (&scenario.benchmark.kit, &scenario.benchmark.arm);
+    if scenario.track.has_tags() { Looks::shared(kit, arm) } else { Looks::shared_without_tags(kit, arm) }
+}
+
 impl Env {
     /// An environment; its episodes are drawn from seed 0 until it is reset with another.
     ///
@@ -167,15 +173,11 @@ impl Env {
         if first.checked_add(count).is_none() {
             return Err(EnvError::Starts { first, count });
         }
-        let looks = if options.views.is_empty() {
-            None
-        } else {
-            Some(Looks::shared(&scenario.benchmark.kit, &scenario.benchmark.arm)?)
-        };
+        let looks = if options.views.is_empty() { None } else { Some(looks_of(&scenario)?) };
         let skill = scenario.mission != Mission::Goal;
         let mut part_names: Vec<String> = Vec::new();
         // Part poses follow the track: exact, or as they were read at the start.
-        if !skill && scenario.track != Track::Tags {
+        if !skill && !scenario.track.gives_images() {
             let kit = &scenario.benchmark.kit;
             part_names.extend(kit.beams.iter().map(|it| it.name.clone()));
             part_names.extend(kit.pegs.iter().map(|it| it.name.clone()));
@@ -201,11 +203,7 @@ impl Env {
     /// # Errors
     /// As [`Env::new`].
     pub fn sibling(&self) -> Result<Env, EnvError> {
-        let looks = if self.options.views.is_empty() {
-            None
-        } else {
-            Some(Looks::shared(&self.scenario.benchmark.kit, &self.scenario.benchmark.arm)?)
-        };
+        let looks = if self.options.views.is_empty() { None } else { Some(looks_of(&self.scenario)?) };
         Ok(Env {
             scenario: Arc::clone(&self.scenario),
             options: Arc::clone(&self.options),

@@ -76,7 +76,7 @@ pub(crate) fn prepare(scenario: &Scenario, seed: u64) -> Result<Prepared, BeginE
     let benchmark = &scenario.benchmark;
     let Mission::Skill { steps, name } = &scenario.mission else {
         let setup = scenario.setup(0, seed);
-        let layout = Layout::new(setup.assembly, setup.start, seed);
+        let layout = Layout::on_track(setup.assembly, setup.start, setup.track, seed);
         let twin = Twin::with_options(&setup, layout, &whole().options)?;
         let places = twin.part_names().map(str::to_string).zip(twin.truth().x_wp).collect();
         return Ok(Prepared { twin, seed, task: (0, 0), places, known: None });

@@ -23,6 +23,21 @@ const INNER: Pen = Pen::new(GREY, 0.15);
 /// # Errors
 /// A beam whose solid cannot be made.
 pub fn start_sheet(kit: &Kit) -> Result<Drawing, SolidError> {
+    let mut drawing = start_sheet_without_tag(kit)?;
+    let sheet = &kit.sheet;
+    let [x, y] = sheet.tag.map(|v| v * MM);
+    draw_tag(&mut drawing, 0, [x, y], sheet.tag_edge * MM, 0);
+    let label = y + sheet.tag_edge * MM * tags::CELLS as f64 / tags::BLACK_CELLS as f64 / 2.0 + 1.5;
+    let words = format!("tag 0 of the sheet, black edge {} mm", sheet.tag_edge * MM);
+    drawing.text([x, label], Align::Middle, 2.4, GREY, &words);
+    Ok(drawing)
+}
+
+/// The same without its own tag.
+///
+/// # Errors
+/// As [`start_sheet`].
+pub fn start_sheet_without_tag(kit: &Kit) -> Result<Drawing, SolidError> {
     let sheet = &kit.sheet;
     let mut drawing = Drawing::new("RAMP start sheet", sheet.size.map(|edge| edge * MM));
     for beam in &kit.beams {
@@ -33,11 +48,6 @@ pub fn start_sheet(kit: &Kit) -> Result<Drawing, SolidError> {
     for holder in &kit.holders {
         draw_holder(&mut drawing, kit, holder);
     }
-    let [x, y] = sheet.tag.map(|v| v * MM);
-    draw_tag(&mut drawing, 0, [x, y], sheet.tag_edge * MM, 0);
-    let label = y + sheet.tag_edge * MM * tags::CELLS as f64 / tags::BLACK_CELLS as f64 / 2.0 + 1.5;
-    let words = format!("tag 0 of the sheet, black edge {} mm", sheet.tag_edge * MM);
-    drawing.text([x, label], Align::Middle, 2.4, GREY, &words);
     draw_legend(&mut drawing, kit);
     Ok(drawing)
 }

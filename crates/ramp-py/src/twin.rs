@@ -52,7 +52,8 @@ pub struct Twin {
 /// The track of that name.
 pub fn track(name: &str) -> PyResult<Track> {
     let named = Track::ALL.into_iter().find(|it| it.name() == name);
-    named.ok_or_else(|| input(format!("there is no track `{name}`; there are state, noisy, tags")))
+    let names = Track::ALL.map(Track::name).join(", ");
+    named.ok_or_else(|| input(format!("there is no track `{name}`; there are {names}")))
 }
 
 /// A fault as on the command line.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use franka_description::{MeshSet, Robot};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_kit::shape::Cuboid;
 use ramp_kit::solid::{self, Solid};
 use ramp_kit::tags::{self, TagPlace};
@@ -19,7 +19,7 @@ use crate::texture::{Cells, Texture};
 const PRINTED: Colour = [0.035, 0.037, 0.042];
 const PEG: Colour = [0.50, 0.13, 0.02];
 const HOLDER: Colour = [0.16, 0.17, 0.18];
-const METAL: Colour = [0.52, 0.54, 0.57];
+pub(crate) const METAL: Colour = [0.52, 0.54, 0.57];
 const TIP: Colour = [0.03, 0.03, 0.033];
 const TOOL: Colour = [0.22, 0.23, 0.25];
 const PAPER: Colour = [0.8, 0.8, 0.8];
@@ -27,7 +27,7 @@ const PAPER: Colour = [0.8, 0.8, 0.8];
 const CARDBOARD: f64 = 4.0e-3;
 /// For near and far looks: details that are left out and the longest edge of a triangle (the lens bends
 /// longer ones visibly), m.
-const NEAR: [f32; 2] = [0.9e-3, 0.045];
+const NEAR: [f32; 2] = [0.45e-3, 0.045];
 const FAR: [f32; 2] = [2.0e-3, 0.06];
 /// Details that a shadow does not show, m.
 const SHADOW: f32 = 0.008;
@@ -63,6 +63,8 @@ pub struct Body {
     pub shadow: Mesh,
     /// Its tags.
     pub tags: Vec<Sticker>,
+    /// By how much it is lighter than its materials, 1 for not at all.
+    pub tone: f32,
     /// Centre and radius of a ball around it, m.
     pub ball: ([f32; 3], f32),
 }
@@ -73,7 +75,7 @@ impl Body {
             let mesh = mesh.coarse(detail).refined(edge);
             Surface { normals: mesh.normals(), mesh }
         });
-        Body { name: name.to_string(), surfaces, ball: mesh.ball(), shadow, tags }
+        Body { name: name.to_string(), surfaces, ball: mesh.ball(), shadow, tags, tone: 1.0 }
     }
 }
 
@@ -83,11 +85,22 @@ pub struct Looks {
     bodies: Vec<Body>,
     names: BTreeMap<String, usize>,
     /// The sheet and where it lies: its upper left corner in the world and its size, m.
-    pub(crate) sheet: Texture,
+    pub(crate) sheet: Arc<Texture>,
     pub(crate) sheet_corner: [f32; 2],
     pub(crate) sheet_size: [f32; 2],
-    /// The sheet's tag and its pose in the world.
-    pub(crate) sheet_tag: Sticker,
+    /// The sheet's tag and its pose in the world, if it has one.
+    pub(crate) sheet_tag: Option<Sticker>,
+    /// Light of the lamp's reflection in aluminium, relative to white.
+    pub(crate) glint: f32,
+}
+
+/// How a body differs from its drawing.
+pub struct Difference<'a> {
+    /// Where a point of the drawing (m, in the body's frame) is, and how far its surroundings are turned;
+    /// `None` where nothing differs.
+    pub place: Option<&'a dyn Fn(Point3<f64>) -> Pose>,
+    /// By how much it is lighter than its materials, 1 for not at all.
+    pub tone: f64,
 }
 
 /// A finger's box, see the arm file: in the finger's frame, whose z is `tip` further from the tip.
@@ -150,10 +163,11 @@ impl Looks {
         Ok(Looks {
             bodies,
             names,
-            sheet: Texture::sheet(kit)?,
+            sheet: Arc::new(Texture::sheet(kit, true)?),
             sheet_corner: kit.sheet.corner.map(|value| value as f32),
             sheet_size: kit.sheet.size.map(|value| value as f32),
-            sheet_tag: sticker(&sheet_place)?,
+            sheet_tag: Some(sticker(&sheet_place)?),
+            glint: 0.0,
         })
     }
 
@@ -162,14 +176,31 @@ impl Looks {
     /// # Errors
     /// As [`Looks::new`].
     pub fn shared(kit: &Kit, arm: &ArmModel) -> Result<Arc<Looks>, LooksError> {
+        Looks::known("with tags", kit, arm, || Looks::new(kit, Some(arm)))
+    }
+
+    /// As [`Looks::shared`], without any tag: none on a part, none on the sheet.
+    ///
+    /// # Errors
+    /// As [`Looks::new`].
+    pub fn shared_without_tags(kit: &Kit, arm: &ArmModel) -> Result<Arc<Looks>, LooksError> {
+        Looks::known("without tags", kit, arm, || Looks::new(kit, Some(arm))?.without_tags(kit))
+    }
+
+    fn known(
+        kind: &str,
+        kit: &Kit,
+        arm: &ArmModel,
+        make: impl FnOnce() -> Result<Looks, LooksError>,
+    ) -> Result<Arc<Looks>, LooksError> {
         static KNOWN: Mutex<Vec<(String, Arc<Looks>)>> = Mutex::new(Vec::new());
         // The debug form holds every number of both.
-        let key = format!("{kit:?}{arm:?}");
+        let key = format!("{kind}{kit:?}{arm:?}");
         let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, looks)) = known.iter().find(|(other, _)| *other == key) {
             return Ok(Arc::clone(looks));
         }
-        let looks = Arc::new(Looks::new(kit, Some(arm))?);
+        let looks = Arc::new(make()?);
         known.push((key, Arc::clone(&looks)));
         Ok(looks)
     }
@@ -198,6 +229,50 @@ impl Looks {
             }
         }
         looks
+    }
+
+    /// The same with a body that differs from its drawing.
+    pub fn change(&mut self, name: &str, difference: &Difference) {
+        let Some(body) = self.body(name).and_then(|index| self.bodies.get_mut(index)) else { return };
+        body.tone = difference.tone as f32;
+        let Some(place) = difference.place else { return };
+        let moved = |points: &mut [[f32; 3]]| {
+            for point in points {
+                let p = place(Point3::from(point.map(f64::from))).translation.vector;
+                *point = [p.x as f32, p.y as f32, p.z as f32];
+            }
+        };
+        for surface in &mut body.surfaces {
+            moved(&mut surface.mesh.points);
+            surface.normals = surface.mesh.normals();
+        }
+        moved(&mut body.shadow.points);
+        for sticker in &mut body.tags {
+            let x = &mut sticker.place.x_pg;
+            let there = place(Point3::from(x.translation.vector));
+            *x = Pose::from_parts(there.translation, there.rotation * x.rotation);
+        }
+        body.ball = body.surfaces[0].mesh.ball();
+    }
+
+    /// The same with the lamp's reflection in aluminium so bright, relative to white.
+    #[must_use]
+    pub fn with_glint(mut self, glint: f64) -> Looks {
+        self.glint = glint as f32;
+        self
+    }
+
+    /// The same without any tag: none on a part, none on the sheet of the kit.
+    ///
+    /// # Errors
+    /// A sheet that cannot be drawn.
+    pub fn without_tags(mut self, kit: &Kit) -> Result<Looks, LooksError> {
+        self.sheet = Arc::new(Texture::sheet(kit, false)?);
+        self.sheet_tag = None;
+        for body in &mut self.bodies {
+            body.tags.clear();
+        }
+        Ok(self)
     }
 
     /// All bodies.

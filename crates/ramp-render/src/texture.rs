@@ -104,12 +104,12 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// The start sheet of a kit.
+    /// The start sheet of a kit, with its tag or without.
     ///
     /// # Errors
     /// A sheet that cannot be drawn.
-    pub fn sheet(kit: &Kit) -> Result<Texture, LooksError> {
-        let drawing = sheet::start_sheet(kit)?;
+    pub fn sheet(kit: &Kit, tag: bool) -> Result<Texture, LooksError> {
+        let drawing = if tag { sheet::start_sheet(kit) } else { sheet::start_sheet_without_tag(kit) }?;
         let options = usvg::Options { dpi: 25.4, ..usvg::Options::default() };
         let tree = usvg::Tree::from_str(&drawing.svg(), &options)
             .map_err(|error| LooksError::Sheet(error.to_string()))?;

@@ -9,11 +9,13 @@ pub enum Track {
     Noisy,
     /// Camera images alone, with the parts' tags in them.
     Tags,
+    /// Camera images alone, with no tag on any part and none on the sheet.
+    Colour,
 }
 
 impl Track {
     /// All of them.
-    pub const ALL: [Track; 3] = [Track::State, Track::Noisy, Track::Tags];
+    pub const ALL: [Track; 4] = [Track::State, Track::Noisy, Track::Tags, Track::Colour];
 
     /// The name on the command line and in results.
     pub fn name(self) -> &'static str {
@@ -21,6 +23,18 @@ impl Track {
             Track::State => "state",
             Track::Noisy => "noisy",
             Track::Tags => "tags",
+            Track::Colour => "colour",
         }
+    }
+
+    /// Whether the agent has images instead of poses of the parts.
+    pub fn gives_images(self) -> bool {
+        matches!(self, Track::Tags | Track::Colour)
+    }
+
+    /// Whether tags stick on the parts and are printed on the sheet. Without them, parts of one shape cannot
+    /// be told apart: each is called by the outline on which it lies at the start.
+    pub fn has_tags(self) -> bool {
+        self != Track::Colour
     }
 }

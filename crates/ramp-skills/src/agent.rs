@@ -282,8 +282,11 @@ impl<'a> Baseline<'a> {
             self.report(cell);
         }
         for round in 0.. {
-            let seen = cell.belief.parts.update(&mut cell.hand);
-            note_fault(cell, seen.map_err(SkillError::from))?;
+            let seen = match round {
+                0 => cell.look_first(),
+                _ => cell.belief.parts.update(&mut cell.hand).map_err(SkillError::from),
+            };
+            note_fault(cell, seen)?;
             if round == 0 {
                 let swaps = self.begin(cell, &mut lost)?;
                 self.report(cell);

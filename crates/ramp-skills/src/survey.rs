@@ -12,6 +12,7 @@ use ramp_world::Start;
 
 use crate::Pose;
 use crate::belief::estimate::Estimate;
+use crate::belief::surroundings::Surroundings;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::parameters::Parameters;
@@ -31,7 +32,7 @@ pub fn survey(
     robot: &mut dyn Robot,
     seed: u64,
 ) -> Result<BTreeMap<String, Pose>, RobotError> {
-    if track != Track::Tags {
+    if !track.gives_images() {
         return Ok(robot.read_parts()?.into_iter().map(|reading| (reading.part, reading.x_wp)).collect());
     }
     let planner = PathPlanner::new(arm);
@@ -78,7 +79,7 @@ fn look_at(
         cell.hand.expose()?;
     }
     for _ in 0..LOOKS {
-        for sighting in cell.belief.parts.eyes.look(&mut cell.hand, &[])? {
+        for sighting in cell.belief.parts.eyes.look(&mut cell.hand, &Surroundings::default())? {
             match seen.get_mut(&sighting.part) {
                 Some(estimate) => estimate.fuse(&sighting.estimate),
                 None => {

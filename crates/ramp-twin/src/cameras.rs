@@ -4,32 +4,37 @@ use std::sync::{Arc, OnceLock};
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_kit::Kit;
-use ramp_render::looks::HOUSING;
+use ramp_render::looks::{Difference, HOUSING};
 use ramp_render::{Looks, LooksError, Sensor};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::camera::Mount;
 use ramp_robot::random::Stream;
 use ramp_robot::{Camera, CameraModel, ImageWidth, PERIOD, Pose};
-use ramp_world::groups;
+use ramp_world::{Physics, groups};
 
 use crate::drawing::{Drawing, Eye, Pixels, index};
 use crate::fault::FaultKind;
+use crate::mjcf::{PartShape, Printed};
 use crate::setup::Setup;
 pub use crate::shutters::EXPOSURE_STEPS;
 use crate::shutters::{Exposure, Moment, Shutters};
 
-/// The true camera in the episode of this seed: the nominal one with an error of calibration. `position` (m)
-/// and `angle` (rad) are the standard deviation of that error for each axis.
-pub fn true_camera(camera: Camera, arm: &ArmModel, seed: u64, [position, angle]: [f64; 2]) -> CameraModel {
+/// The true camera in the episode of this seed: the nominal one with the errors of its mounting and of its
+/// lens that the world has.
+pub fn true_camera(camera: Camera, arm: &ArmModel, seed: u64, physics: &groups::Cameras) -> CameraModel {
     let mut stream = Stream::new(seed, &format!("calibration-{}", camera.name()));
     let mut three = |sigma: f64| Vector3::from_fn(|_, _| stream.normal(sigma));
-    let error =
-        Pose::from_parts(Translation3::from(three(position)), UnitQuaternion::from_scaled_axis(three(angle)));
+    let (shift, turn) = (three(physics.position_error), three(physics.angle_error));
+    let error = Pose::from_parts(Translation3::from(shift), UnitQuaternion::from_scaled_axis(turn));
     let mut model = CameraModel::nominal(camera, arm.hand.tip);
     model.mount = match model.mount {
         Mount::Tip(x_tc) => Mount::Tip(x_tc * error),
         Mount::World(x_wc) => Mount::World(x_wc * error),
     };
+    let mut lens = Stream::new(seed, &format!("lens-{}", camera.name()));
+    let longer = 1.0 + lens.normal(physics.focal_error);
+    model.focal = model.focal.map(|focal| focal * longer);
+    model.centre = model.centre.map(|centre| centre + lens.normal(physics.centre_error));
     model
 }
 
@@ -38,8 +43,12 @@ pub(crate) struct Cameras {
     kit: Kit,
     seed: u64,
     physics: groups::Cameras,
+    /// All that the episode drew.
+    world: Physics,
     /// A tag that is covered with white.
     covered: Option<u32>,
+    /// Whether tags stick on the parts and are printed on the sheet.
+    tags: bool,
     /// Whether cameras may freeze.
     freeze: bool,
     /// True models, in the order of [`index`].
@@ -71,14 +80,16 @@ impl CamerasState {
 
 impl Cameras {
     /// The cameras of an episode, in which one tag may be `covered`.
-    pub fn new(setup: &Setup, covered: Option<u32>, physics: &groups::Cameras) -> Cameras {
-        let error = [physics.position_error, physics.angle_error];
-        let model = |camera| true_camera(camera, setup.arm, setup.seed, error);
+    pub fn new(setup: &Setup, covered: Option<u32>, world: &Physics) -> Cameras {
+        let physics = &world.cameras;
+        let model = |camera| true_camera(camera, setup.arm, setup.seed, physics);
         Cameras {
             kit: (*setup.assembly.kit).clone(),
             seed: setup.seed,
             physics: physics.clone(),
+            world: world.clone(),
             covered,
+            tags: setup.track.has_tags(),
             freeze: setup.fault.as_ref().is_some_and(|fault| fault.kind == FaultKind::CameraFrozen),
             models: [model(Camera::Wrist), model(Camera::BirdsEye)],
             looks: OnceLock::new(),
@@ -98,11 +109,38 @@ impl Cameras {
         if let Some(looks) = self.looks.get() {
             return Ok(Arc::clone(looks));
         }
-        let mut looks = Looks::shared(&self.kit, arm)?;
+        let mut looks = match self.tags {
+            true => Looks::shared(&self.kit, arm)?,
+            false => Looks::shared_without_tags(&self.kit, arm)?,
+        };
         if let Some(tag) = self.covered {
             looks = Arc::new(looks.with_covered_tag(tag));
         }
+        let drawn = self.drawn_parts();
+        if !drawn.is_empty() || self.physics.glint > 0.0 {
+            let mut own = Looks::clone(&looks).with_glint(self.physics.glint);
+            for (part, shape, tone) in &drawn {
+                let place = |p| shape.as_ref().map_or_else(Pose::identity, |shape| shape.place(p));
+                let place = shape.is_some().then_some(&place as &dyn Fn(_) -> _);
+                own.change(part, &Difference { place, tone: *tone });
+            }
+            looks = Arc::new(own);
+        }
         Ok(Arc::clone(self.looks.get_or_init(|| looks)))
+    }
+
+    /// The parts that look otherwise than drawn in this episode, each with its shape and by how much it is
+    /// lighter.
+    fn drawn_parts(&self) -> Vec<(String, Option<PartShape>, f64)> {
+        let printed = Printed { physics: &self.world, seed: self.seed };
+        let kit = &self.kit;
+        let beams = kit.beams.iter().map(|beam| &beam.name);
+        let names = beams.chain(kit.pegs.iter().map(|peg| &peg.name));
+        let parts = names.map(|name| {
+            let mut stream = Stream::new(self.seed, &format!("tone-{name}"));
+            (name.clone(), printed.shape(kit, name), 1.0 + stream.symmetric(self.physics.tone))
+        });
+        parts.filter(|(_, shape, tone)| shape.is_some() || *tone != 1.0).collect()
     }
 
     /// Opens the shutters of both cameras as soon as they are free, unless as many exposures as can be kept

@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::Assembly;
 use ramp_kit::{Kit, Pose};
+use ramp_robot::Track;
 use ramp_robot::random::Stream;
 use ramp_world::Start;
 use ramp_world::groups::Table;
@@ -45,6 +46,16 @@ impl Layout {
     /// each link that it could grip with all parts on their outlines; one for which a thousand draws find no
     /// place stays on its outline.
     pub fn new(assembly: &Assembly, start: &Start, seed: u64) -> Layout {
+        Layout::draw(assembly, start, start.trades(), seed)
+    }
+
+    /// The start of an episode on its track: where no tag tells parts of one shape apart, each is called by
+    /// the outline on which it lies.
+    pub fn on_track(assembly: &Assembly, start: &Start, track: Track, seed: u64) -> Layout {
+        Layout::draw(assembly, start, start.trades() && track.has_tags(), seed)
+    }
+
+    fn draw(assembly: &Assembly, start: &Start, trades: bool, seed: u64) -> Layout {
         if let Some(scatter) = &start.scatter {
             return match scattered::draw(assembly, start.places.clearance, scatter, seed) {
                 Ok(places) => Layout::anywhere(&assembly.kit, &places),
@@ -53,7 +64,7 @@ impl Layout {
         }
         let kit = &assembly.kit;
         let base = &assembly.beams[assembly.base];
-        let outlines = Outlines::new(kit, &base.beam.name, start.trades(), seed);
+        let outlines = Outlines::new(kit, &base.beam.name, trades, seed);
         let mut bodies: Vec<Body> = Vec::new();
         for beam in &kit.beams {
             if beam.name == base.beam.name {

@@ -124,7 +124,7 @@ impl Scene {
             hand_bodies: [body("hand")?, body("finger1")?, body("finger2")?],
             friction: JointFriction::new(&physics.friction, &physics.arm),
             loaded: physics.friction.coulomb != [0.0; DOF] || physics.arm.unknown_mass != 0.0,
-            cameras: Cameras::new(setup, covered, &physics.cameras),
+            cameras: Cameras::new(setup, covered, &physics),
             physics,
             model: Arc::new(model),
         })

@@ -56,7 +56,7 @@ impl Twin {
     /// # Errors
     /// When MuJoCo refuses the scene.
     pub fn new(setup: &Setup) -> Result<Twin, TwinError> {
-        let mut layout = Layout::new(setup.assembly, setup.start, setup.seed);
+        let mut layout = Layout::on_track(setup.assembly, setup.start, setup.track, setup.seed);
         if let Some(state) = setup.state {
             state.place(&mut layout);
         }
@@ -75,16 +75,20 @@ impl Twin {
     /// clamped beam.
     ///
     /// # Errors
-    /// When MuJoCo refuses the scene, or, on track `tags`, when meshes and textures for images cannot be
-    /// loaded.
+    /// When MuJoCo refuses the scene, or, on a track that gives images, when meshes and textures for images
+    /// cannot be loaded.
     pub fn with_options(setup: &Setup, layout: Layout, options: &SceneOptions) -> Result<Twin, TwinError> {
         if let Some(part) = &layout.unplaced {
             let (start, part) = (setup.start.name.clone(), part.clone());
             return Err(TwinError::NoPlace { start, part });
         }
+        if setup.start.scatter.is_some() && !setup.track.has_tags() {
+            let (start, track) = (setup.start.name.clone(), setup.track.name());
+            return Err(TwinError::Nameless { start, track });
+        }
         let start = Start::new(setup);
         let scene = Scene::new(setup, layout, options, &start)?;
-        if setup.track == Track::Tags {
+        if setup.track.gives_images() {
             scene.cameras.looks(&scene.arm)?;
         }
         let mut data = MjData::new(Arc::clone(&scene.model));
@@ -294,7 +298,7 @@ impl Twin {
     fn check_images(&self) -> Result<(), RobotError> {
         match self.scene.track {
             Track::Noisy => Err(RobotError::NotOnTrack { track: Track::Noisy, what: "images" }),
-            Track::State | Track::Tags => Ok(()),
+            Track::State | Track::Tags | Track::Colour => Ok(()),
         }
     }
 
@@ -352,7 +356,9 @@ impl Robot for Twin {
                 self.hold_recovering(READING_STEPS)?;
                 Ok(sensors::noisy_reading(&self.scene, &self.data, &mut self.state.reading_noise))
             }
-            Track::Tags => Err(RobotError::NotOnTrack { track: Track::Tags, what: "poses of parts" }),
+            track @ (Track::Tags | Track::Colour) => {
+                Err(RobotError::NotOnTrack { track, what: "poses of parts" })
+            }
         }
     }
 

@@ -72,7 +72,7 @@ fn project(camera: &CameraModel, p_c: &Point3<f64>) -> Option<([f64; 2], Matrix2
 }
 
 /// Derivative of a point of the part, in the optical frame, by a small translation and rotation.
-fn motion(x_cp: &Pose, p_p: &Point3<f64>) -> SMatrix<f64, 3, 6> {
+pub(crate) fn motion(x_cp: &Pose, p_p: &Point3<f64>) -> SMatrix<f64, 3, 6> {
     let arm = x_cp.rotation * p_p.coords;
     let mut motion = SMatrix::<f64, 3, 6>::zeros();
     motion.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::identity());
@@ -158,7 +158,7 @@ pub struct Fit {
     pub information: Matrix6<f64>,
 }
 
-fn moved(x: &Pose, delta: &Vector6<f64>) -> Pose {
+pub(crate) fn moved(x: &Pose, delta: &Vector6<f64>) -> Pose {
     let turn = UnitQuaternion::from_scaled_axis(delta.fixed_rows::<3>(3).into_owned());
     Pose::from_parts(Translation3::from(x.translation.vector + delta.fixed_rows::<3>(0)), turn * x.rotation)
 }

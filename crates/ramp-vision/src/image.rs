@@ -82,7 +82,7 @@ impl Grey {
                 ((r + 2 * g + b + 32) >> 6) as u8
             })
             .collect();
-        check_light(image)?;
+        check_light(image, SATURATED)?;
         Ok(Grey { width, height, pixels })
     }
 
@@ -103,7 +103,8 @@ impl Grey {
     }
 }
 
-fn check_light(image: &Image) -> Result<(), SightError> {
+/// Refuses an image without light, and one of which more than this share is as bright as can be.
+pub(crate) fn check_light(image: &Image, saturated: f64) -> Result<(), SightError> {
     // Every seventh pixel's green.
     let mut counts = [0u32; 256];
     for green in image.pixels.iter().skip(1).step_by(21) {
@@ -115,7 +116,7 @@ fn check_light(image: &Image) -> Result<(), SightError> {
         return Err(SightError::Black { camera: image.camera, level: BLACK as u8 });
     }
     let share = f64::from(counts[254] + counts[255]) / f64::from(all);
-    if share > SATURATED {
+    if share > saturated {
         return Err(SightError::Saturated { camera: image.camera, share: 100.0 * share });
     }
     Ok(())

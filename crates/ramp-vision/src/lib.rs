@@ -36,6 +36,7 @@ pub mod find;
 pub mod fit;
 pub mod image;
 pub mod regions;
+pub mod untagged;
 
 pub use calibrate::Calibration;
 pub use find::{Lying, Oddity, PartFinder, SeenPart, Sighting};

@@ -138,8 +138,16 @@ quantities! {
         position_error: f64 = "m", 0.0, 0.02;
         /// The same about each axis.
         angle_error: f64 = "rad", 0.0, 0.05;
+        /// Error of each camera's focal length (1 σ), as a share: what the calibration of its lens leaves.
+        focal_error: f64 = "", 0.0, 0.02;
+        /// The same of its principal point, along each side of the image.
+        centre_error: f64 = "pixels", 0.0, 20.0;
         /// Light, relative to that for the nominal exposure.
         light: f64 = "", 0.2, 3.0;
+        /// Light of the lamp's reflection in aluminium, relative to white.
+        glint: f64 = "", 0.0, 2.0;
+        /// The largest share by which a part is lighter or darker than its material; each part draws its own.
+        tone: f64 = "", 0.0, 0.5;
     }
 }
 

@@ -135,7 +135,7 @@ pub fn draw(setup: &Setup, task: &Task, cast: &Cast) -> Result<Start, StartError
 fn layout(setup: &Setup, task: &Task, stream: &mut Stream) -> Layout {
     let assembly = setup.assembly;
     let x_wa = assembly.kit.x_wa();
-    let mut layout = Layout::new(assembly, setup.start, setup.seed);
+    let mut layout = Layout::on_track(setup.assembly, setup.start, setup.track, setup.seed);
     for (name, x_wb) in &mut layout.beams {
         let Some(beam) = assembly.beam_index(name).filter(|beam| task.build.standing.contains(beam)) else {
             continue;

@@ -103,8 +103,7 @@ impl<'a> Photographer<'a> {
         let told = CameraModel::nominal(camera, self.arm.hand.tip);
         // The cameras of the ideal world.
         let physics = World::ideal().draw(own_seed).cameras;
-        let errors = [physics.position_error, physics.angle_error];
-        let real = cameras::true_camera(camera, self.arm, own_seed, errors);
+        let real = cameras::true_camera(camera, self.arm, own_seed, &physics);
         // The wrist camera's place: somewhere on a dome over a tag, turned and not quite centred.
         let place = &self.places[(stream.uniform() * self.places.len() as f64) as usize];
         let target = parts

@@ -4,7 +4,8 @@
 use ramp_robot::{Agent, Camera, Command, Event, Image, PartReading, RobotError, Track};
 use ramp_testing::GoalFiles;
 use ramp_testing::robot::{Alteration, Altered};
-use ramp_twin::Twin;
+use ramp_twin::{Setup, Twin};
+use ramp_world::World;
 
 /// The fault of the cameras.
 #[derive(Clone, Copy)]
@@ -156,4 +157,19 @@ fn nothing_that_an_agent_is_made_of_knows_the_twin() {
             assert!(AGENT.contains(&used), "ramp-{name} depends on ramp-{used}");
         }
     }
+}
+
+/// Without any tag, from images alone, with the faults of the real world: every peg counts, and a peg that
+/// the fingers drop is found again.
+#[test]
+fn the_baseline_builds_without_tags() {
+    let world = World::shipped("real").unwrap();
+    let result = GoalFiles::new("easy-1").run_in(world, Track::Colour, 3);
+    assert_eq!(result.ended.reason, "done", "{:?}", result.events);
+    assert!((result.completion - 1.0).abs() < 1e-12, "{:?}", result.events);
+    let files = GoalFiles::new("easy-3");
+    let fault = Some("peg-dropped@1".parse().unwrap());
+    let setup = Setup { world, fault, ..files.setup(Track::Colour, 1) };
+    let result = files.run_setup(&setup);
+    assert!((result.completion - 1.0).abs() < 1e-12, "{:?}", result.events);
 }

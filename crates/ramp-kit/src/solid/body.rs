@@ -142,6 +142,12 @@ impl Solid {
         self.0.genus()
     }
 
+    /// The same without details that are smaller than `detail`, mm.
+    #[must_use]
+    pub fn simplified(&self, detail: f64) -> Solid {
+        Solid(self.0.simplify(detail))
+    }
+
     /// Its surface.
     pub fn mesh(&self) -> Mesh {
         let mesh = self.0.get_mesh_gl64(-1);

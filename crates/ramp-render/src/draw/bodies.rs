@@ -1,10 +1,10 @@
 //! Bodies and the tags on them, drawn into the buffers.
 
-use super::light::{light_on, linear};
+use super::light::{light_on, linear, reflection};
 use super::renderer::{Renderer, SeenTag, TAG};
 use super::rigid::Rigid;
 use super::triangles::NEAR;
-use crate::looks::{Looks, Sticker};
+use crate::looks::{Looks, METAL, Sticker};
 use crate::texture::{PLACES, TAG_LIGHT};
 use nalgebra::Vector3;
 use ramp_robot::Pose;
@@ -29,12 +29,19 @@ impl Renderer {
         let surface = &body.surfaces[usize::from(far)];
         self.project(&camera, &surface.mesh);
         let mesh = &surface.mesh;
+        let eye = Rigid::new(&self.x_wc).shift;
         for ((triangle, normal), colour) in mesh.triangles.iter().zip(&surface.normals).zip(&mesh.colours) {
             let corners = triangle.map(|corner| self.screen[corner as usize]);
             let next = self.palette.len() as u32;
             if self.triangle(&corners, next) {
-                let light = light_on(&world.turned(normal));
-                let [r, g, b] = colour.map(|share| linear(share * light));
+                let turned = world.turned(normal);
+                let light = light_on(&turned) * body.tone;
+                let glint = if looks.glint > 0.0 && *colour == METAL {
+                    looks.glint * reflection(&turned, &eye, &world.moved(&mesh.points[triangle[0] as usize]))
+                } else {
+                    0.0
+                };
+                let [r, g, b] = colour.map(|share| linear(share * light + glint));
                 self.palette.push([r, g, b]);
                 self.owner.push(index as u16);
             }

@@ -15,6 +15,20 @@ pub(super) fn light_on(normal: &[f32; 3]) -> f32 {
     AMBIENT + SKY * normal[2] + LAMP * lamp.max(0.0)
 }
 
+/// How narrow reflections are: the power of the cosine of the angle to a mirror's normal (Blinn and Phong).
+const SHARP: i32 = 40;
+
+/// The share of a reflection of the lamp that a viewer at `eye` (m, world) sees on a surface with this unit
+/// normal at `place`.
+pub(super) fn reflection(normal: &[f32; 3], eye: &[f32; 3], place: &[f32; 3]) -> f32 {
+    let length = |v: [f32; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    let to_eye: [f32; 3] = std::array::from_fn(|axis| eye[axis] - place[axis]);
+    let (far, lamp) = (length(to_eye), length(LIGHT));
+    let half: [f32; 3] = std::array::from_fn(|axis| to_eye[axis] / far + LIGHT[axis] / lamp);
+    let cosine = (0..3).map(|axis| normal[axis] * half[axis]).sum::<f32>() / length(half);
+    cosine.max(0.0).powi(SHARP)
+}
+
 /// A brightness as the sensor counts it.
 pub(super) fn linear(value: f32) -> u16 {
     (value * f32::from(FULL)).clamp(0.0, f32::from(FULL)) as u16

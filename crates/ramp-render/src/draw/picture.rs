@@ -69,7 +69,9 @@ impl Renderer {
         for (index, x_wb) in &scene.bodies {
             self.body(&looks, *index, x_wb, &(x_cw * x_wb));
         }
-        self.tag(&looks.sheet_tag, &Pose::identity(), &x_cw, NOTHING);
+        if let Some(tag) = &looks.sheet_tag {
+            self.tag(tag, &Pose::identity(), &x_cw, NOTHING);
+        }
         self.cast_shadows(&looks, scene, &Rigid::new(&x_cw));
         self.expose(&looks, x_wc, row);
     }

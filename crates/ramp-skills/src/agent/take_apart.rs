@@ -25,8 +25,8 @@ impl Baseline<'_> {
         let state = built(cell);
         let known = expect_state(cell, &state);
         note_fault(cell, known)?;
-        let seen = cell.belief.parts.update(&mut cell.hand);
-        note_fault(cell, seen.map_err(SkillError::from))?;
+        let seen = cell.look_first();
+        note_fault(cell, seen)?;
         let plan = match self.plan_backwards(cell, &state.fastened) {
             Ok(plan) => plan,
             Err(error) => {

@@ -6,13 +6,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::{Matrix6, Point3, Rotation3, SMatrix, Vector3};
+use nalgebra::{Point3, Vector3};
 use ramp_kit::Kit;
 use ramp_kit::tags::TagPlace;
+use ramp_robot::arm::ArmModel;
 use ramp_robot::{Camera, CameraModel, Image, PartReading, RobotError, Track};
-use ramp_vision::{Calibration, Lying, Oddity, PartFinder, SeenPart};
+use ramp_vision::{Lying, Oddity, PartFinder, SeenPart};
 
 use super::estimate::{Estimate, covariance};
+use super::eye::{Eye, Sighting};
+use super::surroundings::{SceneReader, Surroundings};
 use crate::Pose;
 
 use crate::hand::Hand;
@@ -20,47 +23,6 @@ use crate::parameters::belief::EyesParameters;
 
 /// Standard deviation of an exact reading, m and rad: the resolution of a double.
 const EXACT: f64 = 1.0e-9;
-
-/// A part as it was seen.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sighting {
-    /// Its name.
-    pub part: String,
-    /// Its pose in the world.
-    pub estimate: Estimate,
-    /// The pose of the tip in the world when it was seen.
-    pub x_wt: Pose,
-}
-
-/// A camera, and how well its place is known by now.
-struct Eye {
-    camera: Camera,
-    model: Option<CameraModel>,
-    calibration: Option<Calibration>,
-    /// Covariance of a small shift (m) and turn (rad) of the camera, in its own axes.
-    covariance: Matrix6<f64>,
-    /// Images in a row that were of no use.
-    bad: usize,
-    /// The last image that was of use: one black image is like another, and no camera repeats it.
-    last: Vec<u8>,
-}
-
-impl Eye {
-    fn new(camera: Camera, parameters: &EyesParameters) -> Eye {
-        let [position, angle] = calibration(parameters);
-        let covariance = covariance([position; 3], [angle; 3]);
-        Eye { camera, model: None, calibration: None, covariance, bad: 0, last: Vec::new() }
-    }
-
-    fn broken(&self, parameters: &EyesParameters) -> bool {
-        self.bad >= parameters.broken
-    }
-}
-
-/// Pose error of a camera's calibration, 1 σ, m and rad.
-fn calibration(parameters: &EyesParameters) -> [f64; 2] {
-    [parameters.calibration, parameters.calibration_turn]
-}
 
 /// The pose estimator.
 pub struct Eyes {
@@ -72,6 +34,11 @@ pub struct Eyes {
     eyes: [Eye; 2],
     /// Does the track give images instead of poses?
     images: bool,
+    /// Do tags stick on the parts?
+    tags_on_parts: bool,
+    /// The arm, which may be in an image.
+    arm: ArmModel,
+    scene: Option<SceneReader>,
     /// Robot time that the last look took, s.
     cost: f64,
     complaints: Vec<String>,
@@ -86,7 +53,7 @@ pub struct Eyes {
 
 impl Eyes {
     /// Eyes for the parts of a kit, of which the beam `base` is clamped at `x_wb` in the world.
-    pub fn new(kit: &Kit, base: &str, x_wb: Pose, parameters: &EyesParameters) -> Eyes {
+    pub fn new(kit: &Kit, arm: &ArmModel, base: &str, x_wb: Pose, parameters: &EyesParameters) -> Eyes {
         Eyes {
             parameters: parameters.clone(),
             kit: kit.clone(),
@@ -94,6 +61,9 @@ impl Eyes {
             finder: None,
             eyes: Camera::ALL.map(|camera| Eye::new(camera, parameters)),
             images: false,
+            tags_on_parts: true,
+            arm: arm.clone(),
+            scene: None,
             cost: 0.0,
             complaints: Vec::new(),
             told: BTreeSet::new(),
@@ -109,7 +79,13 @@ impl Eyes {
 
     /// Tells the track: nothing is asked for that it does not give.
     pub fn on_track(&mut self, track: Track) {
-        self.images = track == Track::Tags;
+        self.images = track.gives_images();
+        self.tags_on_parts = track.has_tags();
+    }
+
+    /// True if tags stick on the parts. Known as [`Eyes::images`] is.
+    pub fn tags(&self) -> bool {
+        self.tags_on_parts
     }
 
     /// True if the track gives images instead of poses. Known if configured, or after the first look.
@@ -152,18 +128,21 @@ impl Eyes {
     }
 
     /// Looks once; an agent whose cameras all show nothing looks again after a pause, and does nothing else
-    /// until one shows something or all count as broken. `lying` holds the known constraints on resting
-    /// parts.
+    /// until one shows something or all count as broken. `surroundings` is what is believed.
     ///
     /// # Errors
     /// The robot's; [`RobotError::CameraStopped`] when no camera gives an image in which something could be
     /// seen.
-    pub fn look(&mut self, hand: &mut Hand, lying: &[Lying]) -> Result<Vec<Sighting>, RobotError> {
+    pub fn look(
+        &mut self,
+        hand: &mut Hand,
+        surroundings: &Surroundings,
+    ) -> Result<Vec<Sighting>, RobotError> {
         let begin = hand.time();
         let sightings = match self.read_poses(hand)? {
             Some(sightings) => sightings,
             None => loop {
-                if let Some(sightings) = self.look_through_cameras(hand, lying)? {
+                if let Some(sightings) = self.look_through_cameras(hand, surroundings)? {
                     break sightings;
                 }
                 hand.hold(self.parameters.pause)?;
@@ -179,7 +158,8 @@ impl Eyes {
             return Ok(None);
         }
         let readings = match hand.read_parts() {
-            Err(RobotError::NotOnTrack { .. }) => {
+            Err(RobotError::NotOnTrack { track, .. }) => {
+                self.on_track(track);
                 self.images = true;
                 return Ok(None);
             }
@@ -198,7 +178,7 @@ impl Eyes {
     fn look_through_cameras(
         &mut self,
         hand: &mut Hand,
-        lying: &[Lying],
+        surroundings: &Surroundings,
     ) -> Result<Option<Vec<Sighting>>, RobotError> {
         let mut sightings = None;
         for index in 0..self.eyes.len() {
@@ -206,7 +186,7 @@ impl Eyes {
                 continue;
             }
             let why = match self.fresh(index, hand) {
-                Ok(image) => match self.read(index, hand, &image, lying) {
+                Ok(image) => match self.read(index, hand, &image, surroundings) {
                     Ok(found) => {
                         self.eyes[index].bad = 0;
                         self.eyes[index].last = image.pixels;
@@ -266,8 +246,18 @@ impl Eyes {
         index: usize,
         hand: &Hand,
         image: &Image,
-        lying: &[Lying],
+        surroundings: &Surroundings,
     ) -> Result<Vec<Sighting>, String> {
+        if !self.tags_on_parts {
+            let reader = match &mut self.scene {
+                Some(reader) => reader,
+                None => self.scene.insert(SceneReader::new(&self.kit, &self.arm, &self.base)?),
+            };
+            let eye = &mut self.eyes[index];
+            let nominal = hand.camera(eye.camera);
+            return reader.read(eye, &nominal, image, surroundings, &self.parameters);
+        }
+        let lying: Vec<Lying> = surroundings.parts.iter().filter_map(|part| part.lying.clone()).collect();
         let finder = match &mut self.finder {
             Some(finder) => finder,
             None => self.finder.insert(PartFinder::new(&self.kit).map_err(|error| error.to_string())?),
@@ -275,7 +265,7 @@ impl Eyes {
         let eye = &mut self.eyes[index];
         let nominal = hand.camera(eye.camera);
         let model = eye.model.get_or_insert_with(|| nominal.clone());
-        let seen = finder.find(image, model, lying).map_err(|error| error.to_string())?;
+        let seen = finder.find(image, model, &lying).map_err(|error| error.to_string())?;
         for part in &seen.parts {
             for place in finder.places().values().filter(|place| place.part == part.part) {
                 let (found, missed) = self.tags.entry(place.id).or_default();
@@ -292,34 +282,36 @@ impl Eyes {
         }
         let x_wc_before = model.x_wc(&image.x_wt);
         // Tags with known poses determine the camera's pose.
-        let calibration =
-            eye.calibration.get_or_insert_with(|| Calibration::new(&nominal, calibration(&self.parameters)));
-        if calibration.len() < self.parameters.enough {
+        let mut model = model.clone();
+        if eye.points() < self.parameters.enough {
             let (name, x_wb) = &self.base;
             let base = seen.parts.iter().filter(|part| part.part == *name).map(|part| (part, *x_wb));
             let known: Vec<(&SeenPart, Pose)> =
                 base.chain(seen.sheet.as_ref().map(|sheet| (sheet, Pose::identity()))).collect();
-            for (part, x_wp) in &known {
+            if !known.is_empty() {
+                let places = finder.places();
                 // The pixels are those of the image, independent of the believed camera, so they are kept as
                 // seen through the nominal one.
-                let x_wp_nominal = nominal.x_wc(&image.x_wt) * model.x_wc(&image.x_wt).inverse() * part.x_wp;
-                let part = SeenPart { x_wp: x_wp_nominal, ..(*part).clone() };
-                calibration.add_part(&image.x_wt, &part, x_wp, finder.places());
-            }
-            if !known.is_empty() {
-                let (better, left) = calibration.solve();
-                *model = better;
-                let (position, angle) = (self.parameters.remains, self.parameters.remains_turn);
-                eye.covariance = left + covariance([position; 3], [angle; 3]);
+                let change = nominal.x_wc(&image.x_wt) * x_wc_before.inverse();
+                model = eye.learn(&nominal, &self.parameters, |calibration| {
+                    for (part, x_wp) in &known {
+                        let part = SeenPart { x_wp: change * part.x_wp, ..(*part).clone() };
+                        calibration.add_part(&image.x_wt, &part, x_wp, places);
+                    }
+                });
             }
         }
         let x_wc = model.x_wc(&image.x_wt);
         let moved = x_wc * x_wc_before.inverse();
-        let (base, error) = (&self.base.0, &eye.covariance);
+        let base = &self.base.0;
         let parts = seen.parts.into_iter().filter(|part| part.part != *base);
-        let parts = parts.map(|part| SeenPart { x_wp: moved * part.x_wp, ..part });
-        let sightings =
-            parts.map(|part| sighting(part, &x_wc, error, image.x_wt, self.parameters.common)).collect();
+        let sightings = parts
+            .map(|part| {
+                let covariance = part.covariance * self.parameters.common;
+                let seen = Estimate { x: moved * part.x_wp, covariance };
+                eye.sighting(part.part, seen, &x_wc, image.x_wt)
+            })
+            .collect();
         for oddity in seen.oddities {
             self.tell(oddity);
         }
@@ -350,17 +342,4 @@ fn in_sight(
     (x_cg.rotation * Vector3::z()).dot(&towards) > parameters.facing
         && [a, b, c, d].into_iter().all(inside)
         && [edge(a, b), edge(b, c), edge(c, d), edge(d, a)].into_iter().all(|edge| edge > parameters.legible)
-}
-
-/// A part that was seen by a camera at `x_wc` whose place has the covariance `error` in its own axes.
-fn sighting(part: SeenPart, x_wc: &Pose, error: &Matrix6<f64>, x_wt: Pose, common: f64) -> Sighting {
-    let axes: Rotation3<f64> = x_wc.rotation.to_rotation_matrix();
-    let p_cp = x_wc.inverse_transform_point(&Point3::from(part.x_wp.translation.vector));
-    // A camera that is turned by δθ sees a part at p as shifted by δθ × p.
-    let mut jacobian = SMatrix::<f64, 6, 6>::zeros();
-    jacobian.fixed_view_mut::<3, 3>(0, 0).copy_from(axes.matrix());
-    jacobian.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-axes.matrix() * p_cp.coords.cross_matrix()));
-    jacobian.fixed_view_mut::<3, 3>(3, 3).copy_from(axes.matrix());
-    let covariance = part.covariance * common + jacobian * error * jacobian.transpose();
-    Sighting { part: part.part, estimate: Estimate { x: part.x_wp, covariance }, x_wt }
 }

@@ -1,11 +1,13 @@
 //! The agent's belief about the parts, and the cameras that correct it.
 
 pub mod estimate;
+pub mod eye;
 pub mod eyes;
 pub mod obstacles;
 pub mod outlines;
 pub mod part;
 pub mod parts;
 mod places;
+pub mod surroundings;
 
 pub use parts::Belief;

@@ -5,18 +5,22 @@
 //! The same code runs on every track: where readings are exact, covariances are next to nothing.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use nalgebra::{Point3, Vector3, Vector6};
 use ramp_assembly::{Assembly, Connection, JointRef};
-use ramp_kit::Holder;
+use ramp_kit::{Holder, Kit};
 use ramp_robot::RobotError;
+use ramp_robot::arm::ArmModel;
 use ramp_vision::Lying;
 use ramp_world::Start;
 
 use super::estimate::{Estimate, covariance};
-use super::eyes::{Eyes, Sighting};
+use super::eye::Sighting;
+use super::eyes::Eyes;
 use super::outlines;
 use super::part::{Frame, Part};
+use super::surroundings::{Expected, Surroundings};
 use crate::Pose;
 use crate::fault::{Fault, SkillError};
 use crate::hand::Hand;
@@ -29,6 +33,7 @@ pub struct Belief {
     /// The pose estimator.
     pub eyes: Eyes,
     pub(super) parts: BTreeMap<String, Part>,
+    kit: Arc<Kit>,
     time: f64,
     /// Robot time after the last look, s.
     looked: Option<f64>,
@@ -40,7 +45,7 @@ pub struct Belief {
 
 impl Belief {
     /// The prior belief, before any detection.
-    pub fn new(assembly: &Assembly, parameters: &Parameters, start: &Start) -> Belief {
+    pub fn new(assembly: &Assembly, arm: &ArmModel, parameters: &Parameters, start: &Start) -> Belief {
         let kit = &assembly.kit;
         let own = &parameters.belief;
         let on_sheet = |lever: f64| {
@@ -85,9 +90,10 @@ impl Belief {
             let on_sheet = on_sheet(Holder::PITCH);
             insert(&peg.name, outlines::of_peg(kit, &peg.name, start), on_sheet, Frame::World);
         }
-        let eyes = Eyes::new(kit, &base.beam.name, kit.x_wa() * base.x_ab, &parameters.eyes);
+        let eyes = Eyes::new(kit, arm, &base.beam.name, kit.x_wa() * base.x_ab, &parameters.eyes);
         Belief {
             parameters: own.clone(),
+            kit: kit.clone(),
             eyes,
             parts,
             time: 0.0,
@@ -118,13 +124,26 @@ impl Belief {
     }
 
     fn sight(&mut self, hand: &mut Hand) -> Result<Vec<Sighting>, RobotError> {
-        let lying = self.lying();
-        let sightings = self.eyes.look(hand, &lying)?;
+        let surroundings = self.surroundings(hand);
+        let sightings = self.eyes.look(hand, &surroundings)?;
         self.looked = Some(hand.time());
         for name in self.eyes.upset() {
             self.doubt(&name);
         }
         Ok(sightings)
+    }
+
+    /// What may be in the next image.
+    fn surroundings(&self, hand: &Hand) -> Surroundings {
+        let lying = self.lying();
+        let expected = |(name, part): (&String, &Part)| Expected {
+            part: name.clone(),
+            estimate: part.estimate.clone(),
+            held: part.frame == Frame::Tip,
+            lying: lying.iter().find(|it| it.part == *name).cloned(),
+        };
+        let parts = self.parts.iter().map(expected).collect();
+        Surroundings { parts, holders: self.holders(&self.kit), width: hand.seen.width }
     }
 
     /// Has no time passed since the last look, so that another one would show nothing else?
@@ -397,7 +416,8 @@ mod tests {
         let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
         let kit = ramp_kit::read_kit(&data.join("kit.xml")).unwrap();
         let assembly = ramp_assembly::read_goal(&data.join("goals/easy-3.xml"), &kit).unwrap();
-        Belief::new(&assembly, &Parameters::baseline(), Start::sheet())
+        let arm = ramp_robot::arm::ArmModel::read(&data.join("arms/panda.json")).unwrap();
+        Belief::new(&assembly, &arm, &Parameters::baseline(), Start::sheet())
     }
 
     /// A reading with the noise of track `noisy`.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use nalgebra::Point3;
 use ramp_assembly::{Assembly, JointRef};
+use ramp_robot::arm::ArmModel;
 use ramp_world::Start;
 
 use crate::belief::Belief;
@@ -38,10 +39,15 @@ pub struct AssemblyBelief<'a> {
 
 impl<'a> AssemblyBelief<'a> {
     /// Nothing stands but the clamped beam.
-    pub fn new(assembly: &'a Assembly, parameters: &Arc<Parameters>, start: &Start) -> AssemblyBelief<'a> {
+    pub fn new(
+        assembly: &'a Assembly,
+        arm: &ArmModel,
+        parameters: &Arc<Parameters>,
+        start: &Start,
+    ) -> AssemblyBelief<'a> {
         AssemblyBelief {
             assembly,
-            parts: Belief::new(assembly, parameters, start),
+            parts: Belief::new(assembly, arm, parameters, start),
             standing: vec![assembly.base],
             deep: Vec::new(),
             pinned: Vec::new(),

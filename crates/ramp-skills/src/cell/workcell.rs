@@ -84,7 +84,7 @@ impl<'a, 'r> Workcell<'a, 'r> {
             arm,
             planner,
             hand,
-            belief: AssemblyBelief::new(assembly, &parameters, start),
+            belief: AssemblyBelief::new(assembly, arm, &parameters, start),
             grasps: BTreeMap::new(),
             gripped: BTreeMap::new(),
             pushed_by: BTreeMap::new(),

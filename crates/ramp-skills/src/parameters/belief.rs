@@ -97,6 +97,8 @@ parameters! {
         /// Factor on the covariance that the pose estimator gives: errors of images taken from one place are
         /// correlated.
         common: f64 = "", 1.0, 1000.0;
+        /// Position uncertainty from which a peg without tags is looked for everywhere in an image.
+        lost: f64 = "m", 1e-4, 1.0;
         /// Number of images without a tag that should have been visible, after which the tag counts as
         /// covered or missing.
         missed: usize = "", 1.0, 10000.0;

@@ -123,9 +123,20 @@ impl Workcell<'_, '_> {
         }
     }
 
-    /// Shows the camera on the empty hand the tag of the sheet, which calibrates that camera. During a build,
-    /// the camera sees tags with known poses over the sheet and the assembly; a piece of a build starts
-    /// without.
+    /// Looks for the first time. Without tags nothing but the clamped beam tells where the camera on the hand
+    /// is, so that is visited before the first grasp.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn look_first(&mut self) -> Result<(), SkillError> {
+        self.belief.parts.update(&mut self.hand)?;
+        let eyes = &self.belief.parts.eyes;
+        if eyes.images() && !eyes.tags() { self.calibrate() } else { Ok(()) }
+    }
+
+    /// Shows the camera on the empty hand the tag of the sheet, or without tags the clamped beam, which
+    /// calibrates that camera. During a build, the camera sees tags with known poses over the sheet and the
+    /// assembly; a piece of a build starts without.
     ///
     /// # Errors
     /// The robot's.
@@ -133,7 +144,13 @@ impl Workcell<'_, '_> {
         if !self.belief.parts.eyes.images() {
             return Ok(());
         }
-        self.visit(&Point3::from(x_wg_sheet(self.kit).translation.vector))?;
+        if self.belief.parts.eyes.tags() {
+            self.visit(&Point3::from(x_wg_sheet(self.kit).translation.vector))?;
+        } else {
+            let base = &self.assembly.beams[self.assembly.base].beam;
+            let (part, p) = self.belief.middle(&base.name);
+            self.visit(&(self.belief.parts.pose(&part)? * p))?;
+        }
         self.look_again(self.parameters.look.calibrating)
     }
 

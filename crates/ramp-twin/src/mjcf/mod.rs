@@ -11,6 +11,7 @@ mod arm;
 pub(crate) mod classes;
 mod parts;
 mod print;
+mod shape;
 mod table;
 mod text;
 
@@ -19,6 +20,7 @@ pub use parts::PEG_MASS;
 use self::arm::{actuators_and_sensors, arm_bodies};
 use self::parts::{beam_body, holder_body, peg_body};
 pub use self::print::Printed;
+pub use self::shape::PartShape;
 pub(crate) use self::table::{INTEGRATOR, LEAST_MASS, SLEEP, TABLE_SIDE};
 use self::table::{header, table};
 use crate::layout::Layout;

@@ -90,6 +90,16 @@ impl PrintedPart {
         format!("{kind}-{}-{}", self.name, self.meshes.lines().count())
     }
 
+    /// The errors of the faces that were printed so far (m), by joint and axis, each with its position along
+    /// that axis (m), in their order.
+    pub(super) fn faces(&self) -> BTreeMap<(usize, usize), Vec<(f64, f64)>> {
+        let mut faces: BTreeMap<(usize, usize), Vec<(f64, f64)>> = BTreeMap::new();
+        for ((joint, axis, position), error) in &self.planes {
+            faces.entry((*joint, *axis)).or_default().push((*position as f64 * 1.0e-6, *error));
+        }
+        faces
+    }
+
     /// Is everything as it was drawn?
     pub fn is_exact(&self) -> bool {
         self.face == 0.0

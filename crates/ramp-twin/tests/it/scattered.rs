@@ -176,3 +176,12 @@ fn a_start_without_room_is_refused() {
     assert!(matches!(error, TwinError::NoPlace { .. }), "{error}");
     assert!(error.to_string().starts_with("start narrow: no place for "), "{error}");
 }
+
+/// Without tags parts are called by their outlines: a start that has none is refused.
+#[test]
+fn a_start_without_outlines_needs_tags() {
+    let files = GoalFiles::new("easy-1");
+    let setup = Setup { start: Start::scattered(), ..files.setup(Track::Colour, 1) };
+    let Err(error) = Twin::new(&setup) else { panic!("nothing tells which part is which") };
+    assert!(matches!(error, TwinError::Nameless { .. }), "{error}");
+}

@@ -159,3 +159,20 @@ fn a_crowded_sheet_keeps_its_parts() {
     let [b4, b5] = ["b4", "b5"].map(|name| beam(&layout, name).translation.vector);
     assert!((b4 - b5).dot(&Vector3::y()).abs() > 0.03, "{b4} {b5}");
 }
+
+/// Where no tag tells them apart, each part is called by the outline on which it lies.
+#[test]
+fn without_tags_parts_do_not_trade_places() {
+    let files = GoalFiles::new("easy-1");
+    let kit = &files.assembly.kit;
+    for seed in 1..=20 {
+        let layout = Layout::on_track(&files.assembly, Start::moved(), Track::Colour, seed);
+        for (name, x_wb) in layout.beams.iter().filter(|(name, _)| name != "b7") {
+            assert!(from_outline(kit, name, name, x_wb)[0] < 0.02, "{name}");
+        }
+        for (name, x_wp) in &layout.pegs {
+            let outline = kit.x_wp_start(kit.peg(name).unwrap()).unwrap();
+            assert!((x_wp.translation.vector - outline.translation.vector).norm() < 0.02, "{name}");
+        }
+    }
+}

@@ -5,3 +5,4 @@
 
 mod regions;
 mod round_trip;
+mod untagged;

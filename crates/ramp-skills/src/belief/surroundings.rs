@@ -1,0 +1,171 @@
+//! Images without tags: what is believed of all parts goes to the finder, and the camera learns from the
+//! clamped beam where it is.
+
+use nalgebra::Matrix6;
+use ramp_kit::Kit;
+use ramp_robot::arm::ArmModel;
+use ramp_robot::{CameraModel, Image};
+use ramp_vision::Lying;
+use ramp_vision::untagged::{Believed, Found, Scene, SceneFinder, Trace};
+
+use super::estimate::Estimate;
+use super::eye::{Eye, Sighting};
+use crate::Pose;
+use crate::parameters::belief::EyesParameters;
+
+/// Standard deviations of the camera's place within which a part is looked for.
+const SIGMAS: f64 = 2.5;
+
+/// What is believed of a part before an image is read.
+#[derive(Clone, Debug)]
+pub struct Expected {
+    /// Its name.
+    pub part: String,
+    /// Its pose: in the tip's frame if it is held, and in the world otherwise.
+    pub estimate: Estimate,
+    /// Whether it is between the fingers.
+    pub held: bool,
+    /// What is known of its height and tilt.
+    pub lying: Option<Lying>,
+}
+
+/// Everything that may be in an image.
+#[derive(Clone, Debug, Default)]
+pub struct Surroundings {
+    /// The parts.
+    pub parts: Vec<Expected>,
+    /// Poses of the holders in the world, by name.
+    pub holders: Vec<(String, Pose)>,
+    /// Distance between the fingers, m.
+    pub width: f64,
+}
+
+impl Surroundings {
+    /// The parts in the world, at the tip's pose of an image.
+    fn at(&self, x_wt: &Pose) -> Vec<Believed> {
+        let believed = |it: &Expected| {
+            let Estimate { x, covariance } =
+                if it.held { it.estimate.seen_from(x_wt) } else { it.estimate.clone() };
+            Believed { part: it.part.clone(), x_wp: x, covariance, lying: it.lying.clone(), held: it.held }
+        };
+        self.parts.iter().map(believed).collect()
+    }
+}
+
+/// Reads images without tags.
+pub struct SceneReader {
+    finder: SceneFinder,
+    /// Name and pose of the beam that is clamped.
+    base: (String, Pose),
+}
+
+impl SceneReader {
+    /// For the parts of a kit, of which the beam `base` is clamped.
+    ///
+    /// # Errors
+    /// The reason, as text.
+    pub fn new(kit: &Kit, arm: &ArmModel, base: &(String, Pose)) -> Result<SceneReader, String> {
+        let finder = SceneFinder::new(kit, arm).map_err(|error| error.to_string())?;
+        Ok(SceneReader { finder, base: base.clone() })
+    }
+
+    /// The parts in an image, and what it tells of the camera.
+    ///
+    /// # Errors
+    /// The reason for which the image is of no use, as text.
+    pub fn read(
+        &mut self,
+        eye: &mut Eye,
+        nominal: &CameraModel,
+        image: &Image,
+        surroundings: &Surroundings,
+        parameters: &EyesParameters,
+    ) -> Result<Vec<Sighting>, String> {
+        let mut parts = surroundings.at(&image.x_wt);
+        let model = self.calibrate(eye, nominal, image, surroundings, &mut parts, parameters)?;
+        let x_wc = model.x_wc(&image.x_wt);
+        if eye.points() == 0 {
+            // Where the camera is is not known well enough to tell neighbours apart.
+            return Ok(Vec::new());
+        }
+        let scene = Scene { parts: &parts, holders: &surroundings.holders, width: surroundings.width };
+        let base = &self.base.0;
+        let distance = self.distance(&x_wc);
+        let wanted = |part: &Believed| part.part != *base;
+        let slack = slack(&eye.covariance, distance);
+        let found =
+            self.finder.find(image, &model, &scene, &wanted, slack).map_err(|error| error.to_string())?;
+        let sighting = |part: Found| {
+            let seen = Estimate { x: part.x_wp, covariance: part.covariance * parameters.common };
+            eye.sighting(part.part, seen, &x_wc, image.x_wt)
+        };
+        let mut sightings: Vec<Sighting> = found.into_iter().map(sighting).collect();
+        let is_lost = |part: &Believed| {
+            part.part.starts_with('p')
+                && !part.held
+                && part.covariance[(0, 0)].max(part.covariance[(1, 1)]).sqrt() > parameters.lost
+                && sightings.iter().all(|seen| seen.part != part.part)
+        };
+        // One of them: two cannot be told apart.
+        if let Some(part) = parts.iter().find(|part| is_lost(part)) {
+            let trace = self.finder.find_lost(image, &model, &scene, part);
+            let seen = match trace.map_err(|error| error.to_string())? {
+                Some(Trace::Pose(found)) => {
+                    Some(Estimate { x: found.x_wp, covariance: found.covariance * parameters.common })
+                }
+                Some(Trace::Area { x_wp, covariance }) => Some(Estimate { x: x_wp, covariance }),
+                None => None,
+            };
+            sightings.extend(seen.map(|seen| eye.sighting(part.part.clone(), seen, &x_wc, image.x_wt)));
+        }
+        Ok(sightings)
+    }
+
+    /// Distance from a camera to the table, m: that of what it looks at.
+    fn distance(&self, x_wc: &Pose) -> f64 {
+        x_wc.translation.z.max(0.1)
+    }
+
+    /// Finds the clamped beam, whose pose is known, and corrects the camera's pose by it until it was seen
+    /// often enough. Gives the camera's model.
+    fn calibrate(
+        &mut self,
+        eye: &mut Eye,
+        nominal: &CameraModel,
+        image: &Image,
+        surroundings: &Surroundings,
+        parts: &mut [Believed],
+        parameters: &EyesParameters,
+    ) -> Result<CameraModel, String> {
+        let model = eye.model.get_or_insert_with(|| nominal.clone()).clone();
+        if eye.points() >= parameters.enough {
+            return Ok(model);
+        }
+        let (base, x_wb) = &self.base;
+        let x_wc = model.x_wc(&image.x_wt);
+        // It seems tilted or raised as the camera is off.
+        if let Some(part) = parts.iter_mut().find(|part| part.part == *base) {
+            part.lying = None;
+        }
+        let scene = Scene { parts, holders: &surroundings.holders, width: surroundings.width };
+        let wanted = |part: &Believed| part.part == *base;
+        let slack = slack(&eye.covariance, self.distance(&x_wc));
+        let found =
+            self.finder.find(image, &model, &scene, &wanted, slack).map_err(|error| error.to_string())?;
+        let Some(found) = found.first() else { return Ok(model) };
+        let x_cp = x_wc.inverse() * found.x_wp;
+        Ok(eye.learn(nominal, parameters, |calibration| {
+            for p_p in &found.points {
+                if let Some(pixel) = nominal.project(&(x_cp * p_p)) {
+                    calibration.add(&image.x_wt, x_wb * p_p, pixel);
+                }
+            }
+        }))
+    }
+}
+
+/// How far off something at a distance (m) may seem because of the error of the camera's place, m.
+fn slack(covariance: &Matrix6<f64>, distance: f64) -> f64 {
+    let largest = |from: usize| (from..from + 3).map(|axis| covariance[(axis, axis)]).fold(0.0, f64::max);
+    SIGMAS * (largest(0).sqrt() + largest(3).sqrt() * distance)
+}

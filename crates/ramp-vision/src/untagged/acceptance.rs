@@ -1,0 +1,135 @@
+//! Which fitted poses are believed, and how sure they are.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Matrix3, Matrix6, Point3, Vector3, Vector6};
+use ramp_robot::Pose;
+
+use super::pose::{Fitted, Place};
+use super::scene::{Believed, Found};
+use super::solids::Surface;
+
+/// Least share of the drawn steps that must support a pose.
+pub const LEAST_SHARE: f64 = 0.65;
+/// Least number of steps that must support a pose.
+pub const LEAST_STEPS: usize = 20;
+/// Least number and share of the steps across a beam's axis that tell where it is along itself, and what is
+/// added to its place along itself otherwise, m.
+const ALONG: (usize, f64) = (8, 0.5);
+const ALONG_OPEN: f64 = 2.0e-3;
+/// Middles of two parts of one size (radii of their balls, m) are further apart than this, m.
+const ONE_PLACE: f64 = 10.0e-3;
+/// See [`ONE_PLACE`].
+const ALIKE: f32 = 5.0e-3;
+/// Error of the faces of a part (1 σ), m: all that is seen of it may be off by this against its drawing. So
+/// its place is, its turn by this over its extent, and its distance as a size that is off by it makes it.
+const FACES: f64 = 0.07e-3;
+/// Number of points of a found part that are handed on for calibrating a camera.
+const POINTS: usize = 12;
+
+/// One part in work.
+#[derive(Debug)]
+pub struct Work {
+    /// Its pose in the world by now.
+    pub x_wp: Pose,
+    /// The last fit.
+    pub fitted: Option<Fitted>,
+    /// Steps that were found in the image.
+    pub places: Vec<Place>,
+    /// Steps that could have been found.
+    pub candidates: usize,
+    /// Those across the axis: all, and those that support the pose.
+    pub across: [usize; 2],
+}
+
+/// The pose of a part in the world, if the image supports it well enough.
+pub fn accept(x_wc: &Pose, part: &Believed, work: &Work) -> Option<Found> {
+    let fitted = work.fitted.as_ref()?;
+    let share = fitted.agreeing as f64 / work.candidates.max(1) as f64;
+    if fitted.agreeing < LEAST_STEPS || share < LEAST_SHARE {
+        return None;
+    }
+    let of_image = fitted.information.try_inverse()? + model_error(work, fitted);
+    let covariance = (of_image.try_inverse()? + fitted.known).try_inverse()?;
+    let turn = x_wc.rotation.to_rotation_matrix();
+    let mut axes = Matrix6::zeros();
+    axes.fixed_view_mut::<3, 3>(0, 0).copy_from(turn.matrix());
+    axes.fixed_view_mut::<3, 3>(3, 3).copy_from(turn.matrix());
+    let mut covariance = axes * covariance * axes.transpose();
+    let [all, good] = work.across;
+    if all < ALONG.0 || (good as f64) < ALONG.1 * all as f64 {
+        let along = work.x_wp.rotation * Vector3::x();
+        let row = Vector6::new(along.x, along.y, along.z, 0.0, 0.0, 0.0);
+        covariance += row * row.transpose() * ALONG_OPEN.powi(2);
+    }
+    let stride = (work.places.len() / POINTS).max(1);
+    Some(Found {
+        part: part.part.clone(),
+        x_wp: work.x_wp,
+        covariance,
+        points: work.places.iter().step_by(stride).map(|place| place.p_p).collect(),
+        share,
+        agreeing: fitted.agreeing,
+        pixels: fitted.pixels,
+    })
+}
+
+/// Of parts that were found in one place, only the one that moved least from where it was believed is
+/// there: another was taken for its neighbour.
+pub fn apart(found: Vec<Found>, parts: &[Believed], surfaces: &BTreeMap<String, Surface>) -> Vec<Found> {
+    let surface = |part: &str| surfaces.get(part);
+    let middle = |part: &str, x: &Pose| {
+        let ([x_m, y, z], _) = surface(part).map_or(([0.0; 3], 0.0), |surface| surface.ball);
+        x * Point3::new(f64::from(x_m), f64::from(y), f64::from(z))
+    };
+    let moved: Vec<f64> = found
+        .iter()
+        .map(|part| {
+            let believed = parts.iter().find(|it| it.part == part.part);
+            let before = believed.map_or(part.x_wp, |it| it.x_wp);
+            (middle(&part.part, &part.x_wp) - middle(&part.part, &before)).norm()
+        })
+        .collect();
+    let is_alone = |index: usize| {
+        let part = &found[index];
+        let radius = surface(&part.part).map_or(0.0, |surface| surface.ball.1);
+        (0..found.len()).all(|other| {
+            let it = &found[other];
+            let alike = surface(&it.part).is_some_and(|other| (other.ball.1 - radius).abs() < ALIKE);
+            let near = (middle(&it.part, &it.x_wp) - middle(&part.part, &part.x_wp)).norm() < ONE_PLACE;
+            other == index || !alike || !near || moved[other] > moved[index]
+        })
+    };
+    let alone: Vec<bool> = (0..found.len()).map(is_alone).collect();
+    found.into_iter().zip(alone).filter(|(_, alone)| *alone).map(|(part, _)| part).collect()
+}
+
+/// Covariance (axes of the optical frame) of what a part leaves that is not made quite as it is drawn.
+fn model_error(work: &Work, fitted: &Fitted) -> Matrix6<f64> {
+    let places: Vec<Point3<f64>> = work.places.iter().map(|place| fitted.x_cp * place.p_p).collect();
+    let count = places.len().max(1) as f64;
+    let middle = places.iter().map(|p| p.coords).sum::<Vector3<f64>>() / count;
+    // Extent across the line of sight: twice the standard deviation, along the shorter side.
+    let sight = middle.normalize();
+    let mut spread = Matrix3::zeros();
+    for p in &places {
+        let off = p.coords - middle;
+        let off = off - sight * sight.dot(&off);
+        spread += off * off.transpose() / count;
+    }
+    let mut values: Vec<f64> = spread.symmetric_eigenvalues().iter().copied().collect();
+    values.sort_by(f64::total_cmp);
+    let [short, long] = [values[1], values[2]].map(|value| 2.0 * value.max(0.0).sqrt().max(1.0e-3));
+    // Of shift at the middle of what shows, and turn.
+    let along = sight * (FACES * middle.norm() / long);
+    let turn = FACES / short;
+    let mut covariance = Matrix6::zeros();
+    let shift = Matrix3::identity() * FACES.powi(2) + along * along.transpose();
+    covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&shift);
+    covariance.fixed_view_mut::<3, 3>(3, 3).copy_from(&(Matrix3::identity() * turn * turn));
+    // At the part's origin.
+    let lever = fitted.x_cp.translation.vector - middle;
+    let mut slope = Matrix6::identity();
+    slope.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-lever.cross_matrix()));
+    slope * covariance * slope.transpose()
+}

@@ -1,0 +1,28 @@
+//! Parts without tags: found by comparing an image with a drawing of the scene that is believed.
+//!
+//! Data passes one way: [`solids`] turns the kit's solids and the hand into triangles; [`canvas`] draws all
+//! believed bodies through a lens without distortion; [`contours`] takes the places where the drawn colour
+//! steps and says to which part each belongs; [`profile`] measures how far from there the image has that
+//! step; [`pose`] moves a part until its steps lie on those of the image; [`search`] gives a start where a
+//! part is known only roughly. [`look`] does this for every part of a [`scene`] and draws it again with the
+//! new poses; [`acceptance`] rejects poses that the image does not support; [`lost`] looks for pegs that may
+//! be anywhere; [`finder`] is the whole.
+//!
+//! Since the drawing has the neighbours, the fingers and the holders in it, hidden edges and parts in one
+//! another need no case of their own.
+
+pub mod acceptance;
+pub mod canvas;
+pub mod contours;
+pub mod finder;
+pub mod look;
+pub mod lost;
+pub mod pose;
+pub mod profile;
+pub mod scene;
+pub mod search;
+pub mod solids;
+
+pub use finder::SceneFinder;
+pub use lost::Trace;
+pub use scene::{Believed, Found, Scene};

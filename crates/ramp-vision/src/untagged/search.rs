@@ -1,0 +1,84 @@
+//! Starts for the fit of a part that is known only roughly: of many poses the one whose drawn steps the image
+//! supports best.
+
+use nalgebra::Point3;
+use ramp_robot::Pose;
+
+use super::canvas::{Canvas, Lens};
+use super::contours::Step;
+use super::profile::{Photograph, drawn, normal};
+
+/// Number of steps that are compared.
+const STEPS: usize = 72;
+/// Distance from a step at which the light on both sides is taken, pixels.
+const ASIDE: f64 = 2.0;
+/// Least drawn difference of light between the two sides.
+const LEAST: f64 = 0.05;
+
+/// A step on a part: a point on each side, and the difference of light between them.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    bright: Point3<f64>,
+    dark: Point3<f64>,
+    channel: usize,
+    difference: f64,
+}
+
+/// The steps of a part as pairs of points in its frame, for comparing poses.
+#[derive(Clone, Debug, Default)]
+pub struct Pattern {
+    pairs: Vec<Pair>,
+}
+
+impl Pattern {
+    /// Of a part that is drawn at `x_cp`, from its contour.
+    pub fn new(canvas: &Canvas, contour: &[Step], x_cp: &Pose) -> Pattern {
+        let x_pc = x_cp.inverse();
+        let stride = contour.len().div_ceil(STEPS).max(1);
+        let pair = |step: &Step| {
+            let [nx, ny] = normal(canvas, step)?;
+            let sides = [1.0, -1.0].map(|side| {
+                let at = [step.at[0] + side * ASIDE * nx, step.at[1] + side * ASIDE * ny];
+                (at, drawn(canvas, &step.ground, step.channel, at))
+            });
+            let z = 1.0 / f64::from(canvas.near[step.inside]);
+            let [bright, dark] = sides.map(|(at, _)| {
+                let [x, y] = canvas.lens.direction(at);
+                x_pc * Point3::new(x * z, y * z, z)
+            });
+            let difference = sides[0].1? - sides[1].1?;
+            (difference > LEAST).then_some(Pair { bright, dark, channel: step.channel, difference })
+        };
+        Pattern { pairs: contour.iter().step_by(stride).filter_map(pair).collect() }
+    }
+
+    /// Mean share of the drawn contrasts that an image has at `x_cp`, 0 to 1.
+    pub fn support(&self, photograph: &Photograph, lens: &Lens, x_cp: &Pose) -> f64 {
+        let light = |p: &Point3<f64>, channel: usize| {
+            let p_c = x_cp * p;
+            if p_c.z < 0.01 {
+                return None;
+            }
+            photograph.light(channel, photograph.place(lens.project(&p_c)))
+        };
+        let sum: f64 = self
+            .pairs
+            .iter()
+            .filter_map(|pair| {
+                let difference = light(&pair.bright, pair.channel)? - light(&pair.dark, pair.channel)?;
+                Some((difference / pair.difference).clamp(0.0, 1.0))
+            })
+            .sum();
+        sum / self.pairs.len().max(1) as f64
+    }
+
+    /// Number of steps.
+    pub fn len(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+}
