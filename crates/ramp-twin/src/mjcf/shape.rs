@@ -18,15 +18,17 @@ pub struct PartShape {
 }
 
 enum Kind {
-    Beam {
-        /// As drawn.
-        beam: Beam,
-        sawn: Beam,
-        /// Errors of faces (m) by joint and axis, each with its position along that axis, m.
-        faces: BTreeMap<(usize, usize), Vec<(f64, f64)>>,
-    },
+    Beam(Box<BeamShape>),
     /// A peg, and how much wider its stem is.
     Peg { wider: f64 },
+}
+
+struct BeamShape {
+    /// As drawn.
+    beam: Beam,
+    sawn: Beam,
+    /// Errors of faces (m) by joint and axis, each with its position along that axis, m.
+    faces: BTreeMap<(usize, usize), Vec<(f64, f64)>>,
 }
 
 impl Printed<'_> {
@@ -40,7 +42,7 @@ impl Printed<'_> {
                 // Drawn once more as the scene draws it, so that each face takes the same number.
                 beam_body(&mut String::new(), beam, &Pose::identity(), false, &mut part);
                 let (faces, sawn) = (part.faces(), self.part(name).beam(beam));
-                Kind::Beam { beam: beam.clone(), sawn, faces }
+                Kind::Beam(Box::new(BeamShape { beam: beam.clone(), sawn, faces }))
             }
             None if parts.radius == 0.0 => return None,
             None => Kind::Peg { wider: part.stem() / STEM_RADIUS },
@@ -58,7 +60,8 @@ impl PartShape {
                 let wider = if p.z < 0.0 { *wider } else { 1.0 };
                 Pose::from_parts(Translation3::new(p.x * wider, p.y * wider, p.z), still)
             }
-            Kind::Beam { beam, sawn, faces } => {
+            Kind::Beam(shape) => {
+                let BeamShape { beam, sawn, faces } = &**shape;
                 let p = printed(beam, sawn, faces, p);
                 // Each joint is straight, and turned as the arc is at its middle.
                 let x = nearest(sawn, p.x).map_or(p.x, |index| along(sawn, index, p.x));
