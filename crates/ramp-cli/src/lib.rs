@@ -12,6 +12,7 @@ mod completion;
 mod ending;
 mod engine;
 mod film;
+mod image_file;
 mod lock;
 mod options;
 mod output;

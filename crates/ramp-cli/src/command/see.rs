@@ -20,6 +20,8 @@ use ramp_vision::{Lying, PartFinder, Sighting};
 use ramp_world::Start;
 use resvg::{tiny_skia, usvg};
 
+use super::see_scene;
+use crate::image_file::{write_pixels, write_png};
 use crate::output::{check_place, print, write_file};
 use crate::software::software;
 use crate::status::{DONE, INCOMPLETE};
@@ -29,6 +31,9 @@ pub struct Arguments {
     /// Name of a goal, or a goal file
     #[arg(required_unless_present = "judge")]
     goal: Option<String>,
+    /// Track of the images: `tags`, or `colour` for parts without tags
+    #[arg(long, default_value = "tags", value_parser = ["tags", "colour"], conflicts_with_all = ["judge", "count"])]
+    track: String,
     /// Seed of the layout, the cameras' errors and the noise
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -85,10 +90,11 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         let photographer = Photographer::new(&assembly, &arm).into_diagnostic()?;
         return data_set(photographer, &assembly.kit, arguments, folder, count);
     }
+    let track = if arguments.track == Track::Colour.name() { Track::Colour } else { Track::Tags };
     let setup = Setup {
         assembly: &assembly,
         arm: &arm,
-        track: Track::Tags,
+        track,
         seed: arguments.seed,
         start: Start::sheet(),
         world: &data.world("real")?,
@@ -97,6 +103,10 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         fault: None,
     };
     let mut twin = Twin::new(&setup).into_diagnostic()?;
+    if !track.has_tags() {
+        print(&see_scene::write(&assembly.kit, &arm, &mut twin, folder)?)?;
+        return Ok(DONE);
+    }
     let mut finder = PartFinder::new(&assembly.kit).into_diagnostic()?;
     let lying = Lying::at_start(&assembly.kit);
     let mut text = String::new();
@@ -229,29 +239,6 @@ fn check_names<'a>(path: &Path, mut names: impl Iterator<Item = &'a String>) -> 
 fn write_json<T: serde::Serialize>(path: &Path, value: &T) -> Result<(), Report> {
     let text = serde_json::to_string(value).into_diagnostic()?;
     write_file(path, text)
-}
-
-fn write_png(path: &Path, image: &Image, pixels: &[u8]) -> Result<(), Report> {
-    write_pixels(path, image, pixels, png::ColorType::Rgb, png::BitDepth::Eight)
-}
-
-/// Writes pixels of any type, as many as in an image.
-fn write_pixels(
-    path: &Path,
-    image: &Image,
-    pixels: &[u8],
-    colour: png::ColorType,
-    bits: png::BitDepth,
-) -> Result<(), Report> {
-    let mut bytes = Vec::new();
-    let (width, height) = (image.width as u32, image.height as u32);
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(colour);
-    encoder.set_depth(bits);
-    let mut writer = encoder.write_header().into_diagnostic()?;
-    writer.write_image_data(pixels).into_diagnostic()?;
-    writer.finish().into_diagnostic()?;
-    write_file(path, bytes)
 }
 
 fn write_depth(path: &Path, image: &Image, depth: &[f32]) -> Result<(), Report> {

@@ -63,3 +63,33 @@ fn a_film_with_nowhere_to_go_is_refused_before_the_work() {
     assert!(String::from_utf8_lossy(&error.get_output().stderr).contains("is no folder"));
     assert!(!folder.path().join("results").exists());
 }
+
+/// Without tags, the drawing lies over the image, and from above every part is found to a millimetre or two.
+#[test]
+fn parts_without_tags_are_found_and_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("seen");
+    let output = ramp()
+        .args(["see", "easy-3", "--track", "colour", "--seed", "2", "-o"])
+        .arg(&path)
+        .assert()
+        .success();
+    let text = String::from_utf8_lossy(&output.get_output().stdout).to_string();
+    let above = text.split("birds-eye").nth(1).unwrap();
+    let parts: Vec<Vec<&str>> = above
+        .lines()
+        .skip(2)
+        .map(|line| line.split_whitespace().collect())
+        .filter(|row: &Vec<_>| row.len() == 8)
+        .collect();
+    assert!(parts.len() >= 22, "{text}");
+    for row in &parts {
+        let off = |index: usize| row[index].parse::<f64>().unwrap();
+        assert!(off(4).hypot(off(5)) < 2.5, "{row:?}");
+    }
+    for camera in ["wrist", "birds-eye"] {
+        let image = std::fs::read(path.join(format!("{camera}.png"))).unwrap();
+        let drawn = std::fs::read(path.join(format!("{camera}-found.png"))).unwrap();
+        assert_ne!(image, drawn);
+    }
+}

@@ -20,7 +20,9 @@ pub struct PartShape {
 enum Kind {
     Beam(Box<BeamShape>),
     /// A peg, and how much wider its stem is.
-    Peg { wider: f64 },
+    Peg {
+        wider: f64,
+    },
 }
 
 struct BeamShape {

@@ -106,6 +106,16 @@ impl Canvas {
         }
     }
 
+    /// The face that shows at a place; `None` on the ground and outside.
+    pub fn face_at(&self, [x, y]: [f64; 2]) -> Option<&Face> {
+        let [w, h] = self.lens.size;
+        if !(x >= 0.0 && y >= 0.0 && x < w as f64 && y < h as f64) {
+            return None;
+        }
+        let shown = self.shown[y as usize * w + x as usize];
+        self.faces.get(shown as usize).filter(|_| shown != GROUND)
+    }
+
     /// The columns and the rows that are drawn: first, and last exclusive.
     pub fn window(&self) -> [[usize; 2]; 2] {
         self.window

@@ -1,5 +1,6 @@
 //! Finds the parts in images, from where everything is believed to be.
 
+use nalgebra::Point3;
 use ramp_kit::Kit;
 use ramp_kit::solid::SolidError;
 use ramp_robot::arm::ArmModel;
@@ -66,6 +67,29 @@ impl SceneFinder {
         part: &Believed,
     ) -> Result<Option<Trace>, SightError> {
         self.look(image, camera, scene, 0.0, |look, canvas| trace(look, canvas, part))
+    }
+
+    /// The drawing of a scene as a camera would show it, red, green and blue (gamma 2.2) for each pixel of an
+    /// image; `None` where it has no body.
+    ///
+    /// # Errors
+    /// As [`SceneFinder::find`].
+    pub fn drawing(
+        &mut self,
+        image: &Image,
+        camera: &CameraModel,
+        scene: &Scene,
+    ) -> Result<Vec<Option<[u8; 3]>>, SightError> {
+        self.look(image, camera, scene, 0.0, |look, canvas| {
+            look.draw_all(canvas);
+            let pixel = |index: usize| {
+                let (x, y) = (index % image.width, index / image.width);
+                let [dx, dy] = camera.direction([x as f64 + 0.5, y as f64 + 0.5]);
+                let at = canvas.lens.project(&Point3::new(dx, dy, 1.0));
+                canvas.face_at(at).map(|face| face.colour.map(|light| (light.powf(1.0 / 2.2) * 255.0) as u8))
+            };
+            (0..image.width * image.height).map(pixel).collect()
+        })
     }
 
     fn look<T>(
