@@ -38,6 +38,10 @@ pub struct Work {
     pub places: Vec<Place>,
     /// Steps that could have been found.
     pub candidates: usize,
+    /// How far the last fit moved its steps, pixels.
+    pub moved: f64,
+    /// Whether nothing is left to be gained by drawing it again.
+    pub done: bool,
     /// Those across the axis: all, and those that support the pose.
     pub across: [usize; 2],
 }

@@ -223,18 +223,23 @@ impl Canvas {
         };
         let (dx, dy) = plane(b[2] - a[2], c[2] - a[2]);
         // Within: to the right of each edge that goes up, to the left of each that goes down.
-        let edges = [[a, b], [b, c], [c, a]];
+        // Its crossings are computed from the same end for both triangles of an edge.
+        let edges = [[a, b], [b, c], [c, a]].map(|[p, q]| {
+            let rises = q[1] > p[1];
+            let (low, high) = if rises { (p, q) } else { (q, p) };
+            let height = high[1] - low[1];
+            let slope = if height > 0.0 { (high[0] - low[0]) / height } else { 0.0 };
+            (rises, height > 0.0, low[0] - 0.5, low[1], slope)
+        });
         for y in top..bottom {
             let middle = y as f32 + 0.5;
             let (mut from, mut to) = (left, right);
-            for [p, q] in &edges {
-                // The crossing is computed from the same end for both triangles of an edge.
-                let (low, high) = if p[1] < q[1] { (p, q) } else { (q, p) };
-                let at = low[0] + (high[0] - low[0]) * ((middle - low[1]) / (high[1] - low[1])) - 0.5;
-                if q[1] > p[1] {
-                    from = from.max(ceil(at));
-                } else if q[1] < p[1] {
-                    to = to.min(ceil(at));
+            for (rises, has_height, x, y, slope) in &edges {
+                let at = ceil(x + slope * (middle - y));
+                if *rises {
+                    from = from.max(at);
+                } else if *has_height {
+                    to = to.min(at);
                 }
             }
             if from >= to {

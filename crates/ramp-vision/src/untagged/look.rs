@@ -25,16 +25,18 @@ struct Reach {
     known: f64,
     /// That from which starts are searched for, m.
     vague: f64,
+    /// A part whose steps moved by less than this is not drawn again, pixels.
+    still: f64,
 }
 
-const FROM_NEAR: Reach = Reach { cell: 5, steps: 300, window: [8.0, 70.0], known: 9.0e-3, vague: 6.0e-3 };
-const FROM_FAR: Reach = Reach { cell: 2, steps: 160, window: [3.0, 16.0], known: 40.0e-3, vague: 3.5e-3 };
+const FROM_NEAR: Reach =
+    Reach { cell: 5, steps: 300, window: [8.0, 70.0], known: 9.0e-3, vague: 6.0e-3, still: 0.7 };
+const FROM_FAR: Reach =
+    Reach { cell: 2, steps: 160, window: [3.0, 16.0], known: 40.0e-3, vague: 3.5e-3, still: 0.2 };
 /// Standard deviations within which a part is looked for.
 const SIGMAS: f64 = 3.0;
 /// Windows of the rounds after the first, pixels.
 const LATER: [f64; 2] = [5.0, 3.0];
-/// A window that is not larger than this many least ones is narrow.
-const NARROW: f64 = 1.2;
 /// Least window of a part in the hand, which may have slipped, m.
 const SLIP: f64 = 3.0e-3;
 /// A window of which all is looked at pixel by pixel.
@@ -84,22 +86,19 @@ impl Look<'_> {
                     fitted: None,
                     places: Vec::new(),
                     candidates: 0,
+                    moved: 0.0,
+                    done: false,
                     across: [0; 2],
                 })
             })
             .collect();
-        let mut narrow = true;
         for round in 0..=LATER.len() {
-            // What was known well is where it was looked for: the middle round is for others.
-            if round == 1 && narrow {
-                continue;
-            }
-            if works.iter().all(Option::is_none) {
-                return Vec::new();
+            if works.iter().flatten().all(|work| work.done) {
+                break;
             }
             let drawn = self.draw(canvas, &works);
             for (part, (work, contour)) in self.scene.parts.iter().zip(works.iter_mut().zip(&drawn)) {
-                let Some(mut now) = work.take() else { continue };
+                let Some(mut now) = work.take_if(|work| !work.done) else { continue };
                 let mut window = LATER[round.max(1) - 1];
                 if round == 0 {
                     let pixels = self.camera.focal[0] / (x_cw * now.x_wp).translation.z.max(0.1);
@@ -108,16 +107,16 @@ impl Look<'_> {
                         let Some(x_wp) = self.search(canvas, contour, part) else { continue };
                         // To be drawn there.
                         now.x_wp = x_wp;
-                        narrow = false;
                         *work = Some(now);
                         continue;
                     }
                     let least = if part.held { SLIP * pixels } else { 0.0 };
                     let [low, high] = reach.window;
                     window = ((SIGMAS * spread + self.slack) * pixels).max(least).clamp(low, high);
-                    narrow &= window < NARROW * low;
                 }
                 if self.fit(canvas, contour, part, &mut now, window).is_some() {
+                    // What hardly moved was drawn where it is.
+                    now.done = window <= reach.window[0] && now.moved < reach.still;
                     *work = Some(now);
                 }
             }
@@ -165,13 +164,15 @@ impl Look<'_> {
             let Some(surface) = bodies.surfaces.get(&part.part) else { continue };
             let x_wp = works[index].as_ref().map_or(part.x_wp, |work| work.x_wp);
             let x_cp = x_cw * x_wp;
-            if works[index].is_some() {
+            if works[index].as_ref().is_some_and(|work| !work.done) {
                 numbers[index] = Some(drawn.len() as u16);
                 if let Some([[x0, x1], [y0, y1]]) = canvas.bounds(surface, &x_cp) {
                     let [[a0, a1], [b0, b1]] = window.unwrap_or([[x0, x1], [y0, y1]]);
                     window = Some([[a0.min(x0), a1.max(x1)], [b0.min(y0), b1.max(y1)]]);
                 }
-            } else if part.covariance[(0, 0)].max(part.covariance[(1, 1)]).sqrt() > self.reach().known {
+            } else if works[index].is_none()
+                && part.covariance[(0, 0)].max(part.covariance[(1, 1)]).sqrt() > self.reach().known
+            {
                 // It may be anywhere: it hides nothing for sure.
                 continue;
             }
@@ -297,6 +298,11 @@ impl Look<'_> {
         };
         let over = || across.iter().filter(|(over, _)| *over);
         work.across = [over().count(), over().filter(|(_, place)| good(place)).count()];
+        let moved = |place: &Place| {
+            let [before, after] = [&x_cp, &fitted.x_cp].map(|x| canvas.lens.project(&(x * place.p_p)));
+            (after[0] - before[0]).hypot(after[1] - before[1])
+        };
+        work.moved = work.places.iter().map(moved).fold(0.0, f64::max);
         work.x_wp = self.x_wc * fitted.x_cp;
         work.fitted = Some(fitted);
         Some(())
