@@ -63,7 +63,7 @@ pub struct Body {
     pub shadow: Mesh,
     /// Its tags.
     pub tags: Vec<Sticker>,
-    /// By how much it is lighter than its materials, 1 for not at all.
+    /// Its brightness relative to that of its materials.
     pub tone: f32,
     /// Centre and radius of a ball around it, m.
     pub ball: ([f32; 3], f32),
@@ -96,10 +96,10 @@ pub struct Looks {
 
 /// How a body differs from its drawing.
 pub struct Difference<'a> {
-    /// Where a point of the drawing (m, in the body's frame) is, and how far its surroundings are turned;
-    /// `None` where nothing differs.
+    /// The pose to which a point of the drawing (m, in the body's frame) and its surroundings are moved, in
+    /// the same frame; `None` for the shape of the drawing.
     pub place: Option<&'a dyn Fn(Point3<f64>) -> Pose>,
-    /// By how much it is lighter than its materials, 1 for not at all.
+    /// Its brightness relative to that of its materials.
     pub tone: f64,
 }
 
@@ -231,7 +231,7 @@ impl Looks {
         looks
     }
 
-    /// The same with a body that differs from its drawing.
+    /// Makes a body differ from its drawing.
     pub fn change(&mut self, name: &str, difference: &Difference) {
         let Some(body) = self.body(name).and_then(|index| self.bodies.get_mut(index)) else { return };
         body.tone = difference.tone as f32;

@@ -16,8 +16,7 @@ use ramp_vision::untagged::{Believed, Found, Scene, SceneFinder};
 
 use crate::image_file::write_png;
 
-/// What is believed at the start `sheet`: parts within a millimetre and a degree of their outlines (1 σ: m,
-/// rad), flat on the table.
+/// Standard deviations of a part's place at the start `sheet`: shift along each axis, m, and turn, rad.
 const SIGMA: [f64; 6] = [1.0e-3, 1.0e-3, 1.5e-3, 0.007, 0.007, 0.017];
 /// Writes the images of both cameras, and over them the drawing at the poses that were found. Gives the table
 /// of errors.

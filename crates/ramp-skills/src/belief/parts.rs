@@ -133,7 +133,7 @@ impl Belief {
         Ok(sightings)
     }
 
-    /// What may be in the next image.
+    /// Everything that may be in the next image.
     fn surroundings(&self, hand: &Hand) -> Surroundings {
         let lying = self.lying();
         let expected = |(name, part): (&String, &Part)| Expected {

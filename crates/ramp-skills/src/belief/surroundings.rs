@@ -16,16 +16,16 @@ use crate::parameters::belief::EyesParameters;
 /// Standard deviations of the camera's place within which a part is looked for.
 const SIGMAS: f64 = 2.5;
 
-/// What is believed of a part before an image is read.
+/// The belief about a part before an image is read.
 #[derive(Clone, Debug)]
 pub struct Expected {
     /// Its name.
     pub part: String,
     /// Its pose: in the tip's frame if it is held, and in the world otherwise.
     pub estimate: Estimate,
-    /// Whether it is between the fingers.
+    /// True if it is between the fingers.
     pub held: bool,
-    /// What is known of its height and tilt.
+    /// The knowledge of its height and tilt, if there is any.
     pub lying: Option<Lying>,
 }
 
@@ -57,6 +57,8 @@ pub struct SceneReader {
     finder: SceneFinder,
     /// Name and pose of the beam that is clamped.
     base: (String, Pose),
+    /// Names of the pegs.
+    pegs: Vec<String>,
 }
 
 impl SceneReader {
@@ -66,7 +68,8 @@ impl SceneReader {
     /// The reason, as text.
     pub fn new(kit: &Kit, arm: &ArmModel, base: &(String, Pose)) -> Result<SceneReader, String> {
         let finder = SceneFinder::new(kit, arm).map_err(|error| error.to_string())?;
-        Ok(SceneReader { finder, base: base.clone() })
+        let pegs = kit.pegs.iter().map(|peg| peg.name.clone()).collect();
+        Ok(SceneReader { finder, base: base.clone(), pegs })
     }
 
     /// The parts in an image, and what it tells of the camera.
@@ -90,9 +93,8 @@ impl SceneReader {
         }
         let scene = Scene { parts: &parts, holders: &surroundings.holders, width: surroundings.width };
         let base = &self.base.0;
-        let distance = self.distance(&x_wc);
         let wanted = |part: &Believed| part.part != *base;
-        let slack = slack(&eye.covariance, distance);
+        let slack = slack(&eye.covariance, &x_wc);
         let found =
             self.finder.find(image, &model, &scene, &wanted, slack).map_err(|error| error.to_string())?;
         let sighting = |part: Found| {
@@ -101,7 +103,7 @@ impl SceneReader {
         };
         let mut sightings: Vec<Sighting> = found.into_iter().map(sighting).collect();
         let is_lost = |part: &Believed| {
-            part.part.starts_with('p')
+            self.pegs.contains(&part.part)
                 && !part.held
                 && part.covariance[(0, 0)].max(part.covariance[(1, 1)]).sqrt() > parameters.lost
                 && sightings.iter().all(|seen| seen.part != part.part)
@@ -119,11 +121,6 @@ impl SceneReader {
             sightings.extend(seen.map(|seen| eye.sighting(part.part.clone(), seen, &x_wc, image.x_wt)));
         }
         Ok(sightings)
-    }
-
-    /// Distance from a camera to the table, m: that of what it looks at.
-    fn distance(&self, x_wc: &Pose) -> f64 {
-        x_wc.translation.z.max(0.1)
     }
 
     /// Finds the clamped beam, whose pose is known, and corrects the camera's pose by it until it was seen
@@ -149,7 +146,7 @@ impl SceneReader {
         }
         let scene = Scene { parts, holders: &surroundings.holders, width: surroundings.width };
         let wanted = |part: &Believed| part.part == *base;
-        let slack = slack(&eye.covariance, self.distance(&x_wc));
+        let slack = slack(&eye.covariance, &x_wc);
         let found =
             self.finder.find(image, &model, &scene, &wanted, slack).map_err(|error| error.to_string())?;
         let Some(found) = found.first() else { return Ok(model) };
@@ -164,8 +161,9 @@ impl SceneReader {
     }
 }
 
-/// How far off something at a distance (m) may seem because of the error of the camera's place, m.
-fn slack(covariance: &Matrix6<f64>, distance: f64) -> f64 {
+/// Largest apparent shift of something on the table because of the error of the camera's place, m.
+fn slack(covariance: &Matrix6<f64>, x_wc: &Pose) -> f64 {
+    let distance = x_wc.translation.z.max(0.1);
     let largest = |from: usize| (from..from + 3).map(|axis| covariance[(axis, axis)]).fold(0.0, f64::max);
     SIGMAS * (largest(0).sqrt() + largest(3).sqrt() * distance)
 }

@@ -54,7 +54,8 @@ impl Printed<'_> {
 }
 
 impl PartShape {
-    /// Where a point of the drawing (m, in the part's frame) is, and how far its surroundings are turned.
+    /// The pose to which a point of the drawing (m, in the part's frame) and its surroundings are moved, in
+    /// the same frame.
     pub fn place(&self, p: Point3<f64>) -> Pose {
         let still = UnitQuaternion::identity();
         match &self.kind {

@@ -56,7 +56,7 @@ pub struct Look<'a> {
     pub photograph: Photograph<'a>,
     /// Its camera.
     pub camera: &'a CameraModel,
-    /// What is believed.
+    /// The scene as it is believed.
     pub scene: &'a Scene<'a>,
     /// The camera's pose in the world.
     pub x_wc: Pose,
@@ -242,7 +242,7 @@ impl Look<'_> {
         contours(canvas, &of, self.scene.parts.len(), self.reach().cell, &ground)
     }
 
-    /// What is known of a part's height and tilt, as the fit takes it.
+    /// The knowledge of a part's height and tilt, as the fit takes it.
     fn level(&self, part: &Believed) -> Option<Level> {
         let lying = part.lying.as_ref().filter(|_| !part.held)?;
         Some(Level {

@@ -4,6 +4,7 @@
 //! positions, and the best of them are fitted as any other part is.
 
 use nalgebra::{Matrix6, Point3, Translation3, UnitQuaternion, Vector3, Vector6};
+use ramp_kit::joint::{HEAD_HEIGHT, HEAD_WIDTH};
 use ramp_robot::Pose;
 
 use super::acceptance::LEAST_SHARE;
@@ -18,25 +19,27 @@ const MARGIN: usize = 3;
 /// Least red of a peg, linear, and least ratio of its red to its blue.
 const RED: f32 = 0.1;
 const RATIO: f32 = 4.0;
-/// Least area of what may be a peg, as a share of that of a head seen from the front; and the side of that,
-/// m.
+/// Least area of a coloured area that may be a peg, as a share of that of a head seen from the front.
 const LEAST_AREA: f64 = 0.25;
-const HEAD: f64 = 27.0e-3;
 /// Angles between a peg's axis and the vertical that are tried, degrees: standing, leaning, and lying on head
 /// and tip.
 const LEANS: [f64; 6] = [0.0, 8.0, 20.0, 40.0, 60.0, 76.0];
 /// Steps of its direction and of its turn about its axis, degrees.
 const DIRECTION: f64 = 30.0;
 const TURN: f64 = 22.5;
-/// Heights of the head's middle above the table that are tried, m.
+/// Heights of the head's middle above the table that are tried, m: of a peg that leans or lies, and of one
+/// that stands, in a hole or a holder or on what its stem has met.
 const HEIGHTS: [f64; 4] = [0.014, 0.035, 0.05, 0.07];
+const STANDING_HEIGHTS: [f64; 8] = [0.02, 0.03, 0.036, 0.042, 0.048, 0.054, 0.062, 0.075];
+/// Largest angle of a peg that counts as standing, degrees.
+const STANDING: f64 = 10.0;
 /// Number of positions that are fitted, and number of coloured areas that are looked at.
-const BEST: usize = 4;
+const BEST: usize = 8;
 const AREAS: usize = 3;
-/// How sure the fitted ones are before the fit: m, and degrees.
+/// Standard deviations of those positions before the fit: m, and degrees.
 const START: ([f64; 3], f64) = ([2.0e-3, 2.0e-3, 4.0e-3], 8.0);
-/// What is known of a peg of which only the coloured area was found: m, along the line of sight too, and
-/// degrees.
+/// Standard deviations of a peg of which only the coloured area was found: across the line of sight and along
+/// it, m, and of its rotation, degrees.
 const ROUGH: (f64, f64, f64) = (8.0e-3, 25.0e-3, 60.0);
 
 /// What an image tells of a lost peg.
@@ -153,7 +156,7 @@ fn unexplained(look: &Look, canvas: &mut Canvas) -> (Vec<Area>, Vec<f32>) {
         });
         let distance =
             (on_height(look, canvas, middle, HEIGHTS[1]) - Point3::from(look.x_wc.translation.vector)).norm();
-        let head = (HEAD * canvas.lens.focal[0] / distance / CELL as f64).powi(2);
+        let head = (HEAD_WIDTH * canvas.lens.focal[0] / distance / CELL as f64).powi(2);
         if count > LEAST_AREA * head {
             areas.push(Area { cells, middle });
         }
@@ -174,10 +177,11 @@ fn positions(look: &Look, canvas: &mut Canvas, part: &Believed, (area, near): (&
     let Some(surface) = look.bodies.surfaces.get(&part.part) else { return Vec::new() };
     let x_cw = look.x_wc.inverse();
     let up = (x_cw.rotation * Vector3::z()).map(|value| value as f32).into();
-    let middle = Vector3::new(0.0, 0.0, HEAD / 2.0);
+    let middle = Vector3::new(0.0, 0.0, HEAD_HEIGHT / 2.0);
     let mut rated: Vec<(f64, Pose)> = Vec::new();
-    for rotation in rotations() {
-        for height in HEIGHTS {
+    for (lean, rotation) in rotations() {
+        let heights = if lean < STANDING { &STANDING_HEIGHTS[..] } else { &HEIGHTS[..] };
+        for &height in heights {
             let mut x_wp = Pose::from_parts(
                 Translation3::from(on_height(look, canvas, area.middle, height).coords - rotation * middle),
                 rotation,
@@ -197,8 +201,8 @@ fn positions(look: &Look, canvas: &mut Canvas, part: &Believed, (area, near): (&
     rated.into_iter().take(BEST).map(|(_, x_wp)| x_wp).collect()
 }
 
-/// Rotations of a peg that stands, leans or lies.
-fn rotations() -> Vec<UnitQuaternion<f64>> {
+/// Rotations of a peg that stands, leans or lies, each with the angle of its axis and the vertical, degrees.
+fn rotations() -> Vec<(f64, UnitQuaternion<f64>)> {
     let about = |axis, degrees: f64| UnitQuaternion::from_axis_angle(&axis, degrees.to_radians());
     let turns = (0..4).map(|step| f64::from(step) * TURN);
     let mut all = Vec::new();
@@ -207,7 +211,7 @@ fn rotations() -> Vec<UnitQuaternion<f64>> {
         for direction in 0..directions {
             let direction = about(Vector3::z_axis(), f64::from(direction) * DIRECTION);
             let leaning = direction * about(Vector3::x_axis(), lean) * direction.inverse();
-            all.extend(turns.clone().map(|turn| leaning * about(Vector3::z_axis(), turn)));
+            all.extend(turns.clone().map(|turn| (lean, leaning * about(Vector3::z_axis(), turn))));
         }
     }
     all

@@ -19,7 +19,7 @@ const WEIGHT: f64 = 1.5;
 const LEAST_CONTRAST: f64 = 0.4;
 /// Contrast beyond which a step is no better a match.
 const FULL_CONTRAST: f64 = 1.2;
-/// By how much a match at the border of the window counts less than one in its middle.
+/// Discount of a match at the border of the window against one in its middle.
 const FAR: f64 = 0.35;
 /// Shares of what a lens spreads a point over, in samples of half a pixel; and none, for larger ones.
 const BLUR: [f64; 2 * MARGIN + 1] = [0.03, 0.11, 0.22, 0.28, 0.22, 0.11, 0.03];

@@ -32,9 +32,9 @@ pub struct Believed {
     pub x_wp: Pose,
     /// Covariance of a shift (m) and turn (rad) about its origin, axes of the world.
     pub covariance: Matrix6<f64>,
-    /// What is known of its height and tilt.
+    /// The knowledge of its height and tilt, if there is any.
     pub lying: Option<Lying>,
-    /// Whether it is between the fingers.
+    /// True if it is between the fingers.
     pub held: bool,
 }
 
