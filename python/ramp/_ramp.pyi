@@ -126,6 +126,10 @@ class CameraImage:
     def pixels(self) -> NDArray[np.uint8]:
         """Red, green and blue of each pixel, gamma 2.2, shape (800, 1280, 3)."""
     @property
+    def depth(self) -> NDArray[np.uint16] | None:
+        """On the track ``depth``: the measured distance along the optical axis in each pixel, in 0.1 mm, 0 where there
+        is none, shape (800, 1280); ``None`` on other tracks."""
+    @property
     def tip(self) -> NDArray[np.float64]:
         """Pose of the tip in the world at that moment, shape (7,)."""
 

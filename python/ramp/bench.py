@@ -69,7 +69,7 @@ def run(
         arm: ``panda``, or ``fr3`` for a Franka Research 3.
         world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
         start: Where the parts lie: ``moved``, ``sheet``, ``scattered``, ``jumbled``, or a start file.
-        track: What the agent may see: ``state``, ``noisy``, ``tags`` or ``colour``.
+        track: What the agent may see: ``state``, ``noisy``, ``tags``, ``colour`` or ``depth``.
         seed: All randomness of the episode flows from it.
         task: ``build``, or ``take-apart``: the built frame is taken apart, and each part put back.
         state: A file with the state in which the frame begins, as ``ramp run --state``. The agent is not

@@ -39,8 +39,8 @@ class Twin:
 
         Args:
             goal: A goal of the benchmark, a goal file, or a goal.
-            track: What :meth:`read_parts` and :meth:`look` give: ``state``, ``noisy``, ``tags`` or
-                ``colour``.
+            track: What :meth:`read_parts` and :meth:`look` give: ``state``, ``noisy``, ``tags``,
+                ``colour`` or ``depth``.
             world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
             start: Where the parts lie: ``moved``, ``sheet``, ``scattered``, ``jumbled``, or a start file.
             seed: All randomness flows from it.

@@ -16,6 +16,7 @@ EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
 def test_a_small_image_shows_the_whole_field_of_view():
     with ramp.Twin("easy-1", track="tags") as full, ramp.Twin("easy-1", track="tags") as small:
         large, tiny = full.look("birds-eye"), small.look("birds-eye", size=160)
+        assert large.depth is None
         assert large.pixels.shape == (800, 1280, 3) and tiny.pixels.shape == (100, 160, 3)
         assert tiny.time == large.time and full.time == small.time
         mean = large.pixels.reshape(100, 8, 160, 8, 3).mean(axis=(1, 3))
@@ -23,6 +24,15 @@ def test_a_small_image_shows_the_whole_field_of_view():
         for wrong in (8, 1281):
             with pytest.raises(ramp.InputError, match="size: found"):
                 small.look("wrist", size=wrong)
+
+
+def test_depth_comes_with_its_track():
+    with ramp.Twin("easy-1", track="depth", world="ideal") as twin:
+        above, hand = twin.look("birds-eye"), twin.look("wrist", size=320)
+    assert above.depth is not None and above.depth.shape == (800, 1280) and above.depth.dtype == np.uint16
+    # The table is 2.5 m below, and the left border is outside of the second lens's image.
+    assert abs(float(above.depth[700, 1000]) - 25000) < 100 and above.depth[700, 5] == 0
+    assert hand.depth is not None and hand.depth.shape == (200, 320)
 
 
 def test_an_agent_looks_in_small_and_drives_by_actions():

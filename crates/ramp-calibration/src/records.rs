@@ -132,7 +132,7 @@ pub fn read_image(path: &Path) -> Result<Image, CalibrationError> {
     };
     let (width, height) = (width as usize, height as usize);
     // The camera's name appears in no message: the file's does.
-    Ok(Image { camera: Camera::Wrist, time: 0.0, x_wt: Pose::identity(), width, height, pixels })
+    Ok(Image { camera: Camera::Wrist, time: 0.0, x_wt: Pose::identity(), width, height, pixels, depth: None })
 }
 
 /// The PNG files of a folder, sorted by name.

@@ -103,6 +103,8 @@ pub enum TrackName {
     Tags,
     /// Images of two cameras, without any tag
     Colour,
+    /// The same, with the measured distance in each pixel
+    Depth,
 }
 
 impl From<TrackName> for Track {
@@ -112,6 +114,7 @@ impl From<TrackName> for Track {
             TrackName::Noisy => Track::Noisy,
             TrackName::Tags => Track::Tags,
             TrackName::Colour => Track::Colour,
+            TrackName::Depth => Track::Depth,
         }
     }
 }

@@ -25,8 +25,10 @@ pub(crate) fn of_image(image: &Image) -> u64 {
     bytes.push(0);
     put(&mut bytes, &[image.time]);
     put(&mut bytes, &pose(&image.x_wt));
+    let depth = image.depth_bytes();
+    let all = bytes.as_slice().chain(&*image.pixels).chain(&*depth);
     // Reading from memory does not fail.
-    sha256_of(bytes.as_slice().chain(&*image.pixels)).map(|hash| first_bits(&hash)).unwrap_or_default()
+    sha256_of(all).map(|hash| first_bits(&hash)).unwrap_or_default()
 }
 
 fn pose(x: &Pose) -> [f64; 7] {

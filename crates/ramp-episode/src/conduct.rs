@@ -84,7 +84,7 @@ impl Conduct {
         let (seen, what) = match track {
             Track::State => return None,
             Track::Noisy => (self.reading, "a reading of the parts"),
-            Track::Tags | Track::Colour => (self.image, "an image"),
+            Track::Tags | Track::Colour | Track::Depth => (self.image, "an image"),
         };
         let first = first?;
         let blind = seen.is_none_or(|seen| seen > first);

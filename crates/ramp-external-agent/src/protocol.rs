@@ -1,5 +1,5 @@
 //! The messages of the protocol: one JSON object a line, its only key the kind of message. An image is
-//! followed by its pixels as bytes.
+//! followed by its pixels as bytes, and by its depths, if it has them.
 
 use anstream::adapter::strip_str;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector6};
@@ -392,14 +392,20 @@ impl Answer {
                     .collect();
                 json!({"parts": parts})
             }
-            Answer::Image(image) => json!({"image": {
-                "camera": image.camera.name(),
-                "time": image.time,
-                "x_wt": pose(&image.x_wt),
-                "width": image.width,
-                "height": image.height,
-                "bytes": image.pixels.len(),
-            }}),
+            Answer::Image(image) => {
+                let mut head = json!({
+                    "camera": image.camera.name(),
+                    "time": image.time,
+                    "x_wt": pose(&image.x_wt),
+                    "width": image.width,
+                    "height": image.height,
+                    "bytes": image.pixels.len(),
+                });
+                if let Some(depth) = &image.depth {
+                    head["depth_bytes"] = (2 * depth.len()).into();
+                }
+                json!({"image": head})
+            }
             Answer::Noted => json!({"noted": {}}),
             Answer::Refused(error) => json!({"refused": {"reason": error.to_string()}}),
             Answer::Recovered { why, after, seen } => {
@@ -411,6 +417,7 @@ impl Answer {
         bytes.push(b'\n');
         if let Answer::Image(image) = self {
             bytes.extend_from_slice(&image.pixels);
+            bytes.extend_from_slice(&image.depth_bytes());
         }
         bytes
     }
@@ -507,6 +514,28 @@ mod tests {
         let python = why("{'step': 1}");
         assert!(python.starts_with("is not understood: key must be a string"), "{python}");
         assert!(python.ends_with(": `{'step': 1}`"), "{python}");
+    }
+
+    /// A program reads as many bytes as the line says, with depth and without.
+    #[test]
+    fn depths_follow_the_pixels() {
+        let image = |depth| Image {
+            camera: Camera::Wrist,
+            time: 0.5,
+            x_wt: Pose::identity(),
+            width: 2,
+            height: 1,
+            pixels: vec![7; 6],
+            depth,
+        };
+        let sent = |depth| {
+            let bytes = Answer::Image(image(depth)).to_bytes();
+            let line = bytes.iter().position(|byte| *byte == b'\n').unwrap();
+            let head: Value = serde_json::from_slice(&bytes[..line]).unwrap();
+            (head["image"]["depth_bytes"].clone(), bytes[line + 1..].to_vec())
+        };
+        assert_eq!(sent(None), (Value::Null, vec![7; 6]));
+        assert_eq!(sent(Some(vec![1, 0x0203])), (4.into(), vec![7, 7, 7, 7, 7, 7, 1, 0, 3, 2]));
     }
 
     #[test]

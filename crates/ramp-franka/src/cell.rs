@@ -39,7 +39,8 @@ pub enum Answer {
         /// Of a millisecond.
         periods: u64,
     },
-    /// An image, whose pixels follow: three bytes each, row by row from above.
+    /// An image, whose pixels follow: three bytes each, row by row from above; then its depths, if it has
+    /// them.
     Image(ImageHead),
     /// The question was refused.
     Refused {
@@ -73,6 +74,9 @@ pub struct ImageHead {
     pub message: u64,
     /// Pose of the tip in the world then, as the arm reported it.
     pub x_wt: Numbers,
+    /// Whether depths follow the pixels: two bytes each, the lower one first.
+    #[serde(default)]
+    pub depth: bool,
 }
 
 /// A pose as numbers: x, y, z in m, then a unit quaternion w, x, y, z.

@@ -51,6 +51,17 @@ impl Cell {
         Ok(pixels)
     }
 
+    /// The depths of an image, after its pixels.
+    ///
+    /// # Errors
+    /// When there are fewer.
+    pub fn depth(&mut self, head: &ImageHead) -> Result<Vec<u16>, FrankaError> {
+        // As many pixels have been read, so the number is no larger than an image may be.
+        let mut bytes = vec![0; 2 * head.width * head.height];
+        self.stream.read_exact(&mut bytes).map_err(|error| self.failed(error))?;
+        Ok(bytes.as_chunks().0.iter().map(|pair| u16::from_le_bytes(*pair)).collect())
+    }
+
     /// Something in an answer is wrong.
     pub fn wrong(&self, why: &str) -> FrankaError {
         FrankaError::CellAnswer { address: self.address.clone(), why: why.to_string() }

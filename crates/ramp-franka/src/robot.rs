@@ -130,6 +130,7 @@ impl FrankaRobot {
             other => return Err(cell.unexpected(&other)),
         };
         let pixels = cell.pixels(&head)?;
+        let depth = if head.depth { Some(cell.depth(&head)?) } else { None };
         self.seen = self.periods.observe()?;
         let since = head.message as f64 - self.periods.first_message() as f64;
         Ok(Image {
@@ -139,6 +140,7 @@ impl FrankaRobot {
             width: head.width,
             height: head.height,
             pixels,
+            depth,
         })
     }
 }

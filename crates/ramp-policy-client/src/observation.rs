@@ -1,7 +1,7 @@
 //! Observations: what a policy sees, with the names of the fields that policies for DROID have.
 
 use ramp_kit::Pose;
-use ramp_robot::{Camera, Image, ImageWidth, MOST_EXPOSURES, Observation, Robot, RobotError};
+use ramp_robot::{Camera, ImageWidth, MOST_EXPOSURES, Observation, Robot, RobotError};
 use rmpv::Value;
 
 use crate::metadata::Metadata;
@@ -32,10 +32,18 @@ pub(crate) fn observe(robot: &mut dyn Robot, metadata: &Metadata, told: &Told) -
     let external = format!("observation/{external}");
     let now = robot.observe().time;
     if metadata.external {
-        fields.push((&external, picture(robot, metadata, Camera::BirdsEye, now)?));
+        let image = picture(robot, metadata, Camera::BirdsEye, now)?;
+        if metadata.ramp_fields {
+            fields.extend(image.depth.map(|depth| ("ramp/exterior_depth", depth)));
+        }
+        fields.push((&external, image.colour));
     }
     if metadata.wrist {
-        fields.push(("observation/wrist_image_left", picture(robot, metadata, Camera::Wrist, now)?));
+        let image = picture(robot, metadata, Camera::Wrist, now)?;
+        if metadata.ramp_fields {
+            fields.extend(image.depth.map(|depth| ("ramp/wrist_depth", depth)));
+        }
+        fields.push(("observation/wrist_image_left", image.colour));
     }
     let seen = robot.observe();
     fields.extend(sensed(&seen));
@@ -76,6 +84,13 @@ fn seven(x: &Pose) -> [f64; 7] {
     [p.x, p.y, p.z, q.w, q.i, q.j, q.k]
 }
 
+/// An image as a policy gets it.
+struct Picture {
+    colour: Value,
+    /// On the track `depth`.
+    depth: Option<Value>,
+}
+
 /// An image of the size that the policy wants: the whole field of view, between black bars. It is exposed
 /// from robot time `now` (s) on.
 fn picture(
@@ -83,7 +98,7 @@ fn picture(
     metadata: &Metadata,
     camera: Camera,
     now: f64,
-) -> Result<Value, RobotError> {
+) -> Result<Picture, RobotError> {
     let model = robot.camera(camera);
     let width = metadata.image.map(|size| width_within(size, [model.height, model.width]));
     let mut image = robot.look_sized(camera, width)?;
@@ -94,10 +109,14 @@ fn picture(
         }
         image = robot.look_sized(camera, width)?;
     }
-    Ok(match metadata.image {
-        Some([rows, columns]) => wire::image(columns, rows, padded(&image, [rows, columns])),
-        None => wire::image(image.width, image.height, image.pixels),
-    })
+    let [rows, columns] = metadata.image.unwrap_or([image.height, image.width]);
+    let size = [image.height, image.width];
+    let depth = image
+        .depth
+        .as_ref()
+        .map(|depth| wire::depth(columns, rows, &padded(depth.as_chunks::<1>().0, size, [rows, columns])));
+    let colour = padded(image.pixels.as_chunks::<3>().0, size, [rows, columns]);
+    Ok(Picture { colour: wire::image(columns, rows, colour), depth })
 }
 
 /// The largest width with which an image of a camera of `full` rows and columns fits.
@@ -107,15 +126,19 @@ fn width_within([rows, columns]: [usize; 2], full: [usize; 2]) -> ImageWidth {
     ImageWidth::new(width as u64).unwrap_or_else(ImageWidth::full)
 }
 
-/// The image in the middle of a black one.
-fn padded(image: &Image, [rows, columns]: [usize; 2]) -> Vec<u8> {
-    let (height, width) = (image.height.min(rows), image.width.min(columns));
+/// Pixels of `N` values in the middle of black ones; both sizes are rows and columns.
+fn padded<T: Copy + Default, const N: usize>(
+    pixels: &[[T; N]],
+    size: [usize; 2],
+    [rows, columns]: [usize; 2],
+) -> Vec<T> {
+    let (height, width) = (size[0].min(rows), size[1].min(columns));
     let (top, left) = ((rows - height) / 2, (columns - width) / 2);
-    let mut rgb = vec![0; 3 * rows * columns];
-    for (row, line) in image.pixels.chunks_exact(3 * image.width).take(height).enumerate() {
-        rgb[3 * ((top + row) * columns + left)..][..3 * width].copy_from_slice(&line[..3 * width]);
+    let mut all = vec![T::default(); N * rows * columns];
+    for (row, line) in pixels.chunks_exact(size[1]).take(height).enumerate() {
+        all[N * ((top + row) * columns + left)..][..N * width].copy_from_slice(line[..width].as_flattened());
     }
-    rgb
+    all
 }
 
 #[cfg(test)]
@@ -128,17 +151,10 @@ mod tests {
         assert_eq!(width_within([180, 320], [800, 1280]).pixels(), 288);
         assert_eq!(width_within([16, 16], [800, 1280]).pixels(), 16);
         assert_eq!(width_within([1280, 1280], [800, 1280]).pixels(), 1280);
-        let image = Image {
-            camera: Camera::Wrist,
-            time: 0.0,
-            x_wt: Pose::identity(),
-            width: 4,
-            height: 2,
-            pixels: vec![9; 24],
-        };
-        let square = padded(&image, [4, 4]);
+        let image = [[9; 3]; 8];
+        let square = padded(&image, [2, 4], [4, 4]);
         assert_eq!(square, [vec![0; 12], vec![9; 24], vec![0; 12]].concat());
-        let wide = padded(&image, [2, 6]);
+        let wide = padded(&image, [2, 4], [2, 6]);
         assert_eq!(wide[..3], [0; 3]);
         assert_eq!(wide[3..15], [9; 12]);
     }

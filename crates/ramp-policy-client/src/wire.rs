@@ -93,6 +93,11 @@ pub fn image(width: usize, height: usize, rgb: Vec<u8>) -> Value {
     array("|u1", &[height, width, 3], rgb)
 }
 
+/// Depths of the pixels of an image, row by row.
+pub fn depth(width: usize, height: usize, depth: &[u16]) -> Value {
+    array("<u2", &[height, width], depth.iter().flat_map(|depth| depth.to_le_bytes()).collect())
+}
+
 /// The array in a value: one of NumPy, or lists of numbers.
 ///
 /// # Errors

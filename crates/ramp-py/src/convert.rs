@@ -1,7 +1,9 @@
 //! Numbers of Python to commands, and what the robot senses to arrays.
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector6};
-use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArray3, PyArrayLike1, PyArrayMethods};
+use numpy::{
+    AllowTypeChange, IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayLike1, PyArrayMethods, ToPyArray,
+};
 use pyo3::prelude::*;
 use ramp_kit::Pose;
 use ramp_robot::{
@@ -276,6 +278,14 @@ impl CameraImage {
     #[getter]
     fn pixels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
         picture(py, self.inner.pixels.clone(), [self.inner.height, self.inner.width])
+    }
+
+    /// On the track ``depth``: the measured distance along the optical axis in each pixel, in 0.1 mm, 0 where
+    /// there is none, shape (height, width), uint16; ``None`` on other tracks.
+    #[getter]
+    fn depth<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<u16>>>> {
+        let shape = [self.inner.height, self.inner.width];
+        self.inner.depth.as_ref().map(|depth| depth.to_pyarray(py).reshape(shape)).transpose()
     }
 
     /// Pose of the tip in the world at that moment: x, y, z in m, quaternion w, x, y, z, shape (7,).

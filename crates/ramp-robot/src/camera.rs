@@ -31,7 +31,19 @@ impl Camera {
             Camera::BirdsEye => "birds-eye",
         }
     }
+
+    /// Distance between the two lenses of its depth sensor, m: those of common sensors for its distances, the
+    /// RealSense D405 on the hand and the D435 above (datasheet of the D400 series).
+    pub fn baseline(self) -> f64 {
+        match self {
+            Camera::Wrist => 0.018,
+            Camera::BirdsEye => 0.050,
+        }
+    }
 }
+
+/// The distance for which 1 stands in [`Image::depth`], m.
+pub const DEPTH_UNIT: f64 = 1.0e-4;
 
 /// Pixels in a row of an image that is smaller than the camera's own.
 ///
@@ -66,7 +78,7 @@ impl ImageWidth {
     }
 }
 
-/// A colour image, as it came out of a camera.
+/// An image, as it came out of a camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     /// Which camera took it.
@@ -81,6 +93,19 @@ pub struct Image {
     pub height: usize,
     /// Red, green and blue of each pixel, row by row from the top left, gamma 2.2.
     pub pixels: Vec<u8>,
+    /// On the track `depth`: the measured distance along the optical axis in each pixel, in [`DEPTH_UNIT`], 0
+    /// where there is none.
+    pub depth: Option<Vec<u16>>,
+}
+
+impl Image {
+    /// Its depths as bytes: two of each pixel, the lower one first. Empty without depth.
+    pub fn depth_bytes(&self) -> Vec<u8> {
+        let depth = self.depth.as_deref().unwrap_or_default();
+        let mut bytes = vec![0; 2 * depth.len()];
+        bytes.as_chunks_mut().0.iter_mut().zip(depth).for_each(|(pair, depth)| *pair = depth.to_le_bytes());
+        bytes
+    }
 }
 
 /// The body to which a camera is fixed.

@@ -26,7 +26,7 @@ mod track;
 pub use action::{Action, Argument};
 pub use agent::{Account, Agent, BASELINE, BLIND_TAPE, is_reserved};
 pub use arm::DOF;
-pub use camera::{Camera, CameraModel, Image, ImageWidth};
+pub use camera::{Camera, CameraModel, DEPTH_UNIT, Image, ImageWidth};
 pub use cause::Cause;
 pub use command::{ArmCommand, Command, GripperCommand, Impedance};
 pub use error::RobotError;

@@ -69,8 +69,10 @@ fn send_image(client: &mut TcpStream, drawn: &Drawn, message: u64) {
         height: image.height,
         message,
         x_wt: (&image.x_wt).into(),
+        depth: image.depth.is_some(),
     };
     send_answer(client, &Answer::Image(head), &image.pixels);
+    send(client, &image.depth_bytes());
 }
 
 /// Sends an answer as a line, and these bytes after it.

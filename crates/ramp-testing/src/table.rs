@@ -68,7 +68,8 @@ impl Table {
     pub fn look(&self, renderer: &mut Renderer, sensor: &mut Sensor, camera: Camera, x_wt: Pose) -> Image {
         let model = CameraModel::nominal(camera, TIP);
         let pixels = renderer.render(&self.scene(), &model.x_wc(&x_wt), sensor);
-        Image { camera, time: 0.0, x_wt, width: model.width, height: model.height, pixels }
+        let (width, height) = (model.width, model.height);
+        Image { camera, time: 0.0, x_wt, width, height, pixels, depth: None }
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use ramp_kit::Kit;
 use ramp_render::looks::{Difference, HOUSING};
-use ramp_render::{Looks, LooksError, Sensor};
+use ramp_render::{Looks, LooksError, Sensor, StereoErrors, StereoSensor};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::camera::Mount;
 use ramp_robot::random::Stream;
@@ -49,6 +49,8 @@ pub(crate) struct Cameras {
     covered: Option<u32>,
     /// Whether tags stick on the parts and are printed on the sheet.
     tags: bool,
+    /// Whether images come with depth.
+    depth: bool,
     /// Whether cameras may freeze.
     freeze: bool,
     /// True models, in the order of [`index`].
@@ -90,6 +92,7 @@ impl Cameras {
             world: world.clone(),
             covered,
             tags: setup.track.has_tags(),
+            depth: setup.track.has_depth(),
             freeze: setup.fault.as_ref().is_some_and(|fault| fault.kind == FaultKind::CameraFrozen),
             models: [model(Camera::Wrist), model(Camera::BirdsEye)],
             looks: OnceLock::new(),
@@ -152,6 +155,12 @@ impl Cameras {
         }
     }
 
+    /// Errors of both depth sensors.
+    fn depth_errors(&self) -> StereoErrors {
+        let groups::Cameras { depth_noise, depth_bias, depth_spread, depth_holes, .. } = self.physics;
+        StereoErrors { noise: depth_noise, bias: depth_bias, spread: depth_spread, holes: depth_holes }
+    }
+
     /// Time from the end of an exposure until the agent has the image, in control periods: readout and
     /// transfer.
     fn latency(&self, stream: &mut Stream) -> u32 {
@@ -183,6 +192,7 @@ impl Cameras {
         let model = self.model(camera);
         let eye = state.eyes[index(camera)].take().unwrap_or_else(|| Eye {
             sensor: Sensor::new(self.seed, camera.name()).with_light(self.physics.light),
+            stereo: self.depth.then(|| StereoSensor::new(self.seed, camera, self.depth_errors())),
             last: Pixels::default(),
         });
         let seen = exposure.shown(camera).into_iter().map(|moment| {

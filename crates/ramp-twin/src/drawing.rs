@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use ramp_render::{Looks, Renderer, Scene, Sensor};
+use ramp_render::{Looks, Renderer, Scene, Sensor, StereoSensor};
 use ramp_robot::{Camera, CameraModel, Image, ImageWidth, Pose};
 
 /// Number of a camera in arrays.
@@ -15,6 +15,8 @@ pub(crate) fn index(camera: Camera) -> usize {
 #[derive(Clone)]
 pub(crate) struct Eye {
     pub sensor: Sensor,
+    /// On the track `depth`.
+    pub stereo: Option<StereoSensor>,
     /// The last image. Without pixels before the first, and in an episode in which no camera freezes.
     pub last: Pixels,
 }
@@ -26,6 +28,8 @@ pub(crate) struct Pixels {
     height: usize,
     /// Red, green and blue of each pixel, row by row from the top left.
     rgb: Vec<u8>,
+    /// See [`Image::depth`].
+    depth: Option<Vec<u16>>,
 }
 
 impl Pixels {
@@ -36,12 +40,17 @@ impl Pixels {
         }
         let nearest = |pixel: usize, count: usize, own: usize| (2 * pixel + 1) * own / (2 * count);
         let mut rgb = Vec::with_capacity(3 * width * height);
+        let mut depth = self.depth.as_ref().map(|_| Vec::with_capacity(width * height));
         for row in (0..height).map(|row| nearest(row, height, self.height)) {
             for column in (0..width).map(|column| nearest(column, width, self.width)) {
-                rgb.extend_from_slice(&self.rgb[3 * (row * self.width + column)..][..3]);
+                let from = row * self.width + column;
+                rgb.extend_from_slice(&self.rgb[3 * from..][..3]);
+                if let (Some(depth), Some(own)) = (&mut depth, &self.depth) {
+                    depth.push(own[from]);
+                }
             }
         }
-        Pixels { width, height, rgb }
+        Pixels { width, height, rgb, depth }
     }
 }
 
@@ -113,14 +122,15 @@ impl Drawing {
                 [(scene, x_wc)] => renderer.render(scene, x_wc, &mut eye.sensor),
                 moving => renderer.render_moving(moving, &mut eye.sensor),
             };
-            let pixels = Pixels { width: size.width, height: size.height, rgb };
+            let depth = eye.stereo.as_mut().map(|stereo| stereo.measure(renderer));
+            let pixels = Pixels { width: size.width, height: size.height, rgb, depth };
             if remembers {
                 eye.last.clone_from(&pixels);
             }
             pixels
         };
-        let Pixels { width, height, rgb } = pixels;
-        Drawn { image: Image { camera, time, x_wt, width, height, pixels: rgb }, eye }
+        let Pixels { width, height, rgb, depth } = pixels;
+        Drawn { image: Image { camera, time, x_wt, width, height, pixels: rgb, depth }, eye }
     }
 }
 

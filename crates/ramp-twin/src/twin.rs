@@ -298,7 +298,7 @@ impl Twin {
     fn check_images(&self) -> Result<(), RobotError> {
         match self.scene.track {
             Track::Noisy => Err(RobotError::NotOnTrack { track: Track::Noisy, what: "images" }),
-            Track::State | Track::Tags | Track::Colour => Ok(()),
+            Track::State | Track::Tags | Track::Colour | Track::Depth => Ok(()),
         }
     }
 
@@ -356,7 +356,7 @@ impl Robot for Twin {
                 self.hold_recovering(READING_STEPS)?;
                 Ok(sensors::noisy_reading(&self.scene, &self.data, &mut self.state.reading_noise))
             }
-            track @ (Track::Tags | Track::Colour) => {
+            track @ (Track::Tags | Track::Colour | Track::Depth) => {
                 Err(RobotError::NotOnTrack { track, what: "poses of parts" })
             }
         }

@@ -104,7 +104,7 @@ fn main() {
             let begin = Instant::now();
             let found = scene_finder.find(&image, &model, &scene, &|_| true, 0.0).unwrap();
             untagged.push(begin.elapsed().as_secs_f64() * 1e3);
-            parts += found.len();
+            parts += found.found.len();
         }
         println!(
             "{name:<14} {:>9.1} {:>9.1} {tags:>6} {:>13.1} {other_tags:>6} {:>13.1} {parts:>6}",

@@ -148,6 +148,14 @@ quantities! {
         glint: f64 = "", 0.0, 2.0;
         /// The largest share by which a part is lighter or darker than its material; each part draws its own.
         tone: f64 = "", 0.0, 0.5;
+        /// White noise of the disparity of depth, at the full size of an image (1 σ).
+        depth_noise: f64 = "pixels", 0.0, 1.0;
+        /// Bias of the disparity that changes slowly over the image, and stays as it is (1 σ).
+        depth_bias: f64 = "pixels", 0.0, 1.0;
+        /// Share of the image in which nearer surfaces spread over what is beside them.
+        depth_spread: f64 = "", 0.0, 1.0;
+        /// Share of shiny metal without depth.
+        depth_holes: f64 = "", 0.0, 1.0;
     }
 }
 

@@ -99,7 +99,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         Args:
             goals: The goal to build: alone, or in a sequence of one.
             skill: The kind of action that is yours, as ``serves`` of :class:`ramp.Skill`.
-            track: How parts are observed: ``state``, ``noisy``, ``tags`` or ``colour``.
+            track: How parts are observed: ``state``, ``noisy``, ``tags``, ``colour`` or ``depth``.
             world: The physics: ``ideal``, ``real``, ``hard``, or a world file.
             start: Where the parts lie: ``moved``, ``sheet``, ``scattered``, ``jumbled``, or a start file.
             turns: Whether an action rotates the hand.

@@ -67,7 +67,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
                 whole goal.
             goals: Goals whose steps are drawn, or one goal; default for a skill: all nine of the
                 benchmark.
-            track: How parts are observed: ``state``, ``noisy``, ``tags`` or ``colour``.
+            track: How parts are observed: ``state``, ``noisy``, ``tags``, ``colour`` or ``depth``.
             world: The physics: ``ideal``, ``real``, ``hard``, or a world file.
             start: Where the parts lie: ``moved``, ``sheet``, ``scattered``, ``jumbled``, or a start file.
             begin: ``ready`` begins with the skill, ``home`` with the arm at home as in ``ramp trials``.

@@ -155,7 +155,8 @@ impl<'a> Photographer<'a> {
         let renderer = &mut self.renderers[usize::from(bird)];
         let pixels = renderer.render(&scene, &x_wc, &mut sensor);
         let (bodies, depth) = (renderer.segmentation(), renderer.depth());
-        let image = Image { camera, time: 0.0, x_wt, width: told.width, height: told.height, pixels };
+        let (width, height) = (told.width, told.height);
+        let image = Image { camera, time: 0.0, x_wt, width, height, pixels, depth: None };
         let label = self.label(file, camera, &real, &x_wc, &parts, &bodies);
         View { image, told, real, label, bodies, depth, lying }
     }

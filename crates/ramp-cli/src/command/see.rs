@@ -31,8 +31,8 @@ pub struct Arguments {
     /// Name of a goal, or a goal file
     #[arg(required_unless_present = "judge")]
     goal: Option<String>,
-    /// Track of the images: `tags`, or `colour` for parts without tags
-    #[arg(long, default_value = "tags", value_parser = ["tags", "colour"], conflicts_with_all = ["judge", "count"])]
+    /// Track of the images: `tags`; `colour` for parts without tags; `depth` for the same with depth
+    #[arg(long, default_value = "tags", value_parser = ["tags", "colour", "depth"], conflicts_with_all = ["judge", "count"])]
     track: String,
     /// Seed of the layout, the cameras' errors and the noise
     #[arg(long, default_value_t = 1)]
@@ -90,7 +90,8 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         let photographer = Photographer::new(&assembly, &arm).into_diagnostic()?;
         return data_set(photographer, &assembly.kit, arguments, folder, count);
     }
-    let track = if arguments.track == Track::Colour.name() { Track::Colour } else { Track::Tags };
+    // The parser has no other names.
+    let track = Track::ALL.into_iter().find(|it| it.name() == arguments.track).unwrap_or(Track::Tags);
     let setup = Setup {
         assembly: &assembly,
         arm: &arm,

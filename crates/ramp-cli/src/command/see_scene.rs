@@ -1,6 +1,6 @@
-//! `ramp see --track colour`: camera images of a goal without tags, the parts that the baseline finds in
-//! them, and their errors. The cameras' places are known, as they are once the clamped beam was seen; their
-//! lenses are those that an agent is told.
+//! `ramp see --track colour` and `depth`: camera images of a goal without tags, the parts that the baseline
+//! finds in them, and their errors. The cameras' places are known, as they are once the clamped beam was
+//! seen; their lenses are those that an agent is told.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -14,10 +14,11 @@ use ramp_twin::Twin;
 use ramp_vision::Lying;
 use ramp_vision::untagged::{Believed, Found, Scene, SceneFinder};
 
-use crate::image_file::write_png;
+use crate::image_file::{write_pixels, write_png};
 
 /// Standard deviations of a part's place at the start `sheet`: shift along each axis, m, and turn, rad.
 const SIGMA: [f64; 6] = [1.0e-3, 1.0e-3, 1.5e-3, 0.007, 0.007, 0.017];
+
 /// Writes the images of both cameras, and over them the drawing at the poses that were found. Gives the table
 /// of errors.
 pub fn write(kit: &Kit, arm: &ArmModel, twin: &mut Twin, folder: &Path) -> Result<String, Report> {
@@ -29,8 +30,13 @@ pub fn write(kit: &Kit, arm: &ArmModel, twin: &mut Twin, folder: &Path) -> Resul
         let image = twin.look(camera).into_diagnostic()?;
         let told = CameraModel { mount: twin.true_camera(camera).mount, ..twin.camera(camera) };
         let scene = Scene { parts: &believed, holders: &holders, width };
-        let found = finder.find(&image, &told, &scene, &|_| true, 0.0).into_diagnostic()?;
+        let found = finder.find(&image, &told, &scene, &|_| true, 0.0).into_diagnostic()?.found;
         write_png(&folder.join(format!("{}.png", camera.name())), &image, &image.pixels)?;
+        if let Some(depth) = &image.depth {
+            let bytes: Vec<u8> = depth.iter().flat_map(|depth| depth.to_be_bytes()).collect();
+            let path = folder.join(format!("{}-depth.png", camera.name()));
+            write_pixels(&path, &image, &bytes, png::ColorType::Grayscale, png::BitDepth::Sixteen)?;
+        }
         let mut there = believed.clone();
         there.retain_mut(|part| {
             let seen = found.iter().find(|it| it.part == part.part);

@@ -69,7 +69,7 @@ mod with_wire {
     use ramp_report::curve::completion_svg;
     use ramp_result::episode::{EpisodeResult, RobotKind};
     use ramp_robot::arm::ArmModel;
-    use ramp_robot::{Account, Agent, Camera, CameraModel, Event, EventKind, Robot, RobotError};
+    use ramp_robot::{Account, Agent, Camera, CameraModel, Event, EventKind, Robot, RobotError, Track};
     use ramp_twin::{Setup, Twin};
 
     use super::{Arguments, Inputs};
@@ -120,6 +120,11 @@ mod with_wire {
             task: Task::Build,
             fault: None,
         };
+        let track = Track::from(inputs.track);
+        if station.cameras.is_some() && track.has_depth() {
+            let help = "the same without depth is the track `colour`";
+            return Err(miette!(help = help, "the cameras of this station give no depth"));
+        }
         let workspace = Workspace { low: station.low, high: station.high };
         let sandbox =
             inputs.agent.sandbox(agent_file.as_ref().or(parts.planner.as_ref()), &[&output, &log])?;
@@ -157,7 +162,6 @@ mod with_wire {
             return Ok(INCOMPLETE);
         }
         make_folder_of(&log)?;
-        let track = inputs.track.into();
         let cameras = cameras(&station, models.as_ref())?;
         let mut robot = FrankaRobot::connect(&station.connection, &arm, &station.controller, track)
             .map_err(|error| miette!(help = HELP, "{error}"))?;

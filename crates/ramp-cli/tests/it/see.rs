@@ -93,3 +93,24 @@ fn parts_without_tags_are_found_and_drawn() {
         assert_ne!(image, drawn);
     }
 }
+
+/// With depth, the images of both cameras have theirs beside them: 16 bits, and the same parts are found.
+#[test]
+fn depth_is_written_beside_the_images() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("seen");
+    let output =
+        ramp().args(["see", "easy-3", "--track", "depth", "--seed", "2", "-o"]).arg(&path).assert().success();
+    assert!(String::from_utf8_lossy(&output.get_output().stdout).contains("birds-eye: 2"));
+    for (camera, far) in [("wrist", 300.0..1500.0), ("birds-eye", 2400.0..2600.0)] {
+        let file = std::fs::File::open(path.join(format!("{camera}-depth.png"))).unwrap();
+        let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap();
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut bytes).unwrap();
+        assert_eq!((info.width, info.height, info.bit_depth), (1280, 800, png::BitDepth::Sixteen));
+        // In the middle of the image there is table.
+        let middle = 2 * (400 * 1280 + 1000);
+        let depth = f64::from(u16::from_be_bytes([bytes[middle], bytes[middle + 1]])) / 10.0;
+        assert!(far.contains(&depth), "{camera}: {depth} mm");
+    }
+}

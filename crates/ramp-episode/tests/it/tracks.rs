@@ -173,3 +173,11 @@ fn the_baseline_builds_without_tags() {
     let result = files.run_setup(&setup);
     assert!((result.completion - 1.0).abs() < 1e-12, "{:?}", result.events);
 }
+
+/// The same with depth.
+#[test]
+fn the_baseline_builds_with_depth() {
+    let world = World::shipped("real").unwrap();
+    let result = GoalFiles::new("easy-1").run_in(world, Track::Depth, 3);
+    assert!((result.completion - 1.0).abs() < 1e-12, "{:?}", result.events);
+}

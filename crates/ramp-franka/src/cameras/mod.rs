@@ -83,6 +83,6 @@ impl LocalCameras {
         let (time, x_wt) = periods
             .at(frame.exposed)
             .ok_or_else(|| stream.wrong("an image from before the arm's first state"))?;
-        Ok(Image { camera, time, x_wt, width, height, pixels })
+        Ok(Image { camera, time, x_wt, width, height, pixels, depth: None })
     }
 }

@@ -244,6 +244,11 @@ impl Robot for Recorder<'_> {
             if let Ok(message) = images::message(&image, &self.stamp(time)) {
                 self.put(images::topic(camera), time, &message);
             }
+            if let Some(depth) = &image.depth
+                && let Ok(message) = images::depth_message(&image, depth, &self.stamp(time))
+            {
+                self.put(images::depth_topic(camera), time, &message);
+            }
         }
         Ok(image)
     }

@@ -44,6 +44,7 @@ impl Renderer {
                 let [r, g, b] = colour.map(|share| linear(share * light + glint));
                 self.palette.push([r, g, b]);
                 self.owner.push(index as u16);
+                self.metal.push(*colour == METAL);
             }
         }
         for sticker in &body.tags {

@@ -22,13 +22,16 @@ impl Renderer {
 
     /// As [`Renderer::render`], of what moved while the shutter was open: the light of these moments
     /// together, at most sixteen, each with the scene and the pose of the optical frame. Depth and
-    /// segmentation are those of the last.
+    /// segmentation are those of the middle one.
     pub fn render_moving(&mut self, moments: &[(Scene, Pose)], sensor: &mut Sensor) -> Vec<u8> {
         let moments = &moments[..moments.len().min(MOST_MOMENTS)];
         let mut image = self.image();
         let row = 3 * self.lens.model.width;
         let mut sum = vec![0u16; row * self.lens.model.height];
-        for (scene, x_wc) in moments {
+        // The middle one last: its buffers stay.
+        let (before, after) = moments.split_at(moments.len() / 2);
+        let middle = after.iter().take(1);
+        for (scene, x_wc) in before.iter().chain(after.iter().skip(1)).chain(middle) {
             let mut rows = sum.chunks_exact_mut(row);
             self.draw(scene, x_wc, |light| {
                 let here = rows.next().into_iter().flatten();
@@ -59,11 +62,13 @@ impl Renderer {
         self.shown.fill(0);
         self.palette.clear();
         self.owner.clear();
+        self.metal.clear();
         self.tags.clear();
         self.x_wc = *x_wc;
         // Colour 0 is nothing.
         self.palette.push([0; 3]);
         self.owner.push(NOTHING);
+        self.metal.push(false);
         let looks = Arc::clone(&self.looks);
         let x_cw = x_wc.inverse();
         for (index, x_wb) in &scene.bodies {

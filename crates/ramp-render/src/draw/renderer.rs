@@ -1,6 +1,6 @@
 //! The buffers of one camera, and the last picture in them.
 
-use super::map::{bare, shadow_size};
+use super::map::{TABLE, bare, shadow_size};
 use super::rigid::Rigid;
 use super::table::Node;
 use crate::lens::Lens;
@@ -9,6 +9,8 @@ use crate::texture::PLACES;
 use ramp_robot::{CameraModel, Pose};
 use std::sync::Arc;
 
+/// Height of the table above the floor, m: chosen, that of a usual table.
+const TABLE_HEIGHT: f32 = 0.75;
 /// Marks a pixel that shows a tag.
 pub(super) const TAG: u32 = 1 << 31;
 /// A body's number in the segmentation for the table, the floor and the wall.
@@ -36,6 +38,8 @@ pub struct Renderer {
     pub(super) palette: Vec<[u16; 3]>,
     /// The body of each colour of the palette.
     pub(super) owner: Vec<u16>,
+    /// Whether each colour of the palette is that of metal.
+    pub(super) metal: Vec<bool>,
     pub(super) tags: Vec<SeenTag>,
     /// Camera pose of the last picture.
     pub(super) x_wc: Pose,
@@ -65,6 +69,7 @@ impl Renderer {
             shown: vec![0; count],
             palette: Vec::new(),
             owner: Vec::new(),
+            metal: Vec::new(),
             tags: Vec::new(),
             x_wc: Pose::identity(),
             screen: Vec::new(),
@@ -83,15 +88,48 @@ impl Renderer {
 
     /// Distance along the optical axis in each pixel of the last picture, m; infinite where nothing is.
     pub fn depth(&self) -> Vec<f32> {
+        self.nearness().into_iter().map(|near| if near > 0.0 { 1.0 / near } else { f32::INFINITY }).collect()
+    }
+
+    /// One over that distance, 1/m; 0 where nothing is.
+    pub(crate) fn nearness(&self) -> Vec<f32> {
         let camera = Rigid::new(&self.x_wc);
-        let width = self.lens.model.width;
-        let table = |index: usize| {
-            let [dx, dy] = self.lens.row(index / width).map(|row| row[index % width]);
-            let fall = camera.turn[2][0] * dx + camera.turn[2][1] * dy + camera.turn[2][2];
-            if fall < 0.0 { -camera.shift[2] / fall } else { f32::INFINITY }
+        let [x, y, z] = camera.shift;
+        let ground = |dx: f32, dy: f32| {
+            let [u, v, fall] = [0, 1, 2]
+                .map(|row| camera.turn[row][0] * dx + camera.turn[row][1] * dy + camera.turn[row][2]);
+            let far = -z / fall;
+            let within = |place: f32, [from, to]: [f32; 2]| (place >= from) & (place <= to);
+            let on_table = within(x + far * u, TABLE[0]) & within(y + far * v, TABLE[1]);
+            let height = if on_table { z } else { z + TABLE_HEIGHT };
+            if fall < 0.0 { -fall / height } else { 0.0 }
         };
-        let depth = |(index, near): (usize, &f32)| if *near > 0.0 { 1.0 / near } else { table(index) };
-        self.near.iter().enumerate().map(depth).collect()
+        let mut nearness = self.near.clone();
+        let width = self.lens.model.width;
+        for (y, row) in nearness.chunks_exact_mut(width).enumerate() {
+            let [xs, ys] = self.lens.row(y);
+            for ((near, dx), dy) in row.iter_mut().zip(xs).zip(ys) {
+                let ground = ground(*dx, *dy);
+                *near = if *near > 0.0 { *near } else { ground };
+            }
+        }
+        nearness
+    }
+
+    /// Pixels in a row, and rows.
+    pub(crate) fn size(&self) -> [usize; 2] {
+        [self.lens.model.width, self.lens.model.height]
+    }
+
+    /// The focal length along a row, pixels.
+    pub(crate) fn focal(&self) -> f64 {
+        self.lens.model.focal[0]
+    }
+
+    /// Whether a pixel of the last picture shows metal.
+    pub(crate) fn shows_metal(&self, pixel: usize) -> bool {
+        let shown = self.shown[pixel];
+        shown & TAG == 0 && self.metal[shown as usize]
     }
 
     /// Which body each pixel of the last picture shows ([`Looks::bodies`]), or [`NOTHING`].

@@ -3,4 +3,5 @@
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
 
+mod depth;
 mod pictures;

@@ -255,7 +255,11 @@ impl Eyes {
             };
             let eye = &mut self.eyes[index];
             let nominal = hand.camera(eye.camera);
-            return reader.read(eye, &nominal, image, surroundings, &self.parameters);
+            let read = reader.read(eye, &nominal, image, surroundings, &self.parameters);
+            return read.map(|(sightings, absent)| {
+                self.upset.extend(absent);
+                sightings
+            });
         }
         let lying: Vec<Lying> = surroundings.parts.iter().filter_map(|part| part.lying.clone()).collect();
         let finder = match &mut self.finder {

@@ -72,7 +72,8 @@ impl SceneReader {
         Ok(SceneReader { finder, base: base.clone(), pegs })
     }
 
-    /// The parts in an image, and what it tells of the camera.
+    /// The parts in an image, and those that are not where they are believed to be. The camera learns from
+    /// it.
     ///
     /// # Errors
     /// The reason for which the image is of no use, as text.
@@ -83,25 +84,25 @@ impl SceneReader {
         image: &Image,
         surroundings: &Surroundings,
         parameters: &EyesParameters,
-    ) -> Result<Vec<Sighting>, String> {
+    ) -> Result<(Vec<Sighting>, Vec<String>), String> {
         let mut parts = surroundings.at(&image.x_wt);
         let model = self.calibrate(eye, nominal, image, surroundings, &mut parts, parameters)?;
         let x_wc = model.x_wc(&image.x_wt);
         if eye.points() == 0 {
             // Where the camera is is not known well enough to tell neighbours apart.
-            return Ok(Vec::new());
+            return Ok((Vec::new(), Vec::new()));
         }
         let scene = Scene { parts: &parts, holders: &surroundings.holders, width: surroundings.width };
         let base = &self.base.0;
         let wanted = |part: &Believed| part.part != *base;
         let slack = slack(&eye.covariance, &x_wc);
-        let found =
+        let seen =
             self.finder.find(image, &model, &scene, &wanted, slack).map_err(|error| error.to_string())?;
         let sighting = |part: Found| {
             let seen = Estimate { x: part.x_wp, covariance: part.covariance * parameters.common };
             eye.sighting(part.part, seen, &x_wc, image.x_wt)
         };
-        let mut sightings: Vec<Sighting> = found.into_iter().map(sighting).collect();
+        let mut sightings: Vec<Sighting> = seen.found.into_iter().map(sighting).collect();
         let is_lost = |part: &Believed| {
             self.pegs.contains(&part.part)
                 && !part.held
@@ -111,16 +112,16 @@ impl SceneReader {
         // One of them: two cannot be told apart.
         if let Some(part) = parts.iter().find(|part| is_lost(part)) {
             let trace = self.finder.find_lost(image, &model, &scene, part);
-            let seen = match trace.map_err(|error| error.to_string())? {
+            let estimate = match trace.map_err(|error| error.to_string())? {
                 Some(Trace::Pose(found)) => {
                     Some(Estimate { x: found.x_wp, covariance: found.covariance * parameters.common })
                 }
                 Some(Trace::Area { x_wp, covariance }) => Some(Estimate { x: x_wp, covariance }),
                 None => None,
             };
-            sightings.extend(seen.map(|seen| eye.sighting(part.part.clone(), seen, &x_wc, image.x_wt)));
+            sightings.extend(estimate.map(|it| eye.sighting(part.part.clone(), it, &x_wc, image.x_wt)));
         }
-        Ok(sightings)
+        Ok((sightings, seen.absent))
     }
 
     /// Finds the clamped beam, whose pose is known, and corrects the camera's pose by it until it was seen
@@ -149,7 +150,7 @@ impl SceneReader {
         let slack = slack(&eye.covariance, &x_wc);
         let found =
             self.finder.find(image, &model, &scene, &wanted, slack).map_err(|error| error.to_string())?;
-        let Some(found) = found.first() else { return Ok(model) };
+        let Some(found) = found.found.first() else { return Ok(model) };
         let x_cp = x_wc.inverse() * found.x_wp;
         Ok(eye.learn(nominal, parameters, |calibration| {
             for p_p in &found.points {

@@ -44,11 +44,13 @@ pub struct Work {
     pub done: bool,
     /// Those across the axis: all, and those that support the pose.
     pub across: [usize; 2],
+    /// Whether depth shows that it is not there.
+    pub absent: bool,
 }
 
 /// The pose of a part in the world, if the image supports it well enough.
 pub fn accept(x_wc: &Pose, part: &Believed, work: &Work) -> Option<Found> {
-    let fitted = work.fitted.as_ref()?;
+    let fitted = work.fitted.as_ref().filter(|_| !work.absent)?;
     let share = fitted.agreeing as f64 / work.candidates.max(1) as f64;
     if fitted.agreeing < LEAST_STEPS || share < LEAST_SHARE {
         return None;

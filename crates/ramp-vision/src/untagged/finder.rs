@@ -10,7 +10,7 @@ use super::canvas::{Canvas, Lens};
 use super::look::Look;
 use super::lost::{Trace, trace};
 use super::profile::Photograph;
-use super::scene::{Believed, Bodies, Found, Scene};
+use super::scene::{Believed, Bodies, Scene, Seen};
 use super::solids::surfaces;
 use crate::image::{SightError, check_light};
 
@@ -51,7 +51,7 @@ impl SceneFinder {
         scene: &Scene,
         wanted: &dyn Fn(&Believed) -> bool,
         slack: f64,
-    ) -> Result<Vec<Found>, SightError> {
+    ) -> Result<Seen, SightError> {
         self.look(image, camera, scene, slack, |look, canvas| look.all(canvas, wanted))
     }
 

@@ -6,9 +6,10 @@ use ramp_robot::{Camera, CameraModel, Image, Pose};
 use super::acceptance::{LEAST_STEPS, Work, accept, apart};
 use super::canvas::Canvas;
 use super::contours::{Contour, Step, contours};
+use super::depths::{Depths, hides};
 use super::pose::{Place, settle, supports};
 use super::profile::{Photograph, distance, normal};
-use super::scene::{Believed, Bodies, Found, Scene};
+use super::scene::{Believed, Bodies, Found, Scene, Seen};
 use super::search::Pattern;
 use super::solids::Surface;
 use crate::fit::Level;
@@ -72,7 +73,7 @@ impl Look<'_> {
     }
 
     /// Finds those parts that are wanted.
-    pub fn all(&self, canvas: &mut Canvas, wanted: &dyn Fn(&Believed) -> bool) -> Vec<Found> {
+    pub fn all(&self, canvas: &mut Canvas, wanted: &dyn Fn(&Believed) -> bool) -> Seen {
         let reach = self.reach();
         let x_cw = self.x_wc.inverse();
         let mut works: Vec<Option<Work>> = self
@@ -89,6 +90,7 @@ impl Look<'_> {
                     moved: 0.0,
                     done: false,
                     across: [0; 2],
+                    absent: false,
                 })
             })
             .collect();
@@ -121,9 +123,14 @@ impl Look<'_> {
                 }
             }
         }
-        let found = self.scene.parts.iter().zip(works);
-        let found: Vec<Found> = found.filter_map(|(part, work)| accept(&self.x_wc, part, &work?)).collect();
-        apart(found, self.scene.parts, &self.bodies.surfaces)
+        let works = || self.scene.parts.iter().zip(&works);
+        let found: Vec<Found> =
+            works().filter_map(|(part, work)| accept(&self.x_wc, part, work.as_ref()?)).collect();
+        let absent = works().filter(|(_, work)| work.as_ref().is_some_and(|work| work.absent));
+        Seen {
+            found: apart(found, self.scene.parts, &self.bodies.surfaces),
+            absent: absent.map(|(part, _)| part.part.clone()).collect(),
+        }
     }
 
     /// Standard deviation of the places of a part's ends in the worst direction, m.
@@ -274,6 +281,9 @@ impl Look<'_> {
         for step in contour.iter().step_by(stride) {
             let Some(normal) = normal(canvas, step) else { continue };
             let z = 1.0 / f64::from(canvas.near[step.inside]);
+            if hides(self.image, &self.photograph, canvas.lens.focal[0], step.at, z) {
+                continue;
+            }
             let [x, y] = canvas.lens.direction(step.at);
             let p_c = Point3::new(x * z, y * z, z);
             work.candidates += 1;
@@ -289,10 +299,13 @@ impl Look<'_> {
             across.push((share > ACROSS, place));
             work.places.extend(place);
         }
+        let depths = self.depths(canvas, contour, part, &x_cp);
+        // In the hand it may have moved, and what is behind it is the hand.
+        work.absent = !part.held && depths.show_absence();
         if work.places.len() < LEAST_STEPS {
-            return None;
+            return work.absent.then_some(());
         }
-        let fitted = settle(&canvas.lens, &x_cp, &work.places, self.level(part).as_ref(), window)?;
+        let fitted = settle(&canvas.lens, &x_cp, &work.places, (self.level(part).as_ref(), &depths), window)?;
         let good = |place: &Option<Place>| {
             place.as_ref().is_some_and(|place| supports(&canvas.lens, &fitted.x_cp, place))
         };
@@ -306,6 +319,15 @@ impl Look<'_> {
         work.x_wp = self.x_wc * fitted.x_cp;
         work.fitted = Some(fitted);
         Some(())
+    }
+
+    /// The measured depths of a part that is drawn at `x_cp`.
+    fn depths(&self, canvas: &Canvas, contour: &[Step], part: &Believed, x_cp: &Pose) -> Depths {
+        let body = contour.first().map(|step| canvas.faces[canvas.shown[step.inside] as usize].body);
+        let surface = self.bodies.surfaces.get(&part.part);
+        let window = surface.and_then(|surface| canvas.bounds(surface, x_cp));
+        let Some((body, window)) = body.zip(window) else { return Depths::default() };
+        Depths::of(self.image, &self.photograph, canvas, (body, x_cp), window)
     }
 
     /// The start on the table that the image supports best.

@@ -9,6 +9,7 @@ use ramp_robot::Pose;
 
 use super::acceptance::LEAST_SHARE;
 use super::canvas::{Canvas, GROUND};
+use super::depths::{measured, sigma};
 use super::look::Look;
 use super::scene::{Believed, Found, Scene};
 
@@ -33,6 +34,10 @@ const HEIGHTS: [f64; 4] = [0.014, 0.035, 0.05, 0.07];
 const STANDING_HEIGHTS: [f64; 8] = [0.02, 0.03, 0.036, 0.042, 0.048, 0.054, 0.062, 0.075];
 /// Largest angle of a peg that counts as standing, degrees.
 const STANDING: f64 = 10.0;
+/// Those where depth tells the height of what shows: below it, m.
+const BELOW: [f64; 4] = [0.0, 0.004, 0.008, 0.012];
+/// The largest standard deviation of a depth that tells a height, m.
+const TELLS: f64 = 3.0e-3;
 /// Number of positions that are fitted, and number of coloured areas that are looked at.
 const BEST: usize = 8;
 const AREAS: usize = 3;
@@ -79,15 +84,17 @@ pub fn trace(look: &Look, canvas: &mut Canvas, part: &Believed) -> Option<Trace>
             let scene = Scene { parts: &parts, ..*look.scene };
             let fitted = look.of(&scene).all(canvas, &|it| it.part == part.part);
             let better = |it: &Found| found.as_ref().is_none_or(|best| it.share > best.share);
-            found = fitted.into_iter().next().filter(better).or(found);
+            found = fitted.found.into_iter().next().filter(better).or(found);
         }
     }
     if let Some(found) = found.filter(|found| found.share >= LEAST_SHARE) {
         return Some(Trace::Pose(found));
     }
     let area = areas.first()?;
-    let at = on_height(look, canvas, area.middle, HEIGHTS[2]);
-    let (across, along, turn) = (ROUGH.0, ROUGH.1, ROUGH.2.to_radians());
+    let measured = height_of(look, canvas, area);
+    let at = on_height(look, canvas, area.middle, measured.unwrap_or(HEIGHTS[2]));
+    let along = if measured.is_some() { ROUGH.0 } else { ROUGH.1 };
+    let (across, turn) = (ROUGH.0, ROUGH.2.to_radians());
     let sight = (at.coords - look.x_wc.translation.vector).normalize();
     let mut covariance = Matrix6::identity() * (turn * turn);
     let shift = nalgebra::Matrix3::identity() * across.powi(2) + sight * sight.transpose() * along.powi(2);
@@ -102,6 +109,22 @@ fn on_height(look: &Look, canvas: &Canvas, pixel: [f64; 2], height: f64) -> Poin
     let d = look.x_wc.rotation * Vector3::new(x, y, 1.0);
     let eye = look.x_wc.translation.vector;
     Point3::from(eye + d * ((height - eye.z) / d.z.min(-0.05)))
+}
+
+/// The height of an area above the table, m, where depth tells it: the middle one of those of its cells.
+fn height_of(look: &Look, canvas: &Canvas, area: &Area) -> Option<f64> {
+    let height = |cell: &[usize; 2]| {
+        let pixel = cell.map(|index| (index * CELL) as f64 + 0.5);
+        let distance = measured(look.image, &look.photograph, pixel)?;
+        let [x, y] = canvas.lens.direction(pixel);
+        let told = sigma(look.image.camera, canvas.lens.focal[0], distance) < TELLS;
+        told.then(|| (look.x_wc * Point3::new(x * distance, y * distance, distance)).z)
+    };
+    let mut heights: Vec<f64> = area.cells.iter().filter_map(height).collect();
+    heights.sort_by(f64::total_cmp);
+    // Some of an area is enough: metal and what the second lens does not see have none.
+    let enough = 4 * heights.len() >= area.cells.len();
+    heights.get(heights.len() / 2).copied().filter(|_| enough)
 }
 
 /// Areas of a peg's colour in the image where the drawing of all that is known has none, the largest first;
@@ -178,10 +201,11 @@ fn positions(look: &Look, canvas: &mut Canvas, part: &Believed, (area, near): (&
     let x_cw = look.x_wc.inverse();
     let up = (x_cw.rotation * Vector3::z()).map(|value| value as f32).into();
     let middle = Vector3::new(0.0, 0.0, HEAD_HEIGHT / 2.0);
+    let told = height_of(look, canvas, area).map(|height| BELOW.map(|below| (height - below).max(0.0)));
     let mut rated: Vec<(f64, Pose)> = Vec::new();
     for (lean, rotation) in rotations() {
-        let heights = if lean < STANDING { &STANDING_HEIGHTS[..] } else { &HEIGHTS[..] };
-        for &height in heights {
+        let any = if lean < STANDING { &STANDING_HEIGHTS[..] } else { &HEIGHTS[..] };
+        for &height in told.as_ref().map_or(any, |told| &told[..]) {
             let mut x_wp = Pose::from_parts(
                 Translation3::from(on_height(look, canvas, area.middle, height).coords - rotation * middle),
                 rotation,

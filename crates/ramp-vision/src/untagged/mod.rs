@@ -3,7 +3,8 @@
 //! Data passes one way: [`solids`] turns the kit's solids and the hand into triangles; [`canvas`] draws all
 //! believed bodies through a lens without distortion; [`contours`] takes the places where the drawn colour
 //! steps and says to which part each belongs; [`profile`] measures how far from there the image has that
-//! step; [`pose`] moves a part until its steps lie on those of the image; [`search`] gives a start where a
+//! step; [`depths`] does the same with measured depth, where there is some; [`pose`] moves a part until its
+//! steps lie on those of the image; [`search`] gives a start where a
 //! part is known only roughly. [`look`] does this for every part of a [`scene`] and draws it again with the
 //! new poses; [`acceptance`] rejects poses that the image does not support; [`lost`] looks for pegs that may
 //! be anywhere; [`finder`] is the whole.
@@ -14,6 +15,7 @@
 pub mod acceptance;
 pub mod canvas;
 pub mod contours;
+pub mod depths;
 pub mod finder;
 pub mod look;
 pub mod lost;
@@ -25,4 +27,4 @@ pub mod solids;
 
 pub use finder::SceneFinder;
 pub use lost::Trace;
-pub use scene::{Believed, Found, Scene};
+pub use scene::{Believed, Found, Scene, Seen};

@@ -4,6 +4,7 @@ use nalgebra::{Matrix6, Point3, RowVector6, Vector3, Vector6};
 use ramp_robot::Pose;
 
 use super::canvas::Lens;
+use super::depths::Depths;
 use crate::fit::{Level, Terms, motion, moved};
 
 /// Usual error of a step's place, pixels.
@@ -37,7 +38,7 @@ pub struct Fitted {
     /// Inverse of the covariance of a shift (m) and turn (rad) about the part's origin, axes of the optical
     /// frame: what the image tells.
     pub information: Matrix6<f64>,
-    /// The same: what was known of its height and tilt.
+    /// The same: what was known of its height and tilt, and what depth tells.
     pub known: Matrix6<f64>,
     /// Steps that support it.
     pub agreeing: usize,
@@ -64,12 +65,12 @@ pub fn supports(lens: &Lens, x_cp: &Pose, place: &Place) -> bool {
 }
 
 /// Moves a part from `start` until the places lie on its steps; `reach` (pixels) is how far off they may be
-/// at first. `level` is what is known of its height and tilt.
+/// at first. `level` is what is known of its height and tilt, and `depths` are what a depth sensor says.
 pub fn settle(
     lens: &Lens,
     start: &Pose,
     places: &[Place],
-    level: Option<&Level>,
+    (level, depths): (Option<&Level>, &Depths),
     reach: f64,
 ) -> Option<Fitted> {
     let count = places.len().max(1) as f64;
@@ -112,12 +113,14 @@ pub fn settle(
         }
         information = matrix;
         known = Matrix6::zeros();
+        let mut take = |off: f64, row: &RowVector6<f64>| {
+            known += row.transpose() * row;
+            vector += row.transpose() * off;
+        };
         if let Some(level) = level {
-            level.each(&x, &mut |off, row| {
-                known += row.transpose() * row;
-                vector += row.transpose() * off;
-            });
+            level.each(&x, &mut take);
         }
+        depths.each(&x, &mut take);
         x = moved(&x, &(matrix + known).cholesky()?.solve(&(-vector)));
     }
     let sound = x.translation.vector.iter().all(|value| value.is_finite()) && x.translation.z > 0.0;

@@ -49,6 +49,15 @@ pub struct Scene<'a> {
     pub width: f64,
 }
 
+/// The content of an image.
+#[derive(Clone, Debug, Default)]
+pub struct Seen {
+    /// The parts that were found.
+    pub found: Vec<Found>,
+    /// Parts that are not where they are believed to be: depth shows what is behind them.
+    pub absent: Vec<String>,
+}
+
 /// A part that was found.
 #[derive(Clone, Debug)]
 pub struct Found {

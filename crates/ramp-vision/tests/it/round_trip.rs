@@ -175,7 +175,8 @@ fn a_camera_that_is_not_where_it_should_be_is_found() {
     for (turn, tilt, height) in views {
         let x_wt = tip_above(&nominal, [x, y, height], turn, tilt);
         let pixels = renderer.render(&table.scene(), &real.x_wc(&x_wt), &mut sensor);
-        let image = Image { camera: Camera::Wrist, time: 0.0, x_wt, width: 1280, height: 800, pixels };
+        let image =
+            Image { camera: Camera::Wrist, time: 0.0, x_wt, width: 1280, height: 800, pixels, depth: None };
         let sighting = finder.find(&image, &nominal, &[]).unwrap();
         calibration.add_part(&x_wt, &sighting.sheet.unwrap(), &Pose::identity(), finder.places());
     }

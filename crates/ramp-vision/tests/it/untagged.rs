@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_kit::Pose;
-use ramp_render::{Looks, Sensor};
+use ramp_render::{Looks, Sensor, StereoErrors, StereoSensor};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::random::Stream;
 use ramp_robot::{Camera, CameraModel, Image};
 use ramp_testing::table::{TIP, Table, tip_above};
-use ramp_vision::untagged::{Believed, Found, Scene, SceneFinder, Trace};
+use ramp_vision::untagged::{Believed, Found, Scene, SceneFinder, Seen, Trace};
 use ramp_vision::{Lying, SightError};
 
 /// Distance between the fingers, m.
@@ -20,6 +20,8 @@ struct Cell {
     finder: SceneFinder,
     holders: Vec<(String, Pose)>,
     lying: Vec<Lying>,
+    /// Whether images come with depth.
+    depth: bool,
 }
 
 impl Cell {
@@ -35,7 +37,7 @@ impl Cell {
         };
         let holders = kit.holders.iter().map(holder).collect();
         let lying = Lying::at_start(kit);
-        Cell { table, finder, holders, lying }
+        Cell { table, finder, holders, lying, depth: false }
     }
 
     /// An image with the open hand in it.
@@ -50,11 +52,18 @@ impl Cell {
         add("finger2", x_wh * Pose::from_parts(Translation3::new(0.0, -WIDTH / 2.0, 0.0584), over));
         let mut renderer = self.table.renderer(&model);
         let pixels = renderer.render(&scene, &model.x_wc(&x_wt), &mut Sensor::new(seed, camera.name()));
-        Image { camera, time: 0.0, x_wt, width: model.width, height: model.height, pixels }
+        let errors = StereoErrors { noise: 0.08, bias: 0.1, spread: 0.7, holes: 0.25 };
+        let depth = self.depth.then(|| StereoSensor::new(seed, camera, errors).measure(&renderer));
+        Image { camera, time: 0.0, x_wt, width: model.width, height: model.height, pixels, depth }
     }
 
     /// Finds all parts, each of which is believed to be up to `shift` (m, 1 σ) and `turn` (rad, 1 σ) off.
-    fn find(&mut self, image: &Image, (shift, turn): (f64, f64), seed: u64) -> Vec<Found> {
+    fn find(&mut self, image: &Image, sigma: (f64, f64), seed: u64) -> Vec<Found> {
+        self.see(image, sigma, seed).found
+    }
+
+    /// The same, with the parts that are not there.
+    fn see(&mut self, image: &Image, (shift, turn): (f64, f64), seed: u64) -> Seen {
         let mut stream = Stream::new(seed, "belief");
         let sigma = [shift, shift, 0.5e-3, 0.004, 0.004, turn];
         let parts: Vec<Believed> = self
@@ -177,7 +186,7 @@ fn black_and_cut_images_are_refused() {
     let image = cell.look(Camera::Wrist, tip_above(&wrist(), [0.3, 0.3, 0.25], 0.0, [0.0; 2]), 1);
     let scene = Scene { parts: &[], holders: &[], width: WIDTH };
     let mut find =
-        |image: &Image| cell.finder.find(image, &wrist(), &scene, &|_| true, 0.0).map(|it| it.len());
+        |image: &Image| cell.finder.find(image, &wrist(), &scene, &|_| true, 0.0).map(|it| it.found.len());
     assert!(matches!(find(&image), Ok(0)));
     let black = Image { pixels: vec![3; image.pixels.len()], ..image.clone() };
     assert!(matches!(find(&black), Err(SightError::Black { .. })));
@@ -234,4 +243,65 @@ fn a_lost_peg_is_found() {
         let image = cell.look(Camera::Wrist, x_wt, 4);
         assert!(cell.finder.find_lost(&image, &wrist(), &scene, lost).unwrap().is_none());
     }
+}
+
+/// Depth tells that a part has gone from where it is believed to be, and of none that it has gone where it
+/// is.
+#[test]
+fn depth_tells_what_is_not_there() {
+    let mut cell = Cell::new();
+    cell.depth = true;
+    for gone in ["b4", "p2"] {
+        let there = cell.table.parts.clone();
+        let at = there.iter().find(|(part, _)| part == gone).unwrap().1.translation.vector;
+        let x_wt = tip_above(&wrist(), [at.x, at.y, 0.25], 0.0, [0.0; 2]);
+        let image = cell.look(Camera::Wrist, x_wt, 2);
+        assert_eq!(cell.see(&image, (1.0e-3, 0.01), 2).absent, Vec::<String>::new());
+        cell.table.parts.retain(|(part, _)| part != gone);
+        let image = cell.look(Camera::Wrist, x_wt, 2);
+        cell.table.parts = there;
+        let seen = cell.see(&image, (1.0e-3, 0.01), 2);
+        assert_eq!(seen.absent, [gone]);
+        assert!(seen.found.len() > 2 && seen.found.iter().all(|part| part.part != gone), "{gone}");
+    }
+}
+
+/// A peg's height that is not known is measured, as well as the sensor can.
+#[test]
+fn depth_tells_heights() {
+    let mut cell = Cell::new();
+    let index = cell.table.parts.iter().position(|(part, _)| part == "p1").unwrap();
+    let believed = cell.table.parts[index].1;
+    let raised = Translation3::new(0.0, 0.0, 0.004) * believed;
+    cell.lying.retain(|lying| lying.part != "p1");
+    let at = believed.translation.vector;
+    let (mut with, mut without) = (Vec::new(), Vec::new());
+    for seed in 1..=6 {
+        for (depth, errors) in [(true, &mut with), (false, &mut without)] {
+            cell.depth = depth;
+            cell.table.parts[index].1 = raised;
+            let image =
+                cell.look(Camera::Wrist, tip_above(&wrist(), [at.x, at.y, 0.25], 0.0, [0.0; 2]), seed);
+            cell.table.parts[index].1 = believed;
+            let parts: Vec<Believed> = [Believed {
+                part: "p1".to_string(),
+                x_wp: believed,
+                covariance: nalgebra::Matrix6::from_diagonal(&nalgebra::Vector6::new(
+                    1.0e-6, 1.0e-6, 2.5e-5, 4.0e-4, 4.0e-4, 4.0e-4,
+                )),
+                lying: None,
+                held: false,
+            }]
+            .to_vec();
+            let scene = Scene { parts: &parts, holders: &cell.holders, width: WIDTH };
+            let seen = cell.finder.find(&image, &wrist(), &scene, &|_| true, 0.0).unwrap();
+            let Some(found) = seen.found.first() else { continue };
+            let off = found.x_wp.translation.z - raised.translation.z;
+            let sigma = found.covariance[(2, 2)].sqrt();
+            assert!(off.abs() < 4.0 * sigma, "{off} with {sigma}");
+            errors.push(sigma * 1.0e3);
+        }
+    }
+    assert!(with.len() >= 5 && without.len() >= 5, "{} {}", with.len(), without.len());
+    assert!(quantile(&with, 0.5) < 0.8 * quantile(&without, 0.5), "{with:?} {without:?}");
 }
