@@ -38,6 +38,36 @@ pub fn true_camera(camera: Camera, arm: &ArmModel, seed: u64, physics: &groups::
     model
 }
 
+/// The errors of the depth sensors in a world.
+pub fn stereo_errors(physics: &groups::Cameras) -> StereoErrors {
+    let groups::Cameras { depth_noise, depth_bias, depth_spread, depth_holes, .. } = *physics;
+    StereoErrors { noise: depth_noise, bias: depth_bias, spread: depth_spread, holes: depth_holes }
+}
+
+/// Looks with the shapes, brightness and glints that the parts have in the episode of this seed. In a world
+/// in which they are as drawn, they are the same.
+pub fn looks_in_world(looks: &Arc<Looks>, kit: &Kit, world: &Physics, seed: u64) -> Arc<Looks> {
+    let printed = Printed { physics: world, seed };
+    let names = kit.beams.iter().map(|beam| &beam.name).chain(kit.pegs.iter().map(|peg| &peg.name));
+    let drawn: Vec<(&String, Option<PartShape>, f64)> = names
+        .map(|name| {
+            let mut stream = Stream::new(seed, &format!("tone-{name}"));
+            (name, printed.shape(kit, name), 1.0 + stream.symmetric(world.cameras.tone))
+        })
+        .filter(|(_, shape, tone)| shape.is_some() || *tone != 1.0)
+        .collect();
+    if drawn.is_empty() && world.cameras.glint == 0.0 {
+        return Arc::clone(looks);
+    }
+    let mut own = Looks::clone(looks).with_glint(world.cameras.glint);
+    for (part, shape, tone) in &drawn {
+        let place = |p| shape.as_ref().map_or_else(Pose::identity, |shape| shape.place(p));
+        let place = shape.is_some().then_some(&place as &dyn Fn(_) -> _);
+        own.change(part, &Difference { place, tone: *tone });
+    }
+    Arc::new(own)
+}
+
 /// Both cameras of an episode: everything that does not change.
 pub(crate) struct Cameras {
     kit: Kit,
@@ -119,31 +149,8 @@ impl Cameras {
         if let Some(tag) = self.covered {
             looks = Arc::new(looks.with_covered_tag(tag));
         }
-        let drawn = self.drawn_parts();
-        if !drawn.is_empty() || self.physics.glint > 0.0 {
-            let mut own = Looks::clone(&looks).with_glint(self.physics.glint);
-            for (part, shape, tone) in &drawn {
-                let place = |p| shape.as_ref().map_or_else(Pose::identity, |shape| shape.place(p));
-                let place = shape.is_some().then_some(&place as &dyn Fn(_) -> _);
-                own.change(part, &Difference { place, tone: *tone });
-            }
-            looks = Arc::new(own);
-        }
+        let looks = looks_in_world(&looks, &self.kit, &self.world, self.seed);
         Ok(Arc::clone(self.looks.get_or_init(|| looks)))
-    }
-
-    /// The parts that look otherwise than drawn in this episode, each with its shape and by how much it is
-    /// lighter.
-    fn drawn_parts(&self) -> Vec<(String, Option<PartShape>, f64)> {
-        let printed = Printed { physics: &self.world, seed: self.seed };
-        let kit = &self.kit;
-        let beams = kit.beams.iter().map(|beam| &beam.name);
-        let names = beams.chain(kit.pegs.iter().map(|peg| &peg.name));
-        let parts = names.map(|name| {
-            let mut stream = Stream::new(self.seed, &format!("tone-{name}"));
-            (name.clone(), printed.shape(kit, name), 1.0 + stream.symmetric(self.physics.tone))
-        });
-        parts.filter(|(_, shape, tone)| shape.is_some() || *tone != 1.0).collect()
     }
 
     /// Opens the shutters of both cameras as soon as they are free, unless as many exposures as can be kept
@@ -153,12 +160,6 @@ impl Cameras {
             let latency = self.latency(&mut state.jitter);
             state.shutters.open(now, self.interval(), latency, kept);
         }
-    }
-
-    /// Errors of both depth sensors.
-    fn depth_errors(&self) -> StereoErrors {
-        let groups::Cameras { depth_noise, depth_bias, depth_spread, depth_holes, .. } = self.physics;
-        StereoErrors { noise: depth_noise, bias: depth_bias, spread: depth_spread, holes: depth_holes }
     }
 
     /// Time from the end of an exposure until the agent has the image, in control periods: readout and
@@ -192,7 +193,7 @@ impl Cameras {
         let model = self.model(camera);
         let eye = state.eyes[index(camera)].take().unwrap_or_else(|| Eye {
             sensor: Sensor::new(self.seed, camera.name()).with_light(self.physics.light),
-            stereo: self.depth.then(|| StereoSensor::new(self.seed, camera, self.depth_errors())),
+            stereo: self.depth.then(|| StereoSensor::new(self.seed, camera, stereo_errors(&self.physics))),
             last: Pixels::default(),
         });
         let seen = exposure.shown(camera).into_iter().map(|moment| {

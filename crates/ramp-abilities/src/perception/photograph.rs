@@ -8,7 +8,7 @@ use ramp_assembly::Assembly;
 use ramp_kit::joint::FEMALE_HEIGHT;
 use ramp_kit::tags;
 use ramp_kit::tags::TagPlace;
-use ramp_render::{Looks, LooksError, Renderer, Scene, Sensor};
+use ramp_render::{Looks, LooksError, Renderer, Scene, Sensor, StereoSensor};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::camera::Mount;
 use ramp_robot::random::Stream;
@@ -42,6 +42,10 @@ pub struct View {
     pub bodies: Vec<u16>,
     /// Distance along the optical axis in each pixel, m; infinite where nothing is.
     pub depth: Vec<f32>,
+    /// The pose of the optical frame in the world.
+    pub x_wc: Pose,
+    /// Each part and holder, with its pose in the world.
+    pub parts: Vec<(String, Pose)>,
     /// How each part lies, on the sheet or in the goal: its name, the height of its origin in the world (m),
     /// and whether its z axis points down.
     pub lying: Vec<(String, f64, bool)>,
@@ -54,6 +58,11 @@ pub struct Photographer<'a> {
     looks: Arc<Looks>,
     places: Vec<TagPlace>,
     renderers: [Renderer; 2],
+    /// The world in which parts and cameras are drawn from a view's seed.
+    world: World,
+    /// Whether tags stick on the parts. Without them, images have depth, and lenses neither distortion nor
+    /// errors.
+    tags: bool,
 }
 
 impl<'a> Photographer<'a> {
@@ -63,9 +72,33 @@ impl<'a> Photographer<'a> {
     /// A kit that cannot be drawn.
     pub fn new(assembly: &'a Assembly, arm: &'a ArmModel) -> Result<Photographer<'a>, LooksError> {
         let looks = Looks::shared(&assembly.kit, arm)?;
+        Ok(Photographer::with(assembly, arm, looks, World::ideal().clone(), true))
+    }
+
+    /// For a goal of which no part has a tag, with the parts and the depth of a world. Lenses have no
+    /// distortion, and are known.
+    ///
+    /// # Errors
+    /// As [`Photographer::new`].
+    pub fn without_tags(
+        assembly: &'a Assembly,
+        arm: &'a ArmModel,
+        world: &World,
+    ) -> Result<Photographer<'a>, LooksError> {
+        let looks = Looks::shared_without_tags(&assembly.kit, arm)?;
+        Ok(Photographer::with(assembly, arm, looks, world.clone(), false))
+    }
+
+    fn with(
+        assembly: &'a Assembly,
+        arm: &'a ArmModel,
+        looks: Arc<Looks>,
+        world: World,
+        tags: bool,
+    ) -> Photographer<'a> {
         let renderers = Camera::ALL
             .map(|camera| Renderer::new(Arc::clone(&looks), &CameraModel::nominal(camera, arm.hand.tip)));
-        Ok(Photographer { assembly, arm, looks, places: tags::places(&assembly.kit), renderers })
+        Photographer { assembly, arm, looks, places: tags::places(&assembly.kit), renderers, world, tags }
     }
 
     /// Looks of all bodies.
@@ -100,10 +133,15 @@ impl<'a> Photographer<'a> {
         let parts = self.parts(own_seed, at_start);
         let bird = index % BIRDS_EYE_EVERY == BIRDS_EYE_EVERY - 1;
         let camera = if bird { Camera::BirdsEye } else { Camera::Wrist };
-        let told = CameraModel::nominal(camera, self.arm.hand.tip);
-        // The cameras of the ideal world.
-        let physics = World::ideal().draw(own_seed).cameras;
-        let real = cameras::true_camera(camera, self.arm, own_seed, &physics);
+        let nominal = CameraModel::nominal(camera, self.arm.hand.tip);
+        let physics = self.world.draw(own_seed);
+        let (told, real) = if self.tags {
+            let real = cameras::true_camera(camera, self.arm, own_seed, &physics.cameras);
+            (nominal, real)
+        } else {
+            let straight = CameraModel { distortion: [0.0; 5], ..nominal };
+            (straight.clone(), straight)
+        };
         // The wrist camera's place: somewhere on a dome over a tag, turned and not quite centred.
         let place = &self.places[(stream.uniform() * self.places.len() as f64) as usize];
         let target = parts
@@ -153,12 +191,28 @@ impl<'a> Photographer<'a> {
             .collect();
         let mut sensor = Sensor::new(own_seed, camera.name());
         let renderer = &mut self.renderers[usize::from(bird)];
+        if !self.tags {
+            let looks = cameras::looks_in_world(&self.looks, &self.assembly.kit, &physics, own_seed);
+            *renderer = Renderer::new(looks, &real);
+        }
         let pixels = renderer.render(&scene, &x_wc, &mut sensor);
+        let errors = cameras::stereo_errors(&physics.cameras);
+        let measured = (!self.tags).then(|| StereoSensor::new(own_seed, camera, errors).measure(renderer));
         let (bodies, depth) = (renderer.segmentation(), renderer.depth());
         let (width, height) = (told.width, told.height);
-        let image = Image { camera, time: 0.0, x_wt, width, height, pixels, depth: None };
+        let image = Image { camera, time: 0.0, x_wt, width, height, pixels, depth: measured };
         let label = self.label(file, camera, &real, &x_wc, &parts, &bodies);
-        View { image, told, real, label, bodies, depth, lying }
+        View { image, told, real, label, bodies, depth, x_wc, parts, lying }
+    }
+
+    /// Pixels that a part would show in the last view of that camera with nothing before it, row by row.
+    pub fn silhouette(&mut self, view: &View, part: &str) -> Vec<bool> {
+        let body = self.looks.body(part);
+        let pose = view.parts.iter().find(|(name, _)| name == part);
+        let Some((body, (_, x))) = body.zip(pose) else { return vec![false; view.bodies.len()] };
+        let renderer = &mut self.renderers[usize::from(view.image.camera == Camera::BirdsEye)];
+        let shown = renderer.bodies(&Scene { bodies: vec![(body, *x)] }, &view.x_wc);
+        shown.into_iter().map(|shown| usize::from(shown) == body).collect()
     }
 
     fn home_tip(&self) -> Pose {

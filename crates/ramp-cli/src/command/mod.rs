@@ -29,6 +29,7 @@ pub mod run;
 pub mod run_view;
 pub mod score;
 pub mod see;
+pub mod see_bop;
 pub mod see_scene;
 pub mod seeds;
 pub mod serve;

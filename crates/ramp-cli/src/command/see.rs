@@ -20,7 +20,7 @@ use ramp_vision::{Lying, PartFinder, Sighting};
 use ramp_world::Start;
 use resvg::{tiny_skia, usvg};
 
-use super::see_scene;
+use super::{see_bop, see_scene};
 use crate::image_file::{write_pixels, write_png};
 use crate::output::{check_place, print, write_file};
 use crate::software::software;
@@ -32,7 +32,7 @@ pub struct Arguments {
     #[arg(required_unless_present = "judge")]
     goal: Option<String>,
     /// Track of the images: `tags`; `colour` for parts without tags; `depth` for the same with depth
-    #[arg(long, default_value = "tags", value_parser = ["tags", "colour", "depth"], conflicts_with_all = ["judge", "count"])]
+    #[arg(long, default_value = "tags", value_parser = ["tags", "colour", "depth"], conflicts_with = "judge")]
     track: String,
     /// Seed of the layout, the cameras' errors and the noise
     #[arg(long, default_value_t = 1)]
@@ -40,7 +40,8 @@ pub struct Arguments {
     /// Folder to write to, made if it is not there; with --judge, the file for the verdict, for `ramp report`
     #[arg(short, long, value_name = "DIR|FILE", required_unless_present = "judge")]
     output: Option<PathBuf>,
-    /// Write a data set of N images with labels and the baseline's detections
+    /// Write a data set of N images with labels and the baseline's detections; without tags in the form of
+    /// BOP
     #[arg(long, value_name = "N")]
     count: Option<u32>,
     /// Judge a detector's poses (a file like estimates.json) on the labels of a data set (its folder)
@@ -86,12 +87,22 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let assembly = data.goal(goal)?;
     let arm = data.arm()?;
     std::fs::create_dir_all(folder).into_diagnostic()?;
+    // The parser has no other names.
+    let track = Track::ALL.into_iter().find(|it| it.name() == arguments.track).unwrap_or(Track::Tags);
+    if let Some(count) = arguments.count.filter(|_| !track.has_tags()) {
+        if arguments.depth || arguments.no_images {
+            let help = "without tags, `--track depth` writes depth and `--track colour` does not";
+            return Err(miette!(help = help, "`--depth` and `--no-images` are for images with tags"));
+        }
+        let world = data.world("real")?;
+        let seed = (arguments.seed, count);
+        print(&see_bop::write((&assembly, &arm), &world, seed, track.has_depth(), folder)?)?;
+        return Ok(DONE);
+    }
     if let Some(count) = arguments.count {
         let photographer = Photographer::new(&assembly, &arm).into_diagnostic()?;
         return data_set(photographer, &assembly.kit, arguments, folder, count);
     }
-    // The parser has no other names.
-    let track = Track::ALL.into_iter().find(|it| it.name() == arguments.track).unwrap_or(Track::Tags);
     let setup = Setup {
         assembly: &assembly,
         arm: &arm,

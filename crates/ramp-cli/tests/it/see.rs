@@ -114,3 +114,86 @@ fn depth_is_written_beside_the_images() {
         assert!(far.contains(&depth), "{camera}: {depth} mm");
     }
 }
+
+/// Images without tags in the form of BOP: poses, lens and meshes agree with the masks, and what shows of a
+/// part is within it.
+#[test]
+fn a_set_without_tags_is_in_the_form_of_bop() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("set");
+    let see = |options: &[&str]| {
+        ramp()
+            .args(["see", "easy-3", "--track", "depth", "--seed", "3", "-o"])
+            .arg(&path)
+            .args(options)
+            .assert()
+    };
+    see(&["--count", "1", "--no-images"]).code(2);
+    let output = see(&["--count", "3"]).success();
+    assert!(String::from_utf8_lossy(&output.get_output().stdout).contains("AR by MSPD"));
+    let json = |name: &str| -> serde_json::Value {
+        serde_json::from_slice(&std::fs::read(path.join(name)).unwrap()).unwrap()
+    };
+    let numbers = |value: &serde_json::Value| -> Vec<f64> {
+        value.as_array().unwrap().iter().map(|it| it.as_f64().unwrap()).collect()
+    };
+    let mask = |kind: &str, image: usize, index: usize| -> Vec<bool> {
+        let name = path.join(format!("test/000001/{kind}/{image:06}_{index:06}.png"));
+        let file = std::io::BufReader::new(std::fs::File::open(name).unwrap());
+        let mut reader = png::Decoder::new(file).read_info().unwrap();
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut bytes).unwrap();
+        bytes.iter().map(|byte| *byte > 0).collect()
+    };
+    let (cameras, truths, infos) = (
+        json("test/000001/scene_camera.json"),
+        json("test/000001/scene_gt.json"),
+        json("test/000001/scene_gt_info.json"),
+    );
+    let mut parts = 0;
+    for image in 0..3 {
+        assert!(path.join(format!("test/000001/depth/{image:06}.png")).exists());
+        let key = image.to_string();
+        let k = numbers(&cameras[&key]["cam_K"]);
+        let all = truths[&key].as_array().unwrap().iter().zip(infos[&key].as_array().unwrap());
+        for (index, (truth, info)) in all.enumerate() {
+            let (whole, visible) = (mask("mask", image, index), mask("mask_visib", image, index));
+            assert!(visible.iter().zip(&whole).all(|(visible, whole)| *whole || !visible));
+            assert_eq!(
+                visible.iter().filter(|it| **it).count() as u64,
+                info["px_count_visib"].as_u64().unwrap()
+            );
+            let (r, t) = (numbers(&truth["cam_R_m2c"]), numbers(&truth["cam_t_m2c"]));
+            let mesh = path.join(format!("models/obj_{:06}.ply", truth["obj_id"].as_u64().unwrap()));
+            let text = std::fs::read_to_string(mesh).unwrap();
+            let corners =
+                text.split("end_header\n").nth(1).unwrap().lines().filter(|line| !line.starts_with("3 "));
+            let (mut inside, mut count) = (0, 0);
+            for line in corners {
+                let p: Vec<f64> = line.split(' ').take(3).map(|it| it.parse().unwrap()).collect();
+                let at = |row: usize| (0..3).map(|axis| r[3 * row + axis] * p[axis]).sum::<f64>() + t[row];
+                let pixel = [k[0] * at(0) / at(2) + k[2], k[4] * at(1) / at(2) + k[5]].map(f64::round);
+                if at(2) > 0.0 && (3.0..1277.0).contains(&pixel[0]) && (3.0..797.0).contains(&pixel[1]) {
+                    let near = |dx: isize, dy: isize| {
+                        let place = (pixel[1] as isize + dy) * 1280 + pixel[0] as isize + dx;
+                        whole[place as usize]
+                    };
+                    count += 1;
+                    inside += usize::from((-2..=2).any(|dy| (-2..=2).any(|dx| near(dx, dy))));
+                }
+            }
+            assert!(
+                inside as f64 >= 0.98 * f64::from(count),
+                "image {image}, part {index}: {inside} of {count}"
+            );
+            parts += 1;
+        }
+    }
+    assert!(parts > 5, "{parts}");
+    // The pegs are one object, which a quarter turn leaves as it is.
+    let models = json("models/models_info.json");
+    let peg = models.as_object().unwrap().values().find(|it| it["parts"][0] == "p1").unwrap();
+    assert_eq!(peg["symmetries_discrete"].as_array().unwrap().len(), 3);
+    let poses = std::fs::read_to_string(path.join("baseline_set-test.csv")).unwrap();
+    assert!(poses.lines().count() > 5 && poses.lines().skip(1).all(|line| line.split(',').count() == 7));
+}

@@ -3,6 +3,7 @@
 use super::renderer::{NOTHING, Renderer};
 use super::rigid::Rigid;
 use super::scene::Scene;
+use crate::looks::Looks;
 use crate::sensor::{FULL, Sensor};
 use ramp_robot::Pose;
 use std::sync::Arc;
@@ -56,8 +57,24 @@ impl Renderer {
         Vec::with_capacity(3 * self.lens.model.width * self.lens.model.height)
     }
 
+    /// Which body each pixel would show, as [`Renderer::segmentation`] has it, without a picture.
+    pub fn bodies(&mut self, scene: &Scene, x_wc: &Pose) -> Vec<u16> {
+        self.place(scene, x_wc);
+        self.segmentation()
+    }
+
     /// Draws one moment, and hands over the linear light of one row after another.
     fn draw(&mut self, scene: &Scene, x_wc: &Pose, row: impl FnMut(&[u16])) {
+        let looks = self.place(scene, x_wc);
+        if let Some(tag) = &looks.sheet_tag {
+            self.tag(tag, &Pose::identity(), &x_wc.inverse(), NOTHING);
+        }
+        self.cast_shadows(&looks, scene, &Rigid::new(&x_wc.inverse()));
+        self.expose(&looks, x_wc, row);
+    }
+
+    /// Clears the buffers and draws all bodies into them.
+    fn place(&mut self, scene: &Scene, x_wc: &Pose) -> Arc<Looks> {
         self.near.fill(0.0);
         self.shown.fill(0);
         self.palette.clear();
@@ -74,10 +91,6 @@ impl Renderer {
         for (index, x_wb) in &scene.bodies {
             self.body(&looks, *index, x_wb, &(x_cw * x_wb));
         }
-        if let Some(tag) = &looks.sheet_tag {
-            self.tag(tag, &Pose::identity(), &x_cw, NOTHING);
-        }
-        self.cast_shadows(&looks, scene, &Rigid::new(&x_cw));
-        self.expose(&looks, x_wc, row);
+        looks
     }
 }
