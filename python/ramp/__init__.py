@@ -28,6 +28,7 @@ from ramp.agent import Agent, EventKind, Motion, Skill, Task
 from ramp.bench import Results, bench, run
 from ramp.driver import Driver
 from ramp.film import Film
+from ramp.finder import Absent, Believed, Found, Sight
 from ramp.goal import Connection, Goal, goals
 from ramp.plan import Plan, plan
 from ramp.planner import Problem
@@ -35,13 +36,16 @@ from ramp.result import Peg, Result, Time, describe
 from ramp.twin import Twin
 
 __all__ = [
+    "Absent",
     "Agent",
+    "Believed",
     "CameraImage",
     "Command",
     "Connection",
     "Driver",
     "EventKind",
     "Film",
+    "Found",
     "Goal",
     "InputError",
     "Observation",
@@ -56,6 +60,7 @@ __all__ = [
     "Robot",
     "RobotStopped",
     "Motion",
+    "Sight",
     "Skill",
     "Snapshot",
     "Task",

@@ -284,6 +284,7 @@ def run(
     plan: str | None = None,
     plans: str | None = None,
     planner: tuple[Callable[[str], str], str] | None = None,
+    finder: tuple[Callable[[str, bytes, bytes | None], str], str] | None = None,
     domain: str | None = None,
     parameters: str | None = None,
     fault: str | None = None,

@@ -16,6 +16,8 @@ from typing import Any
 from ramp import ray as cluster
 from ramp._core import MAX_SEED, InputError, benchmark, integer, run_episode
 from ramp.agent import Agent, Skill
+from ramp.finder import Finder, finder_name
+from ramp.finder import asker as find_asker
 from ramp.goal import Goal, as_goal, goals
 from ramp.plan import Plan
 from ramp.planner import Planner, asker, planner_name
@@ -38,6 +40,7 @@ def run(
     skills: Sequence[Skill] = (),
     plan: Plan | str | os.PathLike[str] | None = None,
     planner: Planner | None = None,
+    finder: Finder | None = None,
     domain: str | os.PathLike[str] | None = None,
     arm: str = "panda",
     world: str | os.PathLike[str] = "real",
@@ -65,6 +68,8 @@ def run(
             with a file for each goal.
         planner: Makes the plans of the baseline, at the start and whenever it plans again. It gets a
             :class:`ramp.Problem`, and returns a plan, or the text of one as ``ramp plan --from`` reads it.
+        finder: Finds the parts in the images of the baseline, on a track that gives images. It gets a
+            :class:`ramp.Sight`, and gives a :class:`ramp.Found` for each part that it finds.
         domain: A file of rules for the baseline's planner, in place of the one of its kind.
         arm: ``panda``, or ``fr3`` for a Franka Research 3.
         world: What the physics are drawn from: ``ideal``, ``real``, ``hard``, or a world file.
@@ -91,15 +96,10 @@ def run(
 
     """
     whole = as_goal(goal)
-    own = None
-    if agent is not None:
-        if skills or plan is not None:
-            raise InputError("an agent of one's own has its own skills and its own plan")
-        own = (agent, _agent_name(agent.name), _name(agent.version), whole)
+    _check_parts(agent, bool(skills), plan is not None, planner is not None, finder is not None)
+    own = None if agent is None else (agent, _agent_name(agent.name), _name(agent.version), whole)
     parts = [(skill.serves, _skill_name(skill), skill) for skill in skills]
     text = plan.to_json() if isinstance(plan, Plan) else None
-    if planner is not None and (agent is not None or plan is not None):
-        raise InputError("a planner of one's own makes the plans of the baseline, and no other plan is carried out")
     rules = None if domain is None else os.fspath(domain)
     asked = None if planner is None else (asker(planner, whole, rules), planner_name(planner))
     files = None if plan is None or isinstance(plan, Plan) else os.fspath(plan)
@@ -119,6 +119,7 @@ def run(
             plan=text,
             plans=files,
             planner=asked,
+            finder=None if finder is None else (find_asker(finder, whole), finder_name(finder)),
             domain=rules,
             parameters=None if parameters is None else os.fspath(parameters),
             fault=fault,
@@ -128,6 +129,16 @@ def run(
             progress=progress,
         )
     )
+
+
+def _check_parts(agent: Agent | None, skills: bool, plan: bool, planner: bool, finder: bool) -> None:
+    """Checks that what replaces parts of the baseline goes together."""
+    if agent is not None and (skills or plan):
+        raise InputError("an agent of one's own has its own skills and its own plan")
+    if planner and (agent is not None or plan):
+        raise InputError("a planner of one's own makes the plans of the baseline, and no other plan is carried out")
+    if agent is not None and finder:
+        raise InputError("a finder of one's own finds the parts for the baseline, and an agent has its own")
 
 
 def _agent_name(name: str) -> str:

@@ -54,12 +54,20 @@ def asker(planner: Planner, goal: Goal, domain: str | None) -> Callable[[str], s
     return ask
 
 
-def planner_name(planner: Planner) -> str:
-    """Its name in results, with the start of the hash of its source where Python has it."""
-    kept = "".join(it for it in getattr(planner, "__name__", "own") if it.isascii() and (it.isalnum() or it in "_-"))
-    name = f"planner-{kept[:24] or 'own'}"
+def name_of(kind: str, own: Callable[..., Any]) -> str:
+    """The name in results of what replaces a part of the baseline, with the start of the hash of its source.
+
+    Without the hash where Python does not have the source.
+    """
+    kept = "".join(it for it in getattr(own, "__name__", "own") if it.isascii() and (it.isalnum() or it in "_-"))
+    name = f"{kind}-{kept[:24] or 'own'}"
     try:
-        source = inspect.getsource(planner)
+        source = inspect.getsource(own)
     except (OSError, TypeError):
         return name
     return f"{name}.{hashlib.sha256(source.encode()).hexdigest()[:8]}"
+
+
+def planner_name(planner: Planner) -> str:
+    """Its name in results, with the start of the hash of its source where Python has it."""
+    return name_of("planner", planner)

@@ -1,6 +1,7 @@
 """Small images, drivers, planners, and the examples for policies and planners that need other packages."""
 
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -129,3 +130,34 @@ def test_the_example_server_speaks_the_dialect(name):
                 assert "KeyError" in socket.recv()
         finally:
             server.terminate()
+
+
+def test_opencv_s_detector_finds_parts_for_the_baseline(tmp_path):
+    pytest.importorskip("cv2", reason="SKIPPED: opencv-python-headless is not installed")
+    result = tmp_path / "result.json"
+    finder = EXAMPLES / "finders/tags_with_opencv.py"
+    words = ["run", "easy-1", "--world", "ideal", "--track", "tags", "--finder", str(finder), "--output", str(result)]
+    environment = os.environ | {"PATH": f"{pathlib.Path(sys.executable).parent}:{os.environ['PATH']}"}
+    done = subprocess.run([sys.executable, "-m", "ramp", *words], env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert ramp.Result.from_json(result.read_text()).agent.startswith("baseline+finder-tags_with_opencv.")
+
+
+def test_a_finder_in_python_sees_images_and_what_it_raises_arrives():
+    seen = []
+
+    def find(sight):
+        seen.append((sight.camera, sight.pixels.shape, sight.depth.dtype, len(sight.parts), sight.camera_pose[2] > 0.2))
+        if len(seen) > 3:
+            raise RuntimeError("enough")
+        return [ramp.Absent("p1")]
+
+    with pytest.raises(RuntimeError, match="enough"):
+        ramp.run("easy-1", track="depth", world="ideal", finder=find)
+    assert {camera for camera, *_ in seen} == {"wrist", "birds-eye"}
+    assert all(rest == [(800, 1280, 3), np.uint16, 24, True] for _, *rest in seen), seen
+    for wrong in (lambda _: [7], lambda _: [ramp.Found("b1", pose=[1.0])]):
+        with pytest.raises(ramp.InputError, match="the finder g"):
+            ramp.run("easy-1", track="colour", world="ideal", finder=wrong)
+    with pytest.raises(ramp.InputError, match="gives none"):
+        ramp.run("easy-1", track="state", finder=find)

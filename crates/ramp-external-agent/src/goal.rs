@@ -56,12 +56,6 @@ impl<'a> GoalMessage<'a> {
             .iter()
             .map(|peg| json!({"name": peg.name, "x_wp_sheet": kit.x_wp_start(peg).as_ref().map(pose)}))
             .collect();
-        let tagged = self.track.has_tags();
-        let tags: Vec<Value> = tags::places(kit)
-            .iter()
-            .filter(|_| tagged)
-            .map(|it| json!({"id": it.id, "part": it.part, "x_pg": pose(&it.x_pg), "edge": it.edge}))
-            .collect();
         let hand = &self.arm.hand;
         let mut goal = json!({
             "protocol": PROTOCOL,
@@ -79,14 +73,7 @@ impl<'a> GoalMessage<'a> {
             "time_limit": ramp_robot::TIME_LIMIT,
             "beams": self.beams(),
             "pegs": pegs,
-            "dimensions": {
-                "female_height": joint::FEMALE_HEIGHT,
-                "hole_radius": joint::HOLE_RADIUS,
-                "peg_head_width": joint::HEAD_WIDTH,
-                "peg_head_height": joint::HEAD_HEIGHT,
-                "peg_stem_length": joint::STEM_LENGTH,
-                "peg_stem_radius": joint::STEM_RADIUS,
-            },
+            "dimensions": dimensions(),
             "connections": self.connections(),
             "insertions": self.insertions(),
             "arm": {
@@ -99,12 +86,8 @@ impl<'a> GoalMessage<'a> {
                 Camera::Wrist.name(): camera(&robot.camera(Camera::Wrist)),
                 Camera::BirdsEye.name(): camera(&robot.camera(Camera::BirdsEye)),
             },
-            "tags": tags,
-            "sheet_tag": tagged.then(|| json!({
-                "id": tags::SHEET_ID,
-                "x_wg": pose(&tags::x_wg_sheet(kit)),
-                "edge": kit.sheet.tag_edge,
-            })),
+            "tags": self.tags(),
+            "sheet_tag": self.sheet_tag(),
             "files": {"goal": self.texts.goal, "kit": self.texts.kit},
         });
         if let Some(task) = &self.task {
@@ -125,6 +108,33 @@ impl<'a> GoalMessage<'a> {
             "connections": self.connections(),
             "insertions": self.insertions(),
             "files": {"goal": self.texts.goal, "kit": self.texts.kit},
+        })
+    }
+
+    /// As plain data for a finder of parts: what may be seen, and by which tags.
+    pub fn to_finder_json(&self) -> Value {
+        let mut goal = self.to_planner_json();
+        goal["track"] = self.track.name().into();
+        goal["dimensions"] = dimensions();
+        goal["tags"] = self.tags().into();
+        goal["sheet_tag"] = self.sheet_tag().into();
+        goal
+    }
+
+    /// The tags on the parts; none on a track without.
+    fn tags(&self) -> Vec<Value> {
+        let tagged = self.track.has_tags();
+        let place = |it: &tags::TagPlace| json!({"id": it.id, "part": it.part, "x_pg": pose(&it.x_pg), "edge": it.edge});
+        tags::places(&self.assembly.kit).iter().filter(|_| tagged).map(place).collect()
+    }
+
+    /// The tag on the sheet, if it has one.
+    fn sheet_tag(&self) -> Option<Value> {
+        let kit = &self.assembly.kit;
+        self.track.has_tags().then(|| {
+            json!({
+                "id": tags::SHEET_ID, "x_wg": pose(&tags::x_wg_sheet(kit)), "edge": kit.sheet.tag_edge,
+            })
         })
     }
 
@@ -222,6 +232,18 @@ impl<'a> GoalMessage<'a> {
             })
             .collect()
     }
+}
+
+/// Dimensions of the parts, m.
+fn dimensions() -> Value {
+    json!({
+        "female_height": joint::FEMALE_HEIGHT,
+        "hole_radius": joint::HOLE_RADIUS,
+        "peg_head_width": joint::HEAD_WIDTH,
+        "peg_head_height": joint::HEAD_HEIGHT,
+        "peg_stem_length": joint::STEM_LENGTH,
+        "peg_stem_radius": joint::STEM_RADIUS,
+    })
 }
 
 /// The region in which parts lie anywhere.

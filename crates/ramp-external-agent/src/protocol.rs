@@ -153,13 +153,13 @@ struct GripperText {
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct PoseText {
+pub(crate) struct PoseText {
     position: [f64; 3],
     quat_wxyz: [f64; 4],
 }
 
 impl PoseText {
-    fn pose(&self) -> Result<Pose, String> {
+    pub(crate) fn pose(&self) -> Result<Pose, String> {
         let [w, x, y, z] = self.quat_wxyz;
         let q = Quaternion::new(w, x, y, z);
         let length = q.norm();

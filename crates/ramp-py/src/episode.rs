@@ -31,6 +31,7 @@ use ramp_twin::{Setup, Twin};
 use crate::convert::seven;
 use crate::errors::{EVERY, Interrupts, Raised, Recovered, RobotStopped, caught, data, detached, input};
 use crate::files::Benchmark;
+use crate::finder::finding;
 use crate::given::{given, given_plan};
 use crate::gym::EpisodePictures;
 use crate::integers;
@@ -354,7 +355,7 @@ type OwnPart = (String, String, Py<PyAny>);
 /// Runs an episode; the result as JSON. With `output`, the result is written to that file; a result of this
 /// very episode that the file already has is returned instead.
 #[pyfunction]
-#[pyo3(signature = (benchmark, goal, *, arm, track, world, start, seed, task="build", state=None, agent=None, skills=Vec::new(), plan=None, plans=None, planner=None, domain=None,
+#[pyo3(signature = (benchmark, goal, *, arm, track, world, start, seed, task="build", state=None, agent=None, skills=Vec::new(), plan=None, plans=None, planner=None, finder=None, domain=None,
     parameters=None, fault=None, record=None, output=None, repeat=1, progress=None, pictures=None))]
 #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn run(
@@ -373,6 +374,7 @@ pub fn run(
     plan: Option<String>,
     plans: Option<PathBuf>,
     planner: Option<(Py<PyAny>, String)>,
+    finder: Option<(Py<PyAny>, String)>,
     domain: Option<&str>,
     parameters: Option<&str>,
     fault: Option<&str>,
@@ -395,7 +397,7 @@ pub fn run(
     let domains = files.domains(domain)?;
     let raised = Raised::default();
     // What runs Python's code does so on this thread; all else on one that can be left behind.
-    let python = agent.is_some() || planner.is_some() || !skills.is_empty();
+    let python = agent.is_some() || planner.is_some() || finder.is_some() || !skills.is_empty();
     let plan = given_plan(py, plan, plans, &assembly, &domains)?;
     let parameters = parameters_of(parameters)?;
     let mut table = ramp_skills::table::baseline(&parameters);
@@ -415,6 +417,7 @@ pub fn run(
             }
             None => {
                 let baseline = baseline(&setup, &domains, parameters).with_skills(table);
+                let baseline = finding(baseline, &setup, finder, &raised)?;
                 Box::new(planned(baseline, (assembly, &domains), plan, planner, &raised))
             }
         };

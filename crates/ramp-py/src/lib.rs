@@ -6,6 +6,7 @@ mod driver;
 mod episode;
 mod errors;
 mod files;
+mod finder;
 mod given;
 mod gym;
 mod integers;

@@ -17,6 +17,7 @@ use ramp_robot::arm::ArmModel;
 use ramp_robot::{Account, Action, Agent, Event, EventKind, Retry, Robot, RobotError, Track};
 use ramp_world::Start;
 
+use crate::belief::OwnFinder;
 use crate::cell::{InsertionPath, Workcell};
 use crate::clear;
 use crate::fault::{Fault, SkillError};
@@ -52,6 +53,8 @@ pub struct Baseline<'a> {
     fixed: Option<Plan>,
     /// That plan was carried out: there is no other.
     given: bool,
+    /// The finder of parts, if not its own.
+    finder: Option<OwnFinder>,
     /// The maker of its plans, if not its own planner.
     planner: Option<OwnPlanner<'a>>,
     /// Limits of the arm that skills have found.
@@ -97,6 +100,7 @@ impl<'a> Baseline<'a> {
             plan: None,
             fixed: None,
             given: false,
+            finder: None,
             planner: None,
             learned: Vec::new(),
             told: Vec::new(),
@@ -194,6 +198,16 @@ impl<'a> Baseline<'a> {
         self
     }
 
+    /// Finds parts in images with this finder, on tracks that give images. `name` becomes part of the agent's
+    /// name in results.
+    #[must_use]
+    pub fn with_finder(mut self, finder: OwnFinder, name: &str) -> Baseline<'a> {
+        self.replaced.finder = Some(name.to_string());
+        self.name = self.replaced.name();
+        self.finder = Some(finder);
+        self
+    }
+
     /// The first plan, once there is one.
     pub fn plan(&self) -> Option<&Plan> {
         self.plan.as_ref()
@@ -223,6 +237,9 @@ impl<'a> Baseline<'a> {
             Workcell::with_hand(assembly, self.arm, planner, hand, self.seed, parameters, &self.start);
         if let Some(track) = self.track {
             cell.belief.parts.eyes.on_track(track);
+        }
+        if let Some(finder) = &self.finder {
+            cell.belief.parts.eyes.find_with(Arc::clone(finder));
         }
         cell
     }

@@ -33,6 +33,7 @@ pub mod table;
 pub mod way;
 
 pub use agent::{Baseline, OwnPlanner};
+pub use belief::OwnFinder;
 pub use fault::{Fault, SkillError};
 pub use parameters::Parameters;
 pub use piece::Piece;

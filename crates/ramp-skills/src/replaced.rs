@@ -33,6 +33,8 @@ pub struct Replaced {
     pub plan: Option<String>,
     /// The name of the planner, with its file's hash in it.
     pub planner: Option<String>,
+    /// The name of the finder of parts, likewise.
+    pub finder: Option<String>,
 }
 
 impl Replaced {
@@ -43,8 +45,14 @@ impl Replaced {
         };
         let files =
             [short("parameters", &self.parameters), short("domain", &self.domain), short("plan", &self.plan)];
-        let parts: Vec<String> =
-            self.skills.iter().chain(&self.planner).cloned().chain(files.into_iter().flatten()).collect();
+        let parts: Vec<String> = self
+            .skills
+            .iter()
+            .chain(&self.planner)
+            .chain(&self.finder)
+            .cloned()
+            .chain(files.into_iter().flatten())
+            .collect();
         if parts.is_empty() {
             return BASELINE.to_string();
         }
@@ -72,6 +80,7 @@ mod tests {
             domain: None,
             plan: hash("c"),
             planner: None,
+            finder: None,
         };
         assert_eq!(all.name(), "baseline+fasten-by-my.0123abcd+parameters.aaaaaaaa+plan.cccccccc");
         all.domain = hash("b");

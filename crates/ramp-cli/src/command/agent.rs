@@ -30,7 +30,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE", conflicts_with = "path", group = "program")]
     pub agent: Option<PathBuf>,
     /// Run the policy behind this server of openpi's or RoboArena's kind instead of the baseline
-    #[arg(long, value_name = "ws://HOST:PORT", conflicts_with_all = ["agent", "path", "skill", "plan", "planner", "domain"])]
+    #[arg(long, value_name = "ws://HOST:PORT", conflicts_with_all = ["agent", "path", "skill", "plan", "planner", "finder", "domain"])]
     pub policy: Option<PolicyUrl>,
     /// Let the robot go on while the policy computes: its last actions play on, and then it holds still. Such
     /// a result is no function of its seed, and is kept apart from others
@@ -39,8 +39,8 @@ pub struct Arguments {
     /// Time limit for each message of the agent, or answer of the policy; if it is exceeded, the episode ends
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
     pub agent_limit: f64,
-    /// Run the agent, or the planner, in a sandbox, without access to your files, the network and other
-    /// processes
+    /// Run the agent, the planner or the finder in a sandbox, without access to your files, the network and
+    /// other processes
     #[arg(long, requires = "program")]
     pub sandbox: bool,
     #[command(flatten)]

@@ -34,7 +34,7 @@ pub struct Arguments {
     secret: Option<PathBuf>,
     /// Play the commands of the logs in this folder without sight, each on other seeds than its own: the
     /// floor of a board
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["agent", "policy", "path", "skill", "plan", "planner", "domain"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["agent", "policy", "path", "skill", "plan", "planner", "finder", "domain"])]
     tape: Option<PathBuf>,
     /// Folder for the results; results that it already has are not run again
     #[arg(short, long, value_name = "DIR", default_value = "results/bench")]

@@ -17,6 +17,7 @@ pub mod kit;
 pub mod leaderboard;
 pub mod man;
 pub mod open;
+pub mod own_finder;
 pub mod own_planner;
 pub mod own_skill;
 pub mod parts;

@@ -9,17 +9,18 @@ use std::sync::Arc;
 use miette::{Report, miette};
 use ramp_assembly::Assembly;
 use ramp_data::{Data, Plans, Texts};
-use ramp_external_agent::{AgentFile, Sandbox, adopt_orphans, planner_name};
+use ramp_external_agent::{AgentFile, Sandbox, adopt_orphans, finder_name, planner_name};
 use ramp_planner::{Domains, Plan, State};
+use ramp_robot::Track;
 use ramp_robot::arm::ArmModel;
 use ramp_skills::rehearsal::check_for_arm;
 use ramp_skills::skill::ActionKind;
 use ramp_skills::{Baseline, Parameters, Replaced};
 use ramp_twin::Setup;
 
-use crate::command::own_planner;
 use crate::command::own_skill::{self, Replacement, SkillHost, Source};
 use crate::command::skills;
+use crate::command::{own_finder, own_planner};
 use crate::rules::domains;
 
 /// Options that replace parts of the baseline.
@@ -44,6 +45,10 @@ pub struct Arguments {
     /// file
     #[arg(long, value_name = "FILE", conflicts_with_all = ["agent", "plan", "check_motion"], group = "program")]
     planner: Option<PathBuf>,
+    /// Let this program find the parts in the images, on a track that gives images: an executable, or a
+    /// Python file
+    #[arg(long, value_name = "FILE", conflicts_with = "agent", group = "program")]
+    finder: Option<PathBuf>,
     #[command(flatten)]
     parameters: skills::File,
 }
@@ -51,7 +56,7 @@ pub struct Arguments {
 impl Arguments {
     /// Returns true if an external program runs.
     pub fn has_program(&self) -> bool {
-        self.skill.iter().any(Replacement::is_program) || self.planner.is_some()
+        self.skill.iter().any(Replacement::is_program) || self.planner.is_some() || self.finder.is_some()
     }
 
     /// Returns true if a plan or a planner replaces the baseline's.
@@ -59,17 +64,26 @@ impl Arguments {
         self.plan.is_some() || self.planner.is_some()
     }
 
-    /// Reads all files.
+    /// Reads all files, for episodes on a track.
     ///
     /// # Errors
-    /// The first problem in a file.
-    pub fn read(&self, data: &Data) -> Result<Parts, Report> {
+    /// The first problem in a file; a finder on a track without images.
+    pub fn read(&self, data: &Data, track: Track) -> Result<Parts, Report> {
+        if self.finder.is_some() && !track.gives_images() {
+            let help = "the tracks `tags`, `colour` and `depth` give images";
+            return Err(miette!(
+                help = help,
+                "--finder reads images, and track `{}` gives none",
+                track.name()
+            ));
+        }
         Ok(Parts {
             domains: domains(data, self.domain.as_deref())?,
             parameters: self.parameters.read(data)?,
             skills: self.skill.iter().map(Replacement::read).collect::<Result<_, Report>>()?,
             plans: self.plan.as_deref().map(Plans::read).transpose()?,
             planner: self.planner.as_deref().map(own_skill::file).transpose()?,
+            finder: self.finder.as_deref().map(own_skill::file).transpose()?,
             checked_for: if self.check_motion { Some(data.arm()?) } else { None },
         })
     }
@@ -84,6 +98,7 @@ impl Arguments {
             ("--plan", &self.plan),
             ("--domain", &self.domain),
             ("--planner", &self.planner),
+            ("--finder", &self.finder),
             ("--parameters", &self.parameters.path),
         ];
         for (option, path) in files {
@@ -105,6 +120,8 @@ pub struct Parts {
     pub plans: Option<Plans>,
     /// The program that plans.
     pub planner: Option<AgentFile>,
+    /// The program that finds parts in images.
+    finder: Option<AgentFile>,
     /// The arm that must be able to carry them out, if that is to be checked.
     checked_for: Option<ArmModel>,
 }
@@ -119,8 +136,14 @@ impl Parts {
             domain: self.domains.replaced(),
             plan: self.plans.as_ref().map(|plans| plans.sha256().to_string()),
             planner: self.planner.as_ref().map(planner_name),
+            finder: self.finder.as_ref().map(finder_name),
         };
         (replaced.name(), Baseline::VERSION.to_string())
+    }
+
+    /// The program that may run in a sandbox: the planner, or the finder.
+    pub fn program(&self) -> Option<&AgentFile> {
+        self.planner.as_ref().or(self.finder.as_ref())
     }
 
     /// Replaces the skill for these actions.
@@ -148,7 +171,7 @@ impl Parts {
     }
 
     /// The agent for an episode. `limit` is the time, s, that a program has for a message; `plan` is the
-    /// given plan, and `sandbox` that of the planner.
+    /// given plan, and `sandbox` that of the planner or the finder.
     ///
     /// # Errors
     /// If a skill cannot be replaced.
@@ -180,6 +203,10 @@ impl Parts {
             adopt_orphans();
             let planner = own_planner::planner(setup, texts, file, &self.domains, limit, sandbox)?;
             baseline = baseline.with_planner(planner, &planner_name(file));
+        } else if let Some(file) = &self.finder {
+            adopt_orphans();
+            let finder = own_finder::finder(setup, texts, file, limit, sandbox)?;
+            baseline = baseline.with_finder(finder, &finder_name(file));
         }
         if let (Some(plans), Some(plan)) = (&self.plans, plan) {
             baseline = baseline.with_plan(plan, plans.sha256());

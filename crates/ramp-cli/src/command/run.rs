@@ -60,7 +60,7 @@ pub struct Arguments {
     #[command(flatten)]
     agent: agent::Arguments,
     /// Play the commands of this log without sight: the floor of a board
-    #[arg(long, value_name = "LOG", conflicts_with_all = ["agent", "policy", "path", "skill", "plan", "planner", "domain"])]
+    #[arg(long, value_name = "LOG", conflicts_with_all = ["agent", "policy", "path", "skill", "plan", "planner", "finder", "domain"])]
     tape: Option<PathBuf>,
     /// Inject a fault at its Nth occasion, or at one drawn from the seed: peg-dropped, peg-tilted,
     /// beam-slipped, beam-turned, beam-bumped, holder-shifted, jam, peg-missing, tag-covered, camera-frozen,
@@ -168,7 +168,7 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let start = arguments.start.read(data)?;
     let state = arguments.state(&assembly, &start)?;
     let agent_file = arguments.agent.file()?;
-    let parts = arguments.agent.parts.read(data)?;
+    let parts = arguments.agent.parts.read(data, arguments.track.into())?;
     let policy = arguments.agent.policy()?;
     let plan = parts.plan(&assembly)?;
     let output = match &arguments.output {
@@ -195,8 +195,7 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             Known { tape: arguments.tape.is_some(), file: agent_file.as_ref(), policy: policy.as_ref() };
         refuse_other(&output, &setup, arguments, &known.identity(&parts))?;
     }
-    let sandbox =
-        arguments.agent.sandbox(agent_file.as_ref().or(parts.planner.as_ref()), &[&output, &log])?;
+    let sandbox = arguments.agent.sandbox(agent_file.as_ref().or(parts.program()), &[&output, &log])?;
     if let Some(sandbox) = &sandbox {
         agent::tell_open_ends(sandbox);
     }

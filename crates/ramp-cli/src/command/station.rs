@@ -99,7 +99,7 @@ mod with_wire {
         let arm = data.arm()?;
         let slowed = slowed(&arm, station.speed);
         let (world, start) = (inputs.world.read(data)?, inputs.start.read(data)?);
-        let parts = inputs.agent.parts.read(data)?;
+        let parts = inputs.agent.parts.read(data, inputs.track.into())?;
         let agent_file = inputs.agent.file()?;
         let policy = inputs.agent.policy()?;
         let output = inputs.output.map_or_else(
@@ -126,8 +126,7 @@ mod with_wire {
             return Err(miette!(help = help, "the cameras of this station give no depth"));
         }
         let workspace = Workspace { low: station.low, high: station.high };
-        let sandbox =
-            inputs.agent.sandbox(agent_file.as_ref().or(parts.planner.as_ref()), &[&output, &log])?;
+        let sandbox = inputs.agent.sandbox(agent_file.as_ref().or(parts.program()), &[&output, &log])?;
         ending::defer_requests();
         let (display, complete, quit) =
             (Display::new(assembly.connections.len(), "pegs"), Cell::new(false), Cell::new(false));

@@ -138,7 +138,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     if folder.exists() && !folder.is_dir() {
         return Err(miette!(help = "name a folder with -o", "{} is not a folder", folder.display()));
     }
-    let mut parts = arguments.parts.read(data)?;
+    let mut parts = arguments.parts.read(data, arguments.track.into())?;
     let (mut goals, mut texts) = (Vec::new(), Vec::new());
     for name in data.goal_names()? {
         let (goal, files) = data.goal_with_texts(&name)?;

@@ -14,6 +14,7 @@ mod clusters;
 mod demos;
 mod docs;
 mod faults;
+mod finder;
 mod kit;
 mod machine;
 mod names;

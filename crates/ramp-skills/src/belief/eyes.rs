@@ -15,6 +15,7 @@ use ramp_vision::{Lying, Oddity, PartFinder, SeenPart};
 
 use super::estimate::{Estimate, covariance};
 use super::eye::{Eye, Sighting};
+use super::own_finder::{self, OwnFinder};
 use super::surroundings::{SceneReader, Surroundings};
 use crate::Pose;
 
@@ -39,6 +40,8 @@ pub struct Eyes {
     /// The arm, which may be in an image.
     arm: ArmModel,
     scene: Option<SceneReader>,
+    /// The finder that takes the place of the baseline's.
+    own: Option<OwnFinder>,
     /// Robot time that the last look took, s.
     cost: f64,
     complaints: Vec<String>,
@@ -64,6 +67,7 @@ impl Eyes {
             tags_on_parts: true,
             arm: arm.clone(),
             scene: None,
+            own: None,
             cost: 0.0,
             complaints: Vec::new(),
             told: BTreeSet::new(),
@@ -81,6 +85,11 @@ impl Eyes {
     pub fn on_track(&mut self, track: Track) {
         self.images = track.gives_images();
         self.tags_on_parts = track.has_tags();
+    }
+
+    /// Takes this finder in place of the baseline's.
+    pub fn find_with(&mut self, finder: OwnFinder) {
+        self.own = Some(finder);
     }
 
     /// True if tags stick on the parts. Known as [`Eyes::images`] is.
@@ -248,6 +257,15 @@ impl Eyes {
         image: &Image,
         surroundings: &Surroundings,
     ) -> Result<Vec<Sighting>, String> {
+        if let Some(own) = &self.own {
+            let eye = &mut self.eyes[index];
+            let nominal = hand.camera(eye.camera);
+            let base = (&self.kit, &self.base);
+            let (sightings, absent) =
+                own_finder::ask(own, eye, &nominal, image, surroundings, base, &self.parameters)?;
+            self.upset.extend(absent);
+            return Ok(sightings);
+        }
         if !self.tags_on_parts {
             let reader = match &mut self.scene {
                 Some(reader) => reader,

@@ -5,9 +5,11 @@ pub mod eye;
 pub mod eyes;
 pub mod obstacles;
 pub mod outlines;
+pub mod own_finder;
 pub mod part;
 pub mod parts;
 mod places;
 pub mod surroundings;
 
+pub use own_finder::OwnFinder;
 pub use parts::Belief;

@@ -42,7 +42,7 @@ pub struct Surroundings {
 
 impl Surroundings {
     /// The parts in the world, at the tip's pose of an image.
-    fn at(&self, x_wt: &Pose) -> Vec<Believed> {
+    pub(super) fn at(&self, x_wt: &Pose) -> Vec<Believed> {
         let believed = |it: &Expected| {
             let Estimate { x, covariance } =
                 if it.held { it.estimate.seen_from(x_wt) } else { it.estimate.clone() };

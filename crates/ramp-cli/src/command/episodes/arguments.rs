@@ -71,10 +71,10 @@ impl Arguments {
         }
         let last = self.first_seed.checked_add(u64::from(count) - 1);
         let agent = self.agent.file()?;
-        let parts = self.agent.parts.read(&self.arm.of(data)?)?;
+        let parts = self.agent.parts.read(&self.arm.of(data)?, self.track.into())?;
         // Report problems of the sandbox before any episode starts.
         let hidden = Vec::from_iter([Some(folder), hidden].into_iter().flatten());
-        if let Some(sandbox) = self.agent.sandbox(agent.as_ref().or(parts.planner.as_ref()), &hidden)? {
+        if let Some(sandbox) = self.agent.sandbox(agent.as_ref().or(parts.program()), &hidden)? {
             agent::tell_open_ends(&sandbox);
         }
         if let Some(plans) = &parts.plans {
