@@ -160,7 +160,9 @@ impl Drawing<'_> {
             GROUND => self.bare[ground][shaded],
             face => self.levels[face as usize],
         };
-        let [(from, to), (dark_from, dark_to)] = [0, 1].map(|shaded| (levels(a, shaded), levels(b, shaded)));
+        let (from, to) = (levels(a, 0), levels(b, 0));
+        // Only the ground may lie in a shadow that is not drawn.
+        let (dark_from, dark_to) = if beside_ground { (levels(a, 1), levels(b, 1)) } else { (from, to) };
         let mut strongest = (0, 0);
         for channel in 0..3 {
             let step = from[channel] - to[channel];

@@ -367,7 +367,7 @@ impl Look<'_> {
                             centre[2] + f64::from(k) * steps[1],
                         ];
                         let x_wp = moved_on_table(&part.x_wp, &middle, by);
-                        let support = pattern.support(&self.photograph, &canvas.lens, &(x_cw * x_wp));
+                        let support = pattern.support(&self.photograph, &canvas.lens, &(x_cw * x_wp), best.0);
                         if support > best.0 {
                             best = (support, by);
                         }

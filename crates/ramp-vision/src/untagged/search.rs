@@ -15,6 +15,9 @@ const ASIDE: f64 = 2.0;
 /// Least drawn difference of light between the two sides.
 const LEAST: f64 = 0.05;
 
+/// Number of steps after which it is asked whether a pose is still worth comparing.
+const TOGETHER: usize = 8;
+
 /// A step on a part: a point on each side, and the difference of light between them.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
@@ -52,8 +55,9 @@ impl Pattern {
         Pattern { pairs: contour.iter().step_by(stride).filter_map(pair).collect() }
     }
 
-    /// Mean share of the drawn contrasts that an image has at `x_cp`, 0 to 1.
-    pub fn support(&self, photograph: &Photograph, lens: &Lens, x_cp: &Pose) -> f64 {
+    /// Mean share of the drawn contrasts that an image has at `x_cp`, 0 to 1; any smaller number where it is not
+    /// above `least`.
+    pub fn support(&self, photograph: &Photograph, lens: &Lens, x_cp: &Pose, least: f64) -> f64 {
         let light = |p: &Point3<f64>, channel: usize| {
             let p_c = x_cp * p;
             if p_c.z < 0.01 {
@@ -61,15 +65,20 @@ impl Pattern {
             }
             photograph.light(channel, photograph.place(lens.project(&p_c)))
         };
-        let sum: f64 = self
-            .pairs
-            .iter()
-            .filter_map(|pair| {
-                let difference = light(&pair.bright, pair.channel)? - light(&pair.dark, pair.channel)?;
-                Some((difference / pair.difference).clamp(0.0, 1.0))
-            })
-            .sum();
-        sum / self.pairs.len().max(1) as f64
+        let share = |pair: &Pair| {
+            let difference = light(&pair.bright, pair.channel)? - light(&pair.dark, pair.channel)?;
+            Some((difference / pair.difference).clamp(0.0, 1.0))
+        };
+        let all = self.pairs.len();
+        let mut sum = 0.0;
+        for (some, left) in self.pairs.chunks(TOGETHER).zip((0..all).rev().step_by(TOGETHER)) {
+            // Even if all others agree, it will not be enough.
+            if sum + (left + 1) as f64 <= least * all as f64 {
+                return 0.0;
+            }
+            sum += some.iter().filter_map(share).sum::<f64>();
+        }
+        sum / all.max(1) as f64
     }
 
     /// Number of steps.
