@@ -24,10 +24,6 @@ const ALIKE: f32 = 5.0e-3;
 /// Error of the faces of a part (1 σ), m: all that is seen of it may be off by this against its drawing. So
 /// its place is, its turn by this over its extent, and its distance as a size that is off by it makes it.
 const FACES: f64 = 0.07e-3;
-/// Error of the focal length (1 σ), as a share: what the calibration of a lens leaves. Where the height is
-/// known, a part is off by this share of its distance from the axis; where its size tells the distance, by
-/// this share of that.
-const FOCAL: f64 = 5.0e-4;
 /// Number of points of a found part that are handed on for calibrating a camera.
 const POINTS: usize = 12;
 
@@ -65,10 +61,7 @@ pub fn accept(x_wc: &Pose, part: &Believed, work: &Work) -> Option<Found> {
     let mut axes = Matrix6::zeros();
     axes.fixed_view_mut::<3, 3>(0, 0).copy_from(turn.matrix());
     axes.fixed_view_mut::<3, 3>(3, 3).copy_from(turn.matrix());
-    let place = fitted.x_cp.translation.vector * FOCAL;
-    let mut lens = Matrix6::zeros();
-    lens.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::from_diagonal(&place.component_mul(&place)));
-    let mut covariance = axes * (covariance + lens) * axes.transpose();
+    let mut covariance = axes * covariance * axes.transpose();
     let [all, good] = work.across;
     if all < ALONG.0 || (good as f64) < ALONG.1 * all as f64 {
         let along = work.x_wp.rotation * Vector3::x();
