@@ -55,8 +55,8 @@ impl Pattern {
         Pattern { pairs: contour.iter().step_by(stride).filter_map(pair).collect() }
     }
 
-    /// Mean share of the drawn contrasts that an image has at `x_cp`, 0 to 1; any smaller number where it is not
-    /// above `least`.
+    /// Mean share of the drawn contrasts that an image has at `x_cp`, 0 to 1; any smaller number where it
+    /// is not above `least`.
     pub fn support(&self, photograph: &Photograph, lens: &Lens, x_cp: &Pose, least: f64) -> f64 {
         let light = |p: &Point3<f64>, channel: usize| {
             let p_c = x_cp * p;
