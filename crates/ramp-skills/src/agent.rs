@@ -516,6 +516,11 @@ impl Agent for Baseline<'_> {
             };
             cell.tell_complaints();
             self.report(&mut cell);
+            let failed = cell.belief.parts.eyes.failed();
+            if let (Err(RobotError::CameraStopped { .. }), Some(why)) = (&result, failed) {
+                self.failure = Some(plain(why, MAX_SENTENCE - 1));
+                return Ok(());
+            }
             let swaps = result?;
             if swaps.is_empty() {
                 return Ok(());

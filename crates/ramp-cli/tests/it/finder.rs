@@ -86,7 +86,7 @@ fn a_finder_that_crashes_ends_the_episode() {
         let mine = program(folder.path(), text);
         ramp(folder.path(), &mine).args(["--track", "tags", "--agent-limit", "5"]).assert().code(1);
         let result = result(folder.path());
-        assert!(result.to_string().contains(why), "{why}: {result}");
+        assert!(result["ended"]["reason"].as_str().unwrap().contains(why), "{why}: {result}");
         assert_eq!(result["completion"], 0.0);
     }
 }

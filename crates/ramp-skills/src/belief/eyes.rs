@@ -42,6 +42,8 @@ pub struct Eyes {
     scene: Option<SceneReader>,
     /// The finder that takes the place of the baseline's.
     own: Option<OwnFinder>,
+    /// The reason why that one answers no more.
+    failed: Option<String>,
     /// Robot time that the last look took, s.
     cost: f64,
     complaints: Vec<String>,
@@ -68,6 +70,7 @@ impl Eyes {
             arm: arm.clone(),
             scene: None,
             own: None,
+            failed: None,
             cost: 0.0,
             complaints: Vec::new(),
             told: BTreeSet::new(),
@@ -90,6 +93,11 @@ impl Eyes {
     /// Takes this finder in place of the baseline's.
     pub fn find_with(&mut self, finder: OwnFinder) {
         self.own = Some(finder);
+    }
+
+    /// The reason why a finder that takes the place of the baseline's answers no more, if it does not.
+    pub fn failed(&self) -> Option<&str> {
+        self.failed.as_deref()
     }
 
     /// True if tags stick on the parts. Known as [`Eyes::images`] is.
@@ -207,6 +215,11 @@ impl Eyes {
                 Err(error @ RobotError::CameraStopped { .. }) => error.to_string(),
                 Err(error) => return Err(error),
             };
+            if self.failed.is_some() {
+                // No other image will be read, either.
+                self.complaints.push(why);
+                return Err(RobotError::CameraStopped { camera: self.eyes[index].camera });
+            }
             let eye = &mut self.eyes[index];
             eye.bad += 1;
             // Reported at the first and the last of them.
@@ -261,8 +274,9 @@ impl Eyes {
             let eye = &mut self.eyes[index];
             let nominal = hand.camera(eye.camera);
             let base = (&self.kit, &self.base);
-            let (sightings, absent) =
-                own_finder::ask(own, eye, &nominal, image, surroundings, base, &self.parameters)?;
+            let answer = own_finder::ask(own, eye, &nominal, image, surroundings, base, &self.parameters);
+            self.failed = answer.as_ref().err().cloned();
+            let (sightings, absent) = answer?;
             self.upset.extend(absent);
             return Ok(sightings);
         }
