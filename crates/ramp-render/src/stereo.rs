@@ -85,12 +85,13 @@ impl StereoSensor {
         let factor = (renderer.focal() * f64::from(scale) * self.baseline) as f32;
         let mut seen = renderer.nearness();
         seen.iter_mut().for_each(|near| *near *= factor);
-        // Where each patch begins in a row of the image.
+        // The first pixel of each patch in a row of the image.
         let own = |index: usize| (index as f32 * scale) as usize;
         let begins: Vec<usize> =
             (0..width).filter(|x| *x == 0 || own(*x) / PATCH != own(*x - 1) / PATCH).collect();
         let ends = || begins[1..].iter().chain([&width]);
         let mut patches = vec![(false, false); begins.len()];
+        let window = (WINDOW as f32 / scale).round() as usize;
         let mut patch_row = usize::MAX;
         let (mut row, mut wide, mut high) = (vec![0.0f32; width], vec![0.0f32; width], vec![0.0f32; width]);
         let mut depth = Vec::with_capacity(width * height);
@@ -103,7 +104,7 @@ impl StereoSensor {
                 }
             }
             let here = &seen[y * width..][..width];
-            spread(&seen, width, y, &mut high, &mut wide);
+            spread(&seen, (width, window), y, &mut high, &mut wide);
             self.add_errors(own(y), scale, &mut row);
             for ((from, to), (spreads, hole)) in begins.iter().zip(ends()).zip(&patches) {
                 let shown = if *spreads { &wide } else { here };
@@ -142,17 +143,18 @@ impl StereoSensor {
     }
 }
 
-/// The largest disparity in the window around each pixel of a row, in `wide`; `high` is for what is between.
-fn spread(seen: &[f32], width: usize, y: usize, high: &mut [f32], wide: &mut [f32]) {
+/// The largest disparity within `window` pixels of each pixel of a row, in `wide`; `high` holds the largest
+/// of each column meanwhile.
+fn spread(seen: &[f32], (width, window): (usize, usize), y: usize, high: &mut [f32], wide: &mut [f32]) {
     let rows = seen.len() / width;
     high.fill(0.0);
-    for other in y.saturating_sub(WINDOW)..(y + WINDOW + 1).min(rows) {
+    for other in y.saturating_sub(window)..(y + window + 1).min(rows) {
         for (high, seen) in high.iter_mut().zip(&seen[other * width..][..width]) {
             *high = if *seen > *high { *seen } else { *high };
         }
     }
     wide.copy_from_slice(high);
-    for shift in 1..=WINDOW.min(width - 1) {
+    for shift in 1..=window.min(width - 1) {
         for (wide, other) in wide.iter_mut().zip(&high[shift..]) {
             *wide = if *other > *wide { *other } else { *wide };
         }

@@ -14,7 +14,7 @@ use super::surroundings::Surroundings;
 use crate::Pose;
 use crate::parameters::belief::EyesParameters;
 
-/// What a finder is asked.
+/// The question to a finder.
 pub struct Question<'q> {
     /// The image.
     pub image: &'q Image,
@@ -83,7 +83,7 @@ pub(super) fn ask(
         let points = points(kit, name);
         model = eye.learn(nominal, parameters, |calibration| {
             for p_b in points {
-                // Where the nominal camera would see it: that is the same lens.
+                // The pixel of the nominal camera, whose lens is the same.
                 if let Some(pixel) = nominal.project(&(seen.x_cp * p_b)) {
                     calibration.add(&image.x_wt, x_wb * p_b, pixel);
                 }

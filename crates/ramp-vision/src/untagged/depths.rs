@@ -19,7 +19,8 @@ const MOST: usize = 80;
 const LEAST: usize = 12;
 /// Pixels on all sides of a depth that show the same part, and for its place the same face.
 const CLEAR: usize = 5;
-/// What is nearer than the drawing by more than this hides it: m, and standard deviations.
+/// Least distance before the drawing from which on something hides it: m, and standard deviations of the
+/// depth.
 const HIDES: (f64, f64) = (8.0e-3, 4.0);
 /// Share of the depths of a part that show something farther off, from which on it is not there.
 const ABSENT: f64 = 0.6;
@@ -48,11 +49,11 @@ pub fn hides(image: &Image, photograph: &Photograph, focal: f64, pixel: [f64; 2]
 /// A depth on a face of a part.
 #[derive(Clone, Copy, Debug)]
 struct Depth {
-    /// Where the drawing has it, in the part's frame, m.
+    /// Its place in the drawing, in the part's frame, m.
     p_p: Point3<f64>,
     /// The face's normal, likewise.
     normal_p: Vector3<f64>,
-    /// Where it was measured, in the optical frame, m.
+    /// Its measured place, in the optical frame, m.
     q_c: Point3<f64>,
     /// Standard deviation along the normal, m.
     sigma: f64,
