@@ -42,6 +42,7 @@ class Benchmark:
     def skills() -> list[str]: ...
     @staticmethod
     def world_names() -> list[str]: ...
+    def has_touch(self, world: str) -> bool: ...
 
 class Command:
     """What the arm and the gripper are to do during control periods of 1 ms.
@@ -112,6 +113,14 @@ class Observation:
     @property
     def gripper_busy(self) -> bool:
         """Whether the gripper is still at what it was commanded last."""
+    @property
+    def touch_force(self) -> NDArray[np.float64] | None:
+        """Force of each finger on the object that it touches, N, axes of the tip, shape (2, 3); ``None`` for fingers
+        without tactile sensors."""
+    @property
+    def touch_centre(self) -> NDArray[np.float64] | None:
+        """Centre of pressure of each finger: x and z from the tip, m, shape (2, 2). NaN where the finger presses too
+        lightly; ``None`` for fingers without tactile sensors."""
 
 class CameraImage:
     """An image of a camera."""

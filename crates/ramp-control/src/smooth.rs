@@ -169,6 +169,7 @@ mod tests {
             wrench: Vector6::zeros(),
             width: 0.04,
             gripper_busy: false,
+            touch: None,
         }
     }
 

@@ -5,8 +5,8 @@ use anstream::adapter::strip_str;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector6};
 use ramp_kit::source::{A_NAME, is_name, is_text, plain, shorten, without_mark};
 use ramp_robot::{
-    ArmCommand, Camera, Command, DOF, Event, EventKind, GripperCommand, Image, ImageWidth, Impedance,
-    MOST_EVENT, OLDER_KINDS, Observation, PartReading, Pose, RobotError, is_reserved,
+    ArmCommand, Camera, Command, DOF, Event, EventKind, FingerTouch, GripperCommand, Image, ImageWidth,
+    Impedance, MOST_EVENT, OLDER_KINDS, Observation, PartReading, Pose, RobotError, is_reserved,
 };
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
@@ -425,7 +425,7 @@ impl Answer {
 
 /// An observation as the protocol has it.
 fn observation(seen: &Observation) -> Value {
-    json!({
+    let mut value = json!({
         "time": seen.time,
         "positions": seen.positions,
         "velocities": seen.velocities,
@@ -434,7 +434,12 @@ fn observation(seen: &Observation) -> Value {
         "wrench": seen.wrench.as_slice(),
         "width": seen.width,
         "gripper_busy": seen.gripper_busy,
-    })
+    });
+    if let Some(touch) = &seen.touch {
+        let finger = |it: FingerTouch| json!({"force": it.force.as_slice(), "centre": it.centre});
+        value["touch"] = touch.fingers.map(finger).to_vec().into();
+    }
+    value
 }
 
 /// A pose as the protocol has it.

@@ -119,6 +119,7 @@ impl<'r> Link<'r> {
             wrench: Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z),
             width: self.gripper.width,
             gripper_busy: self.busy,
+            touch: None,
         }
     }
 

@@ -183,7 +183,7 @@ impl Env {
             part_names.extend(kit.pegs.iter().map(|it| it.name.clone()));
         }
         let mut env = Env {
-            fields: fields(skill, part_names.len()).into(),
+            fields: fields(scenario.world.has_touch(), skill, part_names.len()).into(),
             part_names: part_names.into(),
             pool: Arc::default(),
             stream: Stream::new(0, "episodes"),

@@ -29,9 +29,9 @@ impl Field {
     }
 }
 
-/// The row of an environment whose task has a part and a place for it (`skill`), and that tells the poses of
-/// so many parts.
-pub fn fields(skill: bool, parts: usize) -> Vec<Field> {
+/// The row of an environment whose fingers have tactile sensors (`touch`), whose task has a part and a place
+/// for it (`skill`), and that tells the poses of so many parts.
+pub fn fields(touch: bool, skill: bool, parts: usize) -> Vec<Field> {
     let mut fields: Vec<Field> = Vec::new();
     let mut add = |name, shape: Vec<usize>, about| {
         let offset = fields.last().map_or(0, |last: &Field| last.offset + last.len());
@@ -52,6 +52,18 @@ pub fn fields(skill: bool, parts: usize) -> Vec<Field> {
         vec![6],
         "target of the impedance from the tip, axes of the world: m, rotation vector in rad",
     );
+    if touch {
+        add(
+            "touch_force",
+            vec![2, 3],
+            "force of each finger on the object that it touches, axes of the tip, N",
+        );
+        add(
+            "touch_centre",
+            vec![2, 2],
+            "x and z of each finger's centre of pressure from the tip, m; 0 where it presses too lightly",
+        );
+    }
     if skill {
         add("part", vec![7], "believed pose of the part of the task in the world, as `tip`");
         add(
@@ -104,6 +116,10 @@ impl<'o> Row<'o> {
         self.put(&[seen.width]);
         self.put((seen.wrench - tare).as_slice());
         self.put(lead.as_slice());
+        if let Some(touch) = &seen.touch {
+            touch.fingers.iter().for_each(|finger| self.put(finger.force.as_slice()));
+            touch.fingers.iter().for_each(|finger| self.put(&finger.centre.unwrap_or_default()));
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //! `data/schema/log`.
 
 use nalgebra::Vector3;
-use ramp_robot::{ArmCommand, Command, Observation, Pose};
+use ramp_robot::{ArmCommand, Command, FingerTouch, Observation, Pose};
 use serde_json::{Value, json};
 
 macro_rules! schema {
@@ -26,14 +26,24 @@ pub fn sensed(seen: &Observation) -> Value {
         let [x, y, z]: [f64; 3] = seen.wrench.fixed_rows::<3>(from).into_owned().into();
         json!({"x": round(x, 1e3), "y": round(y, 1e3), "z": round(z, 1e3)})
     };
-    json!({
+    let mut message = json!({
         "positions": seen.positions.map(|it| round(it, 1e5)),
         "velocities": seen.velocities.map(|it| round(it, 1e4)),
         "torques": seen.torques.map(|it| round(it, 1e3)),
         "force": wrench(0),
         "moment": wrench(3),
         "width": round(seen.width, 1e5),
-    })
+    });
+    if let Some(touch) = &seen.touch {
+        let rounded = |it: f64| round(it, 1e3);
+        let finger = |it: FingerTouch| {
+            let [x, y, z]: [f64; 3] = it.force.map(rounded).into();
+            let centre = it.centre.map(|[x, z]| json!({"x": round(x, 1e5), "z": round(z, 1e5)}));
+            json!({"force": {"x": x, "y": y, "z": z}, "centre": centre})
+        };
+        message["touch"] = touch.fingers.map(finger).to_vec().into();
+    }
+    message
 }
 
 /// A message on `/tip`; `stamp` is its time.

@@ -58,6 +58,12 @@ pub(crate) fn observe(robot: &mut dyn Robot, metadata: &Metadata, told: &Told) -
         fields.push(("ramp/time", seen.time.into()));
         fields.push(("ramp/wrench", wire::doubles(seen.wrench.as_slice())));
         fields.push(("ramp/tip_pose", wire::doubles(&seven(&seen.x_wt))));
+        if let Some(touch) = &seen.touch {
+            let forces = touch.fingers.map(|finger| <[f64; 3]>::from(finger.force));
+            let centres = touch.fingers.map(|finger| finger.centre.unwrap_or_default());
+            fields.push(("ramp/touch_force", wire::doubles(&forces.concat())));
+            fields.push(("ramp/touch_centre", wire::doubles(&centres.concat())));
+        }
         for (name, pose) in ["ramp/part_pose", "ramp/goal_pose"].into_iter().zip(told.poses.iter().flatten())
         {
             fields.push((name, wire::doubles(&seven(pose))));

@@ -7,8 +7,8 @@ use numpy::{
 use pyo3::prelude::*;
 use ramp_kit::Pose;
 use ramp_robot::{
-    ArmCommand, Camera, Command as Inner, DOF, GripperCommand, Image, ImageWidth, Impedance,
-    Observation as Seen,
+    ArmCommand, Camera, Command as Inner, DOF, FingerTouch, GripperCommand, Image, ImageWidth, Impedance,
+    Observation as Seen, Touch,
 };
 
 use crate::errors::input;
@@ -236,6 +236,23 @@ impl Observation {
     #[getter]
     fn gripper_busy(&self) -> bool {
         self.inner.gripper_busy
+    }
+
+    /// Force of each finger on the object that it touches, N, axes of the tip, shape (2, 3); `None` for
+    /// fingers without tactile sensors.
+    #[getter]
+    fn touch_force<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let rows = |touch: Touch| touch.fingers.map(|finger| finger.force.as_slice().to_vec()).to_vec();
+        Ok(self.inner.touch.map(|touch| PyArray2::from_vec2(py, &rows(touch))).transpose()?)
+    }
+
+    /// Centre of pressure of each finger: x and z from the tip, m, shape (2, 2). NaN where the finger presses
+    /// too lightly; `None` for fingers without tactile sensors.
+    #[getter]
+    fn touch_centre<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let row = |finger: FingerTouch| finger.centre.unwrap_or([f64::NAN; 2]).to_vec();
+        let rows = |touch: Touch| touch.fingers.map(row).to_vec();
+        Ok(self.inner.touch.map(|touch| PyArray2::from_vec2(py, &rows(touch))).transpose()?)
     }
 
     fn __repr__(&self) -> String {

@@ -128,6 +128,11 @@ impl Benchmark {
     fn world_names() -> Vec<&'static str> {
         ramp_twin::World::names().collect()
     }
+
+    /// Whether the fingers have tactile sensors in a world.
+    fn has_touch(&self, world: &str) -> PyResult<bool> {
+        Ok(self.inner.world(world).map_err(data)?.has_touch())
+    }
 }
 
 impl Benchmark {

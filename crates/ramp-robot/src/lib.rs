@@ -21,6 +21,7 @@ mod pose;
 pub mod random;
 mod robot;
 mod time;
+mod touch;
 mod track;
 
 pub use action::{Action, Argument};
@@ -38,4 +39,5 @@ pub use older_event::OLDER_KINDS;
 pub use pose::Pose;
 pub use robot::{MOST_EXPOSURES, Robot};
 pub use time::{PERIOD, TIME_LIMIT};
+pub use touch::{FingerTouch, Touch};
 pub use track::Track;

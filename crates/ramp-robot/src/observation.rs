@@ -2,6 +2,7 @@
 
 use crate::arm::DOF;
 use crate::pose::Pose;
+use crate::touch::Touch;
 use nalgebra::Vector6;
 
 /// The observation at the end of a control period.
@@ -27,6 +28,8 @@ pub struct Observation {
     /// Whether the gripper is still executing its last command. Always false for a gripper without
     /// dead time.
     pub gripper_busy: bool,
+    /// The last readings of the tactile sensors in the fingers; `None` for an arm without.
+    pub touch: Option<Touch>,
 }
 
 /// A measured pose of a part.

@@ -31,6 +31,7 @@ pub mod setup;
 mod shutters;
 mod slow_gripper;
 mod state;
+mod touch;
 pub mod twin;
 #[cfg(feature = "view")]
 pub mod view;

@@ -22,6 +22,7 @@ use crate::layout::Layout;
 use crate::mjcf::{Printed, SceneOptions, scene_xml};
 use crate::pieces;
 use crate::setup::{Setup, TwinError};
+use crate::touch::Pads;
 
 /// Everything of a twin that does not change during an episode.
 pub(crate) struct Scene {
@@ -55,6 +56,8 @@ pub(crate) struct Scene {
     /// controller does not know.
     pub loaded: bool,
     pub cameras: Cameras,
+    /// The pads with tactile sensors; `None` in a world without.
+    pub pads: Option<Pads>,
 }
 
 impl Scene {
@@ -108,6 +111,7 @@ impl Scene {
         let rigid = parts.iter().filter(|(name, _)| layout.rigid.contains(name)).map(|(_, id)| *id);
         let frame: Vec<usize> = std::iter::once(body(base)?).chain(rigid).collect();
         let clamp = Clamp::new(&model, &frame, physics.table.clamp_give);
+        let pads = setup.world.has_touch().then(|| Pads::new(&model, setup.arm.finger.pads.len()));
         let covered = start.covered.as_ref().map(|(tag, _)| *tag);
         Ok(Scene {
             xml,
@@ -126,6 +130,7 @@ impl Scene {
             loaded: physics.friction.coulomb != [0.0; DOF] || physics.arm.unknown_mass != 0.0,
             cameras: Cameras::new(setup, covered, &physics),
             physics,
+            pads: pads.transpose()?,
             model: Arc::new(model),
         })
     }

@@ -17,6 +17,7 @@ use crate::scene::Scene;
 use crate::sensors;
 use crate::setup::Setup;
 use crate::slow_gripper::SlowGripper;
+use crate::touch::TouchSensors;
 use crate::witness::Witness;
 
 /// Share of a new reading in the wrist sensor's low-pass filter: a time constant of 20 ms.
@@ -85,6 +86,8 @@ pub(crate) struct State {
     pub wrist_noise: Stream,
     /// Noise of the readings of parts.
     pub reading_noise: Stream,
+    /// The tactile sensors in the fingers; `None` in a world without.
+    pub touch: Option<TouchSensors>,
     pub cameras: CamerasState,
     pub fault: Option<Injector>,
     /// Deepest penetration between two parts so far, m.
@@ -112,6 +115,7 @@ impl State {
         } else {
             Vector6::zeros()
         };
+        let touch = scene.pads.is_some().then(|| TouchSensors::new(physics, setup.seed));
         let observation = Observation {
             time: 0.0,
             positions: arm.positions.into(),
@@ -121,6 +125,7 @@ impl State {
             wrench,
             width: START_WIDTH,
             gripper_busy: false,
+            touch: touch.as_ref().map(TouchSensors::reading),
         };
         State {
             steps: 0,
@@ -137,6 +142,7 @@ impl State {
             encoder_noise,
             wrist_noise: Stream::new(setup.seed, "wrist"),
             reading_noise: Stream::new(setup.seed, "readings"),
+            touch,
             cameras: CamerasState::new(setup.seed),
             fault: Injector::new(setup, start, scene),
             deepest: 0.0,
@@ -187,6 +193,9 @@ impl State {
             let jacobian = sensors::wrist_jacobian(scene.arm.hand.tip, self.controller.state());
             self.wrench = self.drive.wrench(&jacobian) + fault_bias;
         }
+        if let (Some(touch), Some(pads)) = (&mut self.touch, &scene.pads) {
+            touch.step(pads, physics, data, self.steps);
+        }
         self.pressed += (reading.fixed_rows::<3>(0) - self.pressed) * WRENCH_FILTER;
         self.largest_force = self.largest_force.max(self.pressed.norm());
     }
@@ -212,6 +221,7 @@ impl State {
             wrench: self.wrench,
             width: in_steps(width, scene.physics.gripper.width_step),
             gripper_busy,
+            touch: self.touch.as_ref().map(TouchSensors::reading),
         };
     }
 }

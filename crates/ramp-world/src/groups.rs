@@ -126,6 +126,28 @@ quantities! {
 }
 
 quantities! {
+    /// The tactile sensors in the pads of the fingers.
+    Touch {
+        /// 1: each finger has a tactile sensor. 0: the fingers have none.
+        fitted: f64 = "", 0.0, 1.0;
+        /// Noise of each force that a sensor reports (1 σ).
+        force_noise: f64 = "N", 0.0, 5.0;
+        /// Drift of each force since the last zero (1 σ); it changes slowly.
+        force_drift: f64 = "N", 0.0, 5.0;
+        /// Time constant of that drift.
+        drift_time: f64 = "s", 1.0, 1e5;
+        /// The largest force along each axis that a sensor reports; it reports a larger one as this.
+        range: f64 = "N", 0.1, 1e4;
+        /// Interval between two readings.
+        interval: f64 = "s", 0.001, 1.0;
+        /// Noise of the centre of pressure along each axis of the pad (1 σ).
+        centre_noise: f64 = "m", 0.0, 0.01;
+        /// Force at which a sensor begins to report a centre of pressure.
+        centre_force: f64 = "N", 0.0, 100.0;
+    }
+}
+
+quantities! {
     /// The cameras.
     Cameras {
         /// Time from the end of an exposure until the image is available.
@@ -240,6 +262,8 @@ groups! {
     sensing: Sensing,
     /// The gripper.
     gripper: Gripper,
+    /// The tactile sensors in its fingers.
+    touch: Touch,
     /// The cameras.
     cameras: Cameras,
     /// The parts.

@@ -35,13 +35,25 @@ pub struct World {
 
 /// Quantities that world files of earlier versions do not give, and what they have there: group, field, and
 /// the value, for all of a list.
-const ADDED: [(&str, &str, f64); 4] = [
+const ADDED: [(&str, &str, f64); 12] = [
     ("controller", "recovery", 0.0),
     ("sensing", "encoder_step", 0.0),
     ("sensing", "encoder_noise", 0.0),
     ("gripper", "width_step", 0.0),
+    ("touch", "fitted", 0.0),
+    ("touch", "force_noise", 0.1),
+    ("touch", "force_drift", 0.1),
+    ("touch", "drift_time", 60.0),
+    ("touch", "range", 20.0),
+    ("touch", "interval", 0.01),
+    ("touch", "centre_noise", 0.0005),
+    ("touch", "centre_force", 2.0),
 ];
 
+/// End of the name of a world that differs from another one in that the fingers have tactile sensors.
+const WITH_TOUCH: &str = "+touch";
+
+/// The world files of the program, and each again with tactile sensors.
 static SHIPPED: LazyLock<Vec<World>> = LazyLock::new(|| {
     // The files are part of the program, and a test reads them.
     let read = |(name, text): &(&str, &str)| {
@@ -51,13 +63,16 @@ static SHIPPED: LazyLock<Vec<World>> = LazyLock::new(|| {
             Err(fault) => panic!("{fault:#}"),
         }
     };
-    BUILT_IN.iter().map(read).collect()
+    let mut worlds: Vec<World> = BUILT_IN.iter().map(read).collect();
+    let with_touch: Vec<World> = worlds.iter().map(World::with_touch).collect();
+    worlds.extend(with_touch);
+    worlds
 });
 
 impl World {
     /// The names of the worlds that are part of the program.
     pub fn names() -> impl Iterator<Item = &'static str> {
-        BUILT_IN.iter().map(|(name, _)| *name)
+        SHIPPED.iter().map(|world| world.name.as_str())
     }
 
     /// The world of that name that is part of the program.
@@ -206,6 +221,27 @@ impl World {
         world.name = format!("{}+{quantity}-{value}", self.name);
         world.text = world.to_toml();
         Ok(world)
+    }
+
+    /// This world with tactile sensors in the fingers.
+    fn with_touch(&self) -> World {
+        let mut world = self.clone();
+        if let Some(fitted) = world.quantities.get_mut(&("touch", "fitted")) {
+            *fitted = Quantity {
+                value: vec![1.0],
+                spread: Spread::Fixed,
+                source: format!("world `{}`, with tactile sensors", self.name),
+            };
+        }
+        world.name = format!("{}{WITH_TOUCH}", self.name);
+        world.about = format!("World `{}` with tactile sensors in the fingers.", self.name);
+        world.text = world.to_toml();
+        world
+    }
+
+    /// Whether the fingers have tactile sensors in this world: in all of its episodes or in none.
+    pub fn has_touch(&self) -> bool {
+        self.quantities.get(&("touch", "fitted")).is_some_and(|fitted| fitted.value[0] >= 0.5)
     }
 
     /// The world as a file that gives all quantities.

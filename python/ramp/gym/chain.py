@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ramp._core import Driver, EpisodePictures, InputError, Robot, benchmark, run_episode
 from ramp._core import Observation as Sensed
 from ramp.agent import Skill, Task
-from ramp.gym.spaces import LIMITS, Goals, as_goals, check_options, check_seed
+from ramp.gym.spaces import LIMITS, Goals, as_goals, check_options, check_seed, felt
 from ramp.gym.window import MODES, Window, check_mode
 from ramp.result import Result
 
@@ -28,6 +28,9 @@ FIELDS = {
     "part": 7, "error": 6, "time": 1,
 }  # fmt: skip
 """The fields of an observation, as in the environments of single skills, and how many numbers each has."""
+
+TOUCH = {"touch_force": (2, 3), "touch_centre": (2, 2)}
+"""Those of tactile sensors, and their shapes."""
 
 
 class _Closed(Exception):
@@ -84,6 +87,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         track: str = "state",
         world: str | os.PathLike[str] = "real",
         start: str | os.PathLike[str] = "moved",
+        touch: bool = False,
         turns: bool = False,
         gripper: bool = False,
         speed: float | None = None,
@@ -102,6 +106,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             track: How parts are observed: ``state``, ``noisy``, ``tags``, ``colour`` or ``depth``.
             world: The physics: ``ideal``, ``real``, ``hard``, or a world file.
             start: Where the parts lie: ``moved``, ``sheet``, ``scattered``, ``jumbled``, or a start file.
+            touch: Tactile sensors in the fingers: ``touch_force`` and ``touch_centre`` in observations.
             turns: Whether an action rotates the hand.
             gripper: Whether an action moves the fingers.
             speed: Largest speed of the target, m/s.
@@ -115,8 +120,9 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
 
         """
         EzPickle.__init__(
-            self, goals, skill=skill, track=track, world=world, start=start, turns=turns, gripper=gripper, speed=speed,
-            turn_speed=turn_speed, leash=leash, stiffness=stiffness, rate=rate, limit=limit, render_mode=render_mode,
+            self, goals, skill=skill, track=track, world=world, start=start, touch=touch, turns=turns, gripper=gripper,
+            speed=speed, turn_speed=turn_speed, leash=leash, stiffness=stiffness, rate=rate, limit=limit,
+            render_mode=render_mode,
         )  # fmt: skip
         if not (5.0 <= rate <= 100.0 and limit > 0.0):
             raise InputError("`rate` is expected within 5 to 100, and `limit` above 0")
@@ -124,7 +130,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         if len(several) != 1:
             raise InputError(f"{len(several)} goals, and one was expected")
         self.goal, self.skill, self.track = several[0], skill, track
-        self.world, self.start = os.fspath(world), os.fspath(start)
+        self.world, self.start = felt(world, touch), os.fspath(start)
         self.gripper, self.limit = gripper, limit
         check_mode(render_mode)
         self.render_mode = render_mode
@@ -140,15 +146,16 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         self.periods = round(1000.0 / rate)
         self.numbers = (6 if turns else 3) + int(gripper) + 1
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (self.numbers,), np.float32)
+        shapes = {name: (n,) for name, n in FIELDS.items()} | (TOUCH if benchmark().has_touch(self.world) else {})
         boxes: dict[str, gymnasium.spaces.Space[Any]] = {
-            name: gymnasium.spaces.Box(-LIMITS[name], LIMITS[name], (n,), np.float32) for name, n in FIELDS.items()
+            name: gymnasium.spaces.Box(-LIMITS[name], LIMITS[name], shape, np.float32) for name, shape in shapes.items()
         }
         space: Any = gymnasium.spaces.Dict(boxes)
         self.observation_space = space
         self.actions: queue.Queue[Array | None] = queue.Queue(1)
         self.told: queue.Queue[Observation | Result | BaseException] = queue.Queue(1)
         self._thread: threading.Thread | None = None
-        self._last = {name: np.zeros(n, np.float32) for name, n in FIELDS.items()}
+        self._last = {name: np.zeros(shape, np.float32) for name, shape in shapes.items()}
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -270,6 +277,8 @@ def _observation(seen: Sensed, wrench: Array, lead: Array, task: Task, left: flo
         "tip": np.concatenate([seen.tip_position, seen.tip_quat_wxyz]), "width": [seen.width], "wrench": wrench,
         "lead": lead, "part": part, "error": error, "time": [min(max(left, 0.0), 1.0)],
     }  # fmt: skip
+    if seen.touch_force is not None and seen.touch_centre is not None:
+        values |= {"touch_force": seen.touch_force, "touch_centre": np.nan_to_num(seen.touch_centre)}
     return {name: np.clip(np.asarray(value, np.float32), -LIMITS[name], LIMITS[name]) for name, value in values.items()}
 
 

@@ -38,6 +38,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         world: str | os.PathLike[str] = "real",
         start: str | os.PathLike[str] = "moved",
         begin: str = "ready",
+        touch: bool = False,
         starts: tuple[int, int] = (1, 64),
         whole_scene: bool = False,
         frame: str = "rigid",
@@ -71,6 +72,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             world: The physics: ``ideal``, ``real``, ``hard``, or a world file.
             start: Where the parts lie: ``moved``, ``sheet``, ``scattered``, ``jumbled``, or a start file.
             begin: ``ready`` begins with the skill, ``home`` with the arm at home as in ``ramp trials``.
+            touch: Tactile sensors in the fingers: ``touch_force`` and ``touch_centre`` in observations.
             starts: First seed and number of the starts from which episodes are drawn; with a number of 0,
                 each episode gets a new one, which takes longer.
             whole_scene: Simulate all parts of the kit instead of those that the task needs.
@@ -99,7 +101,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
 
         """
         EzPickle.__init__(
-            self, skill, goals, track=track, world=world, start=start, begin=begin, starts=starts,
+            self, skill, goals, track=track, world=world, start=start, begin=begin, touch=touch, starts=starts,
             whole_scene=whole_scene, frame=frame, action=action, turns=turns, gripper=gripper, strict=strict,
             speed=speed, turn_speed=turn_speed, leash=leash, stiffness=stiffness, rate=rate, limit=limit, reward=reward,
             belief_error=belief_error, normalise=normalise, truth=truth, cameras=cameras, image_size=image_size,
@@ -117,7 +119,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         self.cameras = tuple(cameras)
         self.depth = depth
         self.core = spaces.make_core(
-            skill, goals, track=track, world=world, start=start, begin=begin,
+            skill, goals, track=track, world=world, start=start, begin=begin, touch=touch,
             whole_scene=whole_scene, frame=frame, cameras=self.cameras,
             image_size=image_size, depth=depth, settings=settings,
         )  # fmt: skip

@@ -24,6 +24,8 @@ LIMITS = {
     "width": 0.1,
     "wrench": 500.0,
     "lead": 4.0,
+    "touch_force": 1000.0,
+    "touch_centre": 0.1,
     "part": 5.0,
     "error": 7.0,
     "parts": 5.0,
@@ -39,6 +41,8 @@ UNITS = {
     "width": 0.08,
     "wrench": 10.0,
     "lead": 0.01,
+    "touch_force": 10.0,
+    "touch_centre": 0.01,
     "part": 1.0,
     "error": 0.01,
     "parts": 1.0,
@@ -65,6 +69,16 @@ def check_options(options: dict[str, Any] | None, known: Sequence[str] = ()) -> 
             raise InputError(f"`reset` has no option {name!r}; its options: {expected}")
 
 
+def felt(world: str | os.PathLike[str], touch: bool) -> str:
+    """The world, with tactile sensors in the fingers if ``touch``."""
+    name = os.fspath(world)
+    if not touch or name.endswith("+touch"):
+        return name
+    if name not in benchmark().world_names():
+        raise InputError("`touch` is for worlds of the program; a world file has sensors with `touch.fitted` 1")
+    return f"{name}+touch"
+
+
 def make_core(
     skill: str | None,
     goals: Goals,
@@ -73,6 +87,7 @@ def make_core(
     world: str | os.PathLike[str],
     start: str | os.PathLike[str],
     begin: str,
+    touch: bool,
     whole_scene: bool,
     frame: str,
     cameras: Sequence[str],
@@ -92,7 +107,7 @@ def make_core(
         skill,
         [goal.source for goal in as_goals(goals)],
         track=track,
-        world=os.fspath(world),
+        world=felt(world, touch),
         start=os.fspath(start),
         begin=begin,
         whole_scene=whole_scene,

@@ -43,6 +43,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         world: str | os.PathLike[str] = "real",
         start: str | os.PathLike[str] = "moved",
         begin: str = "ready",
+        touch: bool = False,
         whole_scene: bool = False,
         frame: str = "rigid",
         cameras: Sequence[str] = (),
@@ -66,6 +67,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             world: Likewise.
             start: Likewise.
             begin: Likewise.
+            touch: Likewise.
             whole_scene: Likewise.
             frame: Likewise.
             cameras: Likewise.
@@ -90,7 +92,7 @@ class RampVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             if settings.get(name) is not None:
                 settings[name] = tuple(settings[name]) if name == "starts" else list(settings[name])
         self.core = spaces.make_core(
-            skill, goals, track=track, world=world, start=start, begin=begin,
+            skill, goals, track=track, world=world, start=start, begin=begin, touch=touch,
             whole_scene=whole_scene, frame=frame, cameras=cameras,
             image_size=image_size, depth=depth, settings=settings,
         )  # fmt: skip

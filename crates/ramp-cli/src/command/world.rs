@@ -58,7 +58,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
 fn list() -> String {
     let mut text = String::new();
     for world in World::names().filter_map(World::shipped) {
-        let _ = writeln!(text, "{:<6}  {}", world.name, world.about);
+        let _ = writeln!(text, "{:<11}  {}", world.name, world.about);
     }
     text
 }

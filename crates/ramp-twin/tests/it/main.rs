@@ -17,4 +17,5 @@ mod rigid;
 mod scattered;
 mod snapshot;
 mod starts;
+mod touch;
 mod twin;
