@@ -9,9 +9,10 @@ use ramp_robot::{
 };
 
 use super::dead_time::DeadTime;
+use super::slip::is_loose;
 use crate::Pose;
 use crate::parameters::Parameters;
-use crate::parameters::hand::{HandParameters, TrimParameters};
+use crate::parameters::hand::{HandParameters, SlipParameters, TrimParameters};
 
 /// A part between the fingers.
 #[derive(Clone, Debug)]
@@ -63,6 +64,9 @@ pub struct Hand<'r> {
     pub(super) struck: bool,
     /// Something has pushed the held part during a trajectory, since it was grasped or last seen.
     pub pushed: bool,
+    /// The fingers held the part too weakly at some time since it was grasped: it may have turned between them.
+    pub slipped: bool,
+    pub(super) slip: SlipParameters,
     /// The largest force at the wrist in free space before the first grasp, N: the usual error of the wrench.
     pub usual_force: f64,
     /// Number of stops after which the arm was ready again.
@@ -74,14 +78,13 @@ pub struct Hand<'r> {
 impl<'r> Hand<'r> {
     /// Takes over a robot.
     pub fn new(robot: &'r mut dyn Robot, arm: &ArmModel, parameters: &Parameters) -> Hand<'r> {
-        let (parameters, trim) = (&parameters.hand, parameters.trim.clone());
         let seen = robot.observe();
         Hand {
             gripper: GripperCommand { width: seen.width, force: 20.0 },
             setpoint: seen.x_wt,
-            stiffness: Vector6::from(parameters.stiffness),
-            parameters: parameters.clone(),
-            trim,
+            stiffness: Vector6::from(parameters.hand.stiffness),
+            parameters: parameters.hand.clone(),
+            trim: parameters.trim.clone(),
             held: None,
             posture: Joints::from(seen.positions),
             fastest: Joints::from_fn(|joint, _| arm.joints[joint].velocity),
@@ -89,6 +92,8 @@ impl<'r> Hand<'r> {
             last: None,
             struck: false,
             pushed: false,
+            slipped: false,
+            slip: parameters.slip.clone(),
             usual_force: seen.wrench.fixed_rows::<3>(0).norm(),
             stops: 0,
             dead_time: DeadTime::default(),
@@ -182,6 +187,9 @@ impl<'r> Hand<'r> {
         }
         self.seen = self.robot.step(&command).inspect_err(|error| self.begin_anew(error))?;
         self.dead_time.sensed(self.seen.time, self.seen.width, self.parameters.told_every);
+        if self.held.is_some() && is_loose(&self.seen, &command.gripper, &self.slip) {
+            (self.pushed, self.slipped) = (true, true);
+        }
         self.last = Some(command);
         Ok(())
     }

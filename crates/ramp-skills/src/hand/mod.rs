@@ -7,6 +7,7 @@ mod compliance;
 mod dead_time;
 pub mod force;
 mod gripper;
+mod slip;
 mod speed_profile;
 mod straight;
 mod trajectory;

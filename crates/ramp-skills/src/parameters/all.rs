@@ -13,7 +13,8 @@ use super::contact::{
 };
 use super::group::{Group, Values};
 use super::hand::{
-    CarryParameters, GripParameters, HandParameters, ReleaseParameters, RiseParameters, TrimParameters,
+    CarryParameters, GripParameters, HandParameters, ReleaseParameters, RiseParameters, SlipParameters,
+    TrimParameters,
 };
 use super::insertions::{AssembleParameters, CapParameters, InsertionParameters};
 use super::motion::{AlignmentParameters, LookParameters, TravelParameters};
@@ -141,6 +142,8 @@ groups! {
     trim: TrimParameters,
     /// The rise of a force over its running mean.
     rise: RiseParameters,
+    /// Slip of a held part.
+    slip: SlipParameters,
     /// The belief.
     belief: BeliefParameters,
     /// The cameras.

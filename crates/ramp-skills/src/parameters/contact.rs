@@ -155,6 +155,8 @@ parameters! {
         /// Speed of that search, and of a spiral until the wrist has measured the contact point. The tip of a
         /// tilted peg is near the edge of the plate.
         tilted_speed: f64 = "m/s", 1e-4, 0.1;
+        /// Speed of a search along the whole line on which the tip of a tilted peg may be. Chosen.
+        line_speed: f64 = "m/s", 1e-4, 0.1;
         /// Swing across that line.
         tilted_sway: f64 = "m", 0.0, 0.01;
         /// Speed with which a peg whose tip is in the hole is turned upright. Chosen.

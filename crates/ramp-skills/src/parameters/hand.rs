@@ -73,6 +73,17 @@ parameters! {
 }
 
 parameters! {
+    /// Slip of a held part, where the fingers have tactile sensors.
+    SlipParameters {
+        /// Pressing force of both fingers below which a held part may slip. Chosen: well within the range of
+        /// the sensors.
+        press: f64 = "N", 0.1, 1000.0;
+        /// Commanded force of the gripper above which it means to hold a part firmly. Chosen.
+        told: f64 = "N", 0.1, 1000.0;
+    }
+}
+
+parameters! {
     /// Grasps: widths and forces of the fingers, and when a part counts as held.
     GripParameters {
         /// Distance between the fingers at which the ribs pass beside an extrusion on the sheet.
@@ -157,6 +168,9 @@ parameters! {
         /// Share of its weight that the rising hand carries if a beam that nothing holds hangs on a finger.
         /// Measured: 0.8 to 1 where it hangs, at most 0.4 where it lies.
         hanging: f64 = "", 0.1, 2.0;
+        /// Force at a finger of a hand that leaves at which the beam touches that finger, where the fingers
+        /// have tactile sensors. Chosen: five times what their noise and drift come to.
+        touched: f64 = "N", 0.1, 100.0;
         /// Number of further releases of a beam that hangs on a rib. Chosen.
         again: usize = "", 0.0, 20.0;
         /// Finger opening beyond a beam's width at which the ribs move freely in its slots without leaving

@@ -138,7 +138,7 @@ impl Workcell<'_, '_> {
             None => (grasp::PEG_MASS, grasp::peg_centre()),
         };
         let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
-        self.hand.pushed = false;
+        (self.hand.pushed, self.hand.slipped) = (false, false);
         self.hand.held = Some(Held {
             part: part.to_string(),
             x_tp,

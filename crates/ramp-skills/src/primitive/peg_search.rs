@@ -117,8 +117,15 @@ impl Workcell<'_, '_> {
     /// A hole that is not where it was seen: the peg may have turned between the fingers, about the axis on
     /// which they close, where no camera sees it. Its tip is then beside the hand, along the fingers' other
     /// axis, and presses on the plate there, which the wrist measures: takes the tip to the hole, and turns
-    /// the hand until the peg stands upright. Returns whether it did.
-    pub fn search_tilted(&mut self, connection: usize, peg: &str, plate: f64) -> Result<bool, SkillError> {
+    /// the hand until the peg stands upright. If the peg is `sure` to be tilted, it is taken along the whole
+    /// line on which its tip may be, wherever the wrist has it. Returns whether it is upright in the hole.
+    pub fn search_tilted(
+        &mut self,
+        connection: usize,
+        peg: &str,
+        plate: f64,
+        sure: bool,
+    ) -> Result<bool, SkillError> {
         let mouth = self.belief.mouth(connection)?;
         // The cause of the peg's rotation may have pressed on it while the sensor was zeroed.
         let mut up = self.hand.setpoint;
@@ -126,47 +133,68 @@ impl Workcell<'_, '_> {
         self.hand.go(&up, self.parameters.peg_search.lower_speed)?;
         self.hand.zero()?;
         let off = self.lower(plate, self.parameters.peg_search.lift_off)?;
-        let force = self.parameters.peg_search.tilted_force;
+        let PegSearchParameters { tilted_force: force, tilted_most: most, tilted_around: around, .. } =
+            self.parameters.peg_search;
         let axis = self.across();
         let aside = Vector3::z().cross(&axis);
         // A tip on the edge of the hole does not press straight down: then it is measured beside the hole.
         let mut beside = self.measure_tip(plate)?.dot(&axis);
-        if beside.abs() > self.parameters.peg_search.tilted_most {
-            let p = mouth + aside * self.parameters.peg_search.tilted_around;
+        if beside.abs() > most {
+            let p = mouth + aside * around;
             for _ in 0..self.parameters.peg_search.periods {
                 self.slide_to(p.x, p.y, force)?;
             }
             beside = self.measure_tip(plate)?.dot(&axis);
         }
-        if !(self.seems_beside(off, force)..self.parameters.peg_search.tilted_most).contains(&beside.abs()) {
+        let measured = (self.seems_beside(off, force)..most).contains(&beside.abs());
+        if measured {
+            let lean = beside.abs().atan2(STEM_LENGTH + HEAD_HEIGHT / 2.0).to_degrees();
+            self.diagnose(Cause::GripMoved, peg, format!("{peg} is tilted in the hand by {lean:.0}°"));
+        } else if !sure {
             return Ok(false);
         }
-        let lean = beside.abs().atan2(STEM_LENGTH + HEAD_HEIGHT / 2.0).to_degrees();
-        self.diagnose(Cause::GripMoved, peg, format!("{peg} is tilted in the hand by {lean:.0}°"));
-        let start = self.hand.seen.x_wt.translation.vector;
-        let over = mouth - axis * beside;
-        let speed = self.parameters.peg_search.tilted_speed;
-        let line = |from: Vector3<f64>, to: Vector3<f64>| {
-            let periods = ((to - from).xy().norm() / speed / PERIOD).ceil().max(1.0);
-            (0..periods as usize).map(move |period| from.lerp(&to, period as f64 / periods))
-        };
-        let ends = [
-            start,
-            over,
-            over + axis * self.parameters.peg_search.tilted_around,
-            over - axis * self.parameters.peg_search.tilted_around,
-        ];
-        for p in ends.windows(2).flat_map(|ends| line(ends[0], ends[1])) {
-            let sway = self.parameters.peg_search.tilted_sway
-                * (TAU * (p - over).dot(&axis) / self.parameters.peg_search.pitch).sin();
-            let p = p + aside * sway;
-            self.slide_to(p.x, p.y, force)?;
-            if self.is_in(plate) {
-                self.set_upright(peg, &mouth)?;
-                return Ok(true);
+        // Places of the hand along the line, from the mouth.
+        let mut stops = if measured { vec![-beside, around - beside, -around - beside] } else { vec![0.0] };
+        let sure_from = stops.len();
+        if sure {
+            let first = -most * beside.signum();
+            stops.extend([first, -first]);
+        }
+        let mut from = self.hand.seen.x_wt.translation.vector;
+        for (index, stop) in stops.into_iter().enumerate() {
+            let to = mouth + axis * stop;
+            let PegSearchParameters { tilted_speed, line_speed, .. } = self.parameters.peg_search;
+            let speed = if index < sure_from { tilted_speed } else { line_speed };
+            let periods = ((to - from).xy().norm() / speed / PERIOD).ceil();
+            for period in 0..periods as usize {
+                let p = from.lerp(&to, period as f64 / periods);
+                let turns = (p - mouth).dot(&axis) / self.parameters.peg_search.pitch;
+                let p = p + aside * self.parameters.peg_search.tilted_sway * (TAU * turns).sin();
+                self.slide_to(p.x, p.y, force)?;
+                if self.is_in(plate) {
+                    self.set_upright(peg, &mouth)?;
+                    return Ok(true);
+                }
             }
+            from = to;
         }
         Ok(false)
+    }
+
+    /// Where the hand is beside a mouth in which the tip of the held peg is (m, in the world), along the line
+    /// on which a tilted peg's tip may be: sets the peg upright if it is too far for an upright one. Returns
+    /// whether it did.
+    pub fn set_upright_if_beside(&mut self, peg: &str, mouth: &Vector3<f64>) -> Result<bool, SkillError> {
+        let off = self.hand.seen.x_wt.translation.vector - mouth;
+        let (along, across) = (off.dot(&self.across()), Vector3::z().cross(&self.across()).dot(&off));
+        let least = self.parameters.peg_search.tilted_least;
+        if along.abs() < least || across.abs() > least {
+            return Ok(false);
+        }
+        let lean = along.abs().atan2(STEM_LENGTH + HEAD_HEIGHT / 2.0).to_degrees();
+        self.diagnose(Cause::GripMoved, peg, format!("{peg} is tilted in the hand by {lean:.0}°"));
+        self.set_upright(peg, mouth)?;
+        Ok(true)
     }
 
     /// Horizontal offset from the hand of the tip of the held peg, pressed on the plate at a height (m); m in
@@ -196,6 +224,7 @@ impl Workcell<'_, '_> {
         self.hand.go(&upright, self.parameters.peg_search.upright_speed)?;
         let head = self.hand.seen.x_wt * Point3::new(0.0, 0.0, PEG_HEIGHT - HEAD_HEIGHT / 2.0);
         let x_wp = Pose::translation(mouth.x, mouth.y, head.z - HEAD_HEIGHT / 2.0);
+        self.hand.slipped = false;
         self.belief.parts.follow(&self.hand);
         self.belief.parts.reckoned(peg, &x_wp);
         if let Some(held) = &mut self.hand.held {

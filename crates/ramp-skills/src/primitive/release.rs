@@ -7,7 +7,22 @@ use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{BEAM_WIDTH, hand_down};
-use crate::hand::Held;
+use crate::hand::{Hand, Held};
+
+/// What stops a hand that leaves a released part, because the part comes along. All in N.
+struct Limits {
+    /// Force at the wrist since the part was let go.
+    force: f64,
+    /// Weight on the hand at the end of a stage.
+    weight: f64,
+    /// Force at a finger, where the fingers have tactile sensors.
+    touch: f64,
+}
+
+impl Limits {
+    /// Nothing does.
+    const NONE: Limits = Limits { force: f64::INFINITY, weight: f64::INFINITY, touch: f64::INFINITY };
+}
 
 impl Workcell<'_, '_> {
     /// Releases the held part and retreats straight up.
@@ -29,7 +44,7 @@ impl Workcell<'_, '_> {
         let Some(held) = beam else {
             self.hand.grip(self.parameters.grip.peg_open, self.parameters.grip.opening_force)?;
             self.glance()?;
-            return self.lift_off(&[fast], f64::INFINITY, f64::INFINITY).map(|_| ());
+            return self.lift_off(&[fast], &Limits::NONE).map(|_| ());
         };
         let free = !self.stands(&held.part);
         for attempt in 0..=self.parameters.release.again {
@@ -49,17 +64,16 @@ impl Workcell<'_, '_> {
             }
             let low = self.hand.setpoint;
             let last = attempt == self.parameters.release.again;
-            let limit = if last { f64::INFINITY } else { self.parameters.release.beside_limit };
             // A beam that hangs on a finger comes along, and meets the upper edge of its joint: slowly at
             // first.
             let slow = (self.parameters.release.leaving, self.parameters.release.leaving_speed);
             // One that nothing holds down comes along altogether: its weight tells.
-            let weight = match last || !free {
-                true => f64::INFINITY,
-                false => self.parameters.release.hanging * held.mass * GRAVITY,
-            };
+            let release = &self.parameters.release;
+            let weight = if free { release.hanging * held.mass * GRAVITY } else { f64::INFINITY };
+            let limits = Limits { force: release.beside_limit, weight, touch: release.touched };
+            let limits = if last { Limits::NONE } else { limits };
             let follows = !last && self.follows_a_finger(held)?;
-            if !follows && self.lift_off(&[slow, fast], limit, weight)? {
+            if !follows && self.lift_off(&[slow, fast], &limits)? {
                 break;
             }
             let retry = Retry::new("let_go_of", &held.part).attempt(attempt + 2);
@@ -136,20 +150,21 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Lifts the hand off the released part, while the force is at most `limit` (N), and as long as the hand
-    /// carries at most `weight` (N) more at the end of a stage. Returns true if the hand is off. `stages` are
+    /// Lifts the hand off the released part within these limits. Returns true if the hand is off. `stages` are
     /// heights (m) and the speeds up to them (m/s).
-    fn lift_off(&mut self, stages: &[(f64, f64)], limit: f64, weight: f64) -> Result<bool, SkillError> {
+    fn lift_off(&mut self, stages: &[(f64, f64)], limits: &Limits) -> Result<bool, SkillError> {
         let from = self.hand.setpoint;
         let before = self.hand.force();
         for &(height, speed) in stages {
             let up = Translation3::new(0.0, 0.0, height) * from;
-            let stopped = match self.hand.drive(&up, speed, |hand| (hand.force() - before).norm() > limit) {
+            let met =
+                |hand: &Hand| (hand.force() - before).norm() > limits.force || hand.touched() > limits.touch;
+            let stopped = match self.hand.drive(&up, speed, met) {
                 // An estimated wrench shows the limit only when the real force exceeds it.
-                Err(SkillError::Fault(Fault::Overload { .. })) if limit.is_finite() => true,
+                Err(SkillError::Fault(Fault::Overload { .. })) if limits.force.is_finite() => true,
                 stopped => stopped?,
             };
-            if stopped || (self.hand.force() - before).z > weight {
+            if stopped || (self.hand.force() - before).z > limits.weight {
                 return Ok(false);
             }
         }

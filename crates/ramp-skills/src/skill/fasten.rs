@@ -87,7 +87,7 @@ impl Fasten {
         cell.hand.relax();
         let mut last = None;
         for attempt in 0..self.parameters.tries {
-            match self.fasten_once(cell, connection, &peg) {
+            match self.fasten_once(cell, connection, &peg, attempt) {
                 Err(SkillError::Fault(fault @ (Fault::NotHeld { .. } | Fault::Robot { .. }))) => {
                     return Err(fault.into());
                 }
@@ -128,7 +128,13 @@ impl Fasten {
         cell.seat_peg(connection, &peg)
     }
 
-    fn fasten_once(&self, cell: &mut Workcell, connection: usize, peg: &str) -> Result<(), SkillError> {
+    fn fasten_once(
+        &self,
+        cell: &mut Workcell,
+        connection: usize,
+        peg: &str,
+        attempt: usize,
+    ) -> Result<(), SkillError> {
         let name = cell.assembly.connections[connection].name.clone();
         cell.check_grip(peg)?;
         // Upright over the hole, as exactly as the eyes allow.
@@ -162,14 +168,8 @@ impl Fasten {
         cell.check_grip(peg)?;
         let off = cell.lower(plate, cell.parameters.peg_search.over)?;
         if !cell.is_in(plate) {
-            let (begin, mut upright) = (cell.hand.time(), false);
-            cell.spiral(plate, self.parameters.near_time, Some(off))?;
-            if !cell.is_in(plate) {
-                upright = cell.search_tilted(connection, peg, plate)?;
-            }
-            if !cell.is_in(plate) {
-                cell.spiral(plate, self.parameters.search_time, None)?;
-            }
+            let begin = cell.hand.time();
+            let upright = self.search(cell, connection, peg, attempt, off)?;
             let seconds = cell.hand.time() - begin;
             let (method, part) = ("spiral".to_string(), name.clone());
             cell.record(Search { method, part, duration: Some(seconds), attempts: None });
@@ -219,5 +219,39 @@ impl Fasten {
             return Err(Fault::NotSeated { peg: peg.to_string(), connection: name, gap }.into());
         }
         Ok(())
+    }
+
+    /// Searches with the tip of the peg, which touches the plate, for the hole. `off` is the error of the
+    /// moment at the tip, N·m. Returns whether the peg was tilted, and is upright in the hole.
+    fn search(
+        &self,
+        cell: &mut Workcell,
+        connection: usize,
+        peg: &str,
+        attempt: usize,
+        off: f64,
+    ) -> Result<bool, SkillError> {
+        let mouth = cell.belief.mouth(connection)?;
+        let plate = mouth.z;
+        let (slipped, mut upright) = (cell.hand.slipped, false);
+        if slipped {
+            let evidence = format!("the fingers held {peg} loosely");
+            cell.diagnose(Cause::GripMoved, peg, evidence);
+        }
+        // A search that failed once would fail again.
+        let sure = slipped || attempt > 0;
+        if !sure {
+            cell.spiral(plate, self.parameters.near_time, Some(off))?;
+        }
+        if !cell.is_in(plate) {
+            upright = cell.search_tilted(connection, peg, plate, sure)?;
+        }
+        if !cell.is_in(plate) {
+            cell.spiral(plate, self.parameters.search_time, None)?;
+        }
+        if cell.is_in(plate) && !upright {
+            upright = cell.set_upright_if_beside(peg, &mouth)?;
+        }
+        Ok(upright)
     }
 }
