@@ -36,6 +36,14 @@ def test_depth_comes_with_its_track():
     assert hand.depth is not None and hand.depth.shape == (200, 320)
 
 
+def test_a_world_with_touch_reports_the_fingers():
+    with ramp.Twin("easy-1", world="ideal+touch") as twin, ramp.Twin("easy-1", world="ideal") as bare:
+        seen = twin.observe()
+        assert bare.observe().touch_force is None and bare.observe().touch_centre is None
+    assert seen.touch_force is not None and seen.touch_force.shape == (2, 3) and not seen.touch_force.any()
+    assert seen.touch_centre is not None and np.isnan(seen.touch_centre).all()
+
+
 def test_an_agent_looks_in_small_and_drives_by_actions():
     class Look(ramp.Agent):
         def run(self, robot, goal):

@@ -342,3 +342,21 @@ def test_a_chain_says_what_is_wrong():
         gymnasium.make(CHAIN, rate=1.0)
     with pytest.raises(ramp.InputError, match="goal"):
         gymnasium.make(CHAIN, goals="no-goal").reset(seed=1)
+
+
+def test_fingers_feel_what_they_hold(tmp_path):
+    env = RampEnv("fasten", **FASTEN, touch=True)
+    assert env.observation_space["touch_force"].shape == (2, 3)
+    seen, _ = env.reset(seed=1)
+    # A held peg: both fingers press beyond the range of their sensors, against each other.
+    assert list(seen["touch_force"][:, 1]) == [-20.0, 20.0]
+    assert np.abs(seen["touch_centre"]).max() < 0.03
+    assert "touch_force" not in RampEnv("fasten", **FASTEN).observation_space.spaces
+    many = RampVectorEnv(2, "fasten", **FASTEN, touch=True)
+    assert many.reset(seed=1)[0]["touch_force"].shape == (2, 2, 3)
+    assert RampChainEnv("easy-1", touch=True).observation_space["touch_centre"].shape == (2, 2)
+    own = tmp_path / "own.toml"
+    own.write_text('name = "own"\nbased_on = "real"\n[touch]\nfitted = { value = 1.0, source = "ours" }\n')
+    assert "touch_force" in RampEnv("fasten", **FASTEN, world=own).observation_space.spaces
+    with pytest.raises(ramp.InputError, match=r"touch\.fitted"):
+        RampEnv("fasten", **FASTEN, world=own, touch=True)

@@ -476,6 +476,31 @@ mod tests {
         assert_eq!(event(older).unwrap().kind.to_string(), "jam: b4 stands still");
     }
 
+    /// An observation has the readings of tactile sensors where there are any.
+    #[test]
+    fn an_observation_tells_what_the_fingers_feel() {
+        let mut seen = Observation {
+            time: 0.5,
+            positions: [0.0; DOF],
+            velocities: [0.0; DOF],
+            torques: [0.0; DOF],
+            x_wt: Pose::identity(),
+            wrench: nalgebra::Vector6::zeros(),
+            width: 0.02,
+            gripper_busy: false,
+            touch: None,
+        };
+        assert!(observation(&seen).get("touch").is_none());
+        let finger = |y: f64, centre| FingerTouch { force: nalgebra::Vector3::new(0.5, y, -1.0), centre };
+        seen.touch =
+            Some(ramp_robot::Touch { fingers: [finger(-20.0, Some([0.001, 0.017])), finger(1.5, None)] });
+        let expected = json!([
+            {"force": [0.5, -20.0, -1.0], "centre": [0.001, 0.017]},
+            {"force": [0.5, 1.5, -1.0], "centre": null},
+        ]);
+        assert_eq!(observation(&seen)["touch"], expected);
+    }
+
     #[test]
     fn events_are_bounded_in_length_depth_and_characters() {
         let note = |text: &str| json!({"kind": "note", "text": text});

@@ -16,8 +16,10 @@ mod link;
 mod periods;
 pub mod robot;
 pub mod station;
+mod touch;
 
 pub use connection::{Connection, Pace, Statistics};
 pub use error::FrankaError;
 pub use robot::FrankaRobot;
 pub use station::Station;
+pub use touch::TouchSource;

@@ -13,6 +13,7 @@ use crate::cell_client::Cell;
 use crate::connection::{Connection, Pace, Statistics};
 use crate::error::FrankaError;
 use crate::periods::Periods;
+use crate::touch::TouchSource;
 
 /// A connected arm.
 pub struct FrankaRobot {
@@ -23,6 +24,7 @@ pub struct FrankaRobot {
     models: Option<[CameraModel; 2]>,
     arm: ArmModel,
     track: Track,
+    touch: Option<Box<dyn TouchSource>>,
     seen: Observation,
     failed: Option<RobotError>,
 }
@@ -48,6 +50,7 @@ impl FrankaRobot {
             models: None,
             arm: arm.clone(),
             track,
+            touch: None,
             seen,
             failed: None,
         })
@@ -65,6 +68,29 @@ impl FrankaRobot {
     pub fn with_cameras(self, cameras: LocalCameras) -> FrankaRobot {
         let models = Camera::ALL.map(|camera| cameras.model(camera).clone());
         FrankaRobot { cameras: Some(cameras), models: Some(models), ..self }
+    }
+
+    /// The same, with tactile sensors in its fingers.
+    ///
+    /// # Errors
+    /// When the arm has stopped.
+    pub fn with_touch(mut self, source: Box<dyn TouchSource>) -> Result<FrankaRobot, FrankaError> {
+        self.touch = Some(source);
+        self.observe_now()?;
+        Ok(self)
+    }
+
+    /// Takes what arm and fingers report now.
+    fn observe_now(&mut self) -> Result<(), FrankaError> {
+        let seen = self.periods.observe()?;
+        self.seen = self.with_fingers(seen);
+        Ok(())
+    }
+
+    /// An observation of the arm, with what the fingers feel now.
+    fn with_fingers(&mut self, seen: Observation) -> Observation {
+        let touch = self.touch.as_mut().and_then(|source| source.newest());
+        Observation { touch, ..seen }
     }
 
     /// Numbers of the connection so far.
@@ -113,7 +139,7 @@ impl FrankaRobot {
     fn image(&mut self, camera: Camera, width: Option<ImageWidth>) -> Result<Image, FrankaError> {
         if let Some(cameras) = &mut self.cameras {
             let image = cameras.image(camera, width, &self.periods)?;
-            self.seen = self.periods.observe()?;
+            self.observe_now()?;
             return Ok(image);
         }
         let width = width.map(|width| width.pixels() as u64);
@@ -131,7 +157,7 @@ impl FrankaRobot {
         };
         let pixels = cell.pixels(&head)?;
         let depth = if head.depth { Some(cell.depth(&head)?) } else { None };
-        self.seen = self.periods.observe()?;
+        self.observe_now()?;
         let since = head.message as f64 - self.periods.first_message() as f64;
         Ok(Image {
             camera,
@@ -150,8 +176,8 @@ impl Robot for FrankaRobot {
         self.check_running()?;
         let seen = self.periods.step(command);
         let seen = self.kept(seen)?;
-        self.seen = seen.clone();
-        Ok(seen)
+        self.seen = self.with_fingers(seen);
+        Ok(self.seen.clone())
     }
 
     fn observe(&self) -> Observation {

@@ -6,10 +6,11 @@ use ramp_episode::{ReplayError, replay};
 use ramp_log::calls::Entry;
 use ramp_log::records::bytes_of;
 use ramp_log::{Limits, Log};
-use ramp_robot::{Account, Agent, ArmCommand, Camera, Command, GripperCommand, Robot, RobotError};
+use ramp_robot::{Account, Agent, ArmCommand, Camera, Command, GripperCommand, Robot, RobotError, Track};
 use ramp_testing::episode::Swing;
 use ramp_testing::log::{as_log, entries, messages, with_entries};
 use ramp_testing::{GoalFiles, data};
+use ramp_twin::Setup;
 
 fn read(bytes: &[u8]) -> Result<Log, String> {
     Log::from_bytes(Path::new("x.mcap"), bytes, &Limits::default()).map_err(|error| error.to_string())
@@ -220,9 +221,12 @@ fn a_command_that_ended_the_episode_ends_its_replay() {
 fn the_messages_of_a_log_follow_their_schemas() {
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("a.mcap");
-    GoalFiles::new("easy-1").record_noisy(&mut Swing(300), &path);
+    let goal = GoalFiles::new("easy-1");
+    let world = ramp_twin::World::shipped("real+touch").unwrap();
+    goal.record(&Setup { world, ..goal.setup(Track::Noisy, 3) }, &mut Swing(300), &path);
     let bytes = std::fs::read(&path).unwrap();
     let mut topics = std::collections::BTreeSet::new();
+    let mut felt = false;
     for message in mcap::MessageStream::new(&bytes).unwrap() {
         let message = message.unwrap();
         let Some(schema) = &message.channel.schema else {
@@ -234,8 +238,10 @@ fn the_messages_of_a_log_follow_their_schemas() {
         let validator = jsonschema::validator_for(&schema).unwrap();
         let errors: Vec<String> = validator.iter_errors(&value).map(|error| error.to_string()).collect();
         assert!(errors.is_empty(), "{}: {errors:?}", message.channel.topic);
+        felt |= value["touch"][1]["force"]["z"].is_number();
         topics.insert(message.channel.topic.clone());
     }
+    assert!(felt, "no reading of the tactile sensors");
     let expected = ["/command", "/episode", "/events", "/parts", "/result", "/robot", "/tip"];
     assert_eq!(topics.into_iter().collect::<Vec<_>>(), expected);
     let published = std::fs::read_dir(data().join("schema/log")).unwrap().count();

@@ -1,7 +1,11 @@
 //! Motions, contacts and builds over the wire, beside the same in process.
 
 use nalgebra::{Translation3, Vector6};
-use ramp_robot::{Agent, ArmCommand, Command, GripperCommand, Impedance, Observation, Pose, Robot, Track};
+use ramp_franka::TouchSource;
+use ramp_robot::{
+    Agent, ArmCommand, Command, FingerTouch, GripperCommand, Impedance, Observation, Pose, Robot, Touch,
+    Track,
+};
 use ramp_served_twin::{FciVersion, Pace};
 
 use crate::served::{SEED, Served, goal_for, ideal, real, twin};
@@ -90,4 +94,30 @@ fn the_baseline_builds_over_the_wire() {
         (verdict, time)
     };
     assert_eq!(build(), build());
+}
+
+/// A driver of sensors that press more with each reading.
+struct Presses(f64);
+
+impl TouchSource for Presses {
+    fn newest(&mut self) -> Option<Touch> {
+        self.0 += 1.0;
+        let finger = FingerTouch { force: nalgebra::Vector3::y() * self.0, centre: None };
+        Some(Touch { fingers: [finger; 2] })
+    }
+}
+
+/// A driver of tactile sensors stands beside the arm: every observation has its newest reading.
+#[test]
+fn an_arm_has_the_tactile_sensors_that_are_given_to_it() {
+    let goal = goal_for(FciVersion::V5, "easy-1");
+    let served = Served::new(FciVersion::V5, ideal(), Track::State, Pace::LockStep);
+    let robot = served.robot(&goal, ideal(), Track::State, Pace::LockStep);
+    assert!(robot.observe().touch.is_none());
+    let mut robot = robot.with_touch(Box::new(Presses(0.0))).unwrap();
+    let pressed = |seen: Observation| seen.touch.unwrap().fingers[0].force.y;
+    let first = pressed(robot.observe());
+    let arm = ArmCommand::JointPositions(robot.observe().positions);
+    let stepped = robot.step(&Command { arm, gripper: GRIPPER }).unwrap();
+    assert_eq!((first, pressed(stepped), pressed(robot.observe())), (1.0, 2.0, 2.0));
 }

@@ -9,10 +9,10 @@ use ramp_robot::{
 };
 
 use super::dead_time::DeadTime;
-use super::slip::is_loose;
+use super::felt::Felt;
 use crate::Pose;
 use crate::parameters::Parameters;
-use crate::parameters::hand::{HandParameters, SlipParameters, TrimParameters};
+use crate::parameters::hand::{FeltParameters, HandParameters, TrimParameters};
 
 /// A part between the fingers.
 #[derive(Clone, Debug)]
@@ -66,7 +66,9 @@ pub struct Hand<'r> {
     pub pushed: bool,
     /// The fingers held the part too weakly at some time since it was grasped: it may have turned between them.
     pub slipped: bool,
-    pub(super) slip: SlipParameters,
+    /// Forces of the fingers; `None` without tactile sensors.
+    pub felt: Option<Felt>,
+    feeling: FeltParameters,
     /// The largest force at the wrist in free space before the first grasp, N: the usual error of the wrench.
     pub usual_force: f64,
     /// Number of stops after which the arm was ready again.
@@ -93,7 +95,8 @@ impl<'r> Hand<'r> {
             struck: false,
             pushed: false,
             slipped: false,
-            slip: parameters.slip.clone(),
+            felt: seen.touch.as_ref().map(Felt::new),
+            feeling: parameters.felt.clone(),
             usual_force: seen.wrench.fixed_rows::<3>(0).norm(),
             stops: 0,
             dead_time: DeadTime::default(),
@@ -187,8 +190,14 @@ impl<'r> Hand<'r> {
         }
         self.seen = self.robot.step(&command).inspect_err(|error| self.begin_anew(error))?;
         self.dead_time.sensed(self.seen.time, self.seen.width, self.parameters.told_every);
-        if self.held.is_some() && is_loose(&self.seen, &command.gripper, &self.slip) {
-            (self.pushed, self.slipped) = (true, true);
+        if let (Some(felt), Some(touch)) = (&mut self.felt, &self.seen.touch) {
+            felt.sense(touch, &self.feeling);
+            if self.held.is_some()
+                && !self.seen.gripper_busy
+                && felt.is_loose(&command.gripper, &self.feeling)
+            {
+                (self.pushed, self.slipped) = (true, true);
+            }
         }
         self.last = Some(command);
         Ok(())

@@ -1,7 +1,7 @@
 //! Forces of the hand on the world, and their rise.
 
 use nalgebra::{Vector3, Vector6};
-use ramp_robot::{PERIOD, Touch};
+use ramp_robot::PERIOD;
 
 use super::access::Hand;
 use crate::fault::SkillError;
@@ -61,12 +61,6 @@ impl Hand<'_> {
     /// Force of the hand on the world since [`Hand::zero`], axes of the world, N.
     pub fn force(&self) -> Vector3<f64> {
         (self.seen.wrench - self.tare).fixed_rows::<3>(0).into_owned()
-    }
-
-    /// The larger of the forces of both fingers on what they touch, N; 0 for fingers without sensors.
-    pub fn touched(&self) -> f64 {
-        let force = |touch: Touch| touch.fingers.map(|finger| finger.force.norm());
-        self.seen.touch.map_or(0.0, |touch| force(touch).into_iter().fold(0.0, f64::max))
     }
 
     /// Wrench of the hand on the world at the wrist since [`Hand::zero`], axes of the world: N, N·m.

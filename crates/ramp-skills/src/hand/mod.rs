@@ -5,9 +5,9 @@
 pub mod access;
 mod compliance;
 mod dead_time;
+pub mod felt;
 pub mod force;
 mod gripper;
-mod slip;
 mod speed_profile;
 mod straight;
 mod trajectory;

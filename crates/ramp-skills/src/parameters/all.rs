@@ -13,7 +13,7 @@ use super::contact::{
 };
 use super::group::{Group, Values};
 use super::hand::{
-    CarryParameters, GripParameters, HandParameters, ReleaseParameters, RiseParameters, SlipParameters,
+    CarryParameters, FeltParameters, GripParameters, HandParameters, ReleaseParameters, RiseParameters,
     TrimParameters,
 };
 use super::insertions::{AssembleParameters, CapParameters, InsertionParameters};
@@ -142,8 +142,8 @@ groups! {
     trim: TrimParameters,
     /// The rise of a force over its running mean.
     rise: RiseParameters,
-    /// Slip of a held part.
-    slip: SlipParameters,
+    /// The sense of touch.
+    felt: FeltParameters,
     /// The belief.
     belief: BeliefParameters,
     /// The cameras.

@@ -155,6 +155,12 @@ parameters! {
         /// Speed of that search, and of a spiral until the wrist has measured the contact point. The tip of a
         /// tilted peg is near the edge of the plate.
         tilted_speed: f64 = "m/s", 1e-4, 0.1;
+        /// Distance of the hand beside a hole in which the tip is, from which on the peg is tilted: beams are
+        /// seen more accurately. Chosen.
+        tilted_surely: f64 = "m", 1e-4, 0.1;
+        /// Stops of a search along the whole line on which the tip of a tilted peg may be, from the mouth
+        /// outwards; the first is on the side to which the wrist has the tip. Chosen: 17°.
+        tilted_stops: [f64; 3] = "m", -0.05, 0.05;
         /// Speed of a search along the whole line on which the tip of a tilted peg may be. Chosen.
         line_speed: f64 = "m/s", 1e-4, 0.1;
         /// Swing across that line.

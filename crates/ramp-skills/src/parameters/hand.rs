@@ -73,8 +73,10 @@ parameters! {
 }
 
 parameters! {
-    /// Slip of a held part, where the fingers have tactile sensors.
-    SlipParameters {
+    /// The sense of touch, where the fingers have tactile sensors.
+    FeltParameters {
+        /// Time constant of the smoothing of their forces. Chosen: three readings.
+        smooth: f64 = "s", 0.001, 1.0;
         /// Pressing force of both fingers below which a held part may slip. Chosen: well within the range of
         /// the sensors.
         press: f64 = "N", 0.1, 1000.0;

@@ -148,31 +148,41 @@ impl Workcell<'_, '_> {
         }
         let measured = (self.seems_beside(off, force)..most).contains(&beside.abs());
         if measured {
-            let lean = beside.abs().atan2(STEM_LENGTH + HEAD_HEIGHT / 2.0).to_degrees();
-            self.diagnose(Cause::GripMoved, peg, format!("{peg} is tilted in the hand by {lean:.0}°"));
-        } else if !sure {
+            let stops = [-beside, around - beside, -around - beside];
+            let speed = self.parameters.peg_search.tilted_speed;
+            if self.slide_along(&mouth, &stops, speed)? {
+                return self.set_upright_if_beside(peg, &mouth, true);
+            }
+        }
+        if !sure {
             return Ok(false);
         }
-        // Places of the hand along the line, from the mouth.
-        let mut stops = if measured { vec![-beside, around - beside, -around - beside] } else { vec![0.0] };
-        let sure_from = stops.len();
-        if sure {
-            let first = -most * beside.signum();
-            stops.extend([first, -first]);
+        let side = -beside.signum();
+        let stops = self.parameters.peg_search.tilted_stops.map(|stop| side * stop);
+        let speed = self.parameters.peg_search.line_speed;
+        if self.slide_along(&mouth, &stops, speed)? {
+            return self.set_upright_if_beside(peg, &mouth, self.hand.slipped);
         }
+        Ok(false)
+    }
+
+    /// Slides the tip of the held peg over the plate, the hand from stop to stop on the line through the mouth
+    /// (m, in the world) on which it is when a tilted peg's tip is at the hole. Stops are distances from the
+    /// mouth, m. Returns whether the tip went in.
+    fn slide_along(&mut self, mouth: &Vector3<f64>, stops: &[f64], speed: f64) -> Result<bool, SkillError> {
+        let axis = self.across();
+        let aside = Vector3::z().cross(&axis);
+        let PegSearchParameters { tilted_force, tilted_sway, pitch, .. } = self.parameters.peg_search;
         let mut from = self.hand.seen.x_wt.translation.vector;
-        for (index, stop) in stops.into_iter().enumerate() {
-            let to = mouth + axis * stop;
-            let PegSearchParameters { tilted_speed, line_speed, .. } = self.parameters.peg_search;
-            let speed = if index < sure_from { tilted_speed } else { line_speed };
+        for stop in stops {
+            let to = mouth + axis * *stop;
             let periods = ((to - from).xy().norm() / speed / PERIOD).ceil();
             for period in 0..periods as usize {
                 let p = from.lerp(&to, period as f64 / periods);
-                let turns = (p - mouth).dot(&axis) / self.parameters.peg_search.pitch;
-                let p = p + aside * self.parameters.peg_search.tilted_sway * (TAU * turns).sin();
-                self.slide_to(p.x, p.y, force)?;
-                if self.is_in(plate) {
-                    self.set_upright(peg, &mouth)?;
+                let turns = (p - mouth).dot(&axis) / pitch;
+                let p = p + aside * tilted_sway * (TAU * turns).sin();
+                self.slide_to(p.x, p.y, tilted_force)?;
+                if self.is_in(mouth.z) {
                     return Ok(true);
                 }
             }
@@ -181,14 +191,19 @@ impl Workcell<'_, '_> {
         Ok(false)
     }
 
-    /// Where the hand is beside a mouth in which the tip of the held peg is (m, in the world), along the line
-    /// on which a tilted peg's tip may be: sets the peg upright if it is too far for an upright one. Returns
+    /// The tip of the held peg is in the hole at `mouth` (m, in the world). Sets a peg upright that is `tilted`,
+    /// or must be, since the hand is farther beside the hole than a beam is from where it was seen. Returns
     /// whether it did.
-    pub fn set_upright_if_beside(&mut self, peg: &str, mouth: &Vector3<f64>) -> Result<bool, SkillError> {
+    pub fn set_upright_if_beside(
+        &mut self,
+        peg: &str,
+        mouth: &Vector3<f64>,
+        tilted: bool,
+    ) -> Result<bool, SkillError> {
         let off = self.hand.seen.x_wt.translation.vector - mouth;
-        let (along, across) = (off.dot(&self.across()), Vector3::z().cross(&self.across()).dot(&off));
-        let least = self.parameters.peg_search.tilted_least;
-        if along.abs() < least || across.abs() > least {
+        let (along, across) = (off.dot(&self.across()), off.dot(&Vector3::z().cross(&self.across())));
+        let search = &self.parameters.peg_search;
+        if !tilted && (along.abs() < search.tilted_surely || across.abs() > search.tilted_least) {
             return Ok(false);
         }
         let lean = along.abs().atan2(STEM_LENGTH + HEAD_HEIGHT / 2.0).to_degrees();

@@ -69,9 +69,15 @@ impl Workcell<'_, '_> {
             let slow = (self.parameters.release.leaving, self.parameters.release.leaving_speed);
             // One that nothing holds down comes along altogether: its weight tells.
             let release = &self.parameters.release;
-            let weight = if free { release.hanging * held.mass * GRAVITY } else { f64::INFINITY };
-            let limits = Limits { force: release.beside_limit, weight, touch: release.touched };
-            let limits = if last { Limits::NONE } else { limits };
+            let limits = match (last, free) {
+                (true, _) => Limits::NONE,
+                (false, false) => Limits { force: release.beside_limit, ..Limits::NONE },
+                (false, true) => Limits {
+                    force: release.beside_limit,
+                    weight: release.hanging * held.mass * GRAVITY,
+                    touch: release.touched,
+                },
+            };
             let follows = !last && self.follows_a_finger(held)?;
             if !follows && self.lift_off(&[slow, fast], &limits)? {
                 break;
@@ -157,8 +163,10 @@ impl Workcell<'_, '_> {
         let before = self.hand.force();
         for &(height, speed) in stages {
             let up = Translation3::new(0.0, 0.0, height) * from;
-            let met =
-                |hand: &Hand| (hand.force() - before).norm() > limits.force || hand.touched() > limits.touch;
+            let met = |hand: &Hand| {
+                (hand.force() - before).norm() > limits.force
+                    || hand.felt.as_ref().is_some_and(|felt| felt.touched() > limits.touch)
+            };
             let stopped = match self.hand.drive(&up, speed, met) {
                 // An estimated wrench shows the limit only when the real force exceeds it.
                 Err(SkillError::Fault(Fault::Overload { .. })) if limits.force.is_finite() => true,

@@ -240,7 +240,7 @@ impl Fasten {
         }
         // A search that failed once would fail again.
         let sure = slipped || attempt > 0;
-        if !sure {
+        if !slipped {
             cell.spiral(plate, self.parameters.near_time, Some(off))?;
         }
         if !cell.is_in(plate) {
@@ -250,7 +250,7 @@ impl Fasten {
             cell.spiral(plate, self.parameters.search_time, None)?;
         }
         if cell.is_in(plate) && !upright {
-            upright = cell.set_upright_if_beside(peg, &mouth)?;
+            upright = cell.set_upright_if_beside(peg, &mouth, false)?;
         }
         Ok(upright)
     }
