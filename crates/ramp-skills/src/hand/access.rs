@@ -67,7 +67,7 @@ pub struct Hand<'r> {
     /// The fingers held the part too weakly at some time since it was grasped: it may have turned between them.
     pub slipped: bool,
     /// Forces of the fingers; `None` without tactile sensors.
-    pub felt: Option<Felt>,
+    felt: Option<Felt>,
     feeling: FeltParameters,
     /// The largest force at the wrist in free space before the first grasp, N: the usual error of the wrench.
     pub usual_force: f64,

@@ -5,7 +5,7 @@
 pub mod access;
 mod compliance;
 mod dead_time;
-pub mod felt;
+mod felt;
 pub mod force;
 mod gripper;
 mod speed_profile;

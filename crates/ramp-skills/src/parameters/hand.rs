@@ -170,9 +170,6 @@ parameters! {
         /// Share of its weight that the rising hand carries if a beam that nothing holds hangs on a finger.
         /// Measured: 0.8 to 1 where it hangs, at most 0.4 where it lies.
         hanging: f64 = "", 0.1, 2.0;
-        /// Force at a finger of a hand that leaves at which the beam touches that finger, where the fingers
-        /// have tactile sensors. Chosen: five times what their noise and drift come to.
-        touched: f64 = "N", 0.1, 100.0;
         /// Number of further releases of a beam that hangs on a rib. Chosen.
         again: usize = "", 0.0, 20.0;
         /// Finger opening beyond a beam's width at which the ribs move freely in its slots without leaving

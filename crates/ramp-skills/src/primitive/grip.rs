@@ -70,10 +70,6 @@ impl Workcell<'_, '_> {
             self.gripped.insert(part.to_string(), grasp);
         }
         self.hand.gripper.width = open;
-        // The hand is open, and above the part.
-        if let Some(felt) = &mut self.hand.felt {
-            felt.zero();
-        }
         let closing = self.closing(width);
         self.descend(&x_wt, part, closing)?;
         if self.hand.gripper != closing {

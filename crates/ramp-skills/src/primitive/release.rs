@@ -7,22 +7,7 @@ use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{BEAM_WIDTH, hand_down};
-use crate::hand::{Hand, Held};
-
-/// What stops a hand that leaves a released part, because the part comes along. All in N.
-struct Limits {
-    /// Force at the wrist since the part was let go.
-    force: f64,
-    /// Weight on the hand at the end of a stage.
-    weight: f64,
-    /// Force at a finger, where the fingers have tactile sensors.
-    touch: f64,
-}
-
-impl Limits {
-    /// Nothing does.
-    const NONE: Limits = Limits { force: f64::INFINITY, weight: f64::INFINITY, touch: f64::INFINITY };
-}
+use crate::hand::Held;
 
 impl Workcell<'_, '_> {
     /// Releases the held part and retreats straight up.
@@ -44,12 +29,15 @@ impl Workcell<'_, '_> {
         let Some(held) = beam else {
             self.hand.grip(self.parameters.grip.peg_open, self.parameters.grip.opening_force)?;
             self.glance()?;
-            return self.lift_off(&[fast], &Limits::NONE).map(|_| ());
+            return self.lift_off(&[fast], f64::INFINITY, f64::INFINITY).map(|_| ());
         };
         let free = !self.stands(&held.part);
         for attempt in 0..=self.parameters.release.again {
             self.open(self.parameters.grip.beam_release, free)?;
             self.belief.parts.update(&mut self.hand)?;
+            let last = attempt == self.parameters.release.again;
+            // Nothing holds a free beam back: one that has come along with a finger hangs on its rib.
+            let followed = free && !last && self.is_at_a_finger(held)?;
             // The beam may have followed one finger: go back to its middle, so that neither rib hangs on it.
             let middle = self.belief.parts.pose(&held.part)? * held.x_tp.inverse();
             let here = self.hand.setpoint;
@@ -63,23 +51,17 @@ impl Workcell<'_, '_> {
                 self.hand.go(&here, self.parameters.release.centre_speed)?;
             }
             let low = self.hand.setpoint;
-            let last = attempt == self.parameters.release.again;
+            let limit = if last { f64::INFINITY } else { self.parameters.release.beside_limit };
             // A beam that hangs on a finger comes along, and meets the upper edge of its joint: slowly at
             // first.
             let slow = (self.parameters.release.leaving, self.parameters.release.leaving_speed);
             // One that nothing holds down comes along altogether: its weight tells.
-            let release = &self.parameters.release;
-            let limits = match (last, free) {
-                (true, _) => Limits::NONE,
-                (false, false) => Limits { force: release.beside_limit, ..Limits::NONE },
-                (false, true) => Limits {
-                    force: release.beside_limit,
-                    weight: release.hanging * held.mass * GRAVITY,
-                    touch: release.touched,
-                },
+            let weight = match last || !free {
+                true => f64::INFINITY,
+                false => self.parameters.release.hanging * held.mass * GRAVITY,
             };
-            let follows = !last && self.follows_a_finger(held)?;
-            if !follows && self.lift_off(&[slow, fast], &limits)? {
+            let follows = followed || !last && self.follows_a_finger(held)?;
+            if !follows && self.lift_off(&[slow, fast], limit, weight)? {
                 break;
             }
             let retry = Retry::new("let_go_of", &held.part).attempt(attempt + 2);
@@ -108,6 +90,11 @@ impl Workcell<'_, '_> {
             return Ok(false);
         }
         self.belief.parts.update(&mut self.hand)?;
+        self.is_at_a_finger(held)
+    }
+
+    /// Whether the beam is at one finger of the open hand, as is believed now.
+    fn is_at_a_finger(&self, held: &Held) -> Result<bool, SkillError> {
         let x_tp = self.hand.seen.x_wt.inverse() * self.belief.parts.pose(&held.part)?;
         let gripped = held.x_tp.inverse() * Point3::origin();
         let off = (x_tp * gripped).y.abs();
@@ -156,23 +143,20 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Lifts the hand off the released part within these limits. Returns true if the hand is off. `stages` are
+    /// Lifts the hand off the released part, while the force is at most `limit` (N), and as long as the hand
+    /// carries at most `weight` (N) more at the end of a stage. Returns true if the hand is off. `stages` are
     /// heights (m) and the speeds up to them (m/s).
-    fn lift_off(&mut self, stages: &[(f64, f64)], limits: &Limits) -> Result<bool, SkillError> {
+    fn lift_off(&mut self, stages: &[(f64, f64)], limit: f64, weight: f64) -> Result<bool, SkillError> {
         let from = self.hand.setpoint;
         let before = self.hand.force();
         for &(height, speed) in stages {
             let up = Translation3::new(0.0, 0.0, height) * from;
-            let met = |hand: &Hand| {
-                (hand.force() - before).norm() > limits.force
-                    || hand.felt.as_ref().is_some_and(|felt| felt.touched() > limits.touch)
-            };
-            let stopped = match self.hand.drive(&up, speed, met) {
+            let stopped = match self.hand.drive(&up, speed, |hand| (hand.force() - before).norm() > limit) {
                 // An estimated wrench shows the limit only when the real force exceeds it.
-                Err(SkillError::Fault(Fault::Overload { .. })) if limits.force.is_finite() => true,
+                Err(SkillError::Fault(Fault::Overload { .. })) if limit.is_finite() => true,
                 stopped => stopped?,
             };
-            if stopped || (self.hand.force() - before).z > limits.weight {
+            if stopped || (self.hand.force() - before).z > weight {
                 return Ok(false);
             }
         }
